@@ -1,0 +1,143 @@
+//! A formula as postfix code of type I: symbols for variables and parameters, macros written out (thesis 5.3.2, 5.4.2).
+
+use crate::bytecode::instruction::Instruction;
+use crate::formula::{Formula, Term, TermId};
+use crate::lang::builtins::Stack;
+use crate::lang::scalars::{Floats, flush};
+use crate::lang::types::Type;
+use thiserror::Error;
+
+/// The most bytes that a formula's code may take. Macros are written out at every use, so a few lines can ask for more than any
+/// machine holds; compiled code shares them and knows no such bound.
+pub const MAX_BYTES: usize = 1 << 20;
+
+/// Written out, the formula's macros take more than [`MAX_BYTES`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
+#[error(
+    "with its macros written out the formula takes more than {MAX_BYTES} bytes of bytecode: use the compiled backend (`--backend jit`)"
+)]
+pub struct CodeTooLarge;
+
+/// A formula's code of type I.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Code {
+    instructions: Vec<Instruction>,
+    bytes: usize,
+}
+
+impl Code {
+    /// Writes a formula as postfix code.
+    ///
+    /// # Errors
+    /// The code would be too large.
+    pub fn new(formula: &Formula) -> Result<Self, CodeTooLarge> {
+        enum Step {
+            Enter(TermId),
+            Emit(Instruction),
+        }
+        let constants = constants(formula);
+        let mut instructions = Vec::new();
+        let mut scratch = Vec::new();
+        let mut bytes = 0;
+        let mut steps = vec![Step::Enter(formula.result)];
+        while let Some(step) = steps.pop() {
+            let instruction = match step {
+                Step::Emit(instruction) => instruction,
+                Step::Enter(id) if constants[id.0 as usize].is_some() => match constants[id.0 as usize] {
+                    Some([x, y, z]) if formula.ty(id) == Type::Vector => Instruction::VectorValue([x, y, z]),
+                    value => Instruction::ScalarValue(value.unwrap_or_default()[0]),
+                },
+                Step::Enter(id) => match formula.term(id) {
+                    Term::Number(value) => Instruction::ScalarValue(flush(*value)),
+                    Term::Variable(variable) => Instruction::Variable(*variable),
+                    Term::Parameter(id) => {
+                        let parameter = formula.parameter(*id);
+                        Instruction::Parameter(parameter.owner, parameter.ty, parameter.slot)
+                    }
+                    Term::Apply(operation, operands) => {
+                        steps.push(Step::Emit(Instruction::Operation(*operation)));
+                        steps.extend(operands.iter().rev().map(|operand| Step::Enter(*operand)));
+                        continue;
+                    }
+                },
+            };
+            scratch.clear();
+            instruction.encode(&mut scratch);
+            bytes += scratch.len();
+            if bytes > MAX_BYTES {
+                return Err(CodeTooLarge);
+            }
+            instructions.push(instruction);
+        }
+        Ok(Self { instructions, bytes })
+    }
+
+    /// The instructions in order.
+    pub fn instructions(&self) -> &[Instruction] {
+        &self.instructions
+    }
+
+    /// How many bytes they take.
+    pub fn bytes(&self) -> usize {
+        self.bytes
+    }
+}
+
+/// The values of those terms that neither variables nor parameters enter, so that a pixel's program does not work out
+/// `1.12^-2` at every hit anew; a scalar is the first component.
+fn constants(formula: &Formula) -> Vec<Option<[f32; 3]>> {
+    let mut constants: Vec<Option<[f32; 3]>> = Vec::with_capacity(formula.terms.len());
+    let mut stack = Stack::new(16, 0.0);
+    for term in &formula.terms {
+        constants.push(match term {
+            Term::Number(value) => Some([flush(*value); 3]),
+            Term::Variable(_) | Term::Parameter(_) => None,
+            Term::Apply(operation, operands) => {
+                let values: Option<Vec<[f32; 3]>> = operands.iter().map(|operand| constants[operand.0 as usize]).collect();
+                values.map(|values| {
+                    for (value, ty) in values.iter().zip(operation.operands()) {
+                        value[..ty.slots()].iter().for_each(|number| stack.push(*number));
+                    }
+                    operation.apply(&mut Floats, &mut stack);
+                    match operation.result() {
+                        Type::Scalar | Type::Truth => [stack.pop::<1>()[0]; 3],
+                        Type::Vector => stack.pop::<3>(),
+                    }
+                })
+            }
+        });
+    }
+    constants
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lang::source::Source;
+
+    fn listing(text: &str) -> Vec<String> {
+        let (formula, _) = Formula::parse(&Source::new("test", text)).expect("a formula");
+        Code::new(&formula).expect("small code").instructions().iter().map(Instruction::to_string).collect()
+    }
+
+    #[test]
+    fn diffuse_light_in_postfix() {
+        // The thesis's example (5.4.3): kd · I · C · cos α.
+        let code = listing("body_specific; kd: scalar; formula; = kd*IL*Cd*cos(alpha);");
+        assert_eq!(code, ["PARAM_B_S 5", "PARAM_L_V 1", "MulSV", "PARAM_B_V 0", "MulVV", "VAR_alpha_S", "Cos", "MulVS"]);
+    }
+
+    #[test]
+    fn macros_are_written_out_and_constants_folded() {
+        let code = listing("formula; K = 2^3; M = K*alpha; = <M, M, K>;");
+        let product = ["SCALAR_VAL 8", "VAR_alpha_S", "MulSS"];
+        assert_eq!(code, [&product[..], &product[..], &["SCALAR_VAL 8", "MakeVector"]].concat());
+    }
+
+    #[test]
+    fn macros_that_double_themselves_are_refused() {
+        let lines: String = (1..40).map(|index| format!("M{index} = M{0} + M{0};", index - 1)).collect();
+        let (formula, _) = Formula::parse(&Source::new("test", format!("formula; M0 = Cd; {lines} = M39;"))).expect("a formula");
+        assert_eq!(Code::new(&formula), Err(CodeTooLarge));
+    }
+}

@@ -1,0 +1,168 @@
+//! The instructions: one byte each, with what follows it (thesis 5.4.1).
+
+use crate::lang::builtins::Operation;
+use crate::lang::types::Type;
+use crate::lang::variables::{Owner, Variable};
+use std::fmt;
+
+/// An instruction with its immediate operands.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Instruction {
+    /// Pushes a number. `SCALAR_VAL`
+    ScalarValue(f32),
+    /// Pushes three numbers. `VECTOR_VAL`
+    VectorValue([f32; 3]),
+    /// Pushes the parameter number at this place of the memory. `SCALAR_PTR`
+    ScalarReference(u32),
+    /// Pushes three from this place on. `VECTOR_PTR`
+    VectorReference(u32),
+    /// Replaces a weight and a vector by their product, which is 0 where the weight is, whatever the vector.
+    Weigh,
+    /// Where the weight on top is 0: replaces it by the zero vector and passes over so many bytes, which hold the
+    /// weight's vector and [`Weigh`](Self::Weigh).
+    Guard(u32),
+    /// Stands for a variable; type I only. `VAR_…`
+    Variable(Variable),
+    /// Stands for a parameter, by its owner, type and slot; type I only. `PARAM_…`
+    Parameter(Owner, Type, u32),
+    /// An operation on what is on the stack.
+    Operation(Operation),
+}
+
+pub(super) const SCALAR_VALUE: u8 = 0;
+pub(super) const VECTOR_VALUE: u8 = 1;
+pub(super) const SCALAR_REFERENCE: u8 = 2;
+pub(super) const VECTOR_REFERENCE: u8 = 3;
+pub(super) const WEIGH: u8 = 4;
+pub(super) const GUARD: u8 = 5;
+const FIRST_PARAMETER: u8 = 8;
+const FIRST_VARIABLE: u8 = 16;
+/// Operations take the opcodes from here on, in the order of their table.
+pub(super) const FIRST_OPERATION: u8 = 48;
+
+const _: () = assert!(FIRST_VARIABLE as usize + Variable::ALL.len() <= FIRST_OPERATION as usize);
+const _: () = assert!(FIRST_OPERATION as usize + Operation::ALL.len() <= 256);
+
+impl Instruction {
+    /// Its opcode.
+    pub fn opcode(self) -> u8 {
+        match self {
+            Instruction::ScalarValue(_) => SCALAR_VALUE,
+            Instruction::VectorValue(_) => VECTOR_VALUE,
+            Instruction::ScalarReference(_) => SCALAR_REFERENCE,
+            Instruction::VectorReference(_) => VECTOR_REFERENCE,
+            Instruction::Weigh => WEIGH,
+            Instruction::Guard(_) => GUARD,
+            Instruction::Variable(variable) => FIRST_VARIABLE + variable as u8,
+            Instruction::Parameter(owner, ty, _) => FIRST_PARAMETER + 2 * owner as u8 + u8::from(ty == Type::Vector),
+            Instruction::Operation(operation) => FIRST_OPERATION + operation as u8,
+        }
+    }
+
+    /// Appends its bytes.
+    pub fn encode(self, code: &mut Vec<u8>) {
+        code.push(self.opcode());
+        match self {
+            Instruction::ScalarValue(value) => code.extend_from_slice(&value.to_le_bytes()),
+            Instruction::VectorValue(values) => values.iter().for_each(|value| code.extend_from_slice(&value.to_le_bytes())),
+            Instruction::ScalarReference(number) | Instruction::VectorReference(number) | Instruction::Guard(number) => {
+                code.extend_from_slice(&number.to_le_bytes());
+            }
+            Instruction::Parameter(_, _, slot) => code.extend_from_slice(&slot.to_le_bytes()),
+            Instruction::Weigh | Instruction::Variable(_) | Instruction::Operation(_) => {}
+        }
+    }
+
+    /// The instruction at the beginning of `code`, and how many bytes it takes; none where there is no instruction.
+    pub fn decode(code: &[u8]) -> Option<(Instruction, usize)> {
+        let (&opcode, rest) = code.split_first()?;
+        let word = |index: usize| rest.get(4 * index..4 * index + 4)?.try_into().ok().map(u32::from_le_bytes);
+        let number = |index: usize| word(index).map(f32::from_bits);
+        Some(match opcode {
+            SCALAR_VALUE => (Instruction::ScalarValue(number(0)?), 5),
+            VECTOR_VALUE => (Instruction::VectorValue([number(0)?, number(1)?, number(2)?]), 13),
+            SCALAR_REFERENCE => (Instruction::ScalarReference(word(0)?), 5),
+            VECTOR_REFERENCE => (Instruction::VectorReference(word(0)?), 5),
+            WEIGH => (Instruction::Weigh, 1),
+            GUARD => (Instruction::Guard(word(0)?), 5),
+            FIRST_PARAMETER..FIRST_VARIABLE => {
+                let kind = opcode - FIRST_PARAMETER;
+                let owner = *Owner::ALL.get(usize::from(kind / 2))?;
+                let ty = if kind % 2 == 1 { Type::Vector } else { Type::Scalar };
+                (Instruction::Parameter(owner, ty, word(0)?), 5)
+            }
+            FIRST_VARIABLE..FIRST_OPERATION => {
+                (Instruction::Variable(*Variable::ALL.get(usize::from(opcode - FIRST_VARIABLE))?), 1)
+            }
+            FIRST_OPERATION.. => (Instruction::Operation(*Operation::ALL.get(usize::from(opcode - FIRST_OPERATION))?), 1),
+            6 | 7 => return None,
+        })
+    }
+
+    /// How many numbers it takes off the stack, and how many it puts there.
+    pub fn effect(self) -> (usize, usize) {
+        match self {
+            Instruction::ScalarValue(_) | Instruction::ScalarReference(_) => (0, 1),
+            Instruction::VectorValue(_) | Instruction::VectorReference(_) => (0, 3),
+            Instruction::Weigh => (4, 3),
+            Instruction::Guard(_) => (1, 1),
+            Instruction::Variable(variable) => (0, variable.ty().slots()),
+            Instruction::Parameter(_, ty, _) => (0, ty.slots()),
+            Instruction::Operation(operation) => {
+                (operation.operands().iter().map(|ty| ty.slots()).sum(), operation.result().slots())
+            }
+        }
+    }
+}
+
+impl fmt::Display for Instruction {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Instruction::ScalarValue(value) => write!(f, "SCALAR_VAL {value}"),
+            Instruction::VectorValue([x, y, z]) => write!(f, "VECTOR_VAL <{x}, {y}, {z}>"),
+            Instruction::ScalarReference(place) => write!(f, "SCALAR_PTR [{place}]"),
+            Instruction::VectorReference(place) => write!(f, "VECTOR_PTR [{place}]"),
+            Instruction::Weigh => write!(f, "WEIGH"),
+            Instruction::Guard(bytes) => write!(f, "GUARD {bytes}"),
+            Instruction::Variable(variable) => write!(f, "VAR_{}_{}", variable.name(), variable.ty().letter()),
+            Instruction::Parameter(owner, ty, slot) => {
+                let owner = match owner {
+                    Owner::Global => 'G',
+                    Owner::Body => 'B',
+                    Owner::Light => 'L',
+                };
+                write!(f, "PARAM_{owner}_{} {slot}", ty.letter())
+            }
+            Instruction::Operation(operation) => write!(f, "{}", operation.name()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_instruction_survives_encoding() {
+        let mut all = vec![
+            Instruction::ScalarValue(1.5),
+            Instruction::VectorValue([1.0, -2.0, f32::INFINITY]),
+            Instruction::ScalarReference(7),
+            Instruction::VectorReference(1 << 20),
+            Instruction::Weigh,
+            Instruction::Guard(300),
+        ];
+        all.extend(Variable::ALL.iter().map(|variable| Instruction::Variable(*variable)));
+        all.extend(Operation::ALL.iter().map(|operation| Instruction::Operation(*operation)));
+        for owner in Owner::ALL {
+            all.extend([Type::Scalar, Type::Vector].map(|ty| Instruction::Parameter(owner, ty, 3)));
+        }
+        for instruction in all {
+            let mut code = Vec::new();
+            instruction.encode(&mut code);
+            assert_eq!(Instruction::decode(&code), Some((instruction, code.len())));
+        }
+        assert_eq!(Instruction::decode(&[7]), None);
+        assert_eq!(Instruction::decode(&[SCALAR_VALUE, 0, 0]), None);
+    }
+}

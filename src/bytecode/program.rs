@@ -1,0 +1,242 @@
+//! Programs of type II: a pixel's whole formula, its ray tree written out by equation (2) (thesis 4.2.3, 5.3.4).
+
+use crate::bytecode::compile::Code;
+use crate::bytecode::instruction::Instruction;
+use crate::bytecode::machine;
+use crate::formula::Formula;
+use crate::formula::layout::Layout;
+use crate::lang::builtins::{Operation, Stack};
+use crate::lang::scalars::{Scalars, flush};
+use crate::lang::types::Type;
+use crate::lang::variables::{Owner, Predefined};
+use crate::scene::{LightId, Scene};
+use crate::trace::{Child, HitVariables, LightVariables, Node, Tree, variable};
+
+/// What instantiation needs to know of a formula on a scene.
+#[derive(Debug, Clone, Copy)]
+pub struct Instantiation<'i> {
+    /// The formula, for its predefined parameters.
+    pub formula: &'i Formula,
+    /// Its code of type I.
+    pub code: &'i Code,
+    /// Where parameter numbers lie.
+    pub layout: Layout,
+    /// The scene.
+    pub scene: &'i Scene,
+}
+
+/// One pixel's program, as a piece of [`Programs`].
+#[derive(Debug, Clone, Copy)]
+pub struct Program<'p> {
+    /// The bytes of its instructions, all of type II.
+    pub code: &'p [u8],
+}
+
+/// The programs of consecutive pixels.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Programs {
+    code: Vec<u8>,
+    /// Where each pixel's program ends.
+    ends: Vec<usize>,
+    /// The deepest stack that any of them needs, in numbers.
+    depth: usize,
+}
+
+impl Programs {
+    /// None yet.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Writes the program of a pixel, behind those there are.
+    pub fn add(&mut self, instantiation: &Instantiation, tree: &Tree) {
+        let mut assembler = Assembler { instantiation, code: &mut self.code, height: 0, depth: self.depth };
+        match tree.nodes.first() {
+            Some(_) => assembler.tree(tree),
+            None => assembler.parameter(Predefined::Background, 0),
+        }
+        self.depth = assembler.depth;
+        self.ends.push(self.code.len());
+    }
+
+    /// How many pixels have a program.
+    pub fn len(&self) -> usize {
+        self.ends.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.ends.is_empty()
+    }
+
+    /// The bytes of all programs.
+    pub fn bytes(&self) -> usize {
+        self.code.len()
+    }
+
+    /// The program of the pixel at this place.
+    pub fn program(&self, index: usize) -> Option<Program<'_>> {
+        let end = *self.ends.get(index)?;
+        let start = index.checked_sub(1).map_or(0, |before| self.ends[before]);
+        Some(Program { code: &self.code[start..end] })
+    }
+
+    /// A stack with room for any of the programs.
+    pub fn stack(&self) -> Stack<f32> {
+        Stack::new(self.depth, 0.0)
+    }
+
+    /// Runs the program of the pixel at this place; black where there is none. The stack is one of [`stack`](Self::stack).
+    pub fn run<M: Scalars<Value = f32>>(
+        &self,
+        scalars: &mut M,
+        index: usize,
+        memory: &[f32],
+        stack: &mut Stack<f32>,
+    ) -> [f32; 3] {
+        self.program(index).map_or([0.0; 3], |program| machine::run(scalars, program.code, memory, stack))
+    }
+}
+
+impl Program<'_> {
+    /// The instructions in order.
+    pub fn instructions(self) -> impl Iterator<Item = Instruction> {
+        let mut rest = self.code;
+        std::iter::from_fn(move || {
+            let (instruction, bytes) = Instruction::decode(rest)?;
+            rest = &rest[bytes..];
+            Some(instruction)
+        })
+    }
+}
+
+/// Writes instructions and keeps count of the stack.
+struct Assembler<'a> {
+    instantiation: &'a Instantiation<'a>,
+    code: &'a mut Vec<u8>,
+    /// Numbers on the stack so far, and the most there ever were.
+    height: usize,
+    depth: usize,
+}
+
+impl Assembler<'_> {
+    fn emit(&mut self, instruction: Instruction) {
+        let (takes, gives) = instruction.effect();
+        self.height = self.height + gives - takes;
+        self.depth = self.depth.max(self.height);
+        instruction.encode(self.code);
+    }
+
+    /// A reference to a predefined parameter of the owner of this index.
+    fn parameter(&mut self, predefined: Predefined, index: usize) {
+        let Instantiation { formula, layout, .. } = self.instantiation;
+        let parameter = formula.parameter(formula.predefined(predefined));
+        let place = layout.place(parameter, index) as u32;
+        self.emit(match parameter.ty {
+            Type::Scalar | Type::Truth => Instruction::ScalarReference(place),
+            Type::Vector => Instruction::VectorReference(place),
+        });
+    }
+
+    /// E(A) of the first node, the children's within it: terms are added up in the order of equation (2).
+    fn tree(&mut self, tree: &Tree) {
+        enum Step {
+            Node(usize),
+            Child(Predefined, Child, usize),
+            /// Ends a guarded child: the guard's operand is at this place of the code.
+            Close(usize),
+        }
+        let mut steps = vec![Step::Node(0)];
+        while let Some(step) = steps.pop() {
+            match step {
+                Step::Node(index) => {
+                    let node = &tree.nodes[index];
+                    self.local(node);
+                    let body = node.surface.body.index();
+                    steps.push(Step::Child(Predefined::Refraction, node.refracted, body));
+                    steps.push(Step::Child(Predefined::Reflection, node.reflected, body));
+                }
+                Step::Child(_, Child::None, _) => {}
+                Step::Child(weight, Child::Miss, body) => {
+                    self.parameter(weight, body);
+                    self.parameter(Predefined::Background, 0);
+                    self.emit(Instruction::Weigh);
+                    self.emit(Instruction::Operation(Operation::AddVV));
+                }
+                Step::Child(weight, Child::Hit(index), body) => {
+                    self.parameter(weight, body);
+                    self.emit(Instruction::Guard(0));
+                    steps.push(Step::Close(self.code.len() - size_of::<u32>()));
+                    steps.push(Step::Node(index));
+                }
+                Step::Close(operand) => {
+                    self.emit(Instruction::Weigh);
+                    let guarded = operand + size_of::<u32>();
+                    // A pixel's program is far below four gigabytes: at most 511 hits.
+                    let length = (self.code.len() - guarded) as u32;
+                    self.code[operand..guarded].copy_from_slice(&length.to_le_bytes());
+                    self.emit(Instruction::Operation(Operation::AddVV));
+                }
+            }
+        }
+    }
+
+    /// What the lights and the ambient light add at a hit.
+    fn local(&mut self, node: &Node) {
+        let scene = self.instantiation.scene;
+        let hit = HitVariables::of(scene, &node.surface);
+        for (count, light) in node.lights.iter().enumerate() {
+            let record = LightVariables::of(&node.surface, scene.light(*light));
+            self.parameter(Predefined::Intensity, light.index());
+            self.formula(node, *light, &hit, &record);
+            self.emit(Instruction::Weigh);
+            if count > 0 {
+                self.emit(Instruction::Operation(Operation::AddVV));
+            }
+        }
+        self.parameter(Predefined::Ambient, 0);
+        self.parameter(Predefined::BodyColour, node.surface.body.index());
+        self.parameter(Predefined::AmbientColour, 0);
+        self.emit(Instruction::Operation(Operation::MulVV));
+        self.emit(Instruction::Weigh);
+        if !node.lights.is_empty() {
+            self.emit(Instruction::Operation(Operation::AddVV));
+        }
+    }
+
+    /// The user's formula with numbers for variables and references for parameters: type I into type II.
+    fn formula(&mut self, node: &Node, light: LightId, hit: &HitVariables, record: &LightVariables) {
+        let Instantiation { code, layout, .. } = self.instantiation;
+        for instruction in code.instructions() {
+            let instance = match *instruction {
+                Instruction::Variable(symbol) => {
+                    let value = variable(symbol, hit, record).map(flush);
+                    match symbol.ty() {
+                        Type::Scalar | Type::Truth => Instruction::ScalarValue(value[0]),
+                        Type::Vector => Instruction::VectorValue(value),
+                    }
+                }
+                Instruction::Parameter(owner, ty, slot) => {
+                    let index = match owner {
+                        Owner::Global => 0,
+                        Owner::Body => node.surface.body.index(),
+                        Owner::Light => light.index(),
+                    };
+                    let place = (layout.row(owner, index) + slot as usize) as u32;
+                    match ty {
+                        Type::Scalar | Type::Truth => Instruction::ScalarReference(place),
+                        Type::Vector => Instruction::VectorReference(place),
+                    }
+                }
+                same @ (Instruction::ScalarValue(_)
+                | Instruction::VectorValue(_)
+                | Instruction::ScalarReference(_)
+                | Instruction::VectorReference(_)
+                | Instruction::Weigh
+                | Instruction::Guard(_)
+                | Instruction::Operation(_)) => same,
+            };
+            self.emit(instance);
+        }
+    }
+}

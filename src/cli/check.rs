@@ -1,0 +1,127 @@
+//! `illuminator check`: what is wrong with files.
+
+use crate::cli::input::{OpenSession, open_both, session_values_of};
+use crate::cli::report::{Failure, count, explain, print, say, warn};
+use clap::{Args, ValueEnum};
+use illuminator::formula::Formula;
+use illuminator::lang::diagnostic::{Diagnostic, Diagnostics};
+use illuminator::lang::source::Source;
+use illuminator::presets::Kind;
+use illuminator::scene::Scene;
+use illuminator::workspace::files::{Location, kind_of, read_file};
+use illuminator::workspace::{Roster, Session, Values};
+use std::ffi::OsString;
+use std::path::Path;
+
+/// Options of `check`.
+#[derive(Args, Debug)]
+pub(super) struct Options {
+    /// Files to look at
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<OsString>,
+    /// What the files are, where their first words do not tell
+    #[arg(long, value_enum)]
+    kind: Option<KindName>,
+}
+
+/// The kinds of files.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum KindName {
+    Formula,
+    Scene,
+    Session,
+}
+
+/// Looks at all files, whatever is wrong with the first ones.
+pub(super) fn run(options: &Options) -> Result<(), Failure> {
+    let mut wrong = false;
+    for file in &options.files {
+        let location = Location::new(file);
+        let given = options.kind.map(|kind| match kind {
+            KindName::Formula => Kind::Formula,
+            KindName::Scene => Kind::Scene,
+            KindName::Session => Kind::Session,
+        });
+        wrong |= !check(&location, given)?;
+    }
+    if wrong { Err(Failure::Reported) } else { Ok(()) }
+}
+
+/// Whether the file has no errors.
+fn check(location: &Location, given: Option<Kind>) -> Result<bool, Failure> {
+    let (kind, source) = match read(location, given) {
+        Ok(found) => found,
+        Err(diagnostic) => {
+            say(&diagnostic);
+            return Ok(false);
+        }
+    };
+    let (diagnostics, rest_is_sound) = match kind {
+        Kind::Formula => (found(Formula::parse(&source), &source), true),
+        Kind::Scene => (found(Scene::parse(&source), &source), true),
+        Kind::Session | Kind::Material => check_session(location, &source),
+    };
+    let [errors, warnings] = count(&diagnostics);
+    let number = |count: usize, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
+    let [errors_found, warnings_found] = [number(errors, "error"), number(warnings, "warning")];
+    let rest = if errors == 0 && !rest_is_sound { "; a file that it names has errors" } else { "" };
+    print(&format!("{location}: {}, {errors_found}, {warnings_found}{rest}\n", kind.noun()))?;
+    Ok(errors == 0 && rest_is_sound)
+}
+
+/// The text, and what it is. A built-in file is looked for among all kinds.
+fn read(location: &Location, given: Option<Kind>) -> Result<(Kind, Source), Diagnostic> {
+    if let Some(kind) = given {
+        return Ok((kind, location.read(kind)?));
+    }
+    match location {
+        Location::File(path) => {
+            let source = read_file(path, None)?;
+            // The parser of formulas says best what is wrong with anything else.
+            Ok((kind_of(source.text()).unwrap_or(Kind::Formula), source))
+        }
+        Location::Preset(_) => {
+            let found = Kind::ALL.into_iter().find_map(|kind| Some((kind, location.read(kind).ok()?)));
+            found.map_or_else(|| location.read(Kind::Formula).map(|source| (Kind::Formula, source)), Ok)
+        }
+    }
+}
+
+/// What was found in a text, after saying it.
+fn found<T>(outcome: Result<(T, Diagnostics), Diagnostics>, source: &Source) -> Diagnostics {
+    match outcome {
+        Ok((_, diagnostics)) | Err(diagnostics) => {
+            explain(&diagnostics, source);
+            diagnostics
+        }
+    }
+}
+
+/// What is wrong with a session; and whether the files that it names are sound.
+fn check_session(location: &Location, source: &Source) -> (Diagnostics, bool) {
+    let (mut session, diagnostics) = match Session::parse(source) {
+        Ok(read) => read,
+        Err(diagnostics) => {
+            explain(&diagnostics, source);
+            return (diagnostics, false);
+        }
+    };
+    if let Location::File(path) = location {
+        let folder = path.parent().unwrap_or(Path::new(""));
+        session.formula = session.formula.from_folder(folder);
+        session.scene = session.scene.from_folder(folder);
+    }
+    explain(&diagnostics, source);
+    let (_, formula, scene) = match open_both(&session.formula, &session.scene) {
+        Ok(opened) => opened,
+        Err(failure) => {
+            failure.report();
+            return (diagnostics, false);
+        }
+    };
+    let roster = Roster::new(&formula, &scene);
+    let given = session_values_of(&OpenSession { session, source: source.clone() }, &roster);
+    let (_, warnings) = Values::new(&formula, &scene, &given);
+    warnings.iter().for_each(|warning| warn(warning.to_string()));
+    (diagnostics, true)
+}

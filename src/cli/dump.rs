@@ -1,0 +1,126 @@
+//! `illuminator dump`: what becomes of a formula, stage by stage.
+
+use crate::cli::engine;
+use crate::cli::hits;
+use crate::cli::input::{Input, load};
+use crate::cli::options::InputOptions;
+use crate::cli::report::{Failure, print};
+use clap::{Args, ValueEnum};
+use illuminator::bytecode::Code;
+use illuminator::jit::CompiledFormula;
+use illuminator::lang::ast::{ExprId, ExprKind, FormulaFile};
+use illuminator::lang::{parser, printer};
+use std::fmt::Write;
+use std::path::PathBuf;
+
+/// Options of `dump`.
+#[derive(Args, Debug)]
+pub(super) struct Options {
+    #[command(flatten)]
+    input: InputOptions,
+    /// What to show
+    #[arg(long, value_enum)]
+    stage: Stage,
+    /// With `--stage bytecode`: the program of this pixel too, counted from the top left
+    #[arg(long, value_name = "X,Y", value_parser = pixel)]
+    pixel: Option<[u32; 2]>,
+    /// With `--stage hits`: the folder that the columns are written to
+    #[arg(long = "output", short, value_name = "DIR", required_if_eq("stage", "hits"))]
+    output: Option<PathBuf>,
+}
+
+/// The stages.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Stage {
+    /// The syntax tree
+    Ast,
+    /// The code of the reference interpreter
+    Bytecode,
+    /// Cranelift's intermediate representation
+    Clif,
+    /// Machine instructions
+    Asm,
+    /// Every hit and every lit (hit, light) record as files of numbers
+    Hits,
+}
+
+fn pixel(text: &str) -> Result<[u32; 2], String> {
+    let place = |text: &str| text.trim().parse().ok();
+    let read = text.split_once(',').and_then(|(x, y)| Some([place(x)?, place(y)?]));
+    read.ok_or_else(|| "expected column and row such as 320,240".to_owned())
+}
+
+/// Shows a stage.
+pub(super) fn run(options: &Options) -> Result<(), Failure> {
+    if options.output.is_some() && options.stage != Stage::Hits {
+        return Err(Failure::command_line("`--output` goes with `--stage hits`; the other stages are printed"));
+    }
+    let input = load(&options.input)?;
+    let listing = || CompiledFormula::listing(&input.formula).map_err(|error| Failure::input(error.to_string()));
+    match options.stage {
+        Stage::Ast => print(&tree(&parser::parse(&input.formula_source).0)),
+        Stage::Bytecode => print(&bytecode(&input, options.pixel)?),
+        Stage::Clif => print(&listing()?.clif),
+        Stage::Asm => print(&listing()?.asm),
+        Stage::Hits => {
+            // Without the option the parser of arguments has ended the program.
+            let folder = options.output.as_deref().ok_or_else(|| Failure::command_line("`--stage hits` needs `-o DIR`"))?;
+            hits::dump(&input, &options.input.machine, folder)
+        }
+    }
+}
+
+/// The declarations as they read back, then the macros and the result as trees, a line for each expression.
+fn tree(file: &FormulaFile) -> String {
+    let head = FormulaFile { uses: file.uses.clone(), sections: file.sections.clone(), ..FormulaFile::default() };
+    let mut text = printer::print(&head);
+    for line in &file.macros {
+        text.push_str(&format!("{} =\n", line.name.text));
+        branch(file, line.body, &mut text);
+    }
+    if let Some(result) = file.result {
+        text.push_str("=\n");
+        branch(file, result, &mut text);
+    }
+    text
+}
+
+fn branch(file: &FormulaFile, root: ExprId, text: &mut String) {
+    let mut ahead = vec![(root, 1)];
+    while let Some((id, depth)) = ahead.pop() {
+        let kind = &file.expr(id).kind;
+        let label = match kind {
+            ExprKind::Number(value) => value.to_string(),
+            ExprKind::Name(name) => name.clone(),
+            ExprKind::Call(callee, _) => format!("{}()", callee.text),
+            ExprKind::Prefix(mark, _) => format!("prefix {}", mark.spelling()),
+            ExprKind::Infix(mark, ..) => mark.spelling().to_owned(),
+            ExprKind::Vector(_) => "<,,>".to_owned(),
+            ExprKind::Conditional(_) => "if".to_owned(),
+            ExprKind::Missing => "?".to_owned(),
+        };
+        // Writing to a string does not fail.
+        let _ = writeln!(text, "{:width$}{label}", "", width = 2 * depth);
+        ahead.extend(kind.operands().iter().rev().map(|operand| (*operand, depth + 1)));
+    }
+}
+
+fn bytecode(input: &Input, pixel: Option<[u32; 2]>) -> Result<String, Failure> {
+    let code = Code::new(&input.formula).map_err(|error| Failure::input(error.to_string()))?;
+    let mut text = format!("type I: the formula, {} bytes\n", code.bytes());
+    code.instructions().iter().for_each(|instruction| text.push_str(&format!("  {instruction}\n")));
+    if let Some([x, y]) = pixel {
+        let view = &input.view;
+        if x >= view.width() || y >= view.height() {
+            let size = format!("{}x{}", view.width(), view.height());
+            return Err(Failure::command_line(format!("--pixel {x},{y} is outside the picture of {size} pixels")));
+        }
+        let place = y * view.width() + x;
+        let programs = engine::interpreter(input, *view)?.programs(place..place + 1);
+        text.push_str(&format!("\ntype II: pixel ({x}, {y}), {} bytes\n", programs.bytes()));
+        for instruction in programs.program(0).into_iter().flat_map(|program| program.instructions()) {
+            text.push_str(&format!("  {instruction}\n"));
+        }
+    }
+    Ok(text)
+}

@@ -1,0 +1,229 @@
+//! `illuminator dump --stage hits`: everything that tracing found, as columns of numbers for other programs.
+//!
+//! Four tables, a file for each column, little-endian and without a head; `index.json`, written last, names, types and counts them:
+//!
+//! - `hits`: pixel (row by row from the top left), body, path, and the variables of the hit;
+//! - `records`: a hit and a light that reaches it, and the variables of both;
+//! - `misses`: rays that left the scene, by pixel and path;
+//! - `paths`: the last step of each path: the path before, how the ray came to be, the body it hit.
+
+use crate::cli::engine;
+use crate::cli::input::Input;
+use crate::cli::memory;
+use crate::cli::options::MachineOptions;
+use crate::cli::output::check_folder;
+use crate::cli::progress::Progress;
+use crate::cli::report::Failure;
+use illuminator::lang::types::Type;
+use illuminator::lang::variables::{Rate, Variable};
+use illuminator::trace::{
+    Budget, Edge, Group, HitVariables, Hits, LightVariables, Optics, Span, Surface, Tile, replay, trace, variable,
+};
+use illuminator::workspace::files::{reason, replace_file};
+use serde::Serialize;
+use std::collections::{BTreeMap, HashMap};
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+/// Stands for "none": no path before (the camera), no body (the ray left the scene).
+const NONE: u32 = u32::MAX;
+
+/// Traces the scene and writes what was found.
+pub(super) fn dump(input: &Input, machine: &MachineOptions, folder: &Path) -> Result<(), Failure> {
+    let name = folder.display().to_string();
+    fs::create_dir_all(folder)
+        .map_err(|error| Failure::command_line(format!("cannot make the folder `{name}`: {}", reason(&error))))?;
+    check_folder(folder)?;
+    let progress = Progress::new("tracing");
+    let hits = engine::on_threads(machine, || {
+        let budget = Budget { bytes: memory::budget(machine.memory), ..Budget::UNLIMITED };
+        trace(&input.scene, &input.view, &budget, &|share| progress.tell(share), &AtomicBool::new(false))
+    })?;
+    drop(progress);
+    let hits = hits.map_err(|error| Failure::input(error.to_string()))?;
+    write(input, &hits, folder).map_err(|error| Failure::input(format!("cannot write to `{name}`: {}", reason(&error))))
+}
+
+fn write(input: &Input, hits: &Hits, folder: &Path) -> io::Result<()> {
+    let mut dump = Dump::new(folder)?;
+    let optics = Optics::new(&input.scene, &hits.view);
+    for tile in &hits.tiles {
+        dump.tile(input, &optics, tile)?;
+    }
+    let index = dump.finish(input, hits)?;
+    replace_file(&folder.join("index.json"), |writer| serde_json::to_writer_pretty(writer, &index).map_err(io::Error::from))
+}
+
+/// What `index.json` says.
+#[derive(Serialize)]
+struct Index {
+    version: u32,
+    byte_order: &'static str,
+    width: u32,
+    height: u32,
+    bodies: Vec<String>,
+    lights: Vec<String>,
+    /// What the numbers of `paths.edge` mean.
+    edges: [&'static str; 3],
+    /// What stands for "none" in columns of type u32.
+    none: u32,
+    tables: BTreeMap<&'static str, TableIndex>,
+}
+
+#[derive(Serialize)]
+struct TableIndex {
+    count: u32,
+    columns: Vec<ColumnIndex>,
+}
+
+#[derive(Serialize)]
+struct ColumnIndex {
+    name: String,
+    file: String,
+    r#type: &'static str,
+    /// Numbers in each row; they lie together.
+    components: usize,
+    /// What it is, for variables.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    meaning: Option<&'static str>,
+}
+
+/// A table that is being written: one file a column.
+struct Table {
+    name: &'static str,
+    count: u32,
+    columns: Vec<(ColumnIndex, BufWriter<File>)>,
+}
+
+impl Table {
+    fn new(folder: &Path, name: &'static str, numbers: &[&str], variables: &[Variable]) -> io::Result<Self> {
+        let whole = numbers.iter().map(|number| (*number, "u32", 1, None));
+        let real = variables.iter().map(|variable| (variable.name(), "f32", variable.ty().slots(), Some(variable.doc())));
+        let column = |(column, r#type, components, meaning): (&str, &'static str, usize, Option<&'static str>)| {
+            let file = format!("{name}.{column}.{type}");
+            let writer = BufWriter::new(File::create(folder.join(&file))?);
+            Ok((ColumnIndex { name: column.to_owned(), file, r#type, components, meaning }, writer))
+        };
+        Ok(Table { name, count: 0, columns: whole.chain(real).map(column).collect::<io::Result<_>>()? })
+    }
+
+    /// Adds a row: the whole numbers, then each variable's value. The number of the row.
+    fn add(&mut self, numbers: &[u32], variables: impl Iterator<Item = ([f32; 3], Type)>) -> io::Result<u32> {
+        let row = self.count;
+        self.count = row.checked_add(1).filter(|count| *count < NONE).ok_or_else(|| io::Error::other("too many rows"))?;
+        let (whole, real) = self.columns.split_at_mut(numbers.len());
+        for ((_, writer), number) in whole.iter_mut().zip(numbers) {
+            writer.write_all(&number.to_le_bytes())?;
+        }
+        for ((_, writer), (value, ty)) in real.iter_mut().zip(variables) {
+            for number in &value[..ty.slots()] {
+                writer.write_all(&number.to_le_bytes())?;
+            }
+        }
+        Ok(row)
+    }
+
+    fn finish(self) -> io::Result<(&'static str, TableIndex)> {
+        let mut columns = Vec::new();
+        for (column, mut writer) in self.columns {
+            writer.flush()?;
+            columns.push(column);
+        }
+        Ok((self.name, TableIndex { count: self.count, columns }))
+    }
+}
+
+/// The tables as far as they are written.
+struct Dump {
+    hits: Table,
+    records: Table,
+    misses: Table,
+    paths: Table,
+    /// The row of each path by its last step.
+    known: HashMap<(u32, Edge, u32), u32>,
+    of_hit: Vec<Variable>,
+    of_record: Vec<Variable>,
+}
+
+impl Dump {
+    fn new(folder: &Path) -> io::Result<Self> {
+        let of = |rate| Variable::ALL.iter().copied().filter(|variable| variable.rate() == rate).collect::<Vec<_>>();
+        let (of_hit, of_record) = (of(Rate::Hit), of(Rate::Record));
+        Ok(Self {
+            hits: Table::new(folder, "hits", &["pixel", "body", "path"], &of_hit)?,
+            records: Table::new(folder, "records", &["hit", "light"], &of_record)?,
+            misses: Table::new(folder, "misses", &["pixel", "path"], &[])?,
+            paths: Table::new(folder, "paths", &["parent", "edge", "body"], &[])?,
+            known: HashMap::new(),
+            of_hit,
+            of_record,
+        })
+    }
+
+    fn tile(&mut self, input: &Input, optics: &Optics, tile: &Tile) -> io::Result<()> {
+        let mut rows: Vec<u32> = Vec::with_capacity(tile.paths.len());
+        for path in &tile.paths {
+            // Parents come before their children.
+            let parent = path.parent.map_or(NONE, |parent| rows[parent.index()]);
+            let step = (parent, path.edge, path.body.map_or(NONE, |body| body.0));
+            let row = match self.known.get(&step) {
+                Some(row) => *row,
+                None => self.paths.add(&[step.0, step.1 as u32, step.2], std::iter::empty())?,
+            };
+            self.known.insert(step, row);
+            rows.push(row);
+        }
+        for group in &tile.groups {
+            for span in &group.spans {
+                self.span(input, optics, tile, group, span, rows[span.path.index()])?;
+            }
+        }
+        for span in &tile.misses {
+            for pixel in tile.pixels_of_misses(span) {
+                self.misses.add(&[tile.pixels.start + u32::from(*pixel), rows[span.path.index()]], std::iter::empty())?;
+            }
+        }
+        Ok(())
+    }
+
+    fn span(&mut self, input: &Input, optics: &Optics, tile: &Tile, group: &Group, span: &Span, path: u32) -> io::Result<()> {
+        let mut outcome = Ok(());
+        let mut pixels = tile.pixels_of(span).iter();
+        replay(optics, tile, group, span.hits.clone(), |_, surface| {
+            if let (Ok(()), Some(pixel)) = (&outcome, pixels.next()) {
+                outcome = self.hit(input, group, surface, tile.pixels.start + u32::from(*pixel), path);
+            }
+        })
+        .map_err(io::Error::other)?;
+        outcome
+    }
+
+    fn hit(&mut self, input: &Input, group: &Group, surface: &Surface, pixel: u32, path: u32) -> io::Result<()> {
+        let own = HitVariables::of(&input.scene, surface);
+        let values = self.of_hit.iter().map(|symbol| (own.value(*symbol).unwrap_or_default(), symbol.ty()));
+        let row = self.hits.add(&[pixel, group.body.0, path], values)?;
+        for light in &group.lights {
+            let lit = LightVariables::of(surface, input.scene.light(*light));
+            let values = self.of_record.iter().map(|symbol| (variable(*symbol, &own, &lit), symbol.ty()));
+            self.records.add(&[row, light.0], values)?;
+        }
+        Ok(())
+    }
+
+    fn finish(self, input: &Input, hits: &Hits) -> io::Result<Index> {
+        let tables = [self.hits, self.records, self.misses, self.paths];
+        Ok(Index {
+            version: 1,
+            byte_order: "little",
+            width: hits.view.width(),
+            height: hits.view.height(),
+            bodies: input.scene.bodies.iter().map(|body| body.name.clone()).collect(),
+            lights: input.scene.lights.iter().map(|light| light.name.clone()).collect(),
+            edges: ["primary", "reflected", "refracted"],
+            none: NONE,
+            tables: tables.into_iter().map(Table::finish).collect::<io::Result<_>>()?,
+        })
+    }
+}

@@ -1,0 +1,197 @@
+//! From options to what the engine works on: session, formula, scene and values, with everything said that is wrong about them.
+
+use crate::cli::options::{Colour, InputOptions};
+use crate::cli::report::{Failure, accept, explain, say, warn};
+use illuminator::formula::Formula;
+use illuminator::lang::diagnostic::{Diagnostic, Diagnostics};
+use illuminator::lang::source::Source;
+use illuminator::lang::variables::Predefined;
+use illuminator::presets::{DEFAULT_SESSION, Kind};
+use illuminator::scene::Scene;
+use illuminator::trace::View;
+use illuminator::workspace::files::{Location, kind_of};
+use illuminator::workspace::session::{Lacking, PictureSettings};
+use illuminator::workspace::{Assignment, OwnerId, Roster, Session, Values};
+use std::path::Path;
+use std::sync::Arc;
+
+/// What the engine works on.
+pub(super) struct Input {
+    /// The text of the formula.
+    pub(super) formula_source: Source,
+    /// The formula.
+    pub(super) formula: Arc<Formula>,
+    /// The scene.
+    pub(super) scene: Arc<Scene>,
+    /// The values of all parameters.
+    pub(super) values: Values,
+    /// Size, depth and the like.
+    pub(super) view: View,
+    /// Whether the session wants the sRGB transfer function.
+    pub(super) srgb: bool,
+}
+
+/// A session that was read, with its text.
+pub(super) struct OpenSession {
+    pub(super) session: Session,
+    pub(super) source: Source,
+}
+
+/// Reads a session; its paths are then relative to the working directory.
+pub(super) fn open_session(location: &Location) -> Result<OpenSession, Failure> {
+    let source = location.read(Kind::Session).map_err(Failure::Input)?;
+    if let Some(kind @ (Kind::Formula | Kind::Scene)) = kind_of(source.text()) {
+        let diagnostic = Diagnostic::error(format!("`{location}` looks like a {}, not a session", kind.noun()));
+        return Err(Failure::Input(diagnostic.help(format!("give it behind `--{}`", kind.noun()))));
+    }
+    let mut session = accept(Session::parse(&source), &source)?;
+    if let Location::File(path) = location {
+        let folder = path.parent().unwrap_or(Path::new(""));
+        session.formula = session.formula.from_folder(folder);
+        session.scene = session.scene.from_folder(folder);
+    }
+    Ok(OpenSession { session, source })
+}
+
+/// Reads formula and scene; what is wrong with either is said before giving up.
+pub(super) fn open_both(formula: &Location, scene: &Location) -> Result<(Source, Formula, Scene), Failure> {
+    let formula = open(formula, Kind::Formula, Formula::parse);
+    let scene = open(scene, Kind::Scene, Scene::parse);
+    match (formula, scene) {
+        (Ok((source, formula)), Ok((_, scene))) => Ok((source, formula, scene)),
+        (Err(first), Err(second)) => {
+            first.report();
+            Err(second)
+        }
+        (Err(failure), Ok(_)) | (Ok(_), Err(failure)) => Err(failure),
+    }
+}
+
+fn open<T>(
+    location: &Location,
+    kind: Kind,
+    parse: fn(&Source) -> Result<(T, Diagnostics), Diagnostics>,
+) -> Result<(Source, T), Failure> {
+    let source = location.read(kind).map_err(Failure::Input)?;
+    let parsed = accept(parse(&source), &source)?;
+    Ok((source, parsed))
+}
+
+/// Loads everything that the options name.
+pub(super) fn load(options: &InputOptions) -> Result<Input, Failure> {
+    let given = |text: &Option<std::ffi::OsString>| text.as_ref().map(Location::new);
+    let (formula, scene) = (given(&options.formula), given(&options.scene));
+    let session = match (&options.session, &formula, &scene) {
+        // With both files given and no session, every value is its default.
+        (None, Some(_), Some(_)) => None,
+        (None, ..) => Some(open_session(&Location::Preset(DEFAULT_SESSION.to_owned()))?),
+        (Some(session), ..) => Some(open_session(&Location::new(session))?),
+    };
+    let replaced = Replaced { formula: formula.is_some(), scene: scene.is_some() };
+    let of_session = |part: fn(&Session) -> &Location| session.as_ref().map(|open| part(&open.session).clone());
+    let (Some(formula), Some(scene)) =
+        (formula.or(of_session(|session| &session.formula)), scene.or(of_session(|session| &session.scene)))
+    else {
+        // Without a session both were given.
+        return Err(Failure::command_line("give a formula and a scene, or a session"));
+    };
+    let (formula_source, formula, scene) = open_both(&formula, &scene)?;
+    let picture = picture_settings(options, session.as_ref().map(|open| open.session.picture).unwrap_or_default());
+    let view = view(&picture)?;
+    let values = values(&formula, &scene, session.as_ref(), replaced, options)?;
+    Ok(Input { formula_source, formula: Arc::new(formula), scene: Arc::new(scene), values, view, srgb: picture.srgb })
+}
+
+/// Which of a session's files the command line replaces.
+#[derive(Debug, Clone, Copy)]
+struct Replaced {
+    formula: bool,
+    scene: bool,
+}
+
+fn values(
+    formula: &Formula,
+    scene: &Scene,
+    session: Option<&OpenSession>,
+    replaced: Replaced,
+    options: &InputOptions,
+) -> Result<Values, Failure> {
+    let roster = Roster::new(formula, scene);
+    let set = set_values(options, formula, &roster)?;
+    let kept = session.map_or_else(Vec::new, |open| session_values(open, &roster, replaced));
+    let (values, warnings) = if replaced.formula || replaced.scene {
+        let (mut values, mut warnings) = Values::keeping(formula, scene, &kept);
+        warnings.extend(values.assign(&set));
+        (values, warnings)
+    } else {
+        Values::new(formula, scene, &[kept, set].concat())
+    };
+    warnings.iter().for_each(|warning| warn(warning.to_string()));
+    Ok(values)
+}
+
+/// The values that a session has for a formula on a scene.
+pub(super) fn session_values_of(open: &OpenSession, roster: &Roster) -> Vec<Assignment> {
+    session_values(open, roster, Replaced { formula: false, scene: false })
+}
+
+fn session_values(open: &OpenSession, roster: &Roster, replaced: Replaced) -> Vec<Assignment> {
+    let (assignments, leftovers) = open.session.assignments(roster);
+    let mut warnings = Diagnostics::new();
+    for leftover in leftovers {
+        // Where a file was replaced it is no surprise that some values have no place in the other one.
+        let expected = match leftover.lacking {
+            Lacking::Owner => replaced.scene,
+            Lacking::Parameter => replaced.formula,
+        };
+        if !expected {
+            warnings.push(leftover.warning);
+        }
+    }
+    explain(&warnings, &open.source);
+    assignments
+}
+
+/// The values that the command line gives.
+fn set_values(options: &InputOptions, formula: &Formula, roster: &Roster) -> Result<Vec<Assignment>, Failure> {
+    let mut assignments = Vec::new();
+    if let Some(Colour(value)) = options.background {
+        let parameter = formula.predefined(Predefined::Background);
+        assignments.push(Assignment { owner: OwnerId::Global, parameter, value });
+    }
+    let mut failed = None;
+    for setting in &options.settings {
+        match setting.resolve(roster) {
+            Ok(resolved) => assignments.extend(resolved),
+            Err(error) => {
+                // All of them are said, the last one as the reason for giving up.
+                let failure = Failure::command_line(format!("--set {setting}: {error}"));
+                if let Some(Failure::CommandLine(earlier)) = failed.replace(failure) {
+                    say(&earlier);
+                }
+            }
+        }
+    }
+    failed.map_or(Ok(assignments), Err)
+}
+
+/// A session's settings with what the command line says instead.
+fn picture_settings(options: &InputOptions, session: PictureSettings) -> PictureSettings {
+    PictureSettings {
+        size: options.size.unwrap_or(session.size),
+        depth: options.depth.unwrap_or(session.depth),
+        shadows: if options.no_shadows { false } else { options.shadows || session.shadows },
+        default_index: options.ior.unwrap_or(session.default_index),
+        srgb: session.srgb,
+    }
+}
+
+fn view(picture: &PictureSettings) -> Result<View, Failure> {
+    let [width, height] = picture.size;
+    View::new(width, height)
+        .and_then(|view| view.with_depth(picture.depth))
+        .and_then(|view| view.with_default_index(picture.default_index))
+        .map(|view| view.with_shadows(picture.shadows))
+        // Of the options, each was looked at when it was read.
+        .map_err(|error| Failure::input(error.to_string()))
+}

@@ -1,0 +1,82 @@
+//! The command line: what may be said on it, and which command does it.
+//!
+//! Commands load their input ([`input`]), have the engine work on it ([`engine`]) and tell what came of it ([`report`]). Nothing
+//! about pictures, formulas or scenes is decided here.
+
+mod bench;
+mod check;
+mod dump;
+mod engine;
+mod hits;
+mod input;
+mod memory;
+mod options;
+mod output;
+mod progress;
+mod render;
+mod report;
+mod verify;
+
+use clap::{Parser, Subcommand};
+use report::{Failure, print};
+use std::process::ExitCode;
+
+/// A lighting workshop: type an illumination model, see the ray-traced picture that it gives.
+///
+/// Wherever a file is asked for, `preset:NAME` names a built-in one.
+#[derive(Parser)]
+#[command(name = "illuminator", version, arg_required_else_help = true, max_term_width = 100)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Make a picture file
+    Render(render::Options),
+    /// Look for mistakes in formulas, scenes and sessions
+    Check(check::Options),
+    /// Compare the compiled code with the reference interpreter
+    Verify(verify::Options),
+    /// Measure how fast tracing, compiling and evaluating are
+    Bench(bench::Options),
+    /// Show what becomes of a formula, stage by stage
+    Dump(dump::Options),
+    /// Print the reference of the formula language
+    HelpLanguage,
+}
+
+/// How the program ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Status {
+    /// All went well; there may have been warnings.
+    Success = 0,
+    /// The input was wrong.
+    Input = 1,
+    /// The command line was wrong. So it is, too, where the parser of arguments ends the program.
+    CommandLine = 2,
+}
+
+/// Does what the command line says.
+pub(crate) fn run() -> ExitCode {
+    let outcome = match Arguments::parse().command {
+        Command::Render(options) => render::run(&options),
+        Command::Check(options) => check::run(&options),
+        Command::Verify(options) => verify::run(&options),
+        Command::Bench(options) => bench::run(&options),
+        Command::Dump(options) => dump::run(&options),
+        Command::HelpLanguage => print(&illuminator::lang::reference::reference()),
+    };
+    let status = match outcome {
+        Ok(()) => Status::Success,
+        Err(failure) => {
+            failure.report();
+            match failure {
+                Failure::Input(_) | Failure::Reported => Status::Input,
+                Failure::CommandLine(_) => Status::CommandLine,
+            }
+        }
+    };
+    ExitCode::from(status as u8)
+}

@@ -1,0 +1,139 @@
+//! Options that several commands share, and how their values are read.
+
+use clap::Args;
+use illuminator::lang::ast::Constant;
+use illuminator::trace::{MAX_DEPTH, MAX_SIDE};
+use illuminator::workspace::Setting;
+use illuminator::workspace::assignment::parse_value;
+use std::ffi::OsString;
+
+/// What is looked at, and how.
+#[derive(Args, Debug)]
+pub(super) struct InputOptions {
+    /// Session file [default: preset:default]
+    pub(super) session: Option<OsString>,
+    /// Formula file; values are kept where owner and name exist in it too
+    #[arg(long, short, value_name = "FILE")]
+    pub(super) formula: Option<OsString>,
+    /// Scene file; values are kept where owner and name exist in it too
+    #[arg(long, short, value_name = "FILE")]
+    pub(super) scene: Option<OsString>,
+    /// Set a value: ball.kd=0.3, key.IL=<1,0.9,0.8>, ka=0.1, *.kd=0.3 for all
+    #[arg(long = "set", value_name = "OWNER.PARAM=VALUE")]
+    pub(super) settings: Vec<Setting>,
+    /// Picture size in pixels, such as 640x480
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    pub(super) size: Option<[u32; 2]>,
+    /// Maximum depth of reflections and refractions, 1 to 9
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_DEPTH)))]
+    pub(super) depth: Option<u32>,
+    /// Send shadow rays
+    #[arg(long, overrides_with = "no_shadows")]
+    pub(super) shadows: bool,
+    /// Send no shadow rays: every light reaches everything
+    #[arg(long)]
+    pub(super) no_shadows: bool,
+    /// Refractive index of bodies that give none
+    #[arg(long, value_name = "X", value_parser = index, allow_negative_numbers = true)]
+    pub(super) ior: Option<f64>,
+    /// Colour of rays that hit nothing, <r,g,b> or #rrggbb
+    #[arg(long, value_name = "COLOUR", value_parser = colour)]
+    pub(super) background: Option<Colour>,
+    #[command(flatten)]
+    pub(super) machine: MachineOptions,
+}
+
+/// What of the machine is used.
+#[derive(Args, Debug)]
+pub(super) struct MachineOptions {
+    /// Number of threads, 1 to 1024 [default: one a core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(super) threads: Option<u16>,
+    /// Memory that may be used, in MiB or such as 2GiB [default: half of what is free]
+    #[arg(long, value_name = "SIZE", value_parser = memory)]
+    pub(super) memory: Option<u64>,
+}
+
+/// A colour as given; a type of its own, lest the parser of arguments take it for a list.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Colour(pub(super) [f32; 3]);
+
+fn size(text: &str) -> Result<[u32; 2], String> {
+    let form = || format!("expected a size such as 640x480, each side 1 to {MAX_SIDE}");
+    let (width, height) = text.split_once(['x', 'X', '×']).ok_or_else(form)?;
+    let side = |text: &str| text.trim().parse().ok().filter(|side| (1..=MAX_SIDE).contains(side)).ok_or_else(form);
+    Ok([side(width)?, side(height)?])
+}
+
+fn index(text: &str) -> Result<f64, String> {
+    /// As small and as large as the scene language takes.
+    const RANGE: std::ops::RangeInclusive<f64> = 1e-30..=1e30;
+    text.trim().parse().ok().filter(|index| RANGE.contains(index)).ok_or_else(|| "expected a number greater than 0".to_owned())
+}
+
+fn colour(text: &str) -> Result<Colour, String> {
+    match parse_value(text) {
+        Some(Constant::Vector(components)) => Ok(Colour(components)),
+        Some(Constant::Scalar(_)) | None => Err("expected a colour, <r,g,b> with components 0 to 1, or #rrggbb".to_owned()),
+    }
+}
+
+fn memory(text: &str) -> Result<u64, String> {
+    const UNITS: [(&str, u32); 13] = [
+        ("tib", 40),
+        ("gib", 30),
+        ("mib", 20),
+        ("kib", 10),
+        ("tb", 40),
+        ("gb", 30),
+        ("mb", 20),
+        ("kb", 10),
+        ("t", 40),
+        ("g", 30),
+        ("m", 20),
+        ("k", 10),
+        ("b", 0),
+    ];
+    let lower = text.trim().to_lowercase();
+    let suffixed = UNITS.iter().find_map(|(unit, shift)| Some((lower.strip_suffix(unit)?, *shift)));
+    let (number, shift) = suffixed.unwrap_or((&lower, 20));
+    let bytes = number.trim().parse::<f64>().ok().map(|number| number * 2f64.powi(shift as i32));
+    // The cast saturates.
+    bytes
+        .filter(|bytes| bytes.is_finite() && *bytes >= 1.0)
+        .map(|bytes| bytes as u64)
+        .ok_or_else(|| "expected an amount of memory such as 512 (MiB), 300MiB or 2GiB".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_read() {
+        assert_eq!(size("640x480"), Ok([640, 480]));
+        assert_eq!(size("1×16384"), Ok([1, 16384]));
+        for text in ["640", "0x5", "5x0", "99999x5", "-5x5", "5x5x5", "ax5", ""] {
+            assert!(size(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn amounts_of_memory_are_read() {
+        assert_eq!(memory("512"), Ok(512 << 20));
+        assert_eq!(memory("1.5 GiB"), Ok(3 << 29));
+        assert_eq!(memory("300MB"), Ok(300 << 20));
+        assert_eq!(memory("4096b"), Ok(4096));
+        for text in ["", "x", "-5", "0", "inf", "nan", "5x"] {
+            assert!(memory(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn indices_and_colours_are_read() {
+        assert_eq!(index("1.33"), Ok(1.33));
+        assert!(["0", "-1", "nan", "inf", "x"].iter().all(|text| index(text).is_err()));
+        assert_eq!(colour("#00ff00"), Ok(Colour([0.0, 1.0, 0.0])));
+        assert!(colour("1").is_err());
+    }
+}

@@ -1,0 +1,34 @@
+//! Where results go: looked at before any work is done.
+
+use crate::cli::report::Failure;
+use illuminator::lang::diagnostic::Diagnostic;
+use illuminator::picture::Format;
+use illuminator::workspace::files::reason;
+use std::path::Path;
+
+/// Checks that a picture can be written to this path.
+pub(super) fn check_picture(path: &Path) -> Result<Format, Failure> {
+    let name = path.display();
+    let Some(format) = Format::of(path) else {
+        let suffixes = Format::ALL.map(|format| format!(".{}", format.suffix())).join(", ");
+        let diagnostic = Diagnostic::error(format!("`{name}` does not say by its suffix what kind of picture it is to be"));
+        return Err(Failure::CommandLine(diagnostic.help(format!("known are {suffixes}"))));
+    };
+    if path.is_dir() {
+        return Err(Failure::command_line(format!("`{name}` is a folder; name a file in it")));
+    }
+    check_folder(path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new(".")))?;
+    Ok(format)
+}
+
+/// Checks that files can be made in this folder.
+pub(super) fn check_folder(folder: &Path) -> Result<(), Failure> {
+    let name = folder.display();
+    if !folder.exists() {
+        return Err(Failure::command_line(format!("the folder `{name}` does not exist")));
+    }
+    match tempfile::tempfile_in(folder) {
+        Ok(_) => Ok(()),
+        Err(error) => Err(Failure::command_line(format!("cannot write to the folder `{name}`: {}", reason(&error)))),
+    }
+}

@@ -1,0 +1,51 @@
+//! Progress of work that takes long, shown on a terminal only.
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::io::{self, IsTerminal};
+use std::sync::OnceLock;
+use std::time::{Duration, Instant};
+
+/// Work that is done sooner shows nothing.
+const PATIENCE: Duration = Duration::from_millis(500);
+/// Steps of the bar.
+const STEPS: u64 = 1000;
+
+/// A bar that appears once the work has taken a while. It is gone when this is dropped.
+pub(super) struct Progress {
+    what: &'static str,
+    since: Instant,
+    shown: bool,
+    bar: OnceLock<ProgressBar>,
+}
+
+impl Progress {
+    /// For work that goes by this name.
+    pub(super) fn new(what: &'static str) -> Self {
+        Self { what, since: Instant::now(), shown: io::stderr().is_terminal(), bar: OnceLock::new() }
+    }
+
+    /// Tells the share that is done, 0..=1.
+    pub(super) fn tell(&self, share: f64) {
+        if self.shown && self.since.elapsed() > PATIENCE {
+            // The cast saturates.
+            self.bar.get_or_init(|| self.open()).set_position((share * STEPS as f64) as u64);
+        }
+    }
+
+    fn open(&self) -> ProgressBar {
+        let bar = ProgressBar::with_draw_target(Some(STEPS), ProgressDrawTarget::stderr());
+        if let Ok(style) = ProgressStyle::with_template("{msg} {bar:40} {percent:>3} % {eta:>4}") {
+            bar.set_style(style);
+        }
+        bar.set_message(self.what);
+        bar
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        if let Some(bar) = self.bar.get() {
+            bar.finish_and_clear();
+        }
+    }
+}

@@ -1,0 +1,59 @@
+//! `illuminator render`: a picture into a file.
+
+use crate::cli::engine;
+use crate::cli::input::load;
+use crate::cli::options::InputOptions;
+use crate::cli::output::check_picture;
+use crate::cli::report::{Failure, warn};
+use clap::{Args, ValueEnum};
+use illuminator::evaluate::Backend;
+use illuminator::picture::{Format, Transfer, save};
+use std::path::PathBuf;
+
+/// Options of `render`.
+#[derive(Args, Debug)]
+pub(super) struct Options {
+    #[command(flatten)]
+    input: InputOptions,
+    /// Store the picture with the sRGB transfer function
+    #[arg(long)]
+    srgb: bool,
+    /// Rays a pixel, N × N on a regular grid, 1 to 16
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=16))]
+    samples: u32,
+    /// What evaluates the formula: compiled code, or the reference interpreter
+    #[arg(long, value_enum, default_value_t = BackendName::Jit)]
+    backend: BackendName,
+    /// Picture file: .png, .bmp, or .exr for linear unclamped floats
+    #[arg(long = "output", short, value_name = "OUT")]
+    output: PathBuf,
+}
+
+/// The names of the backends.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum BackendName {
+    Jit,
+    Interpreter,
+}
+
+/// Makes the picture.
+pub(super) fn run(options: &Options) -> Result<(), Failure> {
+    let format = check_picture(&options.output)?;
+    if options.srgb && format == Format::Exr {
+        warn("OpenEXR files hold linear numbers; `--srgb` changes nothing");
+    }
+    let input = load(&options.input)?;
+    let backend = match options.backend {
+        BackendName::Jit => Backend::Jit,
+        BackendName::Interpreter => Backend::Interpreter,
+    };
+    let machine = &options.input.machine;
+    let mut frame = engine::on_threads(machine, || engine::picture(&input, options.samples, backend, machine))??;
+    match frame.clean() {
+        0 => {}
+        1 => warn("in 1 pixel the formula gives no number (NaN); there the component is 0"),
+        pixels => warn(format!("in {pixels} pixels the formula gives no number (NaN); there the component is 0")),
+    }
+    let transfer = if options.srgb || input.srgb { Transfer::Srgb } else { Transfer::Linear };
+    save(&options.output, &frame, transfer).map_err(Failure::input)
+}

@@ -1,0 +1,56 @@
+//! `illuminator verify`: whether the backends agree.
+
+use crate::cli::engine;
+use crate::cli::input::load;
+use crate::cli::options::InputOptions;
+use crate::cli::progress::Progress;
+use crate::cli::report::{Failure, print};
+use clap::Args;
+use illuminator::evaluate::verify::{TOLERANCE, Verification, verify};
+use illuminator::jit::CompiledFormula;
+use std::sync::Arc;
+
+/// Options of `verify`.
+#[derive(Args, Debug)]
+pub(super) struct Options {
+    #[command(flatten)]
+    input: InputOptions,
+}
+
+/// Compares the backends; that they differ is a failure.
+pub(super) fn run(options: &Options) -> Result<(), Failure> {
+    let input = load(&options.input)?;
+    let machine = &options.input.machine;
+    let verification = engine::on_threads(machine, || {
+        let bytes = engine::memory_for(&input.view, machine)?;
+        let progress = Progress::new("tracing");
+        let compiled = Arc::new(CompiledFormula::new(&input.formula).map_err(|error| Failure::input(error.to_string()))?);
+        let hits = engine::trace_for(&compiled, &input, &input.view, bytes, &|share| progress.tell(share))?;
+        let compiled = engine::compiled_backend(&compiled, &input, &hits)?;
+        Ok(verify(&compiled, &engine::interpreter(&input, input.view)?, input.values.numbers()))
+    })??;
+    print(&describe(&verification, input.view.width()))?;
+    if verification.passes() { Ok(()) } else { Err(Failure::Reported) }
+}
+
+fn describe(found: &Verification, width: u32) -> String {
+    let share = |count: usize| 100.0 * count as f64 / found.components.max(1) as f64;
+    let counted = |what: &str, count: usize| format!("{what:<34}{count:>10}  {:.4} %\n", share(count));
+    let mut text = format!("{:<34}{:>10}\n", "components compared", found.components);
+    let worst = match &found.worst {
+        None => "none".to_owned(),
+        Some(worst) => {
+            let (row, column) = (worst.pixel / width as usize, worst.pixel % width as usize);
+            let colour = ["red", "green", "blue"].get(worst.component).unwrap_or(&"");
+            let values = format!("jit {}, interpreter {}", worst.compiled, worst.interpreted);
+            format!("{:.3e} in {colour} of pixel ({column}, {row}): {values}", worst.size())
+        }
+    };
+    text.push_str(&format!("{:<34}{worst}\n", "largest difference"));
+    text.push_str(&counted(&format!("beyond {TOLERANCE:e}"), found.failed));
+    text.push_str(&counted("excused: the formula is unstable", found.excused));
+    text.push_str(&counted("one step apart in 8 bits", found.one_step));
+    text.push_str(&counted("more steps apart", found.more_steps));
+    text.push_str(if found.passes() { "pass\n" } else { "FAIL\n" });
+    text
+}

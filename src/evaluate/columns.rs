@@ -1,0 +1,162 @@
+//! Static values of all records, worked out once after tracing and kept in columns (structure of arrays).
+//!
+//! A group of hits has one column for each node of the hit frontier and, for each light that reaches it, one for each node of the
+//! record frontier; all are as long as the group has hits, in whole blocks of four, and lie one behind the other.
+
+use crate::formula::graph::{Node, NodeId};
+use crate::jit::{CompiledFormula, Lanes};
+use crate::lang::scalars::flush;
+use crate::lang::variables::Variable;
+use crate::scene::Scene;
+use crate::trace::{Group, HitVariables, LightVariables, Mismatch, Optics, Tile, replay, variable};
+
+/// How many hits are worked out at a time: their variables stay in the cache until the kernels have read them.
+const CHUNK: u32 = 1024;
+
+/// The static columns of a tile's groups.
+pub(super) struct Columns {
+    lanes: Vec<Lanes>,
+    /// For each group where its columns begin, and of how many blocks each is.
+    groups: Vec<(usize, usize)>,
+    hit_columns: usize,
+    record_columns: usize,
+}
+
+impl Columns {
+    /// Works out the static values of a tile.
+    pub(super) fn new(compiled: &CompiledFormula, scene: &Scene, optics: &Optics, tile: &Tile) -> Result<Self, Mismatch> {
+        let hit_columns = compiled.bindings.hit_frontier.len();
+        let record_columns = compiled.bindings.record_frontier.len();
+        let mut groups = Vec::with_capacity(tile.groups.len());
+        let mut end = 0;
+        for group in &tile.groups {
+            let blocks = Lanes::blocks(group.hits.len());
+            groups.push((end, blocks));
+            end += blocks * (hit_columns + record_columns * group.lights.len());
+        }
+        let mut columns = Self { lanes: vec![Lanes::default(); end], groups, hit_columns, record_columns };
+        let mut workroom = Workroom::new(compiled);
+        for (index, group) in tile.groups.iter().enumerate() {
+            columns.fill(compiled, scene, optics, tile, group, index, &mut workroom)?;
+        }
+        Ok(columns)
+    }
+
+    /// The memory they take, in bytes.
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(self.lanes.as_slice()) + size_of_val(self.groups.as_slice())
+    }
+
+    /// The columns of a group for its light of this place, hit frontier first, each from block `first` on for `blocks` blocks.
+    pub(super) fn of<'c>(&'c self, group: usize, light: usize, first: usize, blocks: usize, into: &mut Vec<&'c [Lanes]>) {
+        let (start, length) = self.groups[group];
+        let records = self.hit_columns + light * self.record_columns;
+        into.clear();
+        for column in (0..self.hit_columns).chain(records..records + self.record_columns) {
+            let begin = start + column * length + first;
+            into.push(&self.lanes[begin..begin + blocks]);
+        }
+    }
+
+    #[expect(clippy::too_many_arguments, reason = "what a group's columns are made from, and the room to do it")]
+    fn fill(
+        &mut self,
+        compiled: &CompiledFormula,
+        scene: &Scene,
+        optics: &Optics,
+        tile: &Tile,
+        group: &Group,
+        index: usize,
+        workroom: &mut Workroom,
+    ) -> Result<(), Mismatch> {
+        if self.hit_columns == 0 && (self.record_columns == 0 || group.lights.is_empty()) {
+            return Ok(());
+        }
+        let (start, length) = self.groups[index];
+        let own = &mut self.lanes[start..start + length * (self.hit_columns + self.record_columns * group.lights.len())];
+        let (hit_part, record_part) = own.split_at_mut(length * self.hit_columns);
+        for first in group.hits.clone().step_by(CHUNK as usize) {
+            let hits = first..(first + CHUNK).min(group.hits.end);
+            workroom.gather(scene, optics, tile, group, hits.clone())?;
+            let block = (first - group.hits.start) as usize / Lanes::COUNT;
+            let blocks = Lanes::blocks(hits.len());
+            let mut outputs = pieces(hit_part, length, block, blocks);
+            compiled.hit_kernel.run(&workroom.hit_inputs(), &[], &mut outputs, blocks);
+            for place in 0..group.lights.len() {
+                let light = length * self.record_columns;
+                let part = &mut record_part[place * light..(place + 1) * light];
+                let mut outputs = pieces(part, length, block, blocks);
+                compiled.record_kernel.run(&workroom.record_inputs(place), &[], &mut outputs, blocks);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The pieces from `block` on of columns of `length` blocks each that lie one behind the other.
+fn pieces(columns: &mut [Lanes], length: usize, block: usize, blocks: usize) -> Vec<&mut [Lanes]> {
+    columns.chunks_exact_mut(length).map(|column| &mut column[block..block + blocks]).collect()
+}
+
+/// The variables that static kernels read, for some hits at a time.
+struct Workroom {
+    hit_leaves: Vec<(Variable, usize)>,
+    record_leaves: Vec<(Variable, usize)>,
+    /// A column for each hit leaf.
+    hits: Vec<Vec<Lanes>>,
+    /// For each light, a column for each record leaf.
+    records: Vec<Vec<Vec<Lanes>>>,
+}
+
+impl Workroom {
+    fn new(compiled: &CompiledFormula) -> Self {
+        let column = || vec![Lanes::default(); Lanes::blocks(CHUNK as usize)];
+        let variables = |leaves: &[NodeId]| -> Vec<(Variable, usize)> {
+            let variable = |leaf: &NodeId| match compiled.bindings.graph.node(*leaf) {
+                Node::Variable(variable, component) => Some((variable, usize::from(component))),
+                Node::Constant(_) | Node::Parameter(..) | Node::Apply(..) => None,
+            };
+            // What is static is made of variables alone.
+            leaves.iter().filter_map(variable).collect()
+        };
+        let (hit_leaves, record_leaves) = (variables(&compiled.hit_leaves), variables(&compiled.record_leaves));
+        let hits = hit_leaves.iter().map(|_| column()).collect();
+        Self { hit_leaves, record_leaves, hits, records: Vec::new() }
+    }
+
+    /// Works out the variables of these hits for all lights of the group.
+    fn gather(
+        &mut self,
+        scene: &Scene,
+        optics: &Optics,
+        tile: &Tile,
+        group: &Group,
+        hits: std::ops::Range<u32>,
+    ) -> Result<(), Mismatch> {
+        while self.records.len() < group.lights.len() {
+            self.records.push(self.record_leaves.iter().map(|_| vec![Lanes::default(); Lanes::blocks(CHUNK as usize)]).collect());
+        }
+        replay(optics, tile, group, hits.clone(), |hit, surface| {
+            let place = (hit - hits.start) as usize;
+            let own = HitVariables::of(scene, surface);
+            let put = |column: &mut Vec<Lanes>, value: f32| column[place / Lanes::COUNT].0[place % Lanes::COUNT] = flush(value);
+            for (light, columns) in group.lights.iter().zip(&mut self.records) {
+                let record = LightVariables::of(surface, scene.light(*light));
+                for ((symbol, component), column) in self.record_leaves.iter().zip(columns) {
+                    put(column, variable(*symbol, &own, &record)[*component]);
+                }
+            }
+            for ((symbol, component), column) in self.hit_leaves.iter().zip(&mut self.hits) {
+                put(column, own.value(*symbol).map_or(0.0, |value| value[*component]));
+            }
+        })
+    }
+
+    fn hit_inputs(&self) -> Vec<&[Lanes]> {
+        self.hits.iter().map(Vec::as_slice).collect()
+    }
+
+    fn record_inputs(&self, light: usize) -> Vec<&[Lanes]> {
+        self.records[light].iter().map(Vec::as_slice).collect()
+    }
+}

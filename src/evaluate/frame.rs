@@ -1,0 +1,52 @@
+//! A picture in numbers: linear red, green and blue of every pixel, unclamped.
+
+/// A picture of `width` × `height` pixels, row by row from the top left.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Frame {
+    /// Pixels in a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Linear RGB, nominally 0..1, unclamped; NaN until [`clean`](Self::clean)ed.
+    pub linear: Vec<[f32; 3]>,
+}
+
+impl Frame {
+    /// A black picture.
+    pub fn black(width: u32, height: u32) -> Self {
+        Self { width, height, linear: vec![[0.0; 3]; width as usize * height as usize] }
+    }
+
+    /// Makes every NaN 0 and says how many pixels held one.
+    pub fn clean(&mut self) -> usize {
+        let mut pixels = 0;
+        for pixel in &mut self.linear {
+            if pixel.iter().any(|component| component.is_nan()) {
+                pixels += 1;
+                *pixel = pixel.map(|component| if component.is_nan() { 0.0 } else { component });
+            }
+        }
+        pixels
+    }
+
+    /// Adds `share` times another picture of the same size: for averages of samples.
+    pub fn add(&mut self, other: &Frame, share: f32) {
+        for (sum, pixel) in self.linear.iter_mut().zip(&other.linear) {
+            *sum = std::array::from_fn(|component| sum[component] + share * pixel[component]);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nan_becomes_zero_by_component_and_is_counted_by_pixel() {
+        let mut frame = Frame::black(2, 1);
+        frame.linear[0] = [f32::NAN, 0.5, f32::NAN];
+        frame.linear[1] = [f32::INFINITY, 1.0, 2.0];
+        assert_eq!(frame.clean(), 1);
+        assert_eq!(frame.linear, [[0.0, 0.5, 0.0], [f32::INFINITY, 1.0, 2.0]]);
+    }
+}

@@ -1,0 +1,157 @@
+//! Binding times: which parts of a formula are known once rays are traced, which once a frame, which only for every record.
+//!
+//! Each node of the graph is constant, *static* (made of variables alone: known once traced, for a hit or for a lit record),
+//! *uniform* (made of parameters alone: known once a frame, for a body and a light), or *dynamic* (made of both). Static
+//! values that dynamic code reads are the *frontier*: they alone are stored (Guenter, Knoblock, Ruf 1995, "Specializing
+//! Shaders").
+
+use crate::formula::graph::{Graph, Node, NodeId};
+use crate::lang::variables::Rate;
+
+/// When a value is known.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum BindingTime {
+    /// From the text.
+    Constant,
+    /// Once traced, for each hit or each lit record.
+    Static(Rate),
+    /// Once a frame, for each body and light.
+    Uniform,
+    /// Once a frame, for each lit record.
+    Dynamic,
+}
+
+impl BindingTime {
+    /// Of what is computed from both.
+    fn join(self, other: BindingTime) -> BindingTime {
+        use BindingTime::{Constant, Dynamic, Static, Uniform};
+        match (self, other) {
+            (Constant, time) | (time, Constant) => time,
+            (Uniform, Uniform) => Uniform,
+            (Static(one), Static(another)) => Static(one.max(another)),
+            (Dynamic, _) | (_, Dynamic) | (Uniform, Static(_)) | (Static(_), Uniform) => Dynamic,
+        }
+    }
+}
+
+/// A formula's graph with the binding time of every node, and what has to be computed when.
+#[derive(Debug, Clone)]
+pub struct Bindings {
+    /// The graph.
+    pub graph: Graph,
+    /// What is added to a pixel's red, green and blue for a lit record, before the weight of its path: `ki` times the formula.
+    pub contribution: [NodeId; 3],
+    /// Static values of a hit that dynamic code reads.
+    pub hit_frontier: Vec<NodeId>,
+    /// Static values of a lit record that dynamic code reads.
+    pub record_frontier: Vec<NodeId>,
+    /// Uniform values that dynamic code reads.
+    pub uniforms: Vec<NodeId>,
+    times: Vec<BindingTime>,
+}
+
+impl Bindings {
+    /// Analyses a formula's graph, whose result is multiplied by the node `intensity`.
+    pub fn new(mut graph: Graph, intensity: NodeId) -> Self {
+        use crate::lang::scalars::{Primitive, Recorder};
+        let contribution = graph.result().map(|component| graph.record(Primitive::Mul, &[intensity, component]));
+        let mut times: Vec<BindingTime> = Vec::with_capacity(graph.len());
+        for index in 0..graph.len() {
+            let node = graph.node(NodeId(index as u32));
+            times.push(match node {
+                Node::Constant(_) => BindingTime::Constant,
+                Node::Variable(variable, _) => BindingTime::Static(variable.rate()),
+                Node::Parameter(..) => BindingTime::Uniform,
+                Node::Apply(_, _) => {
+                    node.operands().iter().map(|operand| times[operand.0 as usize]).fold(BindingTime::Constant, BindingTime::join)
+                }
+            });
+        }
+        let mut bindings =
+            Bindings { graph, contribution, hit_frontier: Vec::new(), record_frontier: Vec::new(), uniforms: Vec::new(), times };
+        bindings.find_frontier();
+        bindings
+    }
+
+    fn find_frontier(&mut self) {
+        let mut seen = vec![false; self.graph.len()];
+        let mut pending = self.contribution.to_vec();
+        while let Some(id) = pending.pop() {
+            if std::mem::replace(&mut seen[id.0 as usize], true) {
+                continue;
+            }
+            match self.time(id) {
+                BindingTime::Constant => {}
+                BindingTime::Static(Rate::Hit) => self.hit_frontier.push(id),
+                BindingTime::Static(Rate::Record) => self.record_frontier.push(id),
+                BindingTime::Uniform => self.uniforms.push(id),
+                BindingTime::Dynamic => pending.extend_from_slice(self.graph.node(id).operands()),
+            }
+        }
+        self.hit_frontier.sort_unstable();
+        self.record_frontier.sort_unstable();
+        self.uniforms.sort_unstable();
+    }
+
+    /// When a node's value is known.
+    pub fn time(&self, id: NodeId) -> BindingTime {
+        self.times[id.0 as usize]
+    }
+
+    /// The leaves (variables, parameters) that `roots` are computed from, each once, in the order of their nodes.
+    pub fn leaves(&self, roots: &[NodeId]) -> Vec<NodeId> {
+        let mut seen = vec![false; self.graph.len()];
+        let mut pending = roots.to_vec();
+        let mut leaves = Vec::new();
+        while let Some(id) = pending.pop() {
+            if std::mem::replace(&mut seen[id.0 as usize], true) {
+                continue;
+            }
+            match self.graph.node(id) {
+                Node::Constant(_) => {}
+                Node::Variable(..) | Node::Parameter(..) => leaves.push(id),
+                node @ Node::Apply(..) => pending.extend_from_slice(node.operands()),
+            }
+        }
+        leaves.sort_unstable();
+        leaves
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::formula::Formula;
+    use crate::lang::source::Source;
+    use crate::lang::variables::Predefined;
+
+    fn bindings(text: &str) -> Bindings {
+        let (formula, _) = Formula::parse(&Source::new("test", text)).expect("a formula");
+        let mut graph = Graph::new(&formula);
+        let intensity = graph.parameter(formula.predefined(Predefined::Intensity), 0);
+        Bindings::new(graph, intensity)
+    }
+
+    #[test]
+    fn phong_reads_two_numbers_of_a_record() {
+        let phong = bindings(
+            "body_specific; kd: scalar; ks: scalar; h: scalar; formula;
+             = kd*IL*Cd*max(0, N.L) + ks*IL*pow(max(0, R.V), h);",
+        );
+        assert_eq!(phong.record_frontier.len(), 2);
+        assert_eq!(phong.hit_frontier.len(), 0);
+    }
+
+    #[test]
+    fn what_depends_on_the_hit_alone_is_kept_once_a_hit() {
+        let marbled = bindings("formula; = perlin(point, 2, 2, 4)*Cd*(N.L);");
+        assert_eq!((marbled.hit_frontier.len(), marbled.record_frontier.len()), (1, 1));
+    }
+
+    #[test]
+    fn uniform_parts_leave_the_loop() {
+        let uniform = bindings("body_specific; s: scalar; formula; = Cd*(1 - s^3)*(N.L);");
+        // The three components of Cd·(1 − s³), and ki.
+        assert_eq!(uniform.uniforms.len(), 4);
+    }
+}

@@ -1,0 +1,136 @@
+//! Whose each name is: a parameter's, a macro's, a variable's, a function's.
+
+use crate::formula::{Parameter, ParameterId};
+use crate::lang::ast::{FormulaFile, Name};
+use crate::lang::builtins::{self, Form};
+use crate::lang::diagnostic::{Diagnostic, Diagnostics, nearest};
+use crate::lang::source::Span;
+use crate::lang::types::Origin;
+use crate::lang::variables::{Predefined, Variable};
+use std::collections::HashMap;
+
+/// What a name stands for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Meaning {
+    /// A parameter, predefined or declared.
+    Parameter(ParameterId),
+    /// A macro, by its place in the file.
+    Macro(usize),
+    /// A value of the hit.
+    Variable(Variable),
+    /// A function or constant of the language.
+    Builtin(Form),
+}
+
+impl Meaning {
+    /// For messages: "a variable", "a macro".
+    pub(super) fn describe(self) -> &'static str {
+        match self {
+            Meaning::Parameter(_) => "a parameter",
+            Meaning::Macro(_) => "a macro",
+            Meaning::Variable(_) => "a variable",
+            Meaning::Builtin(Form::Constant(_)) => "a constant",
+            Meaning::Builtin(Form::Prefix(_) | Form::Infix(_) | Form::Function(_) | Form::Vector | Form::Conditional) => {
+                "a function"
+            }
+        }
+    }
+}
+
+/// The names that a formula gives, and where.
+pub(super) struct Names {
+    given: HashMap<String, (Meaning, Span)>,
+}
+
+impl Names {
+    /// Collects the names of declared parameters and macros, and reports those that are taken.
+    pub(super) fn collect(file: &FormulaFile, parameters: &[Parameter], diagnostics: &mut Diagnostics) -> Names {
+        let mut names = Names { given: HashMap::new() };
+        let predefined = parameters.len() - file.declarations().count();
+        for (index, declaration) in file.declarations().enumerate() {
+            let id = ParameterId((predefined + index) as u32);
+            names.give(&declaration.name, Meaning::Parameter(id), diagnostics);
+        }
+        for (index, line) in file.macros.iter().enumerate() {
+            names.give(&line.name, Meaning::Macro(index), diagnostics);
+        }
+        names
+    }
+
+    fn give(&mut self, name: &Name, meaning: Meaning, diagnostics: &mut Diagnostics) {
+        if let Some(what) = taken(&name.text) {
+            diagnostics.push(
+                Diagnostic::error(format!("`{}` is already {what}", name.text))
+                    .at(name.span, format!("cannot name {} too", meaning.describe()))
+                    .help("choose another name"),
+            );
+            return;
+        }
+        if let Some((other, first)) = self.given.get(&name.text) {
+            diagnostics.push(
+                Diagnostic::error(format!("`{}` is named twice", name.text))
+                    .at(name.span, format!("{} of the same name", meaning.describe()))
+                    .at(*first, format!("{} is named here", other.describe()))
+                    .help("choose another name for one of them"),
+            );
+            return;
+        }
+        if let Some(builtin) = builtin(&name.text) {
+            diagnostics.push(
+                Diagnostic::warning(format!("`{}` hides {} of the language", name.text, builtin.describe()))
+                    .at(name.span, format!("in this file it is {}", meaning.describe()))
+                    .help("choose another name if you need both"),
+            );
+        }
+        self.given.insert(name.text.clone(), (meaning, name.span));
+    }
+
+    /// What a name stands for.
+    pub(super) fn meaning(&self, name: &str) -> Option<Meaning> {
+        self.given.get(name).map(|(meaning, _)| *meaning).or_else(|| builtin(name))
+    }
+
+    /// Where the formula gives a name.
+    pub(super) fn given_at(&self, name: &str) -> Option<Span> {
+        self.given.get(name).map(|(_, span)| *span)
+    }
+
+    /// The hint for a name that means nothing: the nearest that means something of the wanted kind.
+    pub(super) fn suggestion(&self, name: &str, wanted: impl Fn(Meaning) -> bool) -> Option<String> {
+        let builtin_names = Variable::ALL
+            .iter()
+            .map(|variable| variable.name())
+            .chain(Predefined::ALL.iter().map(|predefined| predefined.name()))
+            .chain(builtins::names());
+        let mut candidates: Vec<&str> = self.given.keys().map(String::as_str).chain(builtin_names).collect();
+        candidates.retain(|candidate| self.meaning(candidate).is_some_and(&wanted));
+        candidates.sort_unstable();
+        nearest(name, candidates).map(|near| format!("did you mean `{near}`?"))
+    }
+}
+
+/// What a name means in the language itself.
+fn builtin(name: &str) -> Option<Meaning> {
+    Variable::named(name)
+        .map(Meaning::Variable)
+        .or_else(|| Predefined::named(name).map(|predefined| Meaning::Parameter(ParameterId(predefined as u32))))
+        .or_else(|| builtins::named(name).map(Meaning::Builtin))
+}
+
+/// What a name that may not be given is already.
+fn taken(name: &str) -> Option<String> {
+    if name == "if" {
+        return Some("the word of conditions, `if(a < b, then, else)`".to_owned());
+    }
+    if let Some(predefined) = Predefined::named(name) {
+        return Some(format!("the predefined parameter: {}", predefined.doc()));
+    }
+    if let Some(variable) = Variable::named(name)
+        && variable.origin() == Origin::Thesis
+    {
+        return Some(format!("the variable: {}", variable.doc()));
+    }
+    let form = builtins::named(name)?;
+    let operation = form.overloads().find(|operation| operation.origin() == Origin::Thesis)?;
+    Some(format!("the function {name}({}): {}", operation.operand_names().join(", "), operation.doc()))
+}

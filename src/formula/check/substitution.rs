@@ -1,0 +1,95 @@
+//! Macros stand for their value. In the thesis's program they were replaced as text; where that would give another value, an
+//! old formula may have meant the other, and this says so.
+
+use crate::formula::check::expressions::Checked;
+use crate::formula::check::names::{Meaning, Names};
+use crate::lang::ast::{ExprId, ExprKind, FormulaFile};
+use crate::lang::diagnostic::{Diagnostic, Diagnostics};
+use crate::lang::printer::{Binding, print_expression};
+use crate::lang::token::Mark;
+use crate::lang::types::Type;
+
+/// Warns of every use of a macro whose text, put in its place, would be read in another way.
+pub(super) fn warn(file: &FormulaFile, names: &Names, checked: &Checked, diagnostics: &mut Diagnostics) {
+    for expression in &file.expressions {
+        let operands = expression.kind.operands();
+        for (place, operand) in operands.iter().enumerate() {
+            let used = file.expr(*operand);
+            let ExprKind::Name(name) = &used.kind else { continue };
+            if used.parenthesised {
+                continue;
+            }
+            let Some(body) = text_of_macro(file, names, name) else { continue };
+            if differs(file, checked, &expression.kind, place, body) {
+                let text = print_expression(file, body);
+                diagnostics.push(
+                    Diagnostic::warning(format!("the macro `{name}` stands for its value, `({text})`, not for its text"))
+                        .at(used.span, "put in as text it would give another value")
+                        .help(format!("write `({name})` here to say that the value is meant, or the text without parentheses")),
+                );
+            }
+        }
+    }
+}
+
+/// The expression whose text would replace a macro's name: that of the macro, or of the macro it merely names.
+fn text_of_macro(file: &FormulaFile, names: &Names, name: &str) -> Option<ExprId> {
+    let mut name = name;
+    // Macros that name each other in a circle are reported elsewhere.
+    for _ in 0..=file.macros.len() {
+        let Some(Meaning::Macro(index)) = names.meaning(name) else { return None };
+        let body = file.macros[index].body;
+        let expression = file.expr(body);
+        let ExprKind::Name(next) = &expression.kind else { return Some(body) };
+        if expression.parenthesised || !matches!(names.meaning(next), Some(Meaning::Macro(_))) {
+            return Some(body);
+        }
+        name = next;
+    }
+    None
+}
+
+/// Whether the text of `body` as an operand of `user` would be grouped so that the value changes.
+fn differs(file: &FormulaFile, checked: &Checked, user: &ExprKind, place: usize, body: ExprId) -> bool {
+    let macro_text = file.expr(body);
+    if macro_text.parenthesised {
+        return false;
+    }
+    let binding = Binding::of(&macro_text.kind);
+    match user {
+        ExprKind::Prefix(Mark::Minus, _) => binding == Binding::Sum || binding == Binding::Power,
+        ExprKind::Infix(mark, _, [left, _]) => match (mark, place) {
+            (Mark::Caret, 0) => binding < Binding::Unary,
+            (Mark::Caret, _) => binding < Binding::Power,
+            (Mark::Star | Mark::Slash | Mark::Dot, 0) => binding < Binding::Product,
+            (Mark::Minus, 1) => binding == Binding::Sum,
+            (Mark::Star | Mark::Slash | Mark::Dot, _) if binding == Binding::Product => {
+                // c*(a/b) is (c*a)/b; but a dot product among the factors takes a vector c along.
+                *mark != Mark::Star || (checked.ty(*left) != Some(Type::Scalar) && holds_dot(file, body))
+            }
+            (Mark::Star | Mark::Slash | Mark::Dot, _) => binding < Binding::Product,
+            _ => false,
+        },
+        ExprKind::Prefix(..)
+        | ExprKind::Number(_)
+        | ExprKind::Name(_)
+        | ExprKind::Call(..)
+        | ExprKind::Vector(_)
+        | ExprKind::Conditional(_)
+        | ExprKind::Missing => false,
+    }
+}
+
+/// Whether the factors of a product, read from the left, include a dot product.
+fn holds_dot(file: &FormulaFile, mut product: ExprId) -> bool {
+    while let ExprKind::Infix(mark @ (Mark::Star | Mark::Slash | Mark::Dot), _, [left, _]) = &file.expr(product).kind {
+        if *mark == Mark::Dot {
+            return true;
+        }
+        if file.expr(*left).parenthesised {
+            return false;
+        }
+        product = *left;
+    }
+    false
+}

@@ -1,0 +1,239 @@
+//! A formula as a graph of scalar operations with shared nodes: what compiled code is made from.
+//!
+//! Vectors are taken apart, macros and equal sub-expressions are there once, constants are folded by the reference meaning.
+//! Nodes are numbered so that operands come before their users; walking the graph needs no recursion.
+
+use crate::formula::{Formula, ParameterId, Term, TermId};
+use crate::lang::builtins::Stack;
+use crate::lang::scalars::{Floats, Primitive, Recorder, flush};
+use crate::lang::types::Type;
+use crate::lang::variables::Variable;
+use std::collections::HashMap;
+
+/// A node, as an index into a [`Graph`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct NodeId(pub u32);
+
+/// The most operands that a primitive takes.
+const MAX_OPERANDS: usize = 6;
+
+/// A scalar value and how it comes about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Node {
+    /// A number, by its bits, so that −0 and NaN are what they are.
+    Constant(u32),
+    /// A component (0 for a scalar) of a variable.
+    Variable(Variable, u8),
+    /// A component (0 for a scalar) of a parameter.
+    Parameter(ParameterId, u8),
+    /// A primitive on as many of these nodes as it takes.
+    Apply(Primitive, [NodeId; MAX_OPERANDS]),
+}
+
+impl Node {
+    /// The nodes it is computed from.
+    pub fn operands(&self) -> &[NodeId] {
+        match self {
+            Node::Constant(_) | Node::Variable(..) | Node::Parameter(..) => &[],
+            Node::Apply(primitive, operands) => &operands[..primitive.arity()],
+        }
+    }
+}
+
+/// A formula's graph.
+#[derive(Debug, Clone)]
+pub struct Graph {
+    nodes: Vec<Node>,
+    index: HashMap<Node, NodeId>,
+    result: [NodeId; 3],
+}
+
+impl Graph {
+    /// The graph of a formula.
+    pub fn new(formula: &Formula) -> Self {
+        let mut graph = Graph { nodes: Vec::new(), index: HashMap::new(), result: [NodeId(0); 3] };
+        // The nodes of each term; a scalar's three are the same.
+        let mut built: Vec<[NodeId; 3]> = Vec::with_capacity(formula.terms.len());
+        let mut stack = Stack::new(16, NodeId(0));
+        for (index, term) in formula.terms.iter().enumerate() {
+            let ty = formula.ty(TermId(index as u32));
+            let nodes = match term {
+                Term::Number(value) => [graph.record_constant(*value); 3],
+                Term::Variable(variable) => graph.leaf(ty, |component| Node::Variable(*variable, component)),
+                Term::Parameter(parameter) => graph.leaf(ty, |component| Node::Parameter(*parameter, component)),
+                Term::Apply(operation, operands) => {
+                    for (operand, ty) in operands.iter().zip(operation.operands()) {
+                        built[operand.0 as usize][..ty.slots()].iter().for_each(|node| stack.push(*node));
+                    }
+                    operation.apply(&mut graph, &mut stack);
+                    match operation.result() {
+                        Type::Scalar | Type::Truth => stack.pop::<1>().map(|node| [node; 3])[0],
+                        Type::Vector => stack.pop::<3>(),
+                    }
+                }
+            };
+            built.push(nodes);
+        }
+        graph.result = built[formula.result.0 as usize];
+        graph
+    }
+
+    fn leaf(&mut self, ty: Type, node: impl Fn(u8) -> Node) -> [NodeId; 3] {
+        match ty {
+            Type::Scalar | Type::Truth => [self.add(node(0)); 3],
+            Type::Vector => [0, 1, 2].map(|component| self.add(node(component))),
+        }
+    }
+
+    fn add(&mut self, node: Node) -> NodeId {
+        if let Some(id) = self.index.get(&node) {
+            return *id;
+        }
+        let id = NodeId(self.nodes.len() as u32);
+        self.nodes.push(node);
+        self.index.insert(node, id);
+        id
+    }
+
+    /// The node of a parameter's component, made if the formula does not read it.
+    pub fn parameter(&mut self, parameter: ParameterId, component: u8) -> NodeId {
+        self.add(Node::Parameter(parameter, component))
+    }
+
+    /// The node of this index.
+    pub fn node(&self, id: NodeId) -> Node {
+        self.nodes[id.0 as usize]
+    }
+
+    /// How many nodes there are.
+    pub fn len(&self) -> usize {
+        self.nodes.len()
+    }
+
+    /// Whether there are none; a formula's graph has some.
+    pub fn is_empty(&self) -> bool {
+        self.nodes.is_empty()
+    }
+
+    /// Red, green and blue of what the formula yields.
+    pub fn result(&self) -> [NodeId; 3] {
+        self.result
+    }
+
+    /// The number that a node is, if it is a constant.
+    pub fn constant(&self, id: NodeId) -> Option<f32> {
+        match self.node(id) {
+            Node::Constant(bits) => Some(f32::from_bits(bits)),
+            Node::Variable(..) | Node::Parameter(..) | Node::Apply(..) => None,
+        }
+    }
+
+    /// xⁿ for the whole numbers −4..4 by products: within two units in the last place of `powf`, at a fraction of its price.
+    fn small_power(&mut self, x: NodeId, exponent: f32) -> Option<NodeId> {
+        if exponent.fract() != 0.0 || !(1.0..=4.0).contains(&exponent.abs()) {
+            return None;
+        }
+        // The reciprocal first: x² may fall below the normal numbers where 1/x² is still in range.
+        let base = if exponent < 0.0 {
+            let one = self.record_constant(1.0);
+            self.record(Primitive::Div, &[one, x])
+        } else {
+            x
+        };
+        Some(match exponent.abs() as u32 {
+            1 => base,
+            2 => self.record(Primitive::Mul, &[base, base]),
+            3 => {
+                let square = self.record(Primitive::Mul, &[base, base]);
+                self.record(Primitive::Mul, &[square, base])
+            }
+            _ => {
+                let square = self.record(Primitive::Mul, &[base, base]);
+                self.record(Primitive::Mul, &[square, square])
+            }
+        })
+    }
+
+    /// A node that is the same in all cases, NaN and −0 among them.
+    fn simplified(&mut self, primitive: Primitive, operands: &[NodeId]) -> Option<NodeId> {
+        let is = |index: usize, value: f32| self.constant(operands[index]).is_some_and(|x| x.to_bits() == value.to_bits());
+        if primitive == Primitive::Pow {
+            let exponent = self.constant(operands[1])?;
+            return if exponent == 0.0 { Some(self.record_constant(1.0)) } else { self.small_power(operands[0], exponent) };
+        }
+        if primitive == Primitive::Select {
+            let condition = self.constant(operands[0])?;
+            return Some(if condition != 0.0 { operands[1] } else { operands[2] });
+        }
+        let first = matches!(primitive, Primitive::Mul | Primitive::Div) && is(1, 1.0)
+            || primitive == Primitive::Sub && is(1, 0.0)
+            || primitive == Primitive::Add && is(1, -0.0);
+        let second = primitive == Primitive::Mul && is(0, 1.0) || primitive == Primitive::Add && is(0, -0.0);
+        if first { Some(operands[0]) } else { second.then(|| operands[1]) }
+    }
+}
+
+impl Recorder for Graph {
+    type Value = NodeId;
+
+    fn record_constant(&mut self, value: f32) -> NodeId {
+        self.add(Node::Constant(flush(value).to_bits()))
+    }
+
+    fn record(&mut self, primitive: Primitive, operands: &[NodeId]) -> NodeId {
+        let constants: Option<Vec<f32>> = operands.iter().map(|id| self.constant(*id)).collect();
+        if let Some(constants) = constants {
+            let value = primitive.apply(&mut Floats, &constants);
+            return self.record_constant(value);
+        }
+        if let Some(same) = self.simplified(primitive, operands) {
+            return same;
+        }
+        let mut slots = [NodeId(0); MAX_OPERANDS];
+        slots[..operands.len()].copy_from_slice(operands);
+        self.add(Node::Apply(primitive, slots))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lang::source::Source;
+
+    fn graph(formula: &str) -> Graph {
+        let source = Source::new("test", format!("body_specific; p: scalar; q: vector; formula; {formula}"));
+        let (formula, _) = Formula::parse(&source).unwrap_or_else(|errors| panic!("{}", errors.render(&source, false)));
+        Graph::new(&formula)
+    }
+
+    #[test]
+    fn equal_expressions_are_one_node() {
+        let shared = graph("A = p*alpha; B = p*alpha; = <A, B, A*B>;");
+        let [red, green, blue] = shared.result();
+        assert_eq!(red, green);
+        assert_eq!(shared.node(blue).operands(), [red, green]);
+    }
+
+    #[test]
+    fn constants_fold_by_the_reference_meaning() {
+        let folded = graph("= <2^0.5, 1/0, max(1, 2)*p>;");
+        let [red, green, _] = folded.result();
+        assert_eq!(folded.constant(red), Some(2.0_f32.powf(0.5)));
+        assert_eq!(folded.constant(green), Some(f32::INFINITY));
+    }
+
+    #[test]
+    fn only_true_identities_are_simplified() {
+        let kept = graph("= <p*1, p*0, p + 0>;");
+        let [red, green, blue] = kept.result();
+        assert!(matches!(kept.node(red), Node::Parameter(..)));
+        assert!(matches!(kept.node(green), Node::Apply(Primitive::Mul, _)), "0 times infinity is not 0");
+        assert!(matches!(kept.node(blue), Node::Apply(Primitive::Add, _)), "-0 + 0 is 0");
+    }
+
+    #[test]
+    fn deep_sums_need_no_stack() {
+        let sum = vec!["alpha"; 100_000].join("+");
+        assert!(graph(&format!("= <p, p, {sum}>;")).len() > 100_000);
+    }
+}

@@ -1,0 +1,107 @@
+//! Lines of sums as a linear system: which places follow from which others, which lines contradict each other.
+//!
+//! Parameters are places in the order of naming here; what they are called and what values they have does not matter.
+
+use crate::formula::invariants::TOLERANCE;
+use crate::formula::invariants::polytope::{Condition, Polytope};
+use crate::lang::ast::Relation;
+use std::collections::BTreeMap;
+
+/// Coefficients nearer to 0 than this have cancelled.
+pub(super) const CANCELLED: f64 = 1e-9;
+
+/// A sum of places, each with its coefficient.
+pub(super) type Sum = BTreeMap<usize, f64>;
+
+/// A place that follows: constant + sum over free places.
+pub(super) type Locked = (usize, f64, Sum);
+
+/// An invariant over places in the order of naming.
+#[derive(Debug, Clone)]
+pub(super) struct Line {
+    /// Its place in the list of all invariants.
+    pub(super) index: usize,
+    pub(super) relation: Relation,
+    pub(super) places: Vec<usize>,
+}
+
+impl Line {
+    fn sum(&self) -> Sum {
+        let mut sum = Sum::new();
+        self.places.iter().for_each(|place| *sum.entry(*place).or_insert(0.0) += 1.0);
+        sum
+    }
+}
+
+/// Whether some values in 0..1 satisfy all lines.
+pub(super) fn consistent(lines: &[Line], parameters: usize) -> bool {
+    let conditions = lines.iter().map(|line| Condition {
+        constant: 0.0,
+        terms: line.sum().into_iter().collect(),
+        low: match line.relation {
+            Relation::Equal => 1.0,
+            Relation::AtMost => f64::NEG_INFINITY,
+        },
+        high: 1.0,
+    });
+    Polytope { coordinates: parameters, conditions: conditions.collect() }.least_slack(&[]) <= TOLERANCE
+}
+
+/// A part of inconsistent lines that is inconsistent and would not be without any one of them.
+pub(super) fn irreducible(mut lines: Vec<Line>, parameters: usize) -> Vec<usize> {
+    let mut at = 0;
+    while at < lines.len() {
+        let line = lines.remove(at);
+        if consistent(&lines, parameters) {
+            lines.insert(at, line);
+            at += 1;
+        }
+    }
+    lines.into_iter().map(|line| line.index).collect()
+}
+
+/// A line's sum in terms of free parameters: the constant part and the rest.
+pub(super) fn substituted(line: &Line, locked: &[Locked]) -> (f64, Sum) {
+    let mut constant = 0.0;
+    let mut sum = Sum::new();
+    for (place, count) in line.sum() {
+        match locked.iter().find(|(pivot, ..)| *pivot == place) {
+            None => *sum.entry(place).or_insert(0.0) += count,
+            Some((_, known, terms)) => {
+                constant += count * known;
+                terms.iter().for_each(|(term, factor)| *sum.entry(*term).or_insert(0.0) += count * factor);
+            }
+        }
+    }
+    sum.retain(|_, factor| factor.abs() > CANCELLED);
+    (constant, sum)
+}
+
+/// Solves the `=` lines in their order: places that follow, each with its constant and its sum over places that are free in
+/// the end; and the redundant lines.
+pub(super) fn eliminate(lines: &[Line]) -> (Vec<Locked>, Vec<usize>) {
+    let mut locked: Vec<Locked> = Vec::new();
+    let mut redundant = Vec::new();
+    for line in lines.iter().filter(|line| line.relation == Relation::Equal) {
+        let (constant, sum) = substituted(line, &locked);
+        let is_free = |place: &&usize| locked.iter().all(|(pivot, ..)| pivot != *place);
+        // The last named that is free; where substitution cancelled it, the last of what remains.
+        let last_named = line.places.iter().rev().find(is_free).filter(|place| sum.contains_key(place)).copied();
+        let Some(pivot) = last_named.or_else(|| sum.keys().next_back().copied()) else {
+            redundant.push(line.index);
+            continue;
+        };
+        let factor = sum[&pivot];
+        let own_constant = (1.0 - constant) / factor;
+        let own: Sum = sum.iter().filter(|(place, _)| **place != pivot).map(|(place, other)| (*place, -other / factor)).collect();
+        for (_, constant, terms) in &mut locked {
+            if let Some(share) = terms.remove(&pivot) {
+                *constant += share * own_constant;
+                own.iter().for_each(|(place, factor)| *terms.entry(*place).or_insert(0.0) += share * factor);
+                terms.retain(|_, factor| factor.abs() > CANCELLED);
+            }
+        }
+        locked.push((pivot, own_constant, own));
+    }
+    (locked, redundant)
+}

@@ -1,0 +1,60 @@
+//! Where parameter values lie in memory: one row of numbers for the scene, one for each body, one for each light.
+
+use crate::formula::{Formula, Parameter};
+use crate::lang::variables::Owner;
+
+/// The places of all parameter numbers of a formula on a scene, in one array of `f32`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Layout {
+    globals: usize,
+    body: usize,
+    bodies: usize,
+    light: usize,
+    lights: usize,
+}
+
+impl Layout {
+    /// The layout for so many bodies and lights.
+    pub fn new(formula: &Formula, bodies: usize, lights: usize) -> Self {
+        Self {
+            globals: formula.slots(Owner::Global),
+            body: formula.slots(Owner::Body),
+            bodies,
+            light: formula.slots(Owner::Light),
+            lights,
+        }
+    }
+
+    /// How many numbers there are.
+    pub fn len(&self) -> usize {
+        self.globals + self.body * self.bodies + self.light * self.lights
+    }
+
+    /// Whether there are none; there always are the predefined ones.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// How many owners of this kind there are.
+    pub fn owners(&self, owner: Owner) -> usize {
+        match owner {
+            Owner::Global => 1,
+            Owner::Body => self.bodies,
+            Owner::Light => self.lights,
+        }
+    }
+
+    /// Where the row of the owner of this index begins (a body's, a light's; 0 for the scene).
+    pub fn row(&self, owner: Owner, index: usize) -> usize {
+        match owner {
+            Owner::Global => 0,
+            Owner::Body => self.globals + self.body * index,
+            Owner::Light => self.globals + self.body * self.bodies + self.light * index,
+        }
+    }
+
+    /// The place of a parameter's first number, for the owner of this index.
+    pub fn place(&self, parameter: &Parameter, index: usize) -> usize {
+        self.row(parameter.owner, index) + parameter.slot as usize
+    }
+}

@@ -1,0 +1,148 @@
+//! A checked illumination model: its parameters, their invariants, and its expression with every name and type settled.
+//!
+//! This is what the bytecode and the compiled code are made of. It knows no values: those belong to bodies, lights and the
+//! scene. Text becomes a [`Formula`] by [`Formula::parse`].
+
+pub mod binding;
+mod check;
+pub mod graph;
+pub mod invariants;
+pub mod layout;
+
+use crate::lang::ast::Relation;
+use crate::lang::builtins::Operation;
+use crate::lang::diagnostic::Diagnostics;
+use crate::lang::source::Source;
+use crate::lang::types::Type;
+use crate::lang::variables::{Owner, Predefined, Variable};
+
+/// A parameter, as an index into [`Formula::parameters`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct ParameterId(pub u32);
+
+/// A parameter, predefined or declared. Its values are kept elsewhere, one for each owner.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Parameter {
+    /// How it is written.
+    pub name: String,
+    /// What it belongs to.
+    pub owner: Owner,
+    /// Scalar or vector.
+    pub ty: Type,
+    /// Bounds of the value, or of each component; none: unbounded.
+    pub range: Option<[f32; 2]>,
+    /// The default; a scalar is the first component and the others are 0.
+    pub default: [f32; 3],
+    /// Whether it asks for a slider in the first row.
+    pub slider: bool,
+    /// Whether it asks for a colour picker.
+    pub colour: bool,
+    /// Which predefined parameter it is, if one.
+    pub predefined: Option<Predefined>,
+    /// Where its first number lies among the numbers of its owner, see [`Formula::slots`].
+    pub slot: u32,
+}
+
+impl Parameter {
+    /// The nearest value within the range, and whether that is another one. NaN becomes the lower bound (0 without bounds).
+    pub fn clamp(&self, value: f32) -> (f32, bool) {
+        let [low, high] = self.range.unwrap_or([f32::MIN, f32::MAX]);
+        let nearest = if value.is_nan() { self.range.map_or(0.0, |range| range[0]) } else { value.clamp(low, high) };
+        (nearest, nearest != value)
+    }
+}
+
+/// A sum of scalar parameters of one owner that is 1, or at most 1.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Invariant {
+    /// The parameters in the order of naming; one may be named twice and then counts twice.
+    pub terms: Vec<ParameterId>,
+    /// `=` or `<=`.
+    pub relation: Relation,
+}
+
+/// An expression, as an index into [`Formula::terms`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct TermId(pub u32);
+
+/// An expression whose names and types are settled.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Term {
+    /// A number.
+    Number(f32),
+    /// A value of the hit.
+    Variable(Variable),
+    /// A value that a slider moves.
+    Parameter(ParameterId),
+    /// An operation on other expressions.
+    Apply(Operation, Vec<TermId>),
+}
+
+/// A checked illumination model.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Formula {
+    /// The path of the material library, as written.
+    pub uses: Option<String>,
+    /// All parameters: the predefined ones first, in the order of their table, then the declared ones in the order of the file.
+    pub parameters: Vec<Parameter>,
+    /// All invariants, in the order of the file.
+    pub invariants: Vec<Invariant>,
+    /// All expressions, operands before their users; macros are there once, however often they are used.
+    pub terms: Vec<Term>,
+    /// The macros by name, in the order of the file.
+    pub macros: Vec<(String, TermId)>,
+    /// The colour that the model yields: a vector.
+    pub result: TermId,
+}
+
+impl Formula {
+    /// Reads and checks a formula file; with the formula come the warnings.
+    ///
+    /// # Errors
+    /// Everything wrong with the text that can be found in one go, warnings among it.
+    pub fn parse(source: &Source) -> Result<(Formula, Diagnostics), Diagnostics> {
+        let (file, diagnostics) = crate::lang::parser::parse(source);
+        check::check(&file, diagnostics)
+    }
+
+    /// The parameter of this index.
+    pub fn parameter(&self, id: ParameterId) -> &Parameter {
+        &self.parameters[id.0 as usize]
+    }
+
+    /// The indices of all parameters.
+    pub fn parameter_ids(&self) -> impl Iterator<Item = ParameterId> + use<> {
+        (0..self.parameters.len() as u32).map(ParameterId)
+    }
+
+    /// The parameter of this name.
+    pub fn parameter_named(&self, name: &str) -> Option<ParameterId> {
+        self.parameter_ids().find(|id| self.parameter(*id).name == name)
+    }
+
+    /// The predefined parameter of this kind.
+    pub fn predefined(&self, predefined: Predefined) -> ParameterId {
+        // The predefined parameters come first, in the order of their table.
+        ParameterId(predefined as u32)
+    }
+
+    /// How many numbers the parameters of one owner of this kind take, vectors three.
+    pub fn slots(&self, owner: Owner) -> usize {
+        self.parameters.iter().filter(|parameter| parameter.owner == owner).map(|parameter| parameter.ty.slots()).sum()
+    }
+
+    /// The expression of this index.
+    pub fn term(&self, id: TermId) -> &Term {
+        &self.terms[id.0 as usize]
+    }
+
+    /// The type of an expression.
+    pub fn ty(&self, id: TermId) -> Type {
+        match self.term(id) {
+            Term::Number(_) => Type::Scalar,
+            Term::Variable(variable) => variable.ty(),
+            Term::Parameter(parameter) => self.parameter(*parameter).ty,
+            Term::Apply(operation, _) => operation.result(),
+        }
+    }
+}

@@ -1,0 +1,239 @@
+//! The room of unsafe code: kernels in executable memory, calls into them, and the function that they call out to.
+//!
+//! Kernels run with subnormal numbers switched off (FTZ and DAZ of the MXCSR register: a subnormal operand costs a hundred
+//! cycles and more), which Rust code must not see; so the register is set and restored around each call, and around what a kernel calls.
+#![allow(unsafe_code)]
+
+use crate::formula::graph::Graph;
+use crate::jit::compile::{CompileError, Listing, target};
+use crate::jit::emit::PERLIN_OPERANDS;
+use crate::jit::kernel::{self, KernelPlan};
+use crate::lang::noise;
+use crate::lang::scalars::flush;
+use cranelift_codegen::Context;
+use cranelift_codegen::ir::types::I64;
+use cranelift_codegen::ir::{AbiParam, Signature};
+use cranelift_codegen::isa::CallConv;
+use cranelift_jit::{JITBuilder, JITModule};
+use cranelift_module::{Linkage, Module, ModuleError};
+use std::mem::ManuallyDrop;
+use std::sync::Arc;
+
+/// Four records' values of one column, side by side in memory as kernels load them.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[repr(C, align(16))]
+pub struct Lanes(pub [f32; 4]);
+
+impl Lanes {
+    /// How many records a block holds.
+    pub const COUNT: usize = 4;
+
+    /// The same value for all four records.
+    pub fn splat(value: f32) -> Self {
+        Self([value; 4])
+    }
+
+    /// How many blocks so many records take.
+    pub fn blocks(records: usize) -> usize {
+        records.div_ceil(Self::COUNT)
+    }
+}
+
+/// What every kernel is: see the [kernel](super::kernel) room for the meaning of the parameters.
+type Entry = extern "C" fn(columns: *const *const Lanes, uniforms: *const Lanes, outputs: *const *mut Lanes, blocks: usize);
+
+/// The memory that holds a formula's kernels; freed with the last of them.
+pub(super) struct CodeMemory(ManuallyDrop<JITModule>);
+
+// SAFETY: the module is touched only when it is made and, by the one owner left, when it is dropped; kernels only run code in its memory.
+unsafe impl Send for CodeMemory {}
+// SAFETY: as above; there is no method that reads or changes the module through a shared reference.
+unsafe impl Sync for CodeMemory {}
+
+impl Drop for CodeMemory {
+    fn drop(&mut self) {
+        // SAFETY: the value is not used after this, since it is being dropped. Every kernel holds the memory by an `Arc`, so no
+        // code in it can be running or be called any more.
+        unsafe { ManuallyDrop::take(&mut self.0).free_memory() }
+    }
+}
+
+/// Compiles kernels into one piece of memory; where a listing is wanted, writes the stages into it.
+///
+/// # Errors
+/// The processor is not supported.
+pub(super) fn generate<const N: usize>(
+    plans: &[KernelPlan; N],
+    graph: &Graph,
+    mut listing: Option<&mut Listing>,
+) -> Result<[Kernel; N], CompileError> {
+    let failed = |error: ModuleError| CompileError::Generator(error.to_string());
+    let (isa, fma) = target()?;
+    let mut builder = JITBuilder::with_isa(isa.clone(), cranelift_module::default_libcall_names());
+    builder.symbol("perlin", perlin_lanes as *const u8);
+    let mut module = JITModule::new(builder);
+    let mut noise_signature = Signature::new(CallConv::SystemV);
+    noise_signature.params.push(AbiParam::new(I64));
+    let noise = module.declare_function("perlin", Linkage::Import, &noise_signature).map_err(failed)?;
+    let mut functions = Vec::with_capacity(N);
+    for plan in plans {
+        let mut context = Context::new();
+        context.func.signature = Signature::new(CallConv::SystemV);
+        context.func.signature.params.extend(kernel::parameters());
+        let id = module.declare_function(plan.name, Linkage::Local, &context.func.signature).map_err(failed)?;
+        let callee = plan.calls_perlin(graph).then(|| module.declare_func_in_func(noise, &mut context.func));
+        kernel::write(plan, graph, &*isa, fma, callee, &mut context.func);
+        context.set_disasm(listing.is_some());
+        if let Some(listing) = &mut listing {
+            listing.clif.push_str(&format!("; {}\n{}\n", plan.name, context.func.display()));
+        }
+        module.define_function(id, &mut context).map_err(failed)?;
+        if let Some(listing) = &mut listing {
+            let code = context.compiled_code().and_then(|code| code.vcode.clone()).unwrap_or_default();
+            listing.asm.push_str(&format!("; {}\n{code}\n", plan.name));
+        }
+        functions.push(id);
+    }
+    module.finalize_definitions().map_err(failed)?;
+    let addresses: Vec<*const u8> = functions.iter().map(|id| module.get_finalized_function(*id)).collect();
+    let memory = Arc::new(CodeMemory(ManuallyDrop::new(module)));
+    Ok(std::array::from_fn(|index| {
+        let plan = &plans[index];
+        // SAFETY: at the address is the finished code of the function that was written just now with the parameters of `Entry`, none
+        // of which is wider than a register; its memory lives as long as the kernel.
+        let entry = unsafe { std::mem::transmute::<*const u8, Entry>(addresses[index]) };
+        let [columns, uniforms, outputs] = [plan.columns.len(), plan.uniforms.len(), plan.outputs.len()];
+        Kernel { entry, columns, uniforms, outputs, _memory: Arc::clone(&memory) }
+    }))
+}
+
+/// A compiled kernel.
+#[derive(Clone)]
+pub struct Kernel {
+    entry: Entry,
+    columns: usize,
+    uniforms: usize,
+    outputs: usize,
+    _memory: Arc<CodeMemory>,
+}
+
+impl Kernel {
+    /// Runs the kernel over `blocks` blocks of four records: reads `columns` and `uniforms`, stores or adds into `outputs`.
+    ///
+    /// # Panics
+    /// Where there are not as many columns, uniforms and outputs as the kernel was written for, or one of them is shorter than `blocks`.
+    pub fn run(&self, columns: &[&[Lanes]], uniforms: &[Lanes], outputs: &mut [&mut [Lanes]], blocks: usize) {
+        assert_eq!((columns.len(), outputs.len()), (self.columns, self.outputs), "a kernel's columns and outputs");
+        assert!(uniforms.len() >= self.uniforms, "a kernel's uniforms");
+        assert!(columns.iter().all(|column| column.len() >= blocks), "a kernel's columns are long enough");
+        assert!(outputs.iter().all(|column| column.len() >= blocks), "a kernel's outputs are long enough");
+        // Most formulas read a handful of columns; a vector on the heap for each call would cost more than the call.
+        const FEW: usize = 32;
+        let mut few_columns = [std::ptr::null::<Lanes>(); FEW];
+        let many_columns: Vec<*const Lanes>;
+        let column_table = if columns.len() <= FEW {
+            few_columns.iter_mut().zip(columns).for_each(|(pointer, column)| *pointer = column.as_ptr());
+            few_columns.as_ptr()
+        } else {
+            many_columns = columns.iter().map(|column| column.as_ptr()).collect();
+            many_columns.as_ptr()
+        };
+        let mut few_outputs = [std::ptr::null_mut::<Lanes>(); FEW];
+        let many_outputs: Vec<*mut Lanes>;
+        let output_table = if outputs.len() <= FEW {
+            few_outputs.iter_mut().zip(outputs).for_each(|(pointer, column)| *pointer = column.as_mut_ptr());
+            few_outputs.as_ptr()
+        } else {
+            many_outputs = outputs.iter_mut().map(|column| column.as_mut_ptr()).collect();
+            many_outputs.as_ptr()
+        };
+        let entry = self.entry;
+        // SAFETY: the code reads exactly `self.columns` and `self.outputs` pointers from the tables and `self.uniforms` lanes, and of each
+        // column the first `blocks` lanes; the assertions above guarantee all of them, `&mut` that outputs overlap nothing. `Lanes`
+        // is aligned as the code's loads and stores need. Nothing of Rust runs while subnormals are switched off.
+        unsafe {
+            without_subnormals(entry, column_table, uniforms.as_ptr(), output_table, blocks);
+        }
+    }
+}
+
+/// Flush to zero, denormals are zero, and all exceptions masked.
+#[cfg(target_arch = "x86_64")]
+const KERNEL_MXCSR: u32 = 0x9fc0;
+/// What Rust code runs with: round to nearest, all exceptions masked.
+#[cfg(target_arch = "x86_64")]
+const RUST_MXCSR: u32 = 0x1f80;
+
+/// Calls a kernel with subnormal operands and results counting as zero.
+///
+/// # Safety
+/// Calling `entry` with these arguments must be sound.
+#[cfg(target_arch = "x86_64")]
+unsafe fn without_subnormals(
+    entry: Entry,
+    columns: *const *const Lanes,
+    uniforms: *const Lanes,
+    outputs: *const *mut Lanes,
+    blocks: usize,
+) {
+    let mut saved: u32 = RUST_MXCSR;
+    // SAFETY: saves MXCSR, sets it for the kernel, calls the kernel by the C calling convention (whose registers are all declared
+    // lost), and restores MXCSR, so that Rust code never runs under the changed one. r12 survives the call by that convention.
+    unsafe {
+        std::arch::asm!(
+            "stmxcsr [r12]",
+            "ldmxcsr [r13]",
+            "call r14",
+            "ldmxcsr [r12]",
+            in("r12") &raw mut saved,
+            in("r13") &raw const KERNEL_MXCSR_VALUE,
+            in("r14") entry,
+            in("rdi") columns,
+            in("rsi") uniforms,
+            in("rdx") outputs,
+            in("rcx") blocks,
+            clobber_abi("C"),
+        );
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+static KERNEL_MXCSR_VALUE: u32 = KERNEL_MXCSR;
+#[cfg(target_arch = "x86_64")]
+static RUST_MXCSR_VALUE: u32 = RUST_MXCSR;
+
+/// The function that kernels call for noise: six operands of four lanes, and room for the result behind them.
+#[cfg(target_arch = "x86_64")]
+pub(super) extern "C" fn perlin_lanes(lanes: *mut f32) {
+    let mut saved: u32 = KERNEL_MXCSR;
+    // SAFETY: reads and writes nothing but MXCSR and `saved`: Rust's floating point needs the default register.
+    unsafe {
+        std::arch::asm!("stmxcsr [{saved}]", "ldmxcsr [{rust}]", saved = in(reg) &raw mut saved, rust = in(reg) &raw const RUST_MXCSR_VALUE, options(nostack));
+    }
+    const WIDTH: usize = Lanes::COUNT;
+    const OPERANDS: usize = PERLIN_OPERANDS as usize;
+    for lane in 0..WIDTH {
+        // SAFETY: kernels pass the address of a stack slot of `OPERANDS + 1` times `WIDTH` floats whose operands they have written.
+        let [x, y, z, a, b, n] =
+            std::array::from_fn::<f32, OPERANDS, _>(|index| unsafe { lanes.add(index * WIDTH + lane).read() });
+        let value = flush(noise::perlin([x, y, z], a, b, n));
+        // SAFETY: as above; the result's place is behind the operands.
+        unsafe { lanes.add(OPERANDS * WIDTH + lane).write(value) };
+    }
+    // SAFETY: gives the kernel its MXCSR back.
+    unsafe {
+        std::arch::asm!("ldmxcsr [{saved}]", saved = in(reg) &raw const saved, options(nostack, readonly));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lanes_are_what_kernels_load() {
+        assert_eq!((size_of::<Lanes>(), align_of::<Lanes>()), (16, 16));
+        assert_eq!(Lanes::blocks(0), 0);
+        assert_eq!(Lanes::blocks(5), 2);
+    }
+}

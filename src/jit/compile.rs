@@ -1,0 +1,138 @@
+//! The kernels of a formula: which there are, and their way through Cranelift.
+
+use crate::formula::Formula;
+use crate::formula::binding::Bindings;
+use crate::formula::graph::{Graph, NodeId};
+use crate::jit::call::{Kernel, generate};
+use crate::jit::kernel::KernelPlan;
+use crate::lang::variables::Predefined;
+use cranelift_codegen::isa::OwnedTargetIsa;
+use cranelift_codegen::settings::{self, Configurable};
+use thiserror::Error;
+
+/// Why there is no compiled code.
+#[derive(Debug, Error)]
+pub enum CompileError {
+    /// The processor is none that kernels are written for.
+    #[error("no compiled code for this processor: {0}; `--backend interpreter` works everywhere")]
+    Processor(String),
+    /// Cranelift refused; an error of this program.
+    #[error("the code generator failed: {0}")]
+    Generator(String),
+}
+
+/// How many blocks of four records the contribution kernel computes side by side. Four hide most of the latency of a
+/// polynomial's chain of multiplications.
+const INTERLEAVE: usize = 4;
+
+/// A formula's kernels, with the nodes that their columns stand for.
+pub struct CompiledFormula {
+    /// The graph and its binding times.
+    pub bindings: Bindings,
+    /// The variables that [`hit_kernel`](Self::hit_kernel) reads, in the order of its columns.
+    pub hit_leaves: Vec<NodeId>,
+    /// The variables that [`record_kernel`](Self::record_kernel) reads, in the order of its columns.
+    pub record_leaves: Vec<NodeId>,
+    /// The parameters that [`uniform_kernel`](Self::uniform_kernel) reads, in the order of its columns.
+    pub uniform_leaves: Vec<NodeId>,
+    /// Variables of hits → the hit frontier.
+    pub hit_kernel: Kernel,
+    /// Variables of lit records → the record frontier.
+    pub record_kernel: Kernel,
+    /// Parameters of (body, light) pairs → uniform values.
+    pub uniform_kernel: Kernel,
+    /// Hit frontier, record frontier; uniforms → red, green, blue, added to.
+    pub contribution_kernel: Kernel,
+}
+
+/// What the stages of compilation look like as text.
+#[derive(Debug, Clone, Default)]
+pub struct Listing {
+    /// Cranelift's intermediate representation.
+    pub clif: String,
+    /// Machine instructions.
+    pub asm: String,
+}
+
+impl CompiledFormula {
+    /// Compiles a formula.
+    ///
+    /// # Errors
+    /// The processor is not supported.
+    pub fn new(formula: &Formula) -> Result<Self, CompileError> {
+        Self::compile(formula, None)
+    }
+
+    /// Compiles a formula and lists the stages.
+    ///
+    /// # Errors
+    /// The processor is not supported.
+    pub fn listing(formula: &Formula) -> Result<Listing, CompileError> {
+        let mut listing = Listing::default();
+        Self::compile(formula, Some(&mut listing))?;
+        Ok(listing)
+    }
+
+    fn compile(formula: &Formula, listing: Option<&mut Listing>) -> Result<Self, CompileError> {
+        let mut graph = Graph::new(formula);
+        let intensity = graph.parameter(formula.predefined(Predefined::Intensity), 0);
+        let bindings = Bindings::new(graph, intensity);
+        let hit_leaves = bindings.leaves(&bindings.hit_frontier);
+        let record_leaves = bindings.leaves(&bindings.record_frontier);
+        let uniform_leaves = bindings.leaves(&bindings.uniforms);
+        let stage = |name, columns: &[NodeId], outputs: &[NodeId]| KernelPlan {
+            name,
+            columns: columns.to_vec(),
+            uniforms: Vec::new(),
+            outputs: outputs.to_vec(),
+            accumulate: false,
+            interleave: 1,
+        };
+        let plans = [
+            stage("hits", &hit_leaves, &bindings.hit_frontier),
+            stage("records", &record_leaves, &bindings.record_frontier),
+            stage("uniforms", &uniform_leaves, &bindings.uniforms),
+            KernelPlan {
+                name: "contributions",
+                columns: [bindings.hit_frontier.as_slice(), &bindings.record_frontier].concat(),
+                uniforms: bindings.uniforms.clone(),
+                outputs: bindings.contribution.to_vec(),
+                accumulate: true,
+                interleave: INTERLEAVE,
+            },
+        ];
+        let [hit_kernel, record_kernel, uniform_kernel, contribution_kernel] = generate(&plans, &bindings.graph, listing)?;
+        Ok(Self {
+            bindings,
+            hit_leaves,
+            record_leaves,
+            uniform_leaves,
+            hit_kernel,
+            record_kernel,
+            uniform_kernel,
+            contribution_kernel,
+        })
+    }
+}
+
+/// The target: this processor. Optimisation is left to the graph: Cranelift's own hoists constants into registers that it then has to spill.
+/// The flag says whether it multiplies and adds in one instruction.
+pub(super) fn target() -> Result<(OwnedTargetIsa, bool), CompileError> {
+    let generator = |error: &dyn std::fmt::Display| CompileError::Generator(error.to_string());
+    let mut flags = settings::builder();
+    let verify = if cfg!(debug_assertions) { "true" } else { "false" };
+    for (name, value) in [("opt_level", "none"), ("is_pic", "false"), ("enable_verifier", verify)] {
+        flags.set(name, value).map_err(|error| generator(&error))?;
+    }
+    let builder = cranelift_native::builder().map_err(|why| CompileError::Processor(why.to_owned()))?;
+    let isa = builder.finish(settings::Flags::new(flags)).map_err(|error| generator(&error))?;
+    let has = |name: &str| isa.isa_flags().iter().any(|flag| flag.name == name && flag.as_bool() == Some(true));
+    if !cfg!(all(target_arch = "x86_64", unix)) {
+        return Err(CompileError::Processor(format!("kernels are written for x86-64 under Unix, not {}", isa.name())));
+    }
+    if !has("has_sse41") {
+        return Err(CompileError::Processor("it lacks SSE4.1".to_owned()));
+    }
+    let fma = has("has_fma") && has("has_avx");
+    Ok((isa, fma))
+}

@@ -1,0 +1,189 @@
+//! The scalar primitives as instructions on four lanes at a time.
+
+use crate::jit::math::VectorMath;
+use crate::lang::scalars::Scalars;
+use cranelift_codegen::ir::condcodes::FloatCC;
+use cranelift_codegen::ir::types::{F32X4, I64};
+use cranelift_codegen::ir::{FuncRef, InstBuilder, MemFlagsData, StackSlot, Value};
+use cranelift_frontend::FunctionBuilder;
+
+/// How many operands the noise function takes; its result goes behind them.
+pub(super) const PERLIN_OPERANDS: u32 = 6;
+/// Bytes of four lanes.
+pub(super) const LANES_BYTES: u32 = 16;
+
+/// Emits primitives into the function under construction.
+///
+/// A scalar is an `F32X4`, a truth value an `I32X4` whose lanes are all ones or all zeros.
+pub(super) struct Emitter<'e, 'f> {
+    pub(super) builder: &'e mut FunctionBuilder<'f>,
+    /// Whether the processor multiplies and adds in one instruction.
+    pub(super) fma: bool,
+    /// The noise function, and room for its operands and result; there if the kernel needs it.
+    pub(super) perlin: Option<(FuncRef, StackSlot)>,
+}
+
+impl<'f> Emitter<'_, 'f> {
+    fn math(&mut self) -> VectorMath<'_, 'f> {
+        VectorMath::new(self.builder, self.fma)
+    }
+
+    /// A truth value as a mask; a constant one is a number still.
+    fn mask(&mut self, truth: Value) -> Value {
+        if self.builder.func.dfg.value_type(truth) != F32X4 {
+            return truth;
+        }
+        let zero = self.math().constant(0.0);
+        self.builder.ins().fcmp(FloatCC::NotEqual, truth, zero)
+    }
+}
+
+impl Scalars for Emitter<'_, '_> {
+    type Value = Value;
+
+    fn constant(&mut self, value: f32) -> Value {
+        self.math().constant(value)
+    }
+
+    fn neg(&mut self, x: Value) -> Value {
+        self.builder.ins().fneg(x)
+    }
+
+    fn add(&mut self, x: Value, y: Value) -> Value {
+        self.builder.ins().fadd(x, y)
+    }
+
+    fn sub(&mut self, x: Value, y: Value) -> Value {
+        self.builder.ins().fsub(x, y)
+    }
+
+    fn mul(&mut self, x: Value, y: Value) -> Value {
+        self.builder.ins().fmul(x, y)
+    }
+
+    fn div(&mut self, x: Value, y: Value) -> Value {
+        self.builder.ins().fdiv(x, y)
+    }
+
+    fn sqrt(&mut self, x: Value) -> Value {
+        self.builder.ins().sqrt(x)
+    }
+
+    fn floor(&mut self, x: Value) -> Value {
+        self.math().floor(x)
+    }
+
+    fn ceil(&mut self, x: Value) -> Value {
+        self.math().ceil(x)
+    }
+
+    fn abs(&mut self, x: Value) -> Value {
+        self.math().abs(x)
+    }
+
+    // A comparison and a selection, which become one `minps` or `maxps`; Cranelift's own `fmin` obeys other rules and costs more.
+    fn min(&mut self, x: Value, y: Value) -> Value {
+        let mask = self.builder.ins().fcmp(FloatCC::LessThan, x, y);
+        self.math().select(mask, x, y)
+    }
+
+    fn max(&mut self, x: Value, y: Value) -> Value {
+        let mask = self.builder.ins().fcmp(FloatCC::LessThan, y, x);
+        self.math().select(mask, x, y)
+    }
+
+    fn exp(&mut self, x: Value) -> Value {
+        self.math().exp(x)
+    }
+
+    fn exp2(&mut self, x: Value) -> Value {
+        self.math().exp2(x)
+    }
+
+    fn log(&mut self, x: Value) -> Value {
+        self.math().log(x)
+    }
+
+    fn log2(&mut self, x: Value) -> Value {
+        self.math().log2(x)
+    }
+
+    fn pow(&mut self, x: Value, y: Value) -> Value {
+        self.math().pow(x, y)
+    }
+
+    fn sin(&mut self, x: Value) -> Value {
+        self.math().sin(x)
+    }
+
+    fn cos(&mut self, x: Value) -> Value {
+        self.math().cos(x)
+    }
+
+    fn tan(&mut self, x: Value) -> Value {
+        self.math().tan(x)
+    }
+
+    fn asin(&mut self, x: Value) -> Value {
+        self.math().asin(x)
+    }
+
+    fn acos(&mut self, x: Value) -> Value {
+        self.math().acos(x)
+    }
+
+    fn atan(&mut self, x: Value) -> Value {
+        self.math().atan(x)
+    }
+
+    fn atan2(&mut self, y: Value, x: Value) -> Value {
+        self.math().atan2(y, x)
+    }
+
+    /// Noise is table look-ups, which four-lane code does no better than scalar code: it is called, four points at a time.
+    fn perlin(&mut self, x: Value, y: Value, z: Value, a: Value, b: Value, n: Value) -> Value {
+        let Some((function, slot)) = self.perlin else {
+            // The kernel writer looks for noise before it begins, so this is not reached; NaN would show at once if it were.
+            return self.constant(f32::NAN);
+        };
+        let base = self.builder.ins().stack_addr(I64, slot, 0);
+        let flags = MemFlagsData::trusted();
+        for (place, operand) in (0..).zip([x, y, z, a, b, n]) {
+            self.builder.ins().store(flags, operand, base, place * LANES_BYTES as i32);
+        }
+        self.builder.ins().call(function, &[base]);
+        self.builder.ins().load(F32X4, flags, base, (PERLIN_OPERANDS * LANES_BYTES) as i32)
+    }
+
+    fn less(&mut self, x: Value, y: Value) -> Value {
+        self.builder.ins().fcmp(FloatCC::LessThan, x, y)
+    }
+
+    fn less_equal(&mut self, x: Value, y: Value) -> Value {
+        self.builder.ins().fcmp(FloatCC::LessThanOrEqual, x, y)
+    }
+
+    fn equal(&mut self, x: Value, y: Value) -> Value {
+        self.builder.ins().fcmp(FloatCC::Equal, x, y)
+    }
+
+    fn and(&mut self, p: Value, q: Value) -> Value {
+        let (p, q) = (self.mask(p), self.mask(q));
+        self.builder.ins().band(p, q)
+    }
+
+    fn or(&mut self, p: Value, q: Value) -> Value {
+        let (p, q) = (self.mask(p), self.mask(q));
+        self.builder.ins().bor(p, q)
+    }
+
+    fn not(&mut self, p: Value) -> Value {
+        let p = self.mask(p);
+        self.builder.ins().bnot(p)
+    }
+
+    fn select(&mut self, p: Value, x: Value, y: Value) -> Value {
+        let p = self.mask(p);
+        self.math().select(p, x, y)
+    }
+}

@@ -1,0 +1,472 @@
+//! Every operator and function of the language, defined once.
+//!
+//! A row of the table gives an overload's name in the bytecode, how it is written, its types, where it comes from, a line for the
+//! reference, and its meaning in terms of the [`Scalars`] primitives. The parser's and checker's knowledge, the interpreter, the
+//! expression graph (and so the compiled code), constant folding, the printed reference and the tests all derive from here.
+
+use crate::lang::scalars::Scalars;
+use crate::lang::token::Mark;
+use crate::lang::types::{Origin, Type};
+
+/// How an operation is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Form {
+    /// Before its operand.
+    Prefix(Mark),
+    /// Between its operands.
+    Infix(Mark),
+    /// `name(a, b, …)`.
+    Function(&'static str),
+    /// A name without operands.
+    Constant(&'static str),
+    /// `<x, y, z>`.
+    Vector,
+    /// `if(condition, then, else)`.
+    Conditional,
+}
+
+/// Operands and results of operations: a stack of scalars, three for a vector, the first component deepest.
+#[derive(Debug, Clone)]
+pub struct Stack<T> {
+    slots: Vec<T>,
+    top: usize,
+}
+
+impl<T: Copy> Stack<T> {
+    /// An empty stack for at most `depth` scalars; `filler` is what unused places hold.
+    pub fn new(depth: usize, filler: T) -> Self {
+        Self { slots: vec![filler; depth], top: 0 }
+    }
+
+    /// Puts a scalar on top.
+    ///
+    /// # Panics
+    /// Beyond the depth given to [`new`](Self::new), which whoever fills the stack must know beforehand.
+    #[inline]
+    pub fn push(&mut self, value: T) {
+        self.slots[self.top] = value;
+        self.top += 1;
+    }
+
+    /// The uppermost `N` scalars, deepest first, taken off.
+    ///
+    /// # Panics
+    /// Where there are fewer.
+    #[inline(always)]
+    pub fn pop<const N: usize>(&mut self) -> [T; N] {
+        let top = self.top;
+        self.top -= N;
+        // One check of bounds for all of them: this is the inner loop of the interpreter.
+        let slots = &self.slots[self.top..top];
+        std::array::from_fn(|index| slots[index])
+    }
+
+    /// How many scalars it holds.
+    pub fn len(&self) -> usize {
+        self.top
+    }
+
+    /// Whether it holds none.
+    pub fn is_empty(&self) -> bool {
+        self.top == 0
+    }
+
+    /// Takes everything off.
+    pub fn clear(&mut self) {
+        self.top = 0;
+    }
+}
+
+macro_rules! type_of {
+    (S) => {
+        Type::Scalar
+    };
+    (V) => {
+        Type::Vector
+    };
+    (B) => {
+        Type::Truth
+    };
+}
+
+macro_rules! take {
+    ($slots:ident, $at:ident, V) => {{
+        $at += 3;
+        [$slots[$at - 3], $slots[$at - 2], $slots[$at - 1]]
+    }};
+    ($slots:ident, $at:ident, $scalar:ident) => {{
+        $at += 1;
+        $slots[$at - 1]
+    }};
+}
+
+macro_rules! put {
+    ($stack:ident, $value:expr, V) => {{
+        let [x, y, z] = $value;
+        $stack.push(x);
+        $stack.push(y);
+        $stack.push(z);
+    }};
+    ($stack:ident, $value:expr, $scalar:ident) => {{
+        let value = $value;
+        $stack.push(value);
+    }};
+}
+
+macro_rules! operations {
+    ($($variant:ident $form:ident $(($spelling:expr))? [$($operand:ident: $type:ident),*] -> $result:ident
+        $origin:ident $doc:literal, |$m:ident| $meaning:expr;)*) => {
+        /// An operator or function with its operand types settled; its number is its opcode's place in the bytecode.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+        #[repr(u8)]
+        pub enum Operation {
+            $(#[doc = $doc] $variant,)*
+        }
+
+        impl Operation {
+            /// Every operation, in the order of the table.
+            pub const ALL: &[Operation] = &[$(Operation::$variant,)*];
+
+            /// Its name in the bytecode.
+            pub fn name(self) -> &'static str {
+                match self {
+                    $(Operation::$variant => stringify!($variant),)*
+                }
+            }
+
+            /// How it is written.
+            pub fn form(self) -> Form {
+                match self {
+                    $(Operation::$variant => Form::$form $(($spelling))?,)*
+                }
+            }
+
+            /// The types of its operands.
+            pub fn operands(self) -> &'static [Type] {
+                match self {
+                    $(Operation::$variant => &[$(type_of!($type)),*],)*
+                }
+            }
+
+            /// The names of its operands, as the reference shows them.
+            pub fn operand_names(self) -> &'static [&'static str] {
+                match self {
+                    $(Operation::$variant => &[$(stringify!($operand)),*],)*
+                }
+            }
+
+            /// The type of its result.
+            pub fn result(self) -> Type {
+                match self {
+                    $(Operation::$variant => type_of!($result),)*
+                }
+            }
+
+            /// Where it comes from.
+            pub fn origin(self) -> Origin {
+                match self {
+                    $(Operation::$variant => Origin::$origin,)*
+                }
+            }
+
+            /// What it means, in one line.
+            pub fn doc(self) -> &'static str {
+                match self {
+                    $(Operation::$variant => $doc,)*
+                }
+            }
+
+            /// Replaces its operands on top of the stack by its result, in the sense that `scalars` gives the primitives.
+            #[inline]
+            #[allow(unused_assignments, unused_mut, unused_variables, reason = "of operations without operands")]
+            pub fn apply<M: Scalars>(self, scalars: &mut M, stack: &mut Stack<M::Value>) {
+                match self {
+                    $(Operation::$variant => {
+                        const SLOTS: usize = 0 $(+ type_of!($type).slots())*;
+                        let slots = stack.pop::<SLOTS>();
+                        let mut at = 0;
+                        $(let $operand = take!(slots, at, $type);)*
+                        let $m = &mut *scalars;
+                        put!(stack, $meaning, $result);
+                    })*
+                }
+            }
+        }
+    };
+}
+
+operations! {
+    NegS Prefix(Mark::Minus) [x: S] -> S Thesis "the negative", |m| m.neg(x);
+    NegV Prefix(Mark::Minus) [x: V] -> V Added "the opposite vector", |m| x.map(|x| m.neg(x));
+    AddSS Infix(Mark::Plus) [x: S, y: S] -> S Thesis "sum", |m| m.add(x, y);
+    AddVV Infix(Mark::Plus) [x: V, y: V] -> V Thesis "sum by components", |m| zip(x, y, |x, y| m.add(x, y));
+    SubSS Infix(Mark::Minus) [x: S, y: S] -> S Thesis "difference", |m| m.sub(x, y);
+    SubVV Infix(Mark::Minus) [x: V, y: V] -> V Thesis "difference by components", |m| zip(x, y, |x, y| m.sub(x, y));
+    MulSS Infix(Mark::Star) [x: S, y: S] -> S Thesis "product", |m| m.mul(x, y);
+    MulVV Infix(Mark::Star) [x: V, y: V] -> V Thesis "product by components", |m| zip(x, y, |x, y| m.mul(x, y));
+    MulVS Infix(Mark::Star) [x: V, y: S] -> V Thesis "vector times scalar", |m| x.map(|x| m.mul(x, y));
+    MulSV Infix(Mark::Star) [x: S, y: V] -> V Thesis "scalar times vector", |m| y.map(|y| m.mul(x, y));
+    DivSS Infix(Mark::Slash) [x: S, y: S] -> S Thesis "quotient", |m| m.div(x, y);
+    DivVS Infix(Mark::Slash) [x: V, y: S] -> V Thesis "vector divided by scalar", |m| x.map(|x| m.div(x, y));
+    DivVV Infix(Mark::Slash) [x: V, y: V] -> V Added "quotient by components", |m| zip(x, y, |x, y| m.div(x, y));
+    DotVV Infix(Mark::Dot) [x: V, y: V] -> S Thesis "dot product", |m| dot(m, x, y);
+    PowerSS Infix(Mark::Caret) [x: S, y: S] -> S Thesis
+        "x to the power y, as C's powf: whole exponents take negative bases, and x^0 = 1", |m| m.pow(x, y);
+    MakeVector Vector [x: S, y: S, z: S] -> V Thesis "the vector of three components", |m| { let _ = &m; [x, y, z] };
+    Sqrt Function("sqrt") [x: S] -> S Thesis "square root", |m| m.sqrt(x);
+    Floor Function("floor") [x: S] -> S Thesis "the largest whole number not above x", |m| m.floor(x);
+    Ceil Function("ceil") [x: S] -> S Added "the smallest whole number not below x", |m| m.ceil(x);
+    Exp Function("exp") [x: S] -> S Thesis "e to the power x", |m| m.exp(x);
+    Exp2 Function("exp2") [x: S] -> S Added "2 to the power x", |m| m.exp2(x);
+    Log Function("log") [x: S] -> S Thesis "natural logarithm", |m| m.log(x);
+    Log2 Function("log2") [x: S] -> S Added "logarithm to base 2", |m| m.log2(x);
+    Pow Function("pow") [x: S, y: S] -> S Thesis "the same as x^y", |m| m.pow(x, y);
+    Sin Function("sin") [x: S] -> S Thesis "sine of an angle in radians", |m| m.sin(x);
+    Cos Function("cos") [x: S] -> S Thesis "cosine of an angle in radians", |m| m.cos(x);
+    Tan Function("tan") [x: S] -> S Thesis "tangent of an angle in radians", |m| m.tan(x);
+    Asin Function("asin") [x: S] -> S Added "arc sine, in radians", |m| m.asin(x);
+    Acos Function("acos") [x: S] -> S Added "arc cosine, in radians", |m| m.acos(x);
+    Atan Function("atan") [x: S] -> S Added "arc tangent, in radians", |m| m.atan(x);
+    Atan2 Function("atan2") [y: S, x: S] -> S Added "the angle of the point (x, y), in radians, -pi..pi", |m| m.atan2(y, x);
+    Radians Function("radians") [x: S] -> S Added "degrees into radians", |m| {
+        let factor = m.constant(std::f32::consts::PI / 180.0);
+        m.mul(x, factor)
+    };
+    Abs Function("abs") [x: S] -> S Added "absolute value", |m| m.abs(x);
+    Sign Function("sign") [x: S] -> S Added "1, 0 or -1 by the sign of x", |m| {
+        let (zero, plus, minus) = (m.constant(0.0), m.constant(1.0), m.constant(-1.0));
+        let (above, below) = (m.less(zero, x), m.less(x, zero));
+        let rest = m.select(below, minus, x);
+        m.select(above, plus, rest)
+    };
+    Fract Function("fract") [x: S] -> S Added "x - floor(x)", |m| { let whole = m.floor(x); m.sub(x, whole) };
+    Mod Function("mod") [x: S, y: S] -> S Added "x - y*floor(x/y)", |m| {
+        let quotient = m.div(x, y);
+        let whole = m.floor(quotient);
+        let part = m.mul(y, whole);
+        m.sub(x, part)
+    };
+    Step Function("step") [e: S, x: S] -> S Added "0 if x < e, else 1", |m| {
+        let (zero, one) = (m.constant(0.0), m.constant(1.0));
+        let below = m.less(x, e);
+        m.select(below, zero, one)
+    };
+    MinSS Function("min") [x: S, y: S] -> S Thesis "x if x < y, else y", |m| m.min(x, y);
+    MinSSS Function("min") [x: S, y: S, z: S] -> S Thesis "min(min(x, y), z)", |m| { let low = m.min(x, y); m.min(low, z) };
+    MinVV Function("min") [x: V, y: V] -> V Added "min by components", |m| zip(x, y, |x, y| m.min(x, y));
+    MaxSS Function("max") [x: S, y: S] -> S Thesis "x if x > y, else y", |m| m.max(x, y);
+    MaxSSS Function("max") [x: S, y: S, z: S] -> S Thesis "max(max(x, y), z)", |m| { let high = m.max(x, y); m.max(high, z) };
+    MaxVV Function("max") [x: V, y: V] -> V Added "max by components", |m| zip(x, y, |x, y| m.max(x, y));
+    Clamp Function("clamp") [x: S, lo: S, hi: S] -> S Added "min(max(x, lo), hi)", |m| clamp(m, x, lo, hi);
+    MixS Function("mix") [a: S, b: S, t: S] -> S Added "a*(1 - t) + b*t", |m| {
+        let [mixed, ..] = mix(m, [a; 3], [b; 3], t);
+        mixed
+    };
+    MixV Function("mix") [a: V, b: V, t: S] -> V Added "a*(1 - t) + b*t", |m| mix(m, a, b, t);
+    Smoothstep Function("smoothstep") [e0: S, e1: S, x: S] -> S Added
+        "t*t*(3 - 2*t) with t = clamp((x - e0)/(e1 - e0), 0, 1)", |m| {
+        let (zero, one, two, three) = (m.constant(0.0), m.constant(1.0), m.constant(2.0), m.constant(3.0));
+        let (rise, width) = (m.sub(x, e0), m.sub(e1, e0));
+        let ratio = m.div(rise, width);
+        let t = clamp(m, ratio, zero, one);
+        let (square, twice) = (m.mul(t, t), m.mul(two, t));
+        let rest = m.sub(three, twice);
+        m.mul(square, rest)
+    };
+    GetX Function("getx") [v: V] -> S Thesis "the first component", |m| { let _ = &m; v[0] };
+    GetY Function("gety") [v: V] -> S Thesis "the second component", |m| { let _ = &m; v[1] };
+    GetZ Function("getz") [v: V] -> S Thesis "the third component", |m| { let _ = &m; v[2] };
+    Cross Function("cross") [x: V, y: V] -> V Added "cross product", |m| {
+        let mut minor = |i: usize, j: usize| {
+            let (plus, minus) = (m.mul(x[i], y[j]), m.mul(x[j], y[i]));
+            m.sub(plus, minus)
+        };
+        [minor(1, 2), minor(2, 0), minor(0, 1)]
+    };
+    Reflect Function("reflect") [i: V, n: V] -> V Added "i - 2*(n.i)*n", |m| {
+        let two = m.constant(2.0);
+        let cosine = dot(m, n, i);
+        let twice = m.mul(two, cosine);
+        zip(i, n, |i, n| { let part = m.mul(twice, n); m.sub(i, part) })
+    };
+    Normalize Function("normalize") [v: V] -> V Added "v / length(v)", |m| {
+        let long = length(m, v);
+        v.map(|x| m.div(x, long))
+    };
+    Length Function("length") [v: V] -> S Added "sqrt(v.v)", |m| length(m, v);
+    Distance Function("distance") [x: V, y: V] -> S Added "length(x - y)", |m| {
+        let apart = zip(x, y, |x, y| m.sub(x, y));
+        length(m, apart)
+    };
+    Perlin Function("perlin") [pt: V, a: S, b: S, n: S] -> S Thesis
+        "sum of noise(b^i*pt)/a^i for i = 0 .. n-1, Perlin's improved noise; n is rounded down, 0..32",
+        |m| m.perlin(pt[0], pt[1], pt[2], a, b, n);
+    Pi Constant("pi") [] -> S Added "the ratio of a circle's circumference to its diameter",
+        |m| m.constant(std::f32::consts::PI);
+    Less Infix(Mark::Less) [x: S, y: S] -> B Added "whether x is less than y", |m| m.less(x, y);
+    LessEqual Infix(Mark::LessEqual) [x: S, y: S] -> B Added "whether x is at most y", |m| m.less_equal(x, y);
+    Greater Infix(Mark::Greater) [x: S, y: S] -> B Added "whether x is greater than y", |m| m.less(y, x);
+    GreaterEqual Infix(Mark::GreaterEqual) [x: S, y: S] -> B Added "whether x is at least y", |m| m.less_equal(y, x);
+    Equal Infix(Mark::EqualEqual) [x: S, y: S] -> B Added "whether x equals y", |m| m.equal(x, y);
+    NotEqual Infix(Mark::NotEqual) [x: S, y: S] -> B Added "whether x differs from y (true for NaN)", |m| {
+        let same = m.equal(x, y);
+        m.not(same)
+    };
+    And Infix(Mark::AndAnd) [p: B, q: B] -> B Added "whether both hold", |m| m.and(p, q);
+    Or Infix(Mark::OrOr) [p: B, q: B] -> B Added "whether at least one holds", |m| m.or(p, q);
+    Not Prefix(Mark::Not) [p: B] -> B Added "whether it does not hold", |m| m.not(p);
+    IfS Conditional [condition: B, then: S, other: S] -> S Added
+        "then if the condition holds, else the other; the one not taken does not matter", |m| m.select(condition, then, other);
+    IfV Conditional [condition: B, then: V, other: V] -> V Added
+        "then if the condition holds, else the other; the one not taken does not matter",
+        |m| zip(then, other, |then, other| m.select(condition, then, other));
+}
+
+/// Combines two vectors by components.
+fn zip<T: Copy>(x: [T; 3], y: [T; 3], mut combine: impl FnMut(T, T) -> T) -> [T; 3] {
+    [combine(x[0], y[0]), combine(x[1], y[1]), combine(x[2], y[2])]
+}
+
+fn dot<M: Scalars>(m: &mut M, x: [M::Value; 3], y: [M::Value; 3]) -> M::Value {
+    let [a, b, c] = zip(x, y, |x, y| m.mul(x, y));
+    let partial = m.add(a, b);
+    m.add(partial, c)
+}
+
+fn length<M: Scalars>(m: &mut M, v: [M::Value; 3]) -> M::Value {
+    let square = dot(m, v, v);
+    m.sqrt(square)
+}
+
+fn clamp<M: Scalars>(m: &mut M, x: M::Value, lo: M::Value, hi: M::Value) -> M::Value {
+    let raised = m.max(x, lo);
+    m.min(raised, hi)
+}
+
+fn mix<M: Scalars>(m: &mut M, a: [M::Value; 3], b: [M::Value; 3], t: M::Value) -> [M::Value; 3] {
+    let one = m.constant(1.0);
+    let rest = m.sub(one, t);
+    zip(a, b, |a, b| {
+        let (first, second) = (m.mul(a, rest), m.mul(b, t));
+        m.add(first, second)
+    })
+}
+
+impl Form {
+    /// Every overload written in this way.
+    pub fn overloads(self) -> impl Iterator<Item = Operation> {
+        Operation::ALL.iter().copied().filter(move |operation| operation.form() == self)
+    }
+
+    /// The overload for operands of these types.
+    pub fn resolve(self, operands: &[Type]) -> Option<Operation> {
+        self.overloads().find(|operation| operation.operands() == operands)
+    }
+
+    /// The word or mark by which it is known.
+    pub fn spelling(self) -> &'static str {
+        match self {
+            Form::Prefix(mark) | Form::Infix(mark) => mark.spelling(),
+            Form::Function(name) | Form::Constant(name) => name,
+            Form::Vector => "<,,>",
+            Form::Conditional => "if",
+        }
+    }
+}
+
+impl Operation {
+    /// Operand types and result: `V,S→V`.
+    pub fn signature(self) -> String {
+        let letters: Vec<String> = self.operands().iter().map(|operand| operand.letter().to_string()).collect();
+        format!("{}→{}", letters.join(","), self.result().letter())
+    }
+}
+
+/// The form of the function or constant of this name.
+pub fn named(name: &str) -> Option<Form> {
+    Operation::ALL.iter().map(|operation| operation.form()).find(|form| match form {
+        Form::Function(spelling) | Form::Constant(spelling) => *spelling == name,
+        Form::Prefix(_) | Form::Infix(_) | Form::Vector | Form::Conditional => false,
+    })
+}
+
+/// The names of all functions and constants, each once.
+pub fn names() -> Vec<&'static str> {
+    let mut names: Vec<&'static str> = Operation::ALL
+        .iter()
+        .filter_map(|operation| match operation.form() {
+            Form::Function(name) | Form::Constant(name) => Some(name),
+            Form::Prefix(_) | Form::Infix(_) | Form::Vector | Form::Conditional => None,
+        })
+        .collect();
+    names.dedup();
+    names
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lang::scalars::Floats;
+
+    /// The operation applied to numbers, by the reference meaning.
+    fn value(operation: Operation, operands: &[f32]) -> Vec<f32> {
+        let mut stack = Stack::new(16, 0.0);
+        operands.iter().for_each(|&operand| stack.push(operand));
+        operation.apply(&mut Floats, &mut stack);
+        match operation.result() {
+            Type::Scalar | Type::Truth => stack.pop::<1>().to_vec(),
+            Type::Vector => stack.pop::<3>().to_vec(),
+        }
+    }
+
+    #[test]
+    fn no_two_overloads_are_alike() {
+        for (index, one) in Operation::ALL.iter().enumerate() {
+            for other in &Operation::ALL[index + 1..] {
+                assert!(one.form() != other.form() || one.operands() != other.operands(), "{one:?} and {other:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn meanings_agree_with_arithmetic_by_hand() {
+        let close = |operation: Operation, operands: &[f32], expected: &[f32]| {
+            let got = value(operation, operands);
+            assert_eq!(got.len(), expected.len());
+            for (got, expected) in got.iter().zip(expected) {
+                assert!(
+                    (got - expected).abs() <= 1e-6 * expected.abs().max(1.0),
+                    "{operation:?}{operands:?} = {got}, not {expected}"
+                );
+            }
+        };
+        close(Operation::DotVV, &[1.0, 2.0, 3.0, 4.0, -5.0, 6.0], &[12.0]);
+        close(Operation::Cross, &[1.0, 0.0, 0.0, 0.0, 1.0, 0.0], &[0.0, 0.0, 1.0]);
+        close(Operation::Reflect, &[1.0, -1.0, 0.0, 0.0, 1.0, 0.0], &[1.0, 1.0, 0.0]);
+        close(Operation::Normalize, &[3.0, 0.0, 4.0], &[0.6, 0.0, 0.8]);
+        close(Operation::Distance, &[1.0, 1.0, 1.0, 1.0, 4.0, 5.0], &[5.0]);
+        close(Operation::Smoothstep, &[0.0, 2.0, 1.0], &[0.5]);
+        close(Operation::Mod, &[-1.0, 3.0], &[2.0]);
+        close(Operation::Fract, &[-0.25], &[0.75]);
+        close(Operation::Clamp, &[5.0, 0.0, 2.0], &[2.0]);
+        close(Operation::MixV, &[0.0, 1.0, 2.0, 4.0, 5.0, 6.0, 0.25], &[1.0, 2.0, 3.0]);
+        close(Operation::Step, &[1.0, 1.0], &[1.0]);
+        close(Operation::Sign, &[0.0], &[0.0]);
+        close(Operation::Sign, &[-3.0], &[-1.0]);
+        close(Operation::Radians, &[180.0], &[std::f32::consts::PI]);
+        close(Operation::Pow, &[-2.0, -2.0], &[0.25]);
+        close(Operation::Atan2, &[1.0, -1.0], &[0.75 * std::f32::consts::PI]);
+        close(Operation::MinSSS, &[3.0, 1.0, 2.0], &[1.0]);
+        close(Operation::NotEqual, &[f32::NAN, f32::NAN], &[1.0]);
+        close(Operation::Greater, &[2.0, 1.0], &[1.0]);
+        close(Operation::IfS, &[0.0, f32::NAN, 7.0], &[7.0]);
+    }
+
+    #[test]
+    fn overloads_are_found_by_types() {
+        let star = Form::Infix(Mark::Star);
+        assert_eq!(star.resolve(&[Type::Vector, Type::Scalar]), Some(Operation::MulVS));
+        assert_eq!(star.resolve(&[Type::Truth, Type::Scalar]), None);
+        assert_eq!(named("mix").map(|form| form.overloads().count()), Some(2));
+    }
+}

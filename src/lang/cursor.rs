@@ -1,0 +1,205 @@
+//! A place in a list of words, with what every parser of ours needs: expectations, and going on after an error.
+
+use crate::lang::ast::Name;
+use crate::lang::diagnostic::{Diagnostic, Diagnostics, nearest};
+use crate::lang::lexer::tokenize;
+use crate::lang::source::{Source, Span};
+use crate::lang::token::{Mark, Token, TokenKind};
+use crate::lang::variables::RESERVED;
+
+/// An error that has been reported already; the parser goes on at the next statement.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Reported;
+
+/// A parser's place in the words of a source.
+#[derive(Debug)]
+pub struct Cursor {
+    tokens: Vec<Token>,
+    at: usize,
+    /// What has been found wrong so far.
+    pub diagnostics: Diagnostics,
+}
+
+impl Cursor {
+    /// At the beginning of a source; what is wrong with its characters is reported already.
+    pub fn new(source: &Source) -> Self {
+        let (tokens, diagnostics) = tokenize(source);
+        Self { tokens, at: 0, diagnostics }
+    }
+
+    /// The word `ahead` places from here; beyond the end it is the end.
+    pub fn peek(&self, ahead: usize) -> &Token {
+        // The lexer always ends the list with `End`.
+        &self.tokens[(self.at + ahead).min(self.tokens.len() - 1)]
+    }
+
+    /// The place of the word at hand.
+    pub fn span(&self) -> Span {
+        self.peek(0).span
+    }
+
+    /// The place of the word before.
+    pub fn previous_span(&self) -> Span {
+        self.tokens[self.at.saturating_sub(1)].span
+    }
+
+    /// Whether all words are read.
+    pub fn at_end(&self) -> bool {
+        self.peek(0).kind == TokenKind::End
+    }
+
+    /// Passes over the word at hand.
+    pub fn advance(&mut self) -> Token {
+        let token = self.peek(0).clone();
+        self.at = (self.at + 1).min(self.tokens.len() - 1);
+        token
+    }
+
+    /// Whether the word `ahead` places from here is this mark.
+    pub fn sees_mark(&self, ahead: usize, mark: Mark) -> bool {
+        self.peek(ahead).kind == TokenKind::Mark(mark)
+    }
+
+    /// The mark at hand, if it is one.
+    pub fn mark(&self) -> Option<Mark> {
+        match self.peek(0).kind {
+            TokenKind::Mark(mark) => Some(mark),
+            TokenKind::Number(_) | TokenKind::Word(_) | TokenKind::Uses(..) | TokenKind::End => None,
+        }
+    }
+
+    /// The name or keyword `ahead` places from here.
+    pub fn word(&self, ahead: usize) -> Option<&str> {
+        match &self.peek(ahead).kind {
+            TokenKind::Word(word) => Some(word),
+            TokenKind::Number(_) | TokenKind::Mark(_) | TokenKind::Uses(..) | TokenKind::End => None,
+        }
+    }
+
+    /// Passes over this mark if it is at hand.
+    pub fn accept(&mut self, mark: Mark) -> bool {
+        let found = self.sees_mark(0, mark);
+        if found {
+            self.advance();
+        }
+        found
+    }
+
+    /// Passes over this word if it is at hand.
+    pub fn accept_word(&mut self, word: &str) -> bool {
+        let found = self.word(0) == Some(word);
+        if found {
+            self.advance();
+        }
+        found
+    }
+
+    /// Whether the head of a section, `word;`, is at hand.
+    pub fn sees_section(&self) -> bool {
+        self.word(0).is_some_and(|word| RESERVED.contains(&word)) && self.sees_mark(1, Mark::Semicolon)
+    }
+
+    /// Reports that something else was expected here.
+    pub fn expected(&mut self, what: &str) -> Reported {
+        let diagnostic = self.unexpected(what);
+        self.report(diagnostic)
+    }
+
+    /// The error that something else was expected here, for adding a hint to it.
+    pub fn unexpected(&self, what: &str) -> Diagnostic {
+        let found = self.peek(0).kind.describe();
+        Diagnostic::error(format!("expected {what}, found {found}")).at(self.span(), format!("expected {what}"))
+    }
+
+    /// Reports an error.
+    pub fn report(&mut self, diagnostic: Diagnostic) -> Reported {
+        self.diagnostics.push(diagnostic);
+        Reported
+    }
+
+    /// Passes over this mark.
+    ///
+    /// # Errors
+    /// Another word is at hand.
+    pub fn expect(&mut self, mark: Mark, purpose: &str) -> Result<(), Reported> {
+        if self.accept(mark) {
+            return Ok(());
+        }
+        let spelling = mark.spelling();
+        let diagnostic = if mark == Mark::Semicolon {
+            // The place of a forgotten `;` is behind the word before, often a line up.
+            let end = self.previous_span().end;
+            Diagnostic::error(format!("expected `;` {purpose}, found {}", self.peek(0).kind.describe()))
+                .at(Span { start: end.saturating_sub(1), end }, "a `;` is missing behind this, or something is left over")
+        } else {
+            self.unexpected(&format!("`{spelling}` {purpose}"))
+        };
+        Err(self.report(diagnostic))
+    }
+
+    /// Reads a name that the text gives to something.
+    ///
+    /// # Errors
+    /// No name is at hand, or one that may not name anything.
+    pub fn expect_name(&mut self, what: &str) -> Result<Name, Reported> {
+        let Some(word) = self.word(0) else { return Err(self.expected(what)) };
+        let name = Name { text: word.to_owned(), span: self.span() };
+        if RESERVED.contains(&word) {
+            let diagnostic = Diagnostic::error(format!("`{word}` may not name anything"))
+                .at(name.span, format!("expected {what}"))
+                .help(format!("the words {} head sections; choose another name", RESERVED.join(", ")));
+            return Err(self.report(diagnostic));
+        }
+        self.advance();
+        Ok(name)
+    }
+
+    /// Reads an optional minus and a number, finite as `f32`.
+    ///
+    /// # Errors
+    /// Something else is at hand.
+    pub fn expect_signed_number(&mut self, what: &str) -> Result<f64, Reported> {
+        let negative = self.accept(Mark::Minus);
+        let TokenKind::Number(value) = self.peek(0).kind else { return Err(self.expected(what)) };
+        self.advance();
+        Ok(if negative { -value } else { value })
+    }
+
+    /// Reads `<x, y, z>` of signed numbers.
+    ///
+    /// # Errors
+    /// Something else is at hand.
+    pub fn expect_vector(&mut self, what: &str) -> Result<[f64; 3], Reported> {
+        if !self.sees_mark(0, Mark::Less) {
+            let diagnostic = self.unexpected(what).help("a vector is written `<x, y, z>`");
+            return Err(self.report(diagnostic));
+        }
+        self.advance();
+        let mut components = [0.0; 3];
+        for (index, component) in components.iter_mut().enumerate() {
+            if index > 0 {
+                self.expect(Mark::Comma, "between the three components of a vector")?;
+            }
+            *component = self.expect_signed_number("a number")?;
+        }
+        self.expect(Mark::Greater, "to close the vector of three components")?;
+        Ok(components)
+    }
+
+    /// Passes over the rest of a statement: beyond the next `;`, or up to the head of the next section.
+    pub fn skip_statement(&mut self) {
+        while !self.at_end() && !self.sees_section() {
+            if self.advance().kind == TokenKind::Mark(Mark::Semicolon) {
+                return;
+            }
+        }
+    }
+
+    /// Reports a word that is none of those known here, with the nearest of them.
+    pub fn unknown_word(&mut self, what: &str, known: &[&str]) -> Reported {
+        let hint =
+            self.word(0).and_then(|word| nearest(word, known.iter().copied())).map(|near| format!("did you mean `{near}`?"));
+        let diagnostic = self.unexpected(what).help_if(hint);
+        self.report(diagnostic)
+    }
+}

@@ -1,0 +1,241 @@
+//! Text into words, by the lexical rules that the formula and the scene language share.
+//!
+//! Holds white space, comments, numbers, identifiers, `#uses` and punctuation; knows nothing of the grammar.
+
+use crate::lang::diagnostic::{Diagnostic, Diagnostics};
+use crate::lang::source::{Source, Span};
+use crate::lang::token::{Mark, Token, TokenKind};
+
+/// The words of a text, ended by [`TokenKind::End`], and what is wrong with its characters.
+///
+/// Characters that cannot begin a word are reported and passed over, so that the parser sees all the rest.
+pub fn tokenize(source: &Source) -> (Vec<Token>, Diagnostics) {
+    let mut lexer = Lexer { text: source.text(), at: 0, tokens: Vec::new(), diagnostics: Diagnostics::new() };
+    lexer.run();
+    (lexer.tokens, lexer.diagnostics)
+}
+
+struct Lexer<'s> {
+    text: &'s str,
+    at: usize,
+    tokens: Vec<Token>,
+    diagnostics: Diagnostics,
+}
+
+impl Lexer<'_> {
+    fn run(&mut self) {
+        if self.rest().starts_with('\u{feff}') {
+            self.at += '\u{feff}'.len_utf8();
+        }
+        loop {
+            self.skip_blanks();
+            let Some(first) = self.rest().chars().next() else { break };
+            let start = self.at;
+            if first.is_ascii_digit() || (first == '.' && self.digit_at(self.at + 1)) {
+                self.number(start);
+            } else if first.is_ascii_alphabetic() || first == '_' {
+                self.at += self.run_length(|byte| byte.is_ascii_alphanumeric() || byte == b'_');
+                let word = self.text[start..self.at].to_owned();
+                self.push(TokenKind::Word(word), start);
+            } else if first == '#' {
+                self.uses(start);
+            } else if let Some(mark) = Mark::ALL.iter().find(|mark| self.rest().starts_with(mark.spelling())) {
+                self.at += mark.spelling().len();
+                self.push(TokenKind::Mark(*mark), start);
+            } else {
+                self.strangers(start);
+            }
+        }
+        self.push(TokenKind::End, self.at);
+    }
+
+    fn rest(&self) -> &str {
+        &self.text[self.at..]
+    }
+
+    fn digit_at(&self, at: usize) -> bool {
+        self.text.as_bytes().get(at).is_some_and(u8::is_ascii_digit)
+    }
+
+    /// How many bytes from here on satisfy `accept`.
+    fn run_length(&self, accept: impl Fn(u8) -> bool) -> usize {
+        self.rest().bytes().take_while(|&byte| accept(byte)).count()
+    }
+
+    fn push(&mut self, kind: TokenKind, start: usize) {
+        self.tokens.push(Token { kind, span: Span::new(start, self.at) });
+    }
+
+    fn skip_blanks(&mut self) {
+        loop {
+            let blanks = self.rest().len() - self.rest().trim_start().len();
+            self.at += blanks;
+            if self.rest().starts_with("//") {
+                self.at += self.rest().find('\n').unwrap_or(self.rest().len());
+            } else if self.rest().starts_with("/*") {
+                match self.rest()[2..].find("*/") {
+                    Some(end) => self.at += 2 + end + 2,
+                    None => {
+                        self.diagnostics.push(
+                            Diagnostic::error("a comment is not closed")
+                                .at(Span::new(self.at, self.at + 2), "it begins here and runs to the end of the file")
+                                .help("end it with `*/`, or begin it with `//` if it is one line"),
+                        );
+                        self.at = self.text.len();
+                    }
+                }
+            } else if blanks == 0 {
+                return;
+            }
+        }
+    }
+
+    /// `digits`, `digits.digits`, `.digits`, or `digits.` where the dot is not followed by another; optional exponent.
+    fn number(&mut self, start: usize) {
+        let digits = |byte: u8| byte.is_ascii_digit();
+        self.at += self.run_length(digits);
+        if self.rest().starts_with('.') && !self.rest().starts_with("..") {
+            self.at += 1;
+            self.at += self.run_length(digits);
+        }
+        if self.rest().starts_with(['e', 'E']) {
+            let sign = usize::from(self.rest()[1..].starts_with(['+', '-']));
+            if self.digit_at(self.at + 1 + sign) {
+                self.at += 1 + sign;
+                self.at += self.run_length(digits);
+            }
+        }
+        // Every text of this form is one that Rust reads too.
+        let value = self.text[start..self.at].parse::<f64>().unwrap_or(f64::INFINITY);
+        if value.is_infinite() {
+            self.diagnostics.push(
+                Diagnostic::error("this number is too large")
+                    .at(Span::new(start, self.at), "beyond the largest number there is")
+                    .help(format!("numbers go up to about {:e}", f32::MAX)),
+            );
+        }
+        self.push(TokenKind::Number(if value.is_finite() { value } else { 0.0 }), start);
+    }
+
+    /// `#uses PATH;`: the path is raw text up to the `;` on the same line.
+    fn uses(&mut self, start: usize) {
+        self.at += 1;
+        let word = self.run_length(|byte| byte.is_ascii_alphanumeric() || byte == b'_');
+        let name = &self.text[self.at..self.at + word];
+        if name != "uses" {
+            let span = Span::new(start, self.at + word);
+            self.at += word;
+            self.diagnostics.push(
+                Diagnostic::error(if name.is_empty() {
+                    "a stray `#`".to_owned()
+                } else {
+                    format!("`#{name}` means nothing here")
+                })
+                .at(span, "")
+                .help("only `#uses FILE;` begins with `#`; it names the file of materials"),
+            );
+            return;
+        }
+        self.at += word;
+        let line_end = self.at + self.rest().find('\n').unwrap_or(self.rest().len());
+        let (path_end, next) = match self.text[self.at..line_end].find(';') {
+            Some(length) => (self.at + length, self.at + length + 1),
+            None => {
+                self.diagnostics.push(
+                    Diagnostic::error("`#uses` is not ended by `;` on its line")
+                        .at(Span::new(start, start + "#uses".len()), "")
+                        .help("write `#uses FILE;` on one line"),
+                );
+                (line_end, line_end)
+            }
+        };
+        let raw = &self.text[self.at..path_end];
+        let path = raw.trim();
+        let path_start = self.at + (raw.len() - raw.trim_start().len());
+        let path_span = Span::new(path_start, path_start + path.len());
+        self.at = next;
+        self.push(TokenKind::Uses(path.to_owned(), path_span), start);
+    }
+
+    /// A run of characters that cannot begin a word.
+    fn strangers(&mut self, start: usize) {
+        let known = |character: char| {
+            character.is_whitespace()
+                || character.is_ascii_alphanumeric()
+                || "_#.".contains(character)
+                || Mark::ALL.iter().any(|mark| mark.spelling().starts_with(character))
+        };
+        self.at += self
+            .rest()
+            .char_indices()
+            .find(|(offset, c)| *offset > 0 && known(*c))
+            .map_or(self.rest().len(), |(offset, _)| offset);
+        let text = &self.text[start..self.at];
+        // A lone `&` or `|` begins a mark but is none.
+        let text = if text.is_empty() { &self.rest()[..1] } else { text };
+        let hint = match text {
+            "&" => Some("the logical operators are `&&`, `||` and `!`"),
+            "|" => Some("the logical operators are `&&`, `||` and `!`"),
+            "−" | "–" | "—" => Some("the minus sign is `-`"),
+            "×" | "·" | "∙" | "⋅" => Some("multiplication is `*`, the dot product `.`"),
+            "α" | "β" | "γ" | "π" => Some("the angles are written `alpha`, `beta`, `gamma`, and π is `pi`"),
+            "[" | "]" | "{" | "}" => Some("vectors are written `<x, y, z>`, and only `(` `)` group"),
+            _ => None,
+        };
+        let diagnostic = Diagnostic::error(format!("`{text}` is not part of the language"))
+            .at(Span::new(start, start + text.len()), "not understood")
+            .help_if(hint);
+        self.at = start + text.len();
+        self.diagnostics.push(diagnostic);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn kinds(text: &str) -> Vec<TokenKind> {
+        let (tokens, diagnostics) = tokenize(&Source::new("t", text));
+        assert!(diagnostics.is_empty(), "{diagnostics:?}");
+        tokens.into_iter().map(|token| token.kind).collect()
+    }
+
+    fn word(text: &str) -> TokenKind {
+        TokenKind::Word(text.to_owned())
+    }
+
+    #[test]
+    fn numbers_and_dots_part_as_the_language_says() {
+        use TokenKind::{End, Mark as M, Number};
+        assert_eq!(kinds("0..1"), [Number(0.0), M(Mark::DotDot), Number(1.0), End]);
+        assert_eq!(kinds("0...5"), [Number(0.0), M(Mark::DotDot), Number(0.5), End]);
+        assert_eq!(kinds("N.L"), [word("N"), M(Mark::Dot), word("L"), End]);
+        assert_eq!(kinds("1.N"), [Number(1.0), word("N"), End]);
+        assert_eq!(kinds("1.5e-3 .25 2.E1 7e"), [Number(1.5e-3), Number(0.25), Number(20.0), Number(7.0), word("e"), End]);
+    }
+
+    #[test]
+    fn blanks_comments_and_bom_part_words() {
+        assert_eq!(kinds("\u{feff}a/* * / */b // c\r\nd"), [word("a"), word("b"), word("d"), TokenKind::End]);
+    }
+
+    #[test]
+    fn the_path_of_uses_is_raw() {
+        let tokens = kinds("#uses  my dir/a//b.txt ;x");
+        assert!(matches!(&tokens[0], TokenKind::Uses(path, _) if path == "my dir/a//b.txt"));
+        assert_eq!(tokens[1], word("x"));
+    }
+
+    #[test]
+    fn strangers_are_reported_and_passed_over() {
+        let (tokens, diagnostics) = tokenize(&Source::new("t", "a & b § c $$ d | e"));
+        assert_eq!(tokens.len(), 6);
+        assert_eq!(diagnostics.len(), 4, "{diagnostics:?}");
+    }
+
+    #[test]
+    fn an_open_comment_is_an_error_at_its_beginning() {
+        let (_, diagnostics) = tokenize(&Source::new("t", "a /* b"));
+        assert_eq!(diagnostics.iter().next().and_then(Diagnostic::span), Some(Span::new(2, 4)));
+    }
+}

@@ -1,0 +1,284 @@
+//! Words into expressions: the grammar's `expr` and `cond` (thesis 9.2.1).
+
+use crate::lang::ast::{ExprId, ExprKind, Name};
+use crate::lang::cursor::Reported;
+use crate::lang::diagnostic::Diagnostic;
+use crate::lang::parser::Parser;
+use crate::lang::token::{Mark, TokenKind};
+
+/// How deep expressions may nest. Far beyond what a person writes, and little enough for any thread's stack.
+const MAX_NESTING: usize = 256;
+
+/// Where in a file an expression stands, as far as it matters how to read it.
+#[derive(Clone, Copy)]
+struct Place {
+    /// How many expressions this one is nested in.
+    nesting: usize,
+    /// Whether comparisons may stand here.
+    condition: bool,
+}
+
+impl Place {
+    fn value(self) -> Place {
+        Place { condition: false, ..self }
+    }
+}
+
+const COMPARISONS: [Mark; 6] = [Mark::Less, Mark::LessEqual, Mark::Greater, Mark::GreaterEqual, Mark::EqualEqual, Mark::NotEqual];
+
+impl Parser {
+    /// `expr`, outside any condition.
+    pub(super) fn expression(&mut self) -> Result<ExprId, Reported> {
+        self.sum(Place { nesting: 0, condition: false })
+    }
+
+    /// Passes over the mark that must stand behind an expression; says why another word cannot.
+    pub(super) fn expect_expression_end(&mut self, mark: Mark, purpose: &str) -> Result<(), Reported> {
+        let found = self.cursor.mark();
+        if found == Some(mark) {
+            self.cursor.advance();
+            return Ok(());
+        }
+        let span = self.cursor.span();
+        let logical = |found: Mark| COMPARISONS.contains(&found) || matches!(found, Mark::AndAnd | Mark::OrOr);
+        let diagnostic = match found {
+            Some(found) if logical(found) => {
+                Diagnostic::error(format!("`{}` stands outside the condition of an `if`", found.spelling()))
+                    .at(span, "comparisons are not values")
+                    .help("write `if(a < b, then, else)`")
+            }
+            Some(Mark::Equal) => Diagnostic::error("a second `=` in one statement")
+                .at(span, format!("expected an operator or `{}`", mark.spelling()))
+                .help("was a `;` forgotten before? Equality is compared with `==`, inside `if(…)`"),
+            Some(Mark::Close) => Diagnostic::error("a `)` that closes nothing").at(span, "no `(` is open here"),
+            _ => return self.cursor.expect(mark, purpose),
+        };
+        Err(self.cursor.report(diagnostic))
+    }
+
+    fn nested(&mut self, place: Place) -> Result<Place, Reported> {
+        if place.nesting >= MAX_NESTING {
+            let diagnostic = Diagnostic::error("the expression is nested too deeply")
+                .at(self.cursor.span(), format!("more than {MAX_NESTING} levels here"))
+                .help("give parts of it names: `PART = …;`");
+            return Err(self.cursor.report(diagnostic));
+        }
+        Ok(Place { nesting: place.nesting + 1, ..place })
+    }
+
+    /// `cond`: comparisons joined by `&&` and `||`. Inside it parentheses may hold conditions or values; the types tell later.
+    fn condition(&mut self, place: Place) -> Result<ExprId, Reported> {
+        let place = Place { condition: true, ..place };
+        let mut left = self.conjunction(place)?;
+        while self.cursor.sees_mark(0, Mark::OrOr) {
+            left = self.infix(left, place, Self::conjunction)?;
+        }
+        Ok(left)
+    }
+
+    fn conjunction(&mut self, place: Place) -> Result<ExprId, Reported> {
+        let mut left = self.negation(place)?;
+        while self.cursor.sees_mark(0, Mark::AndAnd) {
+            left = self.infix(left, place, Self::negation)?;
+        }
+        Ok(left)
+    }
+
+    fn negation(&mut self, place: Place) -> Result<ExprId, Reported> {
+        if self.cursor.sees_mark(0, Mark::Not) {
+            let place = self.nested(place)?;
+            let start = self.cursor.advance().span;
+            let operand = self.negation(place)?;
+            let span = start.to(self.cursor.previous_span());
+            return Ok(self.add(ExprKind::Prefix(Mark::Not, operand), span));
+        }
+        let left = self.sum(place)?;
+        let compares = |mark: Option<Mark>| mark.is_some_and(|mark| COMPARISONS.contains(&mark));
+        if !compares(self.cursor.mark()) {
+            return Ok(left);
+        }
+        let comparison = self.infix(left, place, Self::sum)?;
+        if compares(self.cursor.mark()) {
+            let diagnostic = Diagnostic::error("comparisons cannot be chained")
+                .at(self.cursor.span(), "a second comparison")
+                .help("write `a < b && b < c`");
+            return Err(self.cursor.report(diagnostic));
+        }
+        Ok(comparison)
+    }
+
+    /// The operator at hand with its right operand, behind the left one.
+    fn infix(
+        &mut self,
+        left: ExprId,
+        place: Place,
+        operand: impl FnOnce(&mut Self, Place) -> Result<ExprId, Reported>,
+    ) -> Result<ExprId, Reported> {
+        let start = self.outer_start(left);
+        let operator = self.cursor.advance();
+        let TokenKind::Mark(mark) = operator.kind else { return Err(self.cursor.expected("an operator")) };
+        let right = operand(self, place)?;
+        let span = start.to(self.cursor.previous_span());
+        Ok(self.add(ExprKind::Infix(mark, operator.span, [left, right]), span))
+    }
+
+    /// The beginning of an expression, its own parentheses counted.
+    fn outer_start(&self, id: ExprId) -> crate::lang::source::Span {
+        let expression = self.file.expr(id);
+        let mut span = expression.span;
+        if expression.parenthesised {
+            span.start = span.start.saturating_sub(1);
+        }
+        span
+    }
+
+    fn sum(&mut self, place: Place) -> Result<ExprId, Reported> {
+        let mut left = self.product(place)?;
+        while let Some(Mark::Plus | Mark::Minus) = self.cursor.mark() {
+            left = self.infix(left, place, Self::product)?;
+        }
+        Ok(left)
+    }
+
+    fn product(&mut self, place: Place) -> Result<ExprId, Reported> {
+        let mut left = self.power(place)?;
+        while let Some(Mark::Star | Mark::Slash | Mark::Dot) = self.cursor.mark() {
+            left = self.infix(left, place, Self::power)?;
+        }
+        Ok(left)
+    }
+
+    /// `^` groups to the right, and a unary minus binds tighter than it: −2^2 is 4.
+    fn power(&mut self, place: Place) -> Result<ExprId, Reported> {
+        let base = self.unary(place)?;
+        if !self.cursor.sees_mark(0, Mark::Caret) {
+            return Ok(base);
+        }
+        let place = self.nested(place)?;
+        self.infix(base, place, Self::power)
+    }
+
+    fn unary(&mut self, place: Place) -> Result<ExprId, Reported> {
+        if !self.cursor.sees_mark(0, Mark::Minus) {
+            return self.atom(place);
+        }
+        let place = self.nested(place)?;
+        let start = self.cursor.advance().span;
+        let operand = self.unary(place)?;
+        let span = start.to(self.cursor.previous_span());
+        Ok(self.add(ExprKind::Prefix(Mark::Minus, operand), span))
+    }
+
+    fn atom(&mut self, place: Place) -> Result<ExprId, Reported> {
+        let token = self.cursor.peek(0).clone();
+        match token.kind {
+            TokenKind::Number(value) => {
+                self.cursor.advance();
+                self.number_stands_alone()?;
+                let value = self.narrow(value, token.span)?;
+                Ok(self.add(ExprKind::Number(value), token.span))
+            }
+            TokenKind::Word(word) => {
+                let place = self.nested(place)?.value();
+                let callee = self.cursor.expect_name("a value")?;
+                if word == "if" {
+                    return self.conditional(place, callee);
+                }
+                if self.cursor.sees_mark(0, Mark::Open) {
+                    return self.call(place, callee);
+                }
+                Ok(self.add(ExprKind::Name(word), token.span))
+            }
+            TokenKind::Mark(Mark::Open) => {
+                let inner = self.nested(place)?;
+                self.cursor.advance();
+                let expression = if place.condition { self.condition(inner)? } else { self.sum(inner)? };
+                if self.cursor.at_end() || self.cursor.sees_mark(0, Mark::Semicolon) {
+                    let diagnostic = Diagnostic::error("a `(` is not closed")
+                        .at(token.span, "opened here")
+                        .at(self.cursor.span(), "expected `)` before this");
+                    return Err(self.cursor.report(diagnostic));
+                }
+                self.expect_expression_end(Mark::Close, "to close the parenthesis")?;
+                self.file.expressions[expression.0 as usize].parenthesised = true;
+                Ok(expression)
+            }
+            TokenKind::Mark(Mark::Less) => {
+                let inner = self.nested(place)?.value();
+                self.cursor.advance();
+                let x = self.sum(inner)?;
+                self.cursor.expect(Mark::Comma, "between the three components of a vector")?;
+                let y = self.sum(inner)?;
+                self.cursor.expect(Mark::Comma, "between the three components of a vector")?;
+                let z = self.sum(inner)?;
+                self.cursor.expect(Mark::Greater, "to close the vector of three components")?;
+                let span = token.span.to(self.cursor.previous_span());
+                Ok(self.add(ExprKind::Vector([x, y, z]), span))
+            }
+            TokenKind::Mark(Mark::Not) => {
+                let diagnostic = Diagnostic::error("`!` stands outside the condition of an `if`")
+                    .at(token.span, "comparisons are not values")
+                    .help("write `if(!(a < b), then, else)`");
+                Err(self.cursor.report(diagnostic))
+            }
+            TokenKind::Mark(_) | TokenKind::Uses(..) | TokenKind::End => {
+                Err(self.cursor.expected("a value: a number, a name, `(…)` or `<x, y, z>`"))
+            }
+        }
+    }
+
+    /// `1.N` is the number `1.` before a name: likely a dot product was meant.
+    fn number_stands_alone(&mut self) -> Result<(), Reported> {
+        let number = self.cursor.previous_span();
+        let next = self.cursor.peek(0);
+        let described = match &next.kind {
+            TokenKind::Word(_) | TokenKind::Number(_) => next.kind.describe(),
+            TokenKind::Mark(Mark::Open) => "`(`".to_owned(),
+            TokenKind::Mark(_) | TokenKind::Uses(..) | TokenKind::End => return Ok(()),
+        };
+        let place = number.to(next.span);
+        let diagnostic = Diagnostic::error(format!("a number stands right before {described}"))
+            .at(place, "expected an operator between the two")
+            .help("a dot behind digits belongs to the number: for a dot product write `(1).N`, for a product `1 * N`");
+        Err(self.cursor.report(diagnostic))
+    }
+
+    /// `if(condition, then, else)`, behind the `if`.
+    fn conditional(&mut self, place: Place, callee: Name) -> Result<ExprId, Reported> {
+        self.cursor.expect(Mark::Open, "after `if`, as in `if(a < b, then, else)`")?;
+        let condition = self.condition(place)?;
+        self.cursor.expect(Mark::Comma, "between the condition and the value where it holds")?;
+        let then = self.sum(place)?;
+        self.cursor.expect(Mark::Comma, "between the two values of `if`")?;
+        let other = self.sum(place)?;
+        self.cursor.expect(Mark::Close, "to close `if(condition, then, else)`")?;
+        let span = callee.span.to(self.cursor.previous_span());
+        Ok(self.add(ExprKind::Conditional([condition, then, other]), span))
+    }
+
+    /// `name(arguments)`, behind the name.
+    fn call(&mut self, place: Place, callee: Name) -> Result<ExprId, Reported> {
+        let open = self.cursor.advance().span;
+        let mut arguments = Vec::new();
+        if self.cursor.sees_mark(0, Mark::Close) {
+            let diagnostic = Diagnostic::error(format!("`{}()` has no arguments", callee.text))
+                .at(open.to(self.cursor.span()), "expected at least one");
+            return Err(self.cursor.report(diagnostic));
+        }
+        loop {
+            arguments.push(self.sum(place)?);
+            if !self.cursor.accept(Mark::Comma) {
+                break;
+            }
+        }
+        if self.cursor.at_end() || self.cursor.sees_mark(0, Mark::Semicolon) {
+            let diagnostic = Diagnostic::error(format!("the `(` of `{}(` is not closed", callee.text))
+                .at(open, "opened here")
+                .at(self.cursor.span(), "expected `)` before this");
+            return Err(self.cursor.report(diagnostic));
+        }
+        self.expect_expression_end(Mark::Close, &format!("to close `{}(…)`", callee.text))?;
+        let span = callee.span.to(self.cursor.previous_span());
+        Ok(self.add(ExprKind::Call(callee, arguments), span))
+    }
+}

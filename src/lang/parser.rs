@@ -1,0 +1,328 @@
+//! Words into the syntax of a formula file, by recursive descent (thesis 9.1).
+//!
+//! After an error the parser goes on with the next statement, so that one run reports as many independent mistakes as there
+//! are. Names and types are not looked at here.
+
+use crate::lang::ast::{Constant, Declaration, FormulaFile, InvariantLine, MacroLine, Relation, Section};
+use crate::lang::ast::{Expr, ExprId, ExprKind};
+use crate::lang::cursor::{Cursor, Reported};
+use crate::lang::diagnostic::{Diagnostic, Diagnostics};
+use crate::lang::source::{Source, Span};
+use crate::lang::token::{Mark, TokenKind};
+use crate::lang::types::Type;
+use crate::lang::variables::Owner;
+
+/// Reads a formula file. The syntax is as complete as the text allows; it is fit for use only where there are no errors.
+pub fn parse(source: &Source) -> (FormulaFile, Diagnostics) {
+    let mut parser = Parser { cursor: Cursor::new(source), file: FormulaFile::default() };
+    parser.file();
+    (parser.file, parser.cursor.diagnostics)
+}
+
+pub(super) struct Parser {
+    pub(super) cursor: Cursor,
+    pub(super) file: FormulaFile,
+}
+
+const ATTRIBUTES: [&str; 4] = ["constraint", "default", "slider", "color"];
+
+impl Parser {
+    fn file(&mut self) {
+        if let TokenKind::Uses(path, span) = &self.cursor.peek(0).kind {
+            let (path, span) = (path.clone(), *span);
+            let whole = self.cursor.advance().span;
+            if path.is_empty() {
+                self.cursor.report(
+                    Diagnostic::error("`#uses` names no file")
+                        .at(whole, "expected a path behind it")
+                        .help("write `#uses FILE;`, or leave the line out if the model keeps no materials"),
+                );
+            } else {
+                self.file.uses = Some((path, span));
+            }
+        }
+        let mut seen: Vec<(String, Span)> = Vec::new();
+        loop {
+            let head = self.cursor.span();
+            if let TokenKind::Uses(..) = self.cursor.peek(0).kind {
+                self.cursor.advance();
+                self.cursor
+                    .report(Diagnostic::error("`#uses` must stand first in the file").at(head, "move this line to the top"));
+                continue;
+            }
+            let word = self.cursor.word(0).map(str::to_owned);
+            match word.as_deref() {
+                Some("formula") => break,
+                Some(word @ ("global" | "body_specific" | "light_specific" | "invariants")) => {
+                    self.cursor.advance();
+                    if let Some((_, first)) = seen.iter().find(|(name, _)| name == word) {
+                        self.cursor.diagnostics.push(
+                            Diagnostic::error(format!("a second section `{word}`"))
+                                .at(head, "each section may stand only once")
+                                .at(*first, "the first is here")
+                                .help("put its lines into the first one"),
+                        );
+                    }
+                    seen.push((word.to_owned(), head));
+                    let _ = self.cursor.expect(Mark::Semicolon, &format!("after `{word}`"));
+                    match Owner::ALL.into_iter().find(|owner| owner.section() == word) {
+                        Some(owner) => self.declarations(owner),
+                        None => self.invariants(),
+                    }
+                }
+                Some("bodies" | "lights" | "camera") if self.cursor.sees_mark(1, Mark::Semicolon) => {
+                    self.cursor.report(
+                        Diagnostic::error("this looks like a scene, not a formula")
+                            .at(head, "a section of scene files")
+                            .help("give it as the scene (`--scene`), and a formula file as the formula"),
+                    );
+                    return;
+                }
+                _ if self.cursor.at_end() => break,
+                _ => {
+                    if self.cursor.sees_mark(1, Mark::Colon) {
+                        let diagnostic = Diagnostic::error("a declaration outside a section")
+                            .at(head, "expected a section first")
+                            .help("put it under `global;`, `body_specific;` or `light_specific;`");
+                        self.cursor.report(diagnostic);
+                    } else {
+                        let known = ["global", "body_specific", "light_specific", "invariants", "formula"];
+                        self.cursor.unknown_word("a section (`body_specific;`, `formula;`, …)", &known);
+                    }
+                    // The word itself may be a section's head in the wrong place, which skipping does not pass.
+                    self.cursor.advance();
+                    self.cursor.skip_statement();
+                }
+            }
+        }
+        if !self.cursor.accept_word("formula") {
+            self.cursor.report(
+                Diagnostic::error("the file has no formula")
+                    .at(self.cursor.span(), "expected `formula;` before the end")
+                    .help("end the file with `formula;` and `= expression;`"),
+            );
+            return;
+        }
+        let _ = self.cursor.expect(Mark::Semicolon, "after `formula`");
+        self.formula();
+    }
+
+    fn declarations(&mut self, owner: Owner) {
+        let mut list = Vec::new();
+        while self.cursor.word(0).is_some() && !self.cursor.sees_section() {
+            if self.cursor.word(0) == Some("formula") {
+                break;
+            }
+            if let Err(Reported) = self.declaration(owner, &mut list) {
+                self.cursor.skip_statement();
+            }
+        }
+        self.file.sections.push(Section::Parameters(owner, list));
+    }
+
+    /// A declaration; one with a mistake in its attributes is kept, lest every use of the parameter be reported too.
+    fn declaration(&mut self, owner: Owner, list: &mut Vec<Declaration>) -> Result<(), Reported> {
+        let name = self.cursor.expect_name("the name of a parameter")?;
+        if self.cursor.sees_mark(0, Mark::Equal) {
+            let diagnostic = self
+                .cursor
+                .unexpected("`:` and a type")
+                .help("macros (`NAME = expression;`) stand under `formula;`, parameters are declared `name: scalar;`");
+            return Err(self.cursor.report(diagnostic));
+        }
+        self.cursor.expect(Mark::Colon, "between the parameter's name and its type")?;
+        let ty = match self.cursor.word(0) {
+            Some("scalar") => Type::Scalar,
+            Some("vector") => Type::Vector,
+            _ => return Err(self.cursor.unknown_word("`scalar` or `vector`", &["scalar", "vector"])),
+        };
+        self.cursor.advance();
+        let mut declaration = Declaration { name, owner, ty, range: None, default: None, slider: false, colour: None };
+        let outcome = self.attributes(&mut declaration);
+        list.push(declaration);
+        outcome
+    }
+
+    fn attributes(&mut self, declaration: &mut Declaration) -> Result<(), Reported> {
+        let mut seen: Vec<(String, Span)> = Vec::new();
+        while self.cursor.accept(Mark::Comma) {
+            let span = self.cursor.span();
+            let word = self.cursor.word(0).unwrap_or_default().to_owned();
+            if let Some((_, first)) = seen.iter().find(|(attribute, _)| *attribute == word) {
+                self.cursor.diagnostics.push(
+                    Diagnostic::error(format!("`{word}` is given twice"))
+                        .at(span, "a second time here")
+                        .at(*first, "first here")
+                        .help("leave one of them out"),
+                );
+            }
+            seen.push((word.clone(), span));
+            self.attribute(&word, span, declaration)?;
+        }
+        if self.cursor.word(0).is_some_and(|word| ATTRIBUTES.contains(&word)) {
+            return Err(self.cursor.expected("`,` before the next attribute"));
+        }
+        self.cursor.expect(Mark::Semicolon, &format!("after the declaration of `{}`", declaration.name.text))
+    }
+
+    fn attribute(&mut self, word: &str, span: Span, declaration: &mut Declaration) -> Result<(), Reported> {
+        if !ATTRIBUTES.contains(&word) {
+            return Err(self.cursor.unknown_word("an attribute: `constraint`, `default`, `slider` or `color`", &ATTRIBUTES));
+        }
+        self.cursor.advance();
+        match word {
+            "constraint" => {
+                let low = self.single("the lower bound, as in `constraint 0..1`")?;
+                self.cursor.expect(Mark::DotDot, "between the bounds, as in `constraint 0..1`")?;
+                let high = self.single("the upper bound, as in `constraint 0..1`")?;
+                declaration.range = Some(([low, high], span.to(self.cursor.previous_span())));
+            }
+            "default" => {
+                let value = if self.cursor.sees_mark(0, Mark::Less) {
+                    let start = self.cursor.span();
+                    let components = self.cursor.expect_vector("the default value")?;
+                    let span = start.to(self.cursor.previous_span());
+                    let [x, y, z] = components;
+                    Constant::Vector([self.narrow(x, span)?, self.narrow(y, span)?, self.narrow(z, span)?])
+                } else {
+                    Constant::Scalar(self.single("the default value, a number or a vector `<x, y, z>`")?)
+                };
+                declaration.default = Some((value, span.to(self.cursor.previous_span())));
+            }
+            "slider" => declaration.slider = true,
+            _ => declaration.colour = Some(span),
+        }
+        Ok(())
+    }
+
+    fn single(&mut self, what: &str) -> Result<f32, Reported> {
+        let start = self.cursor.span();
+        let value = self.cursor.expect_signed_number(what)?;
+        self.narrow(value, start.to(self.cursor.previous_span()))
+    }
+
+    /// A number as the language computes with it.
+    pub(super) fn narrow(&mut self, value: f64, span: Span) -> Result<f32, Reported> {
+        let narrow = value as f32;
+        if narrow.is_infinite() {
+            let diagnostic = Diagnostic::error("this number is too large")
+                .at(span, "beyond the largest number there is")
+                .help(format!("numbers go up to about {:e}", f32::MAX));
+            return Err(self.cursor.report(diagnostic));
+        }
+        Ok(narrow)
+    }
+
+    fn invariants(&mut self) {
+        let mut lines = Vec::new();
+        while self.cursor.word(0).is_some() && !self.cursor.sees_section() && self.cursor.word(0) != Some("formula") {
+            match self.invariant() {
+                Ok(line) => lines.push(line),
+                Err(Reported) => self.cursor.skip_statement(),
+            }
+        }
+        self.file.sections.push(Section::Invariants(lines));
+    }
+
+    fn invariant(&mut self) -> Result<InvariantLine, Reported> {
+        const FORM: &str = "invariants are sums like `ks + kd = 1;` or `ks + kd <= 1;`";
+        let start = self.cursor.span();
+        let mut terms = vec![self.cursor.expect_name("the name of a parameter")?];
+        while self.cursor.accept(Mark::Plus) {
+            terms.push(self.cursor.expect_name("the name of a parameter")?);
+        }
+        let relation = if self.cursor.accept(Mark::Equal) {
+            Relation::Equal
+        } else if self.cursor.accept(Mark::LessEqual) {
+            Relation::AtMost
+        } else {
+            let diagnostic = self.cursor.unexpected("`+`, `= 1` or `<= 1`").help(FORM);
+            return Err(self.cursor.report(diagnostic));
+        };
+        if self.cursor.peek(0).kind != TokenKind::Number(1.0) {
+            let diagnostic = self.cursor.unexpected("`1`").help(FORM);
+            return Err(self.cursor.report(diagnostic));
+        }
+        self.cursor.advance();
+        let span = start.to(self.cursor.previous_span());
+        self.cursor.expect(Mark::Semicolon, "after the invariant")?;
+        Ok(InvariantLine { terms, relation, span })
+    }
+
+    fn formula(&mut self) {
+        while !self.cursor.at_end() {
+            if self.cursor.accept(Mark::Equal) {
+                match self.expression_statement() {
+                    Ok(result) => self.file.result = Some(result),
+                    Err(Reported) => {
+                        self.file.result = Some(self.missing());
+                        self.cursor.skip_statement();
+                    }
+                }
+                if !self.cursor.at_end() {
+                    let span = self.cursor.span();
+                    self.cursor.report(
+                        Diagnostic::error("nothing may follow the formula's last line `= …;`")
+                            .at(span, "left over")
+                            .help("macros stand before it, sections before `formula;`"),
+                    );
+                }
+                return;
+            }
+            if let Err(Reported) = self.macro_line() {
+                self.cursor.skip_statement();
+                if self.cursor.sees_section() {
+                    self.cursor.expected("the formula's last line, `= expression;`");
+                    return;
+                }
+            }
+        }
+        let span = self.cursor.previous_span();
+        self.cursor.report(
+            Diagnostic::error("the formula has no result")
+                .at(span, "the file ends here")
+                .help("the last line must be `= expression;`, the colour that the model yields"),
+        );
+    }
+
+    fn macro_line(&mut self) -> Result<(), Reported> {
+        if self.cursor.sees_mark(1, Mark::Colon) {
+            let diagnostic = Diagnostic::error("a declaration under `formula;`")
+                .at(self.cursor.span(), "expected `NAME = expression;`")
+                .help("parameters are declared before, under `global;`, `body_specific;` or `light_specific;`");
+            return Err(self.cursor.report(diagnostic));
+        }
+        let name = self.cursor.expect_name("`NAME = expression;` or the last line `= expression;`")?;
+        let body = self.cursor.expect(Mark::Equal, "after the macro's name").and_then(|()| self.expression_statement());
+        // A macro that cannot be read still has its name, lest every use of it be reported too.
+        let (body, outcome) = match body {
+            Ok(body) => (body, Ok(())),
+            Err(Reported) => (self.missing(), Err(Reported)),
+        };
+        self.file.macros.push(MacroLine { name, body });
+        outcome
+    }
+
+    fn expression_statement(&mut self) -> Result<ExprId, Reported> {
+        let expression = self.expression()?;
+        let outcome = self.expect_expression_end(Mark::Semicolon, "at the end of the expression");
+        // Where only the `;` is forgotten, the expression and the next statement are whole.
+        let next_begins = self.cursor.at_end() || (self.cursor.word(0).is_some() && self.cursor.sees_mark(1, Mark::Equal));
+        if outcome.is_err() && !next_begins {
+            return Err(Reported);
+        }
+        Ok(expression)
+    }
+
+    fn missing(&mut self) -> ExprId {
+        let span = self.cursor.previous_span();
+        self.add(ExprKind::Missing, span)
+    }
+
+    pub(super) fn add(&mut self, kind: ExprKind, span: Span) -> ExprId {
+        // Fewer expressions than bytes of text, of which there are less than 2³².
+        let id = ExprId(self.file.expressions.len() as u32);
+        self.file.expressions.push(Expr { kind, span, parenthesised: false });
+        id
+    }
+}

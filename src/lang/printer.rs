@@ -1,0 +1,225 @@
+//! The syntax of a formula file as text again, with no more parentheses than it needs; reading it back gives the same syntax.
+
+use crate::lang::ast::{Constant, Declaration, ExprId, ExprKind, FormulaFile, Relation, Section};
+use crate::lang::token::Mark;
+use crate::lang::types::Type;
+use std::fmt::Write;
+
+/// How tightly an operator binds; higher is tighter.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Binding {
+    /// `||`
+    Or,
+    /// `&&`
+    And,
+    /// `!`
+    Not,
+    /// Comparisons.
+    Comparison,
+    /// `+` and `-`
+    Sum,
+    /// `*`, `/` and `.`
+    Product,
+    /// `^`
+    Power,
+    /// Unary `-`
+    Unary,
+    /// Everything that needs no parentheses.
+    Atom,
+}
+
+impl Binding {
+    /// Of an infix operator.
+    pub fn of_infix(mark: Mark) -> Binding {
+        match mark {
+            Mark::OrOr => Binding::Or,
+            Mark::AndAnd => Binding::And,
+            Mark::Plus | Mark::Minus => Binding::Sum,
+            Mark::Star | Mark::Slash | Mark::Dot => Binding::Product,
+            Mark::Caret => Binding::Power,
+            Mark::Less | Mark::LessEqual | Mark::Greater | Mark::GreaterEqual | Mark::EqualEqual | Mark::NotEqual => {
+                Binding::Comparison
+            }
+            // These stand between no operands.
+            Mark::DotDot | Mark::Colon | Mark::Semicolon | Mark::Comma | Mark::Open | Mark::Close | Mark::Equal | Mark::Not => {
+                Binding::Atom
+            }
+        }
+    }
+
+    /// Of an expression as written, its own parentheses aside.
+    pub fn of(kind: &ExprKind) -> Binding {
+        match kind {
+            ExprKind::Infix(mark, ..) => Binding::of_infix(*mark),
+            ExprKind::Prefix(Mark::Not, _) => Binding::Not,
+            ExprKind::Prefix(..) => Binding::Unary,
+            ExprKind::Number(value) if value.is_sign_negative() => Binding::Unary,
+            ExprKind::Number(_)
+            | ExprKind::Name(_)
+            | ExprKind::Call(..)
+            | ExprKind::Vector(_)
+            | ExprKind::Conditional(_)
+            | ExprKind::Missing => Binding::Atom,
+        }
+    }
+}
+
+/// The file as text.
+pub fn print(file: &FormulaFile) -> String {
+    let mut out = String::new();
+    if let Some((path, _)) = &file.uses {
+        out.push_str(&format!("#uses {path};\n"));
+    }
+    for section in &file.sections {
+        match section {
+            Section::Parameters(owner, declarations) => {
+                out.push_str(&format!("{};\n", owner.section()));
+                declarations.iter().for_each(|declaration| print_declaration(declaration, &mut out));
+            }
+            Section::Invariants(lines) => {
+                out.push_str("invariants;\n");
+                for line in lines {
+                    let terms: Vec<&str> = line.terms.iter().map(|term| term.text.as_str()).collect();
+                    let relation = match line.relation {
+                        Relation::Equal => "=",
+                        Relation::AtMost => "<=",
+                    };
+                    out.push_str(&format!("{} {relation} 1;\n", terms.join(" + ")));
+                }
+            }
+        }
+    }
+    out.push_str("formula;\n");
+    for line in &file.macros {
+        out.push_str(&format!("{} = {};\n", line.name.text, print_expression(file, line.body)));
+    }
+    if let Some(result) = file.result {
+        out.push_str(&format!("= {};\n", print_expression(file, result)));
+    }
+    out
+}
+
+fn print_declaration(declaration: &Declaration, out: &mut String) {
+    let ty = match declaration.ty {
+        Type::Scalar | Type::Truth => "scalar",
+        Type::Vector => "vector",
+    };
+    out.push_str(&format!("{}: {ty}", declaration.name.text));
+    if let Some(([low, high], _)) = declaration.range {
+        out.push_str(&format!(", constraint {low}..{high}"));
+    }
+    match declaration.default {
+        Some((Constant::Scalar(value), _)) => out.push_str(&format!(", default {value}")),
+        Some((Constant::Vector([x, y, z]), _)) => out.push_str(&format!(", default <{x}, {y}, {z}>")),
+        None => {}
+    }
+    out.push_str(if declaration.slider { ", slider" } else { "" });
+    out.push_str(if declaration.colour.is_some() { ", color" } else { "" });
+    out.push_str(";\n");
+}
+
+/// What is still to be written.
+enum Piece {
+    Text(&'static str),
+    /// An expression, in parentheses unless it binds at least so tightly.
+    Expr(ExprId, Binding),
+}
+
+/// The pieces of a list with commas between and `close` behind, the last one first; `least` is how tightly the first must bind.
+fn list(parts: &[ExprId], least: Binding, close: &'static str) -> Vec<Piece> {
+    let mut pieces = vec![Piece::Text(close)];
+    for (place, part) in parts.iter().enumerate().rev() {
+        pieces.push(Piece::Expr(*part, if place == 0 { least } else { Binding::Sum }));
+        if place > 0 {
+            pieces.push(Piece::Text(", "));
+        }
+    }
+    pieces
+}
+
+/// An expression as text. Uses a list of things still to be written rather than recursion, for sums of any length.
+pub fn print_expression(file: &FormulaFile, root: ExprId) -> String {
+    use Piece::{Expr, Text};
+    let mut out = String::new();
+    let mut pieces = vec![Expr(root, Binding::Or)];
+    while let Some(piece) = pieces.pop() {
+        let (id, least) = match piece {
+            Text(text) => {
+                // Behind a digit a dot would belong to the number.
+                if text == "." && out.ends_with(|last: char| last.is_ascii_digit()) {
+                    out.push(' ');
+                }
+                out.push_str(text);
+                continue;
+            }
+            Expr(id, least) => (id, least),
+        };
+        let kind = &file.expr(id).kind;
+        let binding = Binding::of(kind);
+        if binding < least {
+            out.push('(');
+            pieces.push(Text(")"));
+        }
+        // What is pushed last is written first.
+        match kind {
+            // Writing to a string does not fail.
+            ExprKind::Number(value) => {
+                let gap = if out.ends_with('.') { " " } else { "" };
+                let _ = write!(out, "{gap}{value}");
+            }
+            ExprKind::Name(name) => out.push_str(name),
+            ExprKind::Missing => out.push('?'),
+            ExprKind::Prefix(mark, operand) => {
+                out.push_str(mark.spelling());
+                pieces.push(Expr(*operand, if *mark == Mark::Not { Binding::Not } else { Binding::Unary }));
+            }
+            ExprKind::Infix(mark, _, [left, right]) => {
+                let tighter = match binding {
+                    Binding::Or => Binding::And,
+                    Binding::And => Binding::Not,
+                    Binding::Comparison => Binding::Sum,
+                    Binding::Sum => Binding::Product,
+                    Binding::Product => Binding::Power,
+                    Binding::Not | Binding::Power | Binding::Unary | Binding::Atom => Binding::Unary,
+                };
+                let (first, second) = match binding {
+                    Binding::Power => (Binding::Unary, Binding::Power),
+                    Binding::Comparison => (Binding::Sum, Binding::Sum),
+                    Binding::Or
+                    | Binding::And
+                    | Binding::Not
+                    | Binding::Sum
+                    | Binding::Product
+                    | Binding::Unary
+                    | Binding::Atom => (binding, tighter),
+                };
+                pieces.push(Expr(*right, second));
+                match binding {
+                    Binding::Product | Binding::Power => pieces.push(Text(mark.spelling())),
+                    Binding::Or
+                    | Binding::And
+                    | Binding::Not
+                    | Binding::Comparison
+                    | Binding::Sum
+                    | Binding::Unary
+                    | Binding::Atom => pieces.extend([Text(" "), Text(mark.spelling()), Text(" ")]),
+                }
+                pieces.push(Expr(*left, first));
+            }
+            ExprKind::Vector(parts) => {
+                out.push('<');
+                pieces.extend(list(parts, Binding::Sum, ">"));
+            }
+            ExprKind::Call(callee, arguments) => {
+                out.push_str(&callee.text);
+                out.push('(');
+                pieces.extend(list(arguments, Binding::Sum, ")"));
+            }
+            ExprKind::Conditional(parts) => {
+                out.push_str("if(");
+                pieces.extend(list(parts, Binding::Or, ")"));
+            }
+        }
+    }
+    out
+}

@@ -1,0 +1,164 @@
+//! The reference of the formula language as text for a terminal, printed from the tables that the program itself works by.
+
+use crate::lang::builtins::{Form, Operation};
+use crate::lang::printer::Binding;
+use crate::lang::token::Mark;
+use crate::lang::types::Origin;
+use crate::lang::variables::{Owner, Predefined, Rate, Variable};
+
+/// Lines are at most so long, in characters.
+const WIDTH: usize = 100;
+
+const HEAD: &str = "\
+The formula language
+
+A formula file holds sections in any order, each of them optional, and last the formula:
+
+  #uses FILE;                         the library of materials; must stand first
+  global;                             parameters of the whole scene
+  body_specific;                      parameters of each body
+  light_specific;                     parameters of each light
+    NAME: scalar, constraint 0..1, default 0.5, slider;
+    NAME: vector, constraint 0..1, default <1, 0, 0>, color;
+  invariants;                         sums of parameters of one section, each with the range 0..1
+    NAME + NAME = 1;                  the last named follows from the others
+    NAME + NAME <= 1;
+  formula;
+    NAME = expression;                a macro: a name for a value, also for use further up
+    = expression;                     the colour, a vector, that one light gives to a hit
+
+Comments are /* … */ and // … to the end of the line. Types: S scalar, V vector, B comparison.
+[+] marks what goes beyond the thesis that describes the language; formulas may redefine such names.
+";
+
+/// A line of a table: what is written, its types, where it comes from, what it means.
+struct Row {
+    form: String,
+    types: String,
+    origin: Origin,
+    doc: String,
+}
+
+/// The reference, in lines of at most 100 characters.
+pub fn reference() -> String {
+    let mut text = HEAD.to_owned();
+    section(&mut text, "Operators, those that bind most tightly first", &operators());
+    text.push_str("\n  Power groups to the right, all others to the left: a-b-c is (a-b)-c, and Cd*N.L is (Cd*N).L.\n");
+    text.push_str("  Comparisons, &&, || and ! stand in the condition of `if` only.\n");
+    section(&mut text, "Functions", &functions());
+    let variables = |rate| Variable::ALL.iter().filter(move |variable| variable.rate() == rate).map(variable).collect::<Vec<_>>();
+    section(&mut text, "Variables of a hit", &variables(Rate::Hit));
+    section(&mut text, "Variables of a hit and the light at hand", &variables(Rate::Record));
+    for owner in Owner::ALL {
+        let title = format!("Predefined {} parameters, each 0..1", owner.adjective());
+        let rows: Vec<Row> = Predefined::ALL.iter().filter(|predefined| predefined.owner() == owner).map(predefined).collect();
+        section(&mut text, &title, &rows);
+    }
+    text
+}
+
+fn operators() -> Vec<Row> {
+    let binding = |operation: &&Operation| match operation.form() {
+        Form::Prefix(Mark::Not) => Some(Binding::Not),
+        Form::Prefix(_) => Some(Binding::Unary),
+        Form::Infix(mark) => Some(Binding::of_infix(mark)),
+        Form::Function(_) | Form::Constant(_) | Form::Vector | Form::Conditional => None,
+    };
+    let mut operators: Vec<(Binding, &Operation)> =
+        Operation::ALL.iter().filter_map(|operation| Some((binding(&operation)?, operation))).collect();
+    // Stable: within one binding in the order of the table.
+    operators.sort_by_key(|(binding, _)| std::cmp::Reverse(*binding));
+    operators.into_iter().map(|(_, operation)| row(*operation)).collect()
+}
+
+fn functions() -> Vec<Row> {
+    let is_function = |operation: &&Operation| match operation.form() {
+        Form::Function(_) | Form::Constant(_) | Form::Vector | Form::Conditional => true,
+        Form::Prefix(_) | Form::Infix(_) => false,
+    };
+    Operation::ALL.iter().filter(is_function).map(|operation| row(*operation)).collect()
+}
+
+fn row(operation: Operation) -> Row {
+    let names = operation.operand_names();
+    let form = match operation.form() {
+        Form::Prefix(mark) => format!("{}{}", mark.spelling(), names.join("")),
+        Form::Infix(mark) => names.join(&format!(" {} ", mark.spelling())),
+        Form::Function(name) => format!("{name}({})", names.join(", ")),
+        Form::Constant(name) => name.to_owned(),
+        Form::Vector => format!("<{}>", names.join(", ")),
+        Form::Conditional => format!("if({})", names.join(", ")),
+    };
+    Row { form, types: operation.signature(), origin: operation.origin(), doc: operation.doc().to_owned() }
+}
+
+fn variable(variable: &Variable) -> Row {
+    Row {
+        form: variable.name().to_owned(),
+        types: variable.ty().letter().to_string(),
+        origin: variable.origin(),
+        doc: variable.doc().to_owned(),
+    }
+}
+
+fn predefined(predefined: &Predefined) -> Row {
+    let numbers: Vec<String> = predefined.default().iter().map(f32::to_string).collect();
+    let default = if numbers.len() == 1 { numbers.concat() } else { format!("<{}>", numbers.join(", ")) };
+    Row {
+        form: predefined.name().to_owned(),
+        types: predefined.ty().letter().to_string(),
+        origin: if predefined.usable_in_formulas() { Origin::Thesis } else { Origin::Added },
+        doc: format!("{}; default {default}", predefined.doc()),
+    }
+}
+
+fn section(text: &mut String, title: &str, rows: &[Row]) {
+    text.push_str(&format!("\n{title}\n\n"));
+    let longest = |column: fn(&Row) -> &str| rows.iter().map(|row| column(row).chars().count()).max().unwrap_or(0);
+    let (form, types) = (longest(|row| &row.form), longest(|row| &row.types));
+    for row in rows {
+        let mark = match row.origin {
+            Origin::Thesis => "   ",
+            Origin::Added => "[+]",
+        };
+        let head = format!("  {:form$}  {:types$}  {mark} ", row.form, row.types);
+        let indent = head.chars().count();
+        text.push_str(&head);
+        text.push_str(&wrapped(&row.doc, WIDTH.saturating_sub(indent)).join(&format!("\n{}", " ".repeat(indent))));
+        text.push('\n');
+    }
+}
+
+/// The words of a line in lines of at most so many characters, or of one word.
+fn wrapped(line: &str, width: usize) -> Vec<String> {
+    let mut lines = vec![String::new()];
+    for word in line.split(' ') {
+        let last = lines.len() - 1;
+        let length = lines[last].chars().count();
+        if length == 0 {
+            lines[last].push_str(word);
+        } else if length + 1 + word.chars().count() <= width {
+            lines[last].push_str(&format!(" {word}"));
+        } else {
+            lines.push(word.to_owned());
+        }
+    }
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn everything_is_there_and_no_line_is_too_long() {
+        let text = reference();
+        for operation in Operation::ALL {
+            assert!(text.contains(&row(*operation).form), "{operation:?}");
+        }
+        for name in Variable::ALL.iter().map(|variable| variable.name()).chain(Predefined::ALL.iter().map(|known| known.name())) {
+            assert!(text.lines().any(|line| line.trim_start().split(' ').next() == Some(name)), "{name}");
+        }
+        assert!(text.lines().all(|line| line.chars().count() <= WIDTH && line.trim_end() == line), "{text}");
+    }
+}

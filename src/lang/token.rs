@@ -1,0 +1,87 @@
+//! The words of both languages: what the lexer yields and the parsers read.
+
+use crate::lang::source::Span;
+
+/// One word with its place.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Token {
+    /// What it is.
+    pub kind: TokenKind,
+    /// Where it stands.
+    pub span: Span,
+}
+
+/// The kinds of words.
+#[derive(Debug, Clone, PartialEq)]
+pub enum TokenKind {
+    /// An unsigned number.
+    Number(f64),
+    /// An identifier or a keyword; keywords are words only in their places.
+    Word(String),
+    /// `#uses` with the raw text up to the `;`, trimmed, and that text's place. The `;` is part of it.
+    Uses(String, Span),
+    /// Punctuation.
+    Mark(Mark),
+    /// The end of the text.
+    End,
+}
+
+impl TokenKind {
+    /// How a message names this word: `` `kd` ``, `the number 1.5`, `the end of the file`.
+    pub fn describe(&self) -> String {
+        match self {
+            TokenKind::Number(value) => format!("the number {value}"),
+            TokenKind::Word(word) => format!("`{word}`"),
+            TokenKind::Uses(..) => "`#uses`".to_owned(),
+            TokenKind::Mark(mark) => format!("`{}`", mark.spelling()),
+            TokenKind::End => "the end of the file".to_owned(),
+        }
+    }
+}
+
+macro_rules! marks {
+    ($($name:ident $spelling:literal,)*) => {
+        /// Punctuation marks and operators, longest spelling first where one begins another.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+        pub enum Mark {
+            $(#[doc = concat!("`", $spelling, "`")] $name,)*
+        }
+
+        impl Mark {
+            /// Every mark, in the order in which the lexer must try them.
+            pub const ALL: &[Mark] = &[$(Mark::$name,)*];
+
+            /// How it is written.
+            pub fn spelling(self) -> &'static str {
+                match self {
+                    $(Mark::$name => $spelling,)*
+                }
+            }
+        }
+    };
+}
+
+marks! {
+    DotDot "..",
+    LessEqual "<=",
+    GreaterEqual ">=",
+    EqualEqual "==",
+    NotEqual "!=",
+    AndAnd "&&",
+    OrOr "||",
+    Colon ":",
+    Semicolon ";",
+    Comma ",",
+    Plus "+",
+    Minus "-",
+    Star "*",
+    Slash "/",
+    Dot ".",
+    Caret "^",
+    Open "(",
+    Close ")",
+    Less "<",
+    Greater ">",
+    Equal "=",
+    Not "!",
+}

@@ -1,0 +1,61 @@
+//! The types of the language.
+
+use std::fmt;
+
+/// What an expression is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Type {
+    /// One number.
+    Scalar,
+    /// Three numbers: a direction, a point, a colour.
+    Vector,
+    /// What a comparison yields; it occurs only in the condition of `if`.
+    Truth,
+}
+
+impl Type {
+    /// How many numbers make up a value of this type.
+    pub const fn slots(self) -> usize {
+        match self {
+            Type::Scalar | Type::Truth => 1,
+            Type::Vector => 3,
+        }
+    }
+
+    /// The letter that stands for it in signatures.
+    pub const fn letter(self) -> char {
+        match self {
+            Type::Scalar => 'S',
+            Type::Vector => 'V',
+            Type::Truth => 'B',
+        }
+    }
+
+    /// With the article, as messages need it.
+    pub const fn with_article(self) -> &'static str {
+        match self {
+            Type::Scalar => "a scalar",
+            Type::Vector => "a vector",
+            Type::Truth => "a comparison",
+        }
+    }
+}
+
+impl fmt::Display for Type {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Type::Scalar => "scalar",
+            Type::Vector => "vector",
+            Type::Truth => "comparison",
+        })
+    }
+}
+
+/// Where a name or an operation comes from; it decides whether formulas may redefine it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Origin {
+    /// Of the thesis: the name is taken.
+    Thesis,
+    /// Added since: a formula may give the name another meaning, so that old formulas keep working.
+    Added,
+}

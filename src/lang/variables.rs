@@ -1,0 +1,177 @@
+//! Every variable and predefined parameter of the language, defined once.
+//!
+//! Variables are what ray tracing knows of a hit (thesis 4.2.1, 9.2.3); predefined parameters are those the lighting equation
+//! itself needs (thesis 4.2.5). Values of either are found elsewhere.
+
+use crate::lang::types::{Origin, Type};
+
+/// What a variable's value belongs to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Rate {
+    /// One value for a hit, whatever the light.
+    Hit,
+    /// One value for a hit and a light that reaches it.
+    Record,
+}
+
+macro_rules! variables {
+    ($($variant:ident $name:literal $type:ident $rate:ident $origin:ident $doc:literal;)*) => {
+        /// A value known at a hit (and for the light at hand) once rays are traced.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+        #[repr(u8)]
+        pub enum Variable {
+            $(#[doc = $doc] $variant,)*
+        }
+
+        impl Variable {
+            /// Every variable.
+            pub const ALL: &[Variable] = &[$(Variable::$variant,)*];
+
+            /// How it is written.
+            pub fn name(self) -> &'static str {
+                match self { $(Variable::$variant => $name,)* }
+            }
+
+            /// Its type.
+            pub fn ty(self) -> Type {
+                match self { $(Variable::$variant => Type::$type,)* }
+            }
+
+            /// What its value belongs to.
+            pub fn rate(self) -> Rate {
+                match self { $(Variable::$variant => Rate::$rate,)* }
+            }
+
+            /// Where it comes from.
+            pub fn origin(self) -> Origin {
+                match self { $(Variable::$variant => Origin::$origin,)* }
+            }
+
+            /// What it is, in one line.
+            pub fn doc(self) -> &'static str {
+                match self { $(Variable::$variant => $doc,)* }
+            }
+
+            /// The variable of this name.
+            pub fn named(name: &str) -> Option<Variable> {
+                Variable::ALL.iter().copied().find(|variable| variable.name() == name)
+            }
+        }
+    };
+}
+
+variables! {
+    Normal "N" Vector Hit Thesis "surface normal, turned to the side the ray came from";
+    ToLight "L" Vector Record Thesis "direction from the hit to the light";
+    ToViewer "V" Vector Hit Thesis "direction from the hit to where the ray came from";
+    Mirrored "R" Vector Record Thesis "L mirrored about N: 2(N.L)N - L";
+    Alpha "alpha" Scalar Record Thesis "angle between N and L, radians, 0..pi";
+    Beta "beta" Scalar Record Thesis "angle between R and V, radians, 0..pi";
+    Gamma "gamma" Scalar Hit Thesis "angle between N and V, radians, 0..pi";
+    Point "point" Vector Hit Thesis "the hit in world coordinates";
+    Halfway "H" Vector Record Added "normalize(L + V)";
+    Tangent "T" Vector Hit Added "tangent: along the first edge of a rectangle, along the parallels of a sphere";
+    Bitangent "B" Vector Hit Added "second tangent, N x T";
+    Distance "dist" Scalar Record Added "distance from the hit to the light, world units";
+}
+
+/// What a parameter belongs to (thesis 4.2.4).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Owner {
+    /// The whole scene: one value.
+    Global,
+    /// A value for each body.
+    Body,
+    /// A value for each light.
+    Light,
+}
+
+impl Owner {
+    /// Every kind of owner.
+    pub const ALL: [Owner; 3] = [Owner::Global, Owner::Body, Owner::Light];
+
+    /// The word that heads its section in a formula file.
+    pub fn section(self) -> &'static str {
+        match self {
+            Owner::Global => "global",
+            Owner::Body => "body_specific",
+            Owner::Light => "light_specific",
+        }
+    }
+
+    /// As messages call it: a body's, a light's, a global parameter.
+    pub fn adjective(self) -> &'static str {
+        match self {
+            Owner::Global => "global",
+            Owner::Body => "body",
+            Owner::Light => "light",
+        }
+    }
+}
+
+macro_rules! predefined {
+    ($($variant:ident $name:literal $owner:ident $type:ident [$($default:literal),+] $doc:literal;)*) => {
+        /// A parameter that always exists (thesis 4.2.5). Each ranges over 0..1, every component of a vector too.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+        pub enum Predefined {
+            $(#[doc = $doc] $variant,)*
+        }
+
+        impl Predefined {
+            /// Every predefined parameter.
+            pub const ALL: &[Predefined] = &[$(Predefined::$variant,)*];
+
+            /// How it is written.
+            pub fn name(self) -> &'static str {
+                match self { $(Predefined::$variant => $name,)* }
+            }
+
+            /// What it belongs to.
+            pub fn owner(self) -> Owner {
+                match self { $(Predefined::$variant => Owner::$owner,)* }
+            }
+
+            /// Its type.
+            pub fn ty(self) -> Type {
+                match self { $(Predefined::$variant => Type::$type,)* }
+            }
+
+            /// Its default: one number, or three.
+            pub fn default(self) -> &'static [f32] {
+                match self { $(Predefined::$variant => &[$($default),+],)* }
+            }
+
+            /// What it is, in one line.
+            pub fn doc(self) -> &'static str {
+                match self { $(Predefined::$variant => $doc,)* }
+            }
+
+            /// The predefined parameter of this name.
+            pub fn named(name: &str) -> Option<Predefined> {
+                Predefined::ALL.iter().copied().find(|predefined| predefined.name() == name)
+            }
+        }
+    };
+}
+
+predefined! {
+    BodyColour "Cd" Body Vector [0.8, 0.8, 0.8] "colour of the body";
+    Reflection "kr" Body Scalar [0.0] "weight of the reflected ray";
+    Refraction "kt" Body Scalar [0.0] "weight of the refracted ray";
+    Intensity "ki" Light Scalar [1.0] "intensity of the light";
+    LightColour "IL" Light Vector [1.0, 1.0, 1.0] "colour of the light";
+    Ambient "ka" Global Scalar [0.1] "weight of the ambient light";
+    AmbientColour "Ia" Global Vector [1.0, 1.0, 1.0] "colour of the ambient light";
+    Background "background" Global Vector [0.0, 0.0, 0.0] "colour of a ray that hits nothing; not usable in formulas";
+}
+
+impl Predefined {
+    /// Whether formulas may read it: all but the background.
+    pub fn usable_in_formulas(self) -> bool {
+        self != Predefined::Background
+    }
+}
+
+/// Words that may not name anything, in either language: they head sections.
+pub const RESERVED: [&str; 8] =
+    ["global", "body_specific", "light_specific", "invariants", "formula", "bodies", "lights", "camera"];

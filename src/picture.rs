@@ -1,0 +1,148 @@
+//! Pictures as files: from linear colours to bytes, and into PNG, BMP or OpenEXR.
+//!
+//! The 8-bit formats hold colours clamped to 0..1, without gamma as in the thesis (9.1.6) or with the sRGB transfer function.
+//! OpenEXR holds the linear numbers themselves, unclamped.
+
+use crate::evaluate::Frame;
+use crate::workspace::files::{reason, replace_file};
+use image::codecs::bmp::BmpEncoder;
+use image::codecs::openexr::OpenExrEncoder;
+use image::codecs::png::PngEncoder;
+use image::{ExtendedColorType, ImageEncoder, ImageResult};
+use rayon::prelude::*;
+use std::fs::File;
+use std::io::{self, BufWriter};
+use std::path::Path;
+
+/// How linear colours become those of an 8-bit picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Transfer {
+    /// As they are.
+    #[default]
+    Linear,
+    /// By the transfer function of sRGB (IEC 61966-2-1).
+    Srgb,
+}
+
+impl Transfer {
+    /// A component 0..1 as it is stored, 0..1.
+    fn encode(self, linear: f32) -> f32 {
+        match self {
+            Transfer::Linear => linear,
+            Transfer::Srgb if linear <= 0.003_130_8 => 12.92 * linear,
+            Transfer::Srgb => 1.055 * linear.powf(1.0 / 2.4) - 0.055,
+        }
+    }
+}
+
+/// The formats of picture files.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Format {
+    /// `.png`, 8 bits a component.
+    Png,
+    /// `.bmp`, 8 bits a component.
+    Bmp,
+    /// `.exr`, 32-bit floats.
+    Exr,
+}
+
+impl Format {
+    /// Every format.
+    pub const ALL: [Format; 3] = [Format::Png, Format::Bmp, Format::Exr];
+
+    /// The suffix of its files, without the dot.
+    pub fn suffix(self) -> &'static str {
+        match self {
+            Format::Png => "png",
+            Format::Bmp => "bmp",
+            Format::Exr => "exr",
+        }
+    }
+
+    /// The format that a file's suffix names, in capitals or not.
+    pub fn of(path: &Path) -> Option<Format> {
+        let suffix = path.extension()?.to_str()?;
+        Format::ALL.into_iter().find(|format| suffix.eq_ignore_ascii_case(format.suffix()))
+    }
+}
+
+/// Colours as bytes, red, green and blue of each pixel: clamped to 0..1, NaN as 0, and rounded to the nearest of 0..=255.
+pub fn quantise(linear: &[[f32; 3]], transfer: Transfer) -> Vec<u8> {
+    // The cast takes NaN to 0.
+    let byte = |component: f32| (255.0 * transfer.encode(component.clamp(0.0, 1.0))).round() as u8;
+    linear.par_iter().flat_map_iter(|pixel| pixel.map(byte)).collect()
+}
+
+/// Writes a picture, whole or not at all, in the format of the path's suffix. The transfer is that of the 8-bit formats.
+///
+/// # Errors
+/// The suffix names no format, or the file cannot be written; a file that was there before is then unharmed. The message is
+/// for users.
+pub fn save(path: &Path, frame: &Frame, transfer: Transfer) -> Result<(), String> {
+    let name = path.display();
+    let format = Format::of(path).ok_or_else(|| format!("`{name}` names no format of pictures"))?;
+    replace_file(path, |writer| encode(writer, frame, format, transfer).map_err(into_io))
+        .map_err(|error| format!("cannot write the picture `{name}`: {}", reason(&error)))
+}
+
+fn encode(writer: &mut BufWriter<File>, frame: &Frame, format: Format, transfer: Transfer) -> ImageResult<()> {
+    let (width, height) = (frame.width, frame.height);
+    let bytes = || quantise(&frame.linear, transfer);
+    match format {
+        Format::Png => PngEncoder::new(writer).write_image(&bytes(), width, height, ExtendedColorType::Rgb8),
+        Format::Bmp => BmpEncoder::new(writer).write_image(&bytes(), width, height, ExtendedColorType::Rgb8),
+        Format::Exr => {
+            let floats: Vec<u8> =
+                frame.linear.par_iter().flat_map_iter(|pixel| pixel.map(f32::to_ne_bytes)).flatten_iter().collect();
+            OpenExrEncoder::new(writer).write_image(&floats, width, height, ExtendedColorType::Rgb32F)
+        }
+    }
+}
+
+fn into_io(error: image::ImageError) -> io::Error {
+    match error {
+        image::ImageError::IoError(error) => error,
+        image::ImageError::Decoding(_)
+        | image::ImageError::Encoding(_)
+        | image::ImageError::Parameter(_)
+        | image::ImageError::Limits(_)
+        | image::ImageError::Unsupported(_) => io::Error::other(error),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn components_are_clamped_and_rounded() {
+        let pixels = [[0.0, 1.0, 0.5], [-1.0, f32::INFINITY, f32::NAN], [0.499 / 255.0, 0.501 / 255.0, 2.0]];
+        assert_eq!(quantise(&pixels, Transfer::Linear), [0, 255, 128, 0, 255, 0, 0, 1, 255]);
+        assert_eq!(quantise(&[[0.0, 0.002, 0.5], [1.0, 0.214_041_14, 9.0]], Transfer::Srgb), [0, 7, 188, 255, 128, 255]);
+    }
+
+    #[test]
+    fn every_format_is_read_back() {
+        let folder = tempfile::tempdir().unwrap();
+        let frame = Frame { width: 2, height: 1, linear: vec![[0.25, -3.5, 1e6], [1.0, 0.0, 0.5]] };
+        for format in Format::ALL {
+            let path = folder.path().join("picture").with_extension(format.suffix().to_uppercase());
+            save(&path, &frame, Transfer::Linear).unwrap();
+            let image = image::ImageReader::open(&path).unwrap().with_guessed_format().unwrap().decode().unwrap();
+            if format == Format::Exr {
+                assert_eq!(image.to_rgb32f().into_raw(), frame.linear.concat());
+            } else {
+                assert_eq!(image.to_rgb8().into_raw(), [64, 0, 255, 255, 0, 128]);
+            }
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_written_is_told() {
+        let frame = Frame::black(1, 1);
+        let error = save(Path::new("picture.gif"), &frame, Transfer::Linear).unwrap_err();
+        assert_eq!(error, "`picture.gif` names no format of pictures");
+        let error = save(Path::new("/no/such/folder/p.png"), &frame, Transfer::Linear).unwrap_err();
+        assert!(error.starts_with("cannot write the picture `/no/such/folder/p.png`: there is no such"), "{error}");
+    }
+}

@@ -1,0 +1,369 @@
+//! Scene text into a scene: sections, bodies, lights (thesis 9.3.1). The camera's clauses are read in `parser/camera.rs`.
+//!
+//! Recursive descent without recursion: the language is flat. After an error the rest of the declaration is passed over, so
+//! that every declaration is judged on its own; a value out of range loses only that value.
+
+mod camera;
+#[cfg(test)]
+mod tests;
+
+use crate::lang::diagnostic::{Diagnostic, Diagnostics, nearest};
+use crate::lang::lexer::tokenize;
+use crate::lang::source::{Source, Span};
+use crate::lang::token::{Mark, TokenKind};
+use crate::scene::cursor::{Cursor, Lost, Placed};
+use crate::scene::print::{Number, Vector};
+use crate::scene::{Body, Camera, Light, MAX_COORDINATE, MIN_LENGTH, Rectangle, Scene, Shape, ShapeError, Sphere};
+use glam::DVec3;
+use std::collections::HashMap;
+
+/// The sections in their order.
+const SECTIONS: [&str; 3] = ["bodies", "lights", "camera"];
+/// The words with which a formula begins; they name nothing in a scene either, so that the two are never mistaken.
+const FORMULA_SECTIONS: [&str; 5] = ["global", "body_specific", "light_specific", "invariants", "formula"];
+const SHAPES: [&str; 2] = ["sphere", "rectangle"];
+const ATTRIBUTES: [&str; 3] = ["refractive_index", "opaque", "matte"];
+
+/// Reads a scene; see [`Scene::parse`].
+pub(super) fn parse(source: &Source) -> Result<(Scene, Diagnostics), Diagnostics> {
+    let (tokens, diagnostics) = tokenize(source);
+    let mut parser = Parser {
+        cursor: Cursor::new(tokens, diagnostics),
+        names: HashMap::new(),
+        seen: [None; 3],
+        bodies: Vec::new(),
+        lights: Vec::new(),
+        camera: None,
+    };
+    parser.file();
+    let diagnostics = parser.cursor.into_diagnostics();
+    match parser.camera {
+        Some(camera) if !diagnostics.has_errors() => {
+            Ok((Scene { bodies: parser.bodies, lights: parser.lights, camera }, diagnostics))
+        }
+        Some(_) | None => Err(diagnostics),
+    }
+}
+
+struct Parser {
+    cursor: Cursor,
+    /// Every name so far, and where it was declared first.
+    names: HashMap<String, Span>,
+    /// Where each of [`SECTIONS`] was met first.
+    seen: [Option<Span>; 3],
+    bodies: Vec<Body>,
+    lights: Vec<Light>,
+    camera: Option<Camera>,
+}
+
+impl Parser {
+    fn file(&mut self) {
+        if self.is_formula() {
+            let diagnostic = Diagnostic::error("this looks like a formula, not a scene");
+            let diagnostic = diagnostic.at(self.cursor.span(), "a scene begins with `bodies;`");
+            self.cursor.report(diagnostic.help("give formula and scene the other way round, or check the name of the file"));
+            return;
+        }
+        if *self.cursor.kind(0) == TokenKind::End {
+            let diagnostic = Diagnostic::error("the scene is empty").at(self.cursor.span(), "expected `bodies;`");
+            self.cursor.report(diagnostic.help("a scene is `bodies; … lights; … camera; …`; see the preset scenes"));
+            return;
+        }
+        if self.header().is_none() {
+            let found = self.cursor.kind(0).describe();
+            let diagnostic = Diagnostic::error(format!("expected `bodies;`, found {found}"));
+            self.cursor.report(diagnostic.at(self.cursor.span(), "a scene begins with `bodies;`"));
+            // What looks like a body is read as one, as if only the header were missing.
+            if self.cursor.mark_ahead(1, Mark::Colon) {
+                self.seen[0] = Some(self.cursor.span());
+                self.entries(Parser::body);
+            } else {
+                self.skip();
+            }
+        }
+        while *self.cursor.kind(0) != TokenKind::End {
+            match self.header() {
+                Some(section) => self.section(section),
+                None => {
+                    let found = self.cursor.kind(0).describe();
+                    let diagnostic = Diagnostic::error(format!("nothing may follow the camera, found {found}"));
+                    self.cursor.report(diagnostic.at(self.cursor.span(), "the scene ends before this"));
+                    self.skip_to_header();
+                }
+            }
+        }
+        let missing: Vec<_> = SECTIONS.iter().zip(&self.seen).filter(|(_, seen)| seen.is_none()).map(|(name, _)| *name).collect();
+        for name in missing {
+            let diagnostic =
+                Diagnostic::error(format!("the section `{name};` is missing")).at(self.cursor.span(), "the scene ends here");
+            self.cursor.report(
+                diagnostic.help("a scene is `bodies; … lights; … camera; …`, in this order; bodies and lights may be empty"),
+            );
+        }
+    }
+
+    fn is_formula(&self) -> bool {
+        let uses = matches!(self.cursor.kind(0), TokenKind::Uses(..));
+        let section = self.cursor.word().is_some_and(|word| FORMULA_SECTIONS.contains(&word));
+        uses || (section && self.cursor.mark_ahead(1, Mark::Semicolon))
+    }
+
+    /// The section whose header is next, also where its name is misspelt or its `;` left out.
+    fn header(&self) -> Option<usize> {
+        let word = self.cursor.word()?;
+        let exact = SECTIONS.iter().position(|name| *name == word);
+        match exact {
+            Some(_) => exact.filter(|_| !self.cursor.mark_ahead(1, Mark::Colon)),
+            // Nothing else in a scene is a single word before a `;`.
+            None if self.cursor.mark_ahead(1, Mark::Semicolon) => {
+                let near = nearest(word, SECTIONS)?;
+                SECTIONS.iter().position(|name| *name == near)
+            }
+            None => None,
+        }
+    }
+
+    fn section(&mut self, section: usize) {
+        let span = self.cursor.span();
+        let name = SECTIONS[section];
+        if let Some(word) = self.cursor.word().filter(|word| *word != name).map(str::to_owned) {
+            let diagnostic = Diagnostic::error(format!("`{word};` is no section")).at(span, "unknown section");
+            self.cursor.report(diagnostic.help(format!("did you mean `{name};`?")));
+        }
+        self.cursor.advance();
+        // Reported where it is missing; the section's contents are read all the same.
+        let _ = self.cursor.expect(Mark::Semicolon, &format!("after `{name}`"));
+        if let Some(first) = self.seen[section] {
+            let diagnostic = Diagnostic::error(format!("the section `{name};` stands twice")).at(span, "the second time");
+            self.cursor.report(diagnostic.at(first, "the first time").help("put everything into one section"));
+        } else if let Some(later) = (section + 1..SECTIONS.len()).find(|later| self.seen[*later].is_some()) {
+            let diagnostic = Diagnostic::error(format!("the section `{name};` must come before `{};`", SECTIONS[later]));
+            let diagnostic = diagnostic.at(span, "too late").help("the order is `bodies;`, `lights;`, `camera;`");
+            self.cursor.report(match self.seen[later] {
+                Some(place) => diagnostic.at(place, "this must come after it"),
+                None => diagnostic,
+            });
+        }
+        self.seen[section].get_or_insert(span);
+        match section {
+            0 => self.entries(Parser::body),
+            1 => self.entries(Parser::light),
+            _ => self.camera_section(span),
+        }
+    }
+
+    /// Declarations up to the next header or the end.
+    fn entries(&mut self, entry: fn(&mut Parser) -> Result<(), Lost>) {
+        while *self.cursor.kind(0) != TokenKind::End && self.header().is_none() {
+            let start = self.cursor.position();
+            if entry(self).is_err() {
+                if self.cursor.position() == start {
+                    self.cursor.advance();
+                }
+                self.skip();
+            }
+        }
+    }
+
+    /// Passes over the rest of a declaration: up to its `;`, or to where the next one begins if the `;` was forgotten.
+    fn skip(&mut self) {
+        while *self.cursor.kind(0) != TokenKind::End {
+            if self.cursor.accept(Mark::Semicolon) {
+                return;
+            }
+            if self.header().is_some() || (self.cursor.word().is_some() && self.cursor.mark_ahead(1, Mark::Colon)) {
+                return;
+            }
+            self.cursor.advance();
+        }
+    }
+
+    fn skip_to_header(&mut self) {
+        while *self.cursor.kind(0) != TokenKind::End && self.header().is_none() {
+            self.cursor.advance();
+        }
+    }
+
+    /// The name of a body or light and the `:` after it. A name that may not be taken is reported and read on from.
+    fn name(&mut self, what: &str) -> Result<Placed<String>, Lost> {
+        let span = self.cursor.span();
+        let Some(name) = self.cursor.word().map(str::to_owned) else {
+            let diagnostic =
+                Diagnostic::error(format!("expected the name of a {what}, found {}", self.cursor.kind(0).describe()));
+            self.cursor.report(diagnostic.at(span, "found this"));
+            return Err(Lost);
+        };
+        if SECTIONS.contains(&name.as_str()) || FORMULA_SECTIONS.contains(&name.as_str()) {
+            let diagnostic = Diagnostic::error(format!("`{name}` may not name anything")).at(span, "this word begins a section");
+            self.cursor.report(diagnostic.help("choose another name"));
+        } else if let Some(first) = self.names.get(&name).copied() {
+            let diagnostic = Diagnostic::error(format!("the name `{name}` is already taken")).at(span, "the second time");
+            self.cursor
+                .report(diagnostic.at(first, "the first time").help("bodies and lights share their names; choose another"));
+        } else {
+            self.names.insert(name.clone(), span);
+        }
+        self.cursor.advance();
+        self.cursor.expect(Mark::Colon, &format!("after the name of the {what}"))?;
+        Ok(Placed { value: name, span })
+    }
+
+    /// `NAME: SHAPE … { , ATTRIBUTE } ;`
+    fn body(&mut self) -> Result<(), Lost> {
+        let name = self.name("body")?;
+        let shape = match self.cursor.word() {
+            Some("sphere") => self.sphere()?,
+            Some("rectangle") => self.rectangle()?,
+            word => {
+                let hint = match word {
+                    Some("point") => Some("lights stand in the section `lights;`".to_owned()),
+                    Some(word) => nearest(word, SHAPES).map(|near| format!("did you mean `{near}`?")),
+                    None => None,
+                };
+                let message = format!("expected `sphere` or `rectangle`, found {}", self.cursor.kind(0).describe());
+                let diagnostic = Diagnostic::error(message).at(self.cursor.span(), "no shape of this name");
+                self.cursor.report(diagnostic.help_if(hint));
+                return Err(Lost);
+            }
+        };
+        let attributes = self.attributes()?;
+        let attribute = self.cursor.word().filter(|word| ATTRIBUTES.contains(word)).map(str::to_owned);
+        if let Some(attribute) = attribute {
+            let diagnostic = Diagnostic::error(format!("expected `,` before `{attribute}`")).at(self.cursor.span(), "found this");
+            self.cursor.report(diagnostic.help(format!("write `, {attribute}`")));
+            return Err(Lost);
+        }
+        self.cursor.expect(Mark::Semicolon, "after the body")?;
+        if let Some(shape) = shape {
+            let Attributes { refractive_index, opaque, matte } = attributes;
+            self.bodies.push(Body { name: name.value, name_span: name.span, shape, refractive_index, opaque, matte });
+        }
+        Ok(())
+    }
+
+    /// `sphere, center V, radius S`; `None` where a value was out of range.
+    fn sphere(&mut self) -> Result<Option<Shape>, Lost> {
+        self.cursor.advance();
+        self.cursor.expect(Mark::Comma, "after `sphere`")?;
+        self.cursor.expect_word("center", "of the sphere")?;
+        let center = self.cursor.vector("the centre")?;
+        self.cursor.expect(Mark::Comma, "after the centre")?;
+        self.cursor.expect_word("radius", "of the sphere")?;
+        let radius = self.positive("the radius")?;
+        // Both values were judged where they stand.
+        Ok(Sphere::new(center.value, radius.unwrap_or(0.0)).ok().map(Shape::Sphere))
+    }
+
+    /// `rectangle, A, B, C`; `None` where a value was out of range.
+    fn rectangle(&mut self) -> Result<Option<Shape>, Lost> {
+        self.cursor.advance();
+        let mut corners = [Placed { value: DVec3::ZERO, span: self.cursor.span() }; 3];
+        for (corner, letter) in corners.iter_mut().zip(["A", "B", "C"]) {
+            self.cursor.expect(Mark::Comma, &format!("before corner {letter} of the rectangle"))?;
+            *corner = self.cursor.vector(&format!("corner {letter}"))?;
+        }
+        let [a, b, c] = corners.map(|corner| corner.value);
+        let span = corners[0].span.to(corners[2].span);
+        let diagnostic = match Rectangle::new(a, b, c) {
+            Ok(rectangle) => return Ok(Some(Shape::Rectangle(rectangle))),
+            Err(ShapeError::NoEdge(first, second)) => Diagnostic::error("an edge of the rectangle has no length")
+                .at(corners[second].span, "the same as the corner before")
+                .at(corners[first].span, "the corner before")
+                .help("give three corners in order, clockwise as seen from the front; the fourth follows"),
+            Err(ShapeError::Skewed(cosine)) => {
+                let angle = cosine.clamp(-1.0, 1.0).acos().to_degrees();
+                let edge = a - b;
+                let square = c - edge * ((c - b).dot(edge) / edge.length_squared());
+                let message =
+                    format!("the edges of the rectangle are not perpendicular: they are {:.3}° off", (angle - 90.0).abs());
+                let mark = format!("at B they meet at {angle:.3}°, cosine {cosine:.4}; up to 0.001 is taken");
+                let diagnostic = Diagnostic::error(message).at(span, mark);
+                // Corners on one line leave nothing to build the right corner from.
+                let mend = (square - b).length() > 1e-3 * (c - b).length();
+                diagnostic.help_if(mend.then(|| format!("with this A and B, C could be {}", Vector(square))))
+            }
+            // Coordinates were judged where they stand, and rectangles have no radius.
+            Err(ShapeError::TooFar | ShapeError::Radius) => return Ok(None),
+        };
+        self.cursor.report(diagnostic);
+        Ok(None)
+    }
+
+    /// A number greater than 0; one that is not is reported and left out.
+    fn positive(&mut self, what: &str) -> Result<Option<f64>, Lost> {
+        let number = self.cursor.number(what)?;
+        if (MIN_LENGTH..=MAX_COORDINATE).contains(&number.value) {
+            return Ok(Some(number.value));
+        }
+        let (message, mark) = if number.value > MAX_COORDINATE {
+            (format!("{what} is too large"), format!("at most {MAX_COORDINATE:e}"))
+        } else if number.value > 0.0 {
+            (format!("{what} is too small"), format!("at least {MIN_LENGTH:e}"))
+        } else {
+            (format!("{what} must be greater than 0"), format!("it is {}", Number(number.value)))
+        };
+        self.cursor.report(Diagnostic::error(message).at(number.span, mark));
+        Ok(None)
+    }
+
+    /// `{ , ATTRIBUTE }`.
+    fn attributes(&mut self) -> Result<Attributes, Lost> {
+        let mut attributes = Attributes::default();
+        let mut seen: [Option<Span>; 3] = [None; 3];
+        while self.cursor.accept(Mark::Comma) {
+            let span = self.cursor.span();
+            let word = self.cursor.word().unwrap_or_default().to_owned();
+            let Some(attribute) = ATTRIBUTES.iter().position(|known| *known == word) else {
+                let message = format!("expected an attribute of the body, found {}", self.cursor.kind(0).describe());
+                let near = nearest(&word, ATTRIBUTES).map(|near| format!("did you mean `{near}`?"));
+                let diagnostic = Diagnostic::error(message).at(span, "no attribute of this name").help_if(near);
+                self.cursor.report(diagnostic.help("the attributes are `refractive_index NUMBER`, `opaque` and `matte`"));
+                return Err(Lost);
+            };
+            if let Some(first) = seen[attribute] {
+                let diagnostic = Diagnostic::error(format!("`{word}` is given twice")).at(span, "the second time");
+                self.cursor.report(diagnostic.at(first, "the first time").help("leave one of them out"));
+            }
+            seen[attribute].get_or_insert(span);
+            self.cursor.advance();
+            match attribute {
+                0 => attributes.refractive_index = self.positive("the refractive index")?,
+                1 => attributes.opaque = true,
+                _ => attributes.matte = true,
+            }
+        }
+        if let [Some(index), Some(opaque), _] = seen {
+            let diagnostic =
+                Diagnostic::warning("the refractive index of an opaque body has no effect").at(index, "this is not used");
+            self.cursor.report(diagnostic.at(opaque, "because the body never refracts"));
+        }
+        Ok(attributes)
+    }
+
+    /// `NAME: point, V;`
+    fn light(&mut self) -> Result<(), Lost> {
+        let name = self.name("light")?;
+        match self.cursor.word() {
+            Some(word) if SHAPES.contains(&word) => {
+                let diagnostic =
+                    Diagnostic::error(format!("expected `point`, found `{word}`")).at(self.cursor.span(), "not a light");
+                self.cursor.report(diagnostic.help("bodies stand in the section `bodies;`"));
+                return Err(Lost);
+            }
+            Some(_) | None => self.cursor.expect_word("point", "(the only kind of light)")?,
+        }
+        self.cursor.expect(Mark::Comma, "after `point`")?;
+        let position = self.cursor.vector("the position of the light")?;
+        self.cursor.expect(Mark::Semicolon, "after the light")?;
+        self.lights.push(Light { name: name.value, name_span: name.span, position: position.value });
+        Ok(())
+    }
+}
+
+/// What the attributes of a body say.
+#[derive(Debug, Default)]
+struct Attributes {
+    refractive_index: Option<f64>,
+    opaque: bool,
+    matte: bool,
+}

@@ -1,0 +1,152 @@
+//! The clauses of the camera: position, gaze, up, fov (thesis 9.3.1).
+
+use super::Parser;
+use crate::lang::diagnostic::{Diagnostic, nearest};
+use crate::lang::source::Span;
+use crate::lang::token::{Mark, TokenKind};
+use crate::scene::cursor::{Lost, Placed};
+use crate::scene::print::{Number, Vector};
+use crate::scene::{Camera, CameraError};
+use glam::DVec3;
+
+/// The clauses in their order.
+const CLAUSES: [&str; 4] = ["position", "gaze", "up", "fov"];
+
+/// The clauses read so far.
+#[derive(Default)]
+struct Clauses {
+    /// Where each of [`CLAUSES`] was met first.
+    seen: [Option<Span>; 4],
+    /// Position, gaze and up.
+    vectors: [Option<Placed<DVec3>>; 3],
+    fov: Option<Placed<f64>>,
+}
+
+impl Parser {
+    /// Everything behind `camera;`, whose place is `header`.
+    pub(super) fn camera_section(&mut self, header: Span) {
+        let mut clauses = Clauses::default();
+        while *self.cursor.kind(0) != TokenKind::End && self.header().is_none() {
+            let complete = clauses.seen.iter().all(Option::is_some);
+            let known = self.cursor.word().is_some_and(|word| CLAUSES.contains(&word));
+            if complete && !known {
+                // What follows the camera is reported once, by the caller.
+                break;
+            }
+            let start = self.cursor.position();
+            if self.clause(&mut clauses).is_err() {
+                if self.cursor.position() == start {
+                    self.cursor.advance();
+                }
+                self.skip_clause();
+            }
+        }
+        let missing: Vec<_> =
+            CLAUSES.iter().zip(&clauses.seen).filter(|(_, seen)| seen.is_none()).map(|(name, _)| *name).collect();
+        if !missing.is_empty() {
+            let names = missing.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
+            let diagnostic = Diagnostic::error(format!("the camera lacks {names}")).at(header, "in this section");
+            let form = "a camera is `position <x,y,z>; gaze <x,y,z>; up <x,y,z>; fov DEGREES;`";
+            self.cursor.report(diagnostic.help(form));
+        }
+        if let (Some(camera), None) = (self.frame(&clauses), &self.camera) {
+            self.camera = Some(camera);
+        }
+    }
+
+    /// `NAME VALUE;`
+    fn clause(&mut self, clauses: &mut Clauses) -> Result<(), Lost> {
+        let span = self.cursor.span();
+        let word = self.cursor.word().unwrap_or_default().to_owned();
+        let Some(clause) = CLAUSES.iter().position(|name| *name == word) else {
+            let expected = CLAUSES.iter().zip(&clauses.seen).find(|(_, seen)| seen.is_none()).map_or("fov", |(name, _)| name);
+            let message = format!("expected `{expected}` of the camera, found {}", self.cursor.kind(0).describe());
+            let near = nearest(&word, CLAUSES).map(|near| format!("did you mean `{near}`?"));
+            self.cursor.report(Diagnostic::error(message).at(span, "found this").help_if(near));
+            // A misspelt clause counts as met: that it is missing would be a second error for one slip.
+            if let Some(near) = nearest(&word, CLAUSES).and_then(|near| CLAUSES.iter().position(|name| *name == near)) {
+                clauses.seen[near].get_or_insert(span);
+            }
+            return Err(Lost);
+        };
+        if let Some(first) = clauses.seen[clause] {
+            let diagnostic = Diagnostic::error(format!("the camera's `{word}` is given twice")).at(span, "the second time");
+            self.cursor.report(diagnostic.at(first, "the first time"));
+        } else if let Some(later) = (clause + 1..CLAUSES.len()).find(|later| clauses.seen[*later].is_some()) {
+            let message = format!("the camera's `{word}` must come before `{}`", CLAUSES[later]);
+            let diagnostic = Diagnostic::error(message).at(span, "too late");
+            self.cursor.report(diagnostic.help("the order is `position`, `gaze`, `up`, `fov`"));
+        }
+        clauses.seen[clause].get_or_insert(span);
+        self.cursor.advance();
+        for stray in [Mark::Colon, Mark::Equal, Mark::Comma] {
+            let place = self.cursor.span();
+            if self.cursor.accept(stray) {
+                let diagnostic = Diagnostic::error(format!("no `{}` stands after `{word}`", stray.spelling()));
+                self.cursor.report(diagnostic.at(place, "leave this out"));
+            }
+        }
+        // Of a clause that is given twice the first is judged.
+        if let Some(slot) = clauses.vectors.get_mut(clause) {
+            let vector = self.cursor.vector(&format!("the camera's {word}"))?;
+            slot.get_or_insert(vector);
+        } else {
+            let fov = self.cursor.number("the camera's angle in degrees")?;
+            clauses.fov.get_or_insert(fov);
+        }
+        self.cursor.expect(Mark::Semicolon, &format!("after the camera's `{word}`"))
+    }
+
+    /// Passes over the rest of a clause: up to its `;`, or to the next one if the `;` was forgotten.
+    fn skip_clause(&mut self) {
+        while *self.cursor.kind(0) != TokenKind::End && !self.cursor.accept(Mark::Semicolon) {
+            if self.header().is_some() || self.cursor.word().is_some_and(|word| CLAUSES.contains(&word)) {
+                return;
+            }
+            self.cursor.advance();
+        }
+    }
+
+    /// The camera of these clauses; what is wrong with their values is reported.
+    fn frame(&mut self, clauses: &Clauses) -> Option<Camera> {
+        let [position, gaze, up] = clauses.vectors;
+        let wrong_fov = clauses.fov.filter(|fov| !(fov.value > 0.0 && fov.value < 180.0));
+        if let Some(fov) = wrong_fov {
+            let diagnostic = Diagnostic::error("the camera's `fov` must be greater than 0 and less than 180");
+            self.cursor.report(diagnostic.at(fov.span, format!("it is {}, in degrees", Number(fov.value))));
+        }
+        let mut zero = false;
+        for (vector, word) in [(gaze, "gaze"), (up, "up")] {
+            if let Some(vector) = vector.filter(|vector| vector.value == DVec3::ZERO) {
+                zero = true;
+                let diagnostic = Diagnostic::error(format!("the camera's `{word}` is zero"));
+                self.cursor.report(diagnostic.at(vector.span, "this is no direction"));
+            }
+        }
+        // Each value is judged even where another is missing or wrong: beside values that cannot be wrong.
+        let value = |given: Option<Placed<DVec3>>, default| given.map_or(default, |given| given.value);
+        let sound_fov = clauses.fov.filter(|_| wrong_fov.is_none()).map(|fov| fov.value);
+        let complete = sound_fov.is_some() && clauses.vectors.iter().all(Option::is_some);
+        let (position, fov) = (value(position, DVec3::ZERO), sound_fov.unwrap_or(45.0));
+        match Camera::new(position, value(gaze, DVec3::NEG_Z), value(up, DVec3::Y), fov) {
+            Ok(camera) => return complete.then_some(camera),
+            Err(CameraError::Parallel) => {
+                if let (Some(gaze), Some(up)) = (gaze, up) {
+                    // The axis least along the gaze is never parallel to it.
+                    let axis = [DVec3::Y, DVec3::Z].into_iter().find(|axis| axis.cross(gaze.value.normalize()).length() > 0.1);
+                    let diagnostic = Diagnostic::error("the camera's `gaze` and `up` are parallel").at(up.span, "this direction");
+                    let diagnostic = diagnostic.at(gaze.span, "is also this one, or the opposite of it");
+                    self.cursor.report(diagnostic.help_if(axis.map(|axis| format!("try `up {};`", Vector(axis)))));
+                }
+            }
+            Err(error @ (CameraError::NoGaze | CameraError::NoUp)) if !zero => {
+                // Not zero, but too short to tell from it.
+                let span = if error == CameraError::NoGaze { gaze } else { up }.map(|vector| vector.span)?;
+                self.cursor.report(Diagnostic::error("this direction is too short").at(span, "its length vanishes"));
+            }
+            // Reported above, or where the number stands.
+            Err(CameraError::NoGaze | CameraError::NoUp | CameraError::TooLarge | CameraError::Fov) => {}
+        }
+        None
+    }
+}

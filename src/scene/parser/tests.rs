@@ -1,0 +1,270 @@
+//! What scenes are taken, and what is said of those that are not.
+
+use super::*;
+use insta::assert_snapshot;
+
+const CAMERA: &str = "camera; position <0, 1, 5>; gaze <0, 0, -1>; up <0, 1, 0>; fov 45;";
+
+/// What is said of a scene that is not taken.
+fn errors(text: &str) -> String {
+    let source = Source::new("scene", text);
+    match parse(&source) {
+        Ok((scene, _)) => panic!("this was taken:\n{scene}"),
+        Err(diagnostics) => diagnostics.render(&source, false),
+    }
+}
+
+/// The messages alone, one a line.
+fn messages(text: &str) -> String {
+    let errors = parse(&Source::new("scene", text)).expect_err("this was taken");
+    errors.iter().map(|diagnostic| format!("{}\n", diagnostic.message())).collect()
+}
+
+fn bodies(text: &str) -> String {
+    format!("bodies;\n{text}\nlights;\n{CAMERA}")
+}
+
+#[test]
+fn everything_that_may_be_said_is_taken() {
+    let text = "\u{feff}bodies; /* two */\r\nball: sphere, center <-1, .5, 2.>, radius 1e-1, matte, refractive_index 1.33;\r\n\
+                wall: rectangle, <0,0,0>, <0,1,0>, <1,1,0>, opaque; // here\nlights; key: point, <1, 2, 3>; "
+        .to_owned()
+        + CAMERA;
+    let (scene, warnings) = parse(&Source::new("scene", text)).unwrap();
+    assert!(warnings.is_empty());
+    assert_snapshot!(scene, @r"
+    bodies;
+    ball: sphere, center <-1, 0.5, 2>, radius 0.1, refractive_index 1.33, matte;
+    wall: rectangle, <0, 0, 0>, <0, 1, 0>, <1, 1, 0>, opaque;
+    lights;
+    key: point, <1, 2, 3>;
+    camera;
+    position <0, 1, 5>;
+    gaze <0, 0, -1>;
+    up <0, 1, 0>;
+    fov 45;
+    ");
+}
+
+#[test]
+fn keywords_are_words_only_in_their_places() {
+    let text = format!("bodies; sphere: sphere, center <0,0,0>, radius 1; lights; position: point, <0,0,0>; {CAMERA}");
+    assert!(parse(&Source::new("scene", text)).is_ok());
+}
+
+#[test]
+fn an_index_without_use_is_warned_of() {
+    let source = Source::new("scene", bodies("b: sphere, center <0,0,0>, radius 1, refractive_index 1.5, opaque;"));
+    assert_snapshot!(parse(&source).unwrap().1.render(&source, false), @r"
+    Warning: the refractive index of an opaque body has no effect
+       ╭─[ scene:2:38 ]
+       │
+     2 │ b: sphere, center <0,0,0>, radius 1, refractive_index 1.5, opaque;
+       │                                      ────────┬───────      ───┬──
+       │                                              ╰───────────────────── this is not used
+       │                                                               │
+       │                                                               ╰──── because the body never refracts
+    ───╯
+    ");
+}
+
+#[test]
+fn independent_errors_are_reported_in_one_go() {
+    let text = "bodies;
+ball: spere, center <0,0,0>, radius 1;
+ball2: sphere, centre <0,0,0>, radius 1;
+ball3: sphere, center (0,0,0), radius 1;
+ball4: sphere, center <0,0,0>, radius -2, refractive_index 0;
+ball4: sphere, center <0,0,0>, radius 1, opqaue;
+formula: sphere, center <0,0,0>, radius 1 matte;
+ball5: sphere, center <0,0,0,1>, radius 1
+ball6: sphere, center <0,0,1e300>, radius 1, matte, matte;
+lights;
+key: lamp, <1,2,3>;
+ball: point, <1,2,3>;
+camera;
+position <0,1,5>;
+gaze <0,0,-1>;
+up <0,0,2>;
+fov 180;
+";
+    assert_snapshot!(messages(text), @r"
+    expected `sphere` or `rectangle`, found `spere`
+    expected `center` of the sphere, found `centre`
+    expected the centre, found `(`
+    the radius must be greater than 0
+    the refractive index must be greater than 0
+    the name `ball4` is already taken
+    expected an attribute of the body, found `opqaue`
+    `formula` may not name anything
+    expected `,` before `matte`
+    the centre has more than three components
+    a component of the centre is too large
+    `matte` is given twice
+    expected `point` (the only kind of light), found `lamp`
+    the name `ball` is already taken
+    the camera's `gaze` and `up` are parallel
+    the camera's `fov` must be greater than 0 and less than 180
+    ");
+}
+
+#[test]
+fn a_skewed_rectangle_is_told_by_how_much() {
+    assert_snapshot!(errors(&bodies("wall: rectangle, <0,0,0>, <0,2,0>, <3,2.2,0>;")), @r"
+    Error: the edges of the rectangle are not perpendicular: they are 3.814° off
+       ╭─[ scene:2:18 ]
+       │
+     2 │ wall: rectangle, <0,0,0>, <0,2,0>, <3,2.2,0>;
+       │                  ─────────────┬─────────────
+       │                               ╰─────────────── at B they meet at 93.814°, cosine -0.0665; up to 0.001 is taken
+       │
+       │ Help: with this A and B, C could be <3, 2, 0>
+    ───╯
+    ");
+    assert_snapshot!(messages(&bodies("wall: rectangle, <0,0,0>, <0,2,0>, <0,5,0>;")), @"the edges of the rectangle are not perpendicular: they are 90.000° off");
+}
+
+#[test]
+fn a_rectangle_without_an_edge_is_marked_at_both_corners() {
+    assert_snapshot!(errors(&bodies("wall: rectangle, <0,0,0>, <0,2,0>, <0,2,0>;")), @r"
+    Error: an edge of the rectangle has no length
+       ╭─[ scene:2:36 ]
+       │
+     2 │ wall: rectangle, <0,0,0>, <0,2,0>, <0,2,0>;
+       │                           ───┬───  ───┬───
+       │                              ╰────────────── the corner before
+       │                                       │
+       │                                       ╰───── the same as the corner before
+       │
+       │ Help: give three corners in order, clockwise as seen from the front; the fourth follows
+    ───╯
+    ");
+}
+
+#[test]
+fn a_name_twice_points_to_the_first() {
+    let text = format!("bodies;\nball: sphere, center <0,0,0>, radius 1;\nlights;\nball: point, <0,0,0>;\n{CAMERA}");
+    assert_snapshot!(errors(&text), @r"
+    Error: the name `ball` is already taken
+       ╭─[ scene:4:1 ]
+       │
+     4 │ ball: point, <0,0,0>;
+       │ ──┬─
+       │   ╰─── the second time
+       │
+       ├─[ scene:2:1 ]
+       │
+     2 │ ball: sphere, center <0,0,0>, radius 1;
+       │ ──┬─
+       │   ╰─── the first time
+       │
+       │ Help: bodies and lights share their names; choose another
+    ───╯
+    ");
+}
+
+#[test]
+fn sections_missing_misspelt_twice_or_out_of_order() {
+    assert_snapshot!(messages(""), @"the scene is empty");
+    assert_snapshot!(messages("lights; bodies;"), @r"
+    the section `bodies;` must come before `lights;`
+    the section `camera;` is missing
+    ");
+    assert_snapshot!(messages(&format!("bodys; lights; bodies; {CAMERA}")), @r"
+    `bodys;` is no section
+    the section `bodies;` stands twice
+    ");
+    assert_snapshot!(messages(&format!("bodies; b: sphere, center <0,0,0>, radius 1; light; {CAMERA}")), @"`light;` is no section");
+    assert_snapshot!(messages(&format!("b: sphere, center <0,0,0>, radius 1; lights; {CAMERA}")), @"expected `bodies;`, found `b`");
+    assert_snapshot!(messages(&format!("bodies lights {CAMERA} ball: sphere, center <0,0,0>, radius 1;")), @r"
+    expected `;` after `bodies`, found `lights`
+    expected `;` after `lights`, found `camera`
+    nothing may follow the camera, found `ball`
+    ");
+}
+
+#[test]
+fn the_camera_is_judged_clause_by_clause() {
+    let camera = |text: &str| messages(&format!("bodies; lights; camera; {text}"));
+    assert_snapshot!(camera("position <0,0,0>; up <0,1,0>; fov 45;"), @"the camera lacks `gaze`");
+    assert_snapshot!(camera("position <0,0,0>; up <0,1,0>; gaze <0,0,-1>; fov 45;"), @"the camera's `gaze` must come before `up`");
+    assert_snapshot!(camera("position: <0,0,0>; gaze <0,0,0>; up <0,0,0>; up <0,1,0>; fov 0;"), @r"
+    no `:` stands after `position`
+    the camera's `gaze` is zero
+    the camera's `up` is zero
+    the camera's `up` is given twice
+    the camera's `fov` must be greater than 0 and less than 180
+    ");
+    assert_snapshot!(camera("position <0,0,0>; gase <0,0,-1>; up <0,1,0> fov 45"), @r"
+    expected `gaze` of the camera, found `gase`
+    expected `;` after the camera's `up`, found `fov`
+    expected `;` after the camera's `fov`, found the end of the file
+    ");
+}
+
+#[test]
+fn parallel_gaze_and_up_come_with_a_mend() {
+    assert_snapshot!(errors("bodies; lights;\ncamera;\nposition <0,9,0>;\ngaze <0,-1,0>;\nup <0,1,0>;\nfov 45;"), @r"
+    Error: the camera's `gaze` and `up` are parallel
+       ╭─[ scene:5:4 ]
+       │
+     5 │ up <0,1,0>;
+       │    ───┬───
+       │       ╰───── this direction
+       │
+       ├─[ scene:4:6 ]
+       │
+     4 │ gaze <0,-1,0>;
+       │      ────┬───
+       │          ╰───── is also this one, or the opposite of it
+       │
+       │ Help: try `up <0, 0, 1>;`
+    ───╯
+    ");
+}
+
+#[test]
+fn a_formula_is_recognised() {
+    assert_snapshot!(errors("#uses m.txt;\nformula;\n=N;"), @r"
+    Error: this looks like a formula, not a scene
+       ╭─[ scene:1:1 ]
+       │
+     1 │ #uses m.txt;
+       │ ──────┬─────
+       │       ╰─────── a scene begins with `bodies;`
+       │
+       │ Help: give formula and scene the other way round, or check the name of the file
+    ───╯
+    ");
+    assert_snapshot!(messages("global; formula; =N;"), @"this looks like a formula, not a scene");
+}
+
+#[test]
+fn no_text_brings_the_parser_down() {
+    let text = bodies("b: sphere, center <-1, .5, 2.>, radius 1e-1, matte; r: rectangle, <0,0,0>, <0,1,0>, <1,1,0>;");
+    let words: Vec<&str> = text.split_inclusive([' ', ',', ';', '\n']).collect();
+    for from in 0..words.len() {
+        // Every text that lacks one word, has one twice, or ends early.
+        let lacks = [&words[..from], &words[from + 1..]].concat().concat();
+        let twice = [&words[..=from], &words[from..]].concat().concat();
+        let early = words[..from].concat();
+        for text in [lacks, twice, early] {
+            let source = Source::new("scene", text);
+            if let Err(errors) = parse(&source) {
+                assert!(errors.has_errors());
+                assert!(!errors.render(&source, false).is_empty());
+            }
+        }
+    }
+}
+
+#[test]
+fn a_flood_of_errors_or_warnings_ends() {
+    let errors = parse(&Source::new("scene", format!("bodies; {}", ";".repeat(1 << 20)))).expect_err("this was taken");
+    assert_eq!(errors.len(), 101);
+    assert_eq!(errors.iter().last().map(Diagnostic::message), Some("there are more errors than are shown"));
+    let harmless = |n| format!("b{n}: sphere, center <0,0,0>, radius 1, opaque, refractive_index 2;");
+    let source = Source::new("scene", bodies(&(0..150).map(harmless).collect::<String>()));
+    let (scene, warnings) = parse(&source).unwrap();
+    assert_eq!((scene.bodies.len(), warnings.len()), (150, 100));
+}

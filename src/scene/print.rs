@@ -1,0 +1,127 @@
+//! A scene as text of the scene language, in one canonical form: one declaration a line, every number as short as it can be
+//! while it still reads back exactly.
+
+use crate::scene::{Camera, Light, Scene, Shape};
+use glam::DVec3;
+use std::fmt::{Display, Formatter, Result};
+
+/// A number as the scene language writes it.
+pub(super) struct Number(pub(super) f64);
+
+impl Display for Number {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let size = self.0.abs();
+        // Both forms are the shortest that read back exactly; the exponent spares rows of zeros.
+        if size != 0.0 && !(1e-5..1e16).contains(&size) { write!(f, "{:e}", self.0) } else { write!(f, "{}", self.0) }
+    }
+}
+
+/// A vector as the scene language writes it.
+pub(super) struct Vector(pub(super) DVec3);
+
+impl Display for Vector {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        write!(f, "<{}, {}, {}>", Number(self.0.x), Number(self.0.y), Number(self.0.z))
+    }
+}
+
+impl Display for Scene {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        writeln!(f, "bodies;")?;
+        for body in &self.bodies {
+            write!(f, "{}: ", body.name)?;
+            match &body.shape {
+                Shape::Sphere(sphere) => {
+                    write!(f, "sphere, center {}, radius {}", Vector(sphere.center()), Number(sphere.radius()))?;
+                }
+                Shape::Rectangle(rectangle) => {
+                    let [a, b, c] = rectangle.corners();
+                    write!(f, "rectangle, {}, {}, {}", Vector(a), Vector(b), Vector(c))?;
+                }
+            }
+            if let Some(index) = body.refractive_index {
+                write!(f, ", refractive_index {}", Number(index))?;
+            }
+            let attributes = [(body.opaque, "opaque"), (body.matte, "matte")];
+            for (_, word) in attributes.into_iter().filter(|(set, _)| *set) {
+                write!(f, ", {word}")?;
+            }
+            writeln!(f, ";")?;
+        }
+        writeln!(f, "lights;")?;
+        for Light { name, position, .. } in &self.lights {
+            writeln!(f, "{name}: point, {};", Vector(*position))?;
+        }
+        write!(f, "{}", self.camera)
+    }
+}
+
+impl Display for Camera {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        writeln!(f, "camera;\nposition {};\ngaze {};", Vector(self.position()), Vector(self.gaze()))?;
+        writeln!(f, "up {};\nfov {};", Vector(self.up()), Number(self.fov()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lang::source::Source;
+    use proptest::prelude::*;
+
+    /// Numbers of any size that a scene may hold.
+    fn number() -> impl Strategy<Value = f64> {
+        prop_oneof![
+            (-1e30..1e30f64),
+            (-10.0..10.0f64),
+            (-300i32..300).prop_map(|tenths| f64::from(tenths) / 10.0),
+            (-1.0..1.0f64, -30..30i32).prop_map(|(digits, exponent)| digits * 10f64.powi(exponent)),
+        ]
+    }
+
+    fn positive() -> impl Strategy<Value = f64> {
+        number().prop_map(|number| number.abs().max(1e-30))
+    }
+
+    fn vector() -> impl Strategy<Value = DVec3> {
+        (number(), number(), number()).prop_map(DVec3::from)
+    }
+
+    fn body(name: usize) -> impl Strategy<Value = String> {
+        let shape = prop_oneof![
+            (vector(), positive()).prop_map(|(center, radius)| format!(
+                "sphere, center {}, radius {}",
+                Vector(center),
+                Number(radius)
+            )),
+            (-10.0..10.0f64, 0.1..10.0f64).prop_map(|(x, width)| {
+                let corner = |x, y| Vector(DVec3::new(x, y, 0.0));
+                format!("rectangle, {}, {}, {}", corner(x, 0.0), corner(x, 1.5), corner(x + width, 1.5))
+            }),
+        ];
+        (shape, proptest::option::of(positive()), any::<bool>(), any::<bool>()).prop_map(move |(shape, index, opaque, matte)| {
+            let index = index.map_or(String::new(), |index| format!(", refractive_index {}", Number(index)));
+            format!("b{name}: {shape}{index}{}{};\n", if opaque { ", opaque" } else { "" }, if matte { ", matte" } else { "" })
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn a_printed_scene_reads_back_as_it_was(
+            bodies in (body(0), body(1), body(2)),
+            lights in proptest::collection::vec(vector(), 0..3),
+            position in vector(),
+            fov in 0.001..179.999f64,
+        ) {
+            let mut text = format!("bodies;\n{}{}{}lights;\n", bodies.0, bodies.1, bodies.2);
+            for (number, light) in lights.iter().enumerate() {
+                text.push_str(&format!("l{number}: point, {};\n", Vector(*light)));
+            }
+            text.push_str(&format!("camera;\nposition {};\ngaze <0.3, 1, -2>;\nup <0, 1, 0>;\nfov {};\n", Vector(position), fov));
+            let scene = Scene::parse(&Source::new("t", text.clone())).unwrap().0;
+            prop_assert_eq!(&scene.to_string(), &text);
+            // The text being canonical, even the places of names agree.
+            prop_assert_eq!(Scene::parse(&Source::new("t", scene.to_string())).unwrap().0, scene);
+        }
+    }
+}

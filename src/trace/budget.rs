@@ -1,0 +1,142 @@
+//! How much memory a picture may take: what is allowed, what is foreseen before tracing, and what is counted meanwhile.
+
+use crate::scene::Scene;
+use crate::trace::optics::Optics;
+use crate::trace::walk::follow;
+use crate::trace::{TraceError, View};
+use rayon::prelude::*;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+/// One pixel in so many is sampled for an estimate,
+const SAMPLED_SHARE: u32 = 64;
+/// but at least so many (or all there are), and
+const FEWEST_SAMPLES: u32 = 512;
+/// at most so many.
+const MOST_SAMPLES: u32 = 20_000;
+/// What the store takes for a hit or a miss in an estimate: two bytes for the pixel, the rest a share of paths and spans,
+/// which large scenes keep below it.
+const STORE_BYTES_PER_HIT: u64 = 8;
+
+/// The memory that a picture may take, and what its evaluation will add to the store of hits.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Budget {
+    /// The limit in bytes.
+    pub bytes: u64,
+    /// What will be kept for each record (pair of a hit and a light that reaches it), in bytes.
+    pub bytes_per_record: u64,
+    /// What will be kept for each hit besides, in bytes.
+    pub bytes_per_hit: u64,
+    /// What will be kept for each pixel, in bytes.
+    pub bytes_per_pixel: u64,
+}
+
+impl Budget {
+    /// No limit.
+    pub const UNLIMITED: Budget = Budget { bytes: u64::MAX, bytes_per_record: 0, bytes_per_hit: 0, bytes_per_pixel: 0 };
+
+    /// What hits and their records take beside the store.
+    pub(super) fn columns(&self, hits: u64, records: u64) -> u64 {
+        hits.saturating_mul(self.bytes_per_hit).saturating_add(records.saturating_mul(self.bytes_per_record))
+    }
+
+    /// What the pixels take.
+    pub(super) fn pixels(&self, pixels: u32) -> u64 {
+        u64::from(pixels).saturating_mul(self.bytes_per_pixel)
+    }
+}
+
+/// What tracing a picture will come to, foreseen from a sample of its pixels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Estimate {
+    /// Hits.
+    pub hits: u64,
+    /// Records: pairs of a hit and a light that reaches it.
+    pub records: u64,
+    /// Rays that leave the scene.
+    pub misses: u64,
+    /// Pixels of the picture.
+    pub pixels: u32,
+}
+
+impl Estimate {
+    /// Foresees the tracing of `scene` under `view`. The sample is the same every time and for any number of threads.
+    ///
+    /// # Errors
+    /// [`TraceError::Cancelled`] once `cancelled` is set.
+    pub fn new(scene: &Scene, view: &View, cancelled: &AtomicBool) -> Result<Self, TraceError> {
+        let optics = Optics::new(scene, view);
+        let pixels = view.pixels();
+        let samples = (pixels / SAMPLED_SHARE).clamp(FEWEST_SAMPLES, MOST_SAMPLES).min(pixels);
+        let add = |a: [u64; 3], b: [u64; 3]| [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
+        let sampled = (0..samples)
+            .into_par_iter()
+            .map(|sample| {
+                if cancelled.load(Ordering::Relaxed) {
+                    return Err(TraceError::Cancelled);
+                }
+                let mut counts = [0; 3];
+                follow(&optics, place(sample, view), &mut Vec::new(), |_: Option<()>, _, surface| match surface {
+                    Some(surface) => {
+                        let lit = scene.light_ids().filter(|light| optics.reaches(*light, surface)).count() as u64;
+                        counts = add(counts, [1, lit, 0]);
+                    }
+                    None => counts = add(counts, [0, 0, 1]),
+                });
+                Ok(counts)
+            })
+            .try_reduce(|| [0; 3], |a, b| Ok(add(a, b)))?;
+        let scale = |count: u64| count.saturating_mul(u64::from(pixels)).div_ceil(u64::from(samples));
+        let [hits, records, misses] = sampled.map(scale);
+        Ok(Self { hits, records, misses, pixels })
+    }
+
+    /// The bytes that the store and what `budget` adds to it will take.
+    pub fn bytes(&self, budget: &Budget) -> u64 {
+        let store = (self.hits.saturating_add(self.misses)).saturating_mul(STORE_BYTES_PER_HIT);
+        store.saturating_add(budget.columns(self.hits, self.records)).saturating_add(budget.pixels(self.pixels))
+    }
+}
+
+/// The pixel of a sample: the points of the R₂ sequence (Roberts 2018) spread evenly, however few there are, and do not
+/// fall into step with rows and columns.
+fn place(sample: u32, view: &View) -> u32 {
+    let along = |ratio: f64, side: u32| ((0.5 + f64::from(sample) * ratio).fract() * f64::from(side)) as u32;
+    let row = along(0.569_840_290_998_053_2, view.height()).min(view.height() - 1);
+    let column = along(0.754_877_666_246_692_7, view.width()).min(view.width() - 1);
+    row * view.width() + column
+}
+
+/// Counts the memory of a picture while it is traced, by several threads. It only grows, so that whether it overflows
+/// does not depend on their order.
+pub(super) struct Ledger<'b> {
+    budget: &'b Budget,
+    estimate: Estimate,
+    used: AtomicU64,
+}
+
+impl<'b> Ledger<'b> {
+    /// Opens the ledger with what the pixels take.
+    ///
+    /// # Errors
+    /// [`TraceError::Memory`] where the estimate is beyond the budget.
+    pub(super) fn open(budget: &'b Budget, estimate: Estimate) -> Result<Self, TraceError> {
+        let ledger = Self { budget, estimate, used: AtomicU64::new(budget.pixels(estimate.pixels)) };
+        if estimate.bytes(budget) > budget.bytes { Err(ledger.overflow()) } else { Ok(ledger) }
+    }
+
+    /// Adds what hits, records and bytes of the store take.
+    ///
+    /// # Errors
+    /// [`TraceError::Memory`] where the sum is beyond the budget.
+    pub(super) fn charge(&self, hits: u64, records: u64, store: u64) -> Result<(), TraceError> {
+        let bytes = self.budget.columns(hits, records).saturating_add(store);
+        let before = self.used.fetch_add(bytes, Ordering::Relaxed);
+        if before.saturating_add(bytes) > self.budget.bytes { Err(self.overflow()) } else { Ok(()) }
+    }
+
+    fn overflow(&self) -> TraceError {
+        // Where it is the count that overflows, the estimate fell short; what is needed is then more than there is.
+        let needed = self.estimate.bytes(self.budget).max(self.budget.bytes.saturating_add(1));
+        TraceError::Memory { needed, budget: self.budget.bytes, pixels: self.estimate.pixels }
+    }
+}

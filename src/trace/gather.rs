@@ -1,0 +1,107 @@
+//! Gathers the hits of a tile, as they are traced, into groups and spans.
+//!
+//! Pixels come in order and every path ends at most once in a pixel, so one list of pixels a (path, light set) is sorted as
+//! it grows; only the lists are sorted in the end.
+
+use crate::scene::{BodyId, LightId};
+use crate::trace::store::{Group, Path, PathId, Span, Tile};
+use crate::trace::walk::Edge;
+use std::collections::HashMap;
+use std::ops::Range;
+
+/// About what a path, a light set or a list of pixels takes in the tables of the gatherer, hits aside, in bytes; a quarter of
+/// it is what remains in the store.
+pub(super) const BYTES_PER_ENTRY: u64 = 64;
+
+/// The hits of a tile so far.
+#[derive(Default)]
+pub(super) struct Gatherer {
+    paths: Vec<Path>,
+    path_ids: HashMap<Path, PathId>,
+    light_sets: HashMap<Vec<LightId>, u32>,
+    /// The pixels of the hits that came by a path and are reached by a light set.
+    hits: HashMap<(PathId, u32), Vec<u16>>,
+    misses: HashMap<PathId, Vec<u16>>,
+}
+
+impl Gatherer {
+    /// The path that goes on from `parent` along `edge` to `body`, or out of the scene.
+    pub(super) fn path(&mut self, parent: Option<PathId>, edge: Edge, body: Option<BodyId>) -> PathId {
+        let path = Path { parent, edge, body };
+        *self.path_ids.entry(path).or_insert_with(|| {
+            // A tile has at most 2¹⁴ pixels with 2⁹ hits and as many misses each.
+            let id = PathId(self.paths.len() as u32);
+            self.paths.push(path);
+            id
+        })
+    }
+
+    /// Adds a hit by `path` in the tile's pixel `pixel`; `lights` reach it.
+    pub(super) fn hit(&mut self, path: PathId, lights: &[LightId], pixel: u16) {
+        let set = match self.light_sets.get(lights) {
+            Some(set) => *set,
+            None => {
+                // No more of them than hits.
+                let set = self.light_sets.len() as u32;
+                self.light_sets.insert(lights.to_vec(), set);
+                set
+            }
+        };
+        self.hits.entry((path, set)).or_default().push(pixel);
+    }
+
+    /// Adds a ray that left the scene by `path` in the tile's pixel `pixel`.
+    pub(super) fn miss(&mut self, path: PathId, pixel: u16) {
+        self.misses.entry(path).or_default().push(pixel);
+    }
+
+    /// How many entries the tables have, hits aside.
+    pub(super) fn entries(&self) -> u64 {
+        (self.paths.len() + self.light_sets.len() + self.hits.len() + self.misses.len()) as u64
+    }
+
+    /// The finished tile.
+    pub(super) fn tile(self, pixels: Range<u32>) -> Tile {
+        let mut sets: Vec<(Vec<LightId>, u32)> = self.light_sets.into_iter().collect();
+        sets.sort_unstable_by_key(|(_, set)| *set);
+        let mut lists: Vec<Bucket> = self
+            .hits
+            .into_iter()
+            .filter_map(|((path, set), pixels)| {
+                Some(Bucket { body: self.paths.get(path.index())?.body?, lights: &sets.get(set as usize)?.0, path, pixels })
+            })
+            .collect();
+        lists.sort_unstable_by(|a, b| (a.body, a.lights, a.path).cmp(&(b.body, b.lights, b.path)));
+        let mut hit_pixels = Vec::with_capacity(lists.iter().map(|list| list.pixels.len()).sum());
+        let groups = lists
+            .chunk_by(|a, b| (a.body, a.lights) == (b.body, b.lights))
+            .map(|group| {
+                let spans: Box<[Span]> = group.iter().map(|list| append(&mut hit_pixels, list.path, &list.pixels)).collect();
+                let hits = spans.first().map_or(0, |span| span.hits.start)..hit_pixels.len() as u32;
+                Group { body: group[0].body, lights: group[0].lights.into(), hits, spans }
+            })
+            .collect();
+        let mut missed: Vec<(PathId, Vec<u16>)> = self.misses.into_iter().collect();
+        missed.sort_unstable_by_key(|(path, _)| *path);
+        let mut miss_pixels = Vec::with_capacity(missed.iter().map(|(_, pixels)| pixels.len()).sum());
+        let misses = missed.iter().map(|(path, pixels)| append(&mut miss_pixels, *path, pixels)).collect();
+        let mut paths = self.paths;
+        paths.shrink_to_fit();
+        Tile { pixels, paths, groups, hit_pixels, misses, miss_pixels }
+    }
+}
+
+/// The hits of one path that are reached by one light set.
+struct Bucket<'g> {
+    body: BodyId,
+    lights: &'g [LightId],
+    path: PathId,
+    pixels: Vec<u16>,
+}
+
+/// Adds the pixels of a path to those before.
+fn append(all: &mut Vec<u16>, path: PathId, pixels: &[u16]) -> Span {
+    let start = all.len() as u32;
+    all.extend_from_slice(pixels);
+    Span { path, hits: start..all.len() as u32 }
+}

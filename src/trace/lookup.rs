@@ -1,0 +1,39 @@
+//! Variables by the names of the language: which number of a hit each of them is.
+
+use crate::lang::variables::Variable;
+use crate::trace::{HitVariables, LightVariables};
+
+impl HitVariables {
+    /// The value of a variable that belongs to the hit, a scalar three times; none for those that belong to a light too.
+    pub fn value(&self, variable: Variable) -> Option<[f32; 3]> {
+        Some(match variable {
+            Variable::Normal => self.normal.to_array(),
+            Variable::ToViewer => self.view.to_array(),
+            Variable::Gamma => [self.gamma; 3],
+            Variable::Point => self.point.to_array(),
+            Variable::Tangent => self.tangent.to_array(),
+            Variable::Bitangent => self.bitangent.to_array(),
+            Variable::ToLight
+            | Variable::Mirrored
+            | Variable::Alpha
+            | Variable::Beta
+            | Variable::Halfway
+            | Variable::Distance => return None,
+        })
+    }
+}
+
+/// The value of a variable at a hit for a light, a scalar three times.
+pub fn variable(variable: Variable, hit: &HitVariables, light: &LightVariables) -> [f32; 3] {
+    match variable {
+        Variable::ToLight => light.light.to_array(),
+        Variable::Mirrored => light.mirrored.to_array(),
+        Variable::Alpha => [light.alpha; 3],
+        Variable::Beta => [light.beta; 3],
+        Variable::Halfway => light.half.to_array(),
+        Variable::Distance => [light.distance; 3],
+        Variable::Normal | Variable::ToViewer | Variable::Gamma | Variable::Point | Variable::Tangent | Variable::Bitangent => {
+            hit.value(variable).unwrap_or_default()
+        }
+    }
+}

@@ -1,0 +1,163 @@
+//! A scene traced once: which bodies the rays of every pixel hit, by which paths, and which lights reach them.
+//!
+//! This is the slow half of the thesis's idea (4.2: trace once, shade again and again). What is found here depends on the
+//! scene and the [`View`] alone, not on any formula or parameter:
+//!
+//! ```text
+//! scene + view ──▶ walk: rays step by step ──▶ gather ──▶ store: Hits ──▶ replay: surfaces ──▶ variables
+//!                     └ optics: one step
+//! ```
+//!
+//! Intersections are the [scene](crate::scene)'s; colours are not known here.
+
+mod budget;
+mod gather;
+mod lookup;
+mod optics;
+mod replay;
+mod store;
+#[cfg(test)]
+mod tests;
+mod variables;
+mod view;
+mod walk;
+
+pub use budget::{Budget, Estimate};
+pub use lookup::variable;
+pub use optics::{Beam, Optics, Surface};
+pub use replay::{Mismatch, replay};
+pub use store::{Counts, Group, Hits, Path, PathId, Span, TILE_PIXELS, Tile};
+pub use variables::{HitVariables, LightVariables};
+pub use view::{MAX_DEPTH, MAX_SIDE, View, ViewError};
+pub use walk::{Child, Edge, Node, Tree, ray_tree};
+
+use crate::scene::Scene;
+use budget::Ledger;
+use gather::{BYTES_PER_ENTRY, Gatherer};
+use rayon::prelude::*;
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use walk::follow;
+
+/// Progress is told and memory is counted after so many pixels.
+const PACE: u32 = 64;
+
+/// Why a scene was not traced.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum TraceError {
+    /// The picture would take more memory than it may.
+    #[error(
+        "a picture of {pixels} pixels of this scene takes about {} of memory, and {} may be used; make it smaller, lower the depth, \
+         or mark bodies `opaque` or `matte`",
+        Bytes(*needed),
+        Bytes(*budget)
+    )]
+    Memory {
+        /// What is needed, as far as is known, in bytes.
+        needed: u64,
+        /// What is allowed, in bytes.
+        budget: u64,
+        /// The pixels of the picture.
+        pixels: u32,
+    },
+    /// The caller asked for it.
+    #[error("tracing was cancelled")]
+    Cancelled,
+}
+
+/// An amount of memory as people read it.
+struct Bytes(u64);
+
+impl std::fmt::Display for Bytes {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let mebibytes = self.0 as f64 / f64::from(1 << 20);
+        if mebibytes < 1000.0 { write!(f, "{mebibytes:.1} MiB") } else { write!(f, "{:.1} GiB", mebibytes / 1024.0) }
+    }
+}
+
+/// Traces `scene` under `view`, on all threads of the current rayon pool; the result does not depend on their number.
+///
+/// `progress` is told the share that is done, 0..=1, now and then, from any thread. Setting `cancelled` ends the work soon.
+///
+/// ```
+/// # use illuminator::{lang::source::Source, scene::Scene, trace::{Budget, View, trace}};
+/// # use std::sync::atomic::AtomicBool;
+/// let text = "bodies; ball: sphere, center <0, 0, -5>, radius 1; lights; key: point, <3, 4, 0>;
+///             camera; position <0, 0, 0>; gaze <0, 0, -1>; up <0, 1, 0>; fov 45;";
+/// let (scene, _) = Scene::parse(&Source::new("ball", text)).map_err(|errors| errors.len()).unwrap();
+/// let view = View::new(64, 48)?;
+/// let hits = trace(&scene, &view, &Budget::UNLIMITED, &|_| {}, &AtomicBool::new(false))?;
+/// assert!(hits.counts().hits > 0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`TraceError::Memory`] where the picture needs more than `budget`, foreseen or found; [`TraceError::Cancelled`].
+pub fn trace(
+    scene: &Scene,
+    view: &View,
+    budget: &Budget,
+    progress: &(dyn Fn(f64) + Sync),
+    cancelled: &AtomicBool,
+) -> Result<Hits, TraceError> {
+    let ledger = Ledger::open(budget, Estimate::new(scene, view, cancelled)?)?;
+    let optics = Optics::new(scene, view);
+    let pixels = view.pixels();
+    let done = AtomicU32::new(0);
+    let pace = |traced: u32| -> Result<(), TraceError> {
+        let done = done.fetch_add(traced, Ordering::Relaxed) + traced;
+        progress(f64::from(done) / f64::from(pixels));
+        if cancelled.load(Ordering::Relaxed) { Err(TraceError::Cancelled) } else { Ok(()) }
+    };
+    let tiles = (0..pixels.div_ceil(TILE_PIXELS))
+        .into_par_iter()
+        .map(|tile| {
+            let start = tile * TILE_PIXELS;
+            trace_tile(&optics, start..(start + TILE_PIXELS).min(pixels), &ledger, &pace)
+        })
+        .collect::<Result<_, _>>()?;
+    Ok(Hits { view: *view, tiles })
+}
+
+fn trace_tile(
+    optics: &Optics,
+    pixels: Range<u32>,
+    ledger: &Ledger,
+    pace: &(dyn Fn(u32) -> Result<(), TraceError> + Sync),
+) -> Result<Tile, TraceError> {
+    let scene = optics.scene();
+    let mut gatherer = Gatherer::default();
+    let (mut stack, mut lights) = (Vec::new(), Vec::new());
+    let mut entries = 0;
+    for chunk in pixels.clone().step_by(PACE as usize) {
+        let chunk = chunk..(chunk + PACE).min(pixels.end);
+        let (mut hits, mut misses, mut records) = (0, 0, 0);
+        for pixel in chunk.clone() {
+            // Tiles are small enough.
+            let place = (pixel - pixels.start) as u16;
+            follow(optics, pixel, &mut stack, |parent, edge, surface| {
+                let path = gatherer.path(parent, edge, surface.map(|surface| surface.body));
+                match surface {
+                    Some(surface) => {
+                        lights.clear();
+                        lights.extend(scene.light_ids().filter(|light| optics.reaches(*light, surface)));
+                        gatherer.hit(path, &lights, place);
+                        hits += 1;
+                        records += lights.len() as u64;
+                    }
+                    None => {
+                        gatherer.miss(path, place);
+                        misses += 1;
+                    }
+                }
+                path
+            });
+        }
+        // The tables are counted whole although little of them remains when the tile is finished: the sum must not depend on
+        // which tiles are under way at a time.
+        let grown = gatherer.entries() - std::mem::replace(&mut entries, gatherer.entries());
+        ledger.charge(hits, records, (hits + misses) * size_of::<u16>() as u64 + grown * BYTES_PER_ENTRY)?;
+        pace(chunk.end - chunk.start)?;
+    }
+    Ok(gatherer.tile(pixels))
+}

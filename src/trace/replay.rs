@@ -1,0 +1,56 @@
+//! The surfaces of hits, worked out again from the store alone.
+//!
+//! A stored hit knows its pixel and its path, that is the body at every step. Following them takes one intersection a step,
+//! with a body that is known; nothing is searched, and the numbers are those of the tracing, bit for bit. So another formula
+//! gets its variables without another tracing (thesis 4.2.1).
+
+use crate::scene::BodyId;
+use crate::trace::optics::{Optics, Surface};
+use crate::trace::store::{Group, Tile};
+use crate::trace::walk::Edge;
+use std::ops::Range;
+
+/// The store does not belong to the scene or the view.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("the stored hits are not those of this scene and view")]
+pub struct Mismatch;
+
+/// Hands each of `hits` (indices into [`Tile::hit_pixels`], those outside the group are passed over) to `each`, with its
+/// surface, in order.
+///
+/// # Errors
+/// [`Mismatch`] where a stored hit does not exist: `optics` are not those that were traced.
+pub fn replay(
+    optics: &Optics,
+    tile: &Tile,
+    group: &Group,
+    hits: Range<u32>,
+    mut each: impl FnMut(u32, &Surface),
+) -> Result<(), Mismatch> {
+    let first = group.spans.partition_point(|span| span.hits.end <= hits.start);
+    for span in group.spans[first..].iter().take_while(|span| span.hits.start < hits.end) {
+        let steps = tile.steps(span.path);
+        for hit in span.hits.start.max(hits.start)..span.hits.end.min(hits.end) {
+            let pixel = tile.hit_pixels.get(hit as usize).ok_or(Mismatch)?;
+            let surface = follow_steps(optics, tile.pixels.start + u32::from(*pixel), &steps).ok_or(Mismatch)?;
+            each(hit, &surface);
+        }
+    }
+    Ok(())
+}
+
+/// The surface at the end of a path that is known.
+fn follow_steps(optics: &Optics, pixel: u32, steps: &[(Edge, Option<BodyId>)]) -> Option<Surface> {
+    let mut last: Option<Surface> = None;
+    for (edge, body) in steps {
+        let beam = match edge {
+            Edge::Primary => optics.primary(pixel),
+            Edge::Reflected => optics.reflected(&last?)?,
+            Edge::Refracted => optics.refracted(&last?)?,
+        };
+        let body = (*body)?;
+        let distance = optics.meets(&beam, body)?;
+        last = Some(optics.surface(&beam, body, distance));
+    }
+    last
+}

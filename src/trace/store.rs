@@ -1,0 +1,176 @@
+//! The hits of a picture, kept compactly: not the surfaces (see [`super::replay`] for those) but which pixels' rays came by
+//! which path to which body, and which lights reach them.
+//!
+//! The colour of a pixel is linear in its rays' colours, so the tree of rays flattens into a sum over its paths:
+//!
+//! ```text
+//! E(pixel) = Σ_hits weight(path) · [ Σ_lit lights ki·local + ka·Cd·Ia ]  +  Σ_misses weight(path) · background
+//! ```
+//!
+//! where weight(path) is the product of kr or kt of the bodies along it: equation (2) of thesis 4.2.3, multiplied out.
+//! Within a [`Group`] the body and the lights are the same, within a [`Span`] the weight too.
+
+use crate::scene::{BodyId, LightId};
+use crate::trace::View;
+use crate::trace::walk::Edge;
+use std::ops::{Add, Range};
+
+/// How many consecutive pixels make a tile. It is fixed, so that sums are taken in the same order on any machine.
+pub const TILE_PIXELS: u32 = 16_384;
+
+/// A path by its place in its tile's list.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct PathId(pub u32);
+
+impl PathId {
+    /// The id as an index into [`Tile::paths`].
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// The way of a ray from the camera: its last step, and where that began.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Path {
+    /// The path to the hit from which the last ray comes; `None`: from the camera. Its id is the lower one.
+    pub parent: Option<PathId>,
+    /// How the last ray came to be.
+    pub edge: Edge,
+    /// The body that it hit; `None`: it left the scene.
+    pub body: Option<BodyId>,
+}
+
+/// Consecutive hits, or misses, of one path, in the order of their pixels.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Span {
+    /// The path.
+    pub path: PathId,
+    /// Indices into [`Tile::hit_pixels`], of misses into [`Tile::miss_pixels`].
+    pub hits: Range<u32>,
+}
+
+/// The hits of a tile on one body that exactly these lights reach.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Group {
+    /// The body.
+    pub body: BodyId,
+    /// The lights, in the order of declaration; none where only the ambient light reaches.
+    pub lights: Box<[LightId]>,
+    /// Indices into [`Tile::hit_pixels`].
+    pub hits: Range<u32>,
+    /// The same hits path by path, in the order of path ids. A path occurs once, and in it a pixel at most once.
+    pub spans: Box<[Span]>,
+}
+
+/// The hits of some consecutive pixels.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Tile {
+    /// The pixels, counted row by row from the left upper corner of the picture.
+    pub pixels: Range<u32>,
+    /// Every path that a ray of these pixels took, parents before children, in the order in which they were met first.
+    pub paths: Vec<Path>,
+    /// The groups, ordered by body and then by lights.
+    pub groups: Vec<Group>,
+    /// For every hit its pixel, counted from the tile's first.
+    pub hit_pixels: Vec<u16>,
+    /// The rays that left the scene, path by path, in the order of path ids.
+    pub misses: Vec<Span>,
+    /// For every such ray its pixel, counted from the tile's first.
+    pub miss_pixels: Vec<u16>,
+}
+
+impl Tile {
+    /// The steps of a path from the camera on; the last one's body is where it ends.
+    pub fn steps(&self, path: PathId) -> Vec<(Edge, Option<BodyId>)> {
+        let chain = std::iter::successors(self.paths.get(path.index()), |path| self.paths.get(path.parent?.index()));
+        let mut steps: Vec<_> = chain.map(|path| (path.edge, path.body)).collect();
+        steps.reverse();
+        steps
+    }
+
+    /// The pixels of the hits of a span of a group, counted from the tile's first.
+    ///
+    /// # Panics
+    /// If the span is another tile's and reaches beyond the hits of this one.
+    pub fn pixels_of(&self, span: &Span) -> &[u16] {
+        &self.hit_pixels[span.hits.start as usize..span.hits.end as usize]
+    }
+
+    /// The pixels of a span of misses, counted from the tile's first.
+    ///
+    /// # Panics
+    /// If the span is another tile's and reaches beyond the misses of this one.
+    pub fn pixels_of_misses(&self, span: &Span) -> &[u16] {
+        &self.miss_pixels[span.hits.start as usize..span.hits.end as usize]
+    }
+
+    /// What is in the tile.
+    pub fn counts(&self) -> Counts {
+        let lit = |group: &Group| u64::from(group.hits.end - group.hits.start) * group.lights.len() as u64;
+        Counts {
+            hits: self.hit_pixels.len() as u64,
+            records: self.groups.iter().map(lit).sum(),
+            paths: self.paths.len() as u64,
+            groups: self.groups.len() as u64,
+            misses: self.miss_pixels.len() as u64,
+        }
+    }
+
+    /// The memory it takes, in bytes.
+    pub fn bytes(&self) -> u64 {
+        let groups = self.groups.iter().map(|group| size_of_val(&*group.lights) + size_of_val(&*group.spans));
+        let lists = size_of_val(&*self.paths) + size_of_val(&*self.groups) + size_of_val(&*self.misses);
+        let pixels = size_of_val(&*self.hit_pixels) + size_of_val(&*self.miss_pixels);
+        (size_of::<Self>() + groups.sum::<usize>() + lists + pixels) as u64
+    }
+}
+
+/// How much there is of everything.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Counts {
+    /// Hits.
+    pub hits: u64,
+    /// Records: pairs of a hit and a light that reaches it.
+    pub records: u64,
+    /// Paths; one that occurs in several tiles counts in each.
+    pub paths: u64,
+    /// Groups, counted likewise.
+    pub groups: u64,
+    /// Rays that left the scene.
+    pub misses: u64,
+}
+
+impl Add for Counts {
+    type Output = Counts;
+
+    fn add(self, other: Counts) -> Counts {
+        Counts {
+            hits: self.hits + other.hits,
+            records: self.records + other.records,
+            paths: self.paths + other.paths,
+            groups: self.groups + other.groups,
+            misses: self.misses + other.misses,
+        }
+    }
+}
+
+/// The hits of a whole picture.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Hits {
+    /// The view that was traced.
+    pub view: View,
+    /// [`TILE_PIXELS`] pixels each, the last one what is left, in the order of pixels.
+    pub tiles: Vec<Tile>,
+}
+
+impl Hits {
+    /// What is in the picture.
+    pub fn counts(&self) -> Counts {
+        self.tiles.iter().map(Tile::counts).fold(Counts::default(), Counts::add)
+    }
+
+    /// The memory it takes, in bytes.
+    pub fn bytes(&self) -> u64 {
+        self.tiles.iter().map(Tile::bytes).sum()
+    }
+}

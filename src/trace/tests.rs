@@ -1,0 +1,270 @@
+//! What holds of every tracing: the store says what the trees of rays say, replaying it gives the same bits, and neither
+//! scale nor threads matter.
+
+use super::*;
+use crate::lang::source::Source;
+use crate::scene::{BodyId, Scene};
+use std::sync::Mutex;
+
+/// The scene that this text describes.
+pub(super) fn scene(text: &str) -> Scene {
+    let source = Source::new("scene", text);
+    Scene::parse(&source).unwrap_or_else(|errors| panic!("{}", errors.render(&source, false))).0
+}
+
+/// A glass ball and a metal one on a floor before a mirror, two lamps; everything `scale` times as large.
+fn room(scale: f64) -> Scene {
+    let at = |x: f64, y: f64, z: f64| format!("<{:e}, {:e}, {:e}>", scale * x, scale * y, scale * z);
+    scene(&format!(
+        "bodies;
+         glass: sphere, center {}, radius {:e}, refractive_index 1.52;
+         metal: sphere, center {}, radius {:e}, opaque;
+         floor: rectangle, {}, {}, {}, opaque;
+         mirror: rectangle, {}, {}, {}, opaque;
+         chalk: sphere, center {}, radius {:e}, opaque, matte;
+         lights;
+         key: point, {};
+         fill: point, {};
+         camera;
+         position {}; gaze <0, -0.12, -1>; up <0, 1, 0>; fov 50;",
+        at(-1.0, 1.0, 0.3),
+        scale,
+        at(1.2, 0.8, -0.4),
+        0.8 * scale,
+        at(-4.0, 0.0, 4.0),
+        at(-4.0, 0.0, -3.0),
+        at(4.0, 0.0, -3.0),
+        at(-3.0, 0.0, -2.9),
+        at(-3.0, 3.0, -2.9),
+        at(3.0, 3.0, -2.9),
+        at(0.3, 0.25, 1.4),
+        0.25 * scale,
+        at(3.0, 5.0, 4.0),
+        at(-4.0, 3.0, 2.0),
+        at(0.0, 1.6, 6.0),
+    ))
+}
+
+fn view(width: u32, height: u32, depth: u32) -> View {
+    View::new(width, height).unwrap().with_depth(depth).unwrap()
+}
+
+fn traced(scene: &Scene, view: &View) -> Hits {
+    trace(scene, view, &Budget::UNLIMITED, &|_| {}, &AtomicBool::new(false)).unwrap()
+}
+
+/// The node of a tree at the end of a path, and whether the path leaves the scene from there.
+fn node_at(tree: &Tree, steps: &[(Edge, Option<BodyId>)]) -> (Option<usize>, bool) {
+    let mut at = if tree.nodes.is_empty() { Child::Miss } else { Child::Hit(0) };
+    let mut node: Option<usize> = None;
+    for (edge, _) in steps {
+        at = match (edge, node) {
+            (Edge::Primary, _) | (_, None) => at,
+            (Edge::Reflected, Some(node)) => tree.nodes[node].reflected,
+            (Edge::Refracted, Some(node)) => tree.nodes[node].refracted,
+        };
+        match at {
+            Child::Hit(index) => node = Some(index),
+            Child::Miss => return (node, true),
+            Child::None => panic!("a path over a ray that does not exist"),
+        }
+    }
+    (node, false)
+}
+
+#[test]
+fn store_and_replay_are_what_the_trees_say_bit_for_bit() {
+    let scene = room(1.0);
+    for view in [view(160, 120, 5), view(40, 30, 9).with_offset([0.1, 0.8]), view(40, 30, 4).with_shadows(false)] {
+        let hits = traced(&scene, &view);
+        let optics = Optics::new(&scene, &view);
+        let trees: Vec<Tree> = (0..view.pixels()).map(|pixel| ray_tree(&optics, pixel)).collect();
+        let mut seen = 0;
+        for tile in &hits.tiles {
+            for group in &tile.groups {
+                let mut next = group.hits.start;
+                replay(&optics, tile, group, group.hits.clone(), |hit, surface| {
+                    assert_eq!(hit, next);
+                    next += 1;
+                    let span = group.spans.iter().find(|span| span.hits.contains(&hit)).unwrap();
+                    let pixel = tile.pixels.start + u32::from(tile.hit_pixels[hit as usize]);
+                    let tree = &trees[pixel as usize];
+                    let node = &tree.nodes[node_at(tree, &tile.steps(span.path)).0.unwrap()];
+                    assert_eq!(node.surface, *surface);
+                    assert_eq!(node.surface.body, group.body);
+                    assert_eq!(*node.lights, *group.lights);
+                    seen += 1;
+                })
+                .unwrap();
+                assert_eq!(next, group.hits.end);
+            }
+            for span in &tile.misses {
+                for pixel in tile.pixels_of_misses(span) {
+                    let tree = &trees[(tile.pixels.start + u32::from(*pixel)) as usize];
+                    assert!(node_at(tree, &tile.steps(span.path)).1);
+                }
+            }
+        }
+        let nodes: usize = trees.iter().map(|tree| tree.nodes.len()).sum();
+        let misses = |tree: &Tree| {
+            let children = tree.nodes.iter().flat_map(|node| [node.reflected, node.refracted]);
+            children.filter(|child| *child == Child::Miss).count() + usize::from(tree.nodes.is_empty())
+        };
+        assert_eq!(seen, nodes);
+        assert_eq!(hits.counts().hits, nodes as u64);
+        assert_eq!(hits.counts().misses, trees.iter().map(misses).sum::<usize>() as u64);
+        let records: usize = trees.iter().flat_map(|tree| &tree.nodes).map(|node| node.lights.len()).sum();
+        assert_eq!(hits.counts().records, records as u64);
+    }
+}
+
+#[test]
+fn a_part_of_a_group_replays_as_in_the_whole() {
+    let (scene, view) = (room(1.0), view(80, 60, 5));
+    let hits = traced(&scene, &view);
+    let optics = Optics::new(&scene, &view);
+    let tile = &hits.tiles[0];
+    let group = tile.groups.iter().max_by_key(|group| group.spans.len()).unwrap();
+    let collect = |range: Range<u32>| {
+        let mut all = Vec::new();
+        replay(&optics, tile, group, range, |hit, surface| all.push((hit, *surface))).unwrap();
+        all
+    };
+    let whole = collect(0..u32::MAX);
+    assert_eq!(whole.len() as u32, group.hits.end - group.hits.start);
+    let middle = group.hits.start + 1..group.hits.end - 1;
+    assert_eq!(collect(middle), whole[1..whole.len() - 1]);
+    assert!(collect(group.hits.end..group.hits.end).is_empty());
+}
+
+#[test]
+fn a_store_of_another_scene_is_noticed() {
+    let (scene, view) = (room(1.0), view(40, 30, 3));
+    let hits = traced(&scene, &view);
+    let mut other = scene.clone();
+    other.camera =
+        crate::scene::Camera::new([0.0, 100.0, 0.0].into(), [0.0, 1.0, 0.0].into(), [1.0, 0.0, 0.0].into(), 45.0).unwrap();
+    let optics = Optics::new(&other, &view);
+    assert_eq!(replay(&optics, &hits.tiles[0], &hits.tiles[0].groups[0], 0..u32::MAX, |_, _| {}), Err(Mismatch));
+}
+
+#[test]
+fn groups_and_spans_are_in_order_and_complete() {
+    let hits = traced(&room(1.0), &view(200, 150, 5));
+    assert_eq!(hits.tiles.len(), 2);
+    assert_eq!(hits.tiles.last().unwrap().pixels.end, 30_000);
+    for tile in &hits.tiles {
+        assert!(tile.paths.iter().enumerate().all(|(id, path)| path.parent.is_none_or(|parent| parent.index() < id)));
+        assert!(tile.groups.is_sorted_by(|a, b| (a.body, &a.lights) < (b.body, &b.lights)));
+        let mut next = 0;
+        for span in tile.groups.iter().flat_map(|group| {
+            assert_eq!(group.hits, group.spans[0].hits.start..group.spans[group.spans.len() - 1].hits.end);
+            assert!(group.spans.is_sorted_by(|a, b| a.path < b.path));
+            &group.spans
+        }) {
+            assert_eq!(span.hits.start, next);
+            next = span.hits.end;
+            assert!(tile.pixels_of(span).is_sorted_by(|a, b| a < b));
+        }
+        assert_eq!(next as usize, tile.hit_pixels.len());
+    }
+    assert!(hits.bytes() < 8 * (hits.counts().hits + hits.counts().misses), "{} {:?}", hits.bytes(), hits.counts());
+}
+
+#[test]
+fn the_number_of_threads_does_not_matter() {
+    let (scene, view) = (room(1.0), view(256, 192, 5));
+    let with = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| (traced(&scene, &view), Estimate::new(&scene, &view, &AtomicBool::new(false)).unwrap()))
+    };
+    assert_eq!(with(1), with(2));
+}
+
+#[test]
+fn a_scene_looks_the_same_at_any_scale() {
+    let view = view(64, 48, 7);
+    let shape = |scale| -> Vec<(usize, usize)> {
+        let scene = room(scale);
+        let optics = Optics::new(&scene, &view);
+        let trees = (0..view.pixels()).map(|pixel| ray_tree(&optics, pixel));
+        trees.map(|tree| (tree.nodes.len(), tree.nodes.iter().map(|node| node.lights.len()).sum())).collect()
+    };
+    let unit = shape(1.0);
+    for scale in [1e-12, 1e-3, 1e-2, 1e-1, 10.0, 1e2, 1e3, 1e4, 1e12] {
+        let scaled = shape(scale);
+        let differing = (0..unit.len()).filter(|pixel| unit[*pixel] != scaled[*pixel]).count();
+        assert_eq!(differing, 0, "at scale {scale:e}");
+    }
+}
+
+#[test]
+fn nothing_but_the_primary_rays_at_depth_one() {
+    let hits = traced(&room(1.0), &view(64, 48, 1));
+    assert_eq!(hits.counts().hits + hits.counts().misses, 64 * 48);
+    assert!(hits.tiles[0].paths.iter().all(|path| path.edge == Edge::Primary && path.parent.is_none()));
+}
+
+#[test]
+fn a_scene_without_bodies_is_all_background() {
+    let empty = scene("bodies; lights; camera; position <0,0,0>; gaze <0,0,-1>; up <0,1,0>; fov 45;");
+    let hits = traced(&empty, &view(10, 10, 5));
+    assert_eq!(hits.counts(), Counts { hits: 0, records: 0, paths: 1, groups: 0, misses: 100 });
+    assert_eq!(hits.tiles[0].paths, [Path { parent: None, edge: Edge::Primary, body: None }]);
+}
+
+#[test]
+fn hits_that_no_light_reaches_are_kept_for_the_ambient_light() {
+    let dark = scene(
+        "bodies; s: sphere, center <0,0,-5>, radius 1, opaque, matte; lights;
+         camera; position <0,0,0>; gaze <0,0,-1>; up <0,1,0>; fov 10;",
+    );
+    let hits = traced(&dark, &view(10, 10, 5));
+    assert_eq!(hits.counts(), Counts { hits: 100, records: 0, paths: 1, groups: 1, misses: 0 });
+    assert!(hits.tiles[0].groups[0].lights.is_empty());
+}
+
+#[test]
+fn the_estimate_is_near_the_truth() {
+    let (scene, view) = (room(1.0), view(320, 240, 5));
+    let estimate = Estimate::new(&scene, &view, &AtomicBool::new(false)).unwrap();
+    let counts = traced(&scene, &view).counts();
+    for (foreseen, found) in [(estimate.hits, counts.hits), (estimate.records, counts.records), (estimate.misses, counts.misses)]
+    {
+        assert!((foreseen as f64 / found as f64 - 1.0).abs() < 0.05, "{foreseen} for {found}");
+    }
+    let tiny = Estimate::new(&scene, &self::view(1, 1, 5), &AtomicBool::new(false)).unwrap();
+    assert_eq!(tiny.hits, traced(&scene, &self::view(1, 1, 5)).counts().hits);
+}
+
+#[test]
+fn memory_beyond_the_budget_is_refused_beforehand_or_meanwhile() {
+    let (scene, view) = (room(1.0), view(320, 240, 5));
+    let budget = Budget { bytes: 1 << 20, bytes_per_record: 64, bytes_per_hit: 16, bytes_per_pixel: 12 };
+    let refused = trace(&scene, &view, &budget, &|_| panic!("it was foreseen"), &AtomicBool::new(false));
+    let Err(error @ TraceError::Memory { needed, budget: 1_048_576, pixels: 76_800 }) = refused else {
+        panic!("{refused:?}");
+    };
+    assert!(needed > 10 << 20 && needed < 40 << 20, "{needed}");
+    assert!(error.to_string().contains("1.0 MiB may be used"), "{error}");
+    // The estimate leaves out the tables of a tile; the ledger does not.
+    let estimate = Estimate::new(&scene, &view, &AtomicBool::new(false)).unwrap();
+    let tight = Budget { bytes: estimate.hits * 2, bytes_per_record: 0, bytes_per_hit: 0, bytes_per_pixel: 0 };
+    let ledger = Ledger::open(&tight, Estimate { hits: 1, ..Estimate::default() }).unwrap();
+    assert!(ledger.charge(1, 0, tight.bytes).is_ok());
+    assert!(matches!(ledger.charge(1, 0, 1), Err(TraceError::Memory { .. })));
+}
+
+#[test]
+fn progress_reaches_the_end_and_cancelling_ends_the_work() {
+    let (scene, view) = (room(1.0), view(320, 240, 3));
+    let told = Mutex::new(Vec::new());
+    trace(&scene, &view, &Budget::UNLIMITED, &|share| told.lock().unwrap().push(share), &AtomicBool::new(false)).unwrap();
+    let told = told.into_inner().unwrap();
+    assert_eq!(told.iter().copied().fold(0.0, f64::max), 1.0);
+    assert!(told.iter().all(|share| (0.0..=1.0).contains(share)));
+    let cancelled = AtomicBool::new(false);
+    let stop = |_| cancelled.store(true, Ordering::Relaxed);
+    assert_eq!(trace(&scene, &view, &Budget::UNLIMITED, &stop, &cancelled), Err(TraceError::Cancelled));
+    assert_eq!(trace(&scene, &view, &Budget::UNLIMITED, &|_| {}, &cancelled), Err(TraceError::Cancelled));
+}

@@ -1,0 +1,159 @@
+//! What is asked of the tracing of one scene: picture size, depth, shadows, default index of refraction; and the primary
+//! ray of each pixel (thesis 3.2.1, 8.4).
+
+use crate::scene::{Camera, Ray};
+
+/// The largest width and height in pixels; a picture's pixels so always fit 32 bits.
+pub const MAX_SIDE: u32 = 32_768;
+/// The greatest depth of the tree of rays.
+pub const MAX_DEPTH: u32 = 9;
+
+/// How a scene is looked at. It cannot be built with values out of range.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct View {
+    width: u32,
+    height: u32,
+    depth: u32,
+    shadows: bool,
+    default_index: f64,
+    offset: [f64; 2],
+}
+
+/// Why a scene cannot be looked at like this.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum ViewError {
+    /// Width or height is 0 or beyond [`MAX_SIDE`].
+    #[error("the picture is {0}×{1} pixels; both must be within 1 to {MAX_SIDE}")]
+    Size(u32, u32),
+    /// The depth is 0 or beyond [`MAX_DEPTH`].
+    #[error("the depth is {0}; it must be within 1 to {MAX_DEPTH}")]
+    Depth(u32),
+    /// The default index is not a positive number up to 1e30.
+    #[error("the default refractive index is {0}; it must be greater than 0")]
+    Index(f64),
+}
+
+impl View {
+    /// A view of `width` × `height` pixels (1..=[`MAX_SIDE`] each), depth 5, with shadow rays, default index 1.5, and rays
+    /// through the centres of pixels.
+    ///
+    /// # Errors
+    /// A size out of range.
+    pub fn new(width: u32, height: u32) -> Result<Self, ViewError> {
+        let sides = 1..=MAX_SIDE;
+        if !sides.contains(&width) || !sides.contains(&height) {
+            return Err(ViewError::Size(width, height));
+        }
+        Ok(Self { width, height, depth: 5, shadows: true, default_index: 1.5, offset: [0.5; 2] })
+    }
+
+    /// The same with trees of rays up to `depth` (1..=[`MAX_DEPTH`]; 1: no reflections or refractions).
+    ///
+    /// # Errors
+    /// A depth out of range.
+    pub fn with_depth(self, depth: u32) -> Result<Self, ViewError> {
+        if (1..=MAX_DEPTH).contains(&depth) { Ok(Self { depth, ..self }) } else { Err(ViewError::Depth(depth)) }
+    }
+
+    /// The same with shadow rays on or off; without them every light reaches every hit.
+    #[must_use]
+    pub fn with_shadows(self, shadows: bool) -> Self {
+        Self { shadows, ..self }
+    }
+
+    /// The same with that index of refraction for bodies that give none.
+    ///
+    /// # Errors
+    /// An index that is not within 1e-30 to 1e30, as those of bodies are.
+    pub fn with_default_index(self, default_index: f64) -> Result<Self, ViewError> {
+        if (1e-30..=1e30).contains(&default_index) {
+            Ok(Self { default_index, ..self })
+        } else {
+            Err(ViewError::Index(default_index))
+        }
+    }
+
+    /// The same with rays through the point (x, y) of each pixel, 0..1 from its left upper corner; several views with
+    /// several offsets make the samples of a smoothed picture. Values outside are clamped.
+    #[must_use]
+    pub fn with_offset(self, offset: [f64; 2]) -> Self {
+        Self { offset: offset.map(|place| if place.is_nan() { 0.5 } else { place.clamp(0.0, 1.0) }), ..self }
+    }
+
+    /// Pixels in a row.
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Rows of pixels.
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// The number of pixels.
+    pub fn pixels(&self) -> u32 {
+        self.width * self.height
+    }
+
+    /// The greatest depth of a hit; that of the primary ray is 1.
+    pub fn depth(&self) -> u32 {
+        self.depth
+    }
+
+    /// Whether shadow rays are sent.
+    pub fn shadows(&self) -> bool {
+        self.shadows
+    }
+
+    /// The index of refraction of bodies that give none.
+    pub fn default_index(&self) -> f64 {
+        self.default_index
+    }
+
+    /// Where in a pixel the ray goes through.
+    pub fn offset(&self) -> [f64; 2] {
+        self.offset
+    }
+
+    /// The primary ray of a pixel, counted row by row from the left upper corner. Pixels are square, and the camera's angle
+    /// of view spans the height of the picture.
+    pub fn primary_ray(&self, camera: &Camera, pixel: u32) -> Ray {
+        let (width, height) = (f64::from(self.width), f64::from(self.height));
+        let column = f64::from(pixel % self.width) + self.offset[0];
+        let row = f64::from(pixel / self.width) + self.offset[1];
+        let (x, y) = ((2.0 * column - width) / height, (height - 2.0 * row) / height);
+        Ray { origin: camera.position(), direction: camera.direction(x, y) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    #[test]
+    fn pixels_are_square_and_the_angle_spans_the_height() {
+        let camera = Camera::new(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 90.0).unwrap();
+        let view = View::new(4, 2).unwrap();
+        let through = |view: View, pixel| {
+            let direction = view.primary_ray(&camera, pixel).direction;
+            (direction / -direction.z).truncate()
+        };
+        assert!(through(view, 0).abs_diff_eq([-1.5, 0.5].into(), 1e-15));
+        assert!(through(view, 7).abs_diff_eq([1.5, -0.5].into(), 1e-15));
+        assert!(through(view.with_offset([0.0, 0.0]), 0).abs_diff_eq([-2.0, 1.0].into(), 1e-15));
+        assert!(through(view.with_offset([1.0, 1.0]), 7).abs_diff_eq([2.0, -1.0].into(), 1e-15));
+    }
+
+    #[test]
+    fn values_out_of_range_are_refused() {
+        assert_eq!(View::new(0, 5), Err(ViewError::Size(0, 5)));
+        assert_eq!(View::new(5, MAX_SIDE + 1), Err(ViewError::Size(5, MAX_SIDE + 1)));
+        let view = View::new(MAX_SIDE, MAX_SIDE).unwrap();
+        assert_eq!(view.pixels(), 1 << 30);
+        assert_eq!(view.with_depth(0), Err(ViewError::Depth(0)));
+        assert_eq!(view.with_depth(10), Err(ViewError::Depth(10)));
+        assert!(view.with_default_index(f64::NAN).is_err());
+        assert_eq!(view.with_offset([f64::NAN, 7.0]).offset(), [0.5, 1.0]);
+    }
+}

@@ -1,0 +1,258 @@
+//! Values as users give them by name, `ball.kd=0.3`, and as numbers for owners and parameters that exist.
+
+use crate::formula::ParameterId;
+use crate::lang::ast::Constant;
+use crate::lang::diagnostic::nearest;
+use crate::lang::variables::Owner;
+use crate::workspace::owner::OwnerId;
+use crate::workspace::roster::Roster;
+use std::fmt;
+use std::str::FromStr;
+
+/// A value for a parameter of an owner.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Assignment {
+    /// The owner.
+    pub owner: OwnerId,
+    /// The parameter.
+    pub parameter: ParameterId,
+    /// The value; a scalar is the first component.
+    pub value: [f32; 3],
+}
+
+/// Whose parameter a setting means.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Whose {
+    /// `ka=…`: the scene's.
+    Scene,
+    /// `*.kd=…`: that of every body and light that has it.
+    All,
+    /// `ball.kd=…`: that of the body or light of this name.
+    Named(String),
+}
+
+/// A value by names, as in `ball.kd=0.3`, `key.IL=<1, 0.9, 0.8>`, `ka=0.1` or `*.Cd=#ff8000`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Setting {
+    /// Whose parameter.
+    pub whose: Whose,
+    /// The parameter's name.
+    pub parameter: String,
+    /// The value.
+    pub value: Constant,
+}
+
+/// What is wrong with a value given by name.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum SettingError {
+    /// It has no `=`, or nothing before it.
+    #[error("`{0}` is not of the form OWNER.PARAMETER=VALUE; write for example `ball.kd=0.3`, `ka=0.1` or `*.kd=0.3`")]
+    Form(String),
+    /// The value is no number, vector or colour.
+    #[error("`{0}` is not a value; write a number, a vector `<x, y, z>` or a colour `#rrggbb`")]
+    Value(String),
+    /// There is no body or light of this name.
+    #[error("there is no body or light `{name}`{hint}")]
+    Owner {
+        /// The name.
+        name: String,
+        /// The nearest name, or those that exist.
+        hint: String,
+    },
+    /// There is no parameter of this name.
+    #[error("`{name}` is not a parameter of the formula{hint}")]
+    Parameter {
+        /// The name.
+        name: String,
+        /// The nearest name, or those that exist.
+        hint: String,
+    },
+    /// The parameter belongs to another kind of owner.
+    #[error("`{name}` is a {belongs} parameter; {hint}")]
+    Kind {
+        /// The parameter's name.
+        name: String,
+        /// What it belongs to.
+        belongs: &'static str,
+        /// How to write it instead.
+        hint: String,
+    },
+    /// The parameter is of the other type.
+    #[error("`{name}` is {expected}; {hint}")]
+    Type {
+        /// The parameter's name.
+        name: String,
+        /// Its type with the article.
+        expected: &'static str,
+        /// How to write it instead.
+        hint: &'static str,
+    },
+}
+
+impl FromStr for Setting {
+    type Err = SettingError;
+
+    fn from_str(text: &str) -> Result<Self, SettingError> {
+        let form = || SettingError::Form(text.to_owned());
+        let (target, value) = text.split_once('=').ok_or_else(form)?;
+        let (owner, parameter) = match target.trim().split_once('.') {
+            Some((owner, parameter)) => (Some(owner.trim()), parameter.trim()),
+            None => (None, target.trim()),
+        };
+        let is_name = |name: &str| !name.is_empty() && !name.contains(|c: char| c.is_whitespace() || c == '.');
+        if !is_name(parameter) || !owner.is_none_or(is_name) {
+            return Err(form());
+        }
+        let whose = match owner {
+            // No body or light may be called so.
+            None | Some("global") => Whose::Scene,
+            Some("*") => Whose::All,
+            Some(name) => Whose::Named(name.to_owned()),
+        };
+        let value = parse_value(value).ok_or_else(|| SettingError::Value(value.trim().to_owned()))?;
+        Ok(Setting { whose, parameter: parameter.to_owned(), value })
+    }
+}
+
+impl Setting {
+    /// The assignments that this means for a formula on a scene: one, or with `*` one for each body and light that has the
+    /// parameter.
+    ///
+    /// # Errors
+    /// Unknown names, with the nearest known ones; a parameter of another kind of owner or of the other type.
+    pub fn resolve(&self, roster: &Roster) -> Result<Vec<Assignment>, SettingError> {
+        let owner = match &self.whose {
+            Whose::Scene => Some(OwnerId::Global),
+            Whose::All => None,
+            Whose::Named(name) => Some(roster.owners().named(name).ok_or_else(|| unknown_owner(name, roster))?),
+        };
+        let id = roster.parameter_named(&self.parameter).ok_or_else(|| unknown_parameter(&self.parameter, owner, roster))?;
+        let parameter = roster.parameter(id);
+        let fits = match owner {
+            Some(owner) => owner.kind() == parameter.owner,
+            None => parameter.owner != Owner::Global,
+        };
+        if !fits {
+            let name = &parameter.name;
+            return Err(SettingError::Kind {
+                belongs: parameter.owner.adjective(),
+                hint: match parameter.owner {
+                    Owner::Global => format!("write `{name}=…`"),
+                    Owner::Body => format!("write `BODY.{name}=…`, or `*.{name}=…` for all"),
+                    Owner::Light => format!("write `LIGHT.{name}=…`, or `*.{name}=…` for all"),
+                },
+                name: name.clone(),
+            });
+        }
+        if self.value.ty() != parameter.ty {
+            return Err(SettingError::Type {
+                name: parameter.name.clone(),
+                expected: parameter.ty.with_article(),
+                hint: match self.value {
+                    Constant::Scalar(_) => "give a vector `<x, y, z>` or a colour `#rrggbb`",
+                    Constant::Vector(_) => "give a single number",
+                },
+            });
+        }
+        let value = match self.value {
+            Constant::Scalar(number) => [number, 0.0, 0.0],
+            Constant::Vector(numbers) => numbers,
+        };
+        let owners: Vec<OwnerId> = match owner {
+            Some(owner) => vec![owner],
+            None => roster.owners().of_kind(parameter.owner).collect(),
+        };
+        Ok(owners.into_iter().map(|owner| Assignment { owner, parameter: id, value }).collect())
+    }
+}
+
+fn unknown_owner(name: &str, roster: &Roster) -> SettingError {
+    let names: Vec<&str> = roster.owners().names().collect();
+    SettingError::Owner { name: name.to_owned(), hint: hint(name, &names) }
+}
+
+fn unknown_parameter(name: &str, owner: Option<OwnerId>, roster: &Roster) -> SettingError {
+    let kinds: Vec<Owner> = match owner {
+        Some(owner) => vec![owner.kind()],
+        None => vec![Owner::Body, Owner::Light],
+    };
+    let names: Vec<&str> = kinds
+        .into_iter()
+        .flat_map(|kind| roster.parameters_of(kind).collect::<Vec<_>>())
+        .map(|id| roster.parameter(id).name.as_str())
+        .collect();
+    SettingError::Parameter { name: name.to_owned(), hint: hint(name, &names) }
+}
+
+/// The nearest of the known names; where none is near, all of them, if they are few.
+fn hint(name: &str, known: &[&str]) -> String {
+    /// More names than this say nothing in a message.
+    const FEW: usize = 12;
+    match nearest(name, known.iter().copied()) {
+        Some(near) => format!("; did you mean `{near}`?"),
+        None if known.is_empty() => String::new(),
+        None if known.len() <= FEW => format!("; there are {}", known.join(", ")),
+        None => format!("; there are {} and {} others", known[..FEW].join(", "), known.len() - FEW),
+    }
+}
+
+/// A number, a vector `<x, y, z>` or a colour `#rrggbb` (two hexadecimal digits a component, ff is 1).
+pub fn parse_value(text: &str) -> Option<Constant> {
+    let text = text.trim();
+    if text.starts_with('#') {
+        return parse_colour(text).map(Constant::Vector);
+    }
+    let Some(inner) = text.strip_prefix('<') else { return parse_number(text).map(Constant::Scalar) };
+    let numbers: Vec<f32> = inner.strip_suffix('>')?.split(',').map(parse_number).collect::<Option<_>>()?;
+    <[f32; 3]>::try_from(numbers).ok().map(Constant::Vector)
+}
+
+fn parse_colour(text: &str) -> Option<[f32; 3]> {
+    let digits = text.strip_prefix('#').filter(|digits| digits.len() == 6 && digits.bytes().all(|b| b.is_ascii_hexdigit()))?;
+    let component = |at: usize| u8::from_str_radix(&digits[at..at + 2], 16).ok().map(|byte| f32::from(byte) / 255.0);
+    Some([component(0)?, component(2)?, component(4)?])
+}
+
+/// A finite number as the languages write it, with an optional sign.
+fn parse_number(text: &str) -> Option<f32> {
+    let text = text.trim();
+    // What Rust reads beyond that are `inf`, `nan` and the like.
+    let digits = text.bytes().all(|byte| byte.is_ascii_digit() || b"+-.eE".contains(&byte));
+    text.parse().ok().filter(|number: &f32| digits && number.is_finite())
+}
+
+impl fmt::Display for Setting {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let value = crate::workspace::warning::show(self.value.components());
+        match &self.whose {
+            Whose::Scene => write!(f, "{}={value}", self.parameter),
+            Whose::All => write!(f, "*.{}={value}", self.parameter),
+            Whose::Named(name) => write!(f, "{name}.{}={value}", self.parameter),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn settings_are_read() {
+        let read = |text: &str| text.parse::<Setting>().map(|setting| setting.to_string());
+        assert_eq!(read("ball.kd=0.3").as_deref(), Ok("ball.kd=0.3"));
+        assert_eq!(read(" key . IL = < 1 , .9, 8e-1 > ").as_deref(), Ok("key.IL=<1, 0.9, 0.8>"));
+        assert_eq!(read("ka=-0.1").as_deref(), Ok("ka=-0.1"));
+        assert_eq!(read("*.Cd=#ff0033").as_deref(), Ok("*.Cd=<1, 0, 0.2>"));
+        assert_eq!(read("global.ka=1").as_deref(), Ok("ka=1"));
+    }
+
+    #[test]
+    fn what_is_no_setting_is_told() {
+        for text in ["kd", "=1", "ball.=1", ".kd=1", "a.b.c=1", ""] {
+            assert!(matches!(text.parse::<Setting>(), Err(SettingError::Form(_))), "{text}");
+        }
+        for text in ["a=", "a=x", "a=inf", "a=NaN", "a=1e99", "a=<1,2>", "a=<1,2,3", "a=<1,2,3,4>", "a=#12345", "a=#12345é"] {
+            assert!(matches!(text.parse::<Setting>(), Err(SettingError::Value(_))), "{text}");
+        }
+    }
+}

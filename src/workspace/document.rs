@@ -1,0 +1,166 @@
+//! TOML texts with the places of everything in them, so that what is wrong can be marked where it stands.
+
+use crate::lang::ast::Constant;
+use crate::lang::diagnostic::{Diagnostic, Diagnostics, nearest};
+use crate::lang::source::{Source, Span};
+use std::ops::Range;
+use toml::Spanned;
+use toml::de::{DeInteger, DeTable, DeValue};
+
+/// The version of the files that are written, and the only one that is read.
+pub(super) const VERSION: i64 = 1;
+
+/// A key of a table with its value.
+pub(super) struct Entry<'t> {
+    pub(super) key: &'t str,
+    pub(super) key_span: Span,
+    pub(super) value: Value<'t>,
+}
+
+/// A value with its place.
+#[derive(Clone, Copy)]
+pub(super) struct Value<'t> {
+    value: &'t DeValue<'t>,
+    pub(super) span: Span,
+}
+
+/// Reads a TOML text.
+///
+/// # Errors
+/// Everything that is wrong with its syntax.
+pub(super) fn parse(source: &Source) -> Result<DeTable<'_>, Diagnostics> {
+    let (table, errors) = DeTable::parse_recoverable(source.text());
+    let mut diagnostics = Diagnostics::new();
+    for error in errors {
+        let place = error.span().unwrap_or(0..0);
+        let diagnostic = Diagnostic::error(error.message().to_owned());
+        diagnostics.push(diagnostic.at(span(place), "").help("this must be a TOML file (https://toml.io)"));
+    }
+    if diagnostics.is_empty() { Ok(table.into_inner()) } else { Err(diagnostics) }
+}
+
+fn span(place: Range<usize>) -> Span {
+    Span::new(place.start, place.end)
+}
+
+/// The entries of a table in the order of the text.
+pub(super) fn entries<'t>(table: &'t DeTable<'t>) -> Vec<Entry<'t>> {
+    let mut entries: Vec<Entry<'t>> = table
+        .iter()
+        .map(|(key, value)| Entry { key: key.get_ref(), key_span: span(key.span()), value: spanned(value) })
+        .collect();
+    entries.sort_by_key(|entry| entry.key_span);
+    entries
+}
+
+fn spanned<'t>(value: &'t Spanned<DeValue<'t>>) -> Value<'t> {
+    Value { value: value.get_ref(), span: span(value.span()) }
+}
+
+impl<'t> Value<'t> {
+    fn mismatch(self, expected: &str) -> Diagnostic {
+        let found = match self.value {
+            DeValue::String(_) => "a text",
+            DeValue::Integer(_) => "a whole number",
+            DeValue::Float(_) => "a number",
+            DeValue::Boolean(_) => "true or false",
+            DeValue::Datetime(_) => "a date",
+            DeValue::Array(_) => "a list",
+            DeValue::Table(_) => "a table",
+        };
+        Diagnostic::error(format!("expected {expected}, found {found}")).at(self.span, format!("expected {expected}"))
+    }
+
+    /// The value as a text.
+    pub(super) fn text(self) -> Result<&'t str, Diagnostic> {
+        self.value.as_str().ok_or_else(|| self.mismatch("a text in quotes"))
+    }
+
+    /// The value as true or false.
+    pub(super) fn truth(self) -> Result<bool, Diagnostic> {
+        self.value.as_bool().ok_or_else(|| self.mismatch("`true` or `false`"))
+    }
+
+    /// The value as a whole number within a range.
+    pub(super) fn whole(self, range: Range<i64>) -> Result<i64, Diagnostic> {
+        let expected = format!("a whole number from {} to {}", range.start, range.end - 1);
+        let number = self.value.as_integer().ok_or_else(|| self.mismatch(&expected))?;
+        whole(number)
+            .filter(|number| range.contains(number))
+            .ok_or_else(|| Diagnostic::error(format!("{number} is out of range")).at(self.span, format!("expected {expected}")))
+    }
+
+    /// The value as a finite number.
+    pub(super) fn number(self) -> Result<f64, Diagnostic> {
+        let number = match (self.value.as_integer(), self.value.as_float()) {
+            (Some(number), _) => whole(number).map(|number| number as f64),
+            (None, Some(number)) => number.as_str().parse().ok(),
+            (None, None) => return Err(self.mismatch("a number")),
+        };
+        // What is infinite as an `f32` is no value of a parameter.
+        number.filter(|number: &f64| (*number as f32).is_finite()).ok_or_else(|| {
+            Diagnostic::error("this number is too large, or none at all").at(self.span, "expected a finite number")
+        })
+    }
+
+    /// The elements of a list of this length.
+    pub(super) fn list<const N: usize>(self, expected: &str) -> Result<[Value<'t>; N], Diagnostic> {
+        let list = self.value.as_array().ok_or_else(|| self.mismatch(expected))?;
+        let values: Vec<Value<'t>> = list.iter().map(spanned).collect();
+        values
+            .try_into()
+            .map_err(|_| Diagnostic::error(format!("expected {expected}")).at(self.span, format!("{} elements", list.len())))
+    }
+
+    /// The value of a parameter: a number, or a list of three.
+    pub(super) fn constant(self) -> Result<Constant, Diagnostic> {
+        if self.value.as_array().is_some() {
+            let [x, y, z] = self.list("three numbers `[x, y, z]`")?;
+            return Ok(Constant::Vector([x.number()? as f32, y.number()? as f32, z.number()? as f32]));
+        }
+        if self.value.as_integer().is_none() && self.value.as_float().is_none() {
+            return Err(self.mismatch("a number, or three as `[x, y, z]`"));
+        }
+        Ok(Constant::Scalar(self.number()? as f32))
+    }
+
+    /// The value as a table.
+    pub(super) fn table(self) -> Result<&'t DeTable<'t>, Diagnostic> {
+        self.value.as_table().ok_or_else(|| self.mismatch("a table"))
+    }
+}
+
+fn whole(number: &DeInteger) -> Option<i64> {
+    i64::from_str_radix(number.as_str(), number.radix()).ok()
+}
+
+/// The error that a line is missing, said of the beginning of the file.
+pub(super) fn missing(message: &str, line: &str) -> Diagnostic {
+    Diagnostic::error(message).at(Span::default(), format!("expected a line such as `{line}`"))
+}
+
+/// Checks the version of a file.
+pub(super) fn check_version(value: Option<Value>, diagnostics: &mut Diagnostics) {
+    let Some(value) = value else {
+        diagnostics.push(missing("the file does not say its version", &format!("version = {VERSION}")));
+        return;
+    };
+    match value.whole(0..i64::MAX) {
+        Ok(VERSION) => {}
+        Ok(other) => diagnostics.push(
+            Diagnostic::error(format!("version {other} of this file cannot be read"))
+                .at(value.span, format!("expected {VERSION}"))
+                .help("it may have been written by another version of the program"),
+        ),
+        Err(diagnostic) => diagnostics.push(diagnostic),
+    }
+}
+
+/// The warning that a key means nothing, with the nearest that does.
+pub(super) fn unknown_key(entry: &Entry, known: &[&str]) -> Diagnostic {
+    let hint = match nearest(entry.key, known.iter().copied()) {
+        Some(near) => format!("did you mean `{near}`?"),
+        None => format!("known are {}", known.join(", ")),
+    };
+    Diagnostic::warning(format!("`{}` means nothing here and is left out", entry.key)).at(entry.key_span, "not known").help(hint)
+}

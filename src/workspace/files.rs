@@ -1,0 +1,331 @@
+//! Files and built-in files: where a text is found, how it is read with care and how a file is replaced without losing the old.
+
+use crate::lang::diagnostic::{Diagnostic, nearest};
+use crate::lang::source::{MAX_BYTES, Source};
+use crate::presets::{self, Kind};
+use std::ffi::OsStr;
+use std::fmt;
+use std::fs::{self, File};
+use std::io::{self, BufWriter, ErrorKind, Read, Write};
+use std::path::{Component, Path, PathBuf};
+
+/// What names a built-in file.
+const PRESET: &str = "preset:";
+
+/// Where a text is: built in, or a file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Location {
+    /// A built-in file by name.
+    Preset(String),
+    /// A file, its path relative to the working directory or absolute.
+    File(PathBuf),
+}
+
+impl Location {
+    /// The location that a user's text means: `preset:NAME` or a path.
+    pub fn new(text: impl AsRef<OsStr>) -> Self {
+        let text = text.as_ref();
+        match text.to_str().and_then(|text| text.strip_prefix(PRESET)) {
+            Some(name) => Location::Preset(name.to_owned()),
+            None => Location::File(PathBuf::from(text)),
+        }
+    }
+
+    /// The same where a relative path is meant from `folder`.
+    #[must_use]
+    pub fn from_folder(self, folder: &Path) -> Self {
+        match self {
+            Location::Preset(name) => Location::Preset(name),
+            Location::File(path) => Location::File(folder.join(path)),
+        }
+    }
+
+    /// How this location is written in a file in `folder`: relative to it where possible.
+    pub fn seen_from(&self, folder: &Path) -> String {
+        match self {
+            Location::Preset(name) => format!("{PRESET}{name}"),
+            Location::File(path) => relative(path, folder).unwrap_or_else(|| path.clone()).display().to_string(),
+        }
+    }
+
+    /// Reads the text.
+    ///
+    /// # Errors
+    /// There is no such file or built-in file of this kind; it cannot be read, is no file, is larger than [`MAX_BYTES`] or not
+    /// UTF-8.
+    pub fn read(&self, kind: Kind) -> Result<Source, Diagnostic> {
+        match self {
+            Location::Preset(name) => match presets::text(kind, name) {
+                Some(text) => Ok(Source::new(self.to_string(), text)),
+                None => Err(unknown_preset(kind, name)),
+            },
+            Location::File(path) => read_file(path, Some(kind)),
+        }
+    }
+}
+
+impl fmt::Display for Location {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Location::Preset(name) => write!(f, "{PRESET}{name}"),
+            Location::File(path) => write!(f, "{}", path.display()),
+        }
+    }
+}
+
+fn unknown_preset(kind: Kind, name: &str) -> Diagnostic {
+    let noun = kind.noun();
+    let error = Diagnostic::error(format!("there is no built-in {noun} `{PRESET}{name}`"));
+    if let Some(other) = Kind::ALL.into_iter().find(|other| presets::text(*other, name).is_some()) {
+        return error.help(format!("`{PRESET}{name}` is a {}", other.noun()));
+    }
+    let names: Vec<&str> = presets::names(kind).collect();
+    match nearest(name, names.iter().copied()) {
+        Some(near) => error.help(format!("did you mean `{PRESET}{near}`?")),
+        None if names.is_empty() => error,
+        None => error.help(format!("known are {}", names.join(", "))),
+    }
+}
+
+/// Reads a file that is to be of a kind, or of any.
+///
+/// # Errors
+/// There is no such file; it cannot be read, is no file, is larger than [`MAX_BYTES`] or not UTF-8.
+pub fn read_file(path: &Path, kind: Option<Kind>) -> Result<Source, Diagnostic> {
+    let (name, noun) = (path.display().to_string(), kind.map_or("text", Kind::noun));
+    let failed = |error: &io::Error| {
+        let missing = error.kind() == ErrorKind::NotFound;
+        let what = kind.map_or("file", Kind::noun);
+        Diagnostic::error(format!("cannot read the {what} `{name}`: {}", reason(error))).help_if(if missing {
+            namesake(path, kind)
+        } else {
+            None
+        })
+    };
+    let metadata = fs::metadata(path).map_err(|error| failed(&error))?;
+    if metadata.is_dir() {
+        return Err(Diagnostic::error(format!("`{name}` is a folder, not a {noun}")));
+    }
+    if is_device(&metadata) {
+        return Err(Diagnostic::error(format!("`{name}` is a device, not a {noun}")));
+    }
+    let too_large = |bytes: u64| {
+        Diagnostic::error(format!("`{name}` is too large for a {noun}: {bytes} bytes or more"))
+            .help(format!("formulas, scenes and sessions are texts of at most {MAX_BYTES} bytes"))
+    };
+    if metadata.len() > MAX_BYTES as u64 {
+        return Err(too_large(metadata.len()));
+    }
+    let mut bytes = Vec::new();
+    let file = File::open(path).map_err(|error| failed(&error))?;
+    // A pipe does not tell its length, and a file may grow.
+    file.take(MAX_BYTES as u64 + 1).read_to_end(&mut bytes).map_err(|error| failed(&error))?;
+    if bytes.len() > MAX_BYTES {
+        return Err(too_large(bytes.len() as u64));
+    }
+    Source::from_bytes(name, bytes)
+}
+
+#[cfg(unix)]
+fn is_device(metadata: &fs::Metadata) -> bool {
+    use std::os::unix::fs::FileTypeExt;
+    let kind = metadata.file_type();
+    kind.is_char_device() || kind.is_block_device() || kind.is_socket()
+}
+
+#[cfg(not(unix))]
+fn is_device(metadata: &fs::Metadata) -> bool {
+    !metadata.is_file()
+}
+
+/// What the system says, without its error number.
+pub fn reason(error: &io::Error) -> String {
+    const PLAIN: [(ErrorKind, &str); 4] = [
+        (ErrorKind::NotFound, "there is no such file"),
+        (ErrorKind::PermissionDenied, "permission denied"),
+        (ErrorKind::NotADirectory, "a part of the path is not a folder"),
+        (ErrorKind::StorageFull, "the disk is full"),
+    ];
+    let known = PLAIN.iter().find(|(kind, _)| *kind == error.kind());
+    known.map_or_else(
+        || error.to_string().split(" (os error").next().unwrap_or_default().to_lowercase(),
+        |(_, text)| (*text).to_owned(),
+    )
+}
+
+/// What was likely meant by the path of a file that does not exist.
+fn namesake(path: &Path, kind: Option<Kind>) -> Option<String> {
+    let name = path.file_name()?.to_str()?;
+    let built_in = |kind: Kind| presets::text(kind, name).is_some();
+    if path.components().count() == 1 && kind.map_or_else(|| Kind::ALL.into_iter().any(built_in), built_in) {
+        return Some(format!("the built-in one is `{PRESET}{name}`"));
+    }
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let entries = fs::read_dir(folder).ok()?;
+    // Enough to find a slip of the pen; a folder may hold millions.
+    let names = entries.take(1000).filter_map(|entry| entry.ok()?.file_name().into_string().ok());
+    // A suffix in common is no likeness.
+    let stem = Path::new(name).file_stem()?.to_str()?;
+    let stems: Vec<String> = names
+        .filter(|other| Path::new(other).extension() == path.extension())
+        .filter_map(|other| Some(Path::new(&other).file_stem()?.to_str()?.to_owned()))
+        .collect();
+    let near = nearest(stem, stems.iter().map(String::as_str))?;
+    let other = path.with_file_name(near);
+    let other = path.extension().map_or(other.clone(), |suffix| other.with_added_extension(suffix));
+    Some(format!("did you mean `{}`?", other.display()))
+}
+
+/// What a text is by its first words, if they tell.
+pub fn kind_of(text: &str) -> Option<Kind> {
+    let mut rest = text.trim_start_matches('\u{feff}').trim_start();
+    loop {
+        let comment = if rest.starts_with("/*") {
+            rest.find("*/").map(|end| end + 2)
+        } else if rest.starts_with("//") || (rest.starts_with('#') && !rest.starts_with("#uses")) {
+            rest.find('\n')
+        } else {
+            None
+        };
+        match comment {
+            Some(end) => rest = rest[end..].trim_start(),
+            None => break,
+        }
+    }
+    if rest.starts_with("#uses") {
+        return Some(Kind::Formula);
+    }
+    let end = rest.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(rest.len());
+    let (word, behind) = rest.split_at(end);
+    match (word, behind.trim_start().chars().next()) {
+        // Only TOML has `key = value` and `[table]` at its beginning.
+        (_, Some('=')) | ("", Some('[')) => Some(Kind::Session),
+        ("bodies" | "lights" | "camera", _) => Some(Kind::Scene),
+        ("global" | "body_specific" | "light_specific" | "invariants" | "formula", _) => Some(Kind::Formula),
+        _ => None,
+    }
+}
+
+/// The path from `folder` to a file, where both exist.
+fn relative(path: &Path, folder: &Path) -> Option<PathBuf> {
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let (path, folder) = (path.canonicalize().ok()?, folder.canonicalize().ok()?);
+    let (to, from): (Vec<Component>, Vec<Component>) = (path.components().collect(), folder.components().collect());
+    let shared = to.iter().zip(&from).take_while(|(one, other)| one == other).count();
+    if shared == 0 {
+        return None;
+    }
+    let up = from[shared..].iter().map(|_| Component::ParentDir);
+    Some(up.chain(to[shared..].iter().copied()).collect())
+}
+
+/// Writes a file whole or not at all: beside it first, then in its place. A file that is there keeps its permissions; what a
+/// link points to is replaced, not the link.
+///
+/// # Errors
+/// The folder does not exist or cannot be written to, the disk is full, or `write` fails; the old file is then as it was.
+pub fn replace_file(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> io::Result<()> {
+    let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    let folder = match target.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".illuminator-");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        // As any new file: what the user's mask leaves of it.
+        builder.permissions(fs::Permissions::from_mode(0o666));
+    }
+    let (file, place) = builder.tempfile_in(folder)?.into_parts();
+    if let Ok(old) = fs::metadata(&target) {
+        file.set_permissions(old.permissions())?;
+    }
+    let mut writer = BufWriter::new(file);
+    write(&mut writer)?;
+    let file = writer.into_inner().map_err(io::IntoInnerError::into_error)?;
+    file.sync_all()?;
+    drop(file);
+    place.persist(&target).map_err(|error| error.error)
+}
+
+/// Writes a text file whole or not at all, see [`replace_file`].
+///
+/// # Errors
+/// As there.
+pub fn replace_text(path: &Path, text: &str) -> io::Result<()> {
+    replace_file(path, |writer| writer.write_all(text.as_bytes()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_cannot_be_read_is_told() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        let message = |location: Location| {
+            let error = location.read(Kind::Formula).unwrap_err();
+            (error.message().replace(&folder.path().display().to_string(), "F"), error.hints().join(" "))
+        };
+        fs::write(path("phong.txt"), "x").unwrap();
+        let (text, hint) = message(Location::File(path("fong.txt")));
+        assert_eq!(text, "cannot read the formula `F/fong.txt`: there is no such file");
+        assert!(hint.ends_with("/phong.txt`?"), "{hint}");
+        assert_eq!(message(Location::File(folder.path().to_owned())).0, "`F` is a folder, not a formula");
+        fs::write(path("large"), vec![b' '; MAX_BYTES + 1]).unwrap();
+        assert!(message(Location::File(path("large"))).0.contains("too large"));
+        fs::write(path("binary"), b"\xff\xfe").unwrap();
+        assert!(message(Location::File(path("binary"))).0.contains("not UTF-8"));
+        assert!(message(Location::new("preset:no such thing")).0.contains("no built-in formula"));
+    }
+
+    #[test]
+    fn kinds_are_told_by_first_words() {
+        assert_eq!(kind_of("\u{feff}/* a */ // b\n bodies;"), Some(Kind::Scene));
+        assert_eq!(kind_of("#uses m.txt;\nformula;"), Some(Kind::Formula));
+        assert_eq!(kind_of("formula; = Cd;"), Some(Kind::Formula));
+        assert_eq!(kind_of("# a session\nformula = \"x\""), Some(Kind::Session));
+        assert_eq!(kind_of("version = 1"), Some(Kind::Session));
+        assert_eq!(kind_of("[global]"), Some(Kind::Session));
+        assert_eq!(kind_of("kd: scalar;"), None);
+        assert_eq!(kind_of("// no end"), None);
+        assert_eq!(kind_of("/* no end"), None);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn devices_are_not_read() {
+        let error = Location::new("/dev/zero").read(Kind::Scene).unwrap_err();
+        assert_eq!(error.message(), "`/dev/zero` is a device, not a scene");
+    }
+
+    #[test]
+    fn a_failed_write_leaves_the_old_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("kept.txt");
+        replace_text(&path, "old").unwrap();
+        let outcome = replace_file(&path, |writer| {
+            writer.write_all(b"half")?;
+            Err(io::Error::other("disk full"))
+        });
+        assert!(outcome.is_err());
+        assert_eq!(fs::read_to_string(&path).unwrap(), "old");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+        replace_text(&path, "new").unwrap();
+        assert_eq!(fs::read_to_string(&path).unwrap(), "new");
+    }
+
+    #[test]
+    fn paths_are_told_relative_to_a_folder() {
+        let folder = tempfile::tempdir().unwrap();
+        fs::create_dir_all(folder.path().join("a/b")).unwrap();
+        fs::write(folder.path().join("f.txt"), "").unwrap();
+        let location = Location::File(folder.path().join("f.txt"));
+        assert_eq!(Path::new(&location.seen_from(&folder.path().join("a/b"))), Path::new("../../f.txt"));
+        assert_eq!(location.seen_from(folder.path()), "f.txt");
+        assert_eq!(Location::new("preset:glass").seen_from(folder.path()), "preset:glass");
+    }
+}

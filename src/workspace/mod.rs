@@ -1,0 +1,20 @@
+//! What a user edits: parameter values, sessions and the files they name.
+//!
+//! No window, no command line: both are served by these. Held are values by owner and parameter, settled so that ranges and
+//! invariants hold; how they reach a picture is the engine's business.
+
+pub mod assignment;
+mod document;
+pub mod files;
+pub mod owner;
+pub mod roster;
+pub mod session;
+pub mod values;
+pub mod warning;
+
+pub use assignment::{Assignment, Setting};
+pub use owner::{OwnerId, Owners};
+pub use roster::Roster;
+pub use session::Session;
+pub use values::Values;
+pub use warning::Warning;

@@ -1,0 +1,114 @@
+//! Who has which parameters: a formula's parameters and invariants on the bodies and lights of a scene.
+//!
+//! It is what values are kept *for*; it has none itself.
+
+use crate::formula::invariants::InvariantSystem;
+use crate::formula::layout::Layout;
+use crate::formula::{Formula, Parameter, ParameterId};
+use crate::lang::variables::{Owner, Predefined};
+use crate::scene::Scene;
+use crate::workspace::owner::{OwnerId, Owners};
+use crate::workspace::warning::Cause;
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+/// The parameters of a formula and their owners in a scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Roster {
+    parameters: Vec<Parameter>,
+    by_name: BTreeMap<String, ParameterId>,
+    reflection: ParameterId,
+    refraction: ParameterId,
+    systems: [InvariantSystem; 3],
+    owners: Owners,
+    layout: Layout,
+}
+
+impl Roster {
+    /// For a formula on a scene.
+    pub fn new(formula: &Formula, scene: &Scene) -> Self {
+        // A checked formula's invariants are consistent; of others none would hold.
+        let system = |owner| {
+            InvariantSystem::new(&formula.parameters, &formula.invariants, owner).map(|(system, _)| system).unwrap_or_default()
+        };
+        Self {
+            parameters: formula.parameters.clone(),
+            by_name: formula.parameter_ids().map(|id| (formula.parameter(id).name.clone(), id)).collect(),
+            reflection: formula.predefined(Predefined::Reflection),
+            refraction: formula.predefined(Predefined::Refraction),
+            systems: Owner::ALL.map(system),
+            owners: Owners::new(scene),
+            layout: Layout::new(formula, scene.bodies.len(), scene.lights.len()),
+        }
+    }
+
+    /// The bodies and lights.
+    pub fn owners(&self) -> &Owners {
+        &self.owners
+    }
+
+    /// Where each number lies among all numbers.
+    pub fn layout(&self) -> Layout {
+        self.layout
+    }
+
+    /// A parameter. The index must be one of the formula's.
+    pub fn parameter(&self, id: ParameterId) -> &Parameter {
+        &self.parameters[id.0 as usize]
+    }
+
+    /// The parameter of this name.
+    pub fn parameter_named(&self, name: &str) -> Option<ParameterId> {
+        self.by_name.get(name).copied()
+    }
+
+    /// The parameters that an owner of this kind has, in the formula's order.
+    pub fn parameters_of(&self, kind: Owner) -> impl Iterator<Item = ParameterId> {
+        let all = (0..self.parameters.len() as u32).map(ParameterId);
+        all.filter(move |id| self.parameter(*id).owner == kind)
+    }
+
+    /// The weights of reflected and of refracted rays, kr and kt.
+    pub fn weights(&self) -> [ParameterId; 2] {
+        [self.reflection, self.refraction]
+    }
+
+    /// The solved invariants of the owners of this kind.
+    pub fn system(&self, kind: Owner) -> &InvariantSystem {
+        match kind {
+            Owner::Global => &self.systems[0],
+            Owner::Body => &self.systems[1],
+            Owner::Light => &self.systems[2],
+        }
+    }
+
+    /// The places of a parameter's numbers among all numbers; none where there is no such owner, or it has no such parameter.
+    pub fn places(&self, owner: OwnerId, id: ParameterId) -> Option<Range<usize>> {
+        let parameter = self.parameters.get(id.0 as usize)?;
+        if parameter.owner != owner.kind() || !self.owners.has(owner) {
+            return None;
+        }
+        let first = self.layout.place(parameter, owner.index());
+        Some(first..first + parameter.ty.slots())
+    }
+
+    /// Why a value is 0 whatever is given for it: opaque bodies never refract, matte ones never reflect.
+    pub fn fixed(&self, owner: OwnerId, id: ParameterId) -> Option<Cause> {
+        if id == self.refraction && self.owners.is_opaque(owner) {
+            Some(Cause::Opaque)
+        } else if id == self.reflection && self.owners.is_matte(owner) {
+            Some(Cause::Matte)
+        } else {
+            None
+        }
+    }
+
+    /// A value's name as users write it: `ball.kd`, or `ka` for the scene.
+    pub fn label(&self, owner: OwnerId, id: ParameterId) -> String {
+        let parameter = &self.parameter(id).name;
+        match self.owners.name(owner) {
+            Some(name) => format!("{name}.{parameter}"),
+            None => parameter.clone(),
+        }
+    }
+}

@@ -1,0 +1,64 @@
+//! A session as text.
+
+use crate::lang::ast::Constant;
+use crate::workspace::document::VERSION;
+use crate::workspace::session::{OwnerName, Session};
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::path::Path;
+
+/// The file, key by key.
+#[derive(Serialize)]
+struct SessionFile<'s> {
+    version: i64,
+    formula: String,
+    scene: String,
+    size: [u32; 2],
+    depth: u32,
+    shadows: bool,
+    ior: f64,
+    srgb: bool,
+    global: Group<'s>,
+    bodies: BTreeMap<&'s str, Group<'s>>,
+    lights: BTreeMap<&'s str, Group<'s>>,
+}
+
+/// The values of one owner by the names of the parameters.
+type Group<'s> = BTreeMap<&'s str, Number>;
+
+/// One value.
+#[derive(Serialize)]
+#[serde(untagged)]
+enum Number {
+    Scalar(f32),
+    Vector([f32; 3]),
+}
+
+pub(super) fn to_toml(session: &Session, folder: &Path) -> Result<String, toml::ser::Error> {
+    let mut file = SessionFile {
+        version: VERSION,
+        formula: session.formula.seen_from(folder),
+        scene: session.scene.seen_from(folder),
+        size: session.picture.size,
+        depth: session.picture.depth,
+        shadows: session.picture.shadows,
+        ior: session.picture.default_index,
+        srgb: session.picture.srgb,
+        global: Group::new(),
+        bodies: BTreeMap::new(),
+        lights: BTreeMap::new(),
+    };
+    for value in &session.values {
+        let group = match &value.owner {
+            OwnerName::Global => &mut file.global,
+            OwnerName::Body(name) => file.bodies.entry(name).or_default(),
+            OwnerName::Light(name) => file.lights.entry(name).or_default(),
+        };
+        let number = match value.value {
+            Constant::Scalar(number) => Number::Scalar(number),
+            Constant::Vector(numbers) => Number::Vector(numbers),
+        };
+        group.insert(&value.parameter, number);
+    }
+    toml::to_string(&file)
+}

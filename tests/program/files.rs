@@ -1,0 +1,143 @@
+//! What the program writes.
+
+use crate::{folder, run, told, write};
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+fn render(folder: &Path, arguments: &str, output: &str) -> image::DynamicImage {
+    let done = run(folder, &format!("render {arguments} -o {output}"));
+    assert!(done.status.success(), "{arguments}: {}", String::from_utf8_lossy(&done.stderr));
+    image::open(folder.join(output)).expect("a picture")
+}
+
+#[test]
+fn formats_agree() {
+    let folder = folder();
+    let png = render(folder.path(), "session.toml", "out.png");
+    assert_eq!((png.width(), png.height(), png.color()), (32, 24, image::ColorType::Rgb8));
+    assert_eq!(png, render(folder.path(), "session.toml", "out.BMP"));
+    let floats = render(folder.path(), "session.toml", "out.exr").into_rgb32f();
+    for (byte, float) in png.into_rgb8().iter().zip(floats.iter()) {
+        assert_eq!(*byte, (255.0 * float.clamp(0.0, 1.0)).round() as u8);
+    }
+}
+
+#[test]
+fn options_count_over_sessions() {
+    let folder = folder();
+    let red = render(folder.path(), "session.toml", "red.png").into_rgb8();
+    let centre = *red.get_pixel(16, 12);
+    assert!(centre[0] > 2 * centre[1], "{centre:?}");
+    let green = render(folder.path(), "session.toml --set ball.Cd=#00ff00 --size 64x48", "green.png").into_rgb8();
+    let centre = *green.get_pixel(32, 24);
+    assert!(centre[1] > 2 * centre[0], "{centre:?}");
+    // With both files given and no session, colours are defaults.
+    let grey = render(folder.path(), "-f model.txt -s sub/place.txt --size 32x24 --background <0,0,1>", "grey.png").into_rgb8();
+    let centre = *grey.get_pixel(16, 12);
+    assert_eq!(centre[0], centre[1]);
+    assert_eq!(grey.get_pixel(0, 0).0, [0, 0, 255]);
+    // A replaced formula keeps the values whose owner and name exist in it.
+    let kept = render(folder.path(), "session.toml -f preset:lambert", "kept.png").into_rgb8();
+    let centre = *kept.get_pixel(16, 12);
+    assert!(centre[0] > 2 * centre[1], "{centre:?}");
+}
+
+#[test]
+fn threads_and_runs_give_the_same_bytes() {
+    let folder = folder();
+    let bytes = |threads: u32| {
+        render(folder.path(), &format!("session.toml --size 300x200 --samples 2 --threads {threads}"), "out.exr");
+        fs::read(folder.path().join("out.exr")).expect("the picture")
+    };
+    let one = bytes(1);
+    assert!(one == bytes(1) && one == bytes(3) && one == bytes(64));
+}
+
+#[test]
+fn backends_agree_and_say_so() {
+    let folder = folder();
+    assert!(
+        told(folder.path(), "verify session.toml --set *.kr=0.4 --set ball.kt=0.5 --depth 4").ends_with("pass\nexit status 0\n")
+    );
+    let jit = render(folder.path(), "session.toml --samples 2", "jit.png").into_rgb8();
+    let other = render(folder.path(), "session.toml --samples 2 --backend interpreter", "other.png").into_rgb8();
+    assert!(jit.iter().zip(other.iter()).all(|(one, other)| one.abs_diff(*other) <= 1));
+}
+
+#[test]
+fn a_failure_leaves_the_old_picture() {
+    let folder = folder();
+    write(&folder, "out.png", "precious");
+    assert_eq!(run(folder.path(), "render session.toml --formula none.txt -o out.png").status.code(), Some(1));
+    assert_eq!(fs::read_to_string(folder.path().join("out.png")).expect("the file"), "precious");
+    let names = fs::read_dir(folder.path()).expect("the folder").count();
+    assert_eq!(names, 4, "nothing is left behind");
+}
+
+#[test]
+fn hits_are_written_as_the_index_says() {
+    let folder = folder();
+    assert_eq!(told(folder.path(), "dump session.toml --stage hits -o hits"), "exit status 0\n");
+    let hits = folder.path().join("hits");
+    let index: serde_json::Value = serde_json::from_slice(&fs::read(hits.join("index.json")).expect("an index")).expect("JSON");
+    assert_eq!((index["width"].as_u64(), index["height"].as_u64()), (Some(32), Some(24)));
+    let mut count = 0;
+    for table in ["hits", "records", "misses", "paths"] {
+        let rows = index["tables"][table]["count"].as_u64().expect("a count");
+        for column in index["tables"][table]["columns"].as_array().expect("columns") {
+            let length = fs::metadata(hits.join(column["file"].as_str().expect("a name"))).expect("a column").len();
+            assert_eq!(length, 4 * rows * column["components"].as_u64().expect("a number"), "{column}");
+            count += 1;
+        }
+    }
+    assert_eq!(fs::read_dir(&hits).expect("the folder").count(), count + 1);
+    let column = |file: &str| -> Vec<u32> {
+        let bytes = fs::read(hits.join(file)).expect("a column");
+        bytes.chunks_exact(4).map(|four| u32::from_le_bytes([four[0], four[1], four[2], four[3]])).collect()
+    };
+    // Every pixel has hits or a miss, and every record a hit.
+    let mut pixels = [column("hits.pixel.u32"), column("misses.pixel.u32")].concat();
+    pixels.sort_unstable();
+    pixels.dedup();
+    assert_eq!(pixels, (0..32 * 24).collect::<Vec<u32>>());
+    let last = column("hits.pixel.u32").len() as u32;
+    assert!(column("records.hit.u32").iter().all(|hit| *hit < last));
+}
+
+#[test]
+fn measurements_are_told_as_table_and_json() {
+    let folder = folder();
+    let table = told(folder.path(), "bench session.toml --runs 1 --slider ball.kd");
+    assert!(
+        ["32x24", "interpreter", "full evaluation", "slider: ball.kd", "fps"].iter().all(|word| table.contains(word)),
+        "{table}"
+    );
+    let output = run(folder.path(), "bench session.toml --runs 1 --json");
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert!(json["jit"]["evaluation_ms"].as_f64() > Some(0.0), "{json}");
+}
+
+#[test]
+fn every_stage_is_shown() {
+    let folder = folder();
+    for (stage, word) in [("ast", "max()"), ("bytecode", "PARAM_B_S"), ("clif", "function"), ("asm", "ret")] {
+        let text = told(folder.path(), &format!("dump session.toml --stage {stage}"));
+        assert!(text.contains(word) && text.ends_with("exit status 0\n"), "{stage}: {text}");
+    }
+    let text = told(folder.path(), "dump session.toml --stage bytecode --pixel 16,12");
+    assert!(text.contains("type II: pixel (16, 12)"), "{text}");
+}
+
+#[test]
+fn a_reader_that_is_gone_is_no_failure() {
+    let mut program = Command::new(env!("CARGO_BIN_EXE_illuminator"))
+        .arg("help-language")
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program runs");
+    drop(program.stdout.take());
+    let output = program.wait_with_output().expect("it ends");
+    assert!(output.status.success() && output.stderr.is_empty(), "{output:?}");
+}

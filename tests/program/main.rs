@@ -1,0 +1,65 @@
+//! The program from outside: what it says, writes and returns.
+
+#![allow(clippy::expect_used, reason = "a test ends where what it needs is not there")]
+
+mod files;
+mod messages;
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+use tempfile::TempDir;
+
+/// A small formula without a mistake.
+const FORMULA: &str = "body_specific;
+kd: scalar, constraint 0..1, default 0.5, slider;
+ks: scalar, constraint 0..1, default 0.2, slider;
+h: scalar, constraint 1..100, default 20;
+invariants;
+kd + ks <= 1;
+formula;
+= kd*IL*Cd*max(0, N.L) + ks*IL*max(0, R.V)^h;
+";
+
+/// A small scene without a mistake.
+const SCENE: &str = "bodies;
+ball: sphere, center <0,0,0>, radius 1;
+floor: rectangle, <-9,-1,-9>, <9,-1,-9>, <9,-1,9>, opaque;
+lights;
+key: point, <4,6,5>;
+camera;
+position <0,1,6>; gaze <0,-0.15,-1>; up <0,1,0>; fov 40;
+";
+
+/// A folder with a formula, a scene and a session of both, in which the program is run.
+fn folder() -> TempDir {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    fs::create_dir(folder.path().join("sub")).expect("a folder in it");
+    let session = "version = 1\nformula = \"model.txt\"\nscene = \"sub/place.txt\"\nsize = [32, 24]\ndepth = 2\n[bodies.ball]\nCd = [1, 0, 0]\n";
+    write(&folder, "model.txt", FORMULA);
+    write(&folder, "sub/place.txt", SCENE);
+    write(&folder, "session.toml", session);
+    folder
+}
+
+fn write(folder: &TempDir, name: &str, text: &str) {
+    fs::write(folder.path().join(name), text).expect("a file in a temporary folder");
+}
+
+/// Runs the program in a folder; the arguments are separated by blanks.
+fn run(folder: &Path, arguments: &str) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_illuminator"))
+        .current_dir(folder)
+        .args(arguments.split_whitespace())
+        .env_remove("RUST_BACKTRACE")
+        .output()
+        .expect("the program runs")
+}
+
+/// What the program says and returns.
+fn told(folder: &Path, arguments: &str) -> String {
+    let output = run(folder, arguments);
+    let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).expect("text");
+    let status = output.status.code().expect("an exit status");
+    format!("{}{}exit status {status}\n", text(&output.stdout), text(&output.stderr))
+}

@@ -1,0 +1,1229 @@
+#!/usr/bin/env python3
+"""Reference renderer for docs/language.md (the oracle).  Plain Python 3.11, standard library only, IEEE double throughout.
+
+Written from the description of the languages alone; simple rather than fast.  "language x.y" in the comments cites the section of docs/language.md that is followed.
+"[CHOICE n]" marks a place where the description leaves a choice; they are listed in CHOICES.md.
+
+Parts:  1 arithmetic (total: nothing raises)   2 lexer   3 formula parser   4 types and code
+        5 parameters and invariants            6 scene   7 rays             8 picture    9 command line
+"""
+import argparse, math, multiprocessing, os, re, struct, sys
+from fractions import Fraction
+
+NAN, INF = math.nan, math.inf
+
+
+class Wrong(Exception):
+    """The input is wrong (exit status 1).  Only the first error is reported."""
+
+
+def warn(text):
+    print('warning: ' + text, file=sys.stderr)
+
+
+# =====================================================================================================================
+# 1  Arithmetic (language 1.2).  Python raises where IEEE gives inf or NaN; these do not.
+# =====================================================================================================================
+def div(x, y):
+    if y != 0:                                   # also true for NaN
+        return x / y
+    if x != x or x == 0:
+        return NAN
+    return math.copysign(INF, x) * math.copysign(1.0, y)
+
+
+def power(x, y):                                 # C's pow
+    try:
+        return math.pow(x, y)                    # handles x^0 = 1, 1^NaN = 1, infinities as C does
+    except OverflowError:                        # too large
+        odd = y == math.floor(y) and math.fmod(y, 2) != 0
+        return -INF if x < 0 and odd else INF
+    except ValueError:
+        if x == 0:                               # 0 ^ negative
+            odd = y == math.floor(y) and math.fmod(y, 2) != 0
+            return math.copysign(INF, x) if odd else INF
+        return NAN                               # negative ^ fraction
+
+
+def sqrt(x):
+    return math.sqrt(x) if x >= 0 else NAN       # sqrt(-0.0) is -0.0; NaN >= 0 is false
+
+
+def floor(x):
+    if x != x or math.isinf(x):
+        return x
+    return math.copysign(float(math.floor(x)), x) if 0 <= x < 1 else float(math.floor(x))   # keeps -0.0
+
+
+def ceil(x):
+    return -floor(-x)
+
+
+def exp(x):
+    try:
+        return math.exp(x)
+    except OverflowError:
+        return INF
+
+
+def exp2(x):
+    try:
+        return math.exp2(x)
+    except OverflowError:
+        return INF
+
+
+def log(x):
+    return math.log(x) if x > 0 else (-INF if x == 0 else NAN)
+
+
+def log2(x):
+    return math.log2(x) if x > 0 else (-INF if x == 0 else NAN)
+
+
+def sin(x):
+    return math.sin(x) if math.isfinite(x) else NAN
+
+
+def cos(x):
+    return math.cos(x) if math.isfinite(x) else NAN
+
+
+def tan(x):
+    return math.tan(x) if math.isfinite(x) else NAN
+
+
+def acos(x):
+    return math.acos(x) if -1 <= x <= 1 else NAN
+
+
+def asin(x):
+    return math.asin(x) if -1 <= x <= 1 else NAN
+
+
+def sign(x):                                     # [CHOICE 1] sign(NaN) = NaN
+    return 1.0 if x > 0 else (-1.0 if x < 0 else (0.0 if x == 0 else NAN))
+
+
+def fract(x):
+    return x - floor(x)
+
+
+def mod(x, y):
+    return x - y * floor(div(x, y))
+
+
+def step(e, x):
+    return 0.0 if x < e else 1.0
+
+
+def minimum(x, y):                               # language 1.2: x if x < y, else y (also with NaN)
+    return x if x < y else y
+
+
+def maximum(x, y):
+    return x if x > y else y
+
+
+def min3(x, y, z):
+    return minimum(minimum(x, y), z)
+
+
+def max3(x, y, z):
+    return maximum(maximum(x, y), z)
+
+
+def clamp(x, lo, hi):
+    return minimum(maximum(x, lo), hi)
+
+
+def mix(a, b, t):
+    return a * (1 - t) + b * t
+
+
+def smoothstep(e0, e1, x):
+    t = clamp(div(x - e0, e1 - e0), 0.0, 1.0)
+    return t * t * (3 - 2 * t)
+
+
+def radians(x):
+    return x * math.pi / 180
+
+
+# ---- vectors are tuples of three floats
+def vneg(a): return (-a[0], -a[1], -a[2])
+def vadd(a, b): return (a[0] + b[0], a[1] + b[1], a[2] + b[2])
+def vsub(a, b): return (a[0] - b[0], a[1] - b[1], a[2] - b[2])
+def vmul(a, b): return (a[0] * b[0], a[1] * b[1], a[2] * b[2])
+def vdiv(a, b): return (div(a[0], b[0]), div(a[1], b[1]), div(a[2], b[2]))
+def vscale(a, s): return (a[0] * s, a[1] * s, a[2] * s)
+def scalev(s, a): return (a[0] * s, a[1] * s, a[2] * s)
+def vover(a, s): return (div(a[0], s), div(a[1], s), div(a[2], s))
+def dot(a, b): return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+def vec(x, y, z): return (x, y, z)
+def getx(a): return a[0]
+def gety(a): return a[1]
+def getz(a): return a[2]
+def vmin(a, b): return (minimum(a[0], b[0]), minimum(a[1], b[1]), minimum(a[2], b[2]))
+def vmax(a, b): return (maximum(a[0], b[0]), maximum(a[1], b[1]), maximum(a[2], b[2]))
+def vmix(a, b, t): return (mix(a[0], b[0], t), mix(a[1], b[1], t), mix(a[2], b[2], t))
+def length(a): return math.sqrt(dot(a, a)) if dot(a, a) == dot(a, a) else NAN
+def distance(a, b): return length(vsub(a, b))
+def normalize(a): return vover(a, length(a))
+
+
+def cross(a, b):
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+
+
+def reflect(i, n):                               # i - 2(n.i)n
+    return vsub(i, vscale(n, 2 * dot(n, i)))
+
+
+# ---- Perlin's improved noise (Ken Perlin, "Improving Noise", SIGGRAPH 2002; his Java reference, ImprovedNoise.java)
+PERM = [151, 160, 137, 91, 90, 15, 131, 13, 201, 95, 96, 53, 194, 233, 7, 225, 140, 36, 103, 30, 69, 142, 8, 99, 37, 240,
+        21, 10, 23, 190, 6, 148, 247, 120, 234, 75, 0, 26, 197, 62, 94, 252, 219, 203, 117, 35, 11, 32, 57, 177, 33, 88,
+        237, 149, 56, 87, 174, 20, 125, 136, 171, 168, 68, 175, 74, 165, 71, 134, 139, 48, 27, 166, 77, 146, 158, 231, 83,
+        111, 229, 122, 60, 211, 133, 230, 220, 105, 92, 41, 55, 46, 245, 40, 244, 102, 143, 54, 65, 25, 63, 161, 1, 216,
+        80, 73, 209, 76, 132, 187, 208, 89, 18, 169, 200, 196, 135, 130, 116, 188, 159, 86, 164, 100, 109, 198, 173, 186,
+        3, 64, 52, 217, 226, 250, 124, 123, 5, 202, 38, 147, 118, 126, 255, 82, 85, 212, 207, 206, 59, 227, 47, 16, 58,
+        17, 182, 189, 28, 42, 223, 183, 170, 213, 119, 248, 152, 2, 44, 154, 163, 70, 221, 153, 101, 155, 167, 43, 172, 9,
+        129, 22, 39, 253, 19, 98, 108, 110, 79, 113, 224, 232, 178, 185, 112, 104, 218, 246, 97, 228, 251, 34, 242, 193,
+        238, 210, 144, 12, 191, 179, 162, 241, 81, 51, 145, 235, 249, 14, 239, 107, 49, 192, 214, 31, 181, 199, 106, 157,
+        184, 84, 204, 176, 115, 121, 50, 45, 127, 4, 150, 254, 138, 236, 205, 93, 222, 114, 67, 29, 24, 72, 243, 141, 128,
+        195, 78, 66, 215, 61, 156, 180]
+assert sorted(PERM) == list(range(256))
+PERM = PERM + PERM
+
+
+def _fade(t): return t * t * t * (t * (t * 6 - 15) + 10)
+def _lerp(t, a, b): return a + t * (b - a)
+
+
+def _grad(h, x, y, z):
+    h &= 15
+    u = x if h < 8 else y
+    v = y if h < 4 else (x if h == 12 or h == 14 else z)
+    return (u if h & 1 == 0 else -u) + (v if h & 2 == 0 else -v)
+
+
+def noise(x, y, z):
+    if not (math.isfinite(x) and math.isfinite(y) and math.isfinite(z)):
+        return NAN                               # [CHOICE 2]
+    X, Y, Z = math.floor(x), math.floor(y), math.floor(z)
+    x, y, z = x - X, y - Y, z - Z
+    X, Y, Z = X & 255, Y & 255, Z & 255
+    u, v, w = _fade(x), _fade(y), _fade(z)
+    p = PERM
+    A, B = p[X] + Y, p[X + 1] + Y
+    AA, AB, BA, BB = p[A] + Z, p[A + 1] + Z, p[B] + Z, p[B + 1] + Z
+    return _lerp(w, _lerp(v, _lerp(u, _grad(p[AA], x, y, z), _grad(p[BA], x - 1, y, z)),
+                             _lerp(u, _grad(p[AB], x, y - 1, z), _grad(p[BB], x - 1, y - 1, z))),
+                    _lerp(v, _lerp(u, _grad(p[AA + 1], x, y, z - 1), _grad(p[BA + 1], x - 1, y, z - 1)),
+                             _lerp(u, _grad(p[AB + 1], x, y - 1, z - 1), _grad(p[BB + 1], x - 1, y - 1, z - 1))))
+
+
+def perlin(pt, a, b, n):                         # sum over i < n of noise(b^i pt) / a^i
+    count = 0 if n != n else int(min(max(n, 0.0), 32.0))
+    total, fb, fa = 0.0, 1.0, 1.0
+    for _ in range(count):
+        total += div(noise(pt[0] * fb, pt[1] * fb, pt[2] * fb), fa)
+        fb, fa = fb * b, fa * a
+    return total
+
+
+# =====================================================================================================================
+# 2  Lexer (language 1.1), the same for formulas and scenes
+# =====================================================================================================================
+NUMBER = re.compile(r'(?:[0-9]+\.[0-9]+|\.[0-9]+|[0-9]+\.(?!\.)|[0-9]+)(?:[eE][+-]?[0-9]+)?')
+IDENT = re.compile(r'[A-Za-z_][A-Za-z0-9_]*')
+PUNCT = ('..', '<=', '>=', '==', '!=', '&&', '||') + tuple(';:,.+-*/^()<>=!')
+KEYWORDS = {'global', 'body_specific', 'light_specific', 'invariants', 'formula', 'bodies', 'lights', 'camera'}
+
+
+class Token:
+    __slots__ = ('kind', 'text', 'value', 'where')
+
+
+def lex(text, name):
+    """-> tokens of kind 'number', 'ident', 'uses', a punctuation mark, or 'end'."""
+    text = text.removeprefix('\ufeff')
+    tokens, i = [], 0
+
+    def add(kind, start, end, value=None):
+        t = Token()
+        t.kind, t.text, t.value = kind, text[start:end], value
+        t.where = '%s:%d:%d' % (name, text.count('\n', 0, start) + 1, start - (text.rfind('\n', 0, start) + 1) + 1)
+        tokens.append(t)
+        return t
+
+    while i < len(text):
+        c = text[i]
+        if c in ' \t\r\n\f\v':
+            i += 1
+        elif text.startswith('//', i):
+            i = text.find('\n', i)
+            i = len(text) if i < 0 else i
+        elif text.startswith('/*', i):
+            j = text.find('*/', i + 2)
+            if j < 0:
+                raise Wrong('%s: comment not closed' % name)
+            i = j + 2
+        elif text.startswith('#uses', i):        # PATH: raw text to ';' on one line, trimmed
+            line_end = text.find('\n', i)
+            line_end = len(text) if line_end < 0 else line_end
+            j = text.find(';', i, line_end)
+            if j < 0:
+                raise Wrong("%s: '#uses' needs a ';' on its line" % name)
+            add('uses', i, j + 1, text[i + 5:j].strip())
+            i = j + 1
+        elif m := NUMBER.match(text, i):
+            t = add('number', i, m.end(), float(m.group()))
+            i = m.end()
+            if IDENT.match(text, i):
+                raise Wrong('%s: a number before a name: %s...; use parentheses' % (t.where, t.text))
+        elif m := IDENT.match(text, i):
+            add('ident', i, m.end())
+            i = m.end()
+        else:
+            for p in PUNCT:
+                if text.startswith(p, i):
+                    add(p, i, i + len(p))
+                    i += len(p)
+                    break
+            else:
+                raise Wrong('%s: unexpected character %r' % (name, c))
+    add('end', len(text), len(text))
+    return tokens
+
+
+class Parser:
+    def __init__(self, text, name):
+        self.tokens, self.at = lex(text, name), 0
+
+    def peek(self, *kinds):
+        return self.tokens[self.at].kind in kinds
+
+    def word(self, *words):
+        t = self.tokens[self.at]
+        return t.kind == 'ident' and t.text in words
+
+    def next(self):
+        self.at += 1
+        return self.tokens[self.at - 1]
+
+    def fail(self, expected):
+        t = self.tokens[self.at]
+        raise Wrong('%s: expected %s, found %r' % (t.where, expected, t.text or 'the end'))
+
+    def need(self, kind):
+        if not self.peek(kind):
+            self.fail(repr(kind))
+        return self.next()
+
+    def need_word(self, *words):
+        if not self.word(*words):
+            self.fail(' or '.join(map(repr, words)))
+        return self.next()
+
+    def accept(self, kind):
+        if self.peek(kind):
+            self.next()
+            return True
+        return False
+
+    def name(self):
+        t = self.need('ident')
+        if t.text in KEYWORDS:
+            raise Wrong('%s: %r may not name anything' % (t.where, t.text))
+        return t
+
+    def snum(self):                              # SNUM = [ "-" ] NUMBER
+        negative = self.accept('-')
+        v = self.need('number').value
+        return -v if negative else v
+
+    def const_vector(self):
+        self.need('<')
+        x = self.snum(); self.need(',')
+        y = self.snum(); self.need(',')
+        z = self.snum(); self.need('>')
+        return (x, y, z)
+
+
+# =====================================================================================================================
+# 3  Formula parser (language 1.1).  Expressions become tuples (kind, where, ...).
+# =====================================================================================================================
+class Param:
+    def __init__(self, name, owner, type, lo, hi, default):
+        self.name, self.owner, self.type, self.lo, self.hi, self.default = name, owner, type, lo, hi, default
+
+    def clamp(self, v):
+        one = lambda x: min(max(x, self.lo), self.hi)
+        return one(v) if self.type == 'S' else tuple(map(one, v))
+
+
+def predefined():                                # language 1.3
+    return {p.name: p for p in (
+        Param('Cd', 'body', 'V', 0.0, 1.0, (0.8, 0.8, 0.8)), Param('kr', 'body', 'S', 0.0, 1.0, 0.0),
+        Param('kt', 'body', 'S', 0.0, 1.0, 0.0), Param('ki', 'light', 'S', 0.0, 1.0, 1.0),
+        Param('IL', 'light', 'V', 0.0, 1.0, (1.0, 1.0, 1.0)), Param('ka', 'global', 'S', 0.0, 1.0, 0.1),
+        Param('Ia', 'global', 'V', 0.0, 1.0, (1.0, 1.0, 1.0)), Param('background', 'global', 'V', 0.0, 1.0, (0.0, 0.0, 0.0)))}
+
+
+THESIS_NAMES = set('sqrt floor exp log sin cos tan getx gety getz min max perlin pow '
+                   'N L V R alpha beta gamma point if'.split()) | set(predefined())
+
+
+class FormulaParser(Parser):
+    SECTIONS = ('global', 'body_specific', 'light_specific', 'invariants')
+
+    def formula_file(self):
+        f = Formula()
+        if self.peek('uses'):
+            self.next()
+        seen = set()
+        while self.word(*self.SECTIONS):
+            t = self.next()
+            self.need(';')
+            if t.text in seen:
+                raise Wrong('%s: section %s twice' % (t.where, t.text))
+            seen.add(t.text)
+            while self.peek('ident') and not self.word('formula', *self.SECTIONS):
+                if t.text == 'invariants':
+                    self.invariant(f)
+                else:
+                    self.decl(f, {'global': 'global', 'body_specific': 'body', 'light_specific': 'light'}[t.text])
+        self.need_word('formula')
+        self.need(';')
+        while self.peek('ident'):
+            t = self.name()
+            self.new_name(f, t)
+            self.need('=')
+            f.macros[t.text] = self.expr()
+            self.need(';')
+        f.result_where = self.need('=').where
+        f.result = self.expr()
+        self.need(';')
+        if not self.peek('end'):
+            self.fail('nothing after the formula')
+        return f
+
+    def new_name(self, f, t):
+        if t.text in THESIS_NAMES:
+            raise Wrong('%s: %r is already taken by the language' % (t.where, t.text))
+        if t.text in f.params or t.text in f.macros:
+            raise Wrong('%s: %r is defined twice' % (t.where, t.text))
+
+    def decl(self, f, owner):
+        t = self.name()
+        self.new_name(f, t)
+        self.need(':')
+        type = 'S' if self.need_word('scalar', 'vector').text == 'scalar' else 'V'
+        lo, hi, default, seen = -INF, INF, None, set()
+        while self.accept(','):
+            a = self.need_word('constraint', 'default', 'slider', 'color')
+            if a.text in seen:
+                raise Wrong('%s: %s twice' % (a.where, a.text))
+            seen.add(a.text)
+            if a.text == 'constraint':
+                lo = self.snum(); self.need('..'); hi = self.snum()
+                if lo > hi:
+                    raise Wrong('%s: empty range' % a.where)
+            elif a.text == 'default':
+                is_vector = self.peek('<')
+                default = self.const_vector() if is_vector else self.snum()
+                if is_vector != (type == 'V'):
+                    raise Wrong('%s: the default is of the other type' % a.where)
+        self.need(';')
+        p = Param(t.text, owner, type, lo, hi, None)
+        if default is None:                      # the value nearest 0 in the range
+            p.default = p.clamp(0.0 if type == 'S' else (0.0, 0.0, 0.0))
+        else:
+            p.default = p.clamp(default)
+            if p.default != default:
+                warn('%s: default of %s clamped to its range' % (t.where, t.text))
+        f.params[t.text] = p
+
+    def invariant(self, f):
+        names = [self.need('ident')]
+        while self.accept('+'):
+            names.append(self.need('ident'))
+        if not self.peek('=', '<='):
+            self.fail("'=' or '<='")
+        op = self.next().kind
+        one = self.need('number')
+        if one.value != 1:
+            raise Wrong('%s: expected 1' % one.where)
+        self.need(';')
+        f.invariants.append((op, names))
+
+    # ---- expressions
+    def binary(self, operand, ops):              # left-associative level
+        left = operand()
+        while self.peek(*ops):
+            t = self.next()
+            left = ('call', t.where, t.kind, (left, operand()))
+        return left
+
+    def expr(self): return self.binary(self.term, ('+', '-'))
+    def term(self): return self.binary(self.power, ('*', '/', '.'))
+
+    def power(self):                             # power = unary [ "^" power ]
+        base = self.unary()
+        if self.peek('^'):
+            t = self.next()
+            return ('call', t.where, '^', (base, self.power()))
+        return base
+
+    def unary(self):                             # binds tighter than ^
+        if self.peek('-'):
+            t = self.next()
+            return ('call', t.where, 'neg', (self.unary(),))
+        return self.atom()
+
+    def atom(self):
+        if self.peek('number'):
+            t = self.next()
+            return ('number', t.where, t.value)
+        if self.accept('('):
+            e = self.expr()
+            self.need(')')
+            return e
+        if self.peek('<'):
+            t = self.next()
+            x = self.expr(); self.need(',')
+            y = self.expr(); self.need(',')
+            z = self.expr(); self.need('>')
+            return ('call', t.where, '<>', (x, y, z))
+        if self.peek('ident'):
+            t = self.name()
+            if not self.accept('('):
+                return ('name', t.where, t.text)
+            if t.text == 'if':
+                c = self.cond(); self.need(',')
+                a = self.expr(); self.need(',')
+                b = self.expr(); self.need(')')
+                return ('if', t.where, c, a, b)
+            args = [self.expr()]
+            while self.accept(','):
+                args.append(self.expr())
+            self.need(')')
+            return ('call', t.where, t.text, tuple(args))
+        self.fail('an expression')
+
+    # ---- conditions: ('or'|'and', a, b), ('not', a), ('cmp', where, op, x, y)
+    def cond(self):
+        a = self.cond_and()
+        while self.accept('||'):
+            a = ('or', a, self.cond_and())
+        return a
+
+    def cond_and(self):
+        a = self.cond_not()
+        while self.accept('&&'):
+            a = ('and', a, self.cond_not())
+        return a
+
+    def cond_not(self):
+        if self.accept('!'):
+            return ('not', self.cond_not())
+        start = self.at
+        try:                                     # expr op expr, or else ( cond )
+            return self.comparison()
+        except Wrong as first:
+            self.at = start
+            if not self.accept('('):
+                raise
+            try:
+                c = self.cond()
+                self.need(')')
+                return c
+            except Wrong:
+                raise first
+
+    def comparison(self):
+        x = self.expr()
+        if not self.peek('<', '<=', '>', '>=', '==', '!='):
+            self.fail('a comparison')
+        t = self.next()
+        return ('cmp', t.where, t.kind, x, self.expr())
+
+
+# =====================================================================================================================
+# 4  Types and code (language 1.2, 1.3).  The formula becomes one Python function, one operation a line.
+# =====================================================================================================================
+OVERLOADS = {}                                   # name -> [(argument types, result type, Python text with {0} {1} ...)]
+
+
+def op(name, types, result, code):
+    OVERLOADS.setdefault(name, []).append((types, result, code))
+
+
+op('neg', 'S', 'S', '-{0}');             op('neg', 'V', 'V', 'vneg({0})')
+op('+', 'SS', 'S', '{0} + {1}');         op('+', 'VV', 'V', 'vadd({0}, {1})')
+op('-', 'SS', 'S', '{0} - {1}');         op('-', 'VV', 'V', 'vsub({0}, {1})')
+op('*', 'SS', 'S', '{0} * {1}');         op('*', 'VV', 'V', 'vmul({0}, {1})')
+op('*', 'VS', 'V', 'vscale({0}, {1})');  op('*', 'SV', 'V', 'scalev({0}, {1})')
+op('/', 'SS', 'S', 'div({0}, {1})');     op('/', 'VV', 'V', 'vdiv({0}, {1})')
+op('/', 'VS', 'V', 'vover({0}, {1})')
+op('.', 'VV', 'S', 'dot({0}, {1})')
+op('^', 'SS', 'S', 'power({0}, {1})');   op('pow', 'SS', 'S', 'power({0}, {1})')
+op('<>', 'SSS', 'V', '({0}, {1}, {2})')
+for _f in 'sqrt floor exp log sin cos tan abs acos asin atan exp2 log2 ceil radians sign fract'.split():
+    op(_f, 'S', 'S', {'abs': 'math.fabs', 'atan': 'math.atan'}.get(_f, _f) + '({0})')
+for _f in 'getx gety getz length'.split():
+    op(_f, 'V', 'S', _f + '({0})')
+op('min', 'SS', 'S', 'minimum({0}, {1})'); op('min', 'SSS', 'S', 'min3({0}, {1}, {2})'); op('min', 'VV', 'V', 'vmin({0}, {1})')
+op('max', 'SS', 'S', 'maximum({0}, {1})'); op('max', 'SSS', 'S', 'max3({0}, {1}, {2})'); op('max', 'VV', 'V', 'vmax({0}, {1})')
+op('perlin', 'VSSS', 'S', 'perlin({0}, {1}, {2}, {3})')
+op('atan2', 'SS', 'S', 'math.atan2({0}, {1})')
+op('mod', 'SS', 'S', 'mod({0}, {1})');   op('step', 'SS', 'S', 'step({0}, {1})')
+op('clamp', 'SSS', 'S', 'clamp({0}, {1}, {2})')
+op('smoothstep', 'SSS', 'S', 'smoothstep({0}, {1}, {2})')
+op('mix', 'SSS', 'S', 'mix({0}, {1}, {2})'); op('mix', 'VVS', 'V', 'vmix({0}, {1}, {2})')
+op('cross', 'VV', 'V', 'cross({0}, {1})'); op('reflect', 'VV', 'V', 'reflect({0}, {1})')
+op('normalize', 'V', 'V', 'normalize({0})'); op('distance', 'VV', 'S', 'distance({0}, {1})')
+
+VARIABLES = {'N': 'V', 'L': 'V', 'V': 'V', 'R': 'V', 'alpha': 'S', 'beta': 'S', 'gamma': 'S', 'point': 'V',
+             'H': 'V', 'T': 'V', 'B': 'V', 'dist': 'S'}
+
+
+class Formula:
+    def __init__(self):
+        self.params = {}                         # declared parameters only, until compile() adds the predefined ones
+        self.macros = {}                         # name -> expression
+        self.invariants = []                     # (op, [name tokens])
+        self.result = None
+
+    def compile(self):
+        """-> function (N, L, V, R, alpha, beta, gamma, point, H, T, B, dist, body, light, globals) -> RGB"""
+        self.params = {**predefined(), **self.params}
+        lines, macro_done, in_progress = [], {}, []
+
+        def emit(text):
+            lines.append('    t%d = %s' % (len(lines), text))
+            return 't%d' % (len(lines) - 1)
+
+        def gen(e):
+            """-> (type, Python atom).  Every operation is total, so both branches of an if may be computed."""
+            kind, where = e[0], e[1]
+            if kind == 'number':
+                return 'S', repr(float(e[2])) if math.isfinite(e[2]) else 'INF'
+            if kind == 'name':
+                name = e[2]
+                if name in self.macros:          # the user's meaning wins over [+] names
+                    return macro(name, where)
+                if name in self.params:
+                    p = self.params[name]
+                    if name == 'background':
+                        raise Wrong('%s: background is not usable in formulas' % where)
+                    return p.type, '%s[%r]' % ({'body': 'body', 'light': 'light', 'global': 'globals_'}[p.owner], name)
+                if name in VARIABLES:
+                    return VARIABLES[name], 'var_' + name
+                if name == 'pi':
+                    return 'S', repr(math.pi)
+                raise Wrong('%s: unknown name %r' % (where, name))
+            if kind == 'if':
+                c = gen_cond(e[2])
+                (ta, a), (tb, b) = gen(e[3]), gen(e[4])
+                if ta != tb:
+                    raise Wrong('%s: the branches of if are of different types' % where)
+                return ta, emit('%s if %s else %s' % (a, c, b))
+            name, args = e[2], [gen(a) for a in e[3]]
+            if name in self.macros or name in self.params or name not in OVERLOADS:
+                raise Wrong('%s: %r is not a function' % (where, name))   # [CHOICE 3] a redefined [+] function name
+            types = ''.join(t for t, _ in args)
+            for want, result, code in OVERLOADS[name]:
+                if want == types:
+                    return result, emit(code.format(*(a for _, a in args)))
+            raise Wrong('%s: %s does not take operands of types %s' % (where, name, ','.join(types)))
+
+        def gen_cond(c):
+            if c[0] == 'not':
+                return emit('not ' + gen_cond(c[1]))
+            if c[0] in ('and', 'or'):
+                a, b = gen_cond(c[1]), gen_cond(c[2])
+                return emit('%s %s %s' % (a, c[0], b))
+            (tx, x), (ty, y) = gen(c[3]), gen(c[4])
+            if tx + ty != 'SS':
+                raise Wrong('%s: comparisons take scalars' % c[1])
+            return emit('%s %s %s' % (x, c[2], y))   # Python: NaN compares false but in !=
+
+        def macro(name, where):
+            if name in in_progress:
+                raise Wrong('%s: macro %s uses itself' % (where, name))
+            if name not in macro_done:
+                in_progress.append(name)
+                macro_done[name] = gen(self.macros[name])
+                in_progress.pop()
+            return macro_done[name]
+
+        for name in self.macros:                 # unused ones must be right, too
+            macro(name, '')
+        type, value = gen(self.result)
+        if type != 'V':
+            raise Wrong('%s: the result must be a vector' % self.result_where)
+        self.source = 'def local(%s, body, light, globals_):\n%s\n    return %s\n' % (
+            ', '.join('var_' + v for v in VARIABLES), '\n'.join(lines), value)
+        space = dict(globals())
+        exec(self.source, space)
+        return space['local']
+
+
+# =====================================================================================================================
+# 5  Values of parameters and invariants (language 1.3)
+# =====================================================================================================================
+class System:
+    """The invariants of one owner kind.  Affine forms are dicts {name or 1: Fraction}, over the free parameters."""
+
+    def __init__(self, formula, owner):
+        self.order = []                          # order of naming
+        self.dependent = {}                      # locked name -> affine form in free parameters
+        self.upper = []                          # affine forms that must be <= 0
+        names_of = [(op, names) for op, names in formula.invariants if self.check(formula, names) == owner]
+        for _, names in names_of:
+            for t in names:
+                if t.text not in self.order:
+                    self.order.append(t.text)
+        for op, names in names_of:
+            if op == '=':
+                self.equation([t.text for t in names], names[0].where)
+        for op, names in names_of:
+            if op == '<=':
+                self.upper.append(self.sum_minus_one([t.text for t in names]))
+        for n in self.order:                     # every one stays in 0..1
+            form = self.form(n)
+            self.upper.append({k: -v for k, v in form.items()})
+            self.upper.append({**form, 1: form.get(1, Fraction(0)) - 1})
+        self.free = [n for n in self.order if n not in self.dependent]
+        if self.interval({}, list(self.free)) is None:
+            raise Wrong('the invariants of the %s parameters cannot hold together' % owner)
+
+    @staticmethod
+    def check(formula, names):
+        """All parameters scalar, range exactly 0..1, of one owner kind -> that kind."""
+        owners = set()
+        for t in names:
+            p = formula.params.get(t.text)
+            if p is None or p.name == 'background':
+                raise Wrong('%s: %r is no parameter' % (t.where, t.text))
+            if p.type != 'S' or (p.lo, p.hi) != (0, 1):
+                raise Wrong('%s: %s is not a scalar of range 0..1' % (t.where, t.text))
+            owners.add(p.owner)
+        if len(owners) != 1:
+            raise Wrong('%s: parameters of different owners' % names[0].where)
+        return owners.pop()
+
+    def form(self, name):
+        return dict(self.dependent.get(name, {name: Fraction(1)}))
+
+    def sum_minus_one(self, names):              # sum of the forms - 1
+        total = {1: Fraction(-1)}
+        for n in names:
+            for k, v in self.form(n).items():
+                total[k] = total.get(k, Fraction(0)) + v
+        return {k: v for k, v in total.items() if v != 0 or k == 1}
+
+    def equation(self, names, where):
+        total = self.sum_minus_one(names)
+        candidates = [n for n in names if n in total]                   # not already dependent, and really there
+        if not candidates:                       # [CHOICE 4] only parameters named elsewhere are left
+            candidates = [n for n in self.order if n in total]
+        if not candidates:
+            if total[1] != 0:
+                raise Wrong('%s: the invariants are inconsistent' % where)
+            warn('%s: redundant invariant' % where)
+            return
+        last = candidates[-1]
+        c = total.pop(last)
+        solved = {k: -v / c for k, v in total.items()}                  # last = solved
+        for d, form in self.dependent.items():                          # keep the others over free ones only
+            if last in form:
+                f = form.pop(last)
+                for k, v in solved.items():
+                    form[k] = form.get(k, Fraction(0)) + f * v
+        self.dependent[last] = solved
+
+    def interval(self, fixed, unknown):
+        """Bounds (lo, hi) of unknown[0], with `fixed` given and for *some* values of the rest; None if impossible.
+        Fourier-Motzkin: eliminate all unknowns but the first.  With no unknown: (0, 0) if everything holds."""
+        rows = []
+        for form in self.upper:                  # sum c_k x_k + c <= 0
+            row, const = {}, form.get(1, Fraction(0))
+            for k, v in form.items():
+                if k in fixed:
+                    const += v * fixed[k]
+                elif k != 1 and v != 0:
+                    row[k] = v
+            rows.append((row, const))
+        for x in unknown[1:]:
+            pos = [r for r in rows if r[0].get(x, 0) > 0]
+            neg = [r for r in rows if r[0].get(x, 0) < 0]
+            rows = [r for r in rows if r[0].get(x, 0) == 0]
+            for rp, cp in pos:
+                for rn, cn in neg:
+                    a, b = -rn[x], rp[x]
+                    row = {k: a * rp.get(k, 0) + b * rn.get(k, 0) for k in {*rp, *rn} if k != x}
+                    rows.append(({k: v for k, v in row.items() if v != 0}, a * cp + b * cn))
+            unique = {}                          # keeps Fourier-Motzkin small
+            for row, c in rows:
+                unique[(tuple(sorted(row.items())), c)] = (row, c)
+            rows = list(unique.values())
+        lo, hi = Fraction(-10 ** 9), Fraction(10 ** 9)
+        for row, c in rows:
+            if not row:
+                if c > Fraction(1, 10 ** 15):
+                    return None
+            else:
+                bound = -c / row[unknown[0]]
+                if row[unknown[0]] > 0:
+                    hi = min(hi, bound)
+                else:
+                    lo = max(lo, bound)
+        if lo > hi:
+            return None
+        return lo, hi
+
+    def take(self, values, given, owner_name):
+        """Values arrive together: in the order of naming, later ones giving way (language 1.3).  [CHOICE 5]"""
+        fixed = {}
+        for i, n in enumerate(self.free):
+            lo, hi = self.interval(fixed, self.free[i:])
+            want = Fraction(values[n])
+            fixed[n] = min(max(want, lo), hi)
+            if fixed[n] != want:
+                warn('%s.%s gives way: %g' % (owner_name, n, fixed[n]))
+            values[n] = float(fixed[n])
+        for n, form in self.dependent.items():
+            v = float(sum(c * (1 if k == 1 else fixed[k]) for k, c in form.items()))
+            if n in given and abs(values[n] - v) > 1e-12:
+                warn('%s.%s is locked, the value given is ignored' % (owner_name, n))
+            values[n] = v
+
+
+def parse_value(text):
+    m = re.fullmatch(r'\s*<([^<>,]*),([^<>,]*),([^<>,]*)>\s*', text)
+    try:
+        v = tuple(float(x) for x in m.groups()) if m else float(text)
+    except ValueError:
+        raise Wrong('not a value: %r' % text)
+    if not all(map(math.isfinite, v if m else (v,))):
+        raise Wrong('not a finite value: %r' % text)
+    return v
+
+
+def parse_color(text):                           # <r,g,b> or #rrggbb
+    if m := re.fullmatch(r'#([0-9a-fA-F]{2})([0-9a-fA-F]{2})([0-9a-fA-F]{2})', text):
+        return tuple(int(x, 16) / 255 for x in m.groups())
+    v = parse_value(text)
+    if not isinstance(v, tuple):
+        raise Wrong('not a colour: %r' % text)
+    return v
+
+
+def assign_values(formula, scene, settings, background):
+    """Sets scene.globals and .values of every body and light: defaults, then --set, then invariants."""
+    owners = [('body', b.name, b) for b in scene.bodies] + [('light', l.name, l) for l in scene.lights] + [('global', '', scene)]
+    for kind, _, o in owners:
+        o.values = {n: p.default for n, p in formula.params.items() if p.owner == kind}
+        o.given = set()
+    if background is not None:
+        settings = ['background=<%r,%r,%r>' % background] + settings
+    for s in settings:                           # [CHOICE 6] the later of two for the same parameter wins
+        left, eq, right = s.partition('=')
+        owner, dot_, name = left.strip().rpartition('.')
+        owner, name = owner.strip(), name.strip()
+        value, found = parse_value(right), False
+        for kind, owner_name, o in owners:
+            if (owner == '*' and kind != 'global') or (owner == owner_name and bool(dot_) == (kind != 'global')):
+                p = formula.params.get(name)
+                if p is None or p.owner != kind:
+                    continue
+                found = True
+                if isinstance(value, tuple) != (p.type == 'V'):
+                    raise Wrong('--set %s: wrong type' % s)
+                o.values[name] = p.clamp(value)
+                if o.values[name] != value:
+                    warn('--set %s: clamped to the range of %s' % (s, name))
+                o.given.add(name)
+        if not eq or not found:
+            raise Wrong('--set %s: no such owner or parameter' % s)
+    for kind in ('body', 'light', 'global'):
+        system = System(formula, kind)
+        for k, owner_name, o in owners:
+            if k == kind:
+                system.take(o.values, o.given, owner_name or 'global')
+    for b in scene.bodies:                       # language 2: fixed at 0.  [CHOICE 7] after the invariants, which do not see it
+        if b.opaque:
+            b.values['kt'] = 0.0
+        if b.matte:
+            b.values['kr'] = 0.0
+
+
+# =====================================================================================================================
+# 6  Scene (language 2)
+# =====================================================================================================================
+class Body:
+    index = None
+    opaque = matte = False
+
+
+class Sphere(Body):
+    def __init__(self, center, radius):
+        self.center, self.radius = center, radius
+        self.corners = [vadd(center, (s * radius,) * 3) for s in (-1, 1)]
+
+    def meet(self, o, d, starts_here, eps):
+        """Distance > eps along the unit direction d to the first intersection, or None.
+        starts_here: o lies on this very surface, so that the root t = 0 is known and only the other one counts."""
+        oc = vsub(o, self.center)
+        b = dot(oc, d)
+        if starts_here:
+            t = -2 * b                           # t^2 + 2bt = 0
+            return t if t > eps else None
+        foot = vsub(oc, vscale(d, b))            # from the centre to the ray, perpendicularly
+        disc = self.radius ** 2 - dot(foot, foot)
+        if disc < 0:
+            return None
+        s = math.sqrt(disc)
+        far = -b - s if b > 0 else -b + s        # the root without cancellation
+        c = (length(oc) - self.radius) * (length(oc) + self.radius)
+        other = c / far if far != 0 else far
+        for t in sorted((far, other)):
+            if t > eps:
+                return t
+        return None
+
+    def outward(self, a):
+        return normalize(vsub(a, self.center))
+
+    def tangent(self, a):                        # language 1.3 T
+        t = cross((0.0, 1.0, 0.0), self.outward(a))
+        return normalize(t) if length(t) > 1e-12 else (1.0, 0.0, 0.0)
+
+
+class Rectangle(Body):
+    def __init__(self, a, b, c):
+        self.a, self.b, self.c = a, b, c
+        self.corners = [a, b, c, vsub(vadd(a, c), b)]
+        self.e1, self.e2 = vsub(a, b), vsub(c, b)                      # from corner B; the fourth corner is B + e1 + e2
+        if length(self.e1) == 0 or length(self.e2) == 0:
+            raise Wrong('a side of a rectangle is zero')
+        cosine = dot(normalize(self.e1), normalize(self.e2))
+        if abs(cosine) > 1e-3:
+            raise Wrong('the sides of a rectangle are not perpendicular: cos = %g' % cosine)
+        self.normal = normalize(cross(vsub(c, a), vsub(b, a)))         # the front's
+
+    def meet(self, o, d, starts_here, eps):
+        if starts_here:
+            return None                          # a plane is met once
+        denominator = dot(d, self.normal)
+        if denominator == 0:
+            return None
+        t = dot(vsub(self.b, o), self.normal) / denominator
+        if not t > eps:
+            return None
+        q = vsub(vadd(o, vscale(d, t)), self.b)  # q = u e1 + v e2
+        g11, g12, g22 = dot(self.e1, self.e1), dot(self.e1, self.e2), dot(self.e2, self.e2)
+        q1, q2, det = dot(q, self.e1), dot(q, self.e2), g11 * g22 - g12 * g12
+        u, v = (q1 * g22 - q2 * g12) / det, (q2 * g11 - q1 * g12) / det
+        return t if 0 <= u <= 1 and 0 <= v <= 1 else None
+
+    def outward(self, a):
+        return self.normal
+
+    def tangent(self, a):
+        return normalize(vsub(self.b, self.a))
+
+
+class Light:
+    pass
+
+
+class Scene:
+    pass
+
+
+def parse_scene(text, name, default_index):
+    p = Parser(text, name)
+    scene = Scene()
+    scene.bodies, scene.lights, names = [], [], set()
+
+    def new_name():
+        t = p.name()
+        if t.text in names:
+            raise Wrong('%s: %r is named twice' % (t.where, t.text))
+        names.add(t.text)
+        p.need(':')
+        return t.text
+
+    p.need_word('bodies'); p.need(';')
+    while p.peek('ident') and not p.word('lights'):
+        n = new_name()
+        t = p.need_word('sphere', 'rectangle')
+        p.need(',')
+        if t.text == 'sphere':
+            p.need_word('center'); center = p.const_vector(); p.need(',')
+            p.need_word('radius'); radius = p.snum()
+            if radius <= 0:
+                raise Wrong('%s: the radius must be positive' % t.where)
+            b = Sphere(center, radius)
+        else:
+            c1 = p.const_vector(); p.need(',')
+            c2 = p.const_vector(); p.need(',')
+            b = Rectangle(c1, c2, p.const_vector())
+        while p.accept(','):
+            a = p.need_word('refractive_index', 'opaque', 'matte')
+            if a.text == 'refractive_index':
+                b.index = p.snum()
+                if b.index <= 0:
+                    raise Wrong('%s: the refractive index must be positive' % a.where)
+            else:
+                setattr(b, a.text, True)
+        p.need(';')
+        b.name = n
+        if b.index is None:
+            b.index = default_index
+        scene.bodies.append(b)
+    p.need_word('lights'); p.need(';')
+    while p.peek('ident') and not p.word('camera'):
+        l = Light()
+        l.name = new_name()
+        p.need_word('point'); p.need(',')
+        l.position = p.const_vector()
+        p.need(';')
+        scene.lights.append(l)
+    p.need_word('camera'); p.need(';')
+    p.need_word('position'); scene.eye = p.const_vector(); p.need(';')
+    p.need_word('gaze'); gaze = p.const_vector(); p.need(';')
+    p.need_word('up'); up = p.const_vector(); p.need(';')
+    p.need_word('fov'); fov = p.snum(); p.need(';')
+    if not p.peek('end'):
+        p.fail('the end')
+    if not 0 < fov < 180:
+        raise Wrong('fov must be between 0 and 180')
+    if length(cross(gaze, up)) <= 1e-12 * length(gaze) * length(up):
+        raise Wrong('gaze and up are parallel or zero')
+    scene.forward = normalize(gaze)
+    scene.right = normalize(cross(gaze, up))
+    scene.up = cross(scene.right, scene.forward)
+    scene.tan_half = math.tan(math.radians(fov) / 2)                   # fov is the vertical angle
+    points = [c for b in scene.bodies for c in b.corners] + [l.position for l in scene.lights] + [scene.eye]
+    scene.extent = distance(tuple(map(min, zip(*points))), tuple(map(max, zip(*points)))) or 1.0
+    return scene
+
+
+# =====================================================================================================================
+# 7  Rays (language 3)
+# =====================================================================================================================
+class Tracer:
+    def __init__(self, scene, local, depth, shadows):
+        self.scene, self.local, self.depth, self.shadows = scene, local, depth, shadows
+        # A ray leaving a surface ignores that surface's own root at 0 (known exactly, see meet) and anything nearer
+        # than this; far below the 1e-6 x extent that it allows.
+        self.eps = 1e-9 * scene.extent
+
+    def first_hit(self, o, d, start):
+        best, best_t = None, INF
+        for b in self.scene.bodies:
+            t = b.meet(o, d, b is start, self.eps)
+            if t is not None and t < best_t:     # strict: at equal distance the first declared
+                best, best_t = b, t
+        return best, best_t
+
+    def visible(self, a, body, N, L, dist):
+        if not self.shadows:
+            return True
+        if not dot(N, L) > 0:
+            return False
+        for b in self.scene.bodies:              # transparent ones and this one, too
+            t = b.meet(a, L, b is body, self.eps)
+            if t is not None and t < dist - self.eps:
+                return False
+        return True
+
+    def color(self, o, d, start, depth):
+        """Equation (2) for the ray from o in unit direction d, leaving the surface of body `start` (or None)."""
+        g = self.scene.values
+        body, t = self.first_hit(o, d, start)
+        if body is None:
+            return g['background']
+        A = vadd(o, vscale(d, t))
+        outward = body.outward(A)
+        front = dot(d, outward) < 0
+        N = outward if front else vneg(outward)  # turned to the side the ray came from
+        V = vneg(d)
+        angle = lambda x, y: acos(max(min(dot(x, y), 1.0), -1.0))      # NaN stays NaN: Python's min/max keep the first
+        gamma = angle(N, V)
+        T = body.tangent(A)
+        B = cross(N, T)
+        p = body.values
+        total = (0.0, 0.0, 0.0)
+        for light in self.scene.lights:
+            ki = light.values['ki']
+            to_light = vsub(light.position, A)
+            dist = length(to_light)
+            L = vover(to_light, dist)
+            if ki == 0 or not self.visible(A, body, N, L, dist):
+                continue                         # a zero factor: the term is exactly 0
+            R = vsub(vscale(N, 2 * dot(N, L)), L)
+            H = normalize(vadd(L, V))
+            e = self.local(N, L, V, R, angle(N, L), angle(R, V), gamma, A, H, T, B, dist, p, light.values, g)
+            total = vadd(total, vscale(e, ki))
+        if g['ka'] != 0:
+            total = vadd(total, vscale(vmul(p['Cd'], g['Ia']), g['ka']))
+        if depth < self.depth:
+            if p['kr'] != 0 and not body.matte:
+                r = normalize(vsub(vscale(N, 2 * dot(N, V)), V))
+                total = vadd(total, vscale(self.color(A, r, body, depth + 1), p['kr']))
+            if p['kt'] != 0 and not body.opaque:
+                r = self.refracted(N, V, 1 / body.index if front else body.index)
+                if r is not None:
+                    total = vadd(total, vscale(self.color(A, r, body, depth + 1), p['kt']))
+        return total
+
+    @staticmethod
+    def refracted(N, V, n12):                    # thesis 3.2.5: T = [n12 (N.V) - sqrt(1 - n12^2 (1 - (N.V)^2))] N - n12 V
+        c = dot(N, V)
+        radicand = 1 - n12 * n12 * (1 - c * c)
+        if radicand < 0:
+            return None                          # beyond the critical angle
+        return normalize(vsub(vscale(N, n12 * c - math.sqrt(radicand)), vscale(V, n12)))
+
+
+# =====================================================================================================================
+# 8  Picture (language 2 camera, language 3)
+# =====================================================================================================================
+def primary(scene, x, y, width, height):
+    """Unit direction through the point (x, y) of the picture, in pixels from its top left corner, y down."""
+    sx = (2 * x / width - 1) * scene.tan_half * width / height         # square pixels
+    sy = (1 - 2 * y / height) * scene.tan_half
+    return normalize(vadd(scene.forward, vadd(vscale(scene.right, sx), vscale(scene.up, sy))))
+
+
+def render_row(job):
+    """-> RGB of the row's pixels, NaN already 0; with `shifts` also whether each is stable."""
+    tracer, y, width, height, samples, offset, shifts = job
+
+    def pixel(x, dx, dy):
+        total = (0.0, 0.0, 0.0)
+        for j in range(samples):                 # regular grid: centres of n x n subpixels
+            for i in range(samples):
+                d = primary(tracer.scene, x + (i + 0.5) / samples + dx, y + (j + 0.5) / samples + dy, width, height)
+                total = vadd(total, tracer.color(tracer.scene.eye, d, None, 1))
+        c = vover(total, samples * samples)
+        return tuple(0.0 if v != v else v for v in c)                  # [CHOICE 8] NaN -> 0 after the average
+
+    row, stable = [], []
+    for x in range(width):
+        c = pixel(x, *offset)
+        row.append(c)
+        ok = True
+        for dx, dy in shifts:
+            s = pixel(x, offset[0] + dx, offset[1] + dy)
+            if not all(a == b or abs(a - b) <= 1e-3 for a, b in zip(c, s)):
+                ok = False
+                break
+        stable.append(255 if ok else 0)
+    return row, stable
+
+
+def render(tracer, width, height, samples=1, offset=(0.0, 0.0), shifts=(), processes=None):
+    """-> (list of rows, top first, of RGB tuples; list of rows of 0/255)"""
+    jobs = [(y, width, height, samples, offset, shifts) for y in range(height)]
+    global _tracer
+    _tracer = tracer                             # inherited by fork: the compiled formula cannot be pickled
+    with multiprocessing.get_context('fork').Pool(processes or os.cpu_count()) as pool:
+        rows = pool.map(_row, jobs, chunksize=1)
+    return [r for r, _ in rows], [s for _, s in rows]
+
+
+def _row(job):
+    return render_row((_tracer,) + job)
+
+
+def write_pfm(path, rows):
+    """PFM, little-endian ("-1.0"), rows from the BOTTOM to the top as the format prescribes."""
+    with open(path, 'wb') as f:
+        f.write(b'PF\n%d %d\n-1.0\n' % (len(rows[0]), len(rows)))
+        for row in reversed(rows):
+            for c in row:
+                f.write(struct.pack('<3f', *(to_f32(v) for v in c)))
+
+
+def to_f32(v):                                   # struct.pack raises where a float overflows
+    return math.copysign(INF, v) if abs(v) > 3.4028235e38 else v
+
+
+def write_pgm(path, rows):
+    """PGM (P5), rows from the TOP to the bottom as that format prescribes; 255 stable, 0 not."""
+    with open(path, 'wb') as f:
+        f.write(b'P5\n%d %d\n255\n' % (len(rows[0]), len(rows)))
+        for row in rows:
+            f.write(bytes(row))
+
+
+# =====================================================================================================================
+# 9  Command line
+# =====================================================================================================================
+def read(path):
+    with open(path, encoding='utf-8', newline='') as f:
+        return f.read()
+
+
+def build(formula_path, scene_path, sets=(), ior=1.5, background=None, depth=5, shadows=True):
+    formula = FormulaParser(read(formula_path), formula_path).formula_file()
+    local = formula.compile()
+    scene = parse_scene(read(scene_path), scene_path, ior)
+    assign_values(formula, scene, list(sets), background)
+    return Tracer(scene, local, depth, shadows), formula
+
+
+def main():
+    sys.setrecursionlimit(20000)
+    a = argparse.ArgumentParser()
+    a.add_argument('--formula', required=True)
+    a.add_argument('--scene', required=True)
+    a.add_argument('--set', action='append', default=[], metavar='OWNER.PARAM=VALUE')
+    a.add_argument('--size', default='640x480')
+    a.add_argument('--depth', type=int, default=5)
+    a.add_argument('--shadows', action=argparse.BooleanOptionalAction, default=True)
+    a.add_argument('--ior', type=float, default=1.5)
+    a.add_argument('--background')
+    a.add_argument('--samples', type=int, default=1)
+    a.add_argument('--offset', default='0,0', help='DX,DY in pixels, x to the right, y down')
+    a.add_argument('--stable', metavar='MASK')
+    a.add_argument('--values', action='store_true', help='print the parameter values used')
+    a.add_argument('--source', action='store_true', help='print the compiled formula')
+    a.add_argument('-o', required=True)
+    o = a.parse_args()
+    try:
+        if not 1 <= o.depth <= 9:
+            raise Wrong('depth is 1..9')
+        m = re.fullmatch(r'([1-9][0-9]*)x([1-9][0-9]*)', o.size)
+        if not m or o.samples < 1 or not o.ior > 0:
+            raise Wrong('size, samples or index is wrong')
+        width, height = map(int, m.groups())
+        offset = tuple(map(float, o.offset.split(',')))
+        background = parse_color(o.background) if o.background else None
+        tracer, formula = build(o.formula, o.scene, o.set, o.ior, background, o.depth, o.shadows)
+        if o.source:
+            print(formula.source)
+        if o.values:
+            for x in tracer.scene.bodies + tracer.scene.lights:
+                print(x.name, x.values)
+            print('global', tracer.scene.values)
+        e = 0.01
+        shifts = ((e, e), (e, -e), (-e, e), (-e, -e)) if o.stable else ()
+        rows, stable = render(tracer, width, height, o.samples, offset, shifts)
+    except Wrong as w:
+        print('error: %s' % w, file=sys.stderr)
+        sys.exit(1)
+    write_pfm(o.o, rows)
+    if o.stable:
+        write_pgm(o.stable, stable)
+
+
+if __name__ == '__main__':
+    main()

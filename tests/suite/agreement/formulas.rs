@@ -1,0 +1,161 @@
+//! Random well-typed formulas, parameter values and scenes: compiled code must agree with the interpreter.
+
+use illuminator::evaluate::verify::verify;
+use illuminator::evaluate::{Backend, Evaluator};
+use illuminator::formula::Formula;
+use illuminator::formula::layout::Layout;
+use illuminator::lang::builtins::{Form, Operation};
+use illuminator::lang::source::Source;
+use illuminator::lang::types::Type;
+use illuminator::lang::variables::Variable;
+use illuminator::scene::Scene;
+use illuminator::trace::{Budget, View, trace};
+use proptest::prelude::*;
+use proptest::sample::select;
+use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+/// Glass over a floor with a mirror behind, two lights; rays reflect, refract, are shadowed and leave the scene.
+const SCENE: &str = "
+    bodies;
+    floor: rectangle, <-4,0,-4>, <4,0,-4>, <4,0,4>;
+    glass: sphere, center <-0.6,1,0>, radius 1;
+    bubble: sphere, center <-0.6,1,0>, radius 0.6, refractive_index 0.667;
+    mirror: rectangle, <0.2,2.5,-2>, <3,2.5,-1.5>, <3,0,-1.5>, opaque;
+    matte: sphere, center <1.4,0.5,0.8>, radius 0.5, matte;
+    lights;
+    key: point, <4,6,5>;
+    fill: point, <-5,3,2>;
+    camera;
+    position <0,1.6,6>; gaze <0,-0.1,-1>; up <0,1,0>; fov 45;";
+
+const SIZE: (u32, u32) = (16, 12);
+
+/// An operand as text: what binds less tightly than a call goes into parentheses.
+fn leaf(ty: Type) -> BoxedStrategy<String> {
+    let variables = |ty: Type| -> Vec<String> {
+        Variable::ALL.iter().filter(|variable| variable.ty() == ty).map(|variable| variable.name().to_owned()).collect()
+    };
+    let number = prop_oneof![
+        6 => (0..300u32).prop_map(|n| format!("{}", f64::from(n) / 100.0)),
+        1 => select(vec!["0", "1", "2", "3", "0.5", "1e-3", "1e4", "1e-20", "1e20", "1e30", "1e-39"]).prop_map(str::to_owned),
+    ];
+    match ty {
+        Type::Scalar => prop_oneof![
+            3 => number,
+            3 => select(variables(Type::Scalar)),
+            4 => select(vec!["p", "q", "g", "l", "kr", "ki", "ka"]).prop_map(str::to_owned),
+            1 => Just("MS".to_owned()),
+        ]
+        .boxed(),
+        Type::Vector => prop_oneof![
+            4 => select(variables(Type::Vector)),
+            3 => select(vec!["Cd", "IL", "v"]).prop_map(str::to_owned),
+            1 => Just("MV".to_owned()),
+        ]
+        .boxed(),
+        Type::Truth => select(vec!["(p < q)", "(alpha >= beta)", "(g != 0)"]).prop_map(str::to_owned).boxed(),
+    }
+}
+
+/// A random expression of a type, from the table of operations.
+fn expression(ty: Type, depth: u32, macros: bool) -> BoxedStrategy<String> {
+    let leaves = leaf(ty).prop_filter("macros do not use macros here", move |text| macros || !text.starts_with('M')).boxed();
+    if depth == 0 {
+        return leaves;
+    }
+    let operations: Vec<Operation> = Operation::ALL.iter().copied().filter(|operation| operation.result() == ty).collect();
+    let applied = select(operations).prop_flat_map(move |operation| {
+        let operands: Vec<BoxedStrategy<String>> =
+            operation.operands().iter().map(|operand| expression(*operand, depth - 1, macros)).collect();
+        operands.prop_map(move |operands| match operation.form() {
+            Form::Prefix(mark) => format!("({}{})", mark.spelling(), operands[0]),
+            Form::Infix(mark) => format!("({} {} {})", operands[0], mark.spelling(), operands[1]),
+            Form::Function(name) => format!("{name}({})", operands.join(", ")),
+            Form::Constant(name) => name.to_owned(),
+            Form::Vector => format!("<{}>", operands.join(", ")),
+            Form::Conditional => format!("if({})", operands.join(", ")),
+        })
+    });
+    prop_oneof![1 => leaves, 4 => applied].boxed()
+}
+
+/// A number for a parameter: mostly ordinary, sometimes at an edge. Colours so large that adding up a few of them overflows are
+/// left out: the backends add up the terms of a pixel in different order.
+fn number() -> BoxedStrategy<f32> {
+    prop_oneof![
+        6 => 0.0..1.0_f32,
+        2 => -10.0..100.0_f32,
+        1 => select(vec![0.0, -0.0, 1.0, -1.0, 2.0, 0.5, 1e-40, -1e-39, f32::MIN_POSITIVE, 1e-20, 1e20, 1e30, -1e30, 1e5]),
+    ]
+    .boxed()
+}
+
+static EXCUSED: AtomicUsize = AtomicUsize::new(0);
+static COMPARED: AtomicUsize = AtomicUsize::new(0);
+
+fn check(macro_scalar: &str, macro_vector: &str, result: &str, numbers: &[f32]) -> Result<(), TestCaseError> {
+    let text = format!(
+        "global; g: scalar; body_specific; p: scalar; q: scalar; v: vector; light_specific; l: scalar;
+         formula; MS = {macro_scalar}; MV = {macro_vector}; = {result};"
+    );
+    let source = Source::new("random", text.clone());
+    let (formula, _) = Formula::parse(&source).map_err(|errors| TestCaseError::fail(errors.render(&source, false)))?;
+    let (scene, _) = Scene::parse(&Source::new("scene", SCENE)).map_err(|_| TestCaseError::fail("the scene is right"))?;
+    let view =
+        View::new(SIZE.0, SIZE.1).and_then(|view| view.with_depth(4)).map_err(|error| TestCaseError::fail(error.to_string()))?;
+    let hits = trace(&scene, &view, &Budget::UNLIMITED, &|_| {}, &AtomicBool::new(false))
+        .map_err(|error| TestCaseError::fail(error.to_string()))?;
+    let (formula, scene, hits) = (Arc::new(formula), Arc::new(scene), Arc::new(hits));
+    let layout = Layout::new(&formula, scene.bodies.len(), scene.lights.len());
+    let mut memory: Vec<f32> = (0..layout.len()).map(|place| numbers[place % numbers.len()]).collect();
+    for parameter in &formula.parameters {
+        for index in 0..layout.owners(parameter.owner) {
+            let place = layout.place(parameter, index);
+            memory[place..place + parameter.ty.slots()].iter_mut().for_each(|number| *number = parameter.clamp(*number).0);
+        }
+    }
+    let evaluator =
+        |backend| Evaluator::new(&formula, &scene, &hits, backend).map_err(|error| TestCaseError::fail(error.to_string()));
+    let (Evaluator::Compiled(compiled), Evaluator::Interpreted(interpreted)) =
+        (evaluator(Backend::Jit)?, evaluator(Backend::Interpreter)?)
+    else {
+        return Err(TestCaseError::fail("each backend makes its own evaluator"));
+    };
+    let found = verify(&compiled, &interpreted, &memory);
+    COMPARED.fetch_add(found.components, Ordering::Relaxed);
+    EXCUSED.fetch_add(found.excused, Ordering::Relaxed);
+    prop_assert_eq!(found.failed, 0, "{}\n{:?}", text, found);
+    Ok(())
+}
+
+#[test]
+fn random_formulas_agree() {
+    let depth = 4;
+    let strategy = (
+        expression(Type::Scalar, 2, false),
+        expression(Type::Vector, 2, false),
+        expression(Type::Vector, depth, true),
+        proptest::collection::vec(number(), 61),
+    );
+    // The same formulas at every run, so that a run says something about the code; `PROPTEST_CASES=20000` goes looking for others.
+    let wanted = std::env::var("PROPTEST_CASES").ok().and_then(|cases| cases.parse().ok());
+    let config = ProptestConfig {
+        cases: wanted.unwrap_or(600),
+        failure_persistence: None,
+        max_shrink_iters: 2000,
+        ..ProptestConfig::default()
+    };
+    let mut runner = match wanted {
+        None => TestRunner::new_with_rng(config, TestRng::deterministic_rng(RngAlgorithm::ChaCha)),
+        Some(_) => TestRunner::new(config),
+    };
+    let outcome = runner.run(&strategy, |(scalar, vector, result, numbers)| check(&scalar, &vector, &result, &numbers));
+    let (excused, compared) = (EXCUSED.load(Ordering::Relaxed), COMPARED.load(Ordering::Relaxed));
+    println!("{excused} of {compared} components excused ({:.3} %)", 100.0 * excused as f64 / compared.max(1) as f64);
+    if let Err(error) = outcome {
+        panic!("{error}");
+    }
+    assert!(excused * 20 < compared, "excuses must stay rare, or the comparison says nothing");
+}

@@ -1,0 +1,197 @@
+//! Every operator and function of the table × awkward inputs, compiled and by the reference meaning.
+
+use illuminator::formula::Formula;
+use illuminator::formula::graph::Node;
+use illuminator::jit::{CompiledFormula, Lanes};
+use illuminator::lang::builtins::{Form, Operation, Stack};
+use illuminator::lang::scalars::{Floats, flush};
+use illuminator::lang::source::Source;
+use illuminator::lang::types::Type;
+
+/// Zeros, the ends of the normal numbers, subnormals (which count as 0), infinities, NaN, and numbers where functions turn.
+const AWKWARD: [f32; 38] = [
+    0.0,
+    -0.0,
+    1.0,
+    -1.0,
+    0.5,
+    -0.5,
+    1.5,
+    -2.0,
+    2.0,
+    3.0,
+    -3.0,
+    4.0,
+    0.999_999_94,
+    1.000_000_1,
+    -0.999_999_94,
+    std::f32::consts::PI,
+    -std::f32::consts::FRAC_PI_2,
+    std::f32::consts::FRAC_PI_4,
+    10.0,
+    -100.5,
+    1e5,
+    -1e5,
+    8_388_608.5,
+    16_777_216.0,
+    -16_777_215.0,
+    1e-10,
+    1e10,
+    -1e20,
+    f32::MIN_POSITIVE,
+    -f32::MIN_POSITIVE,
+    1e-40,
+    -1e-42,
+    f32::MAX,
+    f32::MIN,
+    f32::INFINITY,
+    f32::NEG_INFINITY,
+    f32::NAN,
+    88.0,
+];
+
+/// By how many units in the last place a result may be off: one for each rounding where the graph computes by another way
+/// (powers), four for the compiled elementary functions.
+const UNITS: u32 = 5;
+
+/// A formula whose colour is the operation on parameters p0, p1, …; and how many numbers these are.
+fn formula_of(operation: Operation) -> (Formula, usize) {
+    let mut declarations = String::from("body_specific;\n");
+    let (mut operands, mut count) = (Vec::new(), 0);
+    for ty in operation.operands() {
+        let mut scalar = || {
+            let name = format!("p{count}");
+            declarations.push_str(&format!("{name}: scalar;\n"));
+            count += 1;
+            name
+        };
+        operands.push(match ty {
+            Type::Scalar => scalar(),
+            Type::Vector => format!("<{}, {}, {}>", scalar(), scalar(), scalar()),
+            // A truth value is whether a number is not 0.
+            Type::Truth => format!("({} != 0)", scalar()),
+        });
+    }
+    let call = match operation.form() {
+        Form::Prefix(mark) => format!("{}({})", mark.spelling(), operands[0]),
+        Form::Infix(mark) => format!("({}) {} ({})", operands[0], mark.spelling(), operands[1]),
+        Form::Function(name) => format!("{name}({})", operands.join(", ")),
+        Form::Constant(name) => name.to_owned(),
+        Form::Vector => format!("<{}>", operands.join(", ")),
+        Form::Conditional => format!("if({})", operands.join(", ")),
+    };
+    let result = match operation.result() {
+        Type::Scalar => format!("<{call}, 0, 0>"),
+        Type::Vector => call,
+        Type::Truth => format!("<if({call}, 1, 0), 0, 0>"),
+    };
+    let text = format!("{declarations}formula;\n= {result};\n");
+    let source = Source::new("operation", text.clone());
+    let (formula, _) = Formula::parse(&source).unwrap_or_else(|errors| panic!("{text}\n{}", errors.render(&source, false)));
+    (formula, count)
+}
+
+/// The compiled results of many cases: each case is the operation's numbers, each result its components.
+fn compiled(formula: &Formula, cases: &[Vec<f32>]) -> Vec<[f32; 3]> {
+    let compiled = CompiledFormula::new(formula).expect("this machine runs compiled code");
+    let blocks = Lanes::blocks(cases.len());
+    let number = |case: usize, name: &str| match name.strip_prefix('p').and_then(|index| index.parse::<usize>().ok()) {
+        Some(index) => cases[case][index],
+        // ki, the intensity of the light, multiplies everything.
+        None => 1.0,
+    };
+    let inputs: Vec<Vec<Lanes>> = compiled
+        .uniform_leaves
+        .iter()
+        .map(|leaf| {
+            let Node::Parameter(id, _) = compiled.bindings.graph.node(*leaf) else { panic!("a parameter") };
+            let name = &formula.parameter(id).name;
+            let mut column = vec![Lanes::default(); blocks];
+            (0..cases.len()).for_each(|case| column[case / 4].0[case % 4] = flush(number(case, name)));
+            column
+        })
+        .collect();
+    let mut outputs = vec![vec![Lanes::default(); blocks]; compiled.bindings.uniforms.len()];
+    {
+        let inputs: Vec<&[Lanes]> = inputs.iter().map(Vec::as_slice).collect();
+        let mut outputs: Vec<&mut [Lanes]> = outputs.iter_mut().map(Vec::as_mut_slice).collect();
+        compiled.uniform_kernel.run(&inputs, &[], &mut outputs, blocks);
+    }
+    (0..cases.len())
+        .map(|case| {
+            compiled.bindings.contribution.map(|node| {
+                match compiled.bindings.uniforms.iter().position(|uniform| *uniform == node) {
+                    Some(place) => outputs[place][case / 4].0[case % 4],
+                    // Constant components are folded.
+                    None => compiled
+                        .bindings
+                        .graph
+                        .constant(node)
+                        .expect("what is neither uniform nor constant depends on nothing here"),
+                }
+            })
+        })
+        .collect()
+}
+
+/// The reference meaning.
+fn reference(operation: Operation, case: &[f32]) -> Vec<f32> {
+    let mut stack = Stack::new(16, 0.0);
+    let truths: Vec<bool> = operation.operands().iter().flat_map(|ty| vec![*ty == Type::Truth; ty.slots()]).collect();
+    for (number, truth) in case.iter().zip(truths) {
+        let number = flush(*number);
+        stack.push(if truth { f32::from(u8::from(number != 0.0)) } else { number });
+    }
+    operation.apply(&mut Floats, &mut stack);
+    match operation.result() {
+        Type::Scalar | Type::Truth => stack.pop::<1>().to_vec(),
+        Type::Vector => stack.pop::<3>().to_vec(),
+    }
+}
+
+/// Whether two results are the same but for rounding; infinity is as near to the largest number as the next one would be, and
+/// around the smallest normal number rounding decides between it and 0.
+fn agree(one: f32, other: f32) -> bool {
+    let near = one.is_sign_negative() == other.is_sign_negative() && one.to_bits().abs_diff(other.to_bits()) <= UNITS;
+    let tiny = |x: f32| x.abs() <= f32::MIN_POSITIVE * (1.0 + UNITS as f32 * f32::EPSILON);
+    one == other || (one.is_nan() && other.is_nan()) || (near && !one.is_nan() && !other.is_nan()) || (tiny(one) && tiny(other))
+}
+
+/// Cases: all combinations of awkward numbers for one or two operands, a spread of them for more.
+fn cases(count: usize) -> Vec<Vec<f32>> {
+    let awkward = |index: usize| AWKWARD[index % AWKWARD.len()];
+    match count {
+        0 => vec![Vec::new()],
+        1 => AWKWARD.iter().map(|x| vec![*x]).collect(),
+        2 => AWKWARD.iter().flat_map(|x| AWKWARD.iter().map(move |y| vec![*x, *y])).collect(),
+        _ => (0..20_000)
+            .map(|case| (0..count).map(|place| awkward(case * (2 * place + 1) / (place + 1) + 7 * place * case)).collect())
+            .collect(),
+    }
+}
+
+#[test]
+fn every_operation_agrees_on_awkward_inputs() {
+    let mut failures = Vec::new();
+    for operation in Operation::ALL {
+        let (formula, count) = formula_of(*operation);
+        assert!(operation.operands().iter().map(|ty| ty.slots()).sum::<usize>() == count);
+        let cases = cases(count);
+        for (case, got) in cases.iter().zip(compiled(&formula, &cases)) {
+            let angle_too_large = matches!(operation, Operation::Sin | Operation::Cos | Operation::Tan)
+                && case[0].is_finite()
+                && case[0].abs() > 1e5;
+            if angle_too_large {
+                let bounded = if *operation == Operation::Tan { got[0].is_finite() } else { got[0].abs() <= 1.0 };
+                assert!(bounded, "{operation:?}{case:?} = {}", got[0]);
+                continue;
+            }
+            let expected = reference(*operation, case);
+            if !expected.iter().zip(got).all(|(expected, got)| agree(got, *expected)) {
+                failures.push(format!("{operation:?}{case:?}: compiled {got:?}, reference {expected:?}"));
+            }
+        }
+    }
+    let shown = failures.iter().take(40).cloned().collect::<Vec<_>>().join("\n");
+    assert!(failures.is_empty(), "{} failures:\n{shown}", failures.len());
+}

@@ -1,0 +1,9 @@
+//! What the project promises, tested from outside.
+#![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot go on has failed")]
+
+mod agreement;
+mod diagnostics;
+mod house;
+mod presets;
+mod reference;
+mod round_trip;

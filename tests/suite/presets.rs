@@ -1,0 +1,47 @@
+//! The built-in formulas on the built-in scenes: both backends must agree on every one, whatever the values.
+
+use illuminator::evaluate::verify::verify;
+use illuminator::evaluate::{Backend, Evaluator};
+use illuminator::formula::Formula;
+use illuminator::lang::source::Source;
+use illuminator::presets::{self, Kind};
+use illuminator::scene::Scene;
+use illuminator::trace::{Budget, View, trace};
+use illuminator::workspace::{Setting, Values};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+fn source(kind: Kind, name: &str) -> Source {
+    Source::new(name, presets::text(kind, name).expect("a built-in file"))
+}
+
+/// Defaults, and values that make every ray count.
+const SETTINGS: [&[&str]; 2] = [&[], &["*.kr=0.3", "*.kt=0.5", "*.ki=0.7", "background=<0.2, 0.3, 0.5>"]];
+
+#[test]
+fn backends_agree_on_every_preset() {
+    for scene_name in presets::names(Kind::Scene) {
+        let (scene, _) = Scene::parse(&source(Kind::Scene, scene_name)).expect("a sound scene");
+        let scene = Arc::new(scene);
+        let view = View::new(96, 54).expect("a size in range");
+        let hits = Arc::new(trace(&scene, &view, &Budget::UNLIMITED, &|_| {}, &AtomicBool::new(false)).expect("small enough"));
+        for formula_name in presets::names(Kind::Formula) {
+            let (formula, _) = Formula::parse(&source(Kind::Formula, formula_name)).expect("a sound formula");
+            let formula = Arc::new(formula);
+            let evaluator = |backend| Evaluator::new(&formula, &scene, &hits, backend).expect("both backends take the presets");
+            let (Evaluator::Compiled(compiled), Evaluator::Interpreted(interpreted)) =
+                (evaluator(Backend::Jit), evaluator(Backend::Interpreter))
+            else {
+                panic!("each backend makes its own evaluator");
+            };
+            for settings in SETTINGS {
+                let mut values = Values::defaults(&formula, &scene);
+                let settings = settings.iter().map(|text| text.parse::<Setting>().expect("a setting"));
+                let given: Vec<_> = settings.flat_map(|setting| setting.resolve(values.roster()).expect("known names")).collect();
+                values.assign(&given);
+                let found = verify(&compiled, &interpreted, values.numbers());
+                assert!(found.passes() && found.excused == 0, "{formula_name} on {scene_name}: {found:?}");
+            }
+        }
+    }
+}

@@ -1,0 +1,122 @@
+//! A formula that is printed reads back as the same formula.
+
+use illuminator::lang::ast::{ExprKind, FormulaFile, Section};
+use illuminator::lang::parser::parse;
+use illuminator::lang::printer::print;
+use illuminator::lang::source::{Source, Span};
+use proptest::prelude::*;
+use proptest::sample::select;
+
+/// The syntax without places and without parentheses that change nothing.
+fn bare(mut file: FormulaFile) -> FormulaFile {
+    let nowhere = Span::default();
+    for expression in &mut file.expressions {
+        expression.span = nowhere;
+        expression.parenthesised = false;
+        match &mut expression.kind {
+            ExprKind::Infix(_, span, _) => *span = nowhere,
+            ExprKind::Call(callee, _) => callee.span = nowhere,
+            ExprKind::Number(_)
+            | ExprKind::Name(_)
+            | ExprKind::Prefix(..)
+            | ExprKind::Vector(_)
+            | ExprKind::Conditional(_)
+            | ExprKind::Missing => {}
+        }
+    }
+    file.macros.iter_mut().for_each(|line| line.name.span = nowhere);
+    if let Some((_, span)) = &mut file.uses {
+        *span = nowhere;
+    }
+    for section in &mut file.sections {
+        match section {
+            Section::Parameters(_, declarations) => {
+                for declaration in declarations {
+                    declaration.name.span = nowhere;
+                    declaration.range.iter_mut().for_each(|(_, span)| *span = nowhere);
+                    declaration.default.iter_mut().for_each(|(_, span)| *span = nowhere);
+                    declaration.colour.iter_mut().for_each(|span| *span = nowhere);
+                }
+            }
+            Section::Invariants(lines) => {
+                for line in lines {
+                    line.span = nowhere;
+                    line.terms.iter_mut().for_each(|term| term.span = nowhere);
+                }
+            }
+        }
+    }
+    file
+}
+
+fn read(text: &str) -> Result<FormulaFile, TestCaseError> {
+    let source = Source::new("round trip", text);
+    let (file, diagnostics) = parse(&source);
+    prop_assert!(diagnostics.is_empty(), "{}", diagnostics.render(&source, false));
+    Ok(bare(file))
+}
+
+/// Any expression of the grammar, with parentheses here and there.
+fn expression() -> impl Strategy<Value = String> {
+    let atom = prop_oneof![
+        select(vec!["N", "kd", "alpha", "A_1", "e3"]).prop_map(str::to_owned),
+        any::<f32>().prop_filter("finite", |x| x.is_finite()).prop_map(|x| format!("{}", x.abs())),
+        select(vec!["1e-3", "2.", ".5", "7E+2"]).prop_map(str::to_owned),
+    ];
+    atom.prop_recursive(6, 64, 4, |inner| {
+        let infix = select(vec!["+", "-", "*", "/", " . ", "^"]);
+        let compare = select(vec![" < ", " <= ", " > ", " >= ", " == ", " != "]);
+        let condition = (inner.clone(), compare, inner.clone(), 0..5u8).prop_map(|(a, mark, b, form)| match form {
+            0 => format!("({a}{mark}{b})"),
+            1 => format!("!({a}{mark}{b})"),
+            2 => format!("{a}{mark}{b} && {b}{mark}{a} || !{a}{mark}{b}"),
+            3 => format!("({a}{mark}{b} || {a}{mark}1) && 0{mark}{b}"),
+            _ => format!("{a}{mark}{b}"),
+        });
+        prop_oneof![
+            4 => (inner.clone(), infix, inner.clone()).prop_map(|(a, mark, b)| format!("{a} {mark} {b}")),
+            2 => inner.clone().prop_map(|a| format!("({a})")),
+            2 => inner.clone().prop_map(|a| format!("-({a})")),
+            1 => inner.clone().prop_map(|a| format!("- {a}")),
+            1 => (inner.clone(), inner.clone(), inner.clone()).prop_map(|(a, b, c)| format!("<{a}, {b}, {c}>")),
+            1 => proptest::collection::vec(inner.clone(), 1..4).prop_map(|list| format!("f({})", list.join(", "))),
+            1 => (condition, inner.clone(), inner).prop_map(|(c, a, b)| format!("if({c}, {a}, {b})")),
+        ]
+    })
+}
+
+fn declaration() -> impl Strategy<Value = String> {
+    let range =
+        prop_oneof![Just(String::new()), (-5.0..0.0_f32, 0.0..9.0_f32).prop_map(|(a, b)| format!(", constraint {a}..{b}"))];
+    let default = prop_oneof![
+        Just(String::new()),
+        any::<f32>().prop_filter("finite", |x| x.is_finite()).prop_map(|x| format!(", default {x}")),
+        Just(", default <1, -2.5, .25>".to_owned())
+    ];
+    let flags = select(vec!["", ", slider", ", color", ", color, slider"]);
+    (select(vec!["kd", "scalar", "slider", "x_9"]), select(vec!["scalar", "vector"]), range, default, flags)
+        .prop_map(|(name, ty, range, default, flags)| format!("{name}: {ty}{range}{default}{flags};\n"))
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn printed_formulas_read_back(
+        uses in prop_oneof![Just(String::new()), Just("#uses some where/x.toml;\n".to_owned())],
+        declarations in proptest::collection::vec(declaration(), 0..4),
+        relation in select(vec!["=", "<="]),
+        macros in proptest::collection::vec(expression(), 0..3),
+        result in expression(),
+    ) {
+        let macros: String = macros.iter().enumerate().map(|(index, body)| format!("M{index} = {body};\n")).collect();
+        let text = format!(
+            "{uses}light_specific;\n{}invariants;\nkr + kt {relation} 1;\nformula;\n{macros}= {result};",
+            declarations.concat()
+        );
+        let first = read(&text)?;
+        let printed = print(&first);
+        let second = read(&printed)?;
+        prop_assert_eq!(&first, &second, "{}\n{}", text, printed);
+    }
+}
