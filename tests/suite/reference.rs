@@ -67,7 +67,8 @@ fn check(name: &str, backend: &str) -> Result<(), String> {
             continue;
         }
         compared += 1;
-        let difference = |(ours, theirs): (&f32, &f32)| if ours == theirs { 0.0 } else { (ours - theirs).abs() / theirs.abs().max(1.0) };
+        let difference =
+            |(ours, theirs): (&f32, &f32)| if ours == theirs { 0.0 } else { (ours - theirs).abs() / theirs.abs().max(1.0) };
         let largest = ours.iter().zip(theirs).map(difference).fold(0.0, |one: f32, other| if other <= one { one } else { other });
         agreeing += usize::from(largest <= TOLERANCE);
         if largest > worst.0 {
@@ -77,7 +78,11 @@ fn check(name: &str, backend: &str) -> Result<(), String> {
     assert!(compared > width * height / 2, "{name}: most pixels are stable");
     let share = agreeing as f64 / compared as f64;
     let place = (worst.1 % width, worst.1 / width);
-    if share >= SHARE { Ok(()) } else { Err(format!("{name} ({backend}): {agreeing} of {compared} agree; worst {} at {place:?}", worst.0)) }
+    if share >= SHARE {
+        Ok(())
+    } else {
+        Err(format!("{name} ({backend}): {agreeing} of {compared} agree; worst {} at {place:?}", worst.0))
+    }
 }
 
 #[test]
@@ -88,7 +93,10 @@ fn pictures_agree_with_the_reference_renderer() {
         .collect();
     names.sort();
     assert!(names.len() >= 20, "all cases are there");
-    let failures: Vec<String> =
-        names.iter().flat_map(|name| ["jit", "interpreter"].map(|backend| check(name, backend))).filter_map(Result::err).collect();
+    let failures: Vec<String> = names
+        .iter()
+        .flat_map(|name| ["jit", "interpreter"].map(|backend| check(name, backend)))
+        .filter_map(Result::err)
+        .collect();
     assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
