@@ -11,13 +11,21 @@ use crate::lang::variables::RESERVED;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Reported;
 
+/// A value and where it stands.
+#[derive(Debug, Clone, Copy)]
+pub struct Placed<T> {
+    /// The value.
+    pub value: T,
+    /// Its place.
+    pub span: Span,
+}
+
 /// A parser's place in the words of a source.
 #[derive(Debug)]
 pub struct Cursor {
     tokens: Vec<Token>,
     at: usize,
-    /// What has been found wrong so far.
-    pub diagnostics: Diagnostics,
+    diagnostics: Diagnostics,
 }
 
 impl Cursor {
@@ -27,10 +35,26 @@ impl Cursor {
         Self { tokens, at: 0, diagnostics }
     }
 
+    /// What has been found wrong, in the order of places.
+    pub fn into_diagnostics(mut self) -> Diagnostics {
+        self.diagnostics.sort();
+        self.diagnostics
+    }
+
     /// The word `ahead` places from here; beyond the end it is the end.
     pub fn peek(&self, ahead: usize) -> &Token {
         // The lexer always ends the list with `End`.
         &self.tokens[(self.at + ahead).min(self.tokens.len() - 1)]
+    }
+
+    /// What the word `ahead` places from here is.
+    pub fn kind(&self, ahead: usize) -> &TokenKind {
+        &self.peek(ahead).kind
+    }
+
+    /// How many words are read.
+    pub fn position(&self) -> usize {
+        self.at
     }
 
     /// The place of the word at hand.
@@ -111,37 +135,45 @@ impl Cursor {
         Diagnostic::error(format!("expected {what}, found {found}")).at(self.span(), format!("expected {what}"))
     }
 
-    /// Reports an error.
+    /// Reports an error or a warning.
     pub fn report(&mut self, diagnostic: Diagnostic) -> Reported {
         self.diagnostics.push(diagnostic);
         Reported
     }
 
-    /// Passes over this mark.
+    /// Passes over the mark, or reports that it is missing `place`: "after the name", say.
     ///
     /// # Errors
     /// Another word is at hand.
-    pub fn expect(&mut self, mark: Mark, purpose: &str) -> Result<(), Reported> {
+    pub fn expect(&mut self, mark: Mark, place: &str) -> Result<(), Reported> {
         if self.accept(mark) {
             return Ok(());
         }
-        let spelling = mark.spelling();
+        let found = self.kind(0).describe();
+        let missing = Diagnostic::error(format!("expected `{}` {place}, found {found}", mark.spelling()));
         let diagnostic = if mark == Mark::Semicolon {
-            // The place of a forgotten `;` is behind the word before, often a line up.
+            // What is missing at the end of something is looked for there, not on the next line.
             let end = self.previous_span().end;
-            Diagnostic::error(format!("expected `;` {purpose}, found {}", self.peek(0).kind.describe()))
-                .at(Span { start: end.saturating_sub(1), end }, "a `;` is missing behind this, or something is left over")
+            missing.at(Span { start: end, end }, format!("`;` belongs here, before {found}"))
         } else {
-            self.unexpected(&format!("`{spelling}` {purpose}"))
+            missing.at(self.span(), "found this")
         };
         Err(self.report(diagnostic))
     }
 
-    /// Reads a name that the text gives to something.
+    /// Passes over the keyword, or reports that it is missing `place`.
+    ///
+    /// # Errors
+    /// Another word is at hand.
+    pub fn expect_word(&mut self, keyword: &str, place: &str) -> Result<(), Reported> {
+        if self.accept_word(keyword) { Ok(()) } else { Err(self.unknown_word(&format!("`{keyword}` {place}"), &[keyword])) }
+    }
+
+    /// Reads a name that the text gives to something, as `what` says it: "the name of a parameter".
     ///
     /// # Errors
     /// No name is at hand, or one that may not name anything.
-    pub fn expect_name(&mut self, what: &str) -> Result<Name, Reported> {
+    pub fn name(&mut self, what: &str) -> Result<Name, Reported> {
         let Some(word) = self.word(0) else { return Err(self.expected(what)) };
         let name = Name { text: word.to_owned(), span: self.span() };
         if RESERVED.contains(&word) {
@@ -154,36 +186,45 @@ impl Cursor {
         Ok(name)
     }
 
-    /// Reads an optional minus and a number, finite as `f32`.
+    /// Reads a number with an optional minus sign; `what` names it in messages.
     ///
     /// # Errors
     /// Something else is at hand.
-    pub fn expect_signed_number(&mut self, what: &str) -> Result<f64, Reported> {
+    pub fn number(&mut self, what: &str) -> Result<Placed<f64>, Reported> {
+        let start = self.span();
         let negative = self.accept(Mark::Minus);
-        let TokenKind::Number(value) = self.peek(0).kind else { return Err(self.expected(what)) };
+        let TokenKind::Number(value) = *self.kind(0) else {
+            let diagnostic = Diagnostic::error(format!("expected {what}, found {}", self.kind(0).describe()));
+            return Err(self.report(diagnostic.at(self.span(), "a number belongs here")));
+        };
+        let span = start.to(self.span());
         self.advance();
-        Ok(if negative { -value } else { value })
+        Ok(Placed { value: if negative { -value } else { value }, span })
     }
 
-    /// Reads `<x, y, z>` of signed numbers.
+    /// Reads a vector `<x, y, z>` of numbers; `what` names it in messages.
     ///
     /// # Errors
     /// Something else is at hand.
-    pub fn expect_vector(&mut self, what: &str) -> Result<[f64; 3], Reported> {
-        if !self.sees_mark(0, Mark::Less) {
-            let diagnostic = self.unexpected(what).help("a vector is written `<x, y, z>`");
-            return Err(self.report(diagnostic));
+    pub fn vector(&mut self, what: &str) -> Result<Placed<[Placed<f64>; 3]>, Reported> {
+        let start = self.span();
+        if !self.accept(Mark::Less) {
+            let diagnostic = Diagnostic::error(format!("expected {what}, found {}", self.kind(0).describe()));
+            return Err(self.report(diagnostic.at(start, "a vector belongs here").help("vectors are written `<x, y, z>`")));
         }
-        self.advance();
-        let mut components = [0.0; 3];
-        for (index, component) in components.iter_mut().enumerate() {
-            if index > 0 {
-                self.expect(Mark::Comma, "between the three components of a vector")?;
+        let mut components = [Placed { value: 0.0, span: start }; 3];
+        for (place, component) in components.iter_mut().enumerate() {
+            if place > 0 {
+                self.expect(Mark::Comma, &format!("between the components of {what}"))?;
             }
-            *component = self.expect_signed_number("a number")?;
+            *component = self.number(&format!("a component of {what}"))?;
         }
-        self.expect(Mark::Greater, "to close the vector of three components")?;
-        Ok(components)
+        if self.sees_mark(0, Mark::Comma) {
+            let diagnostic = Diagnostic::error(format!("{what} has more than three components"));
+            return Err(self.report(diagnostic.at(self.span(), "expected `>` here").help("vectors are written `<x, y, z>`")));
+        }
+        self.expect(Mark::Greater, &format!("at the end of {what}"))?;
+        Ok(Placed { value: components, span: start.to(self.previous_span()) })
     }
 
     /// Passes over the rest of a statement: beyond the next `;`, or up to the head of the next section.

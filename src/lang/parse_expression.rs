@@ -1,7 +1,7 @@
 //! Words into expressions: the grammar's `expr` and `cond` (thesis 9.2.1).
 
 use crate::lang::ast::{ExprId, ExprKind, Name};
-use crate::lang::cursor::Reported;
+use crate::lang::cursor::{Placed, Reported};
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::parser::Parser;
 use crate::lang::token::{Mark, TokenKind};
@@ -175,12 +175,12 @@ impl Parser {
             TokenKind::Number(value) => {
                 self.cursor.advance();
                 self.number_stands_alone()?;
-                let value = self.narrow(value, token.span)?;
+                let value = self.narrow(Placed { value, span: token.span })?;
                 Ok(self.add(ExprKind::Number(value), token.span))
             }
             TokenKind::Word(word) => {
                 let place = self.nested(place)?.value();
-                let callee = self.cursor.expect_name("a value")?;
+                let callee = self.cursor.name("a value")?;
                 if word == "if" {
                     return self.conditional(place, callee);
                 }

@@ -5,7 +5,7 @@
 
 use crate::lang::ast::{Constant, Declaration, FormulaFile, InvariantLine, MacroLine, Relation, Section};
 use crate::lang::ast::{Expr, ExprId, ExprKind};
-use crate::lang::cursor::{Cursor, Reported};
+use crate::lang::cursor::{Cursor, Placed, Reported};
 use crate::lang::diagnostic::{Diagnostic, Diagnostics};
 use crate::lang::source::{Source, Span};
 use crate::lang::token::{Mark, TokenKind};
@@ -16,7 +16,7 @@ use crate::lang::variables::Owner;
 pub fn parse(source: &Source) -> (FormulaFile, Diagnostics) {
     let mut parser = Parser { cursor: Cursor::new(source), file: FormulaFile::default() };
     parser.file();
-    (parser.file, parser.cursor.diagnostics)
+    (parser.file, parser.cursor.into_diagnostics())
 }
 
 pub(super) struct Parser {
@@ -28,7 +28,7 @@ const ATTRIBUTES: [&str; 4] = ["constraint", "default", "slider", "color"];
 
 impl Parser {
     fn file(&mut self) {
-        if let TokenKind::Uses(path, span) = &self.cursor.peek(0).kind {
+        if let TokenKind::Uses(path, span) = self.cursor.kind(0) {
             let (path, span) = (path.clone(), *span);
             let whole = self.cursor.advance().span;
             if path.is_empty() {
@@ -44,7 +44,7 @@ impl Parser {
         let mut seen: Vec<(String, Span)> = Vec::new();
         loop {
             let head = self.cursor.span();
-            if let TokenKind::Uses(..) = self.cursor.peek(0).kind {
+            if let TokenKind::Uses(..) = self.cursor.kind(0) {
                 self.cursor.advance();
                 self.cursor
                     .report(Diagnostic::error("`#uses` must stand first in the file").at(head, "move this line to the top"));
@@ -56,7 +56,7 @@ impl Parser {
                 Some(word @ ("global" | "body_specific" | "light_specific" | "invariants")) => {
                     self.cursor.advance();
                     if let Some((_, first)) = seen.iter().find(|(name, _)| name == word) {
-                        self.cursor.diagnostics.push(
+                        self.cursor.report(
                             Diagnostic::error(format!("a second section `{word}`"))
                                 .at(head, "each section may stand only once")
                                 .at(*first, "the first is here")
@@ -122,7 +122,7 @@ impl Parser {
 
     /// A declaration; one with a mistake in its attributes is kept, lest every use of the parameter be reported too.
     fn declaration(&mut self, owner: Owner, list: &mut Vec<Declaration>) -> Result<(), Reported> {
-        let name = self.cursor.expect_name("the name of a parameter")?;
+        let name = self.cursor.name("the name of a parameter")?;
         if self.cursor.sees_mark(0, Mark::Equal) {
             let diagnostic = self
                 .cursor
@@ -149,7 +149,7 @@ impl Parser {
             let span = self.cursor.span();
             let word = self.cursor.word(0).unwrap_or_default().to_owned();
             if let Some((_, first)) = seen.iter().find(|(attribute, _)| *attribute == word) {
-                self.cursor.diagnostics.push(
+                self.cursor.report(
                     Diagnostic::error(format!("`{word}` is given twice"))
                         .at(span, "a second time here")
                         .at(*first, "first here")
@@ -179,11 +179,8 @@ impl Parser {
             }
             "default" => {
                 let value = if self.cursor.sees_mark(0, Mark::Less) {
-                    let start = self.cursor.span();
-                    let components = self.cursor.expect_vector("the default value")?;
-                    let span = start.to(self.cursor.previous_span());
-                    let [x, y, z] = components;
-                    Constant::Vector([self.narrow(x, span)?, self.narrow(y, span)?, self.narrow(z, span)?])
+                    let [x, y, z] = self.cursor.vector("the default value")?.value;
+                    Constant::Vector([self.narrow(x)?, self.narrow(y)?, self.narrow(z)?])
                 } else {
                     Constant::Scalar(self.single("the default value, a number or a vector `<x, y, z>`")?)
                 };
@@ -196,17 +193,16 @@ impl Parser {
     }
 
     fn single(&mut self, what: &str) -> Result<f32, Reported> {
-        let start = self.cursor.span();
-        let value = self.cursor.expect_signed_number(what)?;
-        self.narrow(value, start.to(self.cursor.previous_span()))
+        let number = self.cursor.number(what)?;
+        self.narrow(number)
     }
 
     /// A number as the language computes with it.
-    pub(super) fn narrow(&mut self, value: f64, span: Span) -> Result<f32, Reported> {
-        let narrow = value as f32;
+    pub(super) fn narrow(&mut self, number: Placed<f64>) -> Result<f32, Reported> {
+        let narrow = number.value as f32;
         if narrow.is_infinite() {
             let diagnostic = Diagnostic::error("this number is too large")
-                .at(span, "beyond the largest number there is")
+                .at(number.span, "beyond the largest number there is")
                 .help(format!("numbers go up to about {:e}", f32::MAX));
             return Err(self.cursor.report(diagnostic));
         }
@@ -227,9 +223,9 @@ impl Parser {
     fn invariant(&mut self) -> Result<InvariantLine, Reported> {
         const FORM: &str = "invariants are sums like `ks + kd = 1;` or `ks + kd <= 1;`";
         let start = self.cursor.span();
-        let mut terms = vec![self.cursor.expect_name("the name of a parameter")?];
+        let mut terms = vec![self.cursor.name("the name of a parameter")?];
         while self.cursor.accept(Mark::Plus) {
-            terms.push(self.cursor.expect_name("the name of a parameter")?);
+            terms.push(self.cursor.name("the name of a parameter")?);
         }
         let relation = if self.cursor.accept(Mark::Equal) {
             Relation::Equal
@@ -239,7 +235,7 @@ impl Parser {
             let diagnostic = self.cursor.unexpected("`+`, `= 1` or `<= 1`").help(FORM);
             return Err(self.cursor.report(diagnostic));
         };
-        if self.cursor.peek(0).kind != TokenKind::Number(1.0) {
+        if *self.cursor.kind(0) != TokenKind::Number(1.0) {
             let diagnostic = self.cursor.unexpected("`1`").help(FORM);
             return Err(self.cursor.report(diagnostic));
         }
@@ -292,7 +288,7 @@ impl Parser {
                 .help("parameters are declared before, under `global;`, `body_specific;` or `light_specific;`");
             return Err(self.cursor.report(diagnostic));
         }
-        let name = self.cursor.expect_name("`NAME = expression;` or the last line `= expression;`")?;
+        let name = self.cursor.name("`NAME = expression;` or the last line `= expression;`")?;
         let body = self.cursor.expect(Mark::Equal, "after the macro's name").and_then(|()| self.expression_statement());
         // A macro that cannot be read still has its name, lest every use of it be reported too.
         let (body, outcome) = match body {

@@ -5,7 +5,6 @@
 //! what the bodies look like is the formula's business.
 
 mod camera;
-mod cursor;
 mod parser;
 mod print;
 mod shape;

@@ -7,11 +7,11 @@ mod camera;
 #[cfg(test)]
 mod tests;
 
+use crate::lang::cursor::{Cursor, Placed, Reported};
 use crate::lang::diagnostic::{Diagnostic, Diagnostics, nearest};
-use crate::lang::lexer::tokenize;
 use crate::lang::source::{Source, Span};
 use crate::lang::token::{Mark, TokenKind};
-use crate::scene::cursor::{Cursor, Lost, Placed};
+use crate::lang::variables::RESERVED;
 use crate::scene::print::{Number, Vector};
 use crate::scene::{Body, Camera, Light, MAX_COORDINATE, MIN_LENGTH, Rectangle, Scene, Shape, ShapeError, Sphere};
 use glam::DVec3;
@@ -19,16 +19,13 @@ use std::collections::HashMap;
 
 /// The sections in their order.
 const SECTIONS: [&str; 3] = ["bodies", "lights", "camera"];
-/// The words with which a formula begins; they name nothing in a scene either, so that the two are never mistaken.
-const FORMULA_SECTIONS: [&str; 5] = ["global", "body_specific", "light_specific", "invariants", "formula"];
 const SHAPES: [&str; 2] = ["sphere", "rectangle"];
 const ATTRIBUTES: [&str; 3] = ["refractive_index", "opaque", "matte"];
 
 /// Reads a scene; see [`Scene::parse`].
 pub(super) fn parse(source: &Source) -> Result<(Scene, Diagnostics), Diagnostics> {
-    let (tokens, diagnostics) = tokenize(source);
     let mut parser = Parser {
-        cursor: Cursor::new(tokens, diagnostics),
+        cursor: Cursor::new(source),
         names: HashMap::new(),
         seen: [None; 3],
         bodies: Vec::new(),
@@ -74,7 +71,7 @@ impl Parser {
             let diagnostic = Diagnostic::error(format!("expected `bodies;`, found {found}"));
             self.cursor.report(diagnostic.at(self.cursor.span(), "a scene begins with `bodies;`"));
             // What looks like a body is read as one, as if only the header were missing.
-            if self.cursor.mark_ahead(1, Mark::Colon) {
+            if self.cursor.sees_mark(1, Mark::Colon) {
                 self.seen[0] = Some(self.cursor.span());
                 self.entries(Parser::body);
             } else {
@@ -104,18 +101,18 @@ impl Parser {
 
     fn is_formula(&self) -> bool {
         let uses = matches!(self.cursor.kind(0), TokenKind::Uses(..));
-        let section = self.cursor.word().is_some_and(|word| FORMULA_SECTIONS.contains(&word));
-        uses || (section && self.cursor.mark_ahead(1, Mark::Semicolon))
+        let section = self.cursor.word(0).is_some_and(|word| RESERVED.contains(&word) && !SECTIONS.contains(&word));
+        uses || (section && self.cursor.sees_mark(1, Mark::Semicolon))
     }
 
     /// The section whose header is next, also where its name is misspelt or its `;` left out.
     fn header(&self) -> Option<usize> {
-        let word = self.cursor.word()?;
+        let word = self.cursor.word(0)?;
         let exact = SECTIONS.iter().position(|name| *name == word);
         match exact {
-            Some(_) => exact.filter(|_| !self.cursor.mark_ahead(1, Mark::Colon)),
+            Some(_) => exact.filter(|_| !self.cursor.sees_mark(1, Mark::Colon)),
             // Nothing else in a scene is a single word before a `;`.
-            None if self.cursor.mark_ahead(1, Mark::Semicolon) => {
+            None if self.cursor.sees_mark(1, Mark::Semicolon) => {
                 let near = nearest(word, SECTIONS)?;
                 SECTIONS.iter().position(|name| *name == near)
             }
@@ -126,7 +123,7 @@ impl Parser {
     fn section(&mut self, section: usize) {
         let span = self.cursor.span();
         let name = SECTIONS[section];
-        if let Some(word) = self.cursor.word().filter(|word| *word != name).map(str::to_owned) {
+        if let Some(word) = self.cursor.word(0).filter(|word| *word != name).map(str::to_owned) {
             let diagnostic = Diagnostic::error(format!("`{word};` is no section")).at(span, "unknown section");
             self.cursor.report(diagnostic.help(format!("did you mean `{name};`?")));
         }
@@ -153,7 +150,7 @@ impl Parser {
     }
 
     /// Declarations up to the next header or the end.
-    fn entries(&mut self, entry: fn(&mut Parser) -> Result<(), Lost>) {
+    fn entries(&mut self, entry: fn(&mut Parser) -> Result<(), Reported>) {
         while *self.cursor.kind(0) != TokenKind::End && self.header().is_none() {
             let start = self.cursor.position();
             if entry(self).is_err() {
@@ -171,7 +168,7 @@ impl Parser {
             if self.cursor.accept(Mark::Semicolon) {
                 return;
             }
-            if self.header().is_some() || (self.cursor.word().is_some() && self.cursor.mark_ahead(1, Mark::Colon)) {
+            if self.header().is_some() || (self.cursor.word(0).is_some() && self.cursor.sees_mark(1, Mark::Colon)) {
                 return;
             }
             self.cursor.advance();
@@ -185,15 +182,15 @@ impl Parser {
     }
 
     /// The name of a body or light and the `:` after it. A name that may not be taken is reported and read on from.
-    fn name(&mut self, what: &str) -> Result<Placed<String>, Lost> {
+    fn name(&mut self, what: &str) -> Result<Placed<String>, Reported> {
         let span = self.cursor.span();
-        let Some(name) = self.cursor.word().map(str::to_owned) else {
+        let Some(name) = self.cursor.word(0).map(str::to_owned) else {
             let diagnostic =
                 Diagnostic::error(format!("expected the name of a {what}, found {}", self.cursor.kind(0).describe()));
             self.cursor.report(diagnostic.at(span, "found this"));
-            return Err(Lost);
+            return Err(Reported);
         };
-        if SECTIONS.contains(&name.as_str()) || FORMULA_SECTIONS.contains(&name.as_str()) {
+        if RESERVED.contains(&name.as_str()) {
             let diagnostic = Diagnostic::error(format!("`{name}` may not name anything")).at(span, "this word begins a section");
             self.cursor.report(diagnostic.help("choose another name"));
         } else if let Some(first) = self.names.get(&name).copied() {
@@ -209,9 +206,9 @@ impl Parser {
     }
 
     /// `NAME: SHAPE … { , ATTRIBUTE } ;`
-    fn body(&mut self) -> Result<(), Lost> {
+    fn body(&mut self) -> Result<(), Reported> {
         let name = self.name("body")?;
-        let shape = match self.cursor.word() {
+        let shape = match self.cursor.word(0) {
             Some("sphere") => self.sphere()?,
             Some("rectangle") => self.rectangle()?,
             word => {
@@ -223,15 +220,15 @@ impl Parser {
                 let message = format!("expected `sphere` or `rectangle`, found {}", self.cursor.kind(0).describe());
                 let diagnostic = Diagnostic::error(message).at(self.cursor.span(), "no shape of this name");
                 self.cursor.report(diagnostic.help_if(hint));
-                return Err(Lost);
+                return Err(Reported);
             }
         };
         let attributes = self.attributes()?;
-        let attribute = self.cursor.word().filter(|word| ATTRIBUTES.contains(word)).map(str::to_owned);
+        let attribute = self.cursor.word(0).filter(|word| ATTRIBUTES.contains(word)).map(str::to_owned);
         if let Some(attribute) = attribute {
             let diagnostic = Diagnostic::error(format!("expected `,` before `{attribute}`")).at(self.cursor.span(), "found this");
             self.cursor.report(diagnostic.help(format!("write `, {attribute}`")));
-            return Err(Lost);
+            return Err(Reported);
         }
         self.cursor.expect(Mark::Semicolon, "after the body")?;
         if let Some(shape) = shape {
@@ -242,11 +239,11 @@ impl Parser {
     }
 
     /// `sphere, center V, radius S`; `None` where a value was out of range.
-    fn sphere(&mut self) -> Result<Option<Shape>, Lost> {
+    fn sphere(&mut self) -> Result<Option<Shape>, Reported> {
         self.cursor.advance();
         self.cursor.expect(Mark::Comma, "after `sphere`")?;
         self.cursor.expect_word("center", "of the sphere")?;
-        let center = self.cursor.vector("the centre")?;
+        let center = self.vector("the centre")?;
         self.cursor.expect(Mark::Comma, "after the centre")?;
         self.cursor.expect_word("radius", "of the sphere")?;
         let radius = self.positive("the radius")?;
@@ -255,12 +252,12 @@ impl Parser {
     }
 
     /// `rectangle, A, B, C`; `None` where a value was out of range.
-    fn rectangle(&mut self) -> Result<Option<Shape>, Lost> {
+    fn rectangle(&mut self) -> Result<Option<Shape>, Reported> {
         self.cursor.advance();
         let mut corners = [Placed { value: DVec3::ZERO, span: self.cursor.span() }; 3];
         for (corner, letter) in corners.iter_mut().zip(["A", "B", "C"]) {
             self.cursor.expect(Mark::Comma, &format!("before corner {letter} of the rectangle"))?;
-            *corner = self.cursor.vector(&format!("corner {letter}"))?;
+            *corner = self.vector(&format!("corner {letter}"))?;
         }
         let [a, b, c] = corners.map(|corner| corner.value);
         let span = corners[0].span.to(corners[2].span);
@@ -289,8 +286,24 @@ impl Parser {
         Ok(None)
     }
 
+    /// A vector of numbers up to [`MAX_COORDINATE`]; `what` names it in messages. A component beyond is reported, and NaN in the
+    /// value, which no shape and no camera accepts: so it does not lead to further errors.
+    fn vector(&mut self, what: &str) -> Result<Placed<DVec3>, Reported> {
+        let vector = self.cursor.vector(what)?;
+        let components = vector.value.map(|number| {
+            if number.value.abs() <= MAX_COORDINATE {
+                return number.value;
+            }
+            let diagnostic = Diagnostic::error(format!("a component of {what} is too large"));
+            self.cursor
+                .report(diagnostic.at(number.span, format!("scenes reach from {:e} to {MAX_COORDINATE:e}", -MAX_COORDINATE)));
+            f64::NAN
+        });
+        Ok(Placed { value: DVec3::from(components), span: vector.span })
+    }
+
     /// A number greater than 0; one that is not is reported and left out.
-    fn positive(&mut self, what: &str) -> Result<Option<f64>, Lost> {
+    fn positive(&mut self, what: &str) -> Result<Option<f64>, Reported> {
         let number = self.cursor.number(what)?;
         if (MIN_LENGTH..=MAX_COORDINATE).contains(&number.value) {
             return Ok(Some(number.value));
@@ -307,18 +320,18 @@ impl Parser {
     }
 
     /// `{ , ATTRIBUTE }`.
-    fn attributes(&mut self) -> Result<Attributes, Lost> {
+    fn attributes(&mut self) -> Result<Attributes, Reported> {
         let mut attributes = Attributes::default();
         let mut seen: [Option<Span>; 3] = [None; 3];
         while self.cursor.accept(Mark::Comma) {
             let span = self.cursor.span();
-            let word = self.cursor.word().unwrap_or_default().to_owned();
+            let word = self.cursor.word(0).unwrap_or_default().to_owned();
             let Some(attribute) = ATTRIBUTES.iter().position(|known| *known == word) else {
                 let message = format!("expected an attribute of the body, found {}", self.cursor.kind(0).describe());
                 let near = nearest(&word, ATTRIBUTES).map(|near| format!("did you mean `{near}`?"));
                 let diagnostic = Diagnostic::error(message).at(span, "no attribute of this name").help_if(near);
                 self.cursor.report(diagnostic.help("the attributes are `refractive_index NUMBER`, `opaque` and `matte`"));
-                return Err(Lost);
+                return Err(Reported);
             };
             if let Some(first) = seen[attribute] {
                 let diagnostic = Diagnostic::error(format!("`{word}` is given twice")).at(span, "the second time");
@@ -341,19 +354,19 @@ impl Parser {
     }
 
     /// `NAME: point, V;`
-    fn light(&mut self) -> Result<(), Lost> {
+    fn light(&mut self) -> Result<(), Reported> {
         let name = self.name("light")?;
-        match self.cursor.word() {
+        match self.cursor.word(0) {
             Some(word) if SHAPES.contains(&word) => {
                 let diagnostic =
                     Diagnostic::error(format!("expected `point`, found `{word}`")).at(self.cursor.span(), "not a light");
                 self.cursor.report(diagnostic.help("bodies stand in the section `bodies;`"));
-                return Err(Lost);
+                return Err(Reported);
             }
             Some(_) | None => self.cursor.expect_word("point", "(the only kind of light)")?,
         }
         self.cursor.expect(Mark::Comma, "after `point`")?;
-        let position = self.cursor.vector("the position of the light")?;
+        let position = self.vector("the position of the light")?;
         self.cursor.expect(Mark::Semicolon, "after the light")?;
         self.lights.push(Light { name: name.value, name_span: name.span, position: position.value });
         Ok(())

@@ -1,10 +1,10 @@
 //! The clauses of the camera: position, gaze, up, fov (thesis 9.3.1).
 
 use super::Parser;
+use crate::lang::cursor::{Placed, Reported};
 use crate::lang::diagnostic::{Diagnostic, nearest};
 use crate::lang::source::Span;
 use crate::lang::token::{Mark, TokenKind};
-use crate::scene::cursor::{Lost, Placed};
 use crate::scene::print::{Number, Vector};
 use crate::scene::{Camera, CameraError};
 use glam::DVec3;
@@ -28,7 +28,7 @@ impl Parser {
         let mut clauses = Clauses::default();
         while *self.cursor.kind(0) != TokenKind::End && self.header().is_none() {
             let complete = clauses.seen.iter().all(Option::is_some);
-            let known = self.cursor.word().is_some_and(|word| CLAUSES.contains(&word));
+            let known = self.cursor.word(0).is_some_and(|word| CLAUSES.contains(&word));
             if complete && !known {
                 // What follows the camera is reported once, by the caller.
                 break;
@@ -55,9 +55,9 @@ impl Parser {
     }
 
     /// `NAME VALUE;`
-    fn clause(&mut self, clauses: &mut Clauses) -> Result<(), Lost> {
+    fn clause(&mut self, clauses: &mut Clauses) -> Result<(), Reported> {
         let span = self.cursor.span();
-        let word = self.cursor.word().unwrap_or_default().to_owned();
+        let word = self.cursor.word(0).unwrap_or_default().to_owned();
         let Some(clause) = CLAUSES.iter().position(|name| *name == word) else {
             let expected = CLAUSES.iter().zip(&clauses.seen).find(|(_, seen)| seen.is_none()).map_or("fov", |(name, _)| name);
             let message = format!("expected `{expected}` of the camera, found {}", self.cursor.kind(0).describe());
@@ -67,7 +67,7 @@ impl Parser {
             if let Some(near) = nearest(&word, CLAUSES).and_then(|near| CLAUSES.iter().position(|name| *name == near)) {
                 clauses.seen[near].get_or_insert(span);
             }
-            return Err(Lost);
+            return Err(Reported);
         };
         if let Some(first) = clauses.seen[clause] {
             let diagnostic = Diagnostic::error(format!("the camera's `{word}` is given twice")).at(span, "the second time");
@@ -88,7 +88,7 @@ impl Parser {
         }
         // Of a clause that is given twice the first is judged.
         if let Some(slot) = clauses.vectors.get_mut(clause) {
-            let vector = self.cursor.vector(&format!("the camera's {word}"))?;
+            let vector = self.vector(&format!("the camera's {word}"))?;
             slot.get_or_insert(vector);
         } else {
             let fov = self.cursor.number("the camera's angle in degrees")?;
@@ -100,7 +100,7 @@ impl Parser {
     /// Passes over the rest of a clause: up to its `;`, or to the next one if the `;` was forgotten.
     fn skip_clause(&mut self) {
         while *self.cursor.kind(0) != TokenKind::End && !self.cursor.accept(Mark::Semicolon) {
-            if self.header().is_some() || self.cursor.word().is_some_and(|word| CLAUSES.contains(&word)) {
+            if self.header().is_some() || self.cursor.word(0).is_some_and(|word| CLAUSES.contains(&word)) {
                 return;
             }
             self.cursor.advance();
