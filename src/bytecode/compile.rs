@@ -11,11 +11,10 @@ use thiserror::Error;
 /// machine holds; compiled code shares them and knows no such bound.
 pub const MAX_BYTES: usize = 1 << 20;
 
-/// Written out, the formula's macros take more than [`MAX_BYTES`].
+/// A formula is too large for the interpreter: with macros written out its code takes more than [`MAX_BYTES`], or the programs of
+/// pixels might take more than [`MAX_PROGRAM_BYTES`](super::program::MAX_PROGRAM_BYTES).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
-#[error(
-    "with its macros written out the formula takes more than {MAX_BYTES} bytes of bytecode: use the compiled backend (`--backend jit`)"
-)]
+#[error("with its macros written out, the formula is too large for the interpreter; compiled code shares them and takes it")]
 pub struct CodeTooLarge;
 
 /// A formula's code of type I.
@@ -43,11 +42,11 @@ impl Code {
         while let Some(step) = steps.pop() {
             let instruction = match step {
                 Step::Emit(instruction) => instruction,
-                Step::Enter(id) if constants[id.0 as usize].is_some() => match constants[id.0 as usize] {
-                    Some([x, y, z]) if formula.ty(id) == Type::Vector => Instruction::VectorValue([x, y, z]),
-                    value => Instruction::ScalarValue(value.unwrap_or_default()[0]),
-                },
                 Step::Enter(id) => match formula.term(id) {
+                    _ if let Some(value) = constants[id.0 as usize] => match formula.ty(id) {
+                        Type::Vector => Instruction::VectorValue(value),
+                        Type::Scalar | Type::Truth => Instruction::ScalarValue(value[0]),
+                    },
                     Term::Number(value) => Instruction::ScalarValue(flush(*value)),
                     Term::Variable(variable) => Instruction::Variable(*variable),
                     Term::Parameter(id) => {
@@ -80,6 +79,23 @@ impl Code {
     /// How many bytes they take.
     pub fn bytes(&self) -> usize {
         self.bytes
+    }
+
+    /// How many bytes an instance of type II takes, with numbers for variables.
+    pub fn instance_bytes(&self) -> usize {
+        let number = size_of::<f32>();
+        let variables = self.instructions.iter().map(|instruction| match instruction {
+            Instruction::Variable(variable) => number * variable.ty().slots(),
+            Instruction::ScalarValue(_)
+            | Instruction::VectorValue(_)
+            | Instruction::ScalarReference(_)
+            | Instruction::VectorReference(_)
+            | Instruction::Weigh
+            | Instruction::Guard(_)
+            | Instruction::Parameter(..)
+            | Instruction::Operation(_) => 0,
+        });
+        self.bytes + variables.sum::<usize>()
     }
 }
 

@@ -25,6 +25,20 @@ pub struct Instantiation<'i> {
     pub scene: &'i Scene,
 }
 
+/// The most bytes that a pixel's program may take; far more than any model and scene worth looking at.
+pub const MAX_PROGRAM_BYTES: u64 = 1 << 30;
+
+impl Instantiation<'_> {
+    /// The bytes that the largest possible program of a pixel takes: every hit of a full tree of this depth, lit by every light.
+    pub fn largest(&self, depth: u32) -> u64 {
+        // References, weights and sums of a light, and of a hit.
+        const LIGHT: u64 = 7;
+        const HIT: u64 = 40;
+        let hits = (1_u64 << depth) - 1;
+        hits * (self.scene.lights.len() as u64 * (self.code.instance_bytes() as u64 + LIGHT) + HIT)
+    }
+}
+
 /// One pixel's program, as a piece of [`Programs`].
 #[derive(Debug, Clone, Copy)]
 pub struct Program<'p> {
@@ -57,6 +71,12 @@ impl Programs {
         }
         self.depth = assembler.depth;
         self.ends.push(self.code.len());
+    }
+
+    /// Forgets all programs, but not the room that they took.
+    pub fn clear(&mut self) {
+        self.code.clear();
+        self.ends.clear();
     }
 
     /// How many pixels have a program.
@@ -172,7 +192,7 @@ impl Assembler<'_> {
                 Step::Close(operand) => {
                     self.emit(Instruction::Weigh);
                     let guarded = operand + size_of::<u32>();
-                    // A pixel's program is far below four gigabytes: at most 511 hits.
+                    // No program is larger than `MAX_PROGRAM_BYTES`, see `largest`.
                     let length = (self.code.len() - guarded) as u32;
                     self.code[operand..guarded].copy_from_slice(&length.to_le_bytes());
                     self.emit(Instruction::Operation(Operation::AddVV));

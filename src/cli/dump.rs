@@ -116,7 +116,7 @@ fn bytecode(input: &Input, pixel: Option<[u32; 2]>) -> Result<String, Failure> {
             return Err(Failure::command_line(format!("--pixel {x},{y} is outside the picture of {size} pixels")));
         }
         let place = y * view.width() + x;
-        let programs = engine::interpreter(input, *view)?.programs(place..place + 1);
+        let programs = engine::interpreter(input, *view)?.program(place);
         text.push_str(&format!("\ntype II: pixel ({x}, {y}), {} bytes\n", programs.bytes()));
         for instruction in programs.program(0).into_iter().flat_map(|program| program.instructions()) {
             text.push_str(&format!("  {instruction}\n"));

@@ -7,8 +7,8 @@ use crate::formula::graph::{Node, NodeId};
 use crate::jit::{CompiledFormula, Lanes};
 use crate::lang::scalars::flush;
 use crate::lang::variables::Variable;
-use crate::scene::Scene;
 use crate::trace::{Group, HitVariables, LightVariables, Mismatch, Optics, Tile, replay, variable};
+use std::ops::Range;
 
 /// How many hits are worked out at a time: their variables stay in the cache until the kernels have read them.
 const CHUNK: u32 = 1024;
@@ -24,20 +24,21 @@ pub(super) struct Columns {
 
 impl Columns {
     /// Works out the static values of a tile.
-    pub(super) fn new(compiled: &CompiledFormula, scene: &Scene, optics: &Optics, tile: &Tile) -> Result<Self, Mismatch> {
+    pub(super) fn new(compiled: &CompiledFormula, optics: &Optics, tile: &Tile) -> Result<Self, Mismatch> {
         let hit_columns = compiled.bindings.hit_frontier.len();
         let record_columns = compiled.bindings.record_frontier.len();
         let mut groups = Vec::with_capacity(tile.groups.len());
         let mut end = 0;
         for group in &tile.groups {
-            let blocks = Lanes::blocks(group.hits.len());
+            // Where no light reaches, nothing is evaluated.
+            let blocks = if group.lights.is_empty() { 0 } else { Lanes::blocks(group.hits.len()) };
             groups.push((end, blocks));
             end += blocks * (hit_columns + record_columns * group.lights.len());
         }
         let mut columns = Self { lanes: vec![Lanes::default(); end], groups, hit_columns, record_columns };
         let mut workroom = Workroom::new(compiled);
-        for (index, group) in tile.groups.iter().enumerate() {
-            columns.fill(compiled, scene, optics, tile, group, index, &mut workroom)?;
+        for index in 0..tile.groups.len() {
+            columns.fill(compiled, optics, tile, index, &mut workroom)?;
         }
         Ok(columns)
     }
@@ -58,18 +59,17 @@ impl Columns {
         }
     }
 
-    #[expect(clippy::too_many_arguments, reason = "what a group's columns are made from, and the room to do it")]
+    /// Fills the columns of a group.
     fn fill(
         &mut self,
         compiled: &CompiledFormula,
-        scene: &Scene,
         optics: &Optics,
         tile: &Tile,
-        group: &Group,
         index: usize,
         workroom: &mut Workroom,
     ) -> Result<(), Mismatch> {
-        if self.hit_columns == 0 && (self.record_columns == 0 || group.lights.is_empty()) {
+        let group = &tile.groups[index];
+        if self.hit_columns + self.record_columns == 0 || group.lights.is_empty() {
             return Ok(());
         }
         let (start, length) = self.groups[index];
@@ -77,7 +77,7 @@ impl Columns {
         let (hit_part, record_part) = own.split_at_mut(length * self.hit_columns);
         for first in group.hits.clone().step_by(CHUNK as usize) {
             let hits = first..(first + CHUNK).min(group.hits.end);
-            workroom.gather(scene, optics, tile, group, hits.clone())?;
+            workroom.gather(optics, tile, group, hits.clone())?;
             let block = (first - group.hits.start) as usize / Lanes::COUNT;
             let blocks = Lanes::blocks(hits.len());
             let mut outputs = pieces(hit_part, length, block, blocks);
@@ -98,6 +98,11 @@ fn pieces(columns: &mut [Lanes], length: usize, block: usize, blocks: usize) -> 
     columns.chunks_exact_mut(length).map(|column| &mut column[block..block + blocks]).collect()
 }
 
+/// A column for as many hits as are worked out at a time.
+fn column() -> Vec<Lanes> {
+    vec![Lanes::default(); Lanes::blocks(CHUNK as usize)]
+}
+
 /// The variables that static kernels read, for some hits at a time.
 struct Workroom {
     hit_leaves: Vec<(Variable, usize)>,
@@ -110,7 +115,6 @@ struct Workroom {
 
 impl Workroom {
     fn new(compiled: &CompiledFormula) -> Self {
-        let column = || vec![Lanes::default(); Lanes::blocks(CHUNK as usize)];
         let variables = |leaves: &[NodeId]| -> Vec<(Variable, usize)> {
             let variable = |leaf: &NodeId| match compiled.bindings.graph.node(*leaf) {
                 Node::Variable(variable, component) => Some((variable, usize::from(component))),
@@ -125,16 +129,10 @@ impl Workroom {
     }
 
     /// Works out the variables of these hits for all lights of the group.
-    fn gather(
-        &mut self,
-        scene: &Scene,
-        optics: &Optics,
-        tile: &Tile,
-        group: &Group,
-        hits: std::ops::Range<u32>,
-    ) -> Result<(), Mismatch> {
+    fn gather(&mut self, optics: &Optics, tile: &Tile, group: &Group, hits: Range<u32>) -> Result<(), Mismatch> {
+        let scene = optics.scene();
         while self.records.len() < group.lights.len() {
-            self.records.push(self.record_leaves.iter().map(|_| vec![Lanes::default(); Lanes::blocks(CHUNK as usize)]).collect());
+            self.records.push(self.record_leaves.iter().map(|_| column()).collect());
         }
         replay(optics, tile, group, hits.clone(), |hit, surface| {
             let place = (hit - hits.start) as usize;

@@ -9,7 +9,7 @@ use crate::jit::{CompiledFormula, Lanes};
 use crate::lang::scalars::flush;
 use crate::lang::variables::{Owner, Predefined};
 use crate::scene::Scene;
-use crate::trace::{Edge, Group, Hits, Mismatch, Optics, TILE_PIXELS, Tile};
+use crate::trace::{Edge, Group, Hits, MAX_DEPTH, Mismatch, Optics, Span, TILE_PIXELS, Tile};
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
@@ -50,8 +50,7 @@ impl Compiled {
     /// `hits` are not those of `scene`.
     pub fn new(compiled: Arc<CompiledFormula>, formula: &Formula, scene: &Scene, hits: &Arc<Hits>) -> Result<Self, Mismatch> {
         let optics = Optics::new(scene, &hits.view);
-        let columns =
-            hits.tiles.par_iter().map(|tile| Columns::new(&compiled, scene, &optics, tile)).collect::<Result<Vec<_>, _>>()?;
+        let columns = hits.tiles.par_iter().map(|tile| Columns::new(&compiled, &optics, tile)).collect::<Result<Vec<_>, _>>()?;
         let slot = |id: ParameterId| formula.parameter(id).slot as usize;
         let leaf = |node: Node| match node {
             Node::Parameter(id, component) => Some((formula.parameter(id).owner, slot(id) + usize::from(component))),
@@ -144,8 +143,11 @@ impl Compiled {
                     let slot = match path.edge {
                         Edge::Reflected => self.places.kr,
                         Edge::Refracted => self.places.kt,
-                        // Only first steps are primary.
-                        Edge::Primary => return,
+                        // Only first steps are primary, and they have no parent.
+                        Edge::Primary => {
+                            weights.push(Weight(1.0));
+                            continue;
+                        }
                     };
                     Weight(weights[parent].0 * f64::from(self.number(memory, Owner::Body, body.index(), slot)))
                 }
@@ -185,22 +187,20 @@ impl Compiled {
     ) {
         let memory = parameters.memory;
         let ambient = self.ambient(group, memory);
-        let mut spans = group.spans.iter().peekable();
         // Runs of spans whose weight is not 0 are computed together, and nothing of the others.
-        while let Some(first) = spans.next() {
-            if workroom.weights[first.path.index()].is_zero() {
-                continue;
-            }
-            let mut hits = first.hits.clone();
-            while let Some(next) = spans.next_if(|next| !workroom.weights[next.path.index()].is_zero()) {
-                hits.end = next.hits.end;
-            }
-            let own = (hits.start - group.hits.start) as usize..(hits.end - group.hits.start) as usize;
-            let block = own.start / Lanes::COUNT;
-            let blocks = Lanes::blocks(own.end) - block;
+        let dead = |weights: &[Weight], span: &Span| weights[span.path.index()].is_zero();
+        let mut rest = &*group.spans;
+        while let Some(start) = rest.iter().position(|span| !dead(&workroom.weights, span)) {
+            let alive = &rest[start..];
+            let length = alive.iter().position(|span| dead(&workroom.weights, span)).unwrap_or(alive.len());
+            let (run, behind) = alive.split_at(length);
+            rest = behind;
+            let (Some(first), Some(last)) = (run.first(), run.last()) else { continue };
+            let block = (first.hits.start - group.hits.start) as usize / Lanes::COUNT;
+            let blocks = Lanes::blocks((last.hits.end - group.hits.start) as usize) - block;
             workroom.clear_sums(blocks);
             self.lights(group, index, columns, parameters, block..block + blocks, workroom);
-            for span in group.spans.iter().filter(|span| span.hits.start >= hits.start && span.hits.end <= hits.end) {
+            for span in run {
                 let weight = workroom.weights[span.path.index()];
                 for (hit, pixel) in span.hits.clone().zip(tile.pixels_of(span)) {
                     let place = (hit - group.hits.start) as usize - block * Lanes::COUNT;
@@ -249,6 +249,9 @@ impl Compiled {
 /// however small its weight.
 #[derive(Debug, Clone, Copy)]
 struct Weight(f64);
+
+// A factor other than 0 is at least 2⁻¹²⁶, and there is one for each depth below the first.
+const _: () = assert!((MAX_DEPTH - 1) * 126 <= 1022);
 
 impl Weight {
     fn is_zero(self) -> bool {

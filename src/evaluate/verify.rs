@@ -113,7 +113,7 @@ fn step(component: f32) -> u8 {
 
 /// Whether the interpreter's result moves at least as far when its intermediate results are disturbed.
 fn excused(interpreted: &Interpreted, memory: &[f32], difference: &Difference) -> bool {
-    let programs = interpreted.programs(difference.pixel as u32..difference.pixel as u32 + 1);
+    let programs = interpreted.program(difference.pixel as u32);
     let mut stack = programs.stack();
     (0..TRIALS).any(|trial| {
         let mut disturbed = Disturbed::new(trial);

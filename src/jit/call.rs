@@ -8,6 +8,7 @@ use crate::formula::graph::Graph;
 use crate::jit::compile::{CompileError, Listing, target};
 use crate::jit::emit::PERLIN_OPERANDS;
 use crate::jit::kernel::{self, KernelPlan};
+use crate::jit::lanes::Lanes;
 use crate::lang::noise;
 use crate::lang::scalars::flush;
 use cranelift_codegen::Context;
@@ -19,28 +20,13 @@ use cranelift_module::{Linkage, Module, ModuleError};
 use std::mem::ManuallyDrop;
 use std::sync::Arc;
 
-/// Four records' values of one column, side by side in memory as kernels load them.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-#[repr(C, align(16))]
-pub struct Lanes(pub [f32; 4]);
-
-impl Lanes {
-    /// How many records a block holds.
-    pub const COUNT: usize = 4;
-
-    /// The same value for all four records.
-    pub fn splat(value: f32) -> Self {
-        Self([value; 4])
-    }
-
-    /// How many blocks so many records take.
-    pub fn blocks(records: usize) -> usize {
-        records.div_ceil(Self::COUNT)
-    }
-}
-
 /// What every kernel is: see the [kernel](super::kernel) room for the meaning of the parameters.
-type Entry = extern "C" fn(columns: *const *const Lanes, uniforms: *const Lanes, outputs: *const *mut Lanes, blocks: usize);
+///
+/// # Safety
+/// The tables hold as many pointers as the kernel reads, each column and output at least `blocks` lanes, the uniforms as many as
+/// it reads; outputs overlap nothing.
+type Entry =
+    unsafe extern "C" fn(columns: *const *const Lanes, uniforms: *const Lanes, outputs: *const *mut Lanes, blocks: usize);
 
 /// The memory that holds a formula's kernels; freed with the last of them.
 pub(super) struct CodeMemory(ManuallyDrop<JITModule>);
@@ -61,7 +47,7 @@ impl Drop for CodeMemory {
 /// Compiles kernels into one piece of memory; where a listing is wanted, writes the stages into it.
 ///
 /// # Errors
-/// The processor is not supported.
+/// The processor is not supported, a plan does not read what it needs, or the code generator refuses (too large a function).
 pub(super) fn generate<const N: usize>(
     plans: &[KernelPlan; N],
     graph: &Graph,
@@ -71,7 +57,9 @@ pub(super) fn generate<const N: usize>(
     let (isa, fma) = target()?;
     let mut builder = JITBuilder::with_isa(isa.clone(), cranelift_module::default_libcall_names());
     builder.symbol("perlin", perlin_lanes as *const u8);
-    let mut module = JITModule::new(builder);
+    // Owned at once by what frees it: a module that is merely dropped leaks its memory.
+    let mut memory = CodeMemory(ManuallyDrop::new(JITModule::new(builder)));
+    let module = &mut *memory.0;
     let mut noise_signature = Signature::new(CallConv::SystemV);
     noise_signature.params.push(AbiParam::new(I64));
     let noise = module.declare_function("perlin", Linkage::Import, &noise_signature).map_err(failed)?;
@@ -81,8 +69,11 @@ pub(super) fn generate<const N: usize>(
         context.func.signature = Signature::new(CallConv::SystemV);
         context.func.signature.params.extend(kernel::parameters());
         let id = module.declare_function(plan.name, Linkage::Local, &context.func.signature).map_err(failed)?;
-        let callee = plan.calls_perlin(graph).then(|| module.declare_func_in_func(noise, &mut context.func));
-        kernel::write(plan, graph, &*isa, fma, callee, &mut context.func);
+        let unread = || CompileError::Generator(format!("the kernel of {} does not read all that it needs", plan.name));
+        let schedule = plan.schedule(graph).ok_or_else(unread)?;
+        let noisy = schedule.iter().any(|id| kernel::calls_perlin(graph, *id));
+        let callee = noisy.then(|| module.declare_func_in_func(noise, &mut context.func));
+        kernel::write(plan, &schedule, graph, &*isa, fma, callee, &mut context.func);
         context.set_disasm(listing.is_some());
         if let Some(listing) = &mut listing {
             listing.clif.push_str(&format!("; {}\n{}\n", plan.name, context.func.display()));
@@ -96,7 +87,7 @@ pub(super) fn generate<const N: usize>(
     }
     module.finalize_definitions().map_err(failed)?;
     let addresses: Vec<*const u8> = functions.iter().map(|id| module.get_finalized_function(*id)).collect();
-    let memory = Arc::new(CodeMemory(ManuallyDrop::new(module)));
+    let memory = Arc::new(memory);
     Ok(std::array::from_fn(|index| {
         let plan = &plans[index];
         // SAFETY: at the address is the finished code of the function that was written just now with the parameters of `Entry`, none
@@ -158,17 +149,14 @@ impl Kernel {
 }
 
 /// Flush to zero, denormals are zero, and all exceptions masked.
-#[cfg(target_arch = "x86_64")]
 const KERNEL_MXCSR: u32 = 0x9fc0;
 /// What Rust code runs with: round to nearest, all exceptions masked.
-#[cfg(target_arch = "x86_64")]
 const RUST_MXCSR: u32 = 0x1f80;
 
 /// Calls a kernel with subnormal operands and results counting as zero.
 ///
 /// # Safety
 /// Calling `entry` with these arguments must be sound.
-#[cfg(target_arch = "x86_64")]
 unsafe fn without_subnormals(
     entry: Entry,
     columns: *const *const Lanes,
@@ -197,14 +185,14 @@ unsafe fn without_subnormals(
     }
 }
 
-#[cfg(target_arch = "x86_64")]
 static KERNEL_MXCSR_VALUE: u32 = KERNEL_MXCSR;
-#[cfg(target_arch = "x86_64")]
 static RUST_MXCSR_VALUE: u32 = RUST_MXCSR;
 
 /// The function that kernels call for noise: six operands of four lanes, and room for the result behind them.
-#[cfg(target_arch = "x86_64")]
-pub(super) extern "C" fn perlin_lanes(lanes: *mut f32) {
+///
+/// # Safety
+/// `lanes` points to room for seven times four numbers, of which the first six times four are there.
+unsafe extern "C" fn perlin_lanes(lanes: *mut f32) {
     let mut saved: u32 = KERNEL_MXCSR;
     // SAFETY: reads and writes nothing but MXCSR and `saved`: Rust's floating point needs the default register.
     unsafe {
@@ -223,17 +211,5 @@ pub(super) extern "C" fn perlin_lanes(lanes: *mut f32) {
     // SAFETY: gives the kernel its MXCSR back.
     unsafe {
         std::arch::asm!("ldmxcsr [{saved}]", saved = in(reg) &raw const saved, options(nostack, readonly));
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn lanes_are_what_kernels_load() {
-        assert_eq!((size_of::<Lanes>(), align_of::<Lanes>()), (16, 16));
-        assert_eq!(Lanes::blocks(0), 0);
-        assert_eq!(Lanes::blocks(5), 2);
     }
 }

@@ -14,9 +14,9 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 pub enum CompileError {
     /// The processor is none that kernels are written for.
-    #[error("no compiled code for this processor: {0}; `--backend interpreter` works everywhere")]
+    #[error("no compiled code for this processor: {0}; the interpreter works everywhere")]
     Processor(String),
-    /// Cranelift refused; an error of this program.
+    /// Cranelift refused, for instance a function that is too large.
     #[error("the code generator failed: {0}")]
     Generator(String),
 }
@@ -58,7 +58,7 @@ impl CompiledFormula {
     /// Compiles a formula.
     ///
     /// # Errors
-    /// The processor is not supported.
+    /// The processor is not supported, or the formula is beyond what the code generator takes.
     pub fn new(formula: &Formula) -> Result<Self, CompileError> {
         Self::compile(formula, None)
     }
@@ -66,7 +66,7 @@ impl CompiledFormula {
     /// Compiles a formula and lists the stages.
     ///
     /// # Errors
-    /// The processor is not supported.
+    /// The processor is not supported, or the formula is beyond what the code generator takes.
     pub fn listing(formula: &Formula) -> Result<Listing, CompileError> {
         let mut listing = Listing::default();
         Self::compile(formula, Some(&mut listing))?;

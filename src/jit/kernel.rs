@@ -5,7 +5,7 @@
 
 use crate::formula::graph::{Graph, Node, NodeId};
 use crate::jit::emit::{Emitter, LANES_BYTES, PERLIN_OPERANDS};
-use crate::lang::scalars::Primitive;
+use crate::lang::scalars::{Primitive, Scalars};
 use cranelift_codegen::ir::condcodes::IntCC;
 use cranelift_codegen::ir::types::{F32X4, I64};
 use cranelift_codegen::ir::{AbiParam, FuncRef, Function, InstBuilder, MemFlagsData, StackSlotData, StackSlotKind, Value};
@@ -31,25 +31,30 @@ pub(super) struct KernelPlan {
 
 impl KernelPlan {
     /// The nodes that the kernel must compute, operands before their users; where it reads a node it does not look behind it.
-    fn schedule(&self, graph: &Graph) -> Vec<NodeId> {
+    /// None where it would need a variable or parameter that it does not read.
+    pub(super) fn schedule(&self, graph: &Graph) -> Option<Vec<NodeId>> {
         let mut seen = vec![false; graph.len()];
         self.columns.iter().chain(&self.uniforms).for_each(|node| seen[node.0 as usize] = true);
         let mut found = Vec::new();
         let mut pending = self.outputs.clone();
         while let Some(id) = pending.pop() {
-            if !std::mem::replace(&mut seen[id.0 as usize], true) {
-                found.push(id);
-                pending.extend_from_slice(graph.node(id).operands());
+            if std::mem::replace(&mut seen[id.0 as usize], true) {
+                continue;
             }
+            match graph.node(id) {
+                Node::Variable(..) | Node::Parameter(..) => return None,
+                node @ (Node::Constant(_) | Node::Apply(..)) => pending.extend_from_slice(node.operands()),
+            }
+            found.push(id);
         }
         found.sort_unstable();
-        found
+        Some(found)
     }
+}
 
-    /// Whether the kernel calls the noise function.
-    pub(super) fn calls_perlin(&self, graph: &Graph) -> bool {
-        self.schedule(graph).iter().any(|id| matches!(graph.node(*id), Node::Apply(Primitive::Perlin, _)))
-    }
+/// Whether a node calls the noise function.
+pub(super) fn calls_perlin(graph: &Graph, id: NodeId) -> bool {
+    matches!(graph.node(id), Node::Apply(Primitive::Perlin, _))
 }
 
 /// The parameters that every kernel has.
@@ -57,9 +62,14 @@ pub(super) fn parameters() -> [AbiParam; 4] {
     [AbiParam::new(I64); 4]
 }
 
-/// Writes the kernel into an empty function with the [`parameters`]; `perlin` is there if the kernel calls it.
+/// Beyond so many nodes blocks are computed one after the other: side by side they would need far more registers than there are, and
+/// there is enough to overlap within a block.
+const MANY_NODES: usize = 400;
+
+/// Writes the kernel, whose plan has this schedule, into an empty function with the [`parameters`]; `perlin` is there if it is called.
 pub(super) fn write(
     plan: &KernelPlan,
+    schedule: &[NodeId],
     graph: &Graph,
     isa: &dyn TargetIsa,
     fma: bool,
@@ -85,9 +95,9 @@ pub(super) fn write(
     let outputs = pointers(&mut builder, outputs, plan.outputs.len());
     let shift = builder.ins().iconst(I64, i64::from(LANES_BYTES.trailing_zeros()));
     let end = builder.ins().ishl(blocks, shift);
-    let mut writer = Writer { plan, graph, schedule: plan.schedule(graph), builder, fma, perlin, columns, uniforms, outputs };
+    let mut writer = Writer { plan, graph, schedule, builder, fma, perlin, columns, uniforms, outputs };
     let mut at = writer.builder.ins().iconst(I64, 0);
-    if plan.interleave > 1 {
+    if plan.interleave > 1 && schedule.len() <= MANY_NODES {
         at = writer.counted_loop(at, end, plan.interleave);
     }
     writer.counted_loop(at, end, 1);
@@ -99,7 +109,7 @@ pub(super) fn write(
 struct Writer<'w, 'f> {
     plan: &'w KernelPlan,
     graph: &'w Graph,
-    schedule: Vec<NodeId>,
+    schedule: &'w [NodeId],
     builder: FunctionBuilder<'f>,
     fma: bool,
     perlin: Option<(FuncRef, cranelift_codegen::ir::StackSlot)>,
@@ -133,40 +143,25 @@ impl Writer<'_, '_> {
     fn body(&mut self, offset: Value, interleave: usize) {
         let flags = MemFlagsData::trusted();
         let mut values: Vec<Vec<Value>> = vec![Vec::new(); self.graph.len()];
-        let place = |block: usize| (LANES_BYTES as usize * block) as i32;
-        for (node, pointer) in self.plan.columns.iter().zip(&self.columns) {
-            let address = self.builder.ins().iadd(*pointer, offset);
-            values[node.0 as usize] = (0..interleave)
-                .map(|block| self.builder.ins().load(F32X4, flags.with_readonly(), address, place(block)))
-                .collect();
-        }
-        for (index, node) in self.plan.uniforms.iter().enumerate() {
-            let value = self.builder.ins().load(F32X4, flags.with_readonly(), self.uniforms, place(index));
-            values[node.0 as usize] = vec![value; interleave];
-        }
-        for id in &self.schedule {
+        for id in self.schedule {
+            let node = self.graph.node(*id);
+            for operand in node.operands() {
+                self.read(*operand, offset, interleave, &mut values);
+            }
             let mut emitter = Emitter { builder: &mut self.builder, fma: self.fma, perlin: self.perlin };
-            values[id.0 as usize] = (0..interleave)
-                .map(|block| match self.graph.node(*id) {
-                    Node::Constant(bits) => {
-                        use crate::lang::scalars::Scalars;
-                        emitter.constant(f32::from_bits(bits))
-                    }
-                    node @ Node::Apply(primitive, _) => {
-                        let operands: Vec<Value> =
-                            node.operands().iter().map(|operand| values[operand.0 as usize][block]).collect();
-                        primitive.apply(&mut emitter, &operands)
-                    }
-                    // Plans read all their leaves from columns or uniforms; a plan that forgot one shows as NaN.
-                    Node::Variable(..) | Node::Parameter(..) => {
-                        use crate::lang::scalars::Scalars;
-                        emitter.constant(f32::NAN)
-                    }
-                })
-                .collect();
+            let value = |block: usize| match node {
+                Node::Constant(bits) => emitter.constant(f32::from_bits(bits)),
+                Node::Apply(primitive, _) => {
+                    let operands: Vec<Value> = node.operands().iter().map(|operand| values[operand.0 as usize][block]).collect();
+                    primitive.apply(&mut emitter, &operands)
+                }
+                Node::Variable(..) | Node::Parameter(..) => unreachable!("schedules hold no leaves"),
+            };
+            values[id.0 as usize] = (0..interleave).map(value).collect();
         }
-        for (node, pointer) in self.plan.outputs.iter().zip(&self.outputs) {
-            let address = self.builder.ins().iadd(*pointer, offset);
+        for (node, pointer) in self.plan.outputs.iter().zip(self.outputs.clone()) {
+            self.read(*node, offset, interleave, &mut values);
+            let address = self.builder.ins().iadd(pointer, offset);
             for (block, value) in values[node.0 as usize].iter().enumerate() {
                 let mut value = *value;
                 if self.plan.accumulate {
@@ -177,4 +172,25 @@ impl Writer<'_, '_> {
             }
         }
     }
+
+    /// Loads a node that is read from a column or the uniforms, at its first use: all at once they would not fit the registers.
+    fn read(&mut self, id: NodeId, offset: Value, interleave: usize, values: &mut [Vec<Value>]) {
+        if !values[id.0 as usize].is_empty() {
+            return;
+        }
+        let flags = MemFlagsData::trusted().with_readonly();
+        if let Some(column) = self.plan.columns.iter().position(|node| *node == id) {
+            let address = self.builder.ins().iadd(self.columns[column], offset);
+            let load = |block| self.builder.ins().load(F32X4, flags, address, place(block));
+            values[id.0 as usize] = (0..interleave).map(load).collect();
+        } else if let Some(uniform) = self.plan.uniforms.iter().position(|node| *node == id) {
+            let value = self.builder.ins().load(F32X4, flags, self.uniforms, place(uniform));
+            values[id.0 as usize] = vec![value; interleave];
+        }
+    }
+}
+
+/// The offset of a block, in bytes.
+fn place(block: usize) -> i32 {
+    (LANES_BYTES as usize * block) as i32
 }

@@ -5,11 +5,17 @@
 //! IR, [`emit`] gives the scalar primitives their instructions, [`math`] holds those that no processor has, [`compile`] makes
 //! the kernels of a formula, and [`call`] is the one room where unsafe code lives: it owns compiled code and calls it.
 
+#[cfg(all(target_arch = "x86_64", unix))]
+pub mod call;
+#[cfg(not(all(target_arch = "x86_64", unix)))]
+#[path = "no_call.rs"]
 pub mod call;
 pub mod compile;
 mod emit;
 mod kernel;
+pub mod lanes;
 mod math;
 
-pub use call::{Kernel, Lanes};
+pub use call::Kernel;
 pub use compile::{CompileError, CompiledFormula, Listing};
+pub use lanes::Lanes;

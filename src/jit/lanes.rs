@@ -1,0 +1,33 @@
+//! What columns are made of.
+
+/// Four records' values of one column, side by side in memory as kernels load them.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[repr(C, align(16))]
+pub struct Lanes(pub [f32; 4]);
+
+impl Lanes {
+    /// How many records a block holds.
+    pub const COUNT: usize = 4;
+
+    /// The same value for all four records.
+    pub fn splat(value: f32) -> Self {
+        Self([value; 4])
+    }
+
+    /// How many blocks so many records take.
+    pub fn blocks(records: usize) -> usize {
+        records.div_ceil(Self::COUNT)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lanes_are_what_kernels_load() {
+        assert_eq!((size_of::<Lanes>(), align_of::<Lanes>()), (16, 16));
+        assert_eq!(Lanes::blocks(0), 0);
+        assert_eq!(Lanes::blocks(5), 2);
+    }
+}

@@ -1,0 +1,27 @@
+//! In place of the room of calls where kernels cannot run: the same items, and no kernel.
+
+use crate::formula::graph::Graph;
+use crate::jit::compile::{CompileError, Listing, target};
+use crate::jit::kernel::KernelPlan;
+use crate::jit::lanes::Lanes;
+
+/// A compiled kernel: there is none.
+#[derive(Clone)]
+pub enum Kernel {}
+
+impl Kernel {
+    /// Runs the kernel.
+    pub fn run(&self, _columns: &[&[Lanes]], _uniforms: &[Lanes], _outputs: &mut [&mut [Lanes]], _blocks: usize) {
+        match *self {}
+    }
+}
+
+/// Says that there is no compiled code for this processor.
+pub(super) fn generate<const N: usize>(
+    _plans: &[KernelPlan; N],
+    _graph: &Graph,
+    _listing: Option<&mut Listing>,
+) -> Result<[Kernel; N], CompileError> {
+    let (isa, _) = target()?;
+    Err(CompileError::Processor(isa.name().to_owned()))
+}
