@@ -56,12 +56,13 @@ fn check(location: &Location, given: Option<Kind>) -> Result<bool, Failure> {
             return Ok(false);
         }
     };
-    let (diagnostics, rest_is_sound) = match kind {
-        Kind::Formula => (found(Formula::parse(&source), &source), true),
-        Kind::Scene => (found(Scene::parse(&source), &source), true),
+    let (diagnostics, more_warnings, rest_is_sound) = match kind {
+        Kind::Formula => (found(Formula::parse(&source), &source), 0, true),
+        Kind::Scene => (found(Scene::parse(&source), &source), 0, true),
         Kind::Session | Kind::Material => check_session(location, &source),
     };
     let [errors, warnings] = count(&diagnostics);
+    let warnings = warnings + more_warnings;
     let number = |count: usize, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
     let [errors_found, warnings_found] = [number(errors, "error"), number(warnings, "warning")];
     let rest = if errors == 0 && !rest_is_sound { "; a file that it names has errors" } else { "" };
@@ -77,8 +78,16 @@ fn read(location: &Location, given: Option<Kind>) -> Result<(Kind, Source), Diag
     match location {
         Location::File(path) => {
             let source = read_file(path, None)?;
-            // The parser of formulas says best what is wrong with anything else.
-            Ok((kind_of(source.text()).unwrap_or(Kind::Formula), source))
+            let suffix = match path.extension().and_then(|suffix| suffix.to_str()) {
+                Some("formula") => Some(Kind::Formula),
+                Some("scene") => Some(Kind::Scene),
+                Some("toml") => Some(Kind::Session),
+                Some(_) | None => None,
+            };
+            // A formula or a scene with a slip in its first line may look like TOML. The parser of formulas says best what is wrong
+            // with anything else.
+            let told = kind_of(source.text()).filter(|kind| *kind != Kind::Session || suffix.is_none());
+            Ok((told.or(suffix).unwrap_or(Kind::Formula), source))
         }
         Location::Preset(_) => {
             let found = Kind::ALL.into_iter().find_map(|kind| Some((kind, location.read(kind).ok()?)));
@@ -97,13 +106,13 @@ fn found<T>(outcome: Result<(T, Diagnostics), Diagnostics>, source: &Source) -> 
     }
 }
 
-/// What is wrong with a session; and whether the files that it names are sound.
-fn check_session(location: &Location, source: &Source) -> (Diagnostics, bool) {
+/// What is wrong with a session's text, how many warnings were given of its values, and whether the files that it names are sound.
+fn check_session(location: &Location, source: &Source) -> (Diagnostics, usize, bool) {
     let (mut session, diagnostics) = match Session::parse(source) {
         Ok(read) => read,
         Err(diagnostics) => {
             explain(&diagnostics, source);
-            return (diagnostics, false);
+            return (diagnostics, 0, false);
         }
     };
     if let Location::File(path) = location {
@@ -116,12 +125,12 @@ fn check_session(location: &Location, source: &Source) -> (Diagnostics, bool) {
         Ok(opened) => opened,
         Err(failure) => {
             failure.report();
-            return (diagnostics, false);
+            return (diagnostics, 0, false);
         }
     };
     let roster = Roster::new(&formula, &scene);
-    let given = session_values_of(&OpenSession { session, source: source.clone() }, &roster);
+    let (given, leftovers) = session_values_of(&OpenSession { session, source: source.clone() }, &roster);
     let (_, warnings) = Values::new(&formula, &scene, &given);
     warnings.iter().for_each(|warning| warn(warning.to_string()));
-    (diagnostics, true)
+    (diagnostics, leftovers + warnings.len(), true)
 }

@@ -27,6 +27,9 @@ use std::io::{self, BufWriter, Write};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
+/// What names, types and counts the columns.
+const INDEX: &str = "index.json";
+
 /// Stands for "none": no path before (the camera), no body (the ray left the scene).
 const NONE: u32 = u32::MAX;
 
@@ -47,13 +50,18 @@ pub(super) fn dump(input: &Input, machine: &MachineOptions, folder: &Path) -> Re
 }
 
 fn write(input: &Input, hits: &Hits, folder: &Path) -> io::Result<()> {
+    // Without its index a folder is no dump: none is there while columns of another one are being overwritten.
+    match fs::remove_file(folder.join(INDEX)) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+        Ok(()) | Err(_) => {}
+    }
     let mut dump = Dump::new(folder)?;
     let optics = Optics::new(&input.scene, &hits.view);
     for tile in &hits.tiles {
         dump.tile(input, &optics, tile)?;
     }
     let index = dump.finish(input, hits)?;
-    replace_file(&folder.join("index.json"), |writer| serde_json::to_writer_pretty(writer, &index).map_err(io::Error::from))
+    replace_file(&folder.join(INDEX), |writer| serde_json::to_writer_pretty(writer, &index).map_err(io::Error::from))
 }
 
 /// What `index.json` says.
@@ -85,9 +93,28 @@ struct ColumnIndex {
     r#type: &'static str,
     /// Numbers in each row; they lie together.
     components: usize,
-    /// What it is, for variables.
+    /// What it is.
     #[serde(skip_serializing_if = "Option::is_none")]
     meaning: Option<&'static str>,
+}
+
+/// What a column of whole numbers is.
+fn meaning(table: &str, column: &str) -> Option<&'static str> {
+    Some(match (table, column) {
+        ("paths", "parent") => "the path to the hit that the last ray comes from; none: the camera",
+        ("paths", "edge") => {
+            "how the last ray came to be; reflected and refracted ones are weighed with kr or kt of the parent's body"
+        }
+        ("paths", "body") => "the body that the last ray hit; none: it left the scene",
+        ("hits", "pixel") | ("misses", "pixel") => "the pixel, counted row by row from the top left",
+        ("hits", "path") | ("misses", "path") => {
+            "the path by which the ray came; its weight is the product of kr and kt along it"
+        }
+        ("hits", "body") => "the body",
+        ("records", "hit") => "the hit that the light reaches",
+        ("records", "light") => "the light",
+        _ => return None,
+    })
 }
 
 /// A table that is being written: one file a column.
@@ -99,7 +126,7 @@ struct Table {
 
 impl Table {
     fn new(folder: &Path, name: &'static str, numbers: &[&str], variables: &[Variable]) -> io::Result<Self> {
-        let whole = numbers.iter().map(|number| (*number, "u32", 1, None));
+        let whole = numbers.iter().map(|number| (*number, "u32", 1, meaning(name, number)));
         let real = variables.iter().map(|variable| (variable.name(), "f32", variable.ty().slots(), Some(variable.doc())));
         let column = |(column, r#type, components, meaning): (&str, &'static str, usize, Option<&'static str>)| {
             let file = format!("{name}.{column}.{type}");

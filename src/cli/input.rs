@@ -1,8 +1,10 @@
 //! From options to what the engine works on: session, formula, scene and values, with everything said that is wrong about them.
 
+use crate::cli::memory;
 use crate::cli::options::{Colour, InputOptions};
 use crate::cli::report::{Failure, accept, explain, say, warn};
 use illuminator::formula::Formula;
+use illuminator::formula::layout::Layout;
 use illuminator::lang::diagnostic::{Diagnostic, Diagnostics};
 use illuminator::lang::source::Source;
 use illuminator::lang::variables::Predefined;
@@ -12,8 +14,11 @@ use illuminator::trace::View;
 use illuminator::workspace::files::{Location, kind_of};
 use illuminator::workspace::session::{Lacking, PictureSettings};
 use illuminator::workspace::{Assignment, OwnerId, Roster, Session, Values};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
+
+/// Bytes that each parameter value takes while it is read, checked and kept.
+const BYTES_PER_NUMBER: u64 = 16;
 
 /// What the engine works on.
 pub(super) struct Input {
@@ -23,6 +28,8 @@ pub(super) struct Input {
     pub(super) formula: Arc<Formula>,
     /// The scene.
     pub(super) scene: Arc<Scene>,
+    /// The files that were read.
+    pub(super) files: Vec<PathBuf>,
     /// The values of all parameters.
     pub(super) values: Values,
     /// Size, depth and the like.
@@ -73,6 +80,10 @@ fn open<T>(
     parse: fn(&Source) -> Result<(T, Diagnostics), Diagnostics>,
 ) -> Result<(Source, T), Failure> {
     let source = location.read(kind).map_err(Failure::Input)?;
+    if kind_of(source.text()) == Some(Kind::Session) && source.name().ends_with(".toml") {
+        let diagnostic = Diagnostic::error(format!("`{location}` looks like a session, not a {}", kind.noun()));
+        return Err(Failure::Input(diagnostic.help("give a session without an option in front of it")));
+    }
     let parsed = accept(parse(&source), &source)?;
     Ok((source, parsed))
 }
@@ -95,11 +106,23 @@ pub(super) fn load(options: &InputOptions) -> Result<Input, Failure> {
         // Without a session both were given.
         return Err(Failure::command_line("give a formula and a scene, or a session"));
     };
+    let read = [options.session.as_ref().map(Location::new), Some(formula.clone()), Some(scene.clone())];
+    let files = read.into_iter().flatten().filter_map(|location| match location {
+        Location::File(path) => Some(path),
+        Location::Preset(_) => None,
+    });
     let (formula_source, formula, scene) = open_both(&formula, &scene)?;
+    let numbers = Layout::new(&formula, scene.bodies.len(), scene.lights.len()).len() as u64;
+    if numbers.saturating_mul(BYTES_PER_NUMBER) > memory::budget(options.machine.memory) {
+        let message =
+            format!("{numbers} parameter values, those of all bodies and lights together, take more memory than may be used");
+        return Err(Failure::Input(Diagnostic::error(message).help("`--memory SIZE` allows more")));
+    }
+    let files = files.collect();
     let picture = picture_settings(options, session.as_ref().map(|open| open.session.picture).unwrap_or_default());
     let view = view(&picture)?;
     let values = values(&formula, &scene, session.as_ref(), replaced, options)?;
-    Ok(Input { formula_source, formula: Arc::new(formula), scene: Arc::new(scene), values, view, srgb: picture.srgb })
+    Ok(Input { formula_source, formula: Arc::new(formula), scene: Arc::new(scene), files, values, view, srgb: picture.srgb })
 }
 
 /// Which of a session's files the command line replaces.
@@ -118,7 +141,7 @@ fn values(
 ) -> Result<Values, Failure> {
     let roster = Roster::new(formula, scene);
     let set = set_values(options, formula, &roster)?;
-    let kept = session.map_or_else(Vec::new, |open| session_values(open, &roster, replaced));
+    let kept = session.map_or_else(Vec::new, |open| session_values(open, &roster, replaced).0);
     let (values, warnings) = if replaced.formula || replaced.scene {
         let (mut values, mut warnings) = Values::keeping(formula, scene, &kept);
         warnings.extend(values.assign(&set));
@@ -131,11 +154,12 @@ fn values(
 }
 
 /// The values that a session has for a formula on a scene.
-pub(super) fn session_values_of(open: &OpenSession, roster: &Roster) -> Vec<Assignment> {
+/// With them comes how many warnings were given.
+pub(super) fn session_values_of(open: &OpenSession, roster: &Roster) -> (Vec<Assignment>, usize) {
     session_values(open, roster, Replaced { formula: false, scene: false })
 }
 
-fn session_values(open: &OpenSession, roster: &Roster, replaced: Replaced) -> Vec<Assignment> {
+fn session_values(open: &OpenSession, roster: &Roster, replaced: Replaced) -> (Vec<Assignment>, usize) {
     let (assignments, leftovers) = open.session.assignments(roster);
     let mut warnings = Diagnostics::new();
     for leftover in leftovers {
@@ -149,7 +173,7 @@ fn session_values(open: &OpenSession, roster: &Roster, replaced: Replaced) -> Ve
         }
     }
     explain(&warnings, &open.source);
-    assignments
+    (assignments, warnings.len())
 }
 
 /// The values that the command line gives.

@@ -4,7 +4,7 @@ use crate::cli::report::Failure;
 use illuminator::lang::diagnostic::Diagnostic;
 use illuminator::picture::Format;
 use illuminator::workspace::files::reason;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Checks that a picture can be written to this path.
 pub(super) fn check_picture(path: &Path) -> Result<Format, Failure> {
@@ -17,8 +17,31 @@ pub(super) fn check_picture(path: &Path) -> Result<Format, Failure> {
     if path.is_dir() {
         return Err(Failure::command_line(format!("`{name}` is a folder; name a file in it")));
     }
+    match path.metadata() {
+        Ok(there) if !there.is_file() => {
+            return Err(Failure::command_line(format!("`{name}` is a device or a pipe; pictures are written to files")));
+        }
+        Ok(there) if there.permissions().readonly() => {
+            return Err(Failure::command_line(format!("`{name}` is write-protected")));
+        }
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+            return Err(Failure::command_line(format!("cannot write `{name}`: {}", reason(&error))));
+        }
+        Ok(_) | Err(_) => {}
+    }
     check_folder(path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new(".")))?;
     Ok(format)
+}
+
+/// Checks that a picture would not take the place of one of the texts that it is made from.
+pub(super) fn check_distinct(path: &Path, inputs: &[PathBuf]) -> Result<(), Failure> {
+    let Ok(target) = path.canonicalize() else { return Ok(()) };
+    match inputs.iter().find(|input| input.canonicalize().is_ok_and(|input| input == target)) {
+        Some(input) => {
+            Err(Failure::command_line(format!("the picture would overwrite `{}`, which it is made from", input.display())))
+        }
+        None => Ok(()),
+    }
 }
 
 /// Checks that files can be made in this folder.

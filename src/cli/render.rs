@@ -3,7 +3,7 @@
 use crate::cli::engine;
 use crate::cli::input::load;
 use crate::cli::options::InputOptions;
-use crate::cli::output::check_picture;
+use crate::cli::output::{check_distinct, check_picture};
 use crate::cli::report::{Failure, warn};
 use clap::{Args, ValueEnum};
 use illuminator::evaluate::Backend;
@@ -43,6 +43,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         warn("OpenEXR files hold linear numbers; `--srgb` changes nothing");
     }
     let input = load(&options.input)?;
+    check_distinct(&options.output, &input.files)?;
     let backend = match options.backend {
         BackendName::Jit => Backend::Jit,
         BackendName::Interpreter => Backend::Interpreter,
@@ -53,6 +54,15 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         0 => {}
         1 => warn("in 1 pixel the formula gives no number (NaN); there the component is 0"),
         pixels => warn(format!("in {pixels} pixels the formula gives no number (NaN); there the component is 0")),
+    }
+    if let Some((first, rest)) = frame.linear.split_first()
+        && !rest.is_empty()
+        && rest.iter().all(|pixel| pixel == first)
+    {
+        let [red, green, blue] = first;
+        warn(format!(
+            "every pixel has the same colour, <{red}, {green}, {blue}>: no ray hits a body, the camera is inside one, or no light is on"
+        ));
     }
     let transfer = if options.srgb || input.srgb { Transfer::Srgb } else { Transfer::Linear };
     save(&options.output, &frame, transfer).map_err(Failure::input)

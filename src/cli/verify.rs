@@ -47,6 +47,7 @@ fn describe(found: &Verification, width: u32) -> String {
         }
     };
     text.push_str(&format!("{:<34}{worst}\n", "largest difference"));
+    text.push_str(&format!("{:<34}{:>10}\n", "pixels with NaN", found.nan_pixels));
     text.push_str(&counted(&format!("beyond {TOLERANCE:e}"), found.failed));
     text.push_str(&counted("excused: the formula is unstable", found.excused));
     text.push_str(&counted("one step apart in 8 bits", found.one_step));

@@ -54,6 +54,8 @@ fn distance(value: f32, reference: f32) -> f32 {
 pub struct Verification {
     /// How many components were compared.
     pub components: usize,
+    /// How many pixels hold a NaN by compiled code.
+    pub nan_pixels: usize,
     /// The largest difference that is not excused.
     pub worst: Option<Difference>,
     /// How many components differ by more than the tolerance without excuse.
@@ -81,8 +83,15 @@ pub fn verify(compiled: &Compiled, interpreted: &Interpreted, memory: &[f32]) ->
 }
 
 fn compare(compiled: &Frame, interpreted: &Frame, excuse: impl Fn(&Difference) -> bool) -> Verification {
-    let mut found =
-        Verification { components: 3 * compiled.linear.len(), worst: None, failed: 0, excused: 0, one_step: 0, more_steps: 0 };
+    let mut found = Verification {
+        components: 3 * compiled.linear.len(),
+        nan_pixels: compiled.linear.iter().filter(|pixel| pixel.iter().any(|component| component.is_nan())).count(),
+        worst: None,
+        failed: 0,
+        excused: 0,
+        one_step: 0,
+        more_steps: 0,
+    };
     let pixels = compiled.linear.iter().zip(&interpreted.linear).enumerate();
     for (pixel, (one, other)) in pixels {
         for component in 0..3 {

@@ -128,7 +128,7 @@ impl Graph {
         }
     }
 
-    /// xⁿ for the whole numbers −4..4 by products: within two units in the last place of `powf`, at a fraction of its price.
+    /// xⁿ for the whole numbers −4..4 by products: within four units in the last place of `powf`, at a fraction of its price.
     fn small_power(&mut self, x: NodeId, exponent: f32) -> Option<NodeId> {
         if exponent.fract() != 0.0 || !(1.0..=4.0).contains(&exponent.abs()) {
             return None;

@@ -81,15 +81,12 @@ impl Scalars for Emitter<'_, '_> {
         self.math().abs(x)
     }
 
-    // A comparison and a selection, which become one `minps` or `maxps`; Cranelift's own `fmin` obeys other rules and costs more.
     fn min(&mut self, x: Value, y: Value) -> Value {
-        let mask = self.builder.ins().fcmp(FloatCC::LessThan, x, y);
-        self.math().select(mask, x, y)
+        self.math().lesser(x, y)
     }
 
     fn max(&mut self, x: Value, y: Value) -> Value {
-        let mask = self.builder.ins().fcmp(FloatCC::LessThan, y, x);
-        self.math().select(mask, x, y)
+        self.math().greater(x, y)
     }
 
     fn exp(&mut self, x: Value) -> Value {

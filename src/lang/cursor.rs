@@ -88,7 +88,7 @@ impl Cursor {
     pub fn mark(&self) -> Option<Mark> {
         match self.peek(0).kind {
             TokenKind::Mark(mark) => Some(mark),
-            TokenKind::Number(_) | TokenKind::Word(_) | TokenKind::Uses(..) | TokenKind::End => None,
+            TokenKind::Number(_) | TokenKind::Word(_) | TokenKind::Uses(..) | TokenKind::Unknown | TokenKind::End => None,
         }
     }
 
@@ -96,7 +96,16 @@ impl Cursor {
     pub fn word(&self, ahead: usize) -> Option<&str> {
         match &self.peek(ahead).kind {
             TokenKind::Word(word) => Some(word),
-            TokenKind::Number(_) | TokenKind::Mark(_) | TokenKind::Uses(..) | TokenKind::End => None,
+            TokenKind::Number(_) | TokenKind::Mark(_) | TokenKind::Uses(..) | TokenKind::Unknown | TokenKind::End => None,
+        }
+    }
+
+    /// Reads on as if the word at hand were this one, and a `;` behind it.
+    pub fn rename(&mut self, word: &str) {
+        let end = self.tokens.len() - 1;
+        self.tokens[self.at.min(end)].kind = TokenKind::Word(word.to_owned());
+        if self.at + 1 < end {
+            self.tokens[self.at + 1].kind = TokenKind::Mark(Mark::Semicolon);
         }
     }
 
@@ -135,9 +144,11 @@ impl Cursor {
         Diagnostic::error(format!("expected {what}, found {found}")).at(self.span(), format!("expected {what}"))
     }
 
-    /// Reports an error or a warning.
+    /// Reports an error or a warning; but nothing more of characters that are reported already.
     pub fn report(&mut self, diagnostic: Diagnostic) -> Reported {
-        self.diagnostics.push(diagnostic);
+        if *self.kind(0) != TokenKind::Unknown {
+            self.diagnostics.push(diagnostic);
+        }
         Reported
     }
 

@@ -190,7 +190,11 @@ pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) ->
             let caseless = strsim::damerau_levenshtein(&name.to_lowercase(), &candidate.to_lowercase());
             (if caseless == 0 { 0 } else { distance }, candidate)
         })
-        .filter(|(distance, candidate)| *distance <= candidate.chars().count().max(name.chars().count()).div_ceil(3))
+        .filter(|(distance, candidate)| {
+            let longest = candidate.chars().count().max(name.chars().count());
+            // Of names of two letters every other is "near": only a wrong case counts.
+            *distance == 0 || (longest > 2 && *distance <= longest.div_ceil(3))
+        })
         .min_by_key(|(distance, _)| *distance)
         .map(|(_, candidate)| candidate)
 }
@@ -204,6 +208,7 @@ mod tests {
         assert_eq!(nearest("cd", ["kd", "Cd", "kr"]), Some("Cd"));
         assert_eq!(nearest("sqr", ["sin", "sqrt", "cos"]), Some("sqrt"));
         assert_eq!(nearest("roughness", ["kd", "Cd", "normalize"]), None);
+        assert_eq!(nearest("kd", ["Cd", "ka"]), None);
     }
 
     #[test]

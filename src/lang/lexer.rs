@@ -8,7 +8,7 @@ use crate::lang::token::{Mark, Token, TokenKind};
 
 /// The words of a text, ended by [`TokenKind::End`], and what is wrong with its characters.
 ///
-/// Characters that cannot begin a word are reported and passed over, so that the parser sees all the rest.
+/// Characters that cannot begin a word are reported and stand in the list as [`TokenKind::Unknown`].
 pub fn tokenize(source: &Source) -> (Vec<Token>, Diagnostics) {
     let mut lexer = Lexer { text: source.text(), at: 0, tokens: Vec::new(), diagnostics: Diagnostics::new() };
     lexer.run();
@@ -63,7 +63,9 @@ impl Lexer<'_> {
     }
 
     fn push(&mut self, kind: TokenKind, start: usize) {
-        self.tokens.push(Token { kind, span: Span::new(start, self.at) });
+        let before = self.tokens.last().map_or(0, |token| token.span.end as usize);
+        let begins_line = self.tokens.is_empty() || self.text[before.min(start)..start].contains('\n');
+        self.tokens.push(Token { kind, span: Span::new(start, self.at), begins_line });
     }
 
     fn skip_blanks(&mut self) {
@@ -114,7 +116,7 @@ impl Lexer<'_> {
                     .help(format!("numbers go up to about {:e}", f32::MAX)),
             );
         }
-        self.push(TokenKind::Number(if value.is_finite() { value } else { 0.0 }), start);
+        self.push(if value.is_finite() { TokenKind::Number(value) } else { TokenKind::Unknown }, start);
     }
 
     /// `#uses PATH;`: the path is raw text up to the `;` on the same line.
@@ -132,8 +134,10 @@ impl Lexer<'_> {
                     format!("`#{name}` means nothing here")
                 })
                 .at(span, "")
-                .help("only `#uses FILE;` begins with `#`; it names the file of materials"),
+                .help("only `#uses FILE;` begins with `#`; comments are `// …` or `/* … */`"),
             );
+            // What stands behind it on the line was most likely a comment.
+            self.at = start + self.text[start..].find('\n').unwrap_or(self.text.len() - start);
             return;
         }
         self.at += word;
@@ -162,7 +166,7 @@ impl Lexer<'_> {
         let known = |character: char| {
             character.is_whitespace()
                 || character.is_ascii_alphanumeric()
-                || "_#.".contains(character)
+                || "_#".contains(character)
                 || Mark::ALL.iter().any(|mark| mark.spelling().starts_with(character))
         };
         self.at += self
@@ -171,11 +175,14 @@ impl Lexer<'_> {
             .find(|(offset, c)| *offset > 0 && known(*c))
             .map_or(self.rest().len(), |(offset, _)| offset);
         let text = &self.text[start..self.at];
-        // A lone `&` or `|` begins a mark but is none.
-        let text = if text.is_empty() { &self.rest()[..1] } else { text };
         let hint = match text {
             "&" => Some("the logical operators are `&&`, `||` and `!`"),
-            "|" => Some("the logical operators are `&&`, `||` and `!`"),
+            "|" => Some(
+                "the absolute value is `abs(x)`, a vector's length `length(v)`; the logical operators are `&&`, `||` and `!`",
+            ),
+            "?" => Some("a choice is written `if(condition, then, else)`"),
+            "%" => Some("the remainder is `mod(x, y)`"),
+            "²" | "³" => Some("powers are written `x^2`"),
             "−" | "–" | "—" => Some("the minus sign is `-`"),
             "×" | "·" | "∙" | "⋅" => Some("multiplication is `*`, the dot product `.`"),
             "α" | "β" | "γ" | "π" => Some("the angles are written `alpha`, `beta`, `gamma`, and π is `pi`"),
@@ -185,8 +192,8 @@ impl Lexer<'_> {
         let diagnostic = Diagnostic::error(format!("`{text}` is not part of the language"))
             .at(Span::new(start, start + text.len()), "not understood")
             .help_if(hint);
-        self.at = start + text.len();
         self.diagnostics.push(diagnostic);
+        self.push(TokenKind::Unknown, start);
     }
 }
 
@@ -229,7 +236,8 @@ mod tests {
     #[test]
     fn strangers_are_reported_and_passed_over() {
         let (tokens, diagnostics) = tokenize(&Source::new("t", "a & b § c $$ d | e"));
-        assert_eq!(tokens.len(), 6);
+        assert_eq!(tokens.iter().filter(|token| token.kind == TokenKind::Unknown).count(), 4);
+        assert_eq!(tokens.len(), 10);
         assert_eq!(diagnostics.len(), 4, "{diagnostics:?}");
     }
 

@@ -4,6 +4,7 @@ use crate::lang::ast::{ExprId, ExprKind, Name};
 use crate::lang::cursor::{Placed, Reported};
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::parser::Parser;
+use crate::lang::source::Span;
 use crate::lang::token::{Mark, TokenKind};
 
 /// How deep expressions may nest. Far beyond what a person writes, and little enough for any thread's stack.
@@ -26,7 +27,7 @@ impl Place {
 
 const COMPARISONS: [Mark; 6] = [Mark::Less, Mark::LessEqual, Mark::Greater, Mark::GreaterEqual, Mark::EqualEqual, Mark::NotEqual];
 
-impl Parser {
+impl Parser<'_> {
     /// `expr`, outside any condition.
     pub(super) fn expression(&mut self) -> Result<ExprId, Reported> {
         self.sum(Place { nesting: 0, condition: false })
@@ -47,13 +48,29 @@ impl Parser {
                     .at(span, "comparisons are not values")
                     .help("write `if(a < b, then, else)`")
             }
-            Some(Mark::Equal) => Diagnostic::error("a second `=` in one statement")
+            Some(Mark::Equal) if !self.cursor.peek(0).begins_line => Diagnostic::error("a second `=` in one statement")
                 .at(span, format!("expected an operator or `{}`", mark.spelling()))
                 .help("was a `;` forgotten before? Equality is compared with `==`, inside `if(…)`"),
             Some(Mark::Close) => Diagnostic::error("a `)` that closes nothing").at(span, "no `(` is open here"),
+            _ if self.operator_missing() => {
+                let before = self.source_text(self.cursor.previous_span());
+                let after = self.source_text(span);
+                Diagnostic::error(format!("an operator is missing between `{before}` and `{after}`"))
+                    .at(self.cursor.previous_span().to(span), "expected `*`, `.`, `+` or another operator between the two")
+            }
+            Some(Mark::Comma) if mark == Mark::Semicolon => Diagnostic::error("a `,` outside parentheses")
+                .at(span, "expected an operator or `;`")
+                .help("decimal numbers are written with a dot, `1.5`, and vectors `<x, y, z>`"),
             _ => return self.cursor.expect(mark, purpose),
         };
         Err(self.cursor.report(diagnostic))
+    }
+
+    /// Whether a value begins right behind another, on the same line.
+    fn operator_missing(&self) -> bool {
+        let next = self.cursor.peek(0);
+        let value = matches!(next.kind, TokenKind::Word(_) | TokenKind::Number(_) | TokenKind::Mark(Mark::Open));
+        value && !next.begins_line && !self.cursor.sees_mark(1, Mark::Equal)
     }
 
     fn nested(&mut self, place: Place) -> Result<Place, Reported> {
@@ -123,7 +140,7 @@ impl Parser {
     }
 
     /// The beginning of an expression, its own parentheses counted.
-    fn outer_start(&self, id: ExprId) -> crate::lang::source::Span {
+    fn outer_start(&self, id: ExprId) -> Span {
         let expression = self.file.expr(id);
         let mut span = expression.span;
         if expression.parenthesised {
@@ -174,7 +191,8 @@ impl Parser {
         match token.kind {
             TokenKind::Number(value) => {
                 self.cursor.advance();
-                self.number_stands_alone()?;
+                let text = self.source_text(token.span);
+                self.number_stands_alone(&text)?;
                 let value = self.narrow(Placed { value, span: token.span })?;
                 Ok(self.add(ExprKind::Number(value), token.span))
             }
@@ -207,11 +225,11 @@ impl Parser {
                 let inner = self.nested(place)?.value();
                 self.cursor.advance();
                 let x = self.sum(inner)?;
-                self.cursor.expect(Mark::Comma, "between the three components of a vector")?;
+                self.expect_component(token.span, Mark::Comma)?;
                 let y = self.sum(inner)?;
-                self.cursor.expect(Mark::Comma, "between the three components of a vector")?;
+                self.expect_component(token.span, Mark::Comma)?;
                 let z = self.sum(inner)?;
-                self.cursor.expect(Mark::Greater, "to close the vector of three components")?;
+                self.expect_component(token.span, Mark::Greater)?;
                 let span = token.span.to(self.cursor.previous_span());
                 Ok(self.add(ExprKind::Vector([x, y, z]), span))
             }
@@ -221,25 +239,46 @@ impl Parser {
                     .help("write `if(!(a < b), then, else)`");
                 Err(self.cursor.report(diagnostic))
             }
-            TokenKind::Mark(_) | TokenKind::Uses(..) | TokenKind::End => {
+            TokenKind::Mark(_) | TokenKind::Uses(..) | TokenKind::Unknown | TokenKind::End => {
                 Err(self.cursor.expected("a value: a number, a name, `(…)` or `<x, y, z>`"))
             }
         }
     }
 
+    /// The mark behind a component of the vector that was opened at `open`.
+    fn expect_component(&mut self, open: Span, mark: Mark) -> Result<(), Reported> {
+        let few = mark == Mark::Comma && self.cursor.sees_mark(0, Mark::Greater);
+        let many = mark == Mark::Greater && self.cursor.sees_mark(0, Mark::Comma);
+        if few || many {
+            let count = if few { "fewer" } else { "more" };
+            let diagnostic = Diagnostic::error(format!("a vector has three components, this one has {count}"))
+                .at(open.to(self.cursor.span()), "expected `<x, y, z>`");
+            return Err(self.cursor.report(diagnostic));
+        }
+        self.expect_expression_end(mark, "in the vector `<x, y, z>`")
+    }
+
     /// `1.N` is the number `1.` before a name: likely a dot product was meant.
-    fn number_stands_alone(&mut self) -> Result<(), Reported> {
+    fn number_stands_alone(&mut self, text: &str) -> Result<(), Reported> {
         let number = self.cursor.previous_span();
-        let next = self.cursor.peek(0);
-        let described = match &next.kind {
-            TokenKind::Word(_) | TokenKind::Number(_) => next.kind.describe(),
-            TokenKind::Mark(Mark::Open) => "`(`".to_owned(),
-            TokenKind::Mark(_) | TokenKind::Uses(..) | TokenKind::End => return Ok(()),
+        let next = self.cursor.peek(0).clone();
+        if !matches!(next.kind, TokenKind::Word(_) | TokenKind::Number(_) | TokenKind::Mark(Mark::Open)) || next.begins_line {
+            return Ok(());
+        }
+        let described = next.kind.describe();
+        let hint = match &next.kind {
+            TokenKind::Word(name) if text.ends_with('.') => {
+                format!(
+                    "a dot behind digits belongs to the number: write `({}).{name}` for a dot product",
+                    text.trim_end_matches('.')
+                )
+            }
+            TokenKind::Word(name) => format!("write `{text}*{name}` for a product"),
+            _ => "write an operator, or a `,` between arguments".to_owned(),
         };
-        let place = number.to(next.span);
         let diagnostic = Diagnostic::error(format!("a number stands right before {described}"))
-            .at(place, "expected an operator between the two")
-            .help("a dot behind digits belongs to the number: for a dot product write `(1).N`, for a product `1 * N`");
+            .at(number.to(next.span), "expected an operator between the two")
+            .help(hint);
         Err(self.cursor.report(diagnostic))
     }
 
@@ -260,10 +299,9 @@ impl Parser {
     fn call(&mut self, place: Place, callee: Name) -> Result<ExprId, Reported> {
         let open = self.cursor.advance().span;
         let mut arguments = Vec::new();
-        if self.cursor.sees_mark(0, Mark::Close) {
-            let diagnostic = Diagnostic::error(format!("`{}()` has no arguments", callee.text))
-                .at(open.to(self.cursor.span()), "expected at least one");
-            return Err(self.cursor.report(diagnostic));
+        if self.cursor.accept(Mark::Close) {
+            let span = callee.span.to(self.cursor.previous_span());
+            return Ok(self.add(ExprKind::Call(callee, arguments), span));
         }
         loop {
             arguments.push(self.sum(place)?);

@@ -6,7 +6,7 @@
 use crate::lang::ast::{Constant, Declaration, FormulaFile, InvariantLine, MacroLine, Relation, Section};
 use crate::lang::ast::{Expr, ExprId, ExprKind};
 use crate::lang::cursor::{Cursor, Placed, Reported};
-use crate::lang::diagnostic::{Diagnostic, Diagnostics};
+use crate::lang::diagnostic::{Diagnostic, Diagnostics, nearest};
 use crate::lang::source::{Source, Span};
 use crate::lang::token::{Mark, TokenKind};
 use crate::lang::types::Type;
@@ -14,19 +14,21 @@ use crate::lang::variables::Owner;
 
 /// Reads a formula file. The syntax is as complete as the text allows; it is fit for use only where there are no errors.
 pub fn parse(source: &Source) -> (FormulaFile, Diagnostics) {
-    let mut parser = Parser { cursor: Cursor::new(source), file: FormulaFile::default() };
+    let mut parser = Parser { source, cursor: Cursor::new(source), file: FormulaFile::default() };
     parser.file();
     (parser.file, parser.cursor.into_diagnostics())
 }
 
-pub(super) struct Parser {
+pub(super) struct Parser<'s> {
+    source: &'s Source,
     pub(super) cursor: Cursor,
     pub(super) file: FormulaFile,
 }
 
+const SECTIONS: [&str; 5] = ["global", "body_specific", "light_specific", "invariants", "formula"];
 const ATTRIBUTES: [&str; 4] = ["constraint", "default", "slider", "color"];
 
-impl Parser {
+impl Parser<'_> {
     fn file(&mut self) {
         if let TokenKind::Uses(path, span) = self.cursor.kind(0) {
             let (path, span) = (path.clone(), *span);
@@ -74,20 +76,37 @@ impl Parser {
                     self.cursor.report(
                         Diagnostic::error("this looks like a scene, not a formula")
                             .at(head, "a section of scene files")
-                            .help("give it as the scene (`--scene`), and a formula file as the formula"),
+                            .help("give formula and scene the other way round, or check the name of the file"),
                     );
                     return;
                 }
                 _ if self.cursor.at_end() => break,
                 _ => {
+                    // A misspelt head of a section is read as what it is most like.
+                    let near = word.as_deref().and_then(|word| nearest(&word.replace('-', "_"), SECTIONS));
+                    let ends = self.cursor.sees_mark(1, Mark::Semicolon) || self.cursor.sees_mark(1, Mark::Colon);
+                    if let Some(near) = near.filter(|_| ends && self.cursor.peek(1).span.start == head.end) {
+                        let diagnostic = self.cursor.unexpected("a section");
+                        self.cursor.report(diagnostic.help(format!("did you mean `{near};`?")));
+                        self.cursor.rename(near);
+                        continue;
+                    }
+                    if word.is_none() && self.cursor.sees_mark(0, Mark::Equal) || self.cursor.sees_mark(1, Mark::Equal) {
+                        let diagnostic =
+                            Diagnostic::error("an expression before `formula;`").at(head, "expected `formula;` before this");
+                        self.cursor.report(diagnostic.help("macros and the last line `= …;` stand under `formula;`"));
+                        self.formula();
+                        return;
+                    }
                     if self.cursor.sees_mark(1, Mark::Colon) {
                         let diagnostic = Diagnostic::error("a declaration outside a section")
                             .at(head, "expected a section first")
                             .help("put it under `global;`, `body_specific;` or `light_specific;`");
                         self.cursor.report(diagnostic);
                     } else {
-                        let known = ["global", "body_specific", "light_specific", "invariants", "formula"];
-                        self.cursor.unknown_word("a section (`body_specific;`, `formula;`, …)", &known);
+                        let diagnostic = self.cursor.unexpected("a section (`body_specific;`, `formula;`, …)");
+                        self.cursor.report(diagnostic.help("a formula file ends with `formula;` and `= expression;`"));
+                        return;
                     }
                     // The word itself may be a section's head in the wrong place, which skipping does not pass.
                     self.cursor.advance();
@@ -105,6 +124,11 @@ impl Parser {
         }
         let _ = self.cursor.expect(Mark::Semicolon, "after `formula`");
         self.formula();
+    }
+
+    /// The text under a span, for messages.
+    pub(super) fn source_text(&self, span: Span) -> String {
+        self.source.slice(span).to_owned()
     }
 
     fn declarations(&mut self, owner: Owner) {
@@ -282,6 +306,26 @@ impl Parser {
     }
 
     fn macro_line(&mut self) -> Result<(), Reported> {
+        if self.cursor.word(0) == Some("formula") && self.cursor.sees_mark(1, Mark::Semicolon) {
+            let diagnostic =
+                Diagnostic::error("a second section `formula`").at(self.cursor.span(), "each section may stand only once");
+            self.cursor.report(diagnostic.help("leave this line out"));
+            self.cursor.advance();
+            self.cursor.advance();
+            return Ok(());
+        }
+        if self.cursor.sees_mark(1, Mark::Colon) && self.cursor.sees_mark(2, Mark::Equal) {
+            let name = self.cursor.name("`NAME = expression;`")?;
+            let diagnostic =
+                Diagnostic::error("a macro is written `NAME = expression;`").at(self.cursor.span(), "without the `:`");
+            self.cursor.report(diagnostic);
+            self.cursor.advance();
+            self.cursor.advance();
+            let body = self.expression_statement();
+            let body = body.unwrap_or_else(|Reported| self.missing());
+            self.file.macros.push(MacroLine { name, body });
+            return Ok(());
+        }
         if self.cursor.sees_mark(1, Mark::Colon) {
             let diagnostic = Diagnostic::error("a declaration under `formula;`")
                 .at(self.cursor.span(), "expected `NAME = expression;`")
@@ -303,7 +347,9 @@ impl Parser {
         let expression = self.expression()?;
         let outcome = self.expect_expression_end(Mark::Semicolon, "at the end of the expression");
         // Where only the `;` is forgotten, the expression and the next statement are whole.
-        let next_begins = self.cursor.at_end() || (self.cursor.word(0).is_some() && self.cursor.sees_mark(1, Mark::Equal));
+        let begins = self.cursor.word(0).is_some() && self.cursor.sees_mark(1, Mark::Equal)
+            || self.cursor.sees_mark(0, Mark::Equal) && self.cursor.peek(0).begins_line;
+        let next_begins = self.cursor.at_end() || begins;
         if outcome.is_err() && !next_begins {
             return Err(Reported);
         }

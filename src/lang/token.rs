@@ -9,6 +9,8 @@ pub struct Token {
     pub kind: TokenKind,
     /// Where it stands.
     pub span: Span,
+    /// Whether it is the first on its line.
+    pub begins_line: bool,
 }
 
 /// The kinds of words.
@@ -22,6 +24,8 @@ pub enum TokenKind {
     Uses(String, Span),
     /// Punctuation.
     Mark(Mark),
+    /// Characters that are no word; they are reported already.
+    Unknown,
     /// The end of the text.
     End,
 }
@@ -34,6 +38,7 @@ impl TokenKind {
             TokenKind::Word(word) => format!("`{word}`"),
             TokenKind::Uses(..) => "`#uses`".to_owned(),
             TokenKind::Mark(mark) => format!("`{}`", mark.spelling()),
+            TokenKind::Unknown => "something that is not part of the language".to_owned(),
             TokenKind::End => "the end of the file".to_owned(),
         }
     }

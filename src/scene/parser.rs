@@ -330,11 +330,17 @@ impl Parser {
                 let message = format!("expected an attribute of the body, found {}", self.cursor.kind(0).describe());
                 let near = nearest(&word, ATTRIBUTES).map(|near| format!("did you mean `{near}`?"));
                 let diagnostic = Diagnostic::error(message).at(span, "no attribute of this name").help_if(near);
-                self.cursor.report(diagnostic.help("the attributes are `refractive_index NUMBER`, `opaque` and `matte`"));
+                let form = match word.as_str() {
+                    "radius" | "center" => "a sphere is written `sphere, center <x, y, z>, radius R`, each once",
+                    "color" | "colour" | "kr" | "kt" | "kd" | "ks" => "values belong in a session, or are given by `--set`",
+                    "" if self.cursor.sees_mark(0, Mark::Less) => "a rectangle has three corners; the fourth follows from them",
+                    _ => "the attributes are `refractive_index NUMBER`, `opaque` and `matte`",
+                };
+                self.cursor.report(diagnostic.help(form));
                 return Err(Reported);
             };
             if let Some(first) = seen[attribute] {
-                let diagnostic = Diagnostic::error(format!("`{word}` is given twice")).at(span, "the second time");
+                let diagnostic = Diagnostic::warning(format!("`{word}` is given twice")).at(span, "the last one holds");
                 self.cursor.report(diagnostic.at(first, "the first time").help("leave one of them out"));
             }
             seen[attribute].get_or_insert(span);

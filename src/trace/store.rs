@@ -18,6 +18,9 @@ use std::ops::{Add, Range};
 /// How many consecutive pixels make a tile. It is fixed, so that sums are taken in the same order on any machine.
 pub const TILE_PIXELS: u32 = 16_384;
 
+// Hits keep their pixel's place in the tile in two bytes.
+const _: () = assert!(TILE_PIXELS <= 1 << 16);
+
 /// A path by its place in its tile's list.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct PathId(pub u32);

@@ -213,12 +213,13 @@ fn parse_colour(text: &str) -> Option<[f32; 3]> {
     Some([component(0)?, component(2)?, component(4)?])
 }
 
-/// A finite number as the languages write it, with an optional sign.
+/// A number as the languages write it, with an optional sign.
 fn parse_number(text: &str) -> Option<f32> {
     let text = text.trim();
     // What Rust reads beyond that are `inf`, `nan` and the like.
     let digits = text.bytes().all(|byte| byte.is_ascii_digit() || b"+-.eE".contains(&byte));
-    text.parse().ok().filter(|number: &f32| digits && number.is_finite())
+    // A number beyond the largest is the largest: whoever takes it clamps it to the range of the parameter.
+    text.parse().ok().filter(|number: &f32| digits && !number.is_nan()).map(|number: f32| number.clamp(f32::MIN, f32::MAX))
 }
 
 impl fmt::Display for Setting {
@@ -251,7 +252,7 @@ mod tests {
         for text in ["kd", "=1", "ball.=1", ".kd=1", "a.b.c=1", ""] {
             assert!(matches!(text.parse::<Setting>(), Err(SettingError::Form(_))), "{text}");
         }
-        for text in ["a=", "a=x", "a=inf", "a=NaN", "a=1e99", "a=<1,2>", "a=<1,2,3", "a=<1,2,3,4>", "a=#12345", "a=#12345é"] {
+        for text in ["a=", "a=x", "a=inf", "a=NaN", "a=<1,2>", "a=<1,2,3", "a=<1,2,3,4>", "a=#12345", "a=#12345é"] {
             assert!(matches!(text.parse::<Setting>(), Err(SettingError::Value(_))), "{text}");
         }
     }

@@ -197,9 +197,10 @@ pub fn kind_of(text: &str) -> Option<Kind> {
     }
     let end = rest.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(rest.len());
     let (word, behind) = rest.split_at(end);
-    match (word, behind.trim_start().chars().next()) {
-        // Only TOML has `key = value` and `[table]` at its beginning.
-        (_, Some('=')) | ("", Some('[')) => Some(Kind::Session),
+    match (word, behind.trim_start_matches([' ', '\t']).chars().next()) {
+        // Only TOML has `[table]` at its beginning, or `key = value`, on one line.
+        ("", Some('[')) => Some(Kind::Session),
+        (key, Some('=')) if !key.is_empty() => Some(Kind::Session),
         ("bodies" | "lights" | "camera", _) => Some(Kind::Scene),
         ("global" | "body_specific" | "light_specific" | "invariants" | "formula", _) => Some(Kind::Formula),
         _ => None,

@@ -112,7 +112,10 @@ impl Checker<'_> {
         let message = if circle.len() == 1 {
             format!("the macro `{}` uses itself", first.text)
         } else {
-            let round: Vec<&str> = circle.iter().chain(&circle[..1]).map(|index| name(*index)).collect();
+            const SHOWN: usize = 6;
+            let mut round: Vec<&str> = circle.iter().take(SHOWN).map(|index| name(*index)).collect();
+            round.extend((circle.len() > SHOWN).then_some("…"));
+            round.push(name(circle[0]));
             format!("macros use each other in a circle: {}", round.join(" → "))
         };
         self.diagnostics.push(
@@ -218,11 +221,14 @@ impl Checker<'_> {
                 None
             }
             None => {
-                let hint = self.names.suggestion(&callee.text, |meaning| matches!(meaning, Meaning::Builtin(Form::Function(_))));
+                let elsewhere = elsewhere(&callee.text).map(|ours| format!("here it is written {ours}"));
+                let near =
+                    || self.names.suggestion(&callee.text, |meaning| matches!(meaning, Meaning::Builtin(Form::Function(_))));
+                let hint = elsewhere.or_else(near);
                 self.diagnostics.push(
                     Diagnostic::error(format!("there is no function `{}`", callee.text))
                         .at(callee.span, "not known")
-                        .help_if(hint.or_else(|| Some("`illuminator help-language` lists all functions".to_owned()))),
+                        .help_if(hint.or_else(|| Some("the reference of the language lists all functions".to_owned()))),
                 );
                 None
             }
@@ -248,6 +254,7 @@ impl Checker<'_> {
         let mut diagnostic = match form {
             Form::Function(name) if form.overloads().all(|overload| overload.operands().len() != types.len()) => {
                 let mut counts: Vec<usize> = form.overloads().map(|overload| overload.operands().len()).collect();
+                counts.sort_unstable();
                 counts.dedup();
                 let counts: Vec<String> = counts.iter().map(usize::to_string).collect();
                 let plural = if counts == ["1"] { "argument" } else { "arguments" };
@@ -295,6 +302,15 @@ impl Checker<'_> {
             }
             Form::Constant(_) | Form::Vector | Form::Conditional => Vec::new(),
         };
+        let mixed = types.contains(&Type::Scalar) && types.contains(&Type::Vector);
+        if mixed
+            && matches!(form, Form::Infix(Mark::Plus | Mark::Minus) | Form::Function("min" | "max" | "mix") | Form::Conditional)
+        {
+            diagnostic = diagnostic.help("the vector of three equal components is written `<x, x, x>`");
+        }
+        if form == Form::Infix(Mark::Caret) && types[0] == Type::Vector {
+            diagnostic = diagnostic.help("a vector times itself, by components, is `v*v`");
+        }
         if !accepted.is_empty() {
             diagnostic = diagnostic.help(format!("`{spelling}` takes {}", accepted.join(", ")));
         }
@@ -369,7 +385,36 @@ pub(super) fn reachable(file: &FormulaFile, root: ExprId) -> Vec<ExprId> {
 /// How a function is called: `pow(x, y)`.
 fn usages(form: Form) -> Vec<String> {
     let write = |operation: Operation| format!("`{}({})`", form.spelling(), operation.operand_names().join(", "));
-    form.overloads().map(write).collect()
+    let mut usages: Vec<String> = form.overloads().map(write).collect();
+    usages.dedup();
+    usages.sort_unstable();
+    usages.dedup();
+    usages
+}
+
+/// How what other languages call by this name is written here.
+fn elsewhere(name: &str) -> Option<&'static str> {
+    Some(match name {
+        "dot" => "`a.b`",
+        "vec3" | "float3" | "color" | "vector" | "rgb" => "`<x, y, z>`",
+        "lerp" => "`mix(a, b, t)`",
+        "saturate" => "`clamp(x, 0, 1)`",
+        "ln" => "`log(x)`",
+        "log10" => "`log(x)/log(10)`",
+        "frac" => "`fract(x)`",
+        "fabs" => "`abs(x)`",
+        "fmod" => "`mod(x, y)`",
+        "arccos" => "`acos(x)`",
+        "arcsin" => "`asin(x)`",
+        "arctan" => "`atan(x)`",
+        "norm" | "len" => "`length(v)`",
+        "unit" => "`normalize(v)`",
+        "noise" => "`perlin(pt, a, b, n)`",
+        "sqr" => "`x^2`",
+        "round" => "`floor(x + 0.5)`",
+        "deg" | "degrees" => "`x*180/pi`",
+        _ => return None,
+    })
 }
 
 /// An overload in words: `vector . vector → scalar`.

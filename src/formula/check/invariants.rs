@@ -71,6 +71,9 @@ fn parameter(term: &Name, parameters: &[Parameter], names: &Names, diagnostics: 
     None
 }
 
+/// The most invariants that a formula may have. Models have two or three; solving grows with more than the cube of their number.
+const MOST_INVARIANTS: usize = 64;
+
 /// Reports invariants that contradict each other, and warns of those that say nothing new and of defaults that give way.
 pub(super) fn solve(
     file: &FormulaFile,
@@ -79,6 +82,13 @@ pub(super) fn solve(
     diagnostics: &mut Diagnostics,
 ) {
     let (invariants, spans): (Vec<Invariant>, Vec<Span>) = invariants.iter().cloned().unzip();
+    if let Some(beyond) = spans.get(MOST_INVARIANTS) {
+        diagnostics.push(
+            Diagnostic::error("there are too many invariants")
+                .at(*beyond, format!("more than {MOST_INVARIANTS} cannot be solved while a slider moves")),
+        );
+        return;
+    }
     let mut contradict = false;
     for owner in Owner::ALL {
         match InvariantSystem::new(parameters, &invariants, owner) {

@@ -59,10 +59,14 @@ impl Names {
 
     fn give(&mut self, name: &Name, meaning: Meaning, diagnostics: &mut Diagnostics) {
         if let Some(what) = taken(&name.text) {
+            let mend = match (Predefined::named(&name.text), meaning) {
+                (Some(_), Meaning::Parameter(_)) => "leave the declaration out: the parameter is there without it",
+                _ => "choose another name",
+            };
             diagnostics.push(
                 Diagnostic::error(format!("`{}` is already {what}", name.text))
                     .at(name.span, format!("cannot name {} too", meaning.describe()))
-                    .help("choose another name"),
+                    .help(mend),
             );
             return;
         }

@@ -11,6 +11,8 @@ use crate::lang::types::Type;
 
 /// Warns of every use of a macro whose text, put in its place, would be read in another way.
 pub(super) fn warn(file: &FormulaFile, names: &Names, checked: &Checked, diagnostics: &mut Diagnostics) {
+    let texts = texts_of_macros(file, names);
+    let mut warned = vec![false; file.macros.len()];
     for expression in &file.expressions {
         let operands = expression.kind.operands();
         for (place, operand) in operands.iter().enumerate() {
@@ -19,9 +21,12 @@ pub(super) fn warn(file: &FormulaFile, names: &Names, checked: &Checked, diagnos
             if used.parenthesised {
                 continue;
             }
-            let Some(body) = text_of_macro(file, names, name) else { continue };
-            if differs(file, checked, &expression.kind, place, body) {
-                let text = print_expression(file, body);
+            let Some(Meaning::Macro(index)) = names.meaning(name) else { continue };
+            let Some(body) = texts[index].filter(|body| checked.ty(*body).is_some()) else { continue };
+            // Once for each macro: the user will look at its other uses.
+            if !warned[index] && differs(file, checked, &expression.kind, place, body) {
+                warned[index] = true;
+                let text = shortened(&print_expression(file, body));
                 diagnostics.push(
                     Diagnostic::warning(format!("the macro `{name}` stands for its value, `({text})`, not for its text"))
                         .at(used.span, "put in as text it would give another value")
@@ -32,21 +37,47 @@ pub(super) fn warn(file: &FormulaFile, names: &Names, checked: &Checked, diagnos
     }
 }
 
-/// The expression whose text would replace a macro's name: that of the macro, or of the macro it merely names.
-fn text_of_macro(file: &FormulaFile, names: &Names, name: &str) -> Option<ExprId> {
-    let mut name = name;
-    // Macros that name each other in a circle are reported elsewhere.
-    for _ in 0..=file.macros.len() {
-        let Some(Meaning::Macro(index)) = names.meaning(name) else { return None };
-        let body = file.macros[index].body;
-        let expression = file.expr(body);
-        let ExprKind::Name(next) = &expression.kind else { return Some(body) };
-        if expression.parenthesised || !matches!(names.meaning(next), Some(Meaning::Macro(_))) {
-            return Some(body);
+/// For each macro the expression whose text would replace its name: its own, or that of the macro it merely names; none where
+/// macros name each other in a circle.
+fn texts_of_macros(file: &FormulaFile, names: &Names) -> Vec<Option<ExprId>> {
+    let named = |index: usize| {
+        let expression = file.expr(file.macros[index].body);
+        match (&expression.kind, expression.parenthesised) {
+            (ExprKind::Name(next), false) => match names.meaning(next) {
+                Some(Meaning::Macro(next)) => Some(next),
+                Some(Meaning::Parameter(_) | Meaning::Variable(_) | Meaning::Builtin(_)) | None => None,
+            },
+            _ => None,
         }
-        name = next;
+    };
+    let mut texts: Vec<Option<ExprId>> = vec![None; file.macros.len()];
+    let mut known = vec![false; file.macros.len()];
+    for start in 0..file.macros.len() {
+        let mut chain = Vec::new();
+        let mut at = start;
+        let text = loop {
+            if known[at] {
+                break texts[at];
+            }
+            known[at] = true;
+            chain.push(at);
+            match named(at) {
+                Some(next) => at = next,
+                None => break Some(file.macros[at].body),
+            }
+        };
+        chain.into_iter().for_each(|index| texts[index] = text);
     }
-    None
+    texts
+}
+
+/// A text that fits into a message.
+fn shortened(text: &str) -> String {
+    const FITS: usize = 60;
+    match text.char_indices().nth(FITS) {
+        Some((end, _)) => format!("{} …", &text[..end]),
+        None => text.to_owned(),
+    }
 }
 
 /// Whether the text of `body` as an operand of `user` would be grouped so that the value changes.

@@ -117,13 +117,13 @@ impl<'a, 'f> VectorMath<'a, 'f> {
     }
 
     /// `a < b ? a : b`, hence `b` when either is NaN.
-    fn lesser(&mut self, a: Value, b: Value) -> Value {
+    pub(in crate::jit) fn lesser(&mut self, a: Value, b: Value) -> Value {
         let mask = self.compare(FloatCC::LessThan, a, b);
         self.select(mask, a, b)
     }
 
     /// `a > b ? a : b`, hence `b` when either is NaN.
-    fn greater(&mut self, a: Value, b: Value) -> Value {
+    pub(in crate::jit) fn greater(&mut self, a: Value, b: Value) -> Value {
         // Written as `b < a`: the form that Cranelift knows as `maxps`.
         let mask = self.compare(FloatCC::LessThan, b, a);
         self.select(mask, a, b)
