@@ -227,4 +227,37 @@ mod tests {
         }
         assert_eq!(disturbed.record(Primitive::Less, &[1.0, 2.0]), 1.0);
     }
+
+    #[test]
+    fn only_ill_conditioned_formulas_are_excused() {
+        use crate::formula::Formula;
+        use crate::formula::layout::Layout;
+        use crate::lang::source::Source;
+        use crate::scene::Scene;
+        use crate::trace::View;
+        use std::sync::Arc;
+        let scene = "bodies; b: sphere, center <0,0,0>, radius 1; lights; l: point, <0,0,9>;
+            camera; position <0,0,5>; gaze <0,0,-1>; up <0,1,0>; fov 10;";
+        let (scene, _) = Scene::parse(&Source::new("scene", scene)).unwrap();
+        let scene = Arc::new(scene);
+        // ki, IL and the colours are 1, everything else 0.
+        let excuses = |formula: &str, difference: f32| {
+            let (formula, _) = Formula::parse(&Source::new("formula", format!("formula; = {formula};"))).unwrap();
+            let formula = Arc::new(formula);
+            let interpreted = Interpreted::new(&formula, &scene, View::new(1, 1).unwrap()).unwrap();
+            let layout = Layout::new(&formula, 1, 1);
+            let mut memory = vec![0.0; layout.len()];
+            memory[layout.row(crate::lang::variables::Owner::Light, 0)..].fill(1.0);
+            let value = interpreted.frame(&memory).0.linear[0][0];
+            excused(
+                &interpreted,
+                &memory,
+                &Difference { pixel: 0, component: 0, compiled: value + difference, interpreted: value },
+            )
+        };
+        assert!(!excuses("IL*(N.L)", 0.001), "a product of cosines is well-conditioned");
+        assert!(!excuses("IL*exp(N.L)", 0.001));
+        assert!(excuses("IL*sin(3e4*(N.L + 0.25))", 0.001), "the sine of a large number is not");
+        assert!(!excuses("IL*sin(3e4*(N.L + 0.25))", 2.5), "but it stays within its range");
+    }
 }

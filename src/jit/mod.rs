@@ -1,8 +1,8 @@
 //! Compiled evaluation: a formula's graph as native four-lane SIMD code, by Cranelift.
 //!
 //! Each stage of evaluation is a *kernel*, a function with the loop over its records inside: static values of hits, static
-//! values of lit records, uniform values of (body, light) pairs, and the contributions of lit records. [`kernel`] writes a kernel as
-//! IR, [`emit`] gives the scalar primitives their instructions, [`math`] holds those that no processor has, [`compile`] makes
+//! values of lit records, uniform values of (body, light) pairs, and the contributions of lit records. `kernel` writes a kernel as
+//! IR, `emit` gives the scalar primitives their instructions, `math` holds those that no processor has, [`compile`] makes
 //! the kernels of a formula, and [`call`] is the one room where unsafe code lives: it owns compiled code and calls it.
 
 #[cfg(all(target_arch = "x86_64", unix))]

@@ -273,8 +273,10 @@ impl Parser<'_> {
                     text.trim_end_matches('.')
                 )
             }
-            TokenKind::Word(name) => format!("write `{text}*{name}` for a product"),
-            _ => "write an operator, or a `,` between arguments".to_owned(),
+            TokenKind::Word(name) => format!("write `{text}*{name}` for a product, or a `,` between arguments"),
+            TokenKind::Number(_) | TokenKind::Mark(_) | TokenKind::Uses(..) | TokenKind::Unknown | TokenKind::End => {
+                "write an operator, or a `,` between arguments".to_owned()
+            }
         };
         let diagnostic = Diagnostic::error(format!("a number stands right before {described}"))
             .at(number.to(next.span), "expected an operator between the two")

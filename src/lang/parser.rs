@@ -186,7 +186,9 @@ impl Parser<'_> {
         if self.cursor.word(0).is_some_and(|word| ATTRIBUTES.contains(&word)) {
             return Err(self.cursor.expected("`,` before the next attribute"));
         }
-        self.cursor.expect(Mark::Semicolon, &format!("after the declaration of `{}`", declaration.name.text))
+        let outcome = self.cursor.expect(Mark::Semicolon, &format!("after the declaration of `{}`", declaration.name.text));
+        // Where only the `;` is forgotten, the next declaration is whole.
+        if self.cursor.word(0).is_some() && self.cursor.sees_mark(1, Mark::Colon) { Ok(()) } else { outcome }
     }
 
     fn attribute(&mut self, word: &str, span: Span, declaration: &mut Declaration) -> Result<(), Reported> {

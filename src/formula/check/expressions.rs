@@ -196,7 +196,7 @@ impl Checker<'_> {
                 None
             }
             None => {
-                let hint = self.names.suggestion(name, |_| true);
+                let hint = self.names.suggestion(name, |meaning| !matches!(meaning, Meaning::Builtin(Form::Function(_))));
                 self.diagnostics.push(
                     Diagnostic::error(format!("`{name}` is not known"))
                         .at(span, "no parameter, macro, variable or function has this name")
@@ -285,10 +285,8 @@ impl Checker<'_> {
                 diagnostic
             }
         };
-        diagnostic = match operands.iter().find_map(|operand| self.regrouping(*operand)).or_else(|| self.regrouping(id)) {
-            Some(hint) => diagnostic.help(hint),
-            None => diagnostic,
-        };
+        let regrouping = operands.iter().find_map(|operand| self.regrouping(*operand)).or_else(|| self.regrouping(id));
+        diagnostic = diagnostic.help_if(regrouping.as_ref());
         let accepted: Vec<String> = match form {
             Form::Infix(mark) => form
                 .overloads()
@@ -304,6 +302,7 @@ impl Checker<'_> {
         };
         let mixed = types.contains(&Type::Scalar) && types.contains(&Type::Vector);
         if mixed
+            && regrouping.is_none()
             && matches!(form, Form::Infix(Mark::Plus | Mark::Minus) | Form::Function("min" | "max" | "mix") | Form::Conditional)
         {
             diagnostic = diagnostic.help("the vector of three equal components is written `<x, x, x>`");

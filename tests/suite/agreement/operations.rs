@@ -1,12 +1,13 @@
 //! Every operator and function of the table × awkward inputs, compiled and by the reference meaning.
 
 use illuminator::formula::Formula;
-use illuminator::formula::graph::Node;
-use illuminator::jit::{CompiledFormula, Lanes};
+use illuminator::formula::graph::{Node, NodeId};
+use illuminator::jit::{CompiledFormula, Kernel, Lanes};
 use illuminator::lang::builtins::{Form, Operation, Stack};
 use illuminator::lang::scalars::{Floats, flush};
 use illuminator::lang::source::Source;
 use illuminator::lang::types::Type;
+use illuminator::lang::variables::Variable;
 
 /// Zeros, the ends of the normal numbers, subnormals (which count as 0), infinities, NaN, and numbers where functions turn.
 const AWKWARD: [f32; 38] = [
@@ -54,15 +55,30 @@ const AWKWARD: [f32; 38] = [
 /// (powers), four for the compiled elementary functions.
 const UNITS: u32 = 5;
 
-/// A formula whose colour is the operation on parameters p0, p1, …; and how many numbers these are.
-fn formula_of(operation: Operation) -> (Formula, usize) {
-    let mut declarations = String::from("body_specific;\n");
+/// Where the operands of an operation come from.
+#[derive(Clone, Copy, PartialEq)]
+enum Operands {
+    /// Parameters, so that the kernel of uniform values computes it.
+    Uniforms,
+    /// Variables times a parameter that is 1, so that the kernel of contributions does: from columns, several blocks at a time.
+    Columns,
+}
+
+/// The components of variables that stand for the numbers, in order; seven are the most that an operation takes.
+const VARIABLES: [&str; 7] = ["getx(N)", "gety(N)", "getz(N)", "getx(V)", "gety(V)", "getz(V)", "getx(point)"];
+
+/// A formula whose colour is the operation on numbers from parameters p0, p1, … or from variables; and how many numbers these are.
+fn formula_of(operation: Operation, from: Operands) -> (Formula, usize) {
+    let mut declarations = String::from("body_specific;\none: scalar;\n");
     let (mut operands, mut count) = (Vec::new(), 0);
     for ty in operation.operands() {
         let mut scalar = || {
-            let name = format!("p{count}");
-            declarations.push_str(&format!("{name}: scalar;\n"));
             count += 1;
+            if from == Operands::Columns {
+                return format!("({}*one)", VARIABLES[count - 1]);
+            }
+            let name = format!("p{}", count - 1);
+            declarations.push_str(&format!("{name}: scalar;\n"));
             name
         };
         operands.push(match ty {
@@ -91,44 +107,67 @@ fn formula_of(operation: Operation) -> (Formula, usize) {
     (formula, count)
 }
 
-/// The compiled results of many cases: each case is the operation's numbers, each result its components.
-fn compiled(formula: &Formula, cases: &[Vec<f32>]) -> Vec<[f32; 3]> {
-    let compiled = CompiledFormula::new(formula).expect("this machine runs compiled code");
-    let blocks = Lanes::blocks(cases.len());
-    let number = |case: usize, name: &str| match name.strip_prefix('p').and_then(|index| index.parse::<usize>().ok()) {
-        Some(index) => cases[case][index],
-        // ki, the intensity of the light, multiplies everything.
-        None => 1.0,
+/// A column for each of these nodes, with the number of every case.
+fn columns(nodes: &[NodeId], cases: usize, number: impl Fn(NodeId, usize) -> f32) -> Vec<Vec<Lanes>> {
+    let column = |node: &NodeId| {
+        let mut column = vec![Lanes::default(); Lanes::blocks(cases)];
+        (0..cases).for_each(|case| column[case / 4].0[case % 4] = flush(number(*node, case)));
+        column
     };
-    let inputs: Vec<Vec<Lanes>> = compiled
-        .uniform_leaves
-        .iter()
-        .map(|leaf| {
-            let Node::Parameter(id, _) = compiled.bindings.graph.node(*leaf) else { panic!("a parameter") };
-            let name = &formula.parameter(id).name;
-            let mut column = vec![Lanes::default(); blocks];
-            (0..cases.len()).for_each(|case| column[case / 4].0[case % 4] = flush(number(case, name)));
-            column
-        })
-        .collect();
-    let mut outputs = vec![vec![Lanes::default(); blocks]; compiled.bindings.uniforms.len()];
-    {
-        let inputs: Vec<&[Lanes]> = inputs.iter().map(Vec::as_slice).collect();
-        let mut outputs: Vec<&mut [Lanes]> = outputs.iter_mut().map(Vec::as_mut_slice).collect();
-        compiled.uniform_kernel.run(&inputs, &[], &mut outputs, blocks);
-    }
+    nodes.iter().map(column).collect()
+}
+
+fn run(kernel: &Kernel, inputs: &[Vec<Lanes>], uniforms: &[Lanes], outputs: usize, cases: usize) -> Vec<Vec<Lanes>> {
+    let blocks = Lanes::blocks(cases);
+    let mut results = vec![vec![Lanes::default(); blocks]; outputs];
+    let inputs: Vec<&[Lanes]> = inputs.iter().map(Vec::as_slice).collect();
+    let mut places: Vec<&mut [Lanes]> = results.iter_mut().map(Vec::as_mut_slice).collect();
+    kernel.run(&inputs, uniforms, &mut places, blocks);
+    results
+}
+
+/// The compiled results of many cases: each case is the operation's numbers, each result its components.
+fn compiled(formula: &Formula, cases: &[Vec<f32>], from: Operands) -> Vec<[f32; 3]> {
+    let compiled = CompiledFormula::new(formula).expect("this machine runs compiled code");
+    let bindings = &compiled.bindings;
+    let number = |leaf: NodeId, case: usize| match bindings.graph.node(leaf) {
+        // The intensity of the light, and the factor `one`, multiply what there is by 1.
+        Node::Parameter(id, _) => {
+            match formula.parameter(id).name.strip_prefix('p').and_then(|index| index.parse::<usize>().ok()) {
+                Some(index) => cases[case][index],
+                None => 1.0,
+            }
+        }
+        Node::Variable(variable, component) => {
+            let first = [Variable::Normal, Variable::ToViewer, Variable::Point].iter().position(|known| *known == variable);
+            cases[case][3 * first.expect("a variable of the formula") + usize::from(component)]
+        }
+        Node::Constant(_) | Node::Apply(..) => panic!("leaves are parameters and variables"),
+    };
+    let leaves = columns(&compiled.uniform_leaves, cases.len(), number);
+    let uniforms = run(&compiled.uniform_kernel, &leaves, &[], bindings.uniforms.len(), cases.len());
+    let results = match from {
+        Operands::Uniforms => uniforms,
+        Operands::Columns => {
+            assert!(
+                bindings.hit_frontier.len() <= 7 && bindings.record_frontier.is_empty(),
+                "only the numbers themselves are static"
+            );
+            let splat: Vec<Lanes> = uniforms.iter().map(|column| Lanes::splat(column[0].0[0])).collect();
+            let inputs = columns(&bindings.hit_frontier, cases.len(), number);
+            run(&compiled.contribution_kernel, &inputs, &splat, 3, cases.len())
+        }
+    };
     (0..cases.len())
         .map(|case| {
-            compiled.bindings.contribution.map(|node| {
-                match compiled.bindings.uniforms.iter().position(|uniform| *uniform == node) {
-                    Some(place) => outputs[place][case / 4].0[case % 4],
-                    // Constant components are folded.
-                    None => compiled
-                        .bindings
-                        .graph
-                        .constant(node)
-                        .expect("what is neither uniform nor constant depends on nothing here"),
-                }
+            let component = |index: usize| match from {
+                Operands::Columns => Some(index),
+                Operands::Uniforms => bindings.uniforms.iter().position(|uniform| *uniform == bindings.contribution[index]),
+            };
+            std::array::from_fn(|index| match component(index) {
+                Some(place) => results[place][case / 4].0[case % 4],
+                // Constant components are folded.
+                None => bindings.graph.constant(bindings.contribution[index]).expect("what depends on nothing is constant"),
             })
         })
         .collect()
@@ -172,12 +211,24 @@ fn cases(count: usize) -> Vec<Vec<f32>> {
 
 #[test]
 fn every_operation_agrees_on_awkward_inputs() {
+    disagreements_are_none(Operands::Uniforms);
+}
+
+#[test]
+fn every_operation_agrees_on_awkward_columns() {
+    disagreements_are_none(Operands::Columns);
+}
+
+fn disagreements_are_none(from: Operands) {
     let mut failures = Vec::new();
     for operation in Operation::ALL {
-        let (formula, count) = formula_of(*operation);
+        if operation.operands().is_empty() && from == Operands::Columns {
+            continue;
+        }
+        let (formula, count) = formula_of(*operation, from);
         assert!(operation.operands().iter().map(|ty| ty.slots()).sum::<usize>() == count);
         let cases = cases(count);
-        for (case, got) in cases.iter().zip(compiled(&formula, &cases)) {
+        for (case, got) in cases.iter().zip(compiled(&formula, &cases, from)) {
             let angle_too_large = matches!(operation, Operation::Sin | Operation::Cos | Operation::Tan)
                 && case[0].is_finite()
                 && case[0].abs() > 1e5;
