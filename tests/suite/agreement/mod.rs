@@ -1,4 +1,6 @@
-//! Compiled code against the reference interpreter: every operation on awkward inputs, and random formulas on random hits.
+//! Compiled code against the reference interpreter: every operation on awkward inputs, and random formulas on random hits; and the
+//! elementary functions against double precision.
 
+mod accuracy;
 mod formulas;
 mod operations;

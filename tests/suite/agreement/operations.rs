@@ -57,7 +57,7 @@ const UNITS: u32 = 5;
 
 /// Where the operands of an operation come from.
 #[derive(Clone, Copy, PartialEq)]
-enum Operands {
+pub(super) enum Operands {
     /// Parameters, so that the kernel of uniform values computes it.
     Uniforms,
     /// Variables times a parameter that is 1, so that the kernel of contributions does: from columns, several blocks at a time.
@@ -68,7 +68,7 @@ enum Operands {
 const VARIABLES: [&str; 7] = ["getx(N)", "gety(N)", "getz(N)", "getx(V)", "gety(V)", "getz(V)", "getx(point)"];
 
 /// A formula whose colour is the operation on numbers from parameters p0, p1, … or from variables; and how many numbers these are.
-fn formula_of(operation: Operation, from: Operands) -> (Formula, usize) {
+pub(super) fn formula_of(operation: Operation, from: Operands) -> (Formula, usize) {
     let mut declarations = String::from("body_specific;\none: scalar;\n");
     let (mut operands, mut count) = (Vec::new(), 0);
     for ty in operation.operands() {
@@ -127,7 +127,7 @@ fn run(kernel: &Kernel, inputs: &[Vec<Lanes>], uniforms: &[Lanes], outputs: usiz
 }
 
 /// The compiled results of many cases: each case is the operation's numbers, each result its components.
-fn compiled(formula: &Formula, cases: &[Vec<f32>], from: Operands) -> Vec<[f32; 3]> {
+pub(super) fn compiled(formula: &Formula, cases: &[Vec<f32>], from: Operands) -> Vec<[f32; 3]> {
     let compiled = CompiledFormula::new(formula).expect("this machine runs compiled code");
     let bindings = &compiled.bindings;
     let number = |leaf: NodeId, case: usize| match bindings.graph.node(leaf) {
