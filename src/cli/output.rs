@@ -11,8 +11,11 @@ pub(super) fn check_picture(path: &Path) -> Result<Format, Failure> {
     let name = path.display();
     let Some(format) = Format::of(path) else {
         let suffixes = Format::ALL.map(|format| format!(".{}", format.suffix())).join(", ");
-        let diagnostic = Diagnostic::error(format!("`{name}` does not say by its suffix what kind of picture it is to be"));
-        return Err(Failure::CommandLine(diagnostic.help(format!("known are {suffixes}"))));
+        let message = match path.extension() {
+            Some(suffix) => format!("pictures of the kind `.{}` cannot be written", suffix.display()),
+            None => format!("`{name}` does not say by a suffix what kind of picture it is to be"),
+        };
+        return Err(Failure::CommandLine(Diagnostic::error(message).help(format!("the kinds are {suffixes}"))));
     };
     if path.is_dir() {
         return Err(Failure::command_line(format!("`{name}` is a folder; name a file in it")));

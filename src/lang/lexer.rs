@@ -189,12 +189,20 @@ impl Lexer<'_> {
             "[" | "]" | "{" | "}" => Some("vectors are written `<x, y, z>`, and only `(` `)` group"),
             _ => None,
         };
-        let diagnostic = Diagnostic::error(format!("`{text}` is not part of the language"))
+        let diagnostic = Diagnostic::error(format!("`{}` is not part of the language", shown(text)))
             .at(Span::new(start, start + text.len()), "not understood")
             .help_if(hint);
         self.diagnostics.push(diagnostic);
         self.push(TokenKind::Unknown, start);
     }
+}
+
+/// Characters as messages show them: not too many, and none that a terminal would obey.
+fn shown(text: &str) -> String {
+    const MOST: usize = 20;
+    let visible = |c: char| if c.is_control() { c.escape_unicode().to_string() } else { c.to_string() };
+    let rest = if text.chars().nth(MOST).is_some() { "…" } else { "" };
+    text.chars().take(MOST).map(visible).collect::<String>() + rest
 }
 
 #[cfg(test)]

@@ -46,7 +46,7 @@ pub(super) fn render(diagnostic: &Diagnostic, source: &Source, colour: bool) -> 
         report = report.with_help(hint);
     }
     let mut bytes = Vec::new();
-    let cache = (name.clone(), ariadne::Source::from(source.text()));
+    let cache = (name.clone(), ariadne::Source::from(printable(source.text())));
     match report.finish().write(cache, &mut bytes) {
         Ok(()) => {
             let places = diagnostic.labels().iter().map(|label| source.position(visible(source, label.span).start as u32));
@@ -82,6 +82,12 @@ fn with_true_places(text: &str, name: &str, places: &[(usize, usize)]) -> String
         }
     }
     out
+}
+
+/// The text with other marks for control characters, which a terminal would obey; places stay what they are.
+fn printable(text: &str) -> String {
+    let obeyed = |c: char| c.is_ascii_control() && !matches!(c, '\n' | '\r' | '\t');
+    text.chars().map(|c| if obeyed(c) { '?' } else { c }).collect()
 }
 
 fn without_trailing_blanks(text: &str) -> String {
@@ -140,7 +146,7 @@ fn render_cut(diagnostic: &Diagnostic, source: &Source, main: Span) -> String {
     let gap = before.chars().count() + text[from..place.start].chars().count();
     let carets = text[place.start..mark_end].chars().count().max(1);
     let mut out = format!("{word}: {}\n   ╭─[ {}:{line}:{column} ]\n   │\n", diagnostic.message(), source.name());
-    out.push_str(&format!("   │ {before}{}{after}\n", text[from..to].replace('\t', " ").trim_end()));
+    out.push_str(&format!("   │ {before}{}{after}\n", printable(&text[from..to]).replace('\t', " ").trim_end()));
     out.push_str(&format!("   │ {}{} {}\n", " ".repeat(gap), "^".repeat(carets), diagnostic.labels()[0].text));
     for label in &diagnostic.labels()[1..] {
         let (line, column) = source.position(label.span.start);
