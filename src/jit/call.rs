@@ -5,10 +5,10 @@
 #![allow(unsafe_code)]
 
 use crate::formula::graph::Graph;
-use crate::jit::compile::{CompileError, Listing, target};
 use crate::jit::emit::PERLIN_OPERANDS;
 use crate::jit::kernel::{self, KernelPlan};
 use crate::jit::lanes::Lanes;
+use crate::jit::target::{CompileError, Listing, target};
 use crate::lang::noise;
 use crate::lang::scalars::flush;
 use cranelift_codegen::Context;

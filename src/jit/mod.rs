@@ -5,6 +5,11 @@
 //! IR, `emit` gives the scalar primitives their instructions, `math` holds those that no processor has, [`compile`] makes
 //! the kernels of a formula, and [`call`] is the one room where unsafe code lives: it owns compiled code and calls it.
 
+#![cfg_attr(
+    not(all(target_arch = "x86_64", unix)),
+    allow(dead_code, reason = "where kernels cannot run there is nothing to compile")
+)]
+
 #[cfg(all(target_arch = "x86_64", unix))]
 pub mod call;
 #[cfg(not(all(target_arch = "x86_64", unix)))]
@@ -15,7 +20,9 @@ mod emit;
 mod kernel;
 pub mod lanes;
 mod math;
+pub mod target;
 
 pub use call::Kernel;
-pub use compile::{CompileError, CompiledFormula, Listing};
+pub use compile::CompiledFormula;
 pub use lanes::Lanes;
+pub use target::{CompileError, Listing};

@@ -1,9 +1,9 @@
 //! In place of the room of calls where kernels cannot run: the same items, and no kernel.
 
 use crate::formula::graph::Graph;
-use crate::jit::compile::{CompileError, Listing, target};
 use crate::jit::kernel::KernelPlan;
 use crate::jit::lanes::Lanes;
+use crate::jit::target::{CompileError, Listing, target};
 
 /// A compiled kernel: there is none.
 #[derive(Clone)]
