@@ -9,6 +9,7 @@ use crate::lang::printer::print_expression;
 use crate::lang::source::Span;
 use crate::lang::token::Mark;
 use crate::lang::types::Type;
+use std::collections::BTreeSet;
 
 /// What came of the expressions.
 pub(super) struct Checked {
@@ -253,9 +254,7 @@ impl Checker<'_> {
         let whole = |operand: &ExprId| self.file.expr(*operand).span;
         let mut diagnostic = match form {
             Form::Function(name) if form.overloads().all(|overload| overload.operands().len() != types.len()) => {
-                let mut counts: Vec<usize> = form.overloads().map(|overload| overload.operands().len()).collect();
-                counts.sort_unstable();
-                counts.dedup();
+                let counts: BTreeSet<usize> = form.overloads().map(|overload| overload.operands().len()).collect();
                 let counts: Vec<String> = counts.iter().map(usize::to_string).collect();
                 let plural = if counts == ["1"] { "argument" } else { "arguments" };
                 Diagnostic::error(format!("`{name}` takes {} {plural}, not {}", counts.join(" or "), types.len()))
@@ -384,11 +383,9 @@ pub(super) fn reachable(file: &FormulaFile, root: ExprId) -> Vec<ExprId> {
 /// How a function is called: `pow(x, y)`.
 fn usages(form: Form) -> Vec<String> {
     let write = |operation: Operation| format!("`{}({})`", form.spelling(), operation.operand_names().join(", "));
-    let mut usages: Vec<String> = form.overloads().map(write).collect();
-    usages.dedup();
-    usages.sort_unstable();
-    usages.dedup();
-    usages
+    // Overloads that differ in types alone are called alike.
+    let usages: BTreeSet<String> = form.overloads().map(write).collect();
+    usages.into_iter().collect()
 }
 
 /// How what other languages call by this name is written here.
