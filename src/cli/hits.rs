@@ -208,8 +208,10 @@ impl Dump {
             }
         }
         for span in &tile.misses {
-            for pixel in tile.pixels_of_misses(span) {
-                self.misses.add(&[tile.pixels.start + u32::from(*pixel), rows[span.path.index()]], std::iter::empty())?;
+            for block in tile.misses_of(span) {
+                for pixel in block.pixel()..block.pixel() + block.lanes() {
+                    self.misses.add(&[tile.pixels.start + pixel as u32, rows[span.path.index()]], std::iter::empty())?;
+                }
             }
         }
         Ok(())
@@ -217,10 +219,9 @@ impl Dump {
 
     fn span(&mut self, input: &Input, optics: &Optics, tile: &Tile, group: &Group, span: &Span, path: u32) -> io::Result<()> {
         let mut outcome = Ok(());
-        let mut pixels = tile.pixels_of(span).iter();
-        replay(optics, tile, group, span.hits.clone(), |_, surface| {
-            if let (Ok(()), Some(pixel)) = (&outcome, pixels.next()) {
-                outcome = self.hit(input, group, surface, tile.pixels.start + u32::from(*pixel), path);
+        replay(optics, tile, group, span.blocks.clone(), |_, pixel, surface| {
+            if outcome.is_ok() {
+                outcome = self.hit(input, group, surface, pixel, path);
             }
         })
         .map_err(io::Error::other)?;

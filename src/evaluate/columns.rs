@@ -1,7 +1,7 @@
 //! Static values of all records, worked out once after tracing and kept in columns (structure of arrays).
 //!
 //! A group of hits has one column for each node of the hit frontier and, for each light that reaches it, one for each node of the
-//! record frontier; all are as long as the group has hits, in whole blocks of four, and lie one behind the other.
+//! record frontier; all are as long as the group has blocks of hits, and lie one behind the other.
 
 use crate::formula::graph::{Node, NodeId};
 use crate::jit::{CompiledFormula, Lanes};
@@ -10,8 +10,8 @@ use crate::lang::variables::Variable;
 use crate::trace::{Group, HitVariables, LightVariables, Mismatch, Optics, Tile, replay, variable};
 use std::ops::Range;
 
-/// How many hits are worked out at a time: their variables stay in the cache until the kernels have read them.
-const CHUNK: u32 = 1024;
+/// How many blocks are worked out at a time: their variables stay in the cache until the kernels have read them.
+const CHUNK: u32 = 256;
 
 /// The static columns of a tile's groups.
 pub(super) struct Columns {
@@ -31,7 +31,7 @@ impl Columns {
         let mut end = 0;
         for group in &tile.groups {
             // Where no light reaches, nothing is evaluated.
-            let blocks = if group.lights.is_empty() { 0 } else { Lanes::blocks(group.hits.len()) };
+            let blocks = if group.lights.is_empty() { 0 } else { group.blocks.len() };
             groups.push((end, blocks));
             end += blocks * (hit_columns + record_columns * group.lights.len());
         }
@@ -75,11 +75,11 @@ impl Columns {
         let (start, length) = self.groups[index];
         let own = &mut self.lanes[start..start + length * (self.hit_columns + self.record_columns * group.lights.len())];
         let (hit_part, record_part) = own.split_at_mut(length * self.hit_columns);
-        for first in group.hits.clone().step_by(CHUNK as usize) {
-            let hits = first..(first + CHUNK).min(group.hits.end);
-            workroom.gather(optics, tile, group, hits.clone())?;
-            let block = (first - group.hits.start) as usize / Lanes::COUNT;
-            let blocks = Lanes::blocks(hits.len());
+        for first in group.blocks.clone().step_by(CHUNK as usize) {
+            let chunk = first..(first + CHUNK).min(group.blocks.end);
+            workroom.gather(optics, tile, group, chunk.clone())?;
+            let block = (first - group.blocks.start) as usize;
+            let blocks = chunk.len();
             let mut outputs = pieces(hit_part, length, block, blocks);
             compiled.hit_kernel.run(&workroom.hit_inputs(), &[], &mut outputs, blocks);
             for place in 0..group.lights.len() {
@@ -98,9 +98,9 @@ fn pieces(columns: &mut [Lanes], length: usize, block: usize, blocks: usize) -> 
     columns.chunks_exact_mut(length).map(|column| &mut column[block..block + blocks]).collect()
 }
 
-/// A column for as many hits as are worked out at a time.
+/// A column for as many blocks as are worked out at a time.
 fn column() -> Vec<Lanes> {
-    vec![Lanes::default(); Lanes::blocks(CHUNK as usize)]
+    vec![Lanes::default(); CHUNK as usize]
 }
 
 /// The variables that static kernels read, for some hits at a time.
@@ -128,14 +128,16 @@ impl Workroom {
         Self { hit_leaves, record_leaves, hits, records: Vec::new() }
     }
 
-    /// Works out the variables of these hits for all lights of the group.
-    fn gather(&mut self, optics: &Optics, tile: &Tile, group: &Group, hits: Range<u32>) -> Result<(), Mismatch> {
+    /// Works out the variables of the hits of these blocks for all lights of the group. Dead lanes keep what was there: it is read,
+    /// but nothing comes of it.
+    fn gather(&mut self, optics: &Optics, tile: &Tile, group: &Group, blocks: Range<u32>) -> Result<(), Mismatch> {
         let scene = optics.scene();
         while self.records.len() < group.lights.len() {
             self.records.push(self.record_leaves.iter().map(|_| column()).collect());
         }
-        replay(optics, tile, group, hits.clone(), |hit, surface| {
-            let place = (hit - hits.start) as usize;
+        let first = blocks.start as usize * Lanes::COUNT;
+        replay(optics, tile, group, blocks, |lane, _, surface| {
+            let place = lane - first;
             let own = HitVariables::of(scene, surface);
             let put = |column: &mut Vec<Lanes>, value: f32| column[place / Lanes::COUNT].0[place % Lanes::COUNT] = flush(value);
             for (light, columns) in group.lights.iter().zip(&mut self.records) {

@@ -2,17 +2,20 @@
 
 use crate::evaluate::columns::Columns;
 use crate::evaluate::frame::Frame;
-use crate::formula::graph::Node;
+use crate::evaluate::framebuffer::{self, Channels, Framebuffer};
+use crate::evaluate::pass::{Pass, Source, Workroom};
+use crate::evaluate::planes::{Planes, Weight};
+use crate::formula::graph::{Node, NodeId};
 use crate::formula::layout::Layout;
 use crate::formula::{Formula, ParameterId};
-use crate::jit::{CompiledFormula, Lanes};
+use crate::jit::{CompiledFormula, Kernel, Lanes};
 use crate::lang::scalars::flush;
 use crate::lang::variables::{Owner, Predefined};
 use crate::scene::Scene;
-use crate::trace::{Edge, Group, Hits, MAX_DEPTH, Mismatch, Optics, Span, TILE_PIXELS, Tile};
+use crate::trace::{Edge, Hits, Mismatch, Optics, Path, TILE_PIXELS, Tile};
 use rayon::prelude::*;
-use std::ops::Range;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
+use wide::f32x4;
 
 /// A compiled formula with the static values of all records of a traced scene.
 pub struct Compiled {
@@ -20,27 +23,29 @@ pub struct Compiled {
     hits: Arc<Hits>,
     columns: Vec<Columns>,
     layout: Layout,
-    /// For each parameter number that the uniform kernel reads: its owner, slot and all.
-    uniform_leaves: Vec<(Owner, usize)>,
+    /// Where each parameter number that the uniform kernel reads lies.
+    uniform_leaves: Vec<Place>,
     places: Places,
+    /// Where tiles were worked on; kept for the next frame.
+    workrooms: Mutex<Vec<Workroom>>,
+}
+
+/// A number of the parameters of an owner of some kind.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Place {
+    pub(super) owner: Owner,
+    pub(super) slot: usize,
 }
 
 /// Where the parameters of equation (2) itself lie in the row of their owner.
-struct Places {
-    kr: usize,
-    kt: usize,
-    ki: usize,
-    ka: usize,
-    body_colour: usize,
-    ambient_colour: usize,
-    background: usize,
-}
-
-/// What one frame needs to know beyond the hits: parameter numbers and what is uniform in them.
-struct Parameters<'f> {
-    memory: &'f [f32],
-    /// For each pair of a body and a light its uniform values, each in four lanes.
-    uniforms: Vec<Lanes>,
+pub(super) struct Places {
+    pub(super) kr: usize,
+    pub(super) kt: usize,
+    pub(super) ki: usize,
+    pub(super) ka: usize,
+    pub(super) body_colour: usize,
+    pub(super) ambient_colour: usize,
+    pub(super) background: usize,
 }
 
 impl Compiled {
@@ -52,12 +57,7 @@ impl Compiled {
         let optics = Optics::new(scene, &hits.view);
         let columns = hits.tiles.par_iter().map(|tile| Columns::new(&compiled, &optics, tile)).collect::<Result<Vec<_>, _>>()?;
         let slot = |id: ParameterId| formula.parameter(id).slot as usize;
-        let leaf = |node: Node| match node {
-            Node::Parameter(id, component) => Some((formula.parameter(id).owner, slot(id) + usize::from(component))),
-            Node::Constant(_) | Node::Variable(..) | Node::Apply(..) => None,
-        };
-        // What is uniform is made of parameters alone.
-        let uniform_leaves = compiled.uniform_leaves.iter().filter_map(|id| leaf(compiled.bindings.graph.node(*id))).collect();
+        let uniform_leaves = places_of(&compiled, formula, &compiled.uniform_leaves);
         let place = |predefined| slot(formula.predefined(predefined));
         let places = Places {
             kr: place(Predefined::Reflection),
@@ -69,7 +69,7 @@ impl Compiled {
             background: place(Predefined::Background),
         };
         let layout = Layout::new(formula, scene.bodies.len(), scene.lights.len());
-        Ok(Self { compiled, hits: Arc::clone(hits), columns, layout, uniform_leaves, places })
+        Ok(Self { compiled, hits: Arc::clone(hits), columns, layout, uniform_leaves, places, workrooms: Mutex::default() })
     }
 
     /// The memory at rest, in bytes: the hit store and the static columns.
@@ -77,22 +77,89 @@ impl Compiled {
         self.hits.bytes() as usize + self.columns.iter().map(Columns::bytes).sum::<usize>()
     }
 
-    /// The picture that these parameter numbers give; see [`Evaluator::frame`](super::Evaluator::frame).
+    /// The picture that these parameter numbers give, unclamped and linear; see [`Evaluator::frame`](super::Evaluator::frame).
     pub fn frame(&self, memory: &[f32]) -> Frame {
-        assert!(memory.len() >= self.layout.len(), "as many parameter numbers as the formula and the scene have");
         let view = self.hits.view;
         let mut frame = Frame::black(view.width(), view.height());
-        let parameters = Parameters { memory, uniforms: self.uniforms(memory) };
-        frame.linear.par_chunks_mut(TILE_PIXELS as usize).zip(self.hits.tiles.par_iter().zip(&self.columns)).for_each_init(
-            Workroom::default,
-            |workroom, (pixels, (tile, columns))| {
-                self.tile(tile, columns, &parameters, workroom);
-                for (index, pixel) in pixels.iter_mut().enumerate() {
-                    *pixel = std::array::from_fn(|component| workroom.pixels[component][index]);
-                }
-            },
-        );
+        let pass = self.whole(memory);
+        self.each_tile(frame.linear.par_chunks_mut(TILE_PIXELS as usize), |pixels, place, workroom| {
+            self.tile(&pass, memory, place, workroom);
+            for (index, pixel) in pixels.iter_mut().enumerate() {
+                *pixel = workroom.planes.colour(index);
+            }
+        });
         frame
+    }
+
+    /// The same picture as a window shows it.
+    ///
+    /// # Panics
+    /// Where the framebuffer has another size than the view, or there are too few parameter numbers.
+    pub fn draw(&self, memory: &[f32], framebuffer: &mut Framebuffer) {
+        self.check_size(framebuffer);
+        let pass = self.whole(memory);
+        self.each_tile(framebuffer.pixels.par_chunks_mut(TILE_PIXELS as usize), |pixels, place, workroom| {
+            self.tile(&pass, memory, place, workroom);
+            quantise(&workroom.planes, pixels);
+        });
+    }
+
+    fn check_size(&self, framebuffer: &Framebuffer) {
+        let view = self.hits.view;
+        assert_eq!((framebuffer.width, framebuffer.height), (view.width(), view.height()), "a framebuffer of the view's size");
+    }
+
+    /// Does some work for each tile, in parallel: on what belongs to it, with its place among the tiles, in some workroom.
+    fn each_tile<T: Send>(
+        &self,
+        work: impl IndexedParallelIterator<Item = T>,
+        each: impl Fn(T, usize, &mut Workroom) + Sync + Send,
+    ) {
+        work.enumerate().for_each(|(place, own)| {
+            let pool = || self.workrooms.lock().unwrap_or_else(PoisonError::into_inner);
+            let free = pool().pop();
+            let mut workroom = free.unwrap_or_else(Workroom::new);
+            each(own, place, &mut workroom);
+            pool().push(workroom);
+        });
+    }
+
+    /// Everything that a picture is added up from.
+    fn whole(&self, memory: &[f32]) -> Pass<'_> {
+        assert!(memory.len() >= self.layout.len(), "as many parameter numbers as the formula and the scene have");
+        let lights = self.layout.owners(Owner::Light);
+        let source = self.source(memory, |_, _| true);
+        let background = self.colour(memory, Owner::Global, 0, self.places.background);
+        let ambient = (0..self.layout.owners(Owner::Body)).map(|body| self.ambient(body, memory)).collect();
+        Pass { sources: vec![source], lights, ambient, background, channels: Channels::All }
+    }
+
+    /// The contributions of all records by the formula's own kernel, of those pairs of a body and a light that `wanted` says.
+    fn source(&self, memory: &[f32], wanted: impl Fn(usize, usize) -> bool) -> Source<'_> {
+        Source {
+            kernel: &self.compiled.contribution_kernel,
+            channels: Channels::All,
+            columns: &self.columns,
+            uniforms: self.uniforms(memory, &self.compiled.uniform_kernel, &self.uniform_leaves),
+            uniform_count: self.compiled.bindings.uniforms.len(),
+            active: self.active(memory, wanted),
+        }
+    }
+
+    /// Which pairs contribute. A light of intensity 0 adds exactly nothing, whatever the formula yields.
+    fn active(&self, memory: &[f32], wanted: impl Fn(usize, usize) -> bool) -> Vec<bool> {
+        let [bodies, lights] = [Owner::Body, Owner::Light].map(|owner| self.layout.owners(owner));
+        let bright = |light| self.number(memory, Owner::Light, light, self.places.ki) != 0.0;
+        let pairs = (0..bodies).flat_map(|body| (0..lights).map(move |light| (body, light)));
+        pairs.map(|(body, light)| bright(light) && wanted(body, light)).collect()
+    }
+
+    /// Adds a tile up from black.
+    fn tile(&self, pass: &Pass, memory: &[f32], place: usize, workroom: &mut Workroom) {
+        let tile = &self.hits.tiles[place];
+        self.path_weights(tile, memory, &mut workroom.weights);
+        workroom.planes.clear(tile.pixels.len());
+        pass.add(tile, place, workroom);
     }
 
     /// A number of the row of the owner of this index.
@@ -104,204 +171,84 @@ impl Compiled {
         [0, 1, 2].map(|component| self.number(memory, owner, index, slot + component))
     }
 
-    /// The uniform values of all pairs of a body and a light.
-    fn uniforms(&self, memory: &[f32]) -> Vec<Lanes> {
+    /// The uniform values of all pairs of a body and a light, one pair behind the other, by a kernel that reads these parameters.
+    fn uniforms(&self, memory: &[f32], kernel: &Kernel, leaves: &[Place]) -> Vec<Lanes> {
         let [bodies, lights] = [Owner::Body, Owner::Light].map(|owner| self.layout.owners(owner));
         let pairs = bodies * lights;
-        let count = self.compiled.bindings.uniforms.len();
         let blocks = Lanes::blocks(pairs);
-        let inputs: Vec<Vec<Lanes>> = self
-            .uniform_leaves
+        let inputs: Vec<Vec<Lanes>> = leaves
             .iter()
-            .map(|(owner, slot)| {
+            .map(|place| {
                 let mut column = vec![Lanes::default(); blocks];
                 for pair in 0..pairs {
-                    let index = match owner {
+                    let index = match place.owner {
                         Owner::Global => 0,
                         Owner::Body => pair / lights,
                         Owner::Light => pair % lights,
                     };
-                    column[pair / Lanes::COUNT].0[pair % Lanes::COUNT] = self.number(memory, *owner, index, *slot);
+                    column[pair / Lanes::COUNT].0[pair % Lanes::COUNT] = self.number(memory, place.owner, index, place.slot);
                 }
                 column
             })
             .collect();
-        let mut outputs = vec![vec![Lanes::default(); blocks]; count];
+        let mut outputs = vec![vec![Lanes::default(); blocks]; kernel.outputs()];
         let inputs: Vec<&[Lanes]> = inputs.iter().map(Vec::as_slice).collect();
         let mut places: Vec<&mut [Lanes]> = outputs.iter_mut().map(Vec::as_mut_slice).collect();
-        self.compiled.uniform_kernel.run(&inputs, &[], &mut places, blocks);
-        let value = |pair: usize, index: usize| Lanes::splat(outputs[index][pair / Lanes::COUNT].0[pair % Lanes::COUNT]);
-        (0..pairs).flat_map(|pair| (0..count).map(move |index| (pair, index))).map(|(pair, index)| value(pair, index)).collect()
+        kernel.run(&inputs, &[], &mut places, blocks);
+        let values = |pair: usize| outputs.iter().map(move |column| column[pair / Lanes::COUNT].0[pair % Lanes::COUNT]);
+        (0..pairs).flat_map(values).map(Lanes::splat).collect()
     }
 
     /// The weight of each path of a tile: the product of kr and kt of the bodies along it.
     fn path_weights(&self, tile: &Tile, memory: &[f32], weights: &mut Vec<Weight>) {
         weights.clear();
         for path in &tile.paths {
-            let weight = match path.parent.map(|parent| (parent.index(), tile.paths[parent.index()].body)) {
-                Some((parent, Some(body))) => {
-                    let slot = match path.edge {
-                        Edge::Reflected => self.places.kr,
-                        Edge::Refracted => self.places.kt,
-                        // Only first steps are primary, and they have no parent.
-                        Edge::Primary => {
-                            weights.push(Weight(1.0));
-                            continue;
-                        }
-                    };
-                    Weight(weights[parent].0 * f64::from(self.number(memory, Owner::Body, body.index(), slot)))
-                }
-                Some((_, None)) | None => Weight(1.0),
+            let weight = match self.last_factor(tile, path) {
+                Some((parent, place)) => Weight(weights[parent].0 * f64::from(flush(memory[place]))),
+                None => Weight(1.0),
             };
             weights.push(weight);
         }
     }
 
-    /// Sums up the pixels of a tile in the workroom.
-    fn tile(&self, tile: &Tile, columns: &Columns, parameters: &Parameters, workroom: &mut Workroom) {
-        workroom.clear(tile.pixels.len());
-        self.path_weights(tile, parameters.memory, &mut workroom.weights);
-        for (index, group) in tile.groups.iter().enumerate() {
-            self.group(tile, group, index, columns, parameters, workroom);
-        }
-        let background = self.colour(parameters.memory, Owner::Global, 0, self.places.background);
-        for span in &tile.misses {
-            let weight = workroom.weights[span.path.index()];
-            if !weight.is_zero() {
-                let colour = weight.of(background);
-                for pixel in tile.pixels_of_misses(span) {
-                    workroom.add(*pixel, colour);
-                }
-            }
-        }
+    /// The path that a path goes on from, and where the number that it is weighed with beyond that lies; `None` for a primary ray.
+    fn last_factor(&self, tile: &Tile, path: &Path) -> Option<(usize, usize)> {
+        let slot = match path.edge {
+            Edge::Primary => return None,
+            Edge::Reflected => self.places.kr,
+            Edge::Refracted => self.places.kt,
+        };
+        let parent = path.parent?.index();
+        Some((parent, self.layout.row(Owner::Body, tile.paths[parent].body?.index()) + slot))
     }
 
-    fn group(
-        &self,
-        tile: &Tile,
-        group: &Group,
-        index: usize,
-        columns: &Columns,
-        parameters: &Parameters,
-        workroom: &mut Workroom,
-    ) {
-        let memory = parameters.memory;
-        let ambient = self.ambient(group, memory);
-        // Runs of spans whose weight is not 0 are computed together, and nothing of the others.
-        let dead = |weights: &[Weight], span: &Span| weights[span.path.index()].is_zero();
-        let mut rest = &*group.spans;
-        while let Some(start) = rest.iter().position(|span| !dead(&workroom.weights, span)) {
-            let alive = &rest[start..];
-            let length = alive.iter().position(|span| dead(&workroom.weights, span)).unwrap_or(alive.len());
-            let (run, behind) = alive.split_at(length);
-            rest = behind;
-            let (Some(first), Some(last)) = (run.first(), run.last()) else { continue };
-            let block = (first.hits.start - group.hits.start) as usize / Lanes::COUNT;
-            let blocks = Lanes::blocks((last.hits.end - group.hits.start) as usize) - block;
-            workroom.clear_sums(blocks);
-            self.lights(group, index, columns, parameters, block..block + blocks, workroom);
-            for span in run {
-                let weight = workroom.weights[span.path.index()];
-                for (hit, pixel) in span.hits.clone().zip(tile.pixels_of(span)) {
-                    let place = (hit - group.hits.start) as usize - block * Lanes::COUNT;
-                    let colour = std::array::from_fn(|component| workroom.sum(component, place) + ambient[component]);
-                    workroom.add(*pixel, weight.of(colour));
-                }
-            }
-        }
-    }
-
-    /// Adds up the contributions of a group's lights in these blocks.
-    fn lights(
-        &self,
-        group: &Group,
-        index: usize,
-        columns: &Columns,
-        parameters: &Parameters,
-        blocks: Range<usize>,
-        workroom: &mut Workroom,
-    ) {
-        let count = self.compiled.bindings.uniforms.len();
-        let mut inputs = Vec::with_capacity(8);
-        for (place, light) in group.lights.iter().enumerate() {
-            // A light of intensity 0 adds exactly nothing, whatever the formula yields.
-            if self.number(parameters.memory, Owner::Light, light.index(), self.places.ki) == 0.0 {
-                continue;
-            }
-            let pair = group.body.index() * self.layout.owners(Owner::Light) + light.index();
-            let uniforms = &parameters.uniforms[pair * count..(pair + 1) * count];
-            columns.of(index, place, blocks.start, blocks.len(), &mut inputs);
-            let [red, green, blue] = &mut workroom.sums;
-            self.compiled.contribution_kernel.run(&inputs, uniforms, &mut [red, green, blue], blocks.len());
-        }
-    }
-
-    /// ka · Cd · Ia of a group's body, exactly 0 where ka is.
-    fn ambient(&self, group: &Group, memory: &[f32]) -> [f32; 3] {
+    /// ka · Cd · Ia of a body, exactly 0 where ka is.
+    fn ambient(&self, body: usize, memory: &[f32]) -> [f32; 3] {
         let weight = self.number(memory, Owner::Global, 0, self.places.ka);
-        let colour = self.colour(memory, Owner::Body, group.body.index(), self.places.body_colour);
+        let colour = self.colour(memory, Owner::Body, body, self.places.body_colour);
         let light = self.colour(memory, Owner::Global, 0, self.places.ambient_colour);
         if weight == 0.0 { [0.0; 3] } else { [0, 1, 2].map(|component| weight * (colour[component] * light[component])) }
     }
 }
 
-/// The weight of a path. Kept in `f64`: the product of weights that are not 0 is then never 0, and a term of infinite value stays so
-/// however small its weight.
-#[derive(Debug, Clone, Copy)]
-struct Weight(f64);
-
-// A factor other than 0 is at least 2⁻¹²⁶, and there is one for each depth below the first.
-const _: () = assert!((MAX_DEPTH - 1) * 126 <= 1022);
-
-impl Weight {
-    fn is_zero(self) -> bool {
-        self.0 == 0.0
-    }
-
-    /// The weighed colour.
-    #[inline]
-    fn of(self, colour: [f32; 3]) -> [f32; 3] {
-        if self.0 >= f64::from(f32::MIN_POSITIVE) {
-            colour.map(|component| self.0 as f32 * component)
-        } else {
-            colour.map(|component| (self.0 * f64::from(component)) as f32)
+/// Where the parameters that these nodes are lie.
+fn places_of(compiled: &CompiledFormula, formula: &Formula, leaves: &[NodeId]) -> Vec<Place> {
+    let place = |leaf: &NodeId| match compiled.bindings.graph.node(*leaf) {
+        Node::Parameter(id, component) => {
+            let parameter = formula.parameter(id);
+            Some(Place { owner: parameter.owner, slot: parameter.slot as usize + usize::from(component) })
         }
-    }
+        Node::Constant(_) | Node::Variable(..) | Node::Apply(..) => None,
+    };
+    // What is uniform is made of parameters alone.
+    leaves.iter().filter_map(place).collect()
 }
 
-/// Room for the sums of a tile, used again for the next.
-#[derive(Default)]
-struct Workroom {
-    /// Red, green and blue of the tile's pixels.
-    pixels: [Vec<f32>; 3],
-    /// Red, green and blue of some hits, before the weight of their paths.
-    sums: [Vec<Lanes>; 3],
-    /// The weight of each path.
-    weights: Vec<Weight>,
-}
-
-impl Workroom {
-    fn clear(&mut self, pixels: usize) {
-        for plane in &mut self.pixels {
-            plane.clear();
-            plane.resize(pixels, 0.0);
-        }
-    }
-
-    fn clear_sums(&mut self, blocks: usize) {
-        for plane in &mut self.sums {
-            plane.clear();
-            plane.resize(blocks, Lanes::default());
-        }
-    }
-
-    fn sum(&self, component: usize, place: usize) -> f32 {
-        self.sums[component][place / Lanes::COUNT].0[place % Lanes::COUNT]
-    }
-
-    fn add(&mut self, pixel: u16, colour: [f32; 3]) {
-        for (plane, component) in self.pixels.iter_mut().zip(colour) {
-            plane[usize::from(pixel)] += component;
-        }
+/// Writes the planes of a tile into its part of a framebuffer.
+fn quantise(planes: &Planes, pixels: &mut [u32]) {
+    let [red, green, blue] = planes.components();
+    let lanes = red.chunks_exact(4).zip(green.chunks_exact(4)).zip(blue.chunks_exact(4));
+    for (pixels, ((red, green), blue)) in pixels.chunks_mut(4).zip(lanes) {
+        framebuffer::write(pixels, [red, green, blue].map(|lanes| f32x4::from([lanes[0], lanes[1], lanes[2], lanes[3]])));
     }
 }

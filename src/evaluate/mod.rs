@@ -8,11 +8,15 @@
 mod columns;
 mod compiled;
 mod frame;
+mod framebuffer;
 mod interpreted;
+mod pass;
+mod planes;
 pub mod verify;
 
 pub use compiled::Compiled;
 pub use frame::Frame;
+pub use framebuffer::Framebuffer;
 pub use interpreted::{Interpreted, Timing};
 
 use crate::bytecode::CodeTooLarge;

@@ -5,8 +5,11 @@
 //! values that dynamic code reads are the *frontier*: they alone are stored (Guenter, Knoblock, Ruf 1995, "Specializing
 //! Shaders").
 
+use crate::formula::Formula;
 use crate::formula::graph::{Graph, Node, NodeId};
-use crate::lang::variables::Rate;
+use crate::formula::rewrite::rewrite;
+use crate::lang::scalars::{Primitive, Recorder};
+use crate::lang::variables::{Predefined, Rate};
 
 /// When a value is known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -22,6 +25,19 @@ pub enum BindingTime {
 }
 
 impl BindingTime {
+    /// That of a node, from those of the nodes before it.
+    pub(super) fn of(graph: &Graph, id: NodeId, known: &[BindingTime]) -> BindingTime {
+        match graph.node(id) {
+            Node::Constant(_) => BindingTime::Constant,
+            Node::Variable(variable, _) => BindingTime::Static(variable.rate()),
+            Node::Parameter(..) => BindingTime::Uniform,
+            node @ Node::Apply(..) => {
+                let times = node.operands().iter().map(|operand| known[operand.0 as usize]);
+                times.fold(BindingTime::Constant, BindingTime::join)
+            }
+        }
+    }
+
     /// Of what is computed from both.
     fn join(self, other: BindingTime) -> BindingTime {
         use BindingTime::{Constant, Dynamic, Static, Uniform};
@@ -51,21 +67,15 @@ pub struct Bindings {
 }
 
 impl Bindings {
-    /// Analyses a formula's graph, whose result is multiplied by the node `intensity`.
-    pub fn new(mut graph: Graph, intensity: NodeId) -> Self {
-        use crate::lang::scalars::{Primitive, Recorder};
+    /// Rewrites and analyses what a lit record of this formula contributes.
+    pub fn new(formula: &Formula) -> Self {
+        let mut graph = Graph::new(formula);
+        let intensity = graph.parameter(formula.predefined(Predefined::Intensity), 0);
         let contribution = graph.result().map(|component| graph.record(Primitive::Mul, &[intensity, component]));
+        let (graph, contribution) = rewrite(&graph, contribution, formula);
         let mut times: Vec<BindingTime> = Vec::with_capacity(graph.len());
         for index in 0..graph.len() {
-            let node = graph.node(NodeId(index as u32));
-            times.push(match node {
-                Node::Constant(_) => BindingTime::Constant,
-                Node::Variable(variable, _) => BindingTime::Static(variable.rate()),
-                Node::Parameter(..) => BindingTime::Uniform,
-                Node::Apply(_, _) => {
-                    node.operands().iter().map(|operand| times[operand.0 as usize]).fold(BindingTime::Constant, BindingTime::join)
-                }
-            });
+            times.push(BindingTime::of(&graph, NodeId(index as u32), &times));
         }
         let mut bindings =
             Bindings { graph, contribution, hit_frontier: Vec::new(), record_frontier: Vec::new(), uniforms: Vec::new(), times };
@@ -82,6 +92,7 @@ impl Bindings {
             }
             match self.time(id) {
                 BindingTime::Constant => {}
+                BindingTime::Static(_) if self.is_simple_test(id) => pending.extend_from_slice(self.graph.node(id).operands()),
                 BindingTime::Static(Rate::Hit) => self.hit_frontier.push(id),
                 BindingTime::Static(Rate::Record) => self.record_frontier.push(id),
                 BindingTime::Uniform => self.uniforms.push(id),
@@ -91,6 +102,17 @@ impl Bindings {
         self.hit_frontier.sort_unstable();
         self.record_frontier.sort_unstable();
         self.uniforms.sort_unstable();
+    }
+
+    /// Whether a node compares something with a constant: to compare again is cheaper than to keep what came out, and two such
+    /// tests of one value keep one number.
+    fn is_simple_test(&self, id: NodeId) -> bool {
+        match self.graph.node(id) {
+            Node::Apply(Primitive::Less | Primitive::LessEqual | Primitive::Equal, operands) => {
+                operands[..2].iter().any(|operand| self.time(*operand) == BindingTime::Constant)
+            }
+            Node::Apply(..) | Node::Constant(_) | Node::Variable(..) | Node::Parameter(..) => false,
+        }
     }
 
     /// When a node's value is known.
@@ -121,25 +143,43 @@ impl Bindings {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::formula::Formula;
     use crate::lang::source::Source;
-    use crate::lang::variables::Predefined;
 
     fn bindings(text: &str) -> Bindings {
         let (formula, _) = Formula::parse(&Source::new("test", text)).expect("a formula");
-        let mut graph = Graph::new(&formula);
-        let intensity = graph.parameter(formula.predefined(Predefined::Intensity), 0);
-        Bindings::new(graph, intensity)
+        Bindings::new(&formula)
     }
 
     #[test]
     fn phong_reads_two_numbers_of_a_record() {
         let phong = bindings(
-            "body_specific; kd: scalar; ks: scalar; h: scalar; formula;
+            "body_specific; kd: scalar, constraint 0..1; ks: scalar, constraint 0..1; h: scalar, constraint 0..500; formula;
              = kd*IL*Cd*max(0, N.L) + ks*IL*pow(max(0, R.V), h);",
         );
         assert_eq!(phong.record_frontier.len(), 2);
         assert_eq!(phong.hit_frontier.len(), 0);
+        // The colours of the two terms, ki among them, and the exponent: nothing is multiplied once a record that could be once a frame.
+        assert_eq!(phong.uniforms.len(), 7);
+        let called = |primitive| {
+            (0..phong.graph.len() as u32).any(|id| matches!(phong.graph.node(NodeId(id)), Node::Apply(p, _) if p == primitive))
+        };
+        assert!(called(Primitive::Exp2) && !called(Primitive::Pow));
+    }
+
+    #[test]
+    fn a_power_whose_sign_is_open_reads_its_case_too() {
+        let open = bindings("body_specific; h: scalar; formula; = Cd*pow(N.V, h);");
+        assert_eq!(open.hit_frontier.len(), 2);
+        // The base may be NaN: the power stays.
+        let wild = bindings("body_specific; h: scalar; formula; = Cd*pow(sqrt(N.V), h);");
+        assert_eq!(wild.hit_frontier.len(), 1);
+    }
+
+    #[test]
+    fn products_are_regrouped_by_binding_time() {
+        let chain =
+            bindings("body_specific; a: scalar, constraint 0..1; b: scalar, constraint 0..1; formula; = Cd*(a*alpha*b*(N.V));");
+        assert_eq!((chain.record_frontier.len(), chain.uniforms.len()), (1, 3));
     }
 
     #[test]

@@ -51,7 +51,7 @@ pub struct Graph {
 impl Graph {
     /// The graph of a formula.
     pub fn new(formula: &Formula) -> Self {
-        let mut graph = Graph { nodes: Vec::new(), index: HashMap::new(), result: [NodeId(0); 3] };
+        let mut graph = Graph::empty();
         // The nodes of each term; a scalar's three are the same.
         let mut built: Vec<[NodeId; 3]> = Vec::with_capacity(formula.terms.len());
         let mut stack = Stack::new(16, NodeId(0));
@@ -76,6 +76,38 @@ impl Graph {
         }
         graph.result = built[formula.result.0 as usize];
         graph
+    }
+
+    /// A graph without nodes.
+    pub(super) fn empty() -> Self {
+        Graph { nodes: Vec::new(), index: HashMap::new(), result: [NodeId(0); 3] }
+    }
+
+    /// The node as it is; its operands are nodes of this graph.
+    pub(super) fn insert(&mut self, node: Node) -> NodeId {
+        self.add(node)
+    }
+
+    /// The graph of those nodes that `roots` are computed from, in the same order; and the roots in it, which are its result.
+    pub(super) fn reachable(&self, roots: [NodeId; 3]) -> (Graph, [NodeId; 3]) {
+        let mut wanted = vec![false; self.len()];
+        let mut pending = roots.to_vec();
+        while let Some(id) = pending.pop() {
+            if !std::mem::replace(&mut wanted[id.0 as usize], true) {
+                pending.extend_from_slice(self.node(id).operands());
+            }
+        }
+        let mut graph = Graph::empty();
+        let mut places = vec![NodeId(0); self.len()];
+        for (index, _) in wanted.iter().enumerate().filter(|(_, wanted)| **wanted) {
+            let node = match self.nodes[index] {
+                Node::Apply(primitive, operands) => Node::Apply(primitive, operands.map(|operand| places[operand.0 as usize])),
+                leaf @ (Node::Constant(_) | Node::Variable(..) | Node::Parameter(..)) => leaf,
+            };
+            places[index] = graph.add(node);
+        }
+        graph.result = roots.map(|root| places[root.0 as usize]);
+        (graph.clone(), graph.result)
     }
 
     fn leaf(&mut self, ty: Type, node: impl Fn(u8) -> Node) -> [NodeId; 3] {

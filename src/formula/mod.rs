@@ -8,6 +8,8 @@ mod check;
 pub mod graph;
 pub mod invariants;
 pub mod layout;
+mod range;
+mod rewrite;
 
 use crate::lang::ast::Relation;
 use crate::lang::builtins::Operation;

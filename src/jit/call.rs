@@ -109,6 +109,11 @@ pub struct Kernel {
 }
 
 impl Kernel {
+    /// How many outputs it has.
+    pub fn outputs(&self) -> usize {
+        self.outputs
+    }
+
     /// Runs the kernel over `blocks` blocks of four records: reads `columns` and `uniforms`, stores or adds into `outputs`.
     ///
     /// # Panics

@@ -2,11 +2,10 @@
 
 use crate::formula::Formula;
 use crate::formula::binding::Bindings;
-use crate::formula::graph::{Graph, NodeId};
+use crate::formula::graph::NodeId;
 use crate::jit::call::{Kernel, generate};
 use crate::jit::kernel::KernelPlan;
 use crate::jit::target::{CompileError, Listing};
-use crate::lang::variables::Predefined;
 
 /// How many blocks of four records the contribution kernel computes side by side. Four hide most of the latency of a
 /// polynomial's chain of multiplications.
@@ -52,9 +51,7 @@ impl CompiledFormula {
     }
 
     fn compile(formula: &Formula, listing: Option<&mut Listing>) -> Result<Self, CompileError> {
-        let mut graph = Graph::new(formula);
-        let intensity = graph.parameter(formula.predefined(Predefined::Intensity), 0);
-        let bindings = Bindings::new(graph, intensity);
+        let bindings = Bindings::new(formula);
         let hit_leaves = bindings.leaves(&bindings.hit_frontier);
         let record_leaves = bindings.leaves(&bindings.record_frontier);
         let uniform_leaves = bindings.leaves(&bindings.uniforms);

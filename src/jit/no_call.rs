@@ -10,6 +10,11 @@ use crate::jit::target::{CompileError, Listing, target};
 pub enum Kernel {}
 
 impl Kernel {
+    /// How many outputs it has.
+    pub fn outputs(&self) -> usize {
+        match *self {}
+    }
+
     /// Runs the kernel.
     pub fn run(&self, _columns: &[&[Lanes]], _uniforms: &[Lanes], _outputs: &mut [&mut [Lanes]], _blocks: usize) {
         match *self {}

@@ -4,7 +4,7 @@
 //! it grows; only the lists are sorted in the end.
 
 use crate::scene::{BodyId, LightId};
-use crate::trace::store::{Group, Path, PathId, Span, Tile};
+use crate::trace::store::{Block, Group, Path, PathId, Span, Tile};
 use crate::trace::walk::Edge;
 use std::collections::HashMap;
 use std::ops::Range;
@@ -72,22 +72,24 @@ impl Gatherer {
             })
             .collect();
         lists.sort_unstable_by(|a, b| (a.body, a.lights, a.path).cmp(&(b.body, b.lights, b.path)));
-        let mut hit_pixels = Vec::with_capacity(lists.iter().map(|list| list.pixels.len()).sum());
+        let mut blocks = Vec::new();
         let groups = lists
             .chunk_by(|a, b| (a.body, a.lights) == (b.body, b.lights))
             .map(|group| {
-                let spans: Box<[Span]> = group.iter().map(|list| append(&mut hit_pixels, list.path, &list.pixels)).collect();
-                let hits = spans.first().map_or(0, |span| span.hits.start)..hit_pixels.len() as u32;
-                Group { body: group[0].body, lights: group[0].lights.into(), hits, spans }
+                let spans: Box<[Span]> = group.iter().map(|list| append(&mut blocks, list.path, &list.pixels)).collect();
+                let own = spans.first().map_or(0, |span| span.blocks.start)..blocks.len() as u32;
+                Group { body: group[0].body, lights: group[0].lights.into(), blocks: own, spans }
             })
             .collect();
         let mut missed: Vec<(PathId, Vec<u16>)> = self.misses.into_iter().collect();
         missed.sort_unstable_by_key(|(path, _)| *path);
-        let mut miss_pixels = Vec::with_capacity(missed.iter().map(|(_, pixels)| pixels.len()).sum());
-        let misses = missed.iter().map(|(path, pixels)| append(&mut miss_pixels, *path, pixels)).collect();
+        let mut miss_blocks = Vec::new();
+        let misses = missed.iter().map(|(path, pixels)| append(&mut miss_blocks, *path, pixels)).collect();
         let mut paths = self.paths;
         paths.shrink_to_fit();
-        Tile { pixels, paths, groups, hit_pixels, misses, miss_pixels }
+        blocks.shrink_to_fit();
+        miss_blocks.shrink_to_fit();
+        Tile { pixels, paths, groups, blocks, misses, miss_blocks }
     }
 }
 
@@ -99,9 +101,14 @@ struct Bucket<'g> {
     pixels: Vec<u16>,
 }
 
-/// Adds the pixels of a path to those before.
-fn append(all: &mut Vec<u16>, path: PathId, pixels: &[u16]) -> Span {
-    let start = all.len() as u32;
-    all.extend_from_slice(pixels);
-    Span { path, hits: start..all.len() as u32 }
+/// Adds the pixels of a path, in blocks of their own, to those before.
+fn append(all: &mut Vec<Block>, path: PathId, pixels: &[u16]) -> Span {
+    let start = all.len();
+    for pixel in pixels {
+        let extended = all[start..].last_mut().is_some_and(|block| block.extend(*pixel));
+        if !extended {
+            all.push(Block::new(*pixel));
+        }
+    }
+    Span { path, blocks: start as u32..all.len() as u32 }
 }

@@ -6,7 +6,7 @@
 
 use crate::scene::BodyId;
 use crate::trace::optics::{Optics, Surface};
-use crate::trace::store::{Group, Tile};
+use crate::trace::store::{BLOCK_LANES, Group, Tile};
 use crate::trace::walk::Edge;
 use std::ops::Range;
 
@@ -15,8 +15,8 @@ use std::ops::Range;
 #[error("the stored hits are not those of this scene and view")]
 pub struct Mismatch;
 
-/// Hands each of `hits` (indices into [`Tile::hit_pixels`], those outside the group are passed over) to `each`, with its
-/// surface, in order.
+/// Hands each hit of `blocks` (indices into [`Tile::blocks`], those outside the group are passed over) to `each`, in order: its lane
+/// counted over all blocks of the tile, its pixel counted over the picture, and its surface.
 ///
 /// # Errors
 /// [`Mismatch`] where a stored hit does not exist: `optics` are not those that were traced.
@@ -24,16 +24,20 @@ pub fn replay(
     optics: &Optics,
     tile: &Tile,
     group: &Group,
-    hits: Range<u32>,
-    mut each: impl FnMut(u32, &Surface),
+    blocks: Range<u32>,
+    mut each: impl FnMut(usize, u32, &Surface),
 ) -> Result<(), Mismatch> {
-    let first = group.spans.partition_point(|span| span.hits.end <= hits.start);
-    for span in group.spans[first..].iter().take_while(|span| span.hits.start < hits.end) {
+    let first = group.spans.partition_point(|span| span.blocks.end <= blocks.start);
+    for span in group.spans[first..].iter().take_while(|span| span.blocks.start < blocks.end) {
         let steps = tile.steps(span.path);
-        for hit in span.hits.start.max(hits.start)..span.hits.end.min(hits.end) {
-            let pixel = tile.hit_pixels.get(hit as usize).ok_or(Mismatch)?;
-            let surface = follow_steps(optics, tile.pixels.start + u32::from(*pixel), &steps).ok_or(Mismatch)?;
-            each(hit, &surface);
+        for index in span.blocks.start.max(blocks.start)..span.blocks.end.min(blocks.end) {
+            let block = tile.blocks.get(index as usize).ok_or(Mismatch)?;
+            for lane in 0..block.lanes() {
+                // Both are within the tile.
+                let pixel = tile.pixels.start + (block.pixel() + lane) as u32;
+                let surface = follow_steps(optics, pixel, &steps).ok_or(Mismatch)?;
+                each(index as usize * BLOCK_LANES + lane, pixel, &surface);
+            }
         }
     }
     Ok(())

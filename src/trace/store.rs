@@ -8,7 +8,9 @@
 //! ```
 //!
 //! where weight(path) is the product of kr or kt of the bodies along it: equation (2) of thesis 4.2.3, multiplied out.
-//! Within a [`Group`] the body and the lights are the same, within a [`Span`] the weight too.
+//! Within a [`Group`] the body and the lights are the same, within a [`Span`] the weight too. Rays of neighbouring pixels mostly go
+//! the same way, so a span is stored as [`Block`]s of up to four hits in consecutive pixels: what is computed for a block's
+//! four lanes is added to four neighbouring pixels at once.
 
 use crate::scene::{BodyId, LightId};
 use crate::trace::View;
@@ -18,8 +20,46 @@ use std::ops::{Add, Range};
 /// How many consecutive pixels make a tile. It is fixed, so that sums are taken in the same order on any machine.
 pub const TILE_PIXELS: u32 = 16_384;
 
-// Hits keep their pixel's place in the tile in two bytes.
-const _: () = assert!(TILE_PIXELS <= 1 << 16);
+/// How many hits a block holds at most.
+pub const BLOCK_LANES: usize = 4;
+
+// A block keeps its first pixel's place in the tile in fourteen bits, and the number of its hits in two.
+const _: () = assert!(TILE_PIXELS <= 1 << Block::PIXEL_BITS && BLOCK_LANES <= 1 << (16 - Block::PIXEL_BITS));
+
+/// One to four hits, or misses, in consecutive pixels; the lanes beyond are dead.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Block(u16);
+
+impl Block {
+    const PIXEL_BITS: u32 = 14;
+
+    /// The first hit of a block.
+    pub(super) fn new(pixel: u16) -> Self {
+        debug_assert!(u32::from(pixel) < TILE_PIXELS);
+        Self(pixel)
+    }
+
+    /// Takes one more hit in, if it is the next pixel's and there is room.
+    pub(super) fn extend(&mut self, pixel: u16) -> bool {
+        let fits = self.lanes() < BLOCK_LANES && usize::from(pixel) == self.pixel() + self.lanes();
+        if fits {
+            self.0 += 1 << Self::PIXEL_BITS;
+        }
+        fits
+    }
+
+    /// The pixel of the first lane, counted from the tile's first.
+    #[inline]
+    pub fn pixel(self) -> usize {
+        usize::from(self.0) & ((1 << Self::PIXEL_BITS) - 1)
+    }
+
+    /// How many hits it holds, 1..=4.
+    #[inline]
+    pub fn lanes(self) -> usize {
+        1 + usize::from(self.0 >> Self::PIXEL_BITS)
+    }
+}
 
 /// A path by its place in its tile's list.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -48,8 +88,8 @@ pub struct Path {
 pub struct Span {
     /// The path.
     pub path: PathId,
-    /// Indices into [`Tile::hit_pixels`], of misses into [`Tile::miss_pixels`].
-    pub hits: Range<u32>,
+    /// Indices into [`Tile::blocks`], of misses into [`Tile::miss_blocks`].
+    pub blocks: Range<u32>,
 }
 
 /// The hits of a tile on one body that exactly these lights reach.
@@ -59,8 +99,8 @@ pub struct Group {
     pub body: BodyId,
     /// The lights, in the order of declaration; none where only the ambient light reaches.
     pub lights: Box<[LightId]>,
-    /// Indices into [`Tile::hit_pixels`].
-    pub hits: Range<u32>,
+    /// Indices into [`Tile::blocks`].
+    pub blocks: Range<u32>,
     /// The same hits path by path, in the order of path ids. A path occurs once, and in it a pixel at most once.
     pub spans: Box<[Span]>,
 }
@@ -74,12 +114,12 @@ pub struct Tile {
     pub paths: Vec<Path>,
     /// The groups, ordered by body and then by lights.
     pub groups: Vec<Group>,
-    /// For every hit its pixel, counted from the tile's first.
-    pub hit_pixels: Vec<u16>,
+    /// The pixels of all hits, by fours.
+    pub blocks: Vec<Block>,
     /// The rays that left the scene, path by path, in the order of path ids.
     pub misses: Vec<Span>,
-    /// For every such ray its pixel, counted from the tile's first.
-    pub miss_pixels: Vec<u16>,
+    /// The pixels of all such rays, by fours.
+    pub miss_blocks: Vec<Block>,
 }
 
 impl Tile {
@@ -91,31 +131,31 @@ impl Tile {
         steps
     }
 
-    /// The pixels of the hits of a span of a group, counted from the tile's first.
+    /// The blocks of a group, or of a part of it.
     ///
     /// # Panics
-    /// If the span is another tile's and reaches beyond the hits of this one.
-    pub fn pixels_of(&self, span: &Span) -> &[u16] {
-        &self.hit_pixels[span.hits.start as usize..span.hits.end as usize]
+    /// If the range reaches beyond the blocks of this tile.
+    pub fn blocks_of(&self, blocks: &Range<u32>) -> &[Block] {
+        &self.blocks[blocks.start as usize..blocks.end as usize]
     }
 
-    /// The pixels of a span of misses, counted from the tile's first.
+    /// The blocks of a span of misses.
     ///
     /// # Panics
     /// If the span is another tile's and reaches beyond the misses of this one.
-    pub fn pixels_of_misses(&self, span: &Span) -> &[u16] {
-        &self.miss_pixels[span.hits.start as usize..span.hits.end as usize]
+    pub fn misses_of(&self, span: &Span) -> &[Block] {
+        &self.miss_blocks[span.blocks.start as usize..span.blocks.end as usize]
     }
 
     /// What is in the tile.
     pub fn counts(&self) -> Counts {
-        let lit = |group: &Group| u64::from(group.hits.end - group.hits.start) * group.lights.len() as u64;
+        let lit = |group: &Group| lanes(self.blocks_of(&group.blocks)) * group.lights.len() as u64;
         Counts {
-            hits: self.hit_pixels.len() as u64,
+            hits: lanes(&self.blocks),
             records: self.groups.iter().map(lit).sum(),
             paths: self.paths.len() as u64,
             groups: self.groups.len() as u64,
-            misses: self.miss_pixels.len() as u64,
+            misses: lanes(&self.miss_blocks),
         }
     }
 
@@ -123,9 +163,14 @@ impl Tile {
     pub fn bytes(&self) -> u64 {
         let groups = self.groups.iter().map(|group| size_of_val(&*group.lights) + size_of_val(&*group.spans));
         let lists = size_of_val(&*self.paths) + size_of_val(&*self.groups) + size_of_val(&*self.misses);
-        let pixels = size_of_val(&*self.hit_pixels) + size_of_val(&*self.miss_pixels);
+        let pixels = size_of_val(&*self.blocks) + size_of_val(&*self.miss_blocks);
         (size_of::<Self>() + groups.sum::<usize>() + lists + pixels) as u64
     }
+}
+
+/// How many hits are in these blocks.
+fn lanes(blocks: &[Block]) -> u64 {
+    blocks.iter().map(|block| block.lanes() as u64).sum()
 }
 
 /// How much there is of everything.

@@ -72,6 +72,11 @@ fn node_at(tree: &Tree, steps: &[(Edge, Option<BodyId>)]) -> (Option<usize>, boo
     (node, false)
 }
 
+/// The pixels of some blocks, counted from the tile's first.
+fn pixels_of(blocks: &[Block]) -> impl Iterator<Item = usize> {
+    blocks.iter().flat_map(|block| block.pixel()..block.pixel() + block.lanes())
+}
+
 #[test]
 fn store_and_replay_are_what_the_trees_say_bit_for_bit() {
     let scene = room(1.0);
@@ -82,12 +87,15 @@ fn store_and_replay_are_what_the_trees_say_bit_for_bit() {
         let mut seen = 0;
         for tile in &hits.tiles {
             for group in &tile.groups {
-                let mut next = group.hits.start;
-                replay(&optics, tile, group, group.hits.clone(), |hit, surface| {
-                    assert_eq!(hit, next);
-                    next += 1;
-                    let span = group.spans.iter().find(|span| span.hits.contains(&hit)).unwrap();
-                    let pixel = tile.pixels.start + u32::from(tile.hit_pixels[hit as usize]);
+                let mut last = None;
+                replay(&optics, tile, group, group.blocks.clone(), |lane, pixel, surface| {
+                    assert!(last.is_none_or(|last| last < lane));
+                    last = Some(lane);
+                    let index = (lane / BLOCK_LANES) as u32;
+                    let span = group.spans.iter().find(|span| span.blocks.contains(&index)).unwrap();
+                    let block = tile.blocks[index as usize];
+                    assert!(lane % BLOCK_LANES < block.lanes());
+                    assert_eq!(pixel as usize, tile.pixels.start as usize + block.pixel() + lane % BLOCK_LANES);
                     let tree = &trees[pixel as usize];
                     let node = &tree.nodes[node_at(tree, &tile.steps(span.path)).0.unwrap()];
                     assert_eq!(node.surface, *surface);
@@ -96,11 +104,10 @@ fn store_and_replay_are_what_the_trees_say_bit_for_bit() {
                     seen += 1;
                 })
                 .unwrap();
-                assert_eq!(next, group.hits.end);
             }
             for span in &tile.misses {
-                for pixel in tile.pixels_of_misses(span) {
-                    let tree = &trees[(tile.pixels.start + u32::from(*pixel)) as usize];
+                for pixel in pixels_of(tile.misses_of(span)) {
+                    let tree = &trees[tile.pixels.start as usize + pixel];
                     assert!(node_at(tree, &tile.steps(span.path)).1);
                 }
             }
@@ -127,14 +134,16 @@ fn a_part_of_a_group_replays_as_in_the_whole() {
     let group = tile.groups.iter().max_by_key(|group| group.spans.len()).unwrap();
     let collect = |range: Range<u32>| {
         let mut all = Vec::new();
-        replay(&optics, tile, group, range, |hit, surface| all.push((hit, *surface))).unwrap();
+        replay(&optics, tile, group, range, |lane, _, surface| all.push((lane, *surface))).unwrap();
         all
     };
     let whole = collect(0..u32::MAX);
-    assert_eq!(whole.len() as u32, group.hits.end - group.hits.start);
-    let middle = group.hits.start + 1..group.hits.end - 1;
-    assert_eq!(collect(middle), whole[1..whole.len() - 1]);
-    assert!(collect(group.hits.end..group.hits.end).is_empty());
+    assert_eq!(whole.len(), pixels_of(tile.blocks_of(&group.blocks)).count());
+    let middle = group.blocks.start + 1..group.blocks.end - 1;
+    let lanes = middle.start as usize * BLOCK_LANES..middle.end as usize * BLOCK_LANES;
+    let within: Vec<_> = whole.iter().filter(|(lane, _)| lanes.contains(lane)).copied().collect();
+    assert_eq!(collect(middle), within);
+    assert!(collect(group.blocks.end..group.blocks.end).is_empty());
 }
 
 #[test]
@@ -145,7 +154,7 @@ fn a_store_of_another_scene_is_noticed() {
     other.camera =
         crate::scene::Camera::new([0.0, 100.0, 0.0].into(), [0.0, 1.0, 0.0].into(), [1.0, 0.0, 0.0].into(), 45.0).unwrap();
     let optics = Optics::new(&other, &view);
-    assert_eq!(replay(&optics, &hits.tiles[0], &hits.tiles[0].groups[0], 0..u32::MAX, |_, _| {}), Err(Mismatch));
+    assert_eq!(replay(&optics, &hits.tiles[0], &hits.tiles[0].groups[0], 0..u32::MAX, |_, _, _| {}), Err(Mismatch));
 }
 
 #[test]
@@ -158,15 +167,15 @@ fn groups_and_spans_are_in_order_and_complete() {
         assert!(tile.groups.is_sorted_by(|a, b| (a.body, &a.lights) < (b.body, &b.lights)));
         let mut next = 0;
         for span in tile.groups.iter().flat_map(|group| {
-            assert_eq!(group.hits, group.spans[0].hits.start..group.spans[group.spans.len() - 1].hits.end);
+            assert_eq!(group.blocks, group.spans[0].blocks.start..group.spans[group.spans.len() - 1].blocks.end);
             assert!(group.spans.is_sorted_by(|a, b| a.path < b.path));
             &group.spans
         }) {
-            assert_eq!(span.hits.start, next);
-            next = span.hits.end;
-            assert!(tile.pixels_of(span).is_sorted_by(|a, b| a < b));
+            assert_eq!(span.blocks.start, next);
+            next = span.blocks.end;
+            assert!(pixels_of(tile.blocks_of(&span.blocks)).is_sorted_by(|a, b| a < b));
         }
-        assert_eq!(next as usize, tile.hit_pixels.len());
+        assert_eq!(next as usize, tile.blocks.len());
     }
     assert!(hits.bytes() < 8 * (hits.counts().hits + hits.counts().misses), "{} {:?}", hits.bytes(), hits.counts());
 }

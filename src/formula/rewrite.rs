@@ -1,0 +1,384 @@
+//! Rewrites of a formula's graph that make more of it static or uniform, so that less is left to do for every record and frame.
+//!
+//! 1. A power of a static base becomes 2 to the power of the exponent times the base's logarithm, which is static.
+//! 2. Products are regrouped: uniform factors together, static factors together, the rest as it is.
+//! 3. The contribution itself, which is linear in its terms, becomes a sum of products `uniform · rest`, so that ki, colours and weights
+//!    are multiplied once a frame rather than once a record.
+//!
+//! Sums are regrouped only in the contribution (3), where rounding errors of the size of a term's stay that small: inside of, say, a
+//! power they could be amplified. And everything is done only where ranges prove that nothing becomes infinite or NaN that was not.
+
+use crate::formula::Formula;
+use crate::formula::binding::BindingTime;
+use crate::formula::graph::{Graph, Node, NodeId};
+use crate::formula::range::{self, Range};
+use crate::lang::scalars::{Primitive, Recorder};
+
+/// Factors of regrouped products are at most so large, so that no partial product overflows, and what underflows does not matter.
+const TAME_FACTOR: f64 = 1e6;
+/// Terms that are multiplied out are at most so large: their rounding errors are then far below what a colour shows.
+const TAME_TERM: f64 = 64.0;
+/// A sum of more terms stays as it is.
+const MOST_TERMS: usize = 6;
+
+/// The rewritten graph, and in it the nodes that stand for `roots`.
+pub(super) fn rewrite(old: &Graph, roots: [NodeId; 3], formula: &Formula) -> (Graph, [NodeId; 3]) {
+    let mut rewriter = Rewriter { graph: Graph::empty(), times: Vec::new(), ranges: Vec::new(), formula };
+    let mut new: Vec<NodeId> = Vec::with_capacity(old.len());
+    for index in 0..old.len() {
+        let node = old.node(NodeId(index as u32));
+        let operands: Vec<NodeId> = node.operands().iter().map(|operand| new[operand.0 as usize]).collect();
+        new.push(match node {
+            Node::Constant(_) | Node::Variable(..) | Node::Parameter(..) => rewriter.leaf(node),
+            Node::Apply(primitive, _) => rewriter.apply(primitive, &operands),
+        });
+    }
+    let roots = roots.map(|root| rewriter.linear(new[root.0 as usize]));
+    // What was tried on the way and not used is left behind.
+    rewriter.graph.reachable(roots)
+}
+
+struct Rewriter<'f> {
+    graph: Graph,
+    times: Vec<BindingTime>,
+    ranges: Vec<Range>,
+    formula: &'f Formula,
+}
+
+/// A value as `uniform · rest`; where one is missing, it is 1.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Product {
+    uniform: Option<NodeId>,
+    rest: Option<NodeId>,
+}
+
+impl Rewriter<'_> {
+    fn leaf(&mut self, node: Node) -> NodeId {
+        let id = self.graph.insert(node);
+        self.learn();
+        id
+    }
+
+    /// The node of a primitive, as it is.
+    fn record(&mut self, primitive: Primitive, operands: &[NodeId]) -> NodeId {
+        let id = self.graph.record(primitive, operands);
+        self.learn();
+        id
+    }
+
+    fn constant(&mut self, value: f32) -> NodeId {
+        let id = self.graph.record_constant(value);
+        self.learn();
+        id
+    }
+
+    /// Binding times and ranges of nodes that are new.
+    fn learn(&mut self) {
+        for index in self.times.len()..self.graph.len() {
+            let id = NodeId(index as u32);
+            self.times.push(BindingTime::of(&self.graph, id, &self.times));
+            self.ranges.push(range::range(&self.graph, id, self.formula, &self.ranges));
+        }
+    }
+
+    fn time(&self, id: NodeId) -> BindingTime {
+        self.times[id.0 as usize]
+    }
+
+    fn range(&self, id: NodeId) -> Range {
+        self.ranges[id.0 as usize]
+    }
+
+    /// A primitive on rewritten operands.
+    fn apply(&mut self, primitive: Primitive, operands: &[NodeId]) -> NodeId {
+        match (primitive, operands) {
+            (Primitive::Pow, &[base, exponent]) => self.power(base, exponent),
+            (Primitive::Mul, &[x, y]) => self.product(x, y),
+            (primitive, operands) => self.record(primitive, operands),
+        }
+    }
+
+    fn is_static(&self, id: NodeId) -> bool {
+        matches!(self.time(id), BindingTime::Static(_))
+    }
+
+    fn is_uniform(&self, id: NodeId) -> bool {
+        matches!(self.time(id), BindingTime::Uniform | BindingTime::Constant)
+    }
+
+    /// xʸ = 2^(y·log₂|x|), with the sign that a negative base gives. The logarithm is static, where the base is.
+    fn power(&mut self, base: NodeId, exponent: NodeId) -> NodeId {
+        let (x, y) = (self.range(base), self.range(exponent));
+        let changing = matches!(self.time(exponent), BindingTime::Uniform | BindingTime::Dynamic);
+        if !self.is_static(base) || !changing || x.nan || y.nan {
+            return self.record(Primitive::Pow, &[base, exponent]);
+        }
+        // The logarithm of 0 is taken as a finite number, so that 0 times it is 0 (x⁰ is 1, for 0 and ∞ too); and exponents as finite
+        // ones, and other than 0 as of some size, so that the product is beyond the range of 2ˣ (or 0, for the base 1).
+        let magnitude = if x.not_negative() { base } else { self.record(Primitive::Abs, &[base]) };
+        let logarithm = self.record(Primitive::Log2, &[magnitude]);
+        let (least, largest) = (self.constant(f32::MIN), self.constant(f32::MAX));
+        let logarithm = self.record(Primitive::Max, &[least, logarithm]);
+        let logarithm = self.record(Primitive::Min, &[largest, logarithm]);
+        let bounded = self.bounded_exponent(exponent);
+        let product = self.record(Primitive::Mul, &[bounded, logarithm]);
+        let power = self.record(Primitive::Exp2, &[product]);
+        if x.not_negative() && (y.low >= 0.0 || !x.negative_zero) {
+            return power;
+        }
+        let sign = self.sign_of_power(base, exponent);
+        self.record(Primitive::Mul, &[sign, power])
+    }
+
+    /// The exponent within ±`f32::MAX`, and where it is not 0, at least 1e-36 in magnitude.
+    fn bounded_exponent(&mut self, exponent: NodeId) -> NodeId {
+        const LEAST: f32 = 1e-36;
+        let range = self.range(exponent);
+        let mut bounded = exponent;
+        if range.low < f64::from(LEAST) && range.high > f64::from(-LEAST) {
+            let [zero, up, down] = [0.0, LEAST, -LEAST].map(|value| self.constant(value));
+            let mut small = zero;
+            if range.low < 0.0 {
+                let at_most = self.record(Primitive::Min, &[down, exponent]);
+                let negative = self.record(Primitive::Less, &[exponent, zero]);
+                small = self.record(Primitive::Select, &[negative, at_most, small]);
+            }
+            bounded = small;
+            if range.high > 0.0 {
+                let at_least = self.record(Primitive::Max, &[up, exponent]);
+                let positive = self.record(Primitive::Less, &[zero, exponent]);
+                bounded = self.record(Primitive::Select, &[positive, at_least, small]);
+            }
+        }
+        if range.high == f64::INFINITY {
+            let largest = self.constant(f32::MAX);
+            bounded = self.record(Primitive::Min, &[largest, bounded]);
+        }
+        if range.low == f64::NEG_INFINITY {
+            let least = self.constant(f32::MIN);
+            bounded = self.record(Primitive::Max, &[least, bounded]);
+        }
+        bounded
+    }
+
+    /// What |x|ʸ has to be multiplied with where x may be negative or −0: 1, −1, or NaN. A static number tells the case, so that
+    /// the rest is uniform where the exponent is.
+    fn sign_of_power(&mut self, base: NodeId, exponent: NodeId) -> NodeId {
+        let [zero, half, one, two, minus] = [0.0, 0.5, 1.0, 2.0, -1.0].map(|value| self.constant(value));
+        let nan = self.constant(f32::NAN);
+        // −0 and −∞ have powers with broken exponents, as if they were 0 and ∞.
+        let (least, infinity) = (self.constant(f32::MIN), self.constant(f32::INFINITY));
+        let endless = self.record(Primitive::Less, &[base, least]);
+        let kind = self.record(Primitive::Select, &[endless, two, one]);
+        let reciprocal = self.record(Primitive::Div, &[one, base]);
+        let minus_infinity = self.record(Primitive::Neg, &[infinity]);
+        let negative_zero = self.record(Primitive::Equal, &[reciprocal, minus_infinity]);
+        let is_zero = self.record(Primitive::Equal, &[base, zero]);
+        let negative_zero = self.record(Primitive::And, &[negative_zero, is_zero]);
+        let other = self.record(Primitive::Select, &[negative_zero, two, zero]);
+        let negative = self.record(Primitive::Less, &[base, zero]);
+        let class = self.record(Primitive::Select, &[negative, kind, other]);
+
+        let floor = self.record(Primitive::Floor, &[exponent]);
+        let whole = self.record(Primitive::Equal, &[floor, exponent]);
+        let halved = self.record(Primitive::Mul, &[exponent, half]);
+        let floor = self.record(Primitive::Floor, &[halved]);
+        let even = self.record(Primitive::Equal, &[floor, halved]);
+        let of_whole = self.record(Primitive::Select, &[even, one, minus]);
+        let odd_or_one = self.record(Primitive::Select, &[whole, of_whole, one]);
+        let odd_or_nan = self.record(Primitive::Select, &[whole, of_whole, nan]);
+
+        let ordinary = self.record(Primitive::Less, &[class, half]);
+        let endless = self.record(Primitive::Less, &[one, class]);
+        let signed = self.record(Primitive::Select, &[endless, odd_or_one, odd_or_nan]);
+        self.record(Primitive::Select, &[ordinary, one, signed])
+    }
+
+    /// A product with its uniform factors together and its static factors together.
+    fn product(&mut self, x: NodeId, y: NodeId) -> NodeId {
+        let plain = self.graph.record(Primitive::Mul, &[x, y]);
+        self.learn();
+        if self.time(plain) != BindingTime::Dynamic {
+            return plain;
+        }
+        let mut factors = Vec::new();
+        self.factors(x, &mut factors);
+        self.factors(y, &mut factors);
+        if !factors.iter().all(|factor| self.range(*factor).within(TAME_FACTOR)) {
+            return plain;
+        }
+        let total: f64 = factors.iter().map(|factor| self.range(*factor).magnitude().max(1.0)).product();
+        if total > TAME_FACTOR.powi(4) {
+            return plain;
+        }
+        let [mut uniform, mut fixed, mut rest] = [None; 3];
+        for factor in factors {
+            let group = match self.time(factor) {
+                BindingTime::Constant | BindingTime::Uniform => &mut uniform,
+                BindingTime::Static(_) => &mut fixed,
+                BindingTime::Dynamic => &mut rest,
+            };
+            let before = *group;
+            let after = self.times(before, Some(factor));
+            match self.time(factor) {
+                BindingTime::Constant | BindingTime::Uniform => uniform = after,
+                BindingTime::Static(_) => fixed = after,
+                BindingTime::Dynamic => rest = after,
+            }
+        }
+        let varying = self.times(fixed, rest);
+        self.times(uniform, varying).unwrap_or(plain)
+    }
+
+    /// The product of two factors that may be missing.
+    fn times(&mut self, x: Option<NodeId>, y: Option<NodeId>) -> Option<NodeId> {
+        match (x, y) {
+            (Some(x), Some(y)) => Some(self.record(Primitive::Mul, &[x, y])),
+            (one, other) => one.or(other),
+        }
+    }
+
+    /// The factors of a product: as it was built by [`product`](Self::product), uniform · (static · rest), one of each at most.
+    fn factors(&self, id: NodeId, into: &mut Vec<NodeId>) {
+        let mut at = id;
+        for _ in 0..2 {
+            match self.graph.node(at) {
+                Node::Apply(Primitive::Mul, operands)
+                    if self.time(at) == BindingTime::Dynamic && self.time(operands[0]) != BindingTime::Dynamic =>
+                {
+                    into.push(operands[0]);
+                    at = operands[1];
+                }
+                Node::Apply(..) | Node::Constant(_) | Node::Variable(..) | Node::Parameter(..) => break,
+            }
+        }
+        into.push(at);
+    }
+
+    /// A value as a sum of products `uniform · rest`, with all that is uniform multiplied out.
+    fn linear(&mut self, root: NodeId) -> NodeId {
+        match self.terms(root, 0) {
+            Some(terms) => self.sum(&terms),
+            None => root,
+        }
+    }
+
+    /// The terms of a value; none where it has too many, or too large ones.
+    fn terms(&mut self, id: NodeId, depth: usize) -> Option<Vec<Product>> {
+        /// Deeper sums have more terms than are multiplied out.
+        const DEEPEST: usize = 64;
+        if depth > DEEPEST {
+            return None;
+        }
+        if self.is_uniform(id) {
+            return Some(vec![Product { uniform: Some(id), rest: None }]);
+        }
+        let atom = Some(vec![Product { uniform: None, rest: Some(id) }]);
+        if self.is_static(id) {
+            return atom;
+        }
+        let (primitive, operands) = match self.graph.node(id) {
+            Node::Apply(primitive, operands) => (primitive, operands),
+            Node::Constant(_) | Node::Variable(..) | Node::Parameter(..) => return atom,
+        };
+        let [x, y] = [operands[0], operands[1]];
+        match primitive {
+            Primitive::Add | Primitive::Sub => {
+                let mut sum = self.terms(x, depth + 1)?;
+                for term in self.terms(y, depth + 1)? {
+                    let term = if primitive == Primitive::Sub { self.negated(term)? } else { term };
+                    self.gather(&mut sum, term);
+                }
+                (sum.len() <= MOST_TERMS).then_some(sum).or(atom)
+            }
+            Primitive::Mul => {
+                let (uniform, sum) = match (self.is_uniform(x), self.is_uniform(y)) {
+                    (true, _) => (x, y),
+                    (_, true) => (y, x),
+                    (false, false) => return atom,
+                };
+                self.scaled(uniform, sum, depth).or(atom)
+            }
+            Primitive::Neg => {
+                let minus = self.constant(-1.0);
+                self.scaled(minus, x, depth).or(atom)
+            }
+            Primitive::Div if self.is_uniform(y) => {
+                let one = self.constant(1.0);
+                let reciprocal = self.record(Primitive::Div, &[one, y]);
+                self.scaled(reciprocal, x, depth).or(atom)
+            }
+            _ => atom,
+        }
+    }
+
+    /// The terms of `uniform · sum`, if it is no more work so.
+    fn scaled(&mut self, uniform: NodeId, sum: NodeId, depth: usize) -> Option<Vec<Product>> {
+        if !self.range(uniform).within(TAME_TERM) {
+            return None;
+        }
+        let terms = self.terms(sum, depth + 1)?;
+        let bare = terms.iter().filter(|term| term.uniform.is_none()).count();
+        // Each term without a uniform factor costs a multiplication more; that of the sum is saved.
+        if bare > 1 || terms.len() > 1 && !terms.iter().all(|term| self.is_tame(term)) {
+            return None;
+        }
+        let mut scaled = Vec::with_capacity(terms.len());
+        for term in terms {
+            let factor = self.times(Some(uniform), term.uniform);
+            scaled.push(Product { uniform: factor, rest: term.rest });
+        }
+        Some(scaled)
+    }
+
+    fn is_tame(&self, term: &Product) -> bool {
+        [term.uniform, term.rest].into_iter().flatten().all(|factor| self.range(factor).within(TAME_TERM))
+    }
+
+    fn negated(&mut self, term: Product) -> Option<Product> {
+        let minus = self.constant(-1.0);
+        let uniform = self.times(Some(minus), term.uniform);
+        Some(Product { uniform, rest: term.rest })
+    }
+
+    /// Adds a term to a sum, together with one that has the same uniform factor (two static ones become one) or the same rest.
+    fn gather(&mut self, sum: &mut Vec<Product>, term: Product) {
+        let tame = self.is_tame(&term);
+        for place in 0..sum.len() {
+            let other = sum[place];
+            if !tame || !self.is_tame(&other) {
+                continue;
+            }
+            if other.rest == term.rest {
+                let one = self.constant(1.0);
+                let [x, y] = [other.uniform, term.uniform].map(|uniform| uniform.unwrap_or(one));
+                sum[place].uniform = Some(self.record(Primitive::Add, &[x, y]));
+                return;
+            }
+            if let (Some(x), Some(y)) = (other.rest, term.rest)
+                && other.uniform == term.uniform
+                && self.is_static(x)
+                && self.is_static(y)
+            {
+                sum[place].rest = Some(self.record(Primitive::Add, &[x, y]));
+                return;
+            }
+        }
+        sum.push(term);
+    }
+
+    fn sum(&mut self, terms: &[Product]) -> NodeId {
+        let mut total: Option<NodeId> = None;
+        for term in terms {
+            let value = self.times(term.uniform, term.rest);
+            total = match (total, value) {
+                (Some(total), Some(value)) => Some(self.record(Primitive::Add, &[total, value])),
+                (one, other) => one.or(other),
+            };
+        }
+        match total {
+            Some(total) => total,
+            None => self.constant(1.0),
+        }
+    }
+}
