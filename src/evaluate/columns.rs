@@ -3,10 +3,12 @@
 //! A group of hits has one column for each node of the hit frontier and, for each light that reaches it, one for each node of the
 //! record frontier; all are as long as the group has blocks of hits, and lie one behind the other.
 
+use crate::evaluate::pass::Source;
 use crate::formula::graph::{Node, NodeId};
 use crate::jit::{CompiledFormula, Lanes};
 use crate::lang::scalars::flush;
 use crate::lang::variables::Variable;
+use crate::scene::LightId;
 use crate::trace::{Group, HitVariables, LightVariables, Mismatch, Optics, Tile, replay, variable};
 use std::ops::Range;
 
@@ -25,8 +27,8 @@ pub(super) struct Columns {
 impl Columns {
     /// Works out the static values of a tile.
     pub(super) fn new(compiled: &CompiledFormula, optics: &Optics, tile: &Tile) -> Result<Self, Mismatch> {
-        let hit_columns = compiled.bindings.hit_frontier.len();
-        let record_columns = compiled.bindings.record_frontier.len();
+        let hit_columns = compiled.bindings.frontier.hits.len();
+        let record_columns = compiled.bindings.frontier.records.len();
         let mut groups = Vec::with_capacity(tile.groups.len());
         let mut end = 0;
         for group in &tile.groups {
@@ -43,16 +45,47 @@ impl Columns {
         Ok(columns)
     }
 
+    /// Columns of what a source yields for each record of a tile, where it is active.
+    pub(super) fn kept(tile: &Tile, place: usize, source: &Source, lights: usize) -> Self {
+        let record_columns = source.kernel.outputs();
+        let is_active = |group: &Group, light: &LightId| source.active[group.body.index() * lights + light.index()];
+        let mut groups = Vec::with_capacity(tile.groups.len());
+        let mut end = 0;
+        for group in &tile.groups {
+            let blocks = if group.lights.iter().any(|light| is_active(group, light)) { group.blocks.len() } else { 0 };
+            groups.push((end, blocks));
+            end += blocks * record_columns * group.lights.len();
+        }
+        let mut kept = Self { lanes: vec![Lanes::default(); end], groups, hit_columns: 0, record_columns };
+        let mut inputs = Vec::new();
+        for (index, group) in tile.groups.iter().enumerate() {
+            let (start, length) = kept.groups[index];
+            if length == 0 {
+                continue;
+            }
+            for (light_place, light) in group.lights.iter().enumerate().filter(|(_, light)| is_active(group, light)) {
+                let pair = group.body.index() * lights + light.index();
+                let uniforms = &source.uniforms[pair * source.uniform_count..(pair + 1) * source.uniform_count];
+                inputs.clear();
+                source.columns[place].of(index, light_place, 0, length, &mut inputs);
+                let begin = start + light_place * record_columns * length;
+                let own = &mut kept.lanes[begin..begin + record_columns * length];
+                source.kernel.run(&inputs, uniforms, &mut pieces(own, length, 0, length), length);
+            }
+        }
+        kept
+    }
+
     /// The memory they take, in bytes.
     pub(super) fn bytes(&self) -> usize {
         size_of_val(self.lanes.as_slice()) + size_of_val(self.groups.as_slice())
     }
 
-    /// The columns of a group for its light of this place, hit frontier first, each from block `first` on for `blocks` blocks.
+    /// The columns of a group for its light of this place, hit frontier first, each from block `first` on for `blocks` blocks; behind
+    /// those that are there.
     pub(super) fn of<'c>(&'c self, group: usize, light: usize, first: usize, blocks: usize, into: &mut Vec<&'c [Lanes]>) {
         let (start, length) = self.groups[group];
         let records = self.hit_columns + light * self.record_columns;
-        into.clear();
         for column in (0..self.hit_columns).chain(records..records + self.record_columns) {
             let begin = start + column * length + first;
             into.push(&self.lanes[begin..begin + blocks]);

@@ -5,9 +5,11 @@ use crate::evaluate::frame::Frame;
 use crate::evaluate::framebuffer::{self, Channels, Framebuffer};
 use crate::evaluate::pass::{Pass, Source, Workroom};
 use crate::evaluate::planes::{Planes, Weight};
+use crate::formula::binding::Bindings;
 use crate::formula::graph::{Node, NodeId};
 use crate::formula::layout::Layout;
-use crate::formula::{Formula, ParameterId};
+use crate::formula::{Formula, Parameter, ParameterId};
+use crate::jit::compile::Contributor;
 use crate::jit::{CompiledFormula, Kernel, Lanes};
 use crate::lang::scalars::flush;
 use crate::lang::variables::{Owner, Predefined};
@@ -19,13 +21,14 @@ use wide::f32x4;
 
 /// A compiled formula with the static values of all records of a traced scene.
 pub struct Compiled {
-    compiled: Arc<CompiledFormula>,
-    hits: Arc<Hits>,
+    pub(super) compiled: Arc<CompiledFormula>,
+    pub(super) hits: Arc<Hits>,
     columns: Vec<Columns>,
-    layout: Layout,
+    pub(super) layout: Layout,
+    pub(super) parameters: Vec<Parameter>,
     /// Where each parameter number that the uniform kernel reads lies.
     uniform_leaves: Vec<Place>,
-    places: Places,
+    pub(super) places: Places,
     /// Where tiles were worked on; kept for the next frame.
     workrooms: Mutex<Vec<Workroom>>,
 }
@@ -57,7 +60,7 @@ impl Compiled {
         let optics = Optics::new(scene, &hits.view);
         let columns = hits.tiles.par_iter().map(|tile| Columns::new(&compiled, &optics, tile)).collect::<Result<Vec<_>, _>>()?;
         let slot = |id: ParameterId| formula.parameter(id).slot as usize;
-        let uniform_leaves = places_of(&compiled, formula, &compiled.uniform_leaves);
+        let uniform_leaves = places_of(&compiled.bindings, &formula.parameters, &compiled.contributor.uniform_leaves);
         let place = |predefined| slot(formula.predefined(predefined));
         let places = Places {
             kr: place(Predefined::Reflection),
@@ -69,7 +72,17 @@ impl Compiled {
             background: place(Predefined::Background),
         };
         let layout = Layout::new(formula, scene.bodies.len(), scene.lights.len());
-        Ok(Self { compiled, hits: Arc::clone(hits), columns, layout, uniform_leaves, places, workrooms: Mutex::default() })
+        let parameters = formula.parameters.clone();
+        Ok(Self {
+            compiled,
+            hits: Arc::clone(hits),
+            columns,
+            layout,
+            parameters,
+            uniform_leaves,
+            places,
+            workrooms: Mutex::default(),
+        })
     }
 
     /// The memory at rest, in bytes: the hit store and the static columns.
@@ -99,18 +112,23 @@ impl Compiled {
         self.check_size(framebuffer);
         let pass = self.whole(memory);
         self.each_tile(framebuffer.pixels.par_chunks_mut(TILE_PIXELS as usize), |pixels, place, workroom| {
-            self.tile(&pass, memory, place, workroom);
-            quantise(&workroom.planes, pixels);
+            self.draw_tile(&pass, memory, place, workroom, pixels);
         });
     }
 
-    fn check_size(&self, framebuffer: &Framebuffer) {
+    /// Draws a tile into its part of a framebuffer.
+    pub(super) fn draw_tile(&self, pass: &Pass, memory: &[f32], place: usize, workroom: &mut Workroom, pixels: &mut [u32]) {
+        self.tile(pass, memory, place, workroom);
+        quantise(&workroom.planes, pixels);
+    }
+
+    pub(super) fn check_size(&self, framebuffer: &Framebuffer) {
         let view = self.hits.view;
         assert_eq!((framebuffer.width, framebuffer.height), (view.width(), view.height()), "a framebuffer of the view's size");
     }
 
     /// Does some work for each tile, in parallel: on what belongs to it, with its place among the tiles, in some workroom.
-    fn each_tile<T: Send>(
+    pub(super) fn each_tile<T: Send>(
         &self,
         work: impl IndexedParallelIterator<Item = T>,
         each: impl Fn(T, usize, &mut Workroom) + Sync + Send,
@@ -125,29 +143,46 @@ impl Compiled {
     }
 
     /// Everything that a picture is added up from.
-    fn whole(&self, memory: &[f32]) -> Pass<'_> {
+    pub(super) fn whole(&self, memory: &[f32]) -> Pass<'_> {
         assert!(memory.len() >= self.layout.len(), "as many parameter numbers as the formula and the scene have");
         let lights = self.layout.owners(Owner::Light);
-        let source = self.source(memory, |_, _| true);
+        let source = self.source_of(memory, &self.compiled.contributor, &self.uniform_leaves, Channels::All);
         let background = self.colour(memory, Owner::Global, 0, self.places.background);
         let ambient = (0..self.layout.owners(Owner::Body)).map(|body| self.ambient(body, memory)).collect();
         Pass { sources: vec![source], lights, ambient, background, channels: Channels::All }
     }
 
-    /// The contributions of all records by the formula's own kernel, of those pairs of a body and a light that `wanted` says.
-    fn source(&self, memory: &[f32], wanted: impl Fn(usize, usize) -> bool) -> Source<'_> {
+    /// What a contributor yields, of all pairs of a body and a light that contribute; its uniform leaves lie at these places.
+    pub(super) fn source_of<'c>(
+        &'c self,
+        memory: &[f32],
+        contributor: &'c Contributor,
+        leaves: &[Place],
+        channels: Channels,
+    ) -> Source<'c> {
         Source {
-            kernel: &self.compiled.contribution_kernel,
-            channels: Channels::All,
+            kernel: &contributor.kernel,
+            channels,
             columns: &self.columns,
-            uniforms: self.uniforms(memory, &self.compiled.uniform_kernel, &self.uniform_leaves),
-            uniform_count: self.compiled.bindings.uniforms.len(),
-            active: self.active(memory, wanted),
+            uniforms: self.uniforms(memory, &contributor.uniform_kernel, leaves),
+            uniform_count: contributor.uniform_kernel.outputs(),
+            active: self.active(memory, |_, _| true),
         }
     }
 
+    /// The parameter, and its component, whose number lies in this slot of the row of such an owner.
+    pub(super) fn number_at(&self, owner: Owner, slot: usize) -> Option<(ParameterId, u8)> {
+        let holds = |parameter: &&Parameter| {
+            let first = parameter.slot as usize;
+            parameter.owner == owner && (first..first + parameter.ty.slots()).contains(&slot)
+        };
+        let index = self.parameters.iter().position(|parameter| holds(&parameter))?;
+        // A vector has three components.
+        Some((ParameterId(index as u32), (slot - self.parameters[index].slot as usize) as u8))
+    }
+
     /// Which pairs contribute. A light of intensity 0 adds exactly nothing, whatever the formula yields.
-    fn active(&self, memory: &[f32], wanted: impl Fn(usize, usize) -> bool) -> Vec<bool> {
+    pub(super) fn active(&self, memory: &[f32], wanted: impl Fn(usize, usize) -> bool) -> Vec<bool> {
         let [bodies, lights] = [Owner::Body, Owner::Light].map(|owner| self.layout.owners(owner));
         let bright = |light| self.number(memory, Owner::Light, light, self.places.ki) != 0.0;
         let pairs = (0..bodies).flat_map(|body| (0..lights).map(move |light| (body, light)));
@@ -159,7 +194,7 @@ impl Compiled {
         let tile = &self.hits.tiles[place];
         self.path_weights(tile, memory, &mut workroom.weights);
         workroom.planes.clear(tile.pixels.len());
-        pass.add(tile, place, workroom);
+        pass.add(tile, place, None, workroom);
     }
 
     /// A number of the row of the owner of this index.
@@ -200,7 +235,7 @@ impl Compiled {
     }
 
     /// The weight of each path of a tile: the product of kr and kt of the bodies along it.
-    fn path_weights(&self, tile: &Tile, memory: &[f32], weights: &mut Vec<Weight>) {
+    pub(super) fn path_weights(&self, tile: &Tile, memory: &[f32], weights: &mut Vec<Weight>) {
         weights.clear();
         for path in &tile.paths {
             let weight = match self.last_factor(tile, path) {
@@ -212,7 +247,7 @@ impl Compiled {
     }
 
     /// The path that a path goes on from, and where the number that it is weighed with beyond that lies; `None` for a primary ray.
-    fn last_factor(&self, tile: &Tile, path: &Path) -> Option<(usize, usize)> {
+    pub(super) fn last_factor(&self, tile: &Tile, path: &Path) -> Option<(usize, usize)> {
         let slot = match path.edge {
             Edge::Primary => return None,
             Edge::Reflected => self.places.kr,
@@ -223,19 +258,25 @@ impl Compiled {
     }
 
     /// ka · Cd · Ia of a body, exactly 0 where ka is.
-    fn ambient(&self, body: usize, memory: &[f32]) -> [f32; 3] {
+    pub(super) fn ambient(&self, body: usize, memory: &[f32]) -> [f32; 3] {
+        let [weight, colour, light] = self.ambient_factors(body, memory);
+        if weight == [0.0; 3] { [0.0; 3] } else { [0, 1, 2].map(|c| weight[c] * (colour[c] * light[c])) }
+    }
+
+    /// ka, Cd and Ia of a body.
+    pub(super) fn ambient_factors(&self, body: usize, memory: &[f32]) -> [[f32; 3]; 3] {
         let weight = self.number(memory, Owner::Global, 0, self.places.ka);
         let colour = self.colour(memory, Owner::Body, body, self.places.body_colour);
         let light = self.colour(memory, Owner::Global, 0, self.places.ambient_colour);
-        if weight == 0.0 { [0.0; 3] } else { [0, 1, 2].map(|component| weight * (colour[component] * light[component])) }
+        [[weight; 3], colour, light]
     }
 }
 
 /// Where the parameters that these nodes are lie.
-fn places_of(compiled: &CompiledFormula, formula: &Formula, leaves: &[NodeId]) -> Vec<Place> {
-    let place = |leaf: &NodeId| match compiled.bindings.graph.node(*leaf) {
+pub(super) fn places_of(bindings: &Bindings, parameters: &[Parameter], leaves: &[NodeId]) -> Vec<Place> {
+    let place = |leaf: &NodeId| match bindings.graph.node(*leaf) {
         Node::Parameter(id, component) => {
-            let parameter = formula.parameter(id);
+            let parameter = &parameters[id.0 as usize];
             Some(Place { owner: parameter.owner, slot: parameter.slot as usize + usize::from(component) })
         }
         Node::Constant(_) | Node::Variable(..) | Node::Apply(..) => None,

@@ -7,6 +7,7 @@
 
 mod columns;
 mod compiled;
+mod drag;
 mod frame;
 mod framebuffer;
 mod interpreted;
@@ -15,6 +16,7 @@ mod planes;
 pub mod verify;
 
 pub use compiled::Compiled;
+pub use drag::{Drag, Method};
 pub use frame::Frame;
 pub use framebuffer::Framebuffer;
 pub use interpreted::{Interpreted, Timing};
@@ -91,8 +93,8 @@ pub fn budget(bytes: u64, formula: &CompiledFormula) -> Budget {
     let number = size_of::<f32>() as u64;
     Budget {
         bytes,
-        bytes_per_hit: number * formula.bindings.hit_frontier.len() as u64,
-        bytes_per_record: number * formula.bindings.record_frontier.len() as u64,
+        bytes_per_hit: number * formula.bindings.frontier.hits.len() as u64,
+        bytes_per_record: number * formula.bindings.frontier.records.len() as u64,
         bytes_per_pixel: 3 * number,
     }
 }

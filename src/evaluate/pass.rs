@@ -59,10 +59,11 @@ impl Workroom {
 }
 
 impl Pass<'_> {
-    /// Adds the pass to the planes of the workroom, whose weights are those of the tile's paths. `place` is the tile's.
-    pub(super) fn add(&self, tile: &Tile, place: usize, workroom: &mut Workroom) {
+    /// Adds the pass to the planes of the workroom, whose weights are those of the tile's paths. `place` is the tile's; `kept` are
+    /// columns beside the static ones, if kernels read such.
+    pub(super) fn add(&self, tile: &Tile, place: usize, kept: Option<&Columns>, workroom: &mut Workroom) {
         for (index, group) in tile.groups.iter().enumerate() {
-            self.group(tile, place, group, index, workroom);
+            self.group(tile, place, kept, group, index, workroom);
         }
         if self.background != [0.0; 3] {
             for span in &tile.misses {
@@ -74,7 +75,7 @@ impl Pass<'_> {
         }
     }
 
-    fn group(&self, tile: &Tile, place: usize, group: &Group, index: usize, workroom: &mut Workroom) {
+    fn group(&self, tile: &Tile, place: usize, kept: Option<&Columns>, group: &Group, index: usize, workroom: &mut Workroom) {
         let ambient = self.ambient[group.body.index()];
         let lit = group.lights.iter().any(|light| self.sources.iter().any(|source| source.active[self.pair(group, *light)]));
         if !lit && ambient == [0.0; 3] {
@@ -99,7 +100,7 @@ impl Pass<'_> {
             let blocks = first.blocks.start..last.blocks.end;
             for start in blocks.clone().step_by(CHUNK) {
                 let chunk = start..(start + CHUNK as u32).min(blocks.end);
-                self.light(place, group, index, ambient, &chunk, &mut workroom.sums);
+                self.light(place, kept, group, index, ambient, &chunk, &mut workroom.sums);
                 while let Some((span, later)) = run.split_first() {
                     let part = span.blocks.start.max(chunk.start)..span.blocks.end.min(chunk.end);
                     if part.start >= part.end {
@@ -122,6 +123,7 @@ impl Pass<'_> {
     fn light(
         &self,
         place: usize,
+        kept: Option<&Columns>,
         group: &Group,
         index: usize,
         ambient: [f32; 3],
@@ -133,7 +135,7 @@ impl Pass<'_> {
             plane[..length].fill(Lanes::splat(component));
         }
         let first = (blocks.start - group.blocks.start) as usize;
-        let mut inputs = Vec::with_capacity(8);
+        let mut inputs = Vec::with_capacity(16);
         for source in &self.sources {
             for (light_place, light) in group.lights.iter().enumerate() {
                 let pair = self.pair(group, *light);
@@ -141,7 +143,11 @@ impl Pass<'_> {
                     continue;
                 }
                 let uniforms = &source.uniforms[pair * source.uniform_count..(pair + 1) * source.uniform_count];
+                inputs.clear();
                 source.columns[place].of(index, light_place, first, length, &mut inputs);
+                if let Some(kept) = kept {
+                    kept.of(index, light_place, first, length, &mut inputs);
+                }
                 let [red, green, blue] = &mut *sums;
                 match source.channels {
                     Channels::All => source.kernel.run(&inputs, uniforms, &mut [red, green, blue], length),

@@ -40,6 +40,12 @@ impl Planes {
         self.0.each_ref().map(<[f32; LENGTH]>::as_slice)
     }
 
+    /// Sets four neighbouring pixels.
+    #[inline]
+    pub(super) fn set(&mut self, component: usize, pixel: usize, lanes: Lanes) {
+        self.0[component][pixel..pixel + Lanes::COUNT].copy_from_slice(&lanes.0);
+    }
+
     /// The colour of a pixel.
     pub(super) fn colour(&self, pixel: usize) -> [f32; 3] {
         self.0.each_ref().map(|plane| plane[pixel])

@@ -5,9 +5,9 @@
 //! values that dynamic code reads are the *frontier*: they alone are stored (Guenter, Knoblock, Ruf 1995, "Specializing
 //! Shaders").
 
-use crate::formula::Formula;
 use crate::formula::graph::{Graph, Node, NodeId};
 use crate::formula::rewrite::rewrite;
+use crate::formula::{Formula, ParameterId};
 use crate::lang::scalars::{Primitive, Recorder};
 use crate::lang::variables::{Predefined, Rate};
 
@@ -50,6 +50,17 @@ impl BindingTime {
     }
 }
 
+/// What dynamic code reads, each node once, in order.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Frontier {
+    /// Static values of a hit.
+    pub hits: Vec<NodeId>,
+    /// Static values of a lit record.
+    pub records: Vec<NodeId>,
+    /// Uniform values.
+    pub uniforms: Vec<NodeId>,
+}
+
 /// A formula's graph with the binding time of every node, and what has to be computed when.
 #[derive(Debug, Clone)]
 pub struct Bindings {
@@ -57,12 +68,8 @@ pub struct Bindings {
     pub graph: Graph,
     /// What is added to a pixel's red, green and blue for a lit record, before the weight of its path: `ki` times the formula.
     pub contribution: [NodeId; 3],
-    /// Static values of a hit that dynamic code reads.
-    pub hit_frontier: Vec<NodeId>,
-    /// Static values of a lit record that dynamic code reads.
-    pub record_frontier: Vec<NodeId>,
-    /// Uniform values that dynamic code reads.
-    pub uniforms: Vec<NodeId>,
+    /// What the contribution reads.
+    pub frontier: Frontier,
     times: Vec<BindingTime>,
 }
 
@@ -77,15 +84,44 @@ impl Bindings {
         for index in 0..graph.len() {
             times.push(BindingTime::of(&graph, NodeId(index as u32), &times));
         }
-        let mut bindings =
-            Bindings { graph, contribution, hit_frontier: Vec::new(), record_frontier: Vec::new(), uniforms: Vec::new(), times };
-        bindings.find_frontier();
+        let mut bindings = Bindings { graph, contribution, frontier: Frontier::default(), times };
+        bindings.frontier = bindings.frontier_of(&contribution, &[]);
         bindings
     }
 
-    fn find_frontier(&mut self) {
+    /// The node of a primitive on nodes of the graph, added if it is new.
+    pub fn record(&mut self, primitive: Primitive, operands: &[NodeId]) -> NodeId {
+        let id = self.graph.record(primitive, operands);
+        self.learn();
+        id
+    }
+
+    /// The node of a number, added if it is new.
+    pub fn constant(&mut self, value: f32) -> NodeId {
+        let id = self.graph.record_constant(value);
+        self.learn();
+        id
+    }
+
+    /// The node of a component of a parameter, added if it is new.
+    pub fn parameter(&mut self, parameter: ParameterId, component: u8) -> NodeId {
+        let id = self.graph.parameter(parameter, component);
+        self.learn();
+        id
+    }
+
+    fn learn(&mut self) {
+        for index in self.times.len()..self.graph.len() {
+            self.times.push(BindingTime::of(&self.graph, NodeId(index as u32), &self.times));
+        }
+    }
+
+    /// What code that computes `roots` reads, beside dynamic nodes that are `kept` in columns.
+    pub fn frontier_of(&self, roots: &[NodeId], kept: &[NodeId]) -> Frontier {
+        let mut frontier = Frontier::default();
         let mut seen = vec![false; self.graph.len()];
-        let mut pending = self.contribution.to_vec();
+        kept.iter().for_each(|id| seen[id.0 as usize] = true);
+        let mut pending = roots.to_vec();
         while let Some(id) = pending.pop() {
             if std::mem::replace(&mut seen[id.0 as usize], true) {
                 continue;
@@ -93,15 +129,16 @@ impl Bindings {
             match self.time(id) {
                 BindingTime::Constant => {}
                 BindingTime::Static(_) if self.is_simple_test(id) => pending.extend_from_slice(self.graph.node(id).operands()),
-                BindingTime::Static(Rate::Hit) => self.hit_frontier.push(id),
-                BindingTime::Static(Rate::Record) => self.record_frontier.push(id),
-                BindingTime::Uniform => self.uniforms.push(id),
+                BindingTime::Static(Rate::Hit) => frontier.hits.push(id),
+                BindingTime::Static(Rate::Record) => frontier.records.push(id),
+                BindingTime::Uniform => frontier.uniforms.push(id),
                 BindingTime::Dynamic => pending.extend_from_slice(self.graph.node(id).operands()),
             }
         }
-        self.hit_frontier.sort_unstable();
-        self.record_frontier.sort_unstable();
-        self.uniforms.sort_unstable();
+        frontier.hits.sort_unstable();
+        frontier.records.sort_unstable();
+        frontier.uniforms.sort_unstable();
+        frontier
     }
 
     /// Whether a node compares something with a constant: to compare again is cheaper than to keep what came out, and two such
@@ -156,10 +193,10 @@ mod tests {
             "body_specific; kd: scalar, constraint 0..1; ks: scalar, constraint 0..1; h: scalar, constraint 0..500; formula;
              = kd*IL*Cd*max(0, N.L) + ks*IL*pow(max(0, R.V), h);",
         );
-        assert_eq!(phong.record_frontier.len(), 2);
-        assert_eq!(phong.hit_frontier.len(), 0);
+        assert_eq!(phong.frontier.records.len(), 2);
+        assert_eq!(phong.frontier.hits.len(), 0);
         // The colours of the two terms, ki among them, and the exponent: nothing is multiplied once a record that could be once a frame.
-        assert_eq!(phong.uniforms.len(), 7);
+        assert_eq!(phong.frontier.uniforms.len(), 7);
         let called = |primitive| {
             (0..phong.graph.len() as u32).any(|id| matches!(phong.graph.node(NodeId(id)), Node::Apply(p, _) if p == primitive))
         };
@@ -169,29 +206,29 @@ mod tests {
     #[test]
     fn a_power_whose_sign_is_open_reads_its_case_too() {
         let open = bindings("body_specific; h: scalar; formula; = Cd*pow(N.V, h);");
-        assert_eq!(open.hit_frontier.len(), 2);
+        assert_eq!(open.frontier.hits.len(), 2);
         // The base may be NaN: the power stays.
         let wild = bindings("body_specific; h: scalar; formula; = Cd*pow(sqrt(N.V), h);");
-        assert_eq!(wild.hit_frontier.len(), 1);
+        assert_eq!(wild.frontier.hits.len(), 1);
     }
 
     #[test]
     fn products_are_regrouped_by_binding_time() {
         let chain =
             bindings("body_specific; a: scalar, constraint 0..1; b: scalar, constraint 0..1; formula; = Cd*(a*alpha*b*(N.V));");
-        assert_eq!((chain.record_frontier.len(), chain.uniforms.len()), (1, 3));
+        assert_eq!((chain.frontier.records.len(), chain.frontier.uniforms.len()), (1, 3));
     }
 
     #[test]
     fn what_depends_on_the_hit_alone_is_kept_once_a_hit() {
         let marbled = bindings("formula; = perlin(point, 2, 2, 4)*Cd*(N.L);");
-        assert_eq!((marbled.hit_frontier.len(), marbled.record_frontier.len()), (1, 1));
+        assert_eq!((marbled.frontier.hits.len(), marbled.frontier.records.len()), (1, 1));
     }
 
     #[test]
     fn uniform_parts_leave_the_loop() {
         let uniform = bindings("body_specific; s: scalar; formula; = Cd*(1 - s^3)*(N.L);");
         // The three components of Cd·(1 − s³), and ki.
-        assert_eq!(uniform.uniforms.len(), 4);
+        assert_eq!(uniform.frontier.uniforms.len(), 4);
     }
 }

@@ -160,6 +160,32 @@ impl Graph {
         }
     }
 
+    /// The values of some nodes by the reference meaning, from those of the leaves that they are made of.
+    pub fn evaluate(&self, roots: &[NodeId], leaf: impl Fn(NodeId) -> f32) -> Vec<f32> {
+        let mut values: HashMap<NodeId, f32> = HashMap::new();
+        let mut pending = roots.to_vec();
+        while let Some(id) = pending.last().copied() {
+            let node = self.node(id);
+            let missing = node.operands().iter().filter(|operand| !values.contains_key(operand));
+            let before = pending.len();
+            pending.extend(missing.copied().collect::<Vec<_>>());
+            if pending.len() > before {
+                continue;
+            }
+            pending.pop();
+            let value = match node {
+                Node::Constant(bits) => f32::from_bits(bits),
+                Node::Variable(..) | Node::Parameter(..) => leaf(id),
+                Node::Apply(primitive, _) => {
+                    let operands: Vec<f32> = node.operands().iter().map(|operand| values[operand]).collect();
+                    primitive.apply(&mut Floats, &operands)
+                }
+            };
+            values.insert(id, value);
+        }
+        roots.iter().map(|root| values[root]).collect()
+    }
+
     /// xⁿ for the whole numbers −4..4 by products: within four units in the last place of `powf`, at a fraction of its price.
     fn small_power(&mut self, x: NodeId, exponent: f32) -> Option<NodeId> {
         if exponent.fract() != 0.0 || !(1.0..=4.0).contains(&exponent.abs()) {

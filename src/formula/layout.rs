@@ -53,6 +53,20 @@ impl Layout {
         }
     }
 
+    /// The owner whose row has this place in it, and the slot in the row; none beyond the last.
+    pub fn owner_of(&self, place: usize) -> Option<(Owner, usize, usize)> {
+        let (owner, first, length) = if place < self.globals {
+            (Owner::Global, 0, self.globals)
+        } else if place < self.globals + self.body * self.bodies {
+            (Owner::Body, self.globals, self.body)
+        } else if place < self.len() {
+            (Owner::Light, self.globals + self.body * self.bodies, self.light)
+        } else {
+            return None;
+        };
+        Some((owner, (place - first) / length, (place - first) % length))
+    }
+
     /// The place of a parameter's first number, for the owner of this index.
     pub fn place(&self, parameter: &Parameter, index: usize) -> usize {
         self.row(parameter.owner, index) + parameter.slot as usize

@@ -10,6 +10,7 @@ pub mod invariants;
 pub mod layout;
 mod range;
 mod rewrite;
+pub mod separation;
 
 use crate::lang::ast::Relation;
 use crate::lang::builtins::Operation;

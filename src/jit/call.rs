@@ -48,11 +48,11 @@ impl Drop for CodeMemory {
 ///
 /// # Errors
 /// The processor is not supported, a plan does not read what it needs, or the code generator refuses (too large a function).
-pub(super) fn generate<const N: usize>(
-    plans: &[KernelPlan; N],
+pub(super) fn generate(
+    plans: &[KernelPlan],
     graph: &Graph,
     mut listing: Option<&mut Listing>,
-) -> Result<[Kernel; N], CompileError> {
+) -> Result<Vec<Kernel>, CompileError> {
     let failed = |error: ModuleError| CompileError::Generator(error.to_string());
     let (isa, fma) = target()?;
     let mut builder = JITBuilder::with_isa(isa.clone(), cranelift_module::default_libcall_names());
@@ -63,12 +63,13 @@ pub(super) fn generate<const N: usize>(
     let mut noise_signature = Signature::new(CallConv::SystemV);
     noise_signature.params.push(AbiParam::new(I64));
     let noise = module.declare_function("perlin", Linkage::Import, &noise_signature).map_err(failed)?;
-    let mut functions = Vec::with_capacity(N);
-    for plan in plans {
+    let mut functions = Vec::with_capacity(plans.len());
+    for (index, plan) in plans.iter().enumerate() {
         let mut context = Context::new();
         context.func.signature = Signature::new(CallConv::SystemV);
         context.func.signature.params.extend(kernel::parameters());
-        let id = module.declare_function(plan.name, Linkage::Local, &context.func.signature).map_err(failed)?;
+        let id =
+            module.declare_function(&format!("{}{index}", plan.name), Linkage::Local, &context.func.signature).map_err(failed)?;
         let unread = || CompileError::Generator(format!("the kernel of {} does not read all that it needs", plan.name));
         let schedule = plan.schedule(graph).ok_or_else(unread)?;
         let noisy = schedule.iter().any(|id| kernel::calls_perlin(graph, *id));
@@ -88,14 +89,14 @@ pub(super) fn generate<const N: usize>(
     module.finalize_definitions().map_err(failed)?;
     let addresses: Vec<*const u8> = functions.iter().map(|id| module.get_finalized_function(*id)).collect();
     let memory = Arc::new(memory);
-    Ok(std::array::from_fn(|index| {
-        let plan = &plans[index];
+    let kernel = |(plan, address): (&KernelPlan, *const u8)| {
         // SAFETY: at the address is the finished code of the function that was written just now with the parameters of `Entry`, none
         // of which is wider than a register; its memory lives as long as the kernel.
-        let entry = unsafe { std::mem::transmute::<*const u8, Entry>(addresses[index]) };
+        let entry = unsafe { std::mem::transmute::<*const u8, Entry>(address) };
         let [columns, uniforms, outputs] = [plan.columns.len(), plan.uniforms.len(), plan.outputs.len()];
         Kernel { entry, columns, uniforms, outputs, _memory: Arc::clone(&memory) }
-    }))
+    };
+    Ok(plans.iter().zip(addresses).map(kernel).collect())
 }
 
 /// A compiled kernel.

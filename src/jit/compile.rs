@@ -1,15 +1,21 @@
 //! The kernels of a formula: which there are.
 
-use crate::formula::Formula;
-use crate::formula::binding::Bindings;
+use crate::formula::binding::{Bindings, Frontier};
 use crate::formula::graph::NodeId;
+use crate::formula::separation::{Dependence, Separation};
+use crate::formula::{Formula, ParameterId};
 use crate::jit::call::{Kernel, generate};
 use crate::jit::kernel::KernelPlan;
 use crate::jit::target::{CompileError, Listing};
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// How many blocks of four records the contribution kernel computes side by side. Four hide most of the latency of a
 /// polynomial's chain of multiplications.
 const INTERLEAVE: usize = 4;
+
+/// Kernels for so many drags are kept for the next time that a slider is taken.
+const DRAGS_KEPT: usize = 64;
 
 /// A formula's kernels, with the nodes that their columns stand for.
 pub struct CompiledFormula {
@@ -19,16 +25,76 @@ pub struct CompiledFormula {
     pub hit_leaves: Vec<NodeId>,
     /// The variables that [`record_kernel`](Self::record_kernel) reads, in the order of its columns.
     pub record_leaves: Vec<NodeId>,
-    /// The parameters that [`uniform_kernel`](Self::uniform_kernel) reads, in the order of its columns.
-    pub uniform_leaves: Vec<NodeId>,
     /// Variables of hits → the hit frontier.
     pub hit_kernel: Kernel,
     /// Variables of lit records → the record frontier.
     pub record_kernel: Kernel,
+    /// Red, green and blue of all contributions.
+    pub contributor: Contributor,
+    drags: Mutex<HashMap<Vec<(ParameterId, u8)>, Arc<DragKernels>>>,
+}
+
+/// How something comes out of columns and parameters: what is uniform first, then the records.
+pub struct Contributor {
+    /// The parameters that [`uniform_kernel`](Self::uniform_kernel) reads, in the order of its columns.
+    pub uniform_leaves: Vec<NodeId>,
     /// Parameters of (body, light) pairs → uniform values.
     pub uniform_kernel: Kernel,
-    /// Hit frontier, record frontier; uniforms → red, green, blue, added to.
-    pub contribution_kernel: Kernel,
+    /// Hit frontier, record frontier and what is kept beside; uniforms → outputs.
+    pub kernel: Kernel,
+}
+
+/// What a formula needs while some numbers move.
+pub struct DragKernels {
+    /// What moves and what rests.
+    pub separation: Separation,
+    /// The components of the contribution that move at all.
+    pub channels: Vec<usize>,
+    /// Resting parts of the contribution beside terms and live part; none where they are 0. All three components.
+    pub resting: Option<Contributor>,
+    /// The parts of the terms of a separable contribution, or the live part of another: the components that move.
+    pub moving: Vec<Contributor>,
+    /// What is kept for each record, stored in columns; none where nothing is.
+    pub kept: Option<Contributor>,
+}
+
+/// What a contributor computes.
+struct Wanted<'w> {
+    name: &'static str,
+    outputs: Vec<NodeId>,
+    /// Dynamic nodes that are read from columns.
+    kept: &'w [NodeId],
+    accumulate: bool,
+}
+
+/// The plans of a contributor, uniform values and records.
+fn plans(bindings: &Bindings, wanted: &Wanted) -> [KernelPlan; 2] {
+    let Frontier { uniforms, .. } = bindings.frontier_of(&wanted.outputs, wanted.kept);
+    let stored = &bindings.frontier;
+    let records = KernelPlan {
+        name: wanted.name,
+        columns: [&stored.hits, &stored.records, wanted.kept].concat(),
+        uniforms: uniforms.clone(),
+        outputs: wanted.outputs.clone(),
+        accumulate: wanted.accumulate,
+        interleave: INTERLEAVE,
+    };
+    [stage("uniforms", bindings.leaves(&uniforms), uniforms), records]
+}
+
+/// The plan of a kernel that runs once, over nodes made of leaves.
+fn stage(name: &'static str, columns: Vec<NodeId>, outputs: Vec<NodeId>) -> KernelPlan {
+    KernelPlan { name, columns, uniforms: Vec::new(), outputs, accumulate: false, interleave: 1 }
+}
+
+/// The contributors that these are, from the kernels of their plans.
+fn contributors(plans: &[[KernelPlan; 2]], kernels: Vec<Kernel>) -> Vec<Contributor> {
+    let mut kernels = kernels.into_iter();
+    let pair = |[uniforms, _]: &[KernelPlan; 2]| {
+        let uniform_leaves = uniforms.columns.clone();
+        Some(Contributor { uniform_leaves, uniform_kernel: kernels.next()?, kernel: kernels.next()? })
+    };
+    plans.iter().map_while(pair).collect()
 }
 
 impl CompiledFormula {
@@ -37,7 +103,7 @@ impl CompiledFormula {
     /// # Errors
     /// The processor is not supported, or the formula is beyond what the code generator takes.
     pub fn new(formula: &Formula) -> Result<Self, CompileError> {
-        Self::compile(formula, None)
+        Self::compile(Bindings::new(formula), None)
     }
 
     /// Compiles a formula and lists the stages.
@@ -46,46 +112,100 @@ impl CompiledFormula {
     /// The processor is not supported, or the formula is beyond what the code generator takes.
     pub fn listing(formula: &Formula) -> Result<Listing, CompileError> {
         let mut listing = Listing::default();
-        Self::compile(formula, Some(&mut listing))?;
+        Self::compile(Bindings::new(formula), Some(&mut listing))?;
         Ok(listing)
     }
 
-    fn compile(formula: &Formula, listing: Option<&mut Listing>) -> Result<Self, CompileError> {
-        let bindings = Bindings::new(formula);
-        let hit_leaves = bindings.leaves(&bindings.hit_frontier);
-        let record_leaves = bindings.leaves(&bindings.record_frontier);
-        let uniform_leaves = bindings.leaves(&bindings.uniforms);
-        let stage = |name, columns: &[NodeId], outputs: &[NodeId]| KernelPlan {
-            name,
-            columns: columns.to_vec(),
-            uniforms: Vec::new(),
-            outputs: outputs.to_vec(),
-            accumulate: false,
-            interleave: 1,
-        };
-        let plans = [
-            stage("hits", &hit_leaves, &bindings.hit_frontier),
-            stage("records", &record_leaves, &bindings.record_frontier),
-            stage("uniforms", &uniform_leaves, &bindings.uniforms),
-            KernelPlan {
-                name: "contributions",
-                columns: [bindings.hit_frontier.as_slice(), &bindings.record_frontier].concat(),
-                uniforms: bindings.uniforms.clone(),
-                outputs: bindings.contribution.to_vec(),
-                accumulate: true,
-                interleave: INTERLEAVE,
-            },
-        ];
-        let [hit_kernel, record_kernel, uniform_kernel, contribution_kernel] = generate(&plans, &bindings.graph, listing)?;
-        Ok(Self {
-            bindings,
-            hit_leaves,
-            record_leaves,
-            uniform_leaves,
-            hit_kernel,
-            record_kernel,
-            uniform_kernel,
-            contribution_kernel,
-        })
+    /// Compiles what was analysed already.
+    pub(super) fn compile(bindings: Bindings, listing: Option<&mut Listing>) -> Result<Self, CompileError> {
+        let Frontier { hits, records, .. } = bindings.frontier.clone();
+        let (hit_leaves, record_leaves) = (bindings.leaves(&hits), bindings.leaves(&records));
+        let wanted = Wanted { name: "contributions", outputs: bindings.contribution.to_vec(), kept: &[], accumulate: true };
+        let contribution = plans(&bindings, &wanted);
+        let mut all = contribution.to_vec();
+        all.push(stage("hits", hit_leaves.clone(), hits));
+        all.push(stage("records", record_leaves.clone(), records));
+        let mut kernels = generate(&all, &bindings.graph, listing)?;
+        let missing = || CompileError::Generator("a kernel is missing".to_owned());
+        let record_kernel = kernels.pop().ok_or_else(missing)?;
+        let hit_kernel = kernels.pop().ok_or_else(missing)?;
+        let contributor = contributors(&[contribution], kernels).pop().ok_or_else(missing)?;
+        Ok(Self { bindings, hit_leaves, record_leaves, hit_kernel, record_kernel, contributor, drags: Mutex::default() })
+    }
+
+    /// The kernels for the time that these components of parameters move; compiled when they are wanted first.
+    ///
+    /// # Errors
+    /// They are beyond what the code generator takes.
+    pub fn drag(&self, moved: &[(ParameterId, u8)]) -> Result<Arc<DragKernels>, CompileError> {
+        let mut moved = moved.to_vec();
+        moved.sort_unstable();
+        moved.dedup();
+        let known = || self.drags.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(kernels) = known().get(&moved) {
+            return Ok(Arc::clone(kernels));
+        }
+        let kernels = Arc::new(DragKernels::new(&self.bindings, &moved)?);
+        let mut known = known();
+        if known.len() >= DRAGS_KEPT {
+            known.clear();
+        }
+        known.insert(moved, Arc::clone(&kernels));
+        Ok(kernels)
+    }
+}
+
+impl DragKernels {
+    fn new(bindings: &Bindings, moved: &[(ParameterId, u8)]) -> Result<Self, CompileError> {
+        let mut separation = Separation::new(bindings, moved);
+        let [zero, one] = [0.0, 1.0].map(|value| separation.bindings.constant(value));
+        let mut channels: Vec<usize> = Vec::new();
+        let mut wanted: Vec<Wanted> = Vec::new();
+        let mut kept_nodes = Vec::new();
+        match &separation.dependence {
+            Dependence::None => {}
+            Dependence::Separable(terms) => {
+                channels.extend((0..3).filter(|channel| terms.iter().any(|term| term.factors[*channel].is_some())));
+                for term in terms {
+                    let part = |channel: &usize| match term.factors[*channel] {
+                        Some(_) => term.parts[*channel].unwrap_or(one),
+                        None => zero,
+                    };
+                    let outputs = channels.iter().map(part).collect();
+                    wanted.push(Wanted { name: "term", outputs, kept: &[], accumulate: true });
+                }
+            }
+            Dependence::Live { live, kept } => {
+                channels.extend((0..3).filter(|channel| live[*channel].is_some()));
+                kept_nodes.clone_from(kept);
+                let outputs = channels.iter().map(|channel| live[*channel].unwrap_or(zero)).collect();
+                wanted.push(Wanted { name: "live", outputs, kept: &kept_nodes, accumulate: true });
+            }
+        }
+        // Kernels yield one component or all: the others of two are 0.
+        if channels.len() == 2 {
+            let given = std::mem::replace(&mut channels, vec![0, 1, 2]);
+            for wanted in &mut wanted {
+                let places = (0..3).map(|channel| given.iter().position(|known| *known == channel));
+                wanted.outputs = places.map(|place| place.map_or(zero, |place| wanted.outputs[place])).collect();
+            }
+        }
+        let moving = wanted.len();
+        let some = separation.resting.iter().flatten().any(|node| *node != zero);
+        let rests = some && separation.dependence != Dependence::None;
+        if rests {
+            let outputs = separation.resting.map(|node| node.unwrap_or(zero)).to_vec();
+            wanted.push(Wanted { name: "resting", outputs, kept: &[], accumulate: true });
+        }
+        if !kept_nodes.is_empty() {
+            wanted.push(Wanted { name: "kept", outputs: kept_nodes.clone(), kept: &[], accumulate: false });
+        }
+        let plans: Vec<[KernelPlan; 2]> = wanted.iter().map(|wanted| plans(&separation.bindings, wanted)).collect();
+        let kernels = generate(plans.as_flattened(), &separation.bindings.graph, None)?;
+        let mut made = contributors(&plans, kernels).into_iter();
+        let moving = made.by_ref().take(moving).collect();
+        let resting = if rests { made.next() } else { None };
+        let kept = made.next();
+        Ok(Self { separation, channels, resting, moving, kept })
     }
 }

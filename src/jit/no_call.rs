@@ -22,11 +22,11 @@ impl Kernel {
 }
 
 /// Says that there is no compiled code for this processor.
-pub(super) fn generate<const N: usize>(
-    _plans: &[KernelPlan; N],
+pub(super) fn generate(
+    _plans: &[KernelPlan],
     _graph: &Graph,
     _listing: Option<&mut Listing>,
-) -> Result<[Kernel; N], CompileError> {
+) -> Result<Vec<Kernel>, CompileError> {
     let (isa, _) = target()?;
     Err(CompileError::Processor(isa.name().to_owned()))
 }

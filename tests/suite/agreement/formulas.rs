@@ -1,7 +1,7 @@
 //! Random well-typed formulas, parameter values and scenes: compiled code must agree with the interpreter.
 
 use illuminator::evaluate::verify::verify;
-use illuminator::evaluate::{Backend, Evaluator};
+use illuminator::evaluate::{Backend, Compiled, Evaluator, Interpreted};
 use illuminator::formula::Formula;
 use illuminator::formula::layout::Layout;
 use illuminator::lang::builtins::{Form, Operation};
@@ -83,7 +83,7 @@ fn expression(ty: Type, depth: u32, macros: bool) -> BoxedStrategy<String> {
 
 /// A number for a parameter: mostly ordinary, sometimes at an edge. Colours so large that adding up a few of them overflows are
 /// left out: the backends add up the terms of a pixel in different order.
-fn number() -> BoxedStrategy<f32> {
+pub(super) fn number() -> BoxedStrategy<f32> {
     prop_oneof![
         6 => 0.0..1.0_f32,
         2 => -10.0..100.0_f32,
@@ -95,63 +95,86 @@ fn number() -> BoxedStrategy<f32> {
 static EXCUSED: AtomicUsize = AtomicUsize::new(0);
 static COMPARED: AtomicUsize = AtomicUsize::new(0);
 
-fn check(macro_scalar: &str, macro_vector: &str, result: &str, numbers: &[f32]) -> Result<(), TestCaseError> {
-    let text = format!(
-        "global; g: scalar; body_specific; p: scalar; q: scalar; v: vector; light_specific; l: scalar;
-         formula; MS = {macro_scalar}; MV = {macro_vector}; = {result};"
-    );
-    let source = Source::new("random", text.clone());
-    let (formula, _) = Formula::parse(&source).map_err(|errors| TestCaseError::fail(errors.render(&source, false)))?;
-    let (scene, _) = Scene::parse(&Source::new("scene", SCENE)).map_err(|_| TestCaseError::fail("the scene is right"))?;
-    let view =
-        View::new(SIZE.0, SIZE.1).and_then(|view| view.with_depth(4)).map_err(|error| TestCaseError::fail(error.to_string()))?;
-    let hits = trace(&scene, &view, &Budget::UNLIMITED, &|_| {}, &AtomicBool::new(false))
-        .map_err(|error| TestCaseError::fail(error.to_string()))?;
-    let (formula, scene, hits) = (Arc::new(formula), Arc::new(scene), Arc::new(hits));
-    let layout = Layout::new(&formula, scene.bodies.len(), scene.lights.len());
-    let mut memory: Vec<f32> = (0..layout.len()).map(|place| numbers[place % numbers.len()]).collect();
-    for parameter in &formula.parameters {
-        for index in 0..layout.owners(parameter.owner) {
-            let place = layout.place(parameter, index);
-            memory[place..place + parameter.ty.slots()].iter_mut().for_each(|number| *number = parameter.clamp(*number).0);
+/// A formula on the scene by both backends, and numbers for its parameters.
+pub(super) struct Case {
+    pub(super) text: String,
+    pub(super) formula: Arc<Formula>,
+    pub(super) layout: Layout,
+    pub(super) compiled: Arc<Compiled>,
+    pub(super) interpreted: Interpreted,
+    pub(super) memory: Vec<f32>,
+}
+
+impl Case {
+    /// The formula of two macros and a result, its parameters some with bounds and some without.
+    pub(super) fn new([scalar, vector, result]: [&str; 3], numbers: &[f32]) -> Result<Self, TestCaseError> {
+        let text = format!(
+            "global; g: scalar, constraint -1..50; body_specific; p: scalar; q: scalar, constraint 0..1; v: vector; \
+             light_specific; l: scalar; formula; MS = {scalar}; MV = {vector}; = {result};"
+        );
+        let source = Source::new("random", text.clone());
+        let (formula, _) = Formula::parse(&source).map_err(|errors| TestCaseError::fail(errors.render(&source, false)))?;
+        let (scene, _) = Scene::parse(&Source::new("scene", SCENE)).map_err(|_| TestCaseError::fail("the scene is right"))?;
+        let failed = |error: &dyn std::fmt::Display| TestCaseError::fail(error.to_string());
+        let view = View::new(SIZE.0, SIZE.1).and_then(|view| view.with_depth(4)).map_err(|error| failed(&error))?;
+        let hits = trace(&scene, &view, &Budget::UNLIMITED, &|_| {}, &AtomicBool::new(false)).map_err(|error| failed(&error))?;
+        let (formula, scene, hits) = (Arc::new(formula), Arc::new(scene), Arc::new(hits));
+        let layout = Layout::new(&formula, scene.bodies.len(), scene.lights.len());
+        let mut memory: Vec<f32> = (0..layout.len()).map(|place| numbers[place % numbers.len()]).collect();
+        for parameter in &formula.parameters {
+            for index in 0..layout.owners(parameter.owner) {
+                let place = layout.place(parameter, index);
+                memory[place..place + parameter.ty.slots()].iter_mut().for_each(|number| *number = parameter.clamp(*number).0);
+            }
         }
+        let evaluator = |backend| Evaluator::new(&formula, &scene, &hits, backend).map_err(|error| failed(&error));
+        let (Evaluator::Compiled(compiled), Evaluator::Interpreted(interpreted)) =
+            (evaluator(Backend::Jit)?, evaluator(Backend::Interpreter)?)
+        else {
+            return Err(TestCaseError::fail("each backend makes its own evaluator"));
+        };
+        let compiled = Arc::new(compiled);
+        Ok(Self { text, formula, layout, compiled, interpreted, memory })
     }
-    let evaluator =
-        |backend| Evaluator::new(&formula, &scene, &hits, backend).map_err(|error| TestCaseError::fail(error.to_string()));
-    let (Evaluator::Compiled(compiled), Evaluator::Interpreted(interpreted)) =
-        (evaluator(Backend::Jit)?, evaluator(Backend::Interpreter)?)
-    else {
-        return Err(TestCaseError::fail("each backend makes its own evaluator"));
+}
+
+/// What a formula is made of, and numbers.
+pub(super) fn ingredients() -> impl Strategy<Value = (String, String, String, Vec<f32>)> {
+    (
+        expression(Type::Scalar, 2, false),
+        expression(Type::Vector, 2, false),
+        expression(Type::Vector, 4, true),
+        proptest::collection::vec(number(), 61),
+    )
+}
+
+/// The same formulas at every run, so that a run says something about the code; `PROPTEST_CASES=20000` goes looking for others.
+pub(super) fn runner(cases: u32) -> TestRunner {
+    let wanted = std::env::var("PROPTEST_CASES").ok().and_then(|cases| cases.parse().ok());
+    let config = ProptestConfig {
+        cases: wanted.unwrap_or(cases),
+        failure_persistence: None,
+        max_shrink_iters: 2000,
+        ..ProptestConfig::default()
     };
-    let found = verify(&compiled, &interpreted, &memory);
+    match wanted {
+        None => TestRunner::new_with_rng(config, TestRng::deterministic_rng(RngAlgorithm::ChaCha)),
+        Some(_) => TestRunner::new(config),
+    }
+}
+
+fn check(case: &Case) -> Result<(), TestCaseError> {
+    let found = verify(&case.compiled, &case.interpreted, &case.memory);
     COMPARED.fetch_add(found.components, Ordering::Relaxed);
     EXCUSED.fetch_add(found.excused, Ordering::Relaxed);
-    prop_assert_eq!(found.failed, 0, "{}\n{:?}", text, found);
+    prop_assert_eq!(found.failed, 0, "{}\n{:?}", case.text, found);
     Ok(())
 }
 
 #[test]
 fn random_formulas_agree() {
-    let depth = 4;
-    let strategy = (
-        expression(Type::Scalar, 2, false),
-        expression(Type::Vector, 2, false),
-        expression(Type::Vector, depth, true),
-        proptest::collection::vec(number(), 61),
-    );
-    // The same formulas at every run, so that a run says something about the code; `PROPTEST_CASES=20000` goes looking for others.
-    let wanted = std::env::var("PROPTEST_CASES").ok().and_then(|cases| cases.parse().ok());
-    let config = ProptestConfig {
-        cases: wanted.unwrap_or(600),
-        failure_persistence: None,
-        max_shrink_iters: 2000,
-        ..ProptestConfig::default()
-    };
-    let mut runner = match wanted {
-        None => TestRunner::new_with_rng(config, TestRng::deterministic_rng(RngAlgorithm::ChaCha)),
-        Some(_) => TestRunner::new(config),
-    };
-    let outcome = runner.run(&strategy, |(scalar, vector, result, numbers)| check(&scalar, &vector, &result, &numbers));
+    let outcome = runner(600)
+        .run(&ingredients(), |(scalar, vector, result, numbers)| check(&Case::new([&scalar, &vector, &result], &numbers)?));
     let (excused, compared) = (EXCUSED.load(Ordering::Relaxed), COMPARED.load(Ordering::Relaxed));
     println!("{excused} of {compared} components excused ({:.3} %)", 100.0 * excused as f64 / compared.max(1) as f64);
     if let Err(error) = outcome {

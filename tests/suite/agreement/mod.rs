@@ -2,5 +2,6 @@
 //! elementary functions against double precision.
 
 mod accuracy;
+mod drags;
 mod formulas;
 mod operations;

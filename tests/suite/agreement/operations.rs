@@ -144,25 +144,27 @@ pub(super) fn compiled(formula: &Formula, cases: &[Vec<f32>], from: Operands) ->
         }
         Node::Constant(_) | Node::Apply(..) => panic!("leaves are parameters and variables"),
     };
-    let leaves = columns(&compiled.uniform_leaves, cases.len(), number);
-    let uniforms = run(&compiled.uniform_kernel, &leaves, &[], bindings.uniforms.len(), cases.len());
+    let leaves = columns(&compiled.contributor.uniform_leaves, cases.len(), number);
+    let uniforms = run(&compiled.contributor.uniform_kernel, &leaves, &[], bindings.frontier.uniforms.len(), cases.len());
     let results = match from {
         Operands::Uniforms => uniforms,
         Operands::Columns => {
             assert!(
-                bindings.hit_frontier.len() <= 7 && bindings.record_frontier.is_empty(),
+                bindings.frontier.hits.len() <= 7 && bindings.frontier.records.is_empty(),
                 "only the numbers themselves are static"
             );
             let splat: Vec<Lanes> = uniforms.iter().map(|column| Lanes::splat(column[0].0[0])).collect();
-            let inputs = columns(&bindings.hit_frontier, cases.len(), number);
-            run(&compiled.contribution_kernel, &inputs, &splat, 3, cases.len())
+            let inputs = columns(&bindings.frontier.hits, cases.len(), number);
+            run(&compiled.contributor.kernel, &inputs, &splat, 3, cases.len())
         }
     };
     (0..cases.len())
         .map(|case| {
             let component = |index: usize| match from {
                 Operands::Columns => Some(index),
-                Operands::Uniforms => bindings.uniforms.iter().position(|uniform| *uniform == bindings.contribution[index]),
+                Operands::Uniforms => {
+                    bindings.frontier.uniforms.iter().position(|uniform| *uniform == bindings.contribution[index])
+                }
             };
             std::array::from_fn(|index| match component(index) {
                 Some(place) => results[place][case / 4].0[case % 4],

@@ -1,0 +1,151 @@
+//! Images of a tile that a frame is a weighed sum of.
+
+use crate::evaluate::drag::cells::{self, CellSet, Factor};
+use crate::evaluate::framebuffer::Channels;
+use crate::evaluate::planes::Planes;
+use crate::jit::Lanes;
+
+/// What an image is multiplied with: kr and kt of the body whose weights move, so many times, and the factors of a term (0: 1).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+pub(super) struct Key {
+    pub(super) reflections: u8,
+    pub(super) refractions: u8,
+    pub(super) term: u8,
+}
+
+impl Key {
+    /// That of what does not move.
+    pub(super) fn is_base(self) -> bool {
+        self == Key::default()
+    }
+}
+
+/// The sum of magnitudes that may be added up: beyond, what cancels would leave rounding errors that could be seen.
+pub(super) const LARGEST_SUM: f32 = 256.0;
+
+/// An image while others are yet to be made: those cells that are not all 0.
+pub(super) struct Image {
+    key: Key,
+    cells: Vec<u16>,
+    lanes: Vec<Lanes>,
+    largest: f32,
+}
+
+impl Image {
+    /// What is in the planes of a tile.
+    pub(super) fn new(key: Key, planes: &Planes, touched: &CellSet, channels: Channels) -> Self {
+        let stride = cells::stride(channels);
+        let mut image = Self { key, cells: Vec::new(), lanes: Vec::new(), largest: 0.0 };
+        for cell in touched.cells() {
+            let before = image.lanes.len();
+            cells::copy(planes, usize::from(cell), channels, &mut image.lanes);
+            let largest = cells::largest(&image.lanes[before..before + stride]);
+            if largest == 0.0 {
+                image.lanes.truncate(before);
+                continue;
+            }
+            image.largest = image.largest.max(largest);
+            image.cells.push(cell);
+        }
+        image
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(&*self.lanes) + size_of_val(&*self.cells)
+    }
+}
+
+/// The images of a tile, cell by cell: the base, and behind it every image that is not 0 there.
+pub(super) struct TileImages {
+    keys: Vec<Key>,
+    /// The largest magnitude in the base and in each image.
+    base_largest: f32,
+    largest: Vec<f32>,
+    runs: Vec<Run>,
+    cells: Vec<u16>,
+    lanes: Vec<Lanes>,
+    channels: Channels,
+}
+
+/// Consecutive cells that have the same images.
+struct Run {
+    /// Indices into the keys.
+    images: Vec<u16>,
+    cells: usize,
+}
+
+impl TileImages {
+    /// Puts finished images together, over the base that is in the planes.
+    pub(super) fn new(images: Vec<Image>, base: &Planes, channels: Channels) -> Self {
+        let stride = cells::stride(channels);
+        let mut all: Vec<u16> = images.iter().flat_map(|image| image.cells.iter().copied()).collect();
+        all.sort_unstable();
+        all.dedup();
+        let total = all.len() + images.iter().map(|image| image.cells.len()).sum::<usize>();
+        let mut made = Self {
+            keys: images.iter().map(|image| image.key).collect(),
+            base_largest: 0.0,
+            largest: images.iter().map(|image| image.largest).collect(),
+            runs: Vec::new(),
+            cells: all,
+            lanes: Vec::with_capacity(total * stride),
+            channels,
+        };
+        let mut places = vec![0; images.len()];
+        for cell in &made.cells {
+            let before = made.lanes.len();
+            cells::copy(base, usize::from(*cell), channels, &mut made.lanes);
+            made.base_largest = made.base_largest.max(cells::largest(&made.lanes[before..]));
+            let mut here = Vec::new();
+            for (index, (image, place)) in images.iter().zip(&mut places).enumerate() {
+                if image.cells.get(*place) == Some(cell) {
+                    made.lanes.extend_from_slice(&image.lanes[*place * stride..(*place + 1) * stride]);
+                    *place += 1;
+                    here.push(index as u16);
+                }
+            }
+            match made.runs.last_mut() {
+                Some(run) if run.images == here => run.cells += 1,
+                _ => made.runs.push(Run { images: here, cells: 1 }),
+            }
+        }
+        made
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(&*self.lanes) + size_of_val(&*self.cells) + size_of_val(&*self.runs)
+    }
+
+    /// How many pixels a frame writes.
+    pub(super) fn pixels(&self) -> usize {
+        self.cells.len() * cells::CELL_PIXELS
+    }
+
+    /// Whether a sum with these factors is as accurate as a picture needs: nothing in it is too large, infinite or NaN.
+    pub(super) fn is_accurate(&self, factor: &impl Fn(Key) -> Factor) -> bool {
+        let size = |(key, largest): (&Key, &f32)| {
+            let Factor(factor) = factor(*key);
+            largest * factor.into_iter().map(f32::abs).fold(0.0, |a, b| if a > b { a } else { b })
+        };
+        self.base_largest + self.keys.iter().zip(&self.largest).map(size).sum::<f32>() <= LARGEST_SUM
+    }
+
+    /// Writes all cells of the tile.
+    pub(super) fn draw(&self, factor: &impl Fn(Key) -> Factor, pixels: &mut [u32]) {
+        let factors: Vec<Factor> = self.keys.iter().map(|key| factor(*key)).collect();
+        let stride = cells::stride(self.channels);
+        let mut own = Vec::new();
+        let (mut cells, mut lanes) = (&*self.cells, &*self.lanes);
+        for run in &self.runs {
+            own.clear();
+            own.extend(run.images.iter().map(|image| factors[usize::from(*image)]));
+            let length = stride * (1 + own.len());
+            let (here, later) = cells.split_at(run.cells);
+            for (cell, lanes) in here.iter().zip(lanes.chunks_exact(length)) {
+                cells::combine(lanes, &own, self.channels, cells::pixels_of(pixels, *cell));
+            }
+            cells = later;
+            lanes = &lanes[length * run.cells..];
+        }
+    }
+}

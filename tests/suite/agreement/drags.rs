@@ -1,0 +1,104 @@
+//! Dragged sliders: whatever way a frame is made, it is the picture that the general kernel gives.
+
+use crate::agreement::formulas::{Case, ingredients, number, runner};
+use illuminator::evaluate::verify::TOLERANCE;
+use illuminator::evaluate::{Drag, Frame, Framebuffer, Method};
+use illuminator::formula::Parameter;
+use illuminator::lang::types::Type;
+use proptest::prelude::*;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// The byte of a component.
+fn byte(component: f32) -> u32 {
+    (component.clamp(0.0, 1.0) * 255.0).round() as u32
+}
+
+/// How many components of a drawn picture are not those of a colour within the tolerance.
+fn wrong(drawn: &Framebuffer, frame: &Frame) -> usize {
+    let pixels = drawn.pixels.iter().zip(&frame.linear);
+    let components =
+        pixels.flat_map(|(word, colour)| (0..3).map(move |component| (word >> (16 - 8 * component) & 0xff, colour[component])));
+    let is_wrong = |(found, exact): &(u32, f32)| {
+        let slack = TOLERANCE * exact.abs().max(1.0);
+        let range = if exact.is_finite() { byte(exact - slack)..=byte(exact + slack) } else { byte(*exact)..=byte(*exact) };
+        !range.contains(found)
+    };
+    components.filter(is_wrong).count()
+}
+
+/// The parameter whose number lies there.
+fn parameter_at(case: &Case, place: usize) -> Option<&Parameter> {
+    let (owner, _, slot) = case.layout.owner_of(place)?;
+    let holds = |parameter: &&Parameter| {
+        let first = parameter.slot as usize;
+        parameter.owner == owner && (first..first + parameter.ty.slots()).contains(&slot)
+    };
+    case.formula.parameters.iter().find(holds)
+}
+
+/// All scalars of the owner of that number that range over 0..1, as those do that invariants bind, and the number itself: or the colour
+/// that it is a component of.
+fn together(case: &Case, place: usize) -> Vec<usize> {
+    let Some((owner, index, slot)) = case.layout.owner_of(place) else { return Vec::new() };
+    let own = parameter_at(case, place);
+    let row = case.layout.row(owner, index);
+    if let Some(colour) = own.filter(|parameter| parameter.ty == Type::Vector) {
+        return (0..3).map(|component| row + colour.slot as usize + component).collect();
+    }
+    let bound = |parameter: &&Parameter| {
+        parameter.owner == owner
+            && parameter.ty == Type::Scalar
+            && (parameter.range == Some([0.0, 1.0]) || parameter.slot as usize == slot)
+    };
+    case.formula.parameters.iter().filter(bound).map(|parameter| row + parameter.slot as usize).collect()
+}
+
+static METHODS: [AtomicUsize; 3] = [const { AtomicUsize::new(0) }; 3];
+
+/// Drags numbers of one owner through `values`, before and after everything is prepared.
+fn drag(case: &Case, moved: &[usize], values: &[f32]) -> Result<Method, TestCaseError> {
+    let failed = |error: &dyn std::fmt::Display| TestCaseError::fail(error.to_string());
+    let mut memory = case.memory.clone();
+    let mut drag = Drag::new(&case.compiled, moved, &memory, usize::MAX).map_err(|error| failed(&error))?;
+    let mut drawn = Framebuffer::black(16, 12);
+    for (turn, value) in values.iter().enumerate() {
+        for place in moved {
+            memory[*place] = parameter_at(case, *place).ok_or_else(|| failed(&"a parameter"))?.clamp(*value).0;
+        }
+        if turn == 1 {
+            // Ready for the rest.
+            while !drag.prepare() {}
+        }
+        drag.frame(&memory, &mut drawn);
+        let frame = case.compiled.frame(&memory);
+        if std::env::var("SHOW").is_ok() && wrong(&drawn, &frame) > 0 {
+            for (i, (w, c)) in drawn.pixels.iter().zip(&frame.linear).enumerate() {
+                let e = c.map(byte);
+                if *w != e[0] << 16 | e[1] << 8 | e[2] {
+                    println!("turn {turn} value {value} pixel {i} {w:06x} {c:?} {e:02x?}");
+                }
+            }
+        }
+        prop_assert_eq!(wrong(&drawn, &frame), 0, "{} by {:?}, moved {:?} to {}", &case.text, drag.method(), moved, value);
+    }
+    Ok(drag.method())
+}
+
+#[test]
+fn random_drags_give_the_general_picture() {
+    let strategy = (ingredients(), any::<prop::sample::Index>(), any::<bool>(), proptest::collection::vec(number(), 4));
+    let outcome = runner(600).run(&strategy, |((scalar, vector, result, numbers), which, all, values)| {
+        let case = Case::new([&scalar, &vector, &result], &numbers)?;
+        let place = which.index(case.layout.len());
+        let moved = if all { together(&case, place) } else { vec![place] };
+        let method = drag(&case, &moved, &values)?;
+        METHODS[method as usize].fetch_add(1, Ordering::Relaxed);
+        Ok(())
+    });
+    let methods = METHODS.each_ref().map(|count| count.load(Ordering::Relaxed));
+    println!("images, specialised, general: {methods:?}");
+    if let Err(error) = outcome {
+        panic!("{error}");
+    }
+    assert!(methods[..2].iter().all(|count| *count > 20), "each way is tried: {methods:?}");
+}
