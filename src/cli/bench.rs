@@ -1,4 +1,4 @@
-//! `illuminator bench`: how fast each stage is.
+//! `illuminator bench`: how fast each stage is, and each slider.
 
 use crate::cli::engine;
 use crate::cli::input::{Input, load};
@@ -6,10 +6,11 @@ use crate::cli::options::InputOptions;
 use crate::cli::progress::Progress;
 use crate::cli::report::{Failure, print};
 use clap::Args;
-use illuminator::evaluate::{Compiled, Frame, Interpreted};
+use illuminator::evaluate::{Compiled, Drag, Framebuffer, Interpreted};
 use illuminator::formula::ParameterId;
 use illuminator::jit::CompiledFormula;
-use illuminator::trace::{Counts, Hits};
+use illuminator::lang::types::Type;
+use illuminator::trace::Hits;
 use illuminator::workspace::{OwnerId, Values};
 use serde::Serialize;
 use std::fmt::Write;
@@ -18,6 +19,10 @@ use std::time::{Duration, Instant};
 
 /// No measurement is repeated after it has taken so long altogether.
 const PATIENCE: Duration = Duration::from_secs(10);
+/// Tracing is repeated at most so often.
+const MOST_TRACES: u32 = 3;
+/// How much a drag may keep, in bytes.
+const DRAG_BUDGET: usize = 1 << 30;
 
 /// Options of `bench`.
 #[derive(Args, Debug)]
@@ -25,211 +30,237 @@ pub(super) struct Options {
     #[command(flatten)]
     input: InputOptions,
     /// How often each stage is measured; medians are shown
-    #[arg(long, value_name = "N", default_value_t = 7, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    #[arg(long, value_name = "N", default_value_t = 15, value_parser = clap::value_parser!(u32).range(1..=1000))]
     runs: u32,
-    /// The slider that is dragged [default: the first that can be]
+    /// A slider to be dragged, floor.kd, or floor.Cd.r for one component; may be repeated [default: all]
     #[arg(long, value_name = "OWNER.PARAM")]
-    slider: Option<String>,
+    slider: Vec<String>,
     /// Print JSON instead of a table
     #[arg(long)]
     json: bool,
 }
 
-/// What was measured.
+/// What was measured; times are medians in milliseconds.
 #[derive(Serialize)]
 struct Report {
-    width: u32,
-    height: u32,
+    /// Width and height in pixels.
+    size: [u32; 2],
     depth: u32,
     threads: usize,
-    runs: u32,
     hits: u64,
-    lit_records: u64,
-    slider: Option<String>,
+    /// Pairs of a hit and a light that reaches it.
+    records: u64,
+    paths: u64,
+    groups: u64,
+    bytes_per_pixel: Backends,
     trace_ms: f64,
-    jit: Stages,
-    interpreter: Stages,
+    compile_ms: f64,
+    full_ms: Backends,
+    drag: Vec<DragReport>,
 }
 
-/// What was measured of one backend; times in milliseconds.
+/// A figure for each backend.
 #[derive(Serialize)]
-struct Stages {
-    compile_ms: f64,
-    static_values_ms: Option<f64>,
-    evaluation_ms: f64,
-    evaluation_fps: f64,
-    drag_ms: Option<f64>,
-    drag_fps: Option<f64>,
-    bytes_per_pixel: f64,
+struct Backends {
+    interpreter: f64,
+    jit: f64,
+}
+
+#[derive(Serialize)]
+struct DragReport {
+    parameter: String,
+    method: &'static str,
+    prepare_ms: f64,
+    frame_ms: f64,
+    #[serde(skip)]
+    pixels: usize,
+}
+
+/// A slider: a value, or a component of it.
+#[derive(Clone, Copy)]
+struct Slider {
+    owner: OwnerId,
+    id: ParameterId,
+    component: Option<usize>,
 }
 
 /// Measures and tells.
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let input = load(&options.input)?;
-    let slider = match &options.slider {
-        Some(label) => Some(find_slider(&input.values, label)?),
-        None => candidates(&input.values).next(),
-    };
-    let report = engine::on_threads(&options.input.machine, || measure(options, &input, slider))??;
+    let all = sliders(&input.values);
+    let wanted = options.slider.iter().map(|label| find(&input.values, &all, label)).collect::<Result<Vec<_>, _>>()?;
+    let wanted = if wanted.is_empty() { all } else { wanted };
+    let report = engine::on_threads(&options.input.machine, || measure(options, &input, &wanted))??;
     if options.json {
         let text = serde_json::to_string_pretty(&report).map_err(|error| Failure::input(error.to_string()))?;
         print(&format!("{text}\n"))
     } else {
-        print(&table(&report))
+        print(&table(&report, options.runs))
     }
 }
 
-/// The values that a slider can move: first the formula's own that ask for a slider, then all others.
-fn candidates(values: &Values) -> impl Iterator<Item = (OwnerId, ParameterId)> {
+/// All that a slider can move: the formula's own parameters that ask for a slider first, of colours each component too.
+fn sliders(values: &Values) -> Vec<Slider> {
     let asks = |id: ParameterId| {
         let parameter = values.roster().parameter(id);
         parameter.slider && parameter.predefined.is_none()
     };
-    let movable = move |asked: bool| {
-        let all = values.iter().map(|(owner, id, _)| (owner, id));
-        all.filter(move |(owner, id)| asks(*id) == asked && values.lock_of(*owner, *id).is_none())
+    let movable: Vec<(OwnerId, ParameterId)> =
+        values.iter().map(|(owner, id, _)| (owner, id)).filter(|(owner, id)| values.lock_of(*owner, *id).is_none()).collect();
+    let (first, rest): (Vec<_>, Vec<_>) = movable.into_iter().partition(|(_, id)| asks(*id));
+    let components = |id: ParameterId| match values.roster().parameter(id).ty {
+        Type::Vector => vec![None, Some(0), Some(1), Some(2)],
+        Type::Scalar | Type::Truth => vec![None],
     };
-    movable(true).chain(movable(false))
+    let each = |(owner, id)| components(id).into_iter().map(move |component| Slider { owner, id, component });
+    first.into_iter().chain(rest).flat_map(each).collect()
 }
 
-fn find_slider(values: &Values, label: &str) -> Result<(OwnerId, ParameterId), Failure> {
-    let named = |(owner, id): &(OwnerId, ParameterId)| values.roster().label(*owner, *id) == label;
-    let Some((owner, id)) = values.iter().map(|(owner, id, _)| (owner, id)).find(named) else {
-        return Err(Failure::command_line(format!("--slider {label}: there is no such value")));
-    };
-    match values.lock_of(owner, id) {
-        Some(reason) => Err(Failure::command_line(format!("--slider {label}: it cannot be moved: {reason}"))),
-        None => Ok((owner, id)),
+fn label(values: &Values, slider: &Slider) -> String {
+    let label = values.roster().label(slider.owner, slider.id);
+    match slider.component {
+        Some(component) => format!("{label}.{}", ["r", "g", "b"][component]),
+        None => label,
     }
 }
 
-fn measure(options: &Options, input: &Input, slider: Option<(OwnerId, ParameterId)>) -> Result<Report, Failure> {
+fn find(values: &Values, sliders: &[Slider], wanted: &str) -> Result<Slider, Failure> {
+    if let Some(slider) = sliders.iter().find(|slider| label(values, slider) == wanted) {
+        return Ok(*slider);
+    }
+    let locked = values.iter().find(|(owner, id, _)| values.roster().label(*owner, *id) == wanted);
+    Err(match locked.and_then(|(owner, id, _)| values.lock_of(owner, id)) {
+        Some(reason) => Failure::command_line(format!("--slider {wanted}: it cannot be moved: {reason}")),
+        None => Failure::command_line(format!("--slider {wanted}: there is no such value")),
+    })
+}
+
+fn measure(options: &Options, input: &Input, sliders: &[Slider]) -> Result<Report, Failure> {
     let view = &input.view;
     let bytes = engine::memory_for(view, &options.input.machine)?;
     let progress = Progress::new("measuring");
-    let clock = Clock { runs: options.runs, progress: &progress, stages: 8.0 };
+    let clock = Clock { runs: options.runs };
     let (compile_ms, compiled) =
-        clock.time(0, || CompiledFormula::new(&input.formula).map_err(|e| Failure::input(e.to_string())))?;
+        clock.time(options.runs, || CompiledFormula::new(&input.formula).map_err(|e| Failure::input(e.to_string())))?;
     let compiled = Arc::new(compiled);
-    let (trace_ms, hits) = clock.time(1, || engine::trace_for(&compiled, input, view, bytes, &|_| ()))?;
-    let (static_values_ms, evaluator) = clock.time(2, || engine::compiled_backend(&compiled, input, &hits))?;
-    let evaluator = (evaluator, std::cell::RefCell::new(illuminator::evaluate::Framebuffer::black(view.width(), view.height())));
-    let jit = Stages { static_values_ms: Some(static_values_ms), ..stages(&clock, 3, compile_ms, &evaluator, input, slider)? };
+    progress.tell(0.05);
+    let traces = options.runs.min(MOST_TRACES);
+    let (trace_ms, hits) = clock.time(traces, || engine::trace_for(&compiled, input, view, bytes, &|_| ()))?;
+    progress.tell(0.2);
+    let evaluator = Arc::new(engine::compiled_backend(&compiled, input, &hits)?);
+    let mut framebuffer = Framebuffer::black(view.width(), view.height());
+    let numbers = input.values.numbers();
+    let jit_ms = clock.median(options.runs, |_| {
+        let start = Instant::now();
+        evaluator.draw(numbers, &mut framebuffer);
+        Ok(start.elapsed())
+    })?;
+    let drag = sliders
+        .iter()
+        .enumerate()
+        .map(|(index, slider)| {
+            progress.tell(0.25 + 0.5 * index as f64 / sliders.len() as f64);
+            drag(&clock, input, &evaluator, slider, &mut framebuffer)
+        })
+        .collect::<Result<Vec<_>, _>>()?;
+    let jit_bytes = evaluator.bytes() as f64;
     drop(evaluator);
-    let (compile_ms, evaluator) = clock.time(5, || engine::interpreter(input, *view))?;
-    let interpreter = stages(&clock, 6, compile_ms, &evaluator, input, slider)?;
-    let Counts { hits, records, .. } = Hits::counts(&hits);
+    let (interpreter_ms, interpreter_bytes) = interpreted(&clock, &engine::interpreter(input, *view)?, numbers)?;
+    let counts = Hits::counts(&hits);
+    let pixels = f64::from(view.pixels());
     Ok(Report {
-        width: view.width(),
-        height: view.height(),
+        size: [view.width(), view.height()],
         depth: view.depth(),
         threads: rayon::current_num_threads(),
-        runs: options.runs,
-        hits,
-        lit_records: records,
-        slider: slider.map(|(owner, id)| input.values.roster().label(owner, id)),
+        hits: counts.hits,
+        records: counts.records,
+        paths: counts.paths,
+        groups: counts.groups,
+        bytes_per_pixel: Backends { interpreter: interpreter_bytes as f64 / pixels, jit: jit_bytes / pixels },
         trace_ms,
-        jit,
-        interpreter,
-    })
-}
-
-/// A backend ready to make frames.
-trait Engine {
-    /// A frame, and the time that evaluation alone took.
-    fn timed_frame(&self, numbers: &[f32]) -> (Frame, Duration);
-    /// The memory that all pixels take.
-    fn bytes(&self, numbers: &[f32]) -> u64;
-}
-
-impl Engine for (Compiled, std::cell::RefCell<illuminator::evaluate::Framebuffer>) {
-    fn timed_frame(&self, numbers: &[f32]) -> (Frame, Duration) {
-        let start = Instant::now();
-        self.0.draw(numbers, &mut self.1.borrow_mut());
-        (Frame::black(1, 1), start.elapsed())
-    }
-
-    fn bytes(&self, _: &[f32]) -> u64 {
-        Compiled::bytes(&self.0) as u64
-    }
-}
-
-impl Engine for Interpreted {
-    fn timed_frame(&self, numbers: &[f32]) -> (Frame, Duration) {
-        let (frame, timing) = self.frame(numbers);
-        // Programs are written in between; what running them took is added up over threads.
-        (frame, timing.evaluation / rayon::current_num_threads() as u32)
-    }
-
-    fn bytes(&self, numbers: &[f32]) -> u64 {
-        self.frame(numbers).1.bytes
-    }
-}
-
-/// Measures frames with the values at hand, and with one slider moved to and fro.
-fn stages(
-    clock: &Clock,
-    first: u32,
-    compile_ms: f64,
-    engine: &impl Engine,
-    input: &Input,
-    slider: Option<(OwnerId, ParameterId)>,
-) -> Result<Stages, Failure> {
-    let evaluation_ms = clock.median(first, || Ok(engine.timed_frame(input.values.numbers()).1))?;
-    let mut values = input.values.clone();
-    let mut towards = 0;
-    let drag_ms = slider.map(|(owner, id)| {
-        clock.median(first + 1, || {
-            let [low, high] = values.range_of(owner, id).unwrap_or([0.0, 1.0]);
-            let share = [0.25, 0.75][towards];
-            towards = 1 - towards;
-            let start = Instant::now();
-            values.move_to(owner, id, [low + share * (high - low); 3]);
-            let moved = start.elapsed();
-            Ok(moved + engine.timed_frame(values.numbers()).1)
-        })
-    });
-    let drag_ms = drag_ms.transpose()?;
-    Ok(Stages {
         compile_ms,
-        static_values_ms: None,
-        evaluation_ms,
-        evaluation_fps: 1000.0 / evaluation_ms,
-        drag_ms,
-        drag_fps: drag_ms.map(|ms| 1000.0 / ms),
-        bytes_per_pixel: engine.bytes(input.values.numbers()) as f64 / f64::from(input.view.pixels()),
+        full_ms: Backends { interpreter: interpreter_ms, jit: jit_ms },
+        drag,
     })
+}
+
+/// A frame by the interpreter: the time that running the programs takes, and their bytes.
+fn interpreted(clock: &Clock, interpreter: &Interpreted, numbers: &[f32]) -> Result<(f64, u64), Failure> {
+    let mut bytes = 0;
+    let ms = clock.median(clock.runs, |_| {
+        let (_, timing) = interpreter.frame(numbers);
+        bytes = timing.bytes;
+        // Programs are written in between; what running them took is added up over threads.
+        Ok(timing.evaluation / rayon::current_num_threads() as u32)
+    })?;
+    Ok((ms, bytes))
+}
+
+/// A slider taken and moved to and fro.
+fn drag(
+    clock: &Clock,
+    input: &Input,
+    evaluator: &Arc<Compiled>,
+    slider: &Slider,
+    framebuffer: &mut Framebuffer,
+) -> Result<DragReport, Failure> {
+    let mut values = input.values.clone();
+    let (owner, id) = (slider.owner, slider.id);
+    let mut moved = values.moved_places(owner, id);
+    if let (Some(component), Some(first)) = (slider.component, moved.first()) {
+        moved = vec![first + component];
+    }
+    let start = Instant::now();
+    let mut drag = Drag::new(evaluator, &moved, values.numbers(), DRAG_BUDGET).map_err(|e| Failure::input(e.to_string()))?;
+    while !drag.prepare() {}
+    let prepare_ms = milliseconds(start.elapsed());
+    drag.frame(values.numbers(), framebuffer);
+    let [low, high] = values.range_of(owner, id).unwrap_or([0.0, 1.0]);
+    let frame_ms = clock.median(clock.runs, |run| {
+        let target = low + [0.25, 0.75][run as usize % 2] * (high - low);
+        let mut value = [target; 3];
+        if let Some(component) = slider.component {
+            value.copy_from_slice(values.of(owner, id));
+            value[component] = target;
+        }
+        let start = Instant::now();
+        values.move_to(owner, id, value);
+        drag.frame(values.numbers(), framebuffer);
+        Ok(start.elapsed())
+    })?;
+    let parameter = label(&values, slider);
+    Ok(DragReport { parameter, method: drag.method().name(), prepare_ms, frame_ms, pixels: drag.pixels() })
+}
+
+fn milliseconds(time: Duration) -> f64 {
+    // What is too short for the clock still took some time.
+    time.as_secs_f64().max(1e-9) * 1000.0
 }
 
 /// Repeats measurements.
-struct Clock<'p> {
+struct Clock {
     runs: u32,
-    progress: &'p Progress,
-    stages: f64,
 }
 
-impl Clock<'_> {
+impl Clock {
     /// The median of what `once` returns, in milliseconds.
-    fn median(&self, stage: u32, mut once: impl FnMut() -> Result<Duration, Failure>) -> Result<f64, Failure> {
+    fn median(&self, runs: u32, mut once: impl FnMut(u32) -> Result<Duration, Failure>) -> Result<f64, Failure> {
         let start = Instant::now();
         let mut times = Vec::new();
-        for run in 0..self.runs {
-            self.progress.tell((f64::from(stage) + f64::from(run) / f64::from(self.runs)) / self.stages);
-            times.push(once()?);
+        for run in 0..runs {
+            times.push(once(run)?);
             if start.elapsed() > PATIENCE {
                 break;
             }
         }
         times.sort();
-        let middle = times.get(times.len() / 2).copied().unwrap_or_default();
-        // What is too short for the clock still took some time.
-        Ok(middle.as_secs_f64().max(1e-9) * 1000.0)
+        Ok(milliseconds(times.get(times.len() / 2).copied().unwrap_or_default()))
     }
 
     /// The median time of making something, in milliseconds, and what the last run made.
-    fn time<T>(&self, stage: u32, mut make: impl FnMut() -> Result<T, Failure>) -> Result<(f64, T), Failure> {
+    fn time<T>(&self, runs: u32, mut make: impl FnMut() -> Result<T, Failure>) -> Result<(f64, T), Failure> {
         let mut made = None;
-        let median = self.median(stage, || {
+        let median = self.median(runs, |_| {
             // Freed before the clock starts: memory for two may not be there.
             made = None;
             let start = Instant::now();
@@ -240,30 +271,33 @@ impl Clock<'_> {
     }
 }
 
-fn table(report: &Report) -> String {
-    let mut text = String::new();
-    let mut line = |name: &str, jit: String, interpreter: String| {
+fn table(report: &Report, runs: u32) -> String {
+    let Report { size: [width, height], depth, threads, hits, records, paths, groups, .. } = report;
+    let mut text = format!(
+        "{width}x{height} pixels, depth {depth}, {hits} hits, {records} lit records, {paths} paths, {groups} groups\n\
+         {threads} threads, medians of {runs} runs\n\n"
+    );
+    let mut line = |cells: [String; 4]| {
+        let [name, one, two, three] = cells;
         // Writing to a string does not fail.
-        let _ = writeln!(text, "{}", format!("{name:<22}{jit:>16}{interpreter:>16}").trim_end());
+        let _ = writeln!(text, "{}", format!("{name:<22}{one:>16}{two:>16}{three:>16}").trim_end());
     };
     let ms = |value: f64| format!("{value:.3} ms");
-    let maybe = |value: Option<f64>, show: fn(f64) -> String| value.map_or("-".to_owned(), show);
-    let fps = |value: f64| format!("{value:.1} fps");
-    let (jit, interpreter) = (&report.jit, &report.interpreter);
-    line("", "jit".to_owned(), "interpreter".to_owned());
-    line("trace", ms(report.trace_ms), "-".to_owned());
-    line("compile", ms(jit.compile_ms), ms(interpreter.compile_ms));
-    line("static values", maybe(jit.static_values_ms, |v| format!("{v:.3} ms")), "-".to_owned());
-    line("full evaluation", ms(jit.evaluation_ms), ms(interpreter.evaluation_ms));
-    line("", fps(jit.evaluation_fps), fps(interpreter.evaluation_fps));
-    line("slider drag", maybe(jit.drag_ms, |v| format!("{v:.3} ms")), maybe(interpreter.drag_ms, |v| format!("{v:.3} ms")));
-    line("", maybe(jit.drag_fps, |v| format!("{v:.1} fps")), maybe(interpreter.drag_fps, |v| format!("{v:.1} fps")));
+    let fps = |value: f64| format!("{:.1} fps", 1000.0 / value);
     let bytes = |value: f64| format!("{value:.1} B");
-    line("memory a pixel", bytes(jit.bytes_per_pixel), bytes(interpreter.bytes_per_pixel));
-    let Report { width, height, depth, threads, runs, hits, lit_records, slider, .. } = report;
-    let slider = slider.as_deref().unwrap_or("none");
-    format!(
-        "{width}x{height} pixels, depth {depth}, {hits} hits, {lit_records} lit records\n\
-         {threads} threads, medians of {runs} runs, slider: {slider}\n\n{text}"
-    )
+    let none = String::new;
+    line([none(), "jit".into(), "interpreter".into(), none()]);
+    line(["trace".into(), ms(report.trace_ms), "-".into(), none()]);
+    line(["compile".into(), ms(report.compile_ms), "-".into(), none()]);
+    line(["full evaluation".into(), ms(report.full_ms.jit), ms(report.full_ms.interpreter), none()]);
+    line([none(), fps(report.full_ms.jit), fps(report.full_ms.interpreter), none()]);
+    line(["memory a pixel".into(), bytes(report.bytes_per_pixel.jit), bytes(report.bytes_per_pixel.interpreter), none()]);
+    line([none(), none(), none(), none()]);
+    line(["slider".into(), "method".into(), "frame".into(), "prepared in".into()]);
+    for DragReport { parameter, method, prepare_ms, frame_ms, pixels } in &report.drag {
+        let unseen = *pixels == 0;
+        let frame = if unseen { "unseen".into() } else { ms(*frame_ms) };
+        line([parameter.clone(), (*method).into(), frame, ms(*prepare_ms)]);
+    }
+    text
 }

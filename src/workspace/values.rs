@@ -151,6 +151,12 @@ impl Values {
         moved.into_iter().filter(|(id, _)| self.roster.fixed(owner, *id).is_none()).collect()
     }
 
+    /// The places of all numbers that move when this value is moved: what a drag has to know.
+    pub fn moved_places(&self, owner: OwnerId, id: ParameterId) -> Vec<usize> {
+        let moved = self.moved_with(owner, id);
+        moved.into_iter().filter_map(|(id, _)| self.roster.places(owner, id)).flatten().collect()
+    }
+
     /// The settled value of a scalar; 0 where there is none.
     fn settled(&self, owner: OwnerId, id: ParameterId) -> f32 {
         self.roster.places(owner, id).map_or(0.0, |places| self.settled[places.start])
