@@ -15,6 +15,9 @@ use std::ops::Range;
 /// How many blocks are worked out at a time: their variables stay in the cache until the kernels have read them.
 const CHUNK: u32 = 256;
 
+/// Kernels that compute two blocks at a time read a block beyond the last.
+const SPARE: usize = 1;
+
 /// The static columns of a tile's groups.
 pub(super) struct Columns {
     lanes: Vec<Lanes>,
@@ -37,7 +40,7 @@ impl Columns {
             groups.push((end, blocks));
             end += blocks * (hit_columns + record_columns * group.lights.len());
         }
-        let mut columns = Self { lanes: vec![Lanes::default(); end], groups, hit_columns, record_columns };
+        let mut columns = Self { lanes: vec![Lanes::default(); end + SPARE], groups, hit_columns, record_columns };
         let mut workroom = Workroom::new(compiled);
         for index in 0..tile.groups.len() {
             columns.fill(compiled, optics, tile, index, &mut workroom)?;
@@ -56,7 +59,7 @@ impl Columns {
             groups.push((end, blocks));
             end += blocks * record_columns * group.lights.len();
         }
-        let mut kept = Self { lanes: vec![Lanes::default(); end], groups, hit_columns: 0, record_columns };
+        let mut kept = Self { lanes: vec![Lanes::default(); end + SPARE], groups, hit_columns: 0, record_columns };
         let mut inputs = Vec::new();
         for (index, group) in tile.groups.iter().enumerate() {
             let (start, length) = kept.groups[index];
@@ -81,14 +84,14 @@ impl Columns {
         size_of_val(self.lanes.as_slice()) + size_of_val(self.groups.as_slice())
     }
 
-    /// The columns of a group for its light of this place, hit frontier first, each from block `first` on for `blocks` blocks; behind
+    /// The columns of a group for its light of this place, hit frontier first, each from block `first` on, for `blocks` blocks at least; behind
     /// those that are there.
     pub(super) fn of<'c>(&'c self, group: usize, light: usize, first: usize, blocks: usize, into: &mut Vec<&'c [Lanes]>) {
         let (start, length) = self.groups[group];
         let records = self.hit_columns + light * self.record_columns;
         for column in (0..self.hit_columns).chain(records..records + self.record_columns) {
             let begin = start + column * length + first;
-            into.push(&self.lanes[begin..begin + blocks]);
+            into.push(&self.lanes[begin..begin + blocks + SPARE]);
         }
     }
 

@@ -10,7 +10,7 @@ use crate::formula::graph::{Node, NodeId};
 use crate::formula::layout::Layout;
 use crate::formula::{Formula, Parameter, ParameterId};
 use crate::jit::compile::Contributor;
-use crate::jit::{CompiledFormula, Kernel, Lanes};
+use crate::jit::{CompiledFormula, Kernel, Lanes, Splat};
 use crate::lang::scalars::flush;
 use crate::lang::variables::{Owner, Predefined};
 use crate::scene::Scene;
@@ -207,7 +207,7 @@ impl Compiled {
     }
 
     /// The uniform values of all pairs of a body and a light, one pair behind the other, by a kernel that reads these parameters.
-    fn uniforms(&self, memory: &[f32], kernel: &Kernel, leaves: &[Place]) -> Vec<Lanes> {
+    fn uniforms(&self, memory: &[f32], kernel: &Kernel, leaves: &[Place]) -> Vec<Splat> {
         let [bodies, lights] = [Owner::Body, Owner::Light].map(|owner| self.layout.owners(owner));
         let pairs = bodies * lights;
         let blocks = Lanes::blocks(pairs);
@@ -231,7 +231,7 @@ impl Compiled {
         let mut places: Vec<&mut [Lanes]> = outputs.iter_mut().map(Vec::as_mut_slice).collect();
         kernel.run(&inputs, &[], &mut places, blocks);
         let values = |pair: usize| outputs.iter().map(move |column| column[pair / Lanes::COUNT].0[pair % Lanes::COUNT]);
-        (0..pairs).flat_map(values).map(Lanes::splat).collect()
+        (0..pairs).flat_map(values).map(Splat::new).collect()
     }
 
     /// The weight of each path of a tile: the product of kr and kt of the bodies along it.

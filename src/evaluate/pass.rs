@@ -6,7 +6,7 @@
 use crate::evaluate::columns::Columns;
 use crate::evaluate::framebuffer::Channels;
 use crate::evaluate::planes::{Planes, Weight};
-use crate::jit::{Kernel, Lanes};
+use crate::jit::{Kernel, Lanes, Splat};
 use crate::scene::LightId;
 use crate::trace::{Group, Span, Tile};
 use std::ops::Range;
@@ -22,8 +22,8 @@ pub(super) struct Source<'p> {
     pub(super) channels: Channels,
     /// The columns of each tile that the kernel reads.
     pub(super) columns: &'p [Columns],
-    /// For each pair of a body and a light the uniform values, each in four lanes.
-    pub(super) uniforms: Vec<Lanes>,
+    /// For each pair of a body and a light the uniform values.
+    pub(super) uniforms: Vec<Splat>,
     /// How many uniform values a pair has.
     pub(super) uniform_count: usize,
     /// For each pair whether anything comes of it.
@@ -54,7 +54,7 @@ pub(super) struct Workroom {
 
 impl Workroom {
     pub(super) fn new() -> Self {
-        Self { planes: Planes::new(), weights: Vec::new(), sums: [(); 3].map(|()| vec![Lanes::default(); CHUNK]) }
+        Self { planes: Planes::new(), weights: Vec::new(), sums: [(); 3].map(|()| vec![Lanes::default(); CHUNK + 1]) }
     }
 }
 
@@ -132,7 +132,7 @@ impl Pass<'_> {
     ) {
         let length = blocks.len();
         for (plane, component) in sums.iter_mut().zip(ambient) {
-            plane[..length].fill(Lanes::splat(component));
+            plane[..length + 1].fill(Lanes::splat(component));
         }
         let first = (blocks.start - group.blocks.start) as usize;
         let mut inputs = Vec::with_capacity(16);

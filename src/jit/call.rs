@@ -6,12 +6,14 @@
 
 use crate::formula::graph::Graph;
 use crate::jit::emit::PERLIN_OPERANDS;
-use crate::jit::kernel::{self, KernelPlan};
-use crate::jit::lanes::Lanes;
-use crate::jit::target::{CompileError, Listing, target};
+use crate::jit::kernel::{self, KernelPlan, Shape};
+use crate::jit::lanes::{Lanes, Splat};
+use crate::jit::target::{CompileError, Listing, Target, target};
+use crate::jit::widen::{ALIGNMENT, disassembled, widen};
 use crate::lang::noise;
 use crate::lang::scalars::flush;
 use cranelift_codegen::Context;
+use cranelift_codegen::control::ControlPlane;
 use cranelift_codegen::ir::types::I64;
 use cranelift_codegen::ir::{AbiParam, Signature};
 use cranelift_codegen::isa::CallConv;
@@ -23,10 +25,9 @@ use std::sync::Arc;
 /// What every kernel is: see the [kernel](super::kernel) room for the meaning of the parameters.
 ///
 /// # Safety
-/// The tables hold as many pointers as the kernel reads, each column and output at least `blocks` lanes, the uniforms as many as
-/// it reads; outputs overlap nothing.
-type Entry =
-    unsafe extern "C" fn(columns: *const *const Lanes, uniforms: *const Lanes, outputs: *const *mut Lanes, blocks: usize);
+/// The tables hold as many pointers as the kernel reads, each column and output at least the blocks of that many steps, the uniforms
+/// as many as it reads; outputs overlap nothing.
+type Entry = unsafe extern "C" fn(columns: *const *const Lanes, uniforms: *const Splat, outputs: *const *mut Lanes, steps: usize);
 
 /// The memory that holds a formula's kernels; freed with the last of them.
 pub(super) struct CodeMemory(ManuallyDrop<JITModule>);
@@ -54,8 +55,8 @@ pub(super) fn generate(
     mut listing: Option<&mut Listing>,
 ) -> Result<Vec<Kernel>, CompileError> {
     let failed = |error: ModuleError| CompileError::Generator(error.to_string());
-    let (isa, fma) = target()?;
-    let mut builder = JITBuilder::with_isa(isa.clone(), cranelift_module::default_libcall_names());
+    let target = target()?;
+    let mut builder = JITBuilder::with_isa(target.isa.clone(), cranelift_module::default_libcall_names());
     builder.symbol("perlin", perlin_lanes as *const u8);
     // Owned at once by what frees it: a module that is merely dropped leaks its memory.
     let mut memory = CodeMemory(ManuallyDrop::new(JITModule::new(builder)));
@@ -65,38 +66,77 @@ pub(super) fn generate(
     let noise = module.declare_function("perlin", Linkage::Import, &noise_signature).map_err(failed)?;
     let mut functions = Vec::with_capacity(plans.len());
     for (index, plan) in plans.iter().enumerate() {
-        let mut context = Context::new();
-        context.func.signature = Signature::new(CallConv::SystemV);
-        context.func.signature.params.extend(kernel::parameters());
-        let id =
-            module.declare_function(&format!("{}{index}", plan.name), Linkage::Local, &context.func.signature).map_err(failed)?;
+        let mut signature = Signature::new(CallConv::SystemV);
+        signature.params.extend(kernel::parameters());
+        let id = module.declare_function(&format!("{}{index}", plan.name), Linkage::Local, &signature).map_err(failed)?;
         let unread = || CompileError::Generator(format!("the kernel of {} does not read all that it needs", plan.name));
-        let schedule = plan.schedule(graph).ok_or_else(unread)?;
-        let noisy = schedule.iter().any(|id| kernel::calls_perlin(graph, *id));
-        let callee = noisy.then(|| module.declare_func_in_func(noise, &mut context.func));
-        kernel::write(plan, &schedule, graph, &*isa, fma, callee, &mut context.func);
-        context.set_disasm(listing.is_some());
-        if let Some(listing) = &mut listing {
-            listing.clif.push_str(&format!("; {}\n{}\n", plan.name, context.func.display()));
+        let mut defined = None;
+        for shape in shapes(plan, graph, &target) {
+            let schedule = plan.schedule(graph, shape).ok_or_else(unread)?;
+            let noisy = schedule.iter().any(|id| kernel::calls_perlin(graph, *id));
+            if shape.blocks > 1 && noisy {
+                continue;
+            }
+            let mut context = Context::new();
+            context.func.signature = signature.clone();
+            let callee = noisy.then(|| module.declare_func_in_func(noise, &mut context.func));
+            kernel::write(plan, &schedule, graph, &*target.isa, shape, callee, &mut context.func);
+            context.set_disasm(listing.is_some());
+            let clif = listing.is_some().then(|| context.func.display().to_string());
+            let mut assembler = String::new();
+            if shape.blocks > 1 {
+                let compiled = context.compile(&*target.isa, &mut ControlPlane::default());
+                let compiled = compiled.map_err(|error| CompileError::Generator(error.inner.to_string()))?;
+                let Some(wide) = compiled.buffer.relocs().is_empty().then(|| widen(compiled.code_buffer())).and_then(Result::ok)
+                else {
+                    continue;
+                };
+                if listing.is_some() {
+                    assembler = disassembled(&wide);
+                }
+                module.define_function_bytes(id, ALIGNMENT, &wide, &[]).map_err(failed)?;
+            } else {
+                module.define_function(id, &mut context).map_err(failed)?;
+                let code = context.compiled_code().and_then(|code| code.vcode.clone());
+                assembler = code.unwrap_or_default();
+            }
+            if let (Some(listing), Some(clif)) = (&mut listing, clif) {
+                listing.clif.push_str(&format!("; {}\n{clif}\n", plan.name));
+                listing.asm.push_str(&format!("; {}\n{assembler}\n", plan.name));
+            }
+            defined = Some(shape);
+            break;
         }
-        module.define_function(id, &mut context).map_err(failed)?;
-        if let Some(listing) = &mut listing {
-            let code = context.compiled_code().and_then(|code| code.vcode.clone()).unwrap_or_default();
-            listing.asm.push_str(&format!("; {}\n{code}\n", plan.name));
-        }
-        functions.push(id);
+        functions.push((id, defined.ok_or_else(unread)?));
     }
     module.finalize_definitions().map_err(failed)?;
-    let addresses: Vec<*const u8> = functions.iter().map(|id| module.get_finalized_function(*id)).collect();
+    let finished: Vec<(*const u8, Shape)> =
+        functions.iter().map(|(id, shape)| (module.get_finalized_function(*id), *shape)).collect();
     let memory = Arc::new(memory);
-    let kernel = |(plan, address): (&KernelPlan, *const u8)| {
+    let kernel = |(plan, (address, shape)): (&KernelPlan, (*const u8, Shape))| {
         // SAFETY: at the address is the finished code of the function that was written just now with the parameters of `Entry`, none
         // of which is wider than a register; its memory lives as long as the kernel.
         let entry = unsafe { std::mem::transmute::<*const u8, Entry>(address) };
         let [columns, uniforms, outputs] = [plan.columns.len(), plan.uniforms.len(), plan.outputs.len()];
-        Kernel { entry, columns, uniforms, outputs, _memory: Arc::clone(&memory) }
+        Kernel { entry, columns, uniforms, outputs, step: shape.blocks, _memory: Arc::clone(&memory) }
     };
-    Ok(plans.iter().zip(addresses).map(kernel).collect())
+    Ok(plans.iter().zip(finished).map(kernel).collect())
+}
+
+/// The shapes that a plan may be written in, the quickest first, the one that always works last.
+fn shapes(plan: &KernelPlan, graph: &Graph, target: &Target) -> Vec<Shape> {
+    let fma = target.fma;
+    let narrow = Shape { blocks: 1, interleave: 1, fma };
+    let few = plan.schedule(graph, narrow).is_some_and(|schedule| schedule.len() <= kernel::MANY_NODES);
+    let interleave = if few { plan.interleave } else { 1 };
+    let mut shapes = Vec::new();
+    // Results of more records than are wanted do no harm only where they are added to scratch.
+    if target.wide && plan.accumulate {
+        let halves = std::iter::successors(Some(interleave), |interleave| (*interleave > 1).then_some(interleave / 2));
+        shapes.extend(halves.map(|interleave| Shape { blocks: 2, interleave, fma }));
+    }
+    shapes.push(Shape { interleave, ..narrow });
+    shapes
 }
 
 /// A compiled kernel.
@@ -106,6 +146,8 @@ pub struct Kernel {
     columns: usize,
     uniforms: usize,
     outputs: usize,
+    /// How many blocks it computes at a time.
+    step: usize,
     _memory: Arc<CodeMemory>,
 }
 
@@ -115,11 +157,19 @@ impl Kernel {
         self.outputs
     }
 
-    /// Runs the kernel over `blocks` blocks of four records: reads `columns` and `uniforms`, stores or adds into `outputs`.
+    /// How many blocks it reads and writes where so many are wanted: whole steps of a block or two.
+    pub fn whole_steps(&self, blocks: usize) -> usize {
+        blocks.next_multiple_of(self.step)
+    }
+
+    /// Runs the kernel over `blocks` blocks of four records: reads `columns` and `uniforms`, stores or adds into `outputs`. What it adds to
+    /// a block beyond, see [`whole_steps`](Self::whole_steps), has no meaning.
     ///
     /// # Panics
-    /// Where there are not as many columns, uniforms and outputs as the kernel was written for, or one of them is shorter than `blocks`.
-    pub fn run(&self, columns: &[&[Lanes]], uniforms: &[Lanes], outputs: &mut [&mut [Lanes]], blocks: usize) {
+    /// Where there are not as many columns, uniforms and outputs as the kernel was written for, or one of them is shorter than the
+    /// [whole steps](Self::whole_steps) of `blocks`.
+    pub fn run(&self, columns: &[&[Lanes]], uniforms: &[Splat], outputs: &mut [&mut [Lanes]], blocks: usize) {
+        let blocks = self.whole_steps(blocks);
         assert_eq!((columns.len(), outputs.len()), (self.columns, self.outputs), "a kernel's columns and outputs");
         assert!(uniforms.len() >= self.uniforms, "a kernel's uniforms");
         assert!(columns.iter().all(|column| column.len() >= blocks), "a kernel's columns are long enough");
@@ -146,10 +196,10 @@ impl Kernel {
         };
         let entry = self.entry;
         // SAFETY: the code reads exactly `self.columns` and `self.outputs` pointers from the tables and `self.uniforms` lanes, and of each
-        // column the first `blocks` lanes; the assertions above guarantee all of them, `&mut` that outputs overlap nothing. `Lanes`
+        // column the first `blocks` lanes, whole steps; the assertions above guarantee all of them, `&mut` that outputs overlap nothing. `Lanes`
         // is aligned as the code's loads and stores need. Nothing of Rust runs while subnormals are switched off.
         unsafe {
-            without_subnormals(entry, column_table, uniforms.as_ptr(), output_table, blocks);
+            without_subnormals(entry, column_table, uniforms.as_ptr(), output_table, blocks / self.step);
         }
     }
 }
@@ -166,9 +216,9 @@ const RUST_MXCSR: u32 = 0x1f80;
 unsafe fn without_subnormals(
     entry: Entry,
     columns: *const *const Lanes,
-    uniforms: *const Lanes,
+    uniforms: *const Splat,
     outputs: *const *mut Lanes,
-    blocks: usize,
+    steps: usize,
 ) {
     let mut saved: u32 = RUST_MXCSR;
     // SAFETY: saves MXCSR, sets it for the kernel, calls the kernel by the C calling convention (whose registers are all declared
@@ -185,7 +235,7 @@ unsafe fn without_subnormals(
             in("rdi") columns,
             in("rsi") uniforms,
             in("rdx") outputs,
-            in("rcx") blocks,
+            in("rcx") steps,
             clobber_abi("C"),
         );
     }

@@ -1,16 +1,21 @@
 //! A kernel as Cranelift IR: some nodes of a graph computed for every record, from columns and uniform values.
 //!
-//! The function reads `fn(columns, uniforms, outputs, blocks)`: pointers to the columns, to the uniform values (each four times, as
-//! lanes), to the output columns, and the number of blocks of four records. Columns are whole blocks, so that there is no tail.
+//! The function reads `fn(columns, uniforms, outputs, steps)`: pointers to the columns, to the uniform values (each in as many lanes as
+//! any kernel has), to the output columns, and the number of steps: of blocks of four records, or of pairs of blocks in code that
+//! is going to be [widened](super::widen). Columns are whole steps, so that there is no tail.
 
 use crate::formula::graph::{Graph, Node, NodeId};
 use crate::jit::emit::{Emitter, LANES_BYTES, PERLIN_OPERANDS};
+use crate::jit::lanes::Splat;
 use crate::lang::scalars::{Primitive, Scalars};
 use cranelift_codegen::ir::condcodes::IntCC;
 use cranelift_codegen::ir::types::{F32X4, I64};
-use cranelift_codegen::ir::{AbiParam, FuncRef, Function, InstBuilder, MemFlagsData, StackSlotData, StackSlotKind, Value};
+use cranelift_codegen::ir::{
+    AbiParam, FuncRef, Function, Inst, InstBuilder, MemFlagsData, Opcode, StackSlotData, StackSlotKind, Value,
+};
 use cranelift_codegen::isa::TargetIsa;
 use cranelift_frontend::{FunctionBuilder, FunctionBuilderContext};
+use std::collections::{HashMap, HashSet};
 
 /// What a kernel computes, and from what.
 #[derive(Debug, Clone)]
@@ -25,18 +30,45 @@ pub(super) struct KernelPlan {
     pub(super) outputs: Vec<NodeId>,
     /// Whether outputs are added to what is there rather than stored.
     pub(super) accumulate: bool,
-    /// How many blocks are computed side by side, so that their chains of dependent instructions overlap.
+    /// How many steps are computed side by side at most, so that their chains of dependent instructions overlap and constants are
+    /// loaded once for all of them.
     pub(super) interleave: usize,
+}
+
+/// How a plan is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Shape {
+    /// How many blocks of four records are a step: two in code that is going to be widened.
+    pub(super) blocks: usize,
+    /// How many steps are computed side by side.
+    pub(super) interleave: usize,
+    /// Whether the processor multiplies and adds in one instruction.
+    pub(super) fma: bool,
+}
+
+impl Shape {
+    /// Bytes of a step in each column.
+    fn bytes(self) -> usize {
+        self.blocks * LANES_BYTES as usize
+    }
+}
+
+/// An addend of an output: a node, or a product of two.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Addend {
+    factor: NodeId,
+    other: Option<NodeId>,
 }
 
 impl KernelPlan {
     /// The nodes that the kernel must compute, operands before their users; where it reads a node it does not look behind it.
     /// None where it would need a variable or parameter that it does not read.
-    pub(super) fn schedule(&self, graph: &Graph) -> Option<Vec<NodeId>> {
+    pub(super) fn schedule(&self, graph: &Graph, shape: Shape) -> Option<Vec<NodeId>> {
         let mut seen = vec![false; graph.len()];
         self.columns.iter().chain(&self.uniforms).for_each(|node| seen[node.0 as usize] = true);
         let mut found = Vec::new();
-        let mut pending = self.outputs.clone();
+        let addends = self.addends(graph, shape).into_iter().flatten();
+        let mut pending: Vec<NodeId> = addends.flat_map(|addend| [Some(addend.factor), addend.other]).flatten().collect();
         while let Some(id) = pending.pop() {
             if std::mem::replace(&mut seen[id.0 as usize], true) {
                 continue;
@@ -50,6 +82,46 @@ impl KernelPlan {
         found.sort_unstable();
         Some(found)
     }
+
+    /// The addends of each output. Where outputs are added to what is there, and products can be added in one instruction, sums are
+    /// taken apart; but not what several outputs share, which would be computed several times.
+    fn addends(&self, graph: &Graph, shape: Shape) -> Vec<Vec<Addend>> {
+        /// More addends than this are summed up before.
+        const MOST: usize = 16;
+        let mut users: HashMap<NodeId, usize> = HashMap::new();
+        let stored: HashSet<NodeId> = self.columns.iter().chain(&self.uniforms).copied().collect();
+        let parts = |id: NodeId| match graph.node(id) {
+            Node::Apply(primitive @ (Primitive::Add | Primitive::Mul), operands) if !stored.contains(&id) => {
+                Some((primitive, operands[0], operands[1]))
+            }
+            Node::Apply(..) | Node::Constant(_) | Node::Variable(..) | Node::Parameter(..) => None,
+        };
+        let mut leaves_of = |root: NodeId| {
+            let (mut pending, mut leaves) = (vec![root], Vec::new());
+            while let Some(id) = pending.pop() {
+                *users.entry(id).or_default() += 1;
+                match parts(id) {
+                    Some((Primitive::Add, x, y)) if leaves.len() + pending.len() < MOST => pending.extend([y, x]),
+                    Some(_) | None => leaves.push(id),
+                }
+            }
+            leaves
+        };
+        let taken: Vec<Vec<NodeId>> = self.outputs.iter().map(|root| leaves_of(*root)).collect();
+        let plain = |id: NodeId| Addend { factor: id, other: None };
+        let addend = |id: &NodeId| match parts(*id) {
+            Some((Primitive::Mul, x, y)) if users[id] == 1 => Addend { factor: x, other: Some(y) },
+            Some(_) | None => plain(*id),
+        };
+        let shared = |root: &NodeId| users[root] > 1;
+        let outputs = self.outputs.iter().zip(taken);
+        outputs
+            .map(|(root, leaves)| match self.accumulate && shape.fma && !shared(root) {
+                true => leaves.iter().map(addend).collect(),
+                false => vec![plain(*root)],
+            })
+            .collect()
+    }
 }
 
 /// Whether a node calls the noise function.
@@ -62,9 +134,9 @@ pub(super) fn parameters() -> [AbiParam; 4] {
     [AbiParam::new(I64); 4]
 }
 
-/// Beyond so many nodes blocks are computed one after the other: side by side they would need far more registers than there are, and
-/// there is enough to overlap within a block.
-const MANY_NODES: usize = 400;
+/// Beyond so many nodes steps are computed one after the other: side by side they would need far more registers than there are, and
+/// there is enough to overlap within a step.
+pub(super) const MANY_NODES: usize = 400;
 
 /// Writes the kernel, whose plan has this schedule, into an empty function with the [`parameters`]; `perlin` is there if it is called.
 pub(super) fn write(
@@ -72,7 +144,7 @@ pub(super) fn write(
     schedule: &[NodeId],
     graph: &Graph,
     isa: &dyn TargetIsa,
-    fma: bool,
+    shape: Shape,
     perlin: Option<FuncRef>,
     function: &mut Function,
 ) {
@@ -85,7 +157,7 @@ pub(super) fn write(
         let size = (PERLIN_OPERANDS + 1) * LANES_BYTES;
         (function, builder.create_sized_stack_slot(StackSlotData::new(StackSlotKind::ExplicitSlot, size, 4)))
     });
-    let [columns, uniforms, outputs, blocks] = std::array::from_fn(|index| builder.block_params(entry)[index]);
+    let [columns, uniforms, outputs, steps] = std::array::from_fn(|index| builder.block_params(entry)[index]);
     let pointers = |builder: &mut FunctionBuilder, table: Value, count: usize| -> Vec<Value> {
         (0..count)
             .map(|index| builder.ins().load(I64, MemFlagsData::trusted().with_readonly(), table, 8 * index as i32))
@@ -93,12 +165,12 @@ pub(super) fn write(
     };
     let columns = pointers(&mut builder, columns, plan.columns.len());
     let outputs = pointers(&mut builder, outputs, plan.outputs.len());
-    let shift = builder.ins().iconst(I64, i64::from(LANES_BYTES.trailing_zeros()));
-    let end = builder.ins().ishl(blocks, shift);
-    let mut writer = Writer { plan, graph, schedule, builder, fma, perlin, columns, uniforms, outputs };
+    let shift = builder.ins().iconst(I64, i64::from(shape.bytes().trailing_zeros()));
+    let end = builder.ins().ishl(steps, shift);
+    let mut writer = Writer { plan, graph, schedule, builder, shape, perlin, columns, uniforms, outputs };
     let mut at = writer.builder.ins().iconst(I64, 0);
-    if plan.interleave > 1 && schedule.len() <= MANY_NODES {
-        at = writer.counted_loop(at, end, plan.interleave);
+    if shape.interleave > 1 {
+        at = writer.counted_loop(at, end, shape.interleave);
     }
     writer.counted_loop(at, end, 1);
     writer.builder.ins().return_(&[]);
@@ -111,7 +183,7 @@ struct Writer<'w, 'f> {
     graph: &'w Graph,
     schedule: &'w [NodeId],
     builder: FunctionBuilder<'f>,
-    fma: bool,
+    shape: Shape,
     perlin: Option<(FuncRef, cranelift_codegen::ir::StackSlot)>,
     columns: Vec<Value>,
     uniforms: Value,
@@ -119,13 +191,13 @@ struct Writer<'w, 'f> {
 }
 
 impl Writer<'_, '_> {
-    /// A loop from byte offset `at` that computes `interleave` blocks at a time, as long as so many are left before `end`.
+    /// A loop from byte offset `at` that computes `interleave` steps at a time, as long as so many are left before `end`.
     /// Yields the offset where it stops, in the block behind the loop.
     fn counted_loop(&mut self, at: Value, end: Value, interleave: usize) -> Value {
         let [head, body, exit] = [(); 3].map(|()| self.builder.create_block());
         let offset = self.builder.append_block_param(head, I64);
         let after = self.builder.append_block_param(exit, I64);
-        let step = i64::from(LANES_BYTES) * interleave as i64;
+        let step = (self.shape.bytes() * interleave) as i64;
         self.builder.ins().jump(head, &[at.into()]);
         self.builder.switch_to_block(head);
         let stride = self.builder.ins().iconst(I64, step);
@@ -139,7 +211,7 @@ impl Writer<'_, '_> {
         after
     }
 
-    /// Computes the blocks that begin at byte `offset`, each node for all of them before the next node.
+    /// Computes the steps that begin at byte `offset`, each node for all of them before the next node.
     fn body(&mut self, offset: Value, interleave: usize) {
         let flags = MemFlagsData::trusted();
         let mut values: Vec<Vec<Value>> = vec![Vec::new(); self.graph.len()];
@@ -148,27 +220,92 @@ impl Writer<'_, '_> {
             for operand in node.operands() {
                 self.read(*operand, offset, interleave, &mut values);
             }
-            let mut emitter = Emitter { builder: &mut self.builder, fma: self.fma, perlin: self.perlin };
-            let value = |block: usize| match node {
-                Node::Constant(bits) => emitter.constant(f32::from_bits(bits)),
-                Node::Apply(primitive, _) => {
-                    let operands: Vec<Value> = node.operands().iter().map(|operand| values[operand.0 as usize][block]).collect();
-                    primitive.apply(&mut emitter, &operands)
-                }
-                Node::Variable(..) | Node::Parameter(..) => unreachable!("schedules hold no leaves"),
-            };
-            values[id.0 as usize] = (0..interleave).map(value).collect();
+            let mut copies = Vec::with_capacity(interleave);
+            let mut computed = Vec::with_capacity(interleave);
+            for step in 0..interleave {
+                let before = self.last_instruction();
+                let fma = self.shape.fma;
+                let mut emitter = Emitter { builder: &mut self.builder, fma, perlin: self.perlin };
+                computed.push(match node {
+                    Node::Constant(bits) => emitter.constant(f32::from_bits(bits)),
+                    Node::Apply(primitive, _) => {
+                        let operands: Vec<Value> =
+                            node.operands().iter().map(|operand| values[operand.0 as usize][step]).collect();
+                        primitive.apply(&mut emitter, &operands)
+                    }
+                    Node::Variable(..) | Node::Parameter(..) => unreachable!("schedules hold no leaves"),
+                });
+                copies.push(self.instructions_after(before));
+            }
+            self.interleave(&copies);
+            values[id.0 as usize] = computed;
         }
-        for (node, pointer) in self.plan.outputs.iter().zip(self.outputs.clone()) {
-            self.read(*node, offset, interleave, &mut values);
+        let addends = self.plan.addends(self.graph, self.shape);
+        for (addends, pointer) in addends.iter().zip(self.outputs.clone()) {
             let address = self.builder.ins().iadd(pointer, offset);
-            for (block, value) in values[node.0 as usize].iter().enumerate() {
-                let mut value = *value;
-                if self.plan.accumulate {
-                    let sum = self.builder.ins().load(F32X4, flags, address, place(block));
-                    value = self.builder.ins().fadd(sum, value);
+            let mut sums: Vec<Option<Value>> = vec![None; interleave];
+            if self.plan.accumulate {
+                for (step, sum) in sums.iter_mut().enumerate() {
+                    let place = self.place(step);
+                    *sum = Some(self.builder.ins().load(F32X4, flags, address, place));
                 }
-                self.builder.ins().store(flags, value, address, place(block));
+            }
+            for Addend { factor, other } in addends {
+                for operand in std::iter::once(factor).chain(other) {
+                    self.read(*operand, offset, interleave, &mut values);
+                }
+                for (step, sum) in sums.iter_mut().enumerate() {
+                    let [x, y] = [Some(*factor), *other].map(|node| node.map(|node| values[node.0 as usize][step]));
+                    *sum = match (*sum, x, y) {
+                        (Some(sum), Some(x), Some(y)) => Some(self.builder.ins().fma(x, y, sum)),
+                        (Some(sum), Some(x), None) => Some(self.builder.ins().fadd(sum, x)),
+                        (None, x, _) => x,
+                        (sum, None, _) => sum,
+                    };
+                }
+            }
+            for (step, sum) in sums.into_iter().enumerate() {
+                let place = self.place(step);
+                if let Some(sum) = sum {
+                    self.builder.ins().store(flags, sum, address, place);
+                }
+            }
+        }
+    }
+
+    fn last_instruction(&self) -> Option<Inst> {
+        self.builder.func.layout.last_inst(self.builder.current_block()?)
+    }
+
+    /// What was written into the current block after an instruction.
+    fn instructions_after(&self, before: Option<Inst>) -> Vec<Inst> {
+        let layout = &self.builder.func.layout;
+        let first = match before {
+            Some(before) => layout.next_inst(before),
+            None => self.builder.current_block().and_then(|block| layout.first_inst(block)),
+        };
+        std::iter::successors(first, |inst| layout.next_inst(*inst)).collect()
+    }
+
+    /// Puts instructions that were written step by step side by side: the first of each step, then the second of each. What is the same
+    /// constant in all of them is loaded once.
+    fn interleave(&mut self, copies: &[Vec<Inst>]) {
+        let Some((first, others)) = copies.split_first() else { return };
+        let Some(block) = self.builder.current_block() else { return };
+        if others.is_empty() || others.iter().any(|other| other.len() != first.len()) {
+            return;
+        }
+        let function = &mut *self.builder.func;
+        copies.iter().flatten().for_each(|inst| function.layout.remove_inst(*inst));
+        for (place, own) in first.iter().enumerate() {
+            function.layout.append_inst(*own, block);
+            for other in others.iter().map(|other| other[place]) {
+                let constant = matches!(function.dfg.insts[*own].opcode(), Opcode::Vconst | Opcode::Iconst);
+                if constant && function.dfg.insts[*own] == function.dfg.insts[other] {
+                    function.dfg.replace_with_aliases(other, *own);
+                } else {
+                    function.layout.append_inst(other, block);
+                }
             }
         }
     }
@@ -181,16 +318,18 @@ impl Writer<'_, '_> {
         let flags = MemFlagsData::trusted().with_readonly();
         if let Some(column) = self.plan.columns.iter().position(|node| *node == id) {
             let address = self.builder.ins().iadd(self.columns[column], offset);
-            let load = |block| self.builder.ins().load(F32X4, flags, address, place(block));
-            values[id.0 as usize] = (0..interleave).map(load).collect();
+            let places: Vec<i32> = (0..interleave).map(|step| self.place(step)).collect();
+            let load = |place| self.builder.ins().load(F32X4, flags, address, place);
+            values[id.0 as usize] = places.into_iter().map(load).collect();
         } else if let Some(uniform) = self.plan.uniforms.iter().position(|node| *node == id) {
-            let value = self.builder.ins().load(F32X4, flags, self.uniforms, place(uniform));
+            let place = (size_of::<Splat>() * uniform) as i32;
+            let value = self.builder.ins().load(F32X4, flags, self.uniforms, place);
             values[id.0 as usize] = vec![value; interleave];
         }
     }
-}
 
-/// The offset of a block, in bytes.
-fn place(block: usize) -> i32 {
-    (LANES_BYTES as usize * block) as i32
+    /// The offset of a step, in bytes.
+    fn place(&self, step: usize) -> i32 {
+        (self.shape.bytes() * step) as i32
+    }
 }

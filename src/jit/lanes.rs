@@ -20,6 +20,18 @@ impl Lanes {
     }
 }
 
+/// A uniform value, in as many lanes as the widest kernels have.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[repr(C, align(32))]
+pub struct Splat([f32; 8]);
+
+impl Splat {
+    /// The value in all lanes.
+    pub fn new(value: f32) -> Self {
+        Self([value; 8])
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -27,6 +39,7 @@ mod tests {
     #[test]
     fn lanes_are_what_kernels_load() {
         assert_eq!((size_of::<Lanes>(), align_of::<Lanes>()), (16, 16));
+        assert_eq!((size_of::<Splat>(), align_of::<Splat>()), (32, 32));
         assert_eq!(Lanes::blocks(0), 0);
         assert_eq!(Lanes::blocks(5), 2);
     }

@@ -21,8 +21,9 @@ mod kernel;
 pub mod lanes;
 mod math;
 pub mod target;
+mod widen;
 
 pub use call::Kernel;
 pub use compile::CompiledFormula;
-pub use lanes::Lanes;
+pub use lanes::{Lanes, Splat};
 pub use target::{CompileError, Listing};

@@ -2,7 +2,7 @@
 
 use crate::formula::graph::Graph;
 use crate::jit::kernel::KernelPlan;
-use crate::jit::lanes::Lanes;
+use crate::jit::lanes::{Lanes, Splat};
 use crate::jit::target::{CompileError, Listing, target};
 
 /// A compiled kernel: there is none.
@@ -15,8 +15,13 @@ impl Kernel {
         match *self {}
     }
 
+    /// How many blocks it reads and writes where so many are wanted.
+    pub fn whole_steps(&self, _blocks: usize) -> usize {
+        match *self {}
+    }
+
     /// Runs the kernel.
-    pub fn run(&self, _columns: &[&[Lanes]], _uniforms: &[Lanes], _outputs: &mut [&mut [Lanes]], _blocks: usize) {
+    pub fn run(&self, _columns: &[&[Lanes]], _uniforms: &[Splat], _outputs: &mut [&mut [Lanes]], _blocks: usize) {
         match *self {}
     }
 }
@@ -27,6 +32,6 @@ pub(super) fn generate(
     _graph: &Graph,
     _listing: Option<&mut Listing>,
 ) -> Result<Vec<Kernel>, CompileError> {
-    let (isa, _) = target()?;
-    Err(CompileError::Processor(isa.name().to_owned()))
+    let target = target()?;
+    Err(CompileError::Processor(target.isa.name().to_owned()))
 }

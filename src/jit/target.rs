@@ -24,9 +24,17 @@ pub struct Listing {
     pub asm: String,
 }
 
+/// A processor.
+pub(super) struct Target {
+    pub(super) isa: OwnedTargetIsa,
+    /// Whether it multiplies and adds in one instruction.
+    pub(super) fma: bool,
+    /// Whether it computes eight lanes at a time.
+    pub(super) wide: bool,
+}
+
 /// The target: this processor. Optimisation is left to the graph: Cranelift's own hoists constants into registers that it then has to spill.
-/// The flag says whether it multiplies and adds in one instruction.
-pub(super) fn target() -> Result<(OwnedTargetIsa, bool), CompileError> {
+pub(super) fn target() -> Result<Target, CompileError> {
     let generator = |error: &dyn std::fmt::Display| CompileError::Generator(error.to_string());
     let mut flags = settings::builder();
     let verify = if cfg!(debug_assertions) { "true" } else { "false" };
@@ -43,5 +51,6 @@ pub(super) fn target() -> Result<(OwnedTargetIsa, bool), CompileError> {
         return Err(CompileError::Processor("it lacks SSE4.1".to_owned()));
     }
     let fma = has("has_fma") && has("has_avx");
-    Ok((isa, fma))
+    let wide = fma && has("has_avx2");
+    Ok(Target { isa, fma, wide })
 }
