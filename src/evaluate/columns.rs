@@ -1,7 +1,8 @@
 //! Static values of all records, worked out once after tracing and kept in columns (structure of arrays).
 //!
 //! A group of hits has one column for each node of the hit frontier and, for each light that reaches it, one for each node of the
-//! record frontier; all are as long as the group has blocks of hits, and lie one behind the other.
+//! record frontier. They are cut in chunks of [`CHUNK`] blocks, the chunks of all columns one behind the other before the next ones: just
+//! as frames read them, so that memory is read from front to back.
 
 use crate::evaluate::pass::Source;
 use crate::formula::graph::{Node, NodeId};
@@ -12,8 +13,8 @@ use crate::scene::LightId;
 use crate::trace::{Group, HitVariables, LightVariables, Mismatch, Optics, Tile, replay, variable};
 use std::ops::Range;
 
-/// How many blocks are worked out at a time: their variables stay in the cache until the kernels have read them.
-const CHUNK: u32 = 256;
+/// How many blocks are worked out at a time: what belongs to them stays in the first cache meanwhile.
+pub(super) const CHUNK: u32 = 256;
 
 /// Kernels that compute two blocks at a time read a block beyond the last.
 const SPARE: usize = 1;
@@ -21,8 +22,8 @@ const SPARE: usize = 1;
 /// The static columns of a tile's groups.
 pub(super) struct Columns {
     lanes: Vec<Lanes>,
-    /// For each group where its columns begin, and of how many blocks each is.
-    groups: Vec<(usize, usize)>,
+    /// For each group where its columns begin, of how many blocks each is, and the number of its lights.
+    groups: Vec<(usize, usize, usize)>,
     hit_columns: usize,
     record_columns: usize,
 }
@@ -37,7 +38,7 @@ impl Columns {
         for group in &tile.groups {
             // Where no light reaches, nothing is evaluated.
             let blocks = if group.lights.is_empty() { 0 } else { group.blocks.len() };
-            groups.push((end, blocks));
+            groups.push((end, blocks, group.lights.len()));
             end += blocks * (hit_columns + record_columns * group.lights.len());
         }
         let mut columns = Self { lanes: vec![Lanes::default(); end + SPARE], groups, hit_columns, record_columns };
@@ -56,24 +57,24 @@ impl Columns {
         let mut end = 0;
         for group in &tile.groups {
             let blocks = if group.lights.iter().any(|light| is_active(group, light)) { group.blocks.len() } else { 0 };
-            groups.push((end, blocks));
+            groups.push((end, blocks, group.lights.len()));
             end += blocks * record_columns * group.lights.len();
         }
         let mut kept = Self { lanes: vec![Lanes::default(); end + SPARE], groups, hit_columns: 0, record_columns };
         let mut inputs = Vec::new();
         for (index, group) in tile.groups.iter().enumerate() {
-            let (start, length) = kept.groups[index];
-            if length == 0 {
-                continue;
-            }
-            for (light_place, light) in group.lights.iter().enumerate().filter(|(_, light)| is_active(group, light)) {
-                let pair = group.body.index() * lights + light.index();
-                let uniforms = &source.uniforms[pair * source.uniform_count..(pair + 1) * source.uniform_count];
-                inputs.clear();
-                source.columns[place].of(index, light_place, 0, length, &mut inputs);
-                let begin = start + light_place * record_columns * length;
-                let own = &mut kept.lanes[begin..begin + record_columns * length];
-                source.kernel.run(&inputs, uniforms, &mut pieces(own, length, 0, length), length);
+            let (start, length, lights_here) = kept.groups[index];
+            for first in (0..length).step_by(CHUNK as usize) {
+                let chunk = Chunk::of(first, length);
+                for (light_place, light) in group.lights.iter().enumerate().filter(|(_, light)| is_active(group, light)) {
+                    let pair = group.body.index() * lights + light.index();
+                    let uniforms = &source.uniforms[pair * source.uniform_count..(pair + 1) * source.uniform_count];
+                    inputs.clear();
+                    source.columns[place].of(index, light_place, first, chunk.blocks, &mut inputs);
+                    let begin = start + first * record_columns * lights_here + light_place * record_columns * chunk.blocks;
+                    let own = &mut kept.lanes[begin..begin + record_columns * chunk.blocks];
+                    source.kernel.run(&inputs, uniforms, &mut pieces(own, chunk.blocks), chunk.blocks);
+                }
             }
         }
         kept
@@ -84,15 +85,22 @@ impl Columns {
         size_of_val(self.lanes.as_slice()) + size_of_val(self.groups.as_slice())
     }
 
-    /// The columns of a group for its light of this place, hit frontier first, each from block `first` on, for `blocks` blocks at least; behind
-    /// those that are there.
+    /// The columns of a group for its light of this place, hit frontier first, each from block `first` of the group on, for `blocks`
+    /// blocks of the same chunk at least; behind those that are there.
     pub(super) fn of<'c>(&'c self, group: usize, light: usize, first: usize, blocks: usize, into: &mut Vec<&'c [Lanes]>) {
-        let (start, length) = self.groups[group];
+        let (start, length, lights) = self.groups[group];
+        let chunk = Chunk::of(first, length);
+        let own = start + chunk.first * self.columns_of(lights);
         let records = self.hit_columns + light * self.record_columns;
         for column in (0..self.hit_columns).chain(records..records + self.record_columns) {
-            let begin = start + column * length + first;
+            let begin = own + column * chunk.blocks + first - chunk.first;
             into.push(&self.lanes[begin..begin + blocks + SPARE]);
         }
+    }
+
+    /// How many columns a group with so many lights has.
+    fn columns_of(&self, lights: usize) -> usize {
+        self.hit_columns + self.record_columns * lights
     }
 
     /// Fills the columns of a group.
@@ -108,30 +116,44 @@ impl Columns {
         if self.hit_columns + self.record_columns == 0 || group.lights.is_empty() {
             return Ok(());
         }
-        let (start, length) = self.groups[index];
-        let own = &mut self.lanes[start..start + length * (self.hit_columns + self.record_columns * group.lights.len())];
-        let (hit_part, record_part) = own.split_at_mut(length * self.hit_columns);
-        for first in group.blocks.clone().step_by(CHUNK as usize) {
-            let chunk = first..(first + CHUNK).min(group.blocks.end);
-            workroom.gather(optics, tile, group, chunk.clone())?;
-            let block = (first - group.blocks.start) as usize;
-            let blocks = chunk.len();
-            let mut outputs = pieces(hit_part, length, block, blocks);
-            compiled.hit_kernel.run(&workroom.hit_inputs(), &[], &mut outputs, blocks);
-            for place in 0..group.lights.len() {
-                let light = length * self.record_columns;
+        let (start, length, lights) = self.groups[index];
+        let columns = self.columns_of(lights);
+        for first in (0..length).step_by(CHUNK as usize) {
+            let Chunk { blocks, .. } = Chunk::of(first, length);
+            // A tile has fewer than 2³² blocks.
+            let from = group.blocks.start + first as u32;
+            workroom.gather(optics, tile, group, from..from + blocks as u32)?;
+            let begin = start + first * columns;
+            let own = &mut self.lanes[begin..begin + blocks * columns];
+            let (hit_part, record_part) = own.split_at_mut(blocks * self.hit_columns);
+            compiled.hit_kernel.run(&workroom.hit_inputs(), &[], &mut pieces(hit_part, blocks), blocks);
+            for place in 0..lights {
+                let light = blocks * self.record_columns;
                 let part = &mut record_part[place * light..(place + 1) * light];
-                let mut outputs = pieces(part, length, block, blocks);
-                compiled.record_kernel.run(&workroom.record_inputs(place), &[], &mut outputs, blocks);
+                compiled.record_kernel.run(&workroom.record_inputs(place), &[], &mut pieces(part, blocks), blocks);
             }
         }
         Ok(())
     }
 }
 
-/// The pieces from `block` on of columns of `length` blocks each that lie one behind the other.
-fn pieces(columns: &mut [Lanes], length: usize, block: usize, blocks: usize) -> Vec<&mut [Lanes]> {
-    columns.chunks_exact_mut(length).map(|column| &mut column[block..block + blocks]).collect()
+/// A part of a group whose columns lie together.
+struct Chunk {
+    first: usize,
+    blocks: usize,
+}
+
+impl Chunk {
+    /// That of a block, in a group of so many.
+    fn of(block: usize, length: usize) -> Self {
+        let first = block - block % CHUNK as usize;
+        Self { first, blocks: (length - first).min(CHUNK as usize) }
+    }
+}
+
+/// Columns of `length` blocks each that lie one behind the other.
+fn pieces(columns: &mut [Lanes], length: usize) -> Vec<&mut [Lanes]> {
+    columns.chunks_exact_mut(length).collect()
 }
 
 /// A column for as many blocks as are worked out at a time.

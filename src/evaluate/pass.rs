@@ -3,16 +3,13 @@
 //! A [`Pass`] is one way to weigh the hits of a picture. A whole frame is one pass: every path with its weight, one source of
 //! light for all pairs of a body and a light. A part of the picture that a drag keeps (see [`drag`](super::drag)) is another.
 
-use crate::evaluate::columns::Columns;
+use crate::evaluate::columns::{CHUNK, Columns};
 use crate::evaluate::framebuffer::Channels;
 use crate::evaluate::planes::{Planes, Weight};
 use crate::jit::{Kernel, Lanes, Splat};
 use crate::scene::LightId;
 use crate::trace::{Group, Span, Tile};
 use std::ops::Range;
-
-/// How many blocks of hits are computed at a time: their sums stay in the first cache.
-const CHUNK: usize = 256;
 
 /// What lit records contribute: a kernel with what it reads beside the columns, for some pairs of a body and a light.
 pub(super) struct Source<'p> {
@@ -54,7 +51,7 @@ pub(super) struct Workroom {
 
 impl Workroom {
     pub(super) fn new() -> Self {
-        Self { planes: Planes::new(), weights: Vec::new(), sums: [(); 3].map(|()| vec![Lanes::default(); CHUNK + 1]) }
+        Self { planes: Planes::new(), weights: Vec::new(), sums: [(); 3].map(|()| vec![Lanes::default(); CHUNK as usize + 1]) }
     }
 }
 
@@ -98,8 +95,10 @@ impl Pass<'_> {
             }
             let (Some(first), Some(last)) = (run.first(), run.last()) else { continue };
             let blocks = first.blocks.start..last.blocks.end;
-            for start in blocks.clone().step_by(CHUNK) {
-                let chunk = start..(start + CHUNK as u32).min(blocks.end);
+            // Chunks as the columns are cut in.
+            let skipped = (blocks.start - group.blocks.start) / CHUNK * CHUNK;
+            for start in (group.blocks.start + skipped..blocks.end).step_by(CHUNK as usize) {
+                let chunk = start.max(blocks.start)..(start + CHUNK).min(blocks.end);
                 self.light(place, kept, group, index, ambient, &chunk, &mut workroom.sums);
                 while let Some((span, later)) = run.split_first() {
                     let part = span.blocks.start.max(chunk.start)..span.blocks.end.min(chunk.end);

@@ -8,7 +8,7 @@
 
 use iced_x86::{
     BlockEncoder, BlockEncoderOptions, Code, Decoder, DecoderOptions, Formatter, GasFormatter, Instruction, InstructionBlock,
-    OpKind, Register,
+    MemoryOperand, OpKind, Register,
 };
 use std::collections::BTreeMap;
 
@@ -110,6 +110,7 @@ pub(super) fn widen(code: &[u8]) -> Result<Vec<u8>, NotWidened> {
         }
         wide.push(widened(instruction, &mut constants)?);
     }
+    let mut wide = with_prefetches(wide);
     let jumps = wide.iter().any(|instruction| instruction.is_jmp_short_or_near() || instruction.is_jcc_short_or_near());
     debug_assert!(jumps || wide.len() < 64, "kernels loop");
     // A first time to learn how long it is; the constants follow.
@@ -136,6 +137,35 @@ pub(super) fn widen(code: &[u8]) -> Result<Vec<u8>, NotWidened> {
         }
     }
     Ok(bytes)
+}
+
+/// How far ahead columns are fetched into the cache, in bytes: two columns' chunks. They are read from front to back, but in more streams
+/// than the processor follows by itself.
+const AHEAD: u64 = 8192;
+/// Bytes of a line of the cache.
+const LINE: u64 = 64;
+
+/// The code with a prefetch for every line of the columns that it loads. Where something is stored too, that is scratch in the cache.
+fn with_prefetches(code: Vec<Instruction>) -> Vec<Instruction> {
+    let indexed = |instruction: &Instruction| (instruction.memory_base(), instruction.memory_index());
+    let is_store = |instruction: &Instruction| instruction.op_count() > 0 && instruction.op0_kind() == OpKind::Memory;
+    let stored: Vec<_> = code.iter().filter(|instruction| is_store(instruction)).map(indexed).collect();
+    let mut fetching = Vec::with_capacity(code.len());
+    for instruction in code {
+        let vector = instruction.op_count() > 1 && instruction.op0_register().is_ymm();
+        let loads = vector && (0..instruction.op_count()).any(|operand| instruction.op_kind(operand) == OpKind::Memory);
+        let (base, index) = indexed(&instruction);
+        let column = index != Register::None && base != Register::RIP && !stored.contains(&(base, index));
+        let displacement = instruction.memory_displacement64();
+        fetching.push(instruction);
+        if loads && column && displacement % LINE == 0 {
+            let place = MemoryOperand::new(base, index, 1, (displacement + AHEAD) as i64, 8, false, Register::None);
+            if let Ok(prefetch) = Instruction::with1(Code::Prefetcht0_m8, place) {
+                fetching.push(prefetch);
+            }
+        }
+    }
+    fetching
 }
 
 /// Machine code as text, an instruction a line.
