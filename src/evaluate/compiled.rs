@@ -2,9 +2,9 @@
 
 use crate::evaluate::columns::Columns;
 use crate::evaluate::frame::Frame;
-use crate::evaluate::framebuffer::{self, Channels, Framebuffer};
-use crate::evaluate::pass::{Pass, Source, Workroom};
-use crate::evaluate::planes::{Planes, Weight};
+use crate::evaluate::framebuffer::{Channels, Framebuffer};
+use crate::evaluate::pass::{Onto, Pass, Source, Workroom};
+use crate::evaluate::planes::Weight;
 use crate::formula::binding::Bindings;
 use crate::formula::graph::{Node, NodeId};
 use crate::formula::layout::Layout;
@@ -17,7 +17,6 @@ use crate::scene::Scene;
 use crate::trace::{Edge, Hits, Mismatch, Optics, Path, TILE_PIXELS, Tile};
 use rayon::prelude::*;
 use std::sync::{Arc, Mutex, PoisonError};
-use wide::f32x4;
 
 /// A compiled formula with the static values of all records of a traced scene.
 pub struct Compiled {
@@ -119,7 +118,7 @@ impl Compiled {
     /// Draws a tile into its part of a framebuffer.
     pub(super) fn draw_tile(&self, pass: &Pass, memory: &[f32], place: usize, workroom: &mut Workroom, pixels: &mut [u32]) {
         self.tile(pass, memory, place, workroom);
-        quantise(&workroom.planes, pixels);
+        workroom.planes.quantise(pixels);
     }
 
     pub(super) fn check_size(&self, framebuffer: &Framebuffer) {
@@ -193,8 +192,7 @@ impl Compiled {
     fn tile(&self, pass: &Pass, memory: &[f32], place: usize, workroom: &mut Workroom) {
         let tile = &self.hits.tiles[place];
         self.path_weights(tile, memory, &mut workroom.weights);
-        workroom.planes.clear(tile.pixels.len());
-        pass.add(tile, place, None, workroom);
+        pass.add(tile, place, None, Onto::Black, workroom);
     }
 
     /// A number of the row of the owner of this index.
@@ -283,13 +281,4 @@ pub(super) fn places_of(bindings: &Bindings, parameters: &[Parameter], leaves: &
     };
     // What is uniform is made of parameters alone.
     leaves.iter().filter_map(place).collect()
-}
-
-/// Writes the planes of a tile into its part of a framebuffer.
-fn quantise(planes: &Planes, pixels: &mut [u32]) {
-    let [red, green, blue] = planes.components();
-    let lanes = red.chunks_exact(4).zip(green.chunks_exact(4)).zip(blue.chunks_exact(4));
-    for (pixels, ((red, green), blue)) in pixels.chunks_mut(4).zip(lanes) {
-        framebuffer::write(pixels, [red, green, blue].map(|lanes| f32x4::from([lanes[0], lanes[1], lanes[2], lanes[3]])));
-    }
 }

@@ -1,7 +1,5 @@
 //! A picture as a window shows it: a word for each pixel.
 
-use wide::{f32x4, i32x4};
-
 /// A picture of `width` × `height` pixels, row by row from the top left, each `0x00RRGGBB`: components clamped to 0..1, NaN as 0, and
 /// rounded to the nearest of 0..=255, without gamma (thesis 9.1.6).
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -30,31 +28,32 @@ pub(super) enum Channels {
     One(usize),
 }
 
-/// The bytes of four components, one in each word.
-#[inline]
-pub(super) fn bytes(linear: f32x4) -> i32x4 {
-    // NaN is not equal to itself.
-    let number = linear & linear.simd_eq(linear);
-    let clamped = number.fast_max(f32x4::ZERO).fast_min(f32x4::ONE);
+/// The byte of a component. Written so that a compiler makes vector code of a loop over it.
+#[inline(always)]
+fn byte(linear: f32) -> u32 {
+    // NaN fails the first comparison.
+    let positive = if linear > 0.0 { linear } else { 0.0 };
+    let clamped = if positive < 1.0 { positive } else { 1.0 };
     // Not a whole half: what lies just below a half must not be rounded up by the sum.
-    (clamped * f32x4::splat(255.0) + f32x4::splat(0.5_f32.next_down())).fast_trunc_int()
+    let rounded = (clamped * 255.0 + 0.5_f32.next_down()).floor();
+    // The whole numbers up to 2²³ are the last bits of 2²³ and more.
+    (rounded + 8_388_608.0).to_bits() & 0xff
 }
 
-/// Writes four pixels.
-#[inline]
-pub(super) fn write(into: &mut [u32], [red, green, blue]: [f32x4; 3]) {
-    let words: i32x4 = (bytes(red) << 16) | (bytes(green) << 8) | bytes(blue);
-    for (pixel, word) in into.iter_mut().zip(words.to_array()) {
-        *pixel = word as u32;
+/// Writes as many pixels as `into` has.
+#[inline(always)]
+pub(super) fn write(into: &mut [u32], [red, green, blue]: [&[f32]; 3]) {
+    for (((pixel, red), green), blue) in into.iter_mut().zip(red).zip(green).zip(blue) {
+        *pixel = byte(*red) << 16 | byte(*green) << 8 | byte(*blue);
     }
 }
 
-/// Writes one component of four pixels.
-#[inline]
-pub(super) fn write_component(into: &mut [u32], component: usize, linear: f32x4) {
+/// Writes one component of as many pixels as `into` has.
+#[inline(always)]
+pub(super) fn write_component(into: &mut [u32], component: usize, linear: &[f32]) {
     let shift = 16 - 8 * component as u32;
-    for (pixel, byte) in into.iter_mut().zip(bytes(linear).to_array()) {
-        *pixel = *pixel & !(0xff << shift) | (byte as u32) << shift;
+    for (pixel, linear) in into.iter_mut().zip(linear) {
+        *pixel = *pixel & !(0xff << shift) | byte(*linear) << shift;
     }
 }
 
@@ -70,18 +69,19 @@ mod tests {
             [-2, -1, 0, 1, 2].map(|ulps| f32::from_bits((middle.to_bits() as i32 + ulps) as u32))
         });
         let odd = [0.0, -0.0, 1.0, -1.0, 2.0, 1e30, -1e30, f32::NAN, -f32::NAN, f32::INFINITY, f32::NEG_INFINITY];
-        let mut pixels = [0; 4];
-        for value in middles.chain(odd) {
+        let values: Vec<f32> = middles.chain(odd).collect();
+        let mut pixels = vec![0; values.len()];
+        pulp::Arch::new().dispatch(|| write(&mut pixels, [&values, &vec![0.0; values.len()], &values]));
+        for (value, pixel) in values.iter().zip(pixels) {
             let expected = u32::from((255.0 * value.clamp(0.0, 1.0)).round() as u8);
-            write(&mut pixels, [f32x4::splat(value), f32x4::ZERO, f32x4::splat(value)]);
-            assert_eq!(pixels, [expected << 16 | expected; 4], "{value:e}");
+            assert_eq!(pixel, expected << 16 | expected, "{value:e}");
         }
     }
 
     #[test]
     fn a_component_leaves_the_others_alone() {
         let mut pixels = [0x0011_2233; 4];
-        write_component(&mut pixels, 1, f32x4::from([0.0, 1.0, 0.5, f32::NAN]));
+        write_component(&mut pixels, 1, &[0.0, 1.0, 0.5, f32::NAN]);
         assert_eq!(pixels, [0x0011_0033, 0x0011_ff33, 0x0011_8033, 0x0011_0033]);
     }
 }

@@ -40,6 +40,15 @@ pub(super) struct Pass<'p> {
     pub(super) channels: Channels,
 }
 
+/// What a pass is added to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Onto {
+    /// Nothing, whatever is in the planes.
+    Black,
+    /// What is in the planes.
+    WhatIsThere,
+}
+
 /// Room for the work on a tile, used again for the next.
 pub(super) struct Workroom {
     pub(super) planes: Planes,
@@ -47,35 +56,56 @@ pub(super) struct Workroom {
     pub(super) weights: Vec<Weight>,
     /// Red, green and blue of some blocks, before the weight of their paths.
     sums: [Vec<Lanes>; 3],
+    /// What each path, and each set of them, adds to its pixels beside the contributions of lights.
+    path_colours: Vec<[f32; 3]>,
+    set_colours: Vec<[f32; 3]>,
 }
 
 impl Workroom {
     pub(super) fn new() -> Self {
-        Self { planes: Planes::new(), weights: Vec::new(), sums: [(); 3].map(|()| vec![Lanes::default(); CHUNK as usize + 1]) }
+        let sums = [(); 3].map(|()| vec![Lanes::default(); CHUNK as usize + 1]);
+        Self { planes: Planes::new(), weights: Vec::new(), sums, path_colours: Vec::new(), set_colours: Vec::new() }
     }
 }
 
 impl Pass<'_> {
     /// Adds the pass to the planes of the workroom, whose weights are those of the tile's paths. `place` is the tile's; `kept` are
     /// columns beside the static ones, if kernels read such.
-    pub(super) fn add(&self, tile: &Tile, place: usize, kept: Option<&Columns>, workroom: &mut Workroom) {
+    pub(super) fn add(&self, tile: &Tile, place: usize, kept: Option<&Columns>, onto: Onto, workroom: &mut Workroom) {
+        self.everywhere(tile, onto, workroom);
         for (index, group) in tile.groups.iter().enumerate() {
             self.group(tile, place, kept, group, index, workroom);
         }
-        if self.background != [0.0; 3] {
-            for span in &tile.misses {
-                let weight = workroom.weights[span.path.index()];
-                if !weight.is_zero() {
-                    workroom.planes.add_constant(tile.misses_of(span), self.background, weight);
-                }
-            }
-        }
     }
 
+    /// What rays add whatever their hits are like, ambient light and background: the same in each region.
+    fn everywhere(&self, tile: &Tile, onto: Onto, workroom: &mut Workroom) {
+        let add = match onto {
+            Onto::Black => false,
+            Onto::WhatIsThere if self.ambient.iter().all(|colour| *colour == [0.0; 3]) && self.background == [0.0; 3] => return,
+            Onto::WhatIsThere => true,
+        };
+        let Workroom { planes, weights, path_colours, set_colours, .. } = workroom;
+        path_colours.clear();
+        path_colours.extend(tile.paths.iter().zip(weights.iter()).map(|(path, weight)| {
+            let colour = path.body.map_or(self.background, |body| self.ambient[body.index()]);
+            if weight.is_zero() { [0.0; 3] } else { weight.of(colour) }
+        }));
+        set_colours.clear();
+        set_colours.extend(tile.path_sets.iter().map(|paths| {
+            let mut sum = [0.0; 3];
+            for path in paths {
+                let colour = path_colours[path.index()];
+                sum = std::array::from_fn(|component| sum[component] + colour[component]);
+            }
+            sum
+        }));
+        planes.fill(tile, set_colours, add);
+    }
+
+    /// What the lights of a group add.
     fn group(&self, tile: &Tile, place: usize, kept: Option<&Columns>, group: &Group, index: usize, workroom: &mut Workroom) {
-        let ambient = self.ambient[group.body.index()];
-        let lit = group.lights.iter().any(|light| self.sources.iter().any(|source| source.active[self.pair(group, *light)]));
-        if !lit && ambient == [0.0; 3] {
+        if !group.lights.iter().any(|light| self.sources.iter().any(|source| source.active[self.pair(group, *light)])) {
             return;
         }
         // Runs of spans whose weight is not 0 are computed together, and nothing of the others.
@@ -86,20 +116,13 @@ impl Pass<'_> {
             let length = alive.iter().position(|span| dead(&workroom.weights, span)).unwrap_or(alive.len());
             let (mut run, behind) = alive.split_at(length);
             rest = behind;
-            if !lit {
-                for span in run {
-                    let weight = workroom.weights[span.path.index()];
-                    workroom.planes.add_constant(tile.blocks_of(&span.blocks), ambient, weight);
-                }
-                continue;
-            }
             let (Some(first), Some(last)) = (run.first(), run.last()) else { continue };
             let blocks = first.blocks.start..last.blocks.end;
             // Chunks as the columns are cut in.
             let skipped = (blocks.start - group.blocks.start) / CHUNK * CHUNK;
             for start in (group.blocks.start + skipped..blocks.end).step_by(CHUNK as usize) {
                 let chunk = start.max(blocks.start)..(start + CHUNK).min(blocks.end);
-                self.light(place, kept, group, index, ambient, &chunk, &mut workroom.sums);
+                self.light(place, kept, group, index, &chunk, &mut workroom.sums);
                 while let Some((span, later)) = run.split_first() {
                     let part = span.blocks.start.max(chunk.start)..span.blocks.end.min(chunk.end);
                     if part.start >= part.end {
@@ -118,20 +141,19 @@ impl Pass<'_> {
         }
     }
 
-    /// The sums of these blocks of a group: what its body contributes anyway, and the contributions of all its lights.
+    /// The contributions of all lights of a group to these blocks.
     fn light(
         &self,
         place: usize,
         kept: Option<&Columns>,
         group: &Group,
         index: usize,
-        ambient: [f32; 3],
         blocks: &Range<u32>,
         sums: &mut [Vec<Lanes>; 3],
     ) {
         let length = blocks.len();
-        for (plane, component) in sums.iter_mut().zip(ambient) {
-            plane[..length + 1].fill(Lanes::splat(component));
+        for plane in sums.iter_mut() {
+            plane[..length + 1].fill(Lanes::default());
         }
         let first = (blocks.start - group.blocks.start) as usize;
         let mut inputs = Vec::with_capacity(16);

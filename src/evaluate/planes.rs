@@ -1,54 +1,68 @@
 //! The pixels of a tile while colours are added up: a plane each of red, green and blue.
 //!
-//! Hits come in blocks of up to four neighbouring pixels (see [`Block`]), so adding is four lanes wide. Which colours are added, and with
-//! what weight, is the caller's.
+//! Hits come in blocks of up to four neighbouring pixels (see [`Block`]), and blocks mostly in runs of neighbours: what is added to a run is
+//! added in vectors as wide as the processor has. Which colours are added, and with what weight, is the caller's.
 
-use crate::evaluate::framebuffer::Channels;
+use crate::evaluate::framebuffer::{self, Channels};
 use crate::jit::Lanes;
-use crate::trace::{BLOCK_LANES, Block, MAX_DEPTH, TILE_PIXELS};
-use wide::f32x4;
+use crate::trace::{BLOCK_LANES, Block, MAX_DEPTH, TILE_PIXELS, Tile};
+use pulp::Arch;
 
 // A block's lanes are those of a kernel.
 const _: () = assert!(BLOCK_LANES == Lanes::COUNT);
 
-/// A last block may reach beyond the tile, with lanes that are dead.
-const LENGTH: usize = TILE_PIXELS as usize + Lanes::COUNT;
-
-/// All ones in the lanes that a block of so many hits (less one) has.
-const LIVE: [[u32; 4]; BLOCK_LANES] = [[!0, 0, 0, 0], [!0, !0, 0, 0], [!0, !0, !0, 0], [!0; 4]];
+/// Pixels in a plane.
+const LENGTH: usize = TILE_PIXELS as usize;
 
 /// Red, green and blue of a tile's pixels: linear, unclamped.
-pub(super) struct Planes(Box<[[f32; LENGTH]; 3]>);
+pub(super) struct Planes {
+    planes: Box<[[f32; LENGTH]; 3]>,
+    arch: Arch,
+}
 
 impl Planes {
     /// All black.
     pub(super) fn new() -> Self {
         // Made on the heap: it is larger than what a thread's stack may spare.
         let planes: Box<[[f32; LENGTH]]> = vec![[0.0; LENGTH]; 3].into_boxed_slice();
-        Self(planes.try_into().unwrap_or_else(|_| unreachable!("three planes were made")))
+        let planes = planes.try_into().unwrap_or_else(|_| unreachable!("three planes were made"));
+        Self { planes, arch: Arch::new() }
     }
 
-    /// Makes the first `pixels` black.
-    pub(super) fn clear(&mut self, pixels: usize) {
-        for plane in self.0.iter_mut() {
-            plane[..pixels].fill(0.0);
-        }
-    }
-
-    /// Red, green and blue of the pixels, each a slice of the whole tile and some dead lanes.
+    /// Red, green and blue of the pixels, each a slice of a whole tile.
     pub(super) fn components(&self) -> [&[f32]; 3] {
-        self.0.each_ref().map(<[f32; LENGTH]>::as_slice)
+        self.planes.each_ref().map(<[f32; LENGTH]>::as_slice)
     }
 
-    /// Sets four neighbouring pixels.
+    /// Some pixels of a component.
     #[inline]
-    pub(super) fn set(&mut self, component: usize, pixel: usize, lanes: Lanes) {
-        self.0[component][pixel..pixel + Lanes::COUNT].copy_from_slice(&lanes.0);
+    pub(super) fn part_mut(&mut self, component: usize, pixels: std::ops::Range<usize>) -> &mut [f32] {
+        &mut self.planes[component][pixels]
     }
 
     /// The colour of a pixel.
     pub(super) fn colour(&self, pixel: usize) -> [f32; 3] {
-        self.0.each_ref().map(|plane| plane[pixel])
+        self.planes.each_ref().map(|plane| plane[pixel])
+    }
+
+    /// Gives every region of a tile a colour, that of its set of paths; or adds it to what is there.
+    pub(super) fn fill(&mut self, tile: &Tile, colours: &[[f32; 3]], add: bool) {
+        let planes = &mut *self.planes;
+        self.arch.dispatch(|| {
+            let mut start = 0;
+            for region in &tile.regions {
+                let colour = colours[usize::from(region.set)];
+                let end = start + usize::from(region.pixels);
+                for (plane, component) in planes.iter_mut().zip(colour) {
+                    if add {
+                        plane[start..end].iter_mut().for_each(|pixel| *pixel += component);
+                    } else {
+                        plane[start..end].fill(component);
+                    }
+                }
+                start = end;
+            }
+        });
     }
 
     /// Adds the weighed colours of blocks of hits; `sums` has four lanes for each block.
@@ -56,36 +70,14 @@ impl Planes {
         if weight.is_tiny() {
             return self.add_tiny(blocks, sums, weight);
         }
-        let weight = f32x4::splat(weight.0 as f32);
-        let [reds, greens, blues] = sums;
+        let (sums, weight) = (sums.map(Lanes::flat), weight.0 as f32);
+        let planes = &mut *self.planes;
         match channels {
-            Channels::All => {
-                let [red_plane, green_plane, blue_plane] = &mut *self.0;
-                for (((block, red), green), blue) in blocks.iter().zip(reds).zip(greens).zip(blues) {
-                    let live = live(*block);
-                    add_at(red_plane, *block, (weight * f32x4::from(red.0)) & live);
-                    add_at(green_plane, *block, (weight * f32x4::from(green.0)) & live);
-                    add_at(blue_plane, *block, (weight * f32x4::from(blue.0)) & live);
-                }
-            }
+            Channels::All => self.arch.dispatch(|| add(planes, blocks, &sums, weight)),
             Channels::One(component) => {
-                let plane = &mut self.0[component];
-                for (block, sum) in blocks.iter().zip(sums[component]) {
-                    add_at(plane, *block, (weight * f32x4::from(sum.0)) & live(*block));
-                }
+                let (plane, sums) = (&mut planes[component], [sums[component]]);
+                self.arch.dispatch(|| add(std::slice::from_mut(plane), blocks, &sums, weight));
             }
-        }
-    }
-
-    /// Adds the same weighed colour to the pixels of all hits of these blocks.
-    pub(super) fn add_constant(&mut self, blocks: &[Block], colour: [f32; 3], weight: Weight) {
-        let [red, green, blue] = weight.of(colour).map(f32x4::splat);
-        let [red_plane, green_plane, blue_plane] = &mut *self.0;
-        for block in blocks {
-            let live = live(*block);
-            add_at(red_plane, *block, red & live);
-            add_at(green_plane, *block, green & live);
-            add_at(blue_plane, *block, blue & live);
         }
     }
 
@@ -95,26 +87,52 @@ impl Planes {
         for (index, block) in blocks.iter().enumerate() {
             for lane in 0..block.lanes() {
                 let colour = weight.of(sums.map(|plane| plane[index].0[lane]));
-                for (plane, component) in self.0.iter_mut().zip(colour) {
+                for (plane, component) in self.planes.iter_mut().zip(colour) {
                     plane[block.pixel() + lane] += component;
                 }
             }
         }
     }
+
+    /// Writes the tile's pixels.
+    pub(super) fn quantise(&self, pixels: &mut [u32]) {
+        self.arch.dispatch(|| framebuffer::write(pixels, self.components()));
+    }
 }
 
-/// The mask of a block's lanes.
-#[inline]
-fn live(block: Block) -> f32x4 {
-    f32x4::from(LIVE[block.lanes() - 1].map(f32::from_bits))
+/// `planes += weight · sums`, four blocks at a time where they are neighbours. Plain loops of constant length, of which a compiler
+/// makes vector code.
+#[inline(always)]
+fn add(planes: &mut [[f32; LENGTH]], blocks: &[Block], sums: &[&[f32]], weight: f32) {
+    let mut index = 0;
+    while let Some(block) = blocks.get(index) {
+        let (pixel, lane) = (block.pixel(), index * BLOCK_LANES);
+        if blocks.get(index + 3).is_some_and(|last| last.ends_run_of_four(*block)) {
+            for (plane, sums) in planes.iter_mut().zip(sums) {
+                add_lanes::<16>(&mut plane[pixel..pixel + 16], &sums[lane..lane + 16], weight);
+            }
+            index += 4;
+        } else if block.lanes() == BLOCK_LANES {
+            for (plane, sums) in planes.iter_mut().zip(sums) {
+                add_lanes::<4>(&mut plane[pixel..pixel + 4], &sums[lane..lane + 4], weight);
+            }
+            index += 1;
+        } else {
+            for (plane, sums) in planes.iter_mut().zip(sums) {
+                for place in 0..block.lanes() {
+                    plane[pixel + place] += weight * sums[lane + place];
+                }
+            }
+            index += 1;
+        }
+    }
 }
 
-#[inline]
-fn add_at(plane: &mut [f32; LENGTH], block: Block, value: f32x4) {
-    let pixel = block.pixel();
-    let place = &mut plane[pixel..pixel + BLOCK_LANES];
-    let before: [f32; 4] = std::array::from_fn(|lane| place[lane]);
-    place.copy_from_slice(&(f32x4::from(before) + value).to_array());
+#[inline(always)]
+fn add_lanes<const N: usize>(pixels: &mut [f32], sums: &[f32], weight: f32) {
+    let before: [f32; N] = std::array::from_fn(|lane| pixels[lane]);
+    let after: [f32; N] = std::array::from_fn(|lane| before[lane] + weight * sums[lane]);
+    pixels.copy_from_slice(&after);
 }
 
 /// The weight of a path. Kept in `f64`: the product of weights that are not 0 is then never 0, and a term of infinite value stays so
@@ -136,7 +154,7 @@ impl Weight {
 
     /// The weighed colour.
     #[inline]
-    fn of(self, colour: [f32; 3]) -> [f32; 3] {
+    pub(super) fn of(self, colour: [f32; 3]) -> [f32; 3] {
         if self.is_tiny() {
             colour.map(|component| (self.0 * f64::from(component)) as f32)
         } else {

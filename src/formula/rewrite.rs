@@ -320,7 +320,7 @@ impl Rewriter<'_> {
         let terms = self.terms(sum, depth + 1)?;
         let bare = terms.iter().filter(|term| term.uniform.is_none()).count();
         // Each term without a uniform factor costs a multiplication more; that of the sum is saved.
-        if bare > 1 || terms.len() > 1 && !terms.iter().all(|term| self.is_tame(term)) {
+        if bare > 1 || terms.len() > 1 && !terms.iter().all(|term| self.may_be_scaled(uniform, term)) {
             return None;
         }
         let mut scaled = Vec::with_capacity(terms.len());
@@ -329,6 +329,12 @@ impl Rewriter<'_> {
             scaled.push(Product { uniform: factor, rest: term.rest });
         }
         Some(scaled)
+    }
+
+    /// Whether a term may be multiplied by itself, before it is added to others: it is tame, or the product is no larger than the term.
+    fn may_be_scaled(&self, uniform: NodeId, term: &Product) -> bool {
+        let factors: f64 = [Some(uniform), term.uniform].into_iter().flatten().map(|id| self.range(id).magnitude()).product();
+        self.is_tame(term) || factors <= 1.0
     }
 
     fn is_tame(&self, term: &Product) -> bool {

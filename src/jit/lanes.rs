@@ -1,7 +1,7 @@
 //! What columns are made of.
 
 /// Four records' values of one column, side by side in memory as kernels load them.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, bytemuck::Zeroable, bytemuck::Pod)]
 #[repr(C, align(16))]
 pub struct Lanes(pub [f32; 4]);
 
@@ -12,6 +12,11 @@ impl Lanes {
     /// The same value for all four records.
     pub fn splat(value: f32) -> Self {
         Self([value; 4])
+    }
+
+    /// The numbers of some blocks, one behind the other.
+    pub fn flat(lanes: &[Lanes]) -> &[f32] {
+        bytemuck::cast_slice(lanes)
     }
 
     /// How many blocks so many records take.

@@ -4,7 +4,7 @@
 //! it grows; only the lists are sorted in the end.
 
 use crate::scene::{BodyId, LightId};
-use crate::trace::store::{Block, Group, Path, PathId, Span, Tile};
+use crate::trace::store::{Block, Group, Path, PathId, PathSets, Region, Span, Tile};
 use crate::trace::walk::Edge;
 use std::collections::HashMap;
 use std::ops::Range;
@@ -22,9 +22,34 @@ pub(super) struct Gatherer {
     /// The pixels of the hits that came by a path and are reached by a light set.
     hits: HashMap<(PathId, u32), Vec<u16>>,
     misses: HashMap<PathId, Vec<u16>>,
+    /// The paths of the pixel at hand.
+    pixel: Vec<PathId>,
+    regions: Vec<Region>,
+    path_sets: PathSets,
+    path_set_ids: HashMap<Vec<PathId>, u16>,
 }
 
 impl Gatherer {
+    /// Ends a pixel: all its rays have come.
+    pub(super) fn finish_pixel(&mut self) {
+        let set = match self.path_set_ids.get(&self.pixel) {
+            Some(set) => *set,
+            None => {
+                // No more of them than pixels.
+                let set = self.path_sets.len() as u16;
+                self.path_sets.paths.extend_from_slice(&self.pixel);
+                self.path_sets.ends.push(self.path_sets.paths.len() as u32);
+                self.path_set_ids.insert(self.pixel.clone(), set);
+                set
+            }
+        };
+        self.pixel.clear();
+        match self.regions.last_mut() {
+            Some(region) if region.set == set => region.pixels += 1,
+            _ => self.regions.push(Region { pixels: 1, set }),
+        }
+    }
+
     /// The path that goes on from `parent` along `edge` to `body`, or out of the scene.
     pub(super) fn path(&mut self, parent: Option<PathId>, edge: Edge, body: Option<BodyId>) -> PathId {
         let path = Path { parent, edge, body };
@@ -47,17 +72,21 @@ impl Gatherer {
                 set
             }
         };
+        self.pixel.push(path);
         self.hits.entry((path, set)).or_default().push(pixel);
     }
 
     /// Adds a ray that left the scene by `path` in the tile's pixel `pixel`.
     pub(super) fn miss(&mut self, path: PathId, pixel: u16) {
+        self.pixel.push(path);
         self.misses.entry(path).or_default().push(pixel);
     }
 
     /// How many entries the tables have, hits aside.
     pub(super) fn entries(&self) -> u64 {
-        (self.paths.len() + self.light_sets.len() + self.hits.len() + self.misses.len()) as u64
+        let lists = self.paths.len() + self.light_sets.len() + self.hits.len() + self.misses.len() + self.path_sets.len();
+        // Regions, and the paths in sets, are far smaller than an entry.
+        (lists + (self.regions.len() + self.path_sets.paths.len()) / 8) as u64
     }
 
     /// The finished tile.
@@ -85,11 +114,14 @@ impl Gatherer {
         missed.sort_unstable_by_key(|(path, _)| *path);
         let mut miss_blocks = Vec::new();
         let misses = missed.iter().map(|(path, pixels)| append(&mut miss_blocks, *path, pixels)).collect();
-        let mut paths = self.paths;
+        let (mut paths, mut regions, mut path_sets) = (self.paths, self.regions, self.path_sets);
         paths.shrink_to_fit();
         blocks.shrink_to_fit();
         miss_blocks.shrink_to_fit();
-        Tile { pixels, paths, groups, blocks, misses, miss_blocks }
+        regions.shrink_to_fit();
+        path_sets.paths.shrink_to_fit();
+        path_sets.ends.shrink_to_fit();
+        Tile { pixels, paths, groups, blocks, misses, miss_blocks, regions, path_sets }
     }
 }
 

@@ -26,7 +26,7 @@ pub use budget::{Budget, Estimate};
 pub use lookup::variable;
 pub use optics::{Beam, Optics, Surface};
 pub use replay::{Mismatch, replay};
-pub use store::{BLOCK_LANES, Block, Counts, Group, Hits, Path, PathId, Span, TILE_PIXELS, Tile};
+pub use store::{BLOCK_LANES, Block, Counts, Group, Hits, Path, PathId, PathSets, Region, Span, TILE_PIXELS, Tile};
 pub use variables::{HitVariables, LightVariables};
 pub use view::{MAX_DEPTH, MAX_SIDE, View, ViewError};
 pub use walk::{Child, Edge, Node, Tree, ray_tree};
@@ -152,6 +152,7 @@ fn trace_tile(
                 }
                 path
             });
+            gatherer.finish_pixel();
         }
         // The tables are counted whole although little of them remains when the tile is finished: the sum must not depend on
         // which tiles are under way at a time.

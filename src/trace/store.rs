@@ -24,6 +24,7 @@ pub const TILE_PIXELS: u32 = 16_384;
 pub const BLOCK_LANES: usize = 4;
 
 // A block keeps its first pixel's place in the tile in fourteen bits, and the number of its hits in two.
+// A region counts them in sixteen bits, and a tile has no more sets of paths than pixels.
 const _: () = assert!(TILE_PIXELS <= 1 << Block::PIXEL_BITS && BLOCK_LANES <= 1 << (16 - Block::PIXEL_BITS));
 
 /// One to four hits, or misses, in consecutive pixels; the lanes beyond are dead.
@@ -52,6 +53,14 @@ impl Block {
     #[inline]
     pub fn pixel(self) -> usize {
         usize::from(self.0) & ((1 << Self::PIXEL_BITS) - 1)
+    }
+
+    /// Whether this is the last of four full blocks in neighbouring pixels, the first of which is `first`. Both are of one span.
+    #[inline]
+    pub fn ends_run_of_four(self, first: Block) -> bool {
+        // Pixels grow from block to block, by no more than a block's lanes if they are neighbours.
+        let full = (BLOCK_LANES as u16 - 1) << Self::PIXEL_BITS;
+        usize::from(self.0) == first.pixel() + 3 * BLOCK_LANES + usize::from(full)
     }
 
     /// How many hits it holds, 1..=4.
@@ -105,6 +114,41 @@ pub struct Group {
     pub spans: Box<[Span]>,
 }
 
+/// Consecutive pixels whose rays went the same ways.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Region {
+    /// How many pixels.
+    pub pixels: u16,
+    /// Index into [`Tile::path_sets`].
+    pub set: u16,
+}
+
+/// Lists of paths, one behind the other.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct PathSets {
+    pub(super) paths: Vec<PathId>,
+    /// Where each list ends.
+    pub(super) ends: Vec<u32>,
+}
+
+impl PathSets {
+    /// Every list, in order.
+    pub fn iter(&self) -> impl Iterator<Item = &[PathId]> {
+        let starts = std::iter::once(0).chain(self.ends.iter().copied());
+        starts.zip(&self.ends).map(|(start, end)| &self.paths[start as usize..*end as usize])
+    }
+
+    /// How many lists there are.
+    pub fn len(&self) -> usize {
+        self.ends.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.ends.is_empty()
+    }
+}
+
 /// The hits of some consecutive pixels.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Tile {
@@ -120,6 +164,10 @@ pub struct Tile {
     pub misses: Vec<Span>,
     /// The pixels of all such rays, by fours.
     pub miss_blocks: Vec<Block>,
+    /// All pixels in order, by the paths of their rays: what a ray adds wherever it ended, such as the ambient light, is the same in a region.
+    pub regions: Vec<Region>,
+    /// The paths of the rays of each region.
+    pub path_sets: PathSets,
 }
 
 impl Tile {
@@ -163,7 +211,8 @@ impl Tile {
     pub fn bytes(&self) -> u64 {
         let groups = self.groups.iter().map(|group| size_of_val(&*group.lights) + size_of_val(&*group.spans));
         let lists = size_of_val(&*self.paths) + size_of_val(&*self.groups) + size_of_val(&*self.misses);
-        let pixels = size_of_val(&*self.blocks) + size_of_val(&*self.miss_blocks);
+        let sets = size_of_val(&*self.path_sets.paths) + size_of_val(&*self.path_sets.ends);
+        let pixels = size_of_val(&*self.blocks) + size_of_val(&*self.miss_blocks) + size_of_val(&*self.regions) + sets;
         (size_of::<Self>() + groups.sum::<usize>() + lists + pixels) as u64
     }
 }

@@ -2,70 +2,49 @@
 
 use crate::evaluate::framebuffer::{self, Channels};
 use crate::evaluate::planes::Planes;
-use crate::jit::Lanes;
 use crate::trace::Block;
-use wide::f32x4;
 
 /// Pixels of a cell. A cell of a framebuffer is a cache line.
 pub(super) const CELL_PIXELS: usize = 16;
-/// Blocks of lanes of a cell.
-const CELL_BLOCKS: usize = CELL_PIXELS / Lanes::COUNT;
 
-/// How many lanes one cell of an image takes.
+/// How many numbers one cell of an image takes: red, green and blue of all its pixels one behind the other, or one of them.
 pub(super) fn stride(channels: Channels) -> usize {
     match channels {
-        Channels::All => 3 * CELL_BLOCKS,
-        Channels::One(_) => CELL_BLOCKS,
+        Channels::All => 3 * CELL_PIXELS,
+        Channels::One(_) => CELL_PIXELS,
     }
 }
 
-/// Copies a cell of the planes to the end of some lanes: block by block, in each red, green and blue.
-pub(super) fn copy(planes: &Planes, cell: usize, channels: Channels, into: &mut Vec<Lanes>) {
+/// Copies a cell of the planes to the end of some numbers.
+pub(super) fn copy(planes: &Planes, cell: usize, channels: Channels, into: &mut Vec<f32>) {
+    let pixels = cell * CELL_PIXELS..(cell + 1) * CELL_PIXELS;
     let components = planes.components();
-    for block in 0..CELL_BLOCKS {
-        let start = cell * CELL_PIXELS + block * Lanes::COUNT;
-        let lanes = |component: usize| {
-            let plane: &[f32] = components[component];
-            Lanes(std::array::from_fn(|lane| plane.get(start + lane).copied().unwrap_or(0.0)))
-        };
-        match channels {
-            Channels::All => into.extend([lanes(0), lanes(1), lanes(2)]),
-            Channels::One(component) => into.push(lanes(component)),
-        }
+    match channels {
+        Channels::All => components.iter().for_each(|plane| into.extend_from_slice(&plane[pixels.clone()])),
+        Channels::One(component) => into.extend_from_slice(&components[component][pixels]),
     }
 }
 
-/// Copies a cell from lanes back to the planes.
-pub(super) fn restore(planes: &mut Planes, cell: usize, channels: Channels, lanes: &[Lanes]) {
-    let start = cell * CELL_PIXELS;
+/// Copies a cell back to the planes.
+#[inline(always)]
+pub(super) fn restore(planes: &mut Planes, cell: usize, channels: Channels, cells: &[f32]) {
+    let pixels = cell * CELL_PIXELS..(cell + 1) * CELL_PIXELS;
     match channels {
         Channels::All => {
-            for (block, lanes) in lanes.chunks_exact(3).enumerate() {
-                for (component, lanes) in lanes.iter().enumerate() {
-                    planes.set(component, start + block * Lanes::COUNT, *lanes);
-                }
+            for (component, plane) in cells.chunks_exact(CELL_PIXELS).enumerate() {
+                planes.part_mut(component, pixels.clone()).copy_from_slice(plane);
             }
         }
-        Channels::One(component) => {
-            for (block, lanes) in lanes.iter().enumerate() {
-                planes.set(component, start + block * Lanes::COUNT, *lanes);
-            }
-        }
+        Channels::One(component) => planes.part_mut(component, pixels).copy_from_slice(cells),
     }
 }
 
-/// The largest magnitude in some lanes; infinite where anything is infinite or NaN.
-pub(super) fn largest(lanes: &[Lanes]) -> f32 {
-    let mut largest = f32x4::ZERO;
-    let mut odd = f32x4::ZERO;
-    for lanes in lanes {
-        let value = f32x4::from(lanes.0).abs();
-        largest = largest.fast_max(value);
-        // 0 for every number; NaN for NaN and infinity.
-        odd += value * f32x4::ZERO;
-    }
-    let number = odd.to_array().iter().all(|lane| *lane == 0.0);
-    if number { largest.to_array().into_iter().fold(0.0, f32::max) } else { f32::INFINITY }
+/// The largest magnitude in some numbers; infinite where anything is infinite or NaN.
+pub(super) fn largest(numbers: &[f32]) -> f32 {
+    // The bits of magnitudes are in the order of the magnitudes, and those of NaN above all.
+    let bits = numbers.iter().map(|number| number.abs().to_bits()).max().unwrap_or(0);
+    let largest = f32::from_bits(bits);
+    if largest.is_finite() { largest } else { f32::INFINITY }
 }
 
 /// A set of cells of a tile.
@@ -93,42 +72,54 @@ impl CellSet {
     }
 }
 
-/// A term of an image: its values are multiplied by a factor for each component.
+/// What the components of an image are multiplied with.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Factor(pub(super) [f32; 3]);
 
-/// Writes a cell: `lanes` holds the base, and behind it a term for each factor.
-#[inline]
-pub(super) fn combine(lanes: &[Lanes], factors: &[Factor], channels: Channels, pixels: &mut [u32]) {
+/// Writes a cell: `numbers` holds the base, and behind it an image for each factor.
+#[inline(always)]
+pub(super) fn combine(numbers: &[f32], factors: &[Factor], channels: Channels, pixels: &mut [u32]) {
     match channels {
         Channels::All => {
-            let (base, terms) = lanes.split_at(3 * CELL_BLOCKS);
-            for (block, pixels) in pixels.chunks_mut(Lanes::COUNT).enumerate() {
-                let at = |lanes: &[Lanes], component: usize| f32x4::from(lanes[3 * block + component].0);
-                let mut sums = [at(base, 0), at(base, 1), at(base, 2)];
-                for (term, Factor(factor)) in terms.chunks_exact(3 * CELL_BLOCKS).zip(factors) {
-                    for (component, sum) in sums.iter_mut().enumerate() {
-                        *sum += f32x4::splat(factor[component]) * at(term, component);
-                    }
-                }
-                framebuffer::write(pixels, sums);
-            }
+            let sums = [0, 1, 2]
+                .map(|component| component_of(numbers, 3, component, factors.iter().map(|Factor(factor)| factor[component])));
+            framebuffer::write(pixels, sums.each_ref().map(<[f32; CELL_PIXELS]>::as_slice));
         }
         Channels::One(component) => {
-            let (base, terms) = lanes.split_at(CELL_BLOCKS);
-            for (block, pixels) in pixels.chunks_mut(Lanes::COUNT).enumerate() {
-                let mut sum = f32x4::from(base[block].0);
-                for (term, Factor(factor)) in terms.chunks_exact(CELL_BLOCKS).zip(factors) {
-                    sum += f32x4::splat(factor[component]) * f32x4::from(term[block].0);
-                }
-                framebuffer::write_component(pixels, component, sum);
-            }
+            let sums = component_of(numbers, 1, 0, factors.iter().map(|Factor(factor)| factor[component]));
+            framebuffer::write_component(pixels, component, &sums);
         }
     }
 }
 
+/// A component of a cell of images of so many components.
+#[inline(always)]
+fn component_of(numbers: &[f32], components: usize, component: usize, factors: impl Iterator<Item = f32>) -> [f32; CELL_PIXELS] {
+    let mut cells = numbers.chunks_exact(components * CELL_PIXELS).map(|cell| &cell[component * CELL_PIXELS..]);
+    let mut sums = cells.next().map_or([0.0; CELL_PIXELS], first);
+    for (image, factor) in cells.zip(factors) {
+        add(&mut sums, image, factor);
+    }
+    sums
+}
+
+#[inline(always)]
+fn first(numbers: &[f32]) -> [f32; CELL_PIXELS] {
+    let mut cell = [0.0; CELL_PIXELS];
+    cell.copy_from_slice(&numbers[..CELL_PIXELS]);
+    cell
+}
+
+#[inline(always)]
+fn add(sums: &mut [f32; CELL_PIXELS], image: &[f32], factor: f32) {
+    let image = first(image);
+    for (sum, number) in sums.iter_mut().zip(image) {
+        *sum += factor * number;
+    }
+}
+
 /// The pixels of a cell in a tile's part of a framebuffer.
-#[inline]
+#[inline(always)]
 pub(super) fn pixels_of(pixels: &mut [u32], cell: u16) -> &mut [u32] {
     let start = usize::from(cell) * CELL_PIXELS;
     let end = (start + CELL_PIXELS).min(pixels.len());

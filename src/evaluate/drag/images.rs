@@ -3,7 +3,6 @@
 use crate::evaluate::drag::cells::{self, CellSet, Factor};
 use crate::evaluate::framebuffer::Channels;
 use crate::evaluate::planes::Planes;
-use crate::jit::Lanes;
 
 /// What an image is multiplied with: kr and kt of the body whose weights move, so many times, and the factors of a term (0: 1).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
@@ -27,7 +26,7 @@ pub(super) const LARGEST_SUM: f32 = 256.0;
 pub(super) struct Image {
     key: Key,
     cells: Vec<u16>,
-    lanes: Vec<Lanes>,
+    numbers: Vec<f32>,
     largest: f32,
 }
 
@@ -35,13 +34,13 @@ impl Image {
     /// What is in the planes of a tile.
     pub(super) fn new(key: Key, planes: &Planes, touched: &CellSet, channels: Channels) -> Self {
         let stride = cells::stride(channels);
-        let mut image = Self { key, cells: Vec::new(), lanes: Vec::new(), largest: 0.0 };
+        let mut image = Self { key, cells: Vec::new(), numbers: Vec::new(), largest: 0.0 };
         for cell in touched.cells() {
-            let before = image.lanes.len();
-            cells::copy(planes, usize::from(cell), channels, &mut image.lanes);
-            let largest = cells::largest(&image.lanes[before..before + stride]);
+            let before = image.numbers.len();
+            cells::copy(planes, usize::from(cell), channels, &mut image.numbers);
+            let largest = cells::largest(&image.numbers[before..before + stride]);
             if largest == 0.0 {
-                image.lanes.truncate(before);
+                image.numbers.truncate(before);
                 continue;
             }
             image.largest = image.largest.max(largest);
@@ -51,7 +50,7 @@ impl Image {
     }
 
     pub(super) fn bytes(&self) -> usize {
-        size_of_val(&*self.lanes) + size_of_val(&*self.cells)
+        size_of_val(&*self.numbers) + size_of_val(&*self.cells)
     }
 }
 
@@ -63,7 +62,7 @@ pub(super) struct TileImages {
     largest: Vec<f32>,
     runs: Vec<Run>,
     cells: Vec<u16>,
-    lanes: Vec<Lanes>,
+    numbers: Vec<f32>,
     channels: Channels,
 }
 
@@ -88,18 +87,18 @@ impl TileImages {
             largest: images.iter().map(|image| image.largest).collect(),
             runs: Vec::new(),
             cells: all,
-            lanes: Vec::with_capacity(total * stride),
+            numbers: Vec::with_capacity(total * stride),
             channels,
         };
         let mut places = vec![0; images.len()];
         for cell in &made.cells {
-            let before = made.lanes.len();
-            cells::copy(base, usize::from(*cell), channels, &mut made.lanes);
-            made.base_largest = made.base_largest.max(cells::largest(&made.lanes[before..]));
+            let before = made.numbers.len();
+            cells::copy(base, usize::from(*cell), channels, &mut made.numbers);
+            made.base_largest = made.base_largest.max(cells::largest(&made.numbers[before..]));
             let mut here = Vec::new();
             for (index, (image, place)) in images.iter().zip(&mut places).enumerate() {
                 if image.cells.get(*place) == Some(cell) {
-                    made.lanes.extend_from_slice(&image.lanes[*place * stride..(*place + 1) * stride]);
+                    made.numbers.extend_from_slice(&image.numbers[*place * stride..(*place + 1) * stride]);
                     *place += 1;
                     here.push(index as u16);
                 }
@@ -113,7 +112,7 @@ impl TileImages {
     }
 
     pub(super) fn bytes(&self) -> usize {
-        size_of_val(&*self.lanes) + size_of_val(&*self.cells) + size_of_val(&*self.runs)
+        size_of_val(&*self.numbers) + size_of_val(&*self.cells) + size_of_val(&*self.runs)
     }
 
     /// How many pixels a frame writes.
@@ -135,17 +134,19 @@ impl TileImages {
         let factors: Vec<Factor> = self.keys.iter().map(|key| factor(*key)).collect();
         let stride = cells::stride(self.channels);
         let mut own = Vec::new();
-        let (mut cells, mut lanes) = (&*self.cells, &*self.lanes);
-        for run in &self.runs {
-            own.clear();
-            own.extend(run.images.iter().map(|image| factors[usize::from(*image)]));
-            let length = stride * (1 + own.len());
-            let (here, later) = cells.split_at(run.cells);
-            for (cell, lanes) in here.iter().zip(lanes.chunks_exact(length)) {
-                cells::combine(lanes, &own, self.channels, cells::pixels_of(pixels, *cell));
+        pulp::Arch::new().dispatch(|| {
+            let (mut cells, mut numbers) = (&*self.cells, &*self.numbers);
+            for run in &self.runs {
+                own.clear();
+                own.extend(run.images.iter().map(|image| factors[usize::from(*image)]));
+                let length = stride * (1 + own.len());
+                let (here, later) = cells.split_at(run.cells);
+                for (cell, numbers) in here.iter().zip(numbers.chunks_exact(length)) {
+                    cells::combine(numbers, &own, self.channels, cells::pixels_of(pixels, *cell));
+                }
+                cells = later;
+                numbers = &numbers[length * run.cells..];
             }
-            cells = later;
-            lanes = &lanes[length * run.cells..];
-        }
+        });
     }
 }

@@ -18,14 +18,13 @@ mod plan;
 use crate::evaluate::columns::Columns;
 use crate::evaluate::compiled::Compiled;
 use crate::evaluate::framebuffer::{self, Channels, Framebuffer};
-use crate::evaluate::pass::{Pass, Workroom};
-use crate::jit::{CompileError, Lanes};
+use crate::evaluate::pass::{Onto, Pass, Workroom};
+use crate::jit::CompileError;
 use crate::trace::{TILE_PIXELS, Tile};
 use images::{Image, Key, LARGEST_SUM, TileImages};
 use plan::{Passes, Plan, Step, Work};
 use rayon::prelude::*;
 use std::sync::Arc;
-use wide::f32x4;
 
 /// How frames of a drag are made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -83,7 +82,7 @@ enum TileState {
 /// What rests in a tile of which something is live.
 struct LiveTile {
     cells: Vec<u16>,
-    base: Vec<Lanes>,
+    base: Vec<f32>,
     kept: Option<Columns>,
 }
 
@@ -307,21 +306,18 @@ impl LiveTile {
         for (cell, lanes) in self.cells.iter().zip(self.base.chunks_exact(stride)) {
             cells::restore(&mut workroom.planes, usize::from(*cell), channels, lanes);
         }
-        live.add(tile, place, self.kept.as_ref(), workroom);
+        live.add(tile, place, self.kept.as_ref(), Onto::WhatIsThere, workroom);
         let components = workroom.planes.components();
-        for cell in &self.cells {
-            let start = usize::from(*cell) * cells::CELL_PIXELS;
-            for (block, pixels) in cells::pixels_of(pixels, *cell).chunks_mut(Lanes::COUNT).enumerate() {
-                let at = |component: usize| {
-                    let plane: &[f32] = components[component];
-                    let first = start + block * Lanes::COUNT;
-                    f32x4::from([plane[first], plane[first + 1], plane[first + 2], plane[first + 3]])
-                };
+        pulp::Arch::new().dispatch(|| {
+            for cell in &self.cells {
+                let start = usize::from(*cell) * cells::CELL_PIXELS;
+                let part = components.map(|plane| &plane[start..start + cells::CELL_PIXELS]);
+                let pixels = cells::pixels_of(pixels, *cell);
                 match channels {
-                    Channels::All => framebuffer::write(pixels, [at(0), at(1), at(2)]),
-                    Channels::One(component) => framebuffer::write_component(pixels, component, at(component)),
+                    Channels::All => framebuffer::write(pixels, part),
+                    Channels::One(component) => framebuffer::write_component(pixels, component, part[component]),
                 }
             }
-        }
+        });
     }
 }

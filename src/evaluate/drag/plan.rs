@@ -6,7 +6,7 @@ use crate::evaluate::drag::Method;
 use crate::evaluate::drag::cells::{CellSet, Factor};
 use crate::evaluate::drag::images::Key;
 use crate::evaluate::framebuffer::Channels;
-use crate::evaluate::pass::{Pass, Source, Workroom};
+use crate::evaluate::pass::{Onto, Pass, Source, Workroom};
 use crate::evaluate::planes::Weight;
 use crate::formula::ParameterId;
 use crate::formula::binding::Bindings;
@@ -523,13 +523,12 @@ impl Passes<'_> {
     ) -> CellSet {
         let tile = &compiled.hits.tiles[place];
         plan.weights(compiled, tile, memory, key, &mut workroom.weights);
-        workroom.planes.clear(tile.pixels.len());
         let term = usize::from(key.term);
         let pass = match term.checked_sub(1) {
             Some(term) => &self.terms[term],
             None => &self.base,
         };
-        pass.add(tile, place, None, workroom);
+        pass.add(tile, place, None, Onto::Black, workroom);
         let mut touched = CellSet::none(tile.pixels.len());
         for group in tile.groups.iter().filter(|group| plan.reached(group, term).is_some()) {
             add_live(tile, &group.spans, &workroom.weights, &mut touched);
@@ -546,8 +545,7 @@ impl Passes<'_> {
     pub(super) fn add_base(&self, plan: &Plan, compiled: &Compiled, memory: &[f32], place: usize, workroom: &mut Workroom) {
         let tile = &compiled.hits.tiles[place];
         plan.weights(compiled, tile, memory, Key::default(), &mut workroom.weights);
-        workroom.planes.clear(tile.pixels.len());
-        self.base.add(tile, place, None, workroom);
+        self.base.add(tile, place, None, Onto::Black, workroom);
     }
 
     /// What is kept for each record of a tile.

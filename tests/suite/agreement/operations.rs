@@ -2,7 +2,7 @@
 
 use illuminator::formula::Formula;
 use illuminator::formula::graph::{Node, NodeId};
-use illuminator::jit::{CompiledFormula, Kernel, Lanes};
+use illuminator::jit::{CompiledFormula, Kernel, Lanes, Splat};
 use illuminator::lang::builtins::{Form, Operation, Stack};
 use illuminator::lang::scalars::{Floats, flush};
 use illuminator::lang::source::Source;
@@ -110,16 +110,17 @@ pub(super) fn formula_of(operation: Operation, from: Operands) -> (Formula, usiz
 /// A column for each of these nodes, with the number of every case.
 fn columns(nodes: &[NodeId], cases: usize, number: impl Fn(NodeId, usize) -> f32) -> Vec<Vec<Lanes>> {
     let column = |node: &NodeId| {
-        let mut column = vec![Lanes::default(); Lanes::blocks(cases)];
+        // Kernels may compute two blocks at a time.
+        let mut column = vec![Lanes::default(); Lanes::blocks(cases) + 1];
         (0..cases).for_each(|case| column[case / 4].0[case % 4] = flush(number(*node, case)));
         column
     };
     nodes.iter().map(column).collect()
 }
 
-fn run(kernel: &Kernel, inputs: &[Vec<Lanes>], uniforms: &[Lanes], outputs: usize, cases: usize) -> Vec<Vec<Lanes>> {
+fn run(kernel: &Kernel, inputs: &[Vec<Lanes>], uniforms: &[Splat], outputs: usize, cases: usize) -> Vec<Vec<Lanes>> {
     let blocks = Lanes::blocks(cases);
-    let mut results = vec![vec![Lanes::default(); blocks]; outputs];
+    let mut results = vec![vec![Lanes::default(); blocks + 1]; outputs];
     let inputs: Vec<&[Lanes]> = inputs.iter().map(Vec::as_slice).collect();
     let mut places: Vec<&mut [Lanes]> = results.iter_mut().map(Vec::as_mut_slice).collect();
     kernel.run(&inputs, uniforms, &mut places, blocks);
@@ -153,7 +154,7 @@ pub(super) fn compiled(formula: &Formula, cases: &[Vec<f32>], from: Operands) ->
                 bindings.frontier.hits.len() <= 7 && bindings.frontier.records.is_empty(),
                 "only the numbers themselves are static"
             );
-            let splat: Vec<Lanes> = uniforms.iter().map(|column| Lanes::splat(column[0].0[0])).collect();
+            let splat: Vec<Splat> = uniforms.iter().map(|column| Splat::new(column[0].0[0])).collect();
             let inputs = columns(&bindings.frontier.hits, cases.len(), number);
             run(&compiled.contributor.kernel, &inputs, &splat, 3, cases.len())
         }
