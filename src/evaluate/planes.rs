@@ -5,8 +5,8 @@
 
 use crate::evaluate::framebuffer::{self, Channels};
 use crate::jit::Lanes;
-use crate::trace::{BLOCK_LANES, Block, MAX_DEPTH, TILE_PIXELS, Tile};
-use pulp::Arch;
+use crate::trace::{BLOCK_LANES, Block, MAX_DEPTH, Region, TILE_PIXELS, Tile};
+use pulp::{Arch, Simd, WithSimd};
 
 // A block's lanes are those of a kernel.
 const _: () = assert!(BLOCK_LANES == Lanes::COUNT);
@@ -47,22 +47,7 @@ impl Planes {
 
     /// Gives every region of a tile a colour, that of its set of paths; or adds it to what is there.
     pub(super) fn fill(&mut self, tile: &Tile, colours: &[[f32; 3]], add: bool) {
-        let planes = &mut *self.planes;
-        self.arch.dispatch(|| {
-            let mut start = 0;
-            for region in &tile.regions {
-                let colour = colours[usize::from(region.set)];
-                let end = start + usize::from(region.pixels);
-                for (plane, component) in planes.iter_mut().zip(colour) {
-                    if add {
-                        plane[start..end].iter_mut().for_each(|pixel| *pixel += component);
-                    } else {
-                        plane[start..end].fill(component);
-                    }
-                }
-                start = end;
-            }
-        });
+        self.arch.dispatch(Fill { planes: &mut self.planes, regions: &tile.regions, colours, add });
     }
 
     /// Adds the weighed colours of blocks of hits; `sums` has four lanes for each block.
@@ -73,10 +58,10 @@ impl Planes {
         let (sums, weight) = (sums.map(Lanes::flat), weight.0 as f32);
         let planes = &mut *self.planes;
         match channels {
-            Channels::All => self.arch.dispatch(|| add(planes, blocks, &sums, weight)),
+            Channels::All => self.arch.dispatch(Addition { planes, blocks, sums: &sums, weight }),
             Channels::One(component) => {
-                let (plane, sums) = (&mut planes[component], [sums[component]]);
-                self.arch.dispatch(|| add(std::slice::from_mut(plane), blocks, &sums, weight));
+                let planes = std::slice::from_mut(&mut planes[component]);
+                self.arch.dispatch(Addition { planes, blocks, sums: &[sums[component]], weight });
             }
         }
     }
@@ -96,34 +81,89 @@ impl Planes {
 
     /// Writes the tile's pixels.
     pub(super) fn quantise(&self, pixels: &mut [u32]) {
-        self.arch.dispatch(|| framebuffer::write(pixels, self.components()));
+        self.arch.dispatch(Quantise { planes: self.components(), pixels });
+    }
+}
+
+// What is dispatched is a structure with a method that must be inlined: only so is it compiled for the vectors of this processor.
+
+/// Colours every region.
+struct Fill<'a> {
+    planes: &'a mut [[f32; LENGTH]; 3],
+    regions: &'a [Region],
+    colours: &'a [[f32; 3]],
+    add: bool,
+}
+
+impl WithSimd for Fill<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        for (component, plane) in self.planes.iter_mut().enumerate() {
+            let mut start = 0;
+            for region in self.regions {
+                let colour = self.colours[usize::from(region.set)][component];
+                let end = start + usize::from(region.pixels);
+                for pixel in &mut plane[start..end] {
+                    *pixel = if self.add { *pixel + colour } else { colour };
+                }
+                start = end;
+            }
+        }
+    }
+}
+
+struct Quantise<'a> {
+    planes: [&'a [f32]; 3],
+    pixels: &'a mut [u32],
+}
+
+impl WithSimd for Quantise<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        framebuffer::write(self.pixels, self.planes);
     }
 }
 
 /// `planes += weight · sums`, four blocks at a time where they are neighbours. Plain loops of constant length, of which a compiler
 /// makes vector code.
-#[inline(always)]
-fn add(planes: &mut [[f32; LENGTH]], blocks: &[Block], sums: &[&[f32]], weight: f32) {
-    let mut index = 0;
-    while let Some(block) = blocks.get(index) {
-        let (pixel, lane) = (block.pixel(), index * BLOCK_LANES);
-        if blocks.get(index + 3).is_some_and(|last| last.ends_run_of_four(*block)) {
-            for (plane, sums) in planes.iter_mut().zip(sums) {
-                add_lanes::<16>(&mut plane[pixel..pixel + 16], &sums[lane..lane + 16], weight);
-            }
-            index += 4;
-        } else if block.lanes() == BLOCK_LANES {
-            for (plane, sums) in planes.iter_mut().zip(sums) {
-                add_lanes::<4>(&mut plane[pixel..pixel + 4], &sums[lane..lane + 4], weight);
-            }
-            index += 1;
-        } else {
-            for (plane, sums) in planes.iter_mut().zip(sums) {
-                for place in 0..block.lanes() {
-                    plane[pixel + place] += weight * sums[lane + place];
+struct Addition<'a> {
+    planes: &'a mut [[f32; LENGTH]],
+    blocks: &'a [Block],
+    sums: &'a [&'a [f32]],
+    weight: f32,
+}
+
+impl WithSimd for Addition<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Addition { planes, blocks, sums, weight } = self;
+        let mut index = 0;
+        while let Some(block) = blocks.get(index) {
+            let (pixel, lane) = (block.pixel(), index * BLOCK_LANES);
+            if blocks.get(index + 3).is_some_and(|last| last.ends_run_of_four(*block)) {
+                for (plane, sums) in planes.iter_mut().zip(sums) {
+                    add_lanes::<16>(&mut plane[pixel..pixel + 16], &sums[lane..lane + 16], weight);
                 }
+                index += 4;
+            } else if block.lanes() == BLOCK_LANES {
+                for (plane, sums) in planes.iter_mut().zip(sums) {
+                    add_lanes::<4>(&mut plane[pixel..pixel + 4], &sums[lane..lane + 4], weight);
+                }
+                index += 1;
+            } else {
+                for (plane, sums) in planes.iter_mut().zip(sums) {
+                    for place in 0..block.lanes() {
+                        plane[pixel + place] += weight * sums[lane + place];
+                    }
+                }
+                index += 1;
             }
-            index += 1;
         }
     }
 }

@@ -3,6 +3,7 @@
 use crate::evaluate::drag::cells::{self, CellSet, Factor};
 use crate::evaluate::framebuffer::Channels;
 use crate::evaluate::planes::Planes;
+use pulp::{Simd, WithSimd};
 
 /// What an image is multiplied with: kr and kt of the body whose weights move, so many times, and the factors of a term (0: 1).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
@@ -132,21 +133,36 @@ impl TileImages {
     /// Writes all cells of the tile.
     pub(super) fn draw(&self, factor: &impl Fn(Key) -> Factor, pixels: &mut [u32]) {
         let factors: Vec<Factor> = self.keys.iter().map(|key| factor(*key)).collect();
-        let stride = cells::stride(self.channels);
+        pulp::Arch::new().dispatch(Drawing { images: self, factors: &factors, pixels });
+    }
+}
+
+/// Writes all cells: what is inlined here is compiled for the vectors of this processor.
+struct Drawing<'a> {
+    images: &'a TileImages,
+    factors: &'a [Factor],
+    pixels: &'a mut [u32],
+}
+
+impl WithSimd for Drawing<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Drawing { images, factors, pixels } = self;
+        let stride = cells::stride(images.channels);
         let mut own = Vec::new();
-        pulp::Arch::new().dispatch(|| {
-            let (mut cells, mut numbers) = (&*self.cells, &*self.numbers);
-            for run in &self.runs {
-                own.clear();
-                own.extend(run.images.iter().map(|image| factors[usize::from(*image)]));
-                let length = stride * (1 + own.len());
-                let (here, later) = cells.split_at(run.cells);
-                for (cell, numbers) in here.iter().zip(numbers.chunks_exact(length)) {
-                    cells::combine(numbers, &own, self.channels, cells::pixels_of(pixels, *cell));
-                }
-                cells = later;
-                numbers = &numbers[length * run.cells..];
+        let (mut cells, mut numbers) = (&*images.cells, &*images.numbers);
+        for run in &images.runs {
+            own.clear();
+            own.extend(run.images.iter().map(|image| factors[usize::from(*image)]));
+            let length = stride * (1 + own.len());
+            let (here, later) = cells.split_at(run.cells);
+            for (cell, numbers) in here.iter().zip(numbers.chunks_exact(length)) {
+                cells::combine(numbers, &own, images.channels, cells::pixels_of(pixels, *cell));
             }
-        });
+            cells = later;
+            numbers = &numbers[length * run.cells..];
+        }
     }
 }

@@ -23,6 +23,7 @@ use crate::jit::CompileError;
 use crate::trace::{TILE_PIXELS, Tile};
 use images::{Image, Key, LARGEST_SUM, TileImages};
 use plan::{Passes, Plan, Step, Work};
+use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -307,17 +308,32 @@ impl LiveTile {
             cells::restore(&mut workroom.planes, usize::from(*cell), channels, lanes);
         }
         live.add(tile, place, self.kept.as_ref(), Onto::WhatIsThere, workroom);
-        let components = workroom.planes.components();
-        pulp::Arch::new().dispatch(|| {
-            for cell in &self.cells {
-                let start = usize::from(*cell) * cells::CELL_PIXELS;
-                let part = components.map(|plane| &plane[start..start + cells::CELL_PIXELS]);
-                let pixels = cells::pixels_of(pixels, *cell);
-                match channels {
-                    Channels::All => framebuffer::write(pixels, part),
-                    Channels::One(component) => framebuffer::write_component(pixels, component, part[component]),
-                }
+        let planes = workroom.planes.components();
+        pulp::Arch::new().dispatch(Writing { cells: &self.cells, planes, channels, pixels });
+    }
+}
+
+/// Writes cells of the planes: what is inlined here is compiled for the vectors of this processor.
+struct Writing<'a> {
+    cells: &'a [u16],
+    planes: [&'a [f32]; 3],
+    channels: Channels,
+    pixels: &'a mut [u32],
+}
+
+impl WithSimd for Writing<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        for cell in self.cells {
+            let start = usize::from(*cell) * cells::CELL_PIXELS;
+            let part = self.planes.map(|plane| &plane[start..start + cells::CELL_PIXELS]);
+            let pixels = cells::pixels_of(self.pixels, *cell);
+            match self.channels {
+                Channels::All => framebuffer::write(pixels, part),
+                Channels::One(component) => framebuffer::write_component(pixels, component, part[component]),
             }
-        });
+        }
     }
 }

@@ -1,0 +1,138 @@
+//! The engine against its earlier self: every stage from text to frame by the public interface of the library.
+//!
+//! `cargo bench --bench engine` measures all of it in some minutes, `cargo bench --bench engine -- full/phong` what the filter names.
+//! Parameters move from frame to frame. The session is `preset:glass` with Phong's and Strauss's model.
+#![allow(clippy::expect_used, reason = "a benchmark that cannot go on has failed")]
+
+mod stage;
+
+use criterion::Criterion;
+use illuminator::evaluate::Interpreted;
+use illuminator::formula::Formula;
+use illuminator::presets::Kind;
+use illuminator::trace::Hits;
+use rayon::ThreadPool;
+use stage::{DRAG_BUDGET, Dragged, Full, Model, RED, Script, Stage, Turns, pools};
+use std::cell::LazyCell;
+use std::hint::black_box;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+const SIZES: [[u32; 2]; 3] = [[320, 180], [640, 360], [1280, 720]];
+
+fn main() {
+    let mut criterion = Criterion::default()
+        .without_plots()
+        .sample_size(10)
+        .warm_up_time(Duration::from_millis(200))
+        .measurement_time(Duration::from_millis(800))
+        .configure_from_args();
+    let pools = pools();
+    // `cargo test --benches` only tries whether everything works.
+    let sizes = if std::env::args().any(|argument| argument == "--bench") { &SIZES[..] } else { &SIZES[..1] };
+    for model in Model::ALL {
+        texts(&mut criterion, model);
+    }
+    for size in sizes {
+        tracing(&mut criterion, *size, &pools);
+        // It waits until a benchmark is reached that the filter lets through.
+        let hits = LazyCell::new(|| Script::new(Model::Phong, *size).trace());
+        for model in Model::ALL {
+            frames(&mut criterion, model, *size, &pools, &hits);
+        }
+    }
+    criterion.final_summary();
+}
+
+/// From text to formula, and from formula to machine code.
+fn texts(criterion: &mut Criterion, model: Model) {
+    let text = model.location().read(Kind::Formula).expect("a built-in file");
+    let script = Script::new(model, SIZES[0]);
+    criterion.bench_function(&format!("parse/{}", model.name()), |bencher| {
+        bencher.iter(|| Formula::parse(black_box(&text)));
+    });
+    criterion.bench_function(&format!("compile/{}", model.name()), |bencher| bencher.iter(|| script.compile()));
+}
+
+/// From scene to hits.
+fn tracing(criterion: &mut Criterion, size: [u32; 2], pools: &[ThreadPool]) {
+    let script = Script::new(Model::Phong, size);
+    for pool in pools {
+        let name = format!("trace/{}/{}", named(size), threads(pool));
+        repeated(criterion, &name, pool, || (), |()| drop(black_box(script.trace())));
+    }
+}
+
+/// From moved parameters to a picture, in every way.
+fn frames(
+    criterion: &mut Criterion,
+    model: Model,
+    size: [u32; 2],
+    pools: &[ThreadPool],
+    hits: &LazyCell<Arc<Hits>, impl FnOnce() -> Arc<Hits>>,
+) {
+    let stage = LazyCell::new(|| Stage::new(Script::new(model, size), hits));
+    let script = Script::new(model, size);
+    let drags = [
+        ("drag images", model.weight(), DRAG_BUDGET),
+        ("drag one channel", RED, DRAG_BUDGET),
+        ("drag specialised", model.exponent(), DRAG_BUDGET),
+        ("drag general", model.weight(), 0),
+    ];
+    for pool in pools {
+        let name = |what: &str| format!("{what}/{}/{}/{}", model.name(), named(size), threads(pool));
+        repeated(criterion, &name("full"), pool, || Full::new(&stage), Full::frame);
+        for (what, slider, budget) in drags {
+            repeated(criterion, &name(what), pool, || Dragged::new(&stage, slider, budget), Dragged::frame);
+        }
+        interpreted(criterion, &name("interpreter"), &script, pool);
+    }
+}
+
+/// Repeats some work on what is made once, if the filter lets it through.
+fn repeated<T: Send>(
+    criterion: &mut Criterion,
+    name: &str,
+    pool: &ThreadPool,
+    make: impl Fn() -> T,
+    work: impl Fn(&mut T) + Sync,
+) {
+    let mut made = None;
+    criterion.bench_function(name, |bencher| {
+        let made = made.get_or_insert_with(&make);
+        bencher.iter_custom(|times| {
+            pool.install(|| {
+                let start = Instant::now();
+                for _ in 0..times {
+                    work(made);
+                }
+                start.elapsed()
+            })
+        });
+    });
+}
+
+/// The reference interpreter, running programs without writing them; that is added up over threads.
+fn interpreted(criterion: &mut Criterion, name: &str, script: &Script, pool: &ThreadPool) {
+    let interpreted = Interpreted::new(&script.formula, &script.scene, script.view).expect("a formula with bytecode");
+    let mut turns = Turns::new(script.bodies_moved());
+    criterion.bench_function(name, |bencher| {
+        bencher.iter_custom(|times| {
+            let spent: Duration = (0..times).map(|_| pool.install(|| interpreted.frame(turns.turn()).1.evaluation)).sum();
+            spent / pool.current_num_threads() as u32
+        });
+    });
+}
+
+/// `1280x720`.
+fn named([width, height]: [u32; 2]) -> String {
+    format!("{width}x{height}")
+}
+
+/// `1 thread`, `2 threads`.
+fn threads(pool: &ThreadPool) -> String {
+    match pool.current_num_threads() {
+        1 => "1 thread".to_owned(),
+        count => format!("{count} threads"),
+    }
+}

@@ -1,0 +1,156 @@
+//! Everything that is measured, in turns.
+
+use crate::child::{Child, Variant};
+use crate::report::{Times, What};
+use crate::stage::{DRAG_BUDGET, Dragged, Full, Model, RED, Slider, Stage, Turns};
+use illuminator::evaluate::Interpreted;
+use rayon::ThreadPool;
+use std::cell::RefCell;
+use std::io::IsTerminal;
+use std::time::Instant;
+use sysinfo::{MINIMUM_CPU_UPDATE_INTERVAL, System};
+
+/// So many rounds at the beginning do not count.
+pub(crate) const DISCARDED: usize = 5;
+/// What is slow takes part in so many rounds.
+const SLOW_ROUNDS: usize = 3;
+/// So many frames are made at a time; the first finds the caches full of others' data, and does not count.
+const FRAMES: usize = 3;
+/// What other programs do is looked at every so many rounds.
+const LISTENING: usize = 10;
+/// More than caches hold.
+const MEMORY_BYTES: usize = 3 << 26;
+
+/// One kind of frame, with the times it took.
+pub(crate) struct Contender<'c> {
+    model: Model,
+    threads: usize,
+    what: What,
+    detail: String,
+    /// Makes a frame; milliseconds.
+    frame: Box<dyn FnMut() -> Result<f64, String> + 'c>,
+    /// The process that makes it, if it is another one.
+    child: Option<&'c RefCell<Child>>,
+    times: Vec<f64>,
+}
+
+impl Contender<'_> {
+    /// What is told of it.
+    pub(crate) fn times(mut self) -> Option<Times> {
+        self.times.sort_by(f64::total_cmp);
+        let (best, median) = (*self.times.first()?, self.times[self.times.len() / 2]);
+        let Contender { model, threads, what, detail, .. } = self;
+        Some(Times { model: model.name(), threads, what, detail, best, median, count: self.times.len() })
+    }
+}
+
+/// All that is measured of a model with some threads.
+pub(crate) fn enter<'c>(
+    model: Model,
+    stage: &Stage,
+    pool: &'c ThreadPool,
+    children: &'c [RefCell<Child>],
+) -> Result<Vec<Contender<'c>>, String> {
+    let threads = pool.current_num_threads();
+    let own = |what, detail: String, frame| Contender { model, threads, what, detail, frame, child: None, times: Vec::new() };
+    let mut full = Full::new(stage);
+    let mut all = vec![own(What::Full, String::new(), timed(pool, move || full.frame()))];
+    let mut triad_bytes = 0;
+    for (what, slider) in [(What::Images, model.weight()), (What::OneChannel, RED), (What::Exponent, model.exponent())] {
+        let mut dragged = Dragged::new(stage, slider, DRAG_BUDGET);
+        if what == What::Images {
+            // What is kept is read once, and a word written for each pixel.
+            triad_bytes = dragged.drag.bytes() + 4 * dragged.drag.pixels();
+        }
+        let detail = detail(slider, &dragged);
+        all.push(own(what, detail, timed(pool, move || dragged.frame())));
+    }
+    let script = &stage.script;
+    let interpreted = Interpreted::new(&script.formula, &script.scene, script.view).map_err(|error| error.to_string())?;
+    let mut turns = Turns::new(script.bodies_moved());
+    let frame = move || {
+        let (_, timing) = pool.install(|| interpreted.frame(turns.turn()));
+        // Programs are written in between; what running them took is added up over threads.
+        Ok(timing.evaluation.as_secs_f64() * 1e3 / threads as f64)
+    };
+    all.push(own(What::Interpreter, String::new(), Box::new(frame)));
+    for child in children.iter().filter(|child| child.borrow().threads == threads) {
+        let Child { is_c, ref name, .. } = *child.borrow();
+        let peer = |what, frame| Contender { child: Some(child), ..own(what, name.clone(), frame) };
+        for variant in Variant::ALL {
+            let what = match (is_c, variant) {
+                (true, Variant::Directions) => What::PeerDirections,
+                (true, Variant::Dots) => What::PeerDots,
+                (false, Variant::Directions) => What::DrjitDirections,
+                (false, Variant::Dots) => What::DrjitDots,
+            };
+            all.push(peer(what, Box::new(move || child.borrow_mut().frame(model, variant))));
+        }
+        if is_c {
+            all.push(peer(What::Triad, Box::new(move || child.borrow_mut().triad(triad_bytes))));
+            let share = triad_bytes as f64 / MEMORY_BYTES as f64;
+            all.push(peer(What::TriadInMemory, Box::new(move || Ok(share * child.borrow_mut().triad(MEMORY_BYTES)?))));
+        }
+    }
+    Ok(all)
+}
+
+/// What is dragged, how, and where images are weighed what they take.
+fn detail(slider: Slider, dragged: &Dragged) -> String {
+    format!("{slider}, {}, {:.1} MB", dragged.drag.method().name(), dragged.drag.bytes() as f64 / 1e6)
+}
+
+/// Some work on the threads of a pool, with the milliseconds that it takes there.
+fn timed<'c>(pool: &'c ThreadPool, mut work: impl FnMut() + Send + 'c) -> Box<dyn FnMut() -> Result<f64, String> + 'c> {
+    Box::new(move || {
+        Ok(pool.install(|| {
+            let start = Instant::now();
+            work();
+            start.elapsed().as_secs_f64() * 1e3
+        }))
+    })
+}
+
+/// Round after round, some frames of each. How busy other programs kept the processors, 0 to 1.
+pub(crate) fn measure(contenders: &mut [Contender], rounds: usize) -> Result<f32, String> {
+    let slow_step = (rounds - DISCARDED).div_ceil(SLOW_ROUNDS);
+    let watched = std::io::stderr().is_terminal();
+    let mut system = System::new();
+    let mut others = Vec::new();
+    for round in 0..rounds {
+        if round % LISTENING == 0 {
+            others.push(others_busy(&mut system));
+        }
+        let counted = round.checked_sub(DISCARDED);
+        for contender in &mut *contenders {
+            let slow = contender.what.is_slow();
+            if slow && counted.is_none_or(|round| round % slow_step != 0) {
+                continue;
+            }
+            for frame in 0..if slow { 1 } else { FRAMES } {
+                let time = (contender.frame)()?;
+                if counted.is_some() && (slow || frame > 0) {
+                    contender.times.push(time);
+                }
+            }
+            if let Some(child) = contender.child {
+                child.borrow().rest();
+            }
+        }
+        if watched {
+            eprint!("\rround {} of {rounds}", round + 1);
+        }
+    }
+    if watched {
+        eprintln!();
+    }
+    Ok(others.iter().sum::<f32>() / others.len() as f32)
+}
+
+/// How busy the processors are while everything here rests.
+fn others_busy(system: &mut System) -> f32 {
+    system.refresh_cpu_usage();
+    std::thread::sleep(MINIMUM_CPU_UPDATE_INTERVAL);
+    system.refresh_cpu_usage();
+    system.global_cpu_usage() / 100.0
+}

@@ -1,0 +1,243 @@
+//! What the benchmarks play on: the built-in session `glass` with one of two models, traced and compiled, and frames in which numbers
+//! really move. Nothing is measured here.
+
+use illuminator::evaluate::{Compiled, Drag, Framebuffer};
+use illuminator::formula::{Formula, ParameterId};
+use illuminator::jit::CompiledFormula;
+use illuminator::lang::variables::Owner;
+use illuminator::presets::Kind;
+use illuminator::scene::Scene;
+use illuminator::trace::{Budget, Hits, View, trace};
+use illuminator::workspace::files::Location;
+use illuminator::workspace::{OwnerId, Session, Values};
+use rayon::{ThreadPool, ThreadPoolBuilder};
+use std::fmt;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+/// The built-in session that is measured.
+pub(crate) const SESSION: &str = "preset:glass";
+/// As much as `illuminator bench` lets a drag keep, in bytes.
+pub(crate) const DRAG_BUDGET: usize = 1 << 30;
+/// What the peers move a number by from one frame to the next; see `benches/peer/README.md`.
+const STEP: f32 = 1e-3;
+
+/// The models that are measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Model {
+    Phong,
+    Strauss,
+}
+
+impl Model {
+    pub(crate) const ALL: [Model; 2] = [Model::Phong, Model::Strauss];
+
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Model::Phong => "phong",
+            Model::Strauss => "strauss",
+        }
+    }
+
+    /// The built-in formula.
+    pub(crate) fn location(self) -> Location {
+        Location::Preset(self.name().to_owned())
+    }
+
+    /// A slider that the picture is a polynomial of.
+    pub(crate) fn weight(self) -> Slider {
+        Slider { owner: "floor", parameter: if self == Model::Phong { "kd" } else { "m" }, component: None }
+    }
+
+    /// A slider that an exponent depends on.
+    pub(crate) fn exponent(self) -> Slider {
+        Slider { owner: "floor", parameter: if self == Model::Phong { "h" } else { "s" }, component: None }
+    }
+}
+
+/// A slider: a value, or a component of it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Slider {
+    owner: &'static str,
+    parameter: &'static str,
+    component: Option<usize>,
+}
+
+/// A slider that moves one colour channel.
+pub(crate) const RED: Slider = Slider { owner: "floor", parameter: "Cd", component: Some(0) };
+
+impl fmt::Display for Slider {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let component = self.component.map_or("", |component| [".r", ".g", ".b"][component]);
+        write!(f, "{}.{}{component}", self.owner, self.parameter)
+    }
+}
+
+/// The session with a model, before anything is traced or compiled.
+pub(crate) struct Script {
+    pub(crate) formula: Arc<Formula>,
+    pub(crate) scene: Arc<Scene>,
+    pub(crate) view: View,
+    pub(crate) values: Values,
+}
+
+impl Script {
+    /// Reads the session; its values are kept, as far as the model has such parameters.
+    pub(crate) fn new(model: Model, [width, height]: [u32; 2]) -> Self {
+        let read = |location: &Location, kind| location.read(kind).expect("a built-in file");
+        let session = read(&Location::new(SESSION), Kind::Session);
+        let (session, _) = Session::parse(&session).expect("a sound session");
+        let (scene, _) = Scene::parse(&read(&session.scene, Kind::Scene)).expect("a sound scene");
+        let (formula, _) = Formula::parse(&read(&model.location(), Kind::Formula)).expect("a sound formula");
+        let kept = session.assignments(Values::defaults(&formula, &scene).roster()).0;
+        let (values, _) = Values::keeping(&formula, &scene, &kept);
+        let picture = session.picture;
+        let view = View::new(width, height)
+            .and_then(|view| view.with_depth(picture.depth))
+            .and_then(|view| view.with_default_index(picture.default_index))
+            .map(|view| view.with_shadows(picture.shadows))
+            .expect("settings within their ranges");
+        Self { formula: Arc::new(formula), scene: Arc::new(scene), view, values }
+    }
+
+    /// Compiles the formula.
+    pub(crate) fn compile(&self) -> CompiledFormula {
+        CompiledFormula::new(&self.formula).expect("a formula that can be compiled")
+    }
+
+    /// Traces the scene, on all threads of the current pool. What is found does not depend on the model.
+    pub(crate) fn trace(&self) -> Arc<Hits> {
+        let hits = trace(&self.scene, &self.view, &Budget::UNLIMITED, &|_| (), &AtomicBool::new(false));
+        Arc::new(hits.expect("a tracing that nobody ends"))
+    }
+
+    /// Two arrays of parameter numbers, between which every number of a body differs that the peers move.
+    pub(crate) fn bodies_moved(&self) -> [Vec<f32>; 2] {
+        let numbers = self.values.numbers().to_vec();
+        let mut moved = numbers.clone();
+        for name in ["kd", "h", "s", "m"] {
+            for owner in self.values.roster().owners().of_kind(Owner::Body) {
+                let id = self.values.roster().parameter_named(name);
+                let Some(places) = id.and_then(|id| self.values.roster().places(owner, id)) else { continue };
+                for number in &mut moved[places] {
+                    *number += if name == "s" && *number >= 0.5 { -STEP } else { STEP };
+                }
+            }
+        }
+        [numbers, moved]
+    }
+
+    /// The places of the numbers that a slider moves, and two arrays of parameter numbers as it moves them.
+    fn slider_moved(&self, slider: Slider) -> (Vec<usize>, [Vec<f32>; 2]) {
+        let (owner, id) = self.find(slider);
+        let mut places = self.values.moved_places(owner, id);
+        if let Some(component) = slider.component {
+            places = vec![places[component]];
+        }
+        let [low, high] = self.values.range_of(owner, id).unwrap_or([0.0, 1.0]);
+        let turns = [0.25, 0.75].map(|share| {
+            let mut value = [low + share * (high - low); 3];
+            if let Some(component) = slider.component {
+                let target = value[component];
+                value.copy_from_slice(self.values.of(owner, id));
+                value[component] = target;
+            }
+            let mut values = self.values.clone();
+            values.move_to(owner, id, value);
+            values.numbers().to_vec()
+        });
+        (places, turns)
+    }
+
+    fn find(&self, slider: Slider) -> (OwnerId, ParameterId) {
+        let roster = self.values.roster();
+        let owner = roster.owners().named(slider.owner).expect("a body of the scene");
+        (owner, roster.parameter_named(slider.parameter).expect("a parameter of the model"))
+    }
+}
+
+/// The session with a model, traced and compiled.
+pub(crate) struct Stage {
+    pub(crate) script: Script,
+    pub(crate) compiled: Arc<Compiled>,
+}
+
+impl Stage {
+    pub(crate) fn new(script: Script, hits: &Arc<Hits>) -> Self {
+        let formula = Arc::new(script.compile());
+        let compiled = Compiled::new(formula, &script.formula, &script.scene, hits).expect("hits of this scene");
+        Self { script, compiled: Arc::new(compiled) }
+    }
+
+    fn framebuffer(&self) -> Framebuffer {
+        Framebuffer::black(self.script.view.width(), self.script.view.height())
+    }
+}
+
+/// One of two arrays of numbers, and the other the next time.
+pub(crate) struct Turns {
+    turns: [Vec<f32>; 2],
+    next: usize,
+}
+
+impl Turns {
+    pub(crate) fn new(turns: [Vec<f32>; 2]) -> Self {
+        assert_ne!(turns[0], turns[1], "what is to move moves");
+        Self { turns, next: 0 }
+    }
+
+    pub(crate) fn turn(&mut self) -> &[f32] {
+        self.next = 1 - self.next;
+        &self.turns[self.next]
+    }
+}
+
+/// Whole frames by compiled code, all bodies moved from each to the next.
+pub(crate) struct Full {
+    compiled: Arc<Compiled>,
+    turns: Turns,
+    framebuffer: Framebuffer,
+}
+
+impl Full {
+    pub(crate) fn new(stage: &Stage) -> Self {
+        let turns = Turns::new(stage.script.bodies_moved());
+        Self { compiled: Arc::clone(&stage.compiled), turns, framebuffer: stage.framebuffer() }
+    }
+
+    pub(crate) fn frame(&mut self) {
+        self.compiled.draw(self.turns.turn(), &mut self.framebuffer);
+    }
+}
+
+/// Frames while a slider is dragged to and fro, everything prepared.
+pub(crate) struct Dragged {
+    pub(crate) drag: Drag,
+    turns: Turns,
+    framebuffer: Framebuffer,
+}
+
+impl Dragged {
+    /// Without a budget nothing is kept, and every tile that the slider reaches is drawn the general way.
+    pub(crate) fn new(stage: &Stage, slider: Slider, budget: usize) -> Self {
+        let (places, turns) = stage.script.slider_moved(slider);
+        let drag = Drag::new(&stage.compiled, &places, &turns[0], budget).expect("kernels for a slider");
+        let mut dragged = Self { drag, turns: Turns::new(turns), framebuffer: stage.framebuffer() };
+        while !dragged.drag.prepare() {}
+        // The first frame is a whole one.
+        dragged.frame();
+        dragged
+    }
+
+    pub(crate) fn frame(&mut self) {
+        self.drag.frame(self.turns.turn(), &mut self.framebuffer);
+    }
+}
+
+/// Threads of their own: one, and as many as there are processors.
+pub(crate) fn pools() -> Vec<ThreadPool> {
+    let all = std::thread::available_parallelism().map_or(1, usize::from);
+    let mut counts = vec![1, all];
+    counts.dedup();
+    counts.into_iter().map(|count| ThreadPoolBuilder::new().num_threads(count).build().expect("threads")).collect()
+}
