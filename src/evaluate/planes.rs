@@ -11,8 +11,14 @@ use pulp::{Arch, Simd, WithSimd};
 // A block's lanes are those of a kernel.
 const _: () = assert!(BLOCK_LANES == Lanes::COUNT);
 
-/// Pixels in a plane.
-const LENGTH: usize = TILE_PIXELS as usize;
+/// Pixels that are written at a time.
+const WIDE: usize = 16;
+
+/// Pixels in a plane: those of a tile, and room for what is written beyond the last in one go with it.
+const LENGTH: usize = TILE_PIXELS as usize + WIDE;
+
+/// All ones in the lanes that a block of so many hits (less one) has.
+const LIVE: [[u32; BLOCK_LANES]; BLOCK_LANES] = [[!0, 0, 0, 0], [!0, !0, 0, 0], [!0, !0, !0, 0], [!0; 4]];
 
 /// Red, green and blue of a tile's pixels: linear, unclamped.
 pub(super) struct Planes {
@@ -29,7 +35,7 @@ impl Planes {
         Self { planes, arch: Arch::new() }
     }
 
-    /// Red, green and blue of the pixels, each a slice of a whole tile.
+    /// Red, green and blue of the pixels, each a slice of a whole tile and more.
     pub(super) fn components(&self) -> [&[f32]; 3] {
         self.planes.each_ref().map(<[f32; LENGTH]>::as_slice)
     }
@@ -100,16 +106,23 @@ impl WithSimd for Fill<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        for (component, plane) in self.planes.iter_mut().enumerate() {
-            let mut start = 0;
-            for region in self.regions {
-                let colour = self.colours[usize::from(region.set)][component];
-                let end = start + usize::from(region.pixels);
-                for pixel in &mut plane[start..end] {
-                    *pixel = if self.add { *pixel + colour } else { colour };
+        let mut start = 0;
+        for region in self.regions {
+            let colour = self.colours[usize::from(region.set)];
+            let end = start + usize::from(region.pixels);
+            for (plane, component) in self.planes.iter_mut().zip(colour) {
+                if self.add {
+                    plane[start..end].iter_mut().for_each(|pixel| *pixel += component);
+                    continue;
                 }
-                start = end;
+                // Most regions are small. What is written beyond the end, the next region overwrites.
+                let mut at = start;
+                while at < end {
+                    plane[at..at + WIDE].copy_from_slice(&[component; WIDE]);
+                    at += WIDE;
+                }
             }
+            start = end;
         }
     }
 }
@@ -148,19 +161,13 @@ impl WithSimd for Addition<'_> {
             let (pixel, lane) = (block.pixel(), index * BLOCK_LANES);
             if blocks.get(index + 3).is_some_and(|last| last.ends_run_of_four(*block)) {
                 for (plane, sums) in planes.iter_mut().zip(sums) {
-                    add_lanes::<16>(&mut plane[pixel..pixel + 16], &sums[lane..lane + 16], weight);
+                    add_lanes(&mut plane[pixel..pixel + WIDE], &sums[lane..lane + WIDE], weight, [!0; WIDE]);
                 }
                 index += 4;
-            } else if block.lanes() == BLOCK_LANES {
-                for (plane, sums) in planes.iter_mut().zip(sums) {
-                    add_lanes::<4>(&mut plane[pixel..pixel + 4], &sums[lane..lane + 4], weight);
-                }
-                index += 1;
             } else {
+                let live = LIVE[block.lanes() - 1];
                 for (plane, sums) in planes.iter_mut().zip(sums) {
-                    for place in 0..block.lanes() {
-                        plane[pixel + place] += weight * sums[lane + place];
-                    }
+                    add_lanes(&mut plane[pixel..pixel + BLOCK_LANES], &sums[lane..lane + BLOCK_LANES], weight, live);
                 }
                 index += 1;
             }
@@ -169,9 +176,9 @@ impl WithSimd for Addition<'_> {
 }
 
 #[inline(always)]
-fn add_lanes<const N: usize>(pixels: &mut [f32], sums: &[f32], weight: f32) {
-    let before: [f32; N] = std::array::from_fn(|lane| pixels[lane]);
-    let after: [f32; N] = std::array::from_fn(|lane| before[lane] + weight * sums[lane]);
+fn add_lanes<const N: usize>(pixels: &mut [f32], sums: &[f32], weight: f32, live: [u32; N]) {
+    let term = |lane: usize| f32::from_bits((weight * sums[lane]).to_bits() & live[lane]);
+    let after: [f32; N] = std::array::from_fn(|lane| pixels[lane] + term(lane));
     pixels.copy_from_slice(&after);
 }
 
