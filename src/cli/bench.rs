@@ -163,7 +163,7 @@ fn measure(options: &Options, input: &Input, sliders: &[Slider]) -> Result<Repor
             drag(&clock, input, &evaluator, slider, &mut framebuffer)
         })
         .collect::<Result<Vec<_>, _>>()?;
-    let jit_bytes = evaluator.bytes() as f64;
+    let jit_bytes = (evaluator.bytes() + size_of_val(&*framebuffer.pixels)) as f64;
     drop(evaluator);
     let (interpreter_ms, interpreter_bytes) = interpreted(&clock, &engine::interpreter(input, *view)?, numbers)?;
     let counts = Hits::counts(&hits);

@@ -84,9 +84,10 @@ impl Compiled {
         })
     }
 
-    /// The memory at rest, in bytes: the hit store and the static columns.
+    /// The memory at rest, in bytes: the hit store, the static columns, and where tiles were worked on.
     pub fn bytes(&self) -> usize {
-        self.hits.bytes() as usize + self.columns.iter().map(Columns::bytes).sum::<usize>()
+        let workrooms = self.workrooms.lock().unwrap_or_else(PoisonError::into_inner).len();
+        self.hits.bytes() as usize + self.columns.iter().map(Columns::bytes).sum::<usize>() + workrooms * Workroom::BYTES
     }
 
     /// The picture that these parameter numbers give, unclamped and linear; see [`Evaluator::frame`](super::Evaluator::frame).

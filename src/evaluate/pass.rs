@@ -62,6 +62,9 @@ pub(super) struct Workroom {
 }
 
 impl Workroom {
+    /// About how large one is.
+    pub(super) const BYTES: usize = Planes::BYTES + 3 * (CHUNK as usize + 1) * size_of::<Lanes>();
+
     pub(super) fn new() -> Self {
         let sums = [(); 3].map(|()| vec![Lanes::default(); CHUNK as usize + 1]);
         Self { planes: Planes::new(), weights: Vec::new(), sums, path_colours: Vec::new(), set_colours: Vec::new() }

@@ -27,6 +27,9 @@ pub(super) struct Planes {
 }
 
 impl Planes {
+    /// How large they are.
+    pub(super) const BYTES: usize = size_of::<[[f32; LENGTH]; 3]>();
+
     /// All black.
     pub(super) fn new() -> Self {
         // Made on the heap: it is larger than what a thread's stack may spare.
@@ -159,7 +162,7 @@ impl WithSimd for Addition<'_> {
         let mut index = 0;
         while let Some(block) = blocks.get(index) {
             let (pixel, lane) = (block.pixel(), index * BLOCK_LANES);
-            if blocks.get(index + 3).is_some_and(|last| last.ends_run_of_four(*block)) {
+            if blocks[index..].first_chunk().is_some_and(Block::are_neighbours) {
                 for (plane, sums) in planes.iter_mut().zip(sums) {
                     add_lanes(&mut plane[pixel..pixel + WIDE], &sums[lane..lane + WIDE], weight, [!0; WIDE]);
                 }
@@ -206,6 +209,37 @@ impl Weight {
             colour.map(|component| (self.0 * f64::from(component)) as f32)
         } else {
             colour.map(|component| self.0 as f32 * component)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lanes_that_are_dead_add_nothing() {
+        // Full blocks with and without gaps between them, and all sorts of short ones: sums of dead lanes are NaN.
+        let runs = [0..16, 20..35, 37..41, 42..44, 45..49, 50..54, 60..61, 64..80, 81..84, 85..101, 102..104, 106..110, 110..130];
+        let mut blocks: Vec<Block> = Vec::new();
+        for run in &runs {
+            for first in run.clone().step_by(BLOCK_LANES) {
+                blocks.push(Block::of(first, (run.end - first).min(BLOCK_LANES)));
+            }
+        }
+        let lanes = |block: &Block| Lanes(std::array::from_fn(|lane| if lane < block.lanes() { 2.0 } else { f32::NAN }));
+        let sums: Vec<Lanes> = blocks.iter().map(lanes).collect();
+        for channels in [Channels::All, Channels::One(1)] {
+            let mut planes = Planes::new();
+            planes.add(&blocks, [&sums, &sums, &sums], Weight(0.5), channels);
+            for pixel in 0..160 {
+                let lit = runs.iter().any(|run| run.contains(&pixel));
+                let expected = |component: usize| match channels {
+                    Channels::One(only) if only != component => 0.0,
+                    Channels::One(_) | Channels::All => f32::from(u8::from(lit)),
+                };
+                assert_eq!(planes.colour(pixel), [expected(0), expected(1), expected(2)], "pixel {pixel}");
+            }
         }
     }
 }

@@ -264,6 +264,7 @@ impl Rewriter<'_> {
     }
 
     /// The terms of a value; none where it has too many, or too large ones.
+    #[expect(clippy::wildcard_enum_match_arm, reason = "only what is linear is taken apart")]
     fn terms(&mut self, id: NodeId, depth: usize) -> Option<Vec<Product>> {
         /// Deeper sums have more terms than are multiplied out.
         const DEEPEST: usize = 64;
@@ -350,15 +351,14 @@ impl Rewriter<'_> {
     /// Adds a term to a sum, together with one that has the same uniform factor (two static ones become one) or the same rest.
     fn gather(&mut self, sum: &mut Vec<Product>, term: Product) {
         let tame = self.is_tame(&term);
-        for place in 0..sum.len() {
-            let other = sum[place];
-            if !tame || !self.is_tame(&other) {
+        for other in sum.iter_mut() {
+            if !tame || !self.is_tame(other) {
                 continue;
             }
             if other.rest == term.rest {
                 let one = self.constant(1.0);
                 let [x, y] = [other.uniform, term.uniform].map(|uniform| uniform.unwrap_or(one));
-                sum[place].uniform = Some(self.record(Primitive::Add, &[x, y]));
+                other.uniform = Some(self.record(Primitive::Add, &[x, y]));
                 return;
             }
             if let (Some(x), Some(y)) = (other.rest, term.rest)
@@ -366,7 +366,7 @@ impl Rewriter<'_> {
                 && self.is_static(x)
                 && self.is_static(y)
             {
-                sum[place].rest = Some(self.record(Primitive::Add, &[x, y]));
+                other.rest = Some(self.record(Primitive::Add, &[x, y]));
                 return;
             }
         }

@@ -176,6 +176,7 @@ impl Separator {
     }
 
     /// A value as a sum of products, no two with the same factor.
+    #[expect(clippy::wildcard_enum_match_arm, reason = "only what is linear is separable")]
     fn terms(&mut self, id: NodeId, depth: usize) -> Option<Vec<Product>> {
         match self.kind(id) {
             Kind::Constant | Kind::Resting => return Some(vec![Product { factor: None, part: Some(id) }]),

@@ -31,8 +31,11 @@ pub struct CompiledFormula {
     pub record_kernel: Kernel,
     /// Red, green and blue of all contributions.
     pub contributor: Contributor,
-    drags: Mutex<HashMap<Vec<(ParameterId, u8)>, Arc<DragKernels>>>,
+    drags: Mutex<HashMap<Moved, Arc<DragKernels>>>,
 }
+
+/// Components of parameters that move together, in order.
+type Moved = Vec<(ParameterId, u8)>;
 
 /// How something comes out of columns and parameters: what is uniform first, then the records.
 pub struct Contributor {

@@ -222,6 +222,7 @@ impl Writer<'_, '_> {
             }
             let mut copies = Vec::with_capacity(interleave);
             let mut computed = Vec::with_capacity(interleave);
+            #[expect(clippy::needless_range_loop, reason = "it is the place in the values of every operand")]
             for step in 0..interleave {
                 let before = self.last_instruction();
                 let fma = self.shape.fma;

@@ -40,6 +40,12 @@ impl Block {
         Self(pixel)
     }
 
+    /// A block of so many hits, 1..=4, from this pixel of a tile on.
+    #[cfg(test)]
+    pub(crate) fn of(pixel: usize, lanes: usize) -> Self {
+        Self(pixel as u16 | ((lanes - 1) as u16) << Self::PIXEL_BITS)
+    }
+
     /// Takes one more hit in, if it is the next pixel's and there is room.
     pub(super) fn extend(&mut self, pixel: u16) -> bool {
         let fits = self.lanes() < BLOCK_LANES && usize::from(pixel) == self.pixel() + self.lanes();
@@ -55,12 +61,14 @@ impl Block {
         usize::from(self.0) & ((1 << Self::PIXEL_BITS) - 1)
     }
 
-    /// Whether this is the last of four full blocks in neighbouring pixels, the first of which is `first`. Both are of one span.
+    /// Whether these blocks of one span, in their order, hold sixteen neighbouring pixels.
     #[inline]
-    pub fn ends_run_of_four(self, first: Block) -> bool {
-        // Pixels grow from block to block, by no more than a block's lanes if they are neighbours.
+    pub fn are_neighbours(blocks: &[Block; 4]) -> bool {
+        // Pixels grow by at least as much as a block has lanes: where all are full and the last is where it would be, nothing is between.
         let full = (BLOCK_LANES as u16 - 1) << Self::PIXEL_BITS;
-        usize::from(self.0) == first.pixel() + 3 * BLOCK_LANES + usize::from(full)
+        let [first, .., last] = blocks;
+        let all_full = blocks.iter().fold(full, |bits, block| bits & block.0) == full;
+        all_full && last.pixel() == first.pixel() + 3 * BLOCK_LANES
     }
 
     /// How many hits it holds, 1..=4.

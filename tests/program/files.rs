@@ -109,13 +109,29 @@ fn hits_are_written_as_the_index_says() {
 fn measurements_are_told_as_table_and_json() {
     let folder = folder();
     let table = told(folder.path(), "bench session.toml --runs 1 --slider ball.kd");
-    assert!(
-        ["32x24", "interpreter", "full evaluation", "slider: ball.kd", "fps"].iter().all(|word| table.contains(word)),
-        "{table}"
-    );
-    let output = run(folder.path(), "bench session.toml --runs 1 --json");
+    let words = ["32x24", "interpreter", "full evaluation", "ball.kd", "images", "fps"];
+    assert!(words.iter().all(|word| table.contains(word)), "{table}");
+    let output = run(folder.path(), "bench session.toml --runs 2 --threads 1 --json");
     let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
-    assert!(json["jit"]["evaluation_ms"].as_f64() > Some(0.0), "{json}");
+    assert_eq!((&json["size"], &json["depth"], &json["threads"]), (&serde_json::json!([32, 24]), &2.into(), &1.into()), "{json}");
+    let figures = [
+        "/trace_ms",
+        "/compile_ms",
+        "/full_ms/jit",
+        "/full_ms/interpreter",
+        "/bytes_per_pixel/jit",
+        "/bytes_per_pixel/interpreter",
+    ];
+    for place in figures.into_iter().chain(["/hits", "/records", "/paths", "/groups"]) {
+        assert!(json.pointer(place).and_then(serde_json::Value::as_f64) > Some(0.0), "{place}: {json}");
+    }
+    // Every slider that can be moved, components of colours too.
+    let drags = json["drag"].as_array().expect("drags");
+    let method = |name: &str| drags.iter().find(|drag| drag["parameter"] == name).map(|drag| drag["method"].clone());
+    assert_eq!(method("ball.kd"), Some("images".into()), "{json}");
+    assert_eq!(method("ball.h"), Some("specialised".into()), "{json}");
+    assert_eq!(method("background.g"), Some("images".into()), "{json}");
+    assert!(drags.iter().all(|drag| drag["frame_ms"].as_f64() > Some(0.0) && drag["prepare_ms"].as_f64() > Some(0.0)), "{json}");
 }
 
 #[test]
