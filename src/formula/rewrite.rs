@@ -45,6 +45,15 @@ struct Rewriter<'f> {
     formula: &'f Formula,
 }
 
+/// Whether a power by way of a logarithm of single precision is good enough: its relative error grows with the logarithm of the power.
+/// Where the base is at most 1, powers of large logarithm are next to nothing (or, by negative exponents, beyond any colour).
+fn is_accurate(base: Range, exponent: Range) -> bool {
+    const LARGEST_BASE: f64 = 1.0 + 1e-5;
+    const LARGEST_LOGARITHM: f64 = 8.0;
+    let logarithm = if base.low > 0.0 { base.low.log2().abs().max(base.high.log2().abs()) } else { f64::INFINITY };
+    base.magnitude() <= LARGEST_BASE || logarithm * exponent.magnitude() <= LARGEST_LOGARITHM
+}
+
 /// A value as `uniform · rest`; where one is missing, it is 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Product {
@@ -110,7 +119,7 @@ impl Rewriter<'_> {
     fn power(&mut self, base: NodeId, exponent: NodeId) -> NodeId {
         let (x, y) = (self.range(base), self.range(exponent));
         let changing = matches!(self.time(exponent), BindingTime::Uniform | BindingTime::Dynamic);
-        if !self.is_static(base) || !changing || x.nan || y.nan {
+        if !self.is_static(base) || !changing || x.nan || y.nan || !is_accurate(x, y) {
             return self.record(Primitive::Pow, &[base, exponent]);
         }
         // The logarithm of 0 is taken as a finite number, so that 0 times it is 0 (x⁰ is 1, for 0 and ∞ too); and exponents as finite
@@ -320,8 +329,9 @@ impl Rewriter<'_> {
         }
         let terms = self.terms(sum, depth + 1)?;
         let bare = terms.iter().filter(|term| term.uniform.is_none()).count();
-        // Each term without a uniform factor costs a multiplication more; that of the sum is saved.
-        if bare > 1 || terms.len() > 1 && !terms.iter().all(|term| self.may_be_scaled(uniform, term)) {
+        // Each term without a uniform factor costs a multiplication more; that of the sum is saved. Of a large term the product must not be
+        // taken in another order: the factors alone may be too small for a number.
+        if bare > 1 || !terms.iter().all(|term| self.is_tame(term)) {
             return None;
         }
         let mut scaled = Vec::with_capacity(terms.len());
@@ -330,12 +340,6 @@ impl Rewriter<'_> {
             scaled.push(Product { uniform: factor, rest: term.rest });
         }
         Some(scaled)
-    }
-
-    /// Whether a term may be multiplied by itself, before it is added to others: it is tame, or the product is no larger than the term.
-    fn may_be_scaled(&self, uniform: NodeId, term: &Product) -> bool {
-        let factors: f64 = [Some(uniform), term.uniform].into_iter().flatten().map(|id| self.range(id).magnitude()).product();
-        self.is_tame(term) || factors <= 1.0
     }
 
     fn is_tame(&self, term: &Product) -> bool {

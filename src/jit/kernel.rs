@@ -136,7 +136,7 @@ pub(super) fn parameters() -> [AbiParam; 4] {
 
 /// Beyond so many nodes steps are computed one after the other: side by side they would need far more registers than there are, and
 /// there is enough to overlap within a step.
-pub(super) const MANY_NODES: usize = 400;
+pub(super) const MANY_NODES: usize = 60;
 
 /// Writes the kernel, whose plan has this schedule, into an empty function with the [`parameters`]; `perlin` is there if it is called.
 pub(super) fn write(
@@ -297,6 +297,11 @@ impl Writer<'_, '_> {
             return;
         }
         let function = &mut *self.builder.func;
+        // Calls pass their operands through one place on the stack: they stay in order.
+        let ordered = |inst: &Inst| function.dfg.insts[*inst].opcode().is_call();
+        if first.iter().any(ordered) {
+            return;
+        }
         copies.iter().flatten().for_each(|inst| function.layout.remove_inst(*inst));
         for (place, own) in first.iter().enumerate() {
             function.layout.append_inst(*own, block);

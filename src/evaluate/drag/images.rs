@@ -125,7 +125,7 @@ impl TileImages {
     pub(super) fn is_accurate(&self, factor: &impl Fn(Key) -> Factor) -> bool {
         let size = |(key, largest): (&Key, &f32)| {
             let Factor(factor) = factor(*key);
-            largest * factor.into_iter().map(f32::abs).fold(0.0, |a, b| if a > b { a } else { b })
+            largest * cells::largest(&factor)
         };
         self.base_largest + self.keys.iter().zip(&self.largest).map(size).sum::<f32>() <= LARGEST_SUM
     }

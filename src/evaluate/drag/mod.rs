@@ -74,7 +74,9 @@ enum TileState {
         images: Vec<Image>,
         kept: Option<Columns>,
     },
-    Images(TileImages),
+    /// Images, and whether what they leave alone is right in the picture: it is not after a picture that they could not make, with
+    /// something infinite that is 0 in them.
+    Images(TileImages, bool),
     Live(LiveTile),
     /// It is drawn the general way.
     General,
@@ -125,7 +127,7 @@ impl Drag {
         let of_tile = |(state, tile): (&TileState, &Tile)| match state {
             TileState::Untouched => 0,
             TileState::Waiting { .. } | TileState::General => tile.pixels.len(),
-            TileState::Images(images) => images.pixels(),
+            TileState::Images(images, _) => images.pixels(),
             TileState::Live(live) => live.cells.len() * cells::CELL_PIXELS,
         };
         self.tiles.iter().zip(&self.compiled.hits.tiles).map(of_tile).sum()
@@ -152,17 +154,25 @@ impl Drag {
         let whole = compiled.whole(memory);
         let live = self.plan.live_pass(compiled, memory);
         let (channels, drawn) = (self.plan.channels(), self.drawn);
-        let tiles = framebuffer.pixels.par_chunks_mut(TILE_PIXELS as usize).zip(&self.tiles);
+        let tiles = framebuffer.pixels.par_chunks_mut(TILE_PIXELS as usize).zip(&mut self.tiles);
         compiled.each_tile(tiles, |(pixels, state), place, workroom| match state {
             TileState::Untouched if drawn => {}
-            TileState::Images(images) if drawn && images.is_accurate(&factor) => images.draw(&factor, pixels),
+            TileState::Images(images, right) => {
+                let accurate = images.is_accurate(&factor);
+                if drawn && accurate && *right {
+                    images.draw(&factor, pixels);
+                } else {
+                    compiled.draw_tile(&whole, memory, place, workroom, pixels);
+                }
+                *right = accurate;
+            }
             TileState::Live(tile) if drawn => {
                 if let Some(live) = &live {
                     compiled.path_weights(&compiled.hits.tiles[place], memory, &mut workroom.weights);
                     tile.draw(&compiled.hits.tiles[place], place, live, channels, workroom, pixels);
                 }
             }
-            TileState::Untouched | TileState::Images(_) | TileState::Live(_) | TileState::Waiting { .. } | TileState::General => {
+            TileState::Untouched | TileState::Live(_) | TileState::Waiting { .. } | TileState::General => {
                 compiled.draw_tile(&whole, memory, place, workroom, pixels)
             }
         });
@@ -220,7 +230,7 @@ impl Drag {
                 TileState::Waiting { images, kept, .. } => {
                     images.iter().map(Image::bytes).sum::<usize>() + kept.as_ref().map_or(0, Columns::bytes)
                 }
-                TileState::Images(images) => images.bytes(),
+                TileState::Images(images, _) => images.bytes(),
                 TileState::Live(live) => {
                     size_of_val(&*live.base) + size_of_val(&*live.cells) + live.kept.as_ref().map_or(0, Columns::bytes)
                 }
@@ -279,7 +289,9 @@ impl Making<'_> {
                 self.passes.add_base(plan, compiled, self.memory, place, workroom);
                 *state = match plan.method() {
                     Method::Images if images.is_empty() => TileState::General,
-                    Method::Images => TileState::Images(TileImages::new(std::mem::take(images), &workroom.planes, channels)),
+                    Method::Images => {
+                        TileState::Images(TileImages::new(std::mem::take(images), &workroom.planes, channels), false)
+                    }
                     Method::Specialised => {
                         let cells = plan.live_cells(compiled, &compiled.hits.tiles[place], self.memory);
                         let mut base = Vec::with_capacity(cells.len() * cells::stride(channels));
