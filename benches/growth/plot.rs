@@ -1,0 +1,132 @@
+//! The measurements as a drawing: a panel for everything that grows, both axes logarithmic.
+
+use crate::{SERIES, Sweep};
+use std::fmt::Write;
+
+const WIDTH: f64 = 900.0;
+const HEIGHT: f64 = 580.0;
+const COLUMNS: usize = 3;
+/// A panel's axes, from its left upper corner.
+const AXES: [f64; 2] = [234.0, 212.0];
+const FIRST: [f64; 2] = [52.0, 36.0];
+const STEP: [f64; 2] = [294.0, 292.0];
+/// What is left free at the left and right end of an axis, as a part of what is between.
+const AIR: f64 = 0.06;
+const COLOURS: [&str; SERIES.len()] = ["#0b5fa5", "#c2410c", "#5b7a00", "#8b2fa0"];
+
+/// A scale from numbers to places, by logarithms.
+struct Scale {
+    from: f64,
+    to: f64,
+    length: f64,
+}
+
+impl Scale {
+    fn at(&self, value: f64) -> f64 {
+        (value.log10() - self.from) / (self.to - self.from) * self.length
+    }
+}
+
+/// Draws a panel for each sweep.
+pub(crate) fn svg(sweeps: &[Sweep]) -> String {
+    let costs =
+        || sweeps.iter().flat_map(|sweep| sweep.points.iter()).flat_map(|(_, cost)| SERIES.iter().map(|own| (own.of)(cost)));
+    let lowest = costs().fold(f64::INFINITY, f64::min).log10().floor();
+    let highest = costs().fold(0.0, f64::max).log10() + 0.2;
+    let up = Scale { from: lowest, to: highest, length: AXES[1] };
+    let mut text = format!(
+        r##"<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH}" height="{HEIGHT}" viewBox="0 0 {WIDTH} {HEIGHT}" font-family="Helvetica, Arial, sans-serif" font-size="12" fill="#222">
+<title>How the cost of each stage grows</title>
+<rect width="{WIDTH}" height="{HEIGHT}" fill="white"/>
+"##
+    );
+    for (place, sweep) in sweeps.iter().enumerate() {
+        panel(&mut text, place, sweep, &up);
+    }
+    legend(&mut text, sweeps.len());
+    text + "</svg>\n"
+}
+
+/// Where a panel's axes begin.
+fn corner(place: usize) -> [f64; 2] {
+    [FIRST[0] + STEP[0] * (place % COLUMNS) as f64, FIRST[1] + STEP[1] * (place / COLUMNS) as f64]
+}
+
+fn line(text: &mut String, line: std::fmt::Arguments) {
+    writeln!(text, "{line}").expect("writing to a string does not fail");
+}
+
+fn panel(text: &mut String, place: usize, sweep: &Sweep, up: &Scale) {
+    let [x, y] = corner(place);
+    let [width, height] = AXES;
+    let amounts = || sweep.points.iter().map(|(amount, _)| amount.log10());
+    let (least, most) = (amounts().fold(f64::INFINITY, f64::min), amounts().fold(f64::NEG_INFINITY, f64::max));
+    let air = AIR * (most - least);
+    let along = Scale { from: least - air, to: most + air, length: width };
+    line(text, format_args!(r#"<g transform="translate({x} {y})">"#));
+    let clip = format!("axes{place}");
+    line(text, format_args!(r#"<clipPath id="{clip}"><rect width="{width}" height="{height}"/></clipPath>"#));
+    line(text, format_args!(r#"<text x="0" y="-12" font-size="14" font-weight="bold">{}</text>"#, sweep.label));
+
+    for decade in up.from as i32..=up.to.floor() as i32 {
+        let value = 10f64.powi(decade);
+        let down = height - up.at(value);
+        line(text, format_args!(r##"<path d="M0 {down:.1}H{width}" stroke="#e4e4e4"/>"##));
+        line(text, format_args!(r#"<text x="-7" y="{:.1}" text-anchor="end">{value}</text>"#, down + 4.0));
+    }
+    line(text, format_args!(r#"<text x="-7" y="-12" text-anchor="end" font-style="italic">ms</text>"#));
+    for (value, label) in sweep.ticks.iter().filter(|(value, _)| (along.from..=along.to).contains(&value.log10())) {
+        let right = along.at(*value);
+        line(text, format_args!(r##"<path d="M{right:.1} {height}v5" stroke="#666"/>"##));
+        line(text, format_args!(r#"<text x="{right:.1}" y="{}" text-anchor="middle">{label}</text>"#, height + 19.0));
+    }
+    // What grows as the amount does is parallel to these.
+    line(text, format_args!(r##"<g clip-path="url(#{clip})" stroke="#aaa" stroke-dasharray="4 4">"##));
+    let decades = along.to - along.from;
+    for decade in (up.from - decades).floor() as i32..up.to.ceil() as i32 {
+        let [left, right] = [0.0, decades].map(|more| height - up.at(10f64.powf(f64::from(decade) + more)));
+        line(text, format_args!(r#"<path d="M0 {left:.1}L{width} {right:.1}"/>"#));
+    }
+    line(text, format_args!("</g>"));
+    line(text, format_args!(r##"<rect width="{width}" height="{height}" fill="none" stroke="#666"/>"##));
+    for (series, colour) in SERIES.iter().zip(COLOURS) {
+        let points: Vec<[f64; 2]> =
+            sweep.points.iter().map(|(amount, cost)| [along.at(*amount), height - up.at((series.of)(cost))]).collect();
+        let path: Vec<String> = points.iter().map(|[x, y]| format!("{x:.1},{y:.1}")).collect();
+        line(text, format_args!(r#"<polyline points="{}" fill="none" stroke="{colour}" stroke-width="2"/>"#, path.join(" ")));
+        for [x, y] in points {
+            line(text, format_args!(r#"<circle cx="{x:.1}" cy="{y:.1}" r="3" fill="{colour}"/>"#));
+        }
+    }
+    line(text, format_args!("</g>"));
+}
+
+fn legend(text: &mut String, place: usize) {
+    let [x, y] = corner(place);
+    line(text, format_args!(r#"<g transform="translate({x} {y})">"#));
+    let mut row = 14.0;
+    for (series, colour) in SERIES.iter().zip(COLOURS) {
+        line(text, format_args!(r#"<path d="M0 {row}h34" stroke="{colour}" stroke-width="2"/>"#));
+        line(text, format_args!(r#"<circle cx="17" cy="{row}" r="3" fill="{colour}"/>"#));
+        line(text, format_args!(r#"<text x="44" y="{}">{}</text>"#, row + 4.0, series.name));
+        row += 22.0;
+    }
+    line(text, format_args!(r##"<path d="M0 {row}h34" stroke="#aaa" stroke-dasharray="4 4"/>"##));
+    line(text, format_args!(r#"<text x="44" y="{}">slope of linear growth</text>"#, row + 4.0));
+    row += 34.0;
+    let typical = crate::Workload::TYPICAL;
+    let [width, height] = typical.size;
+    let rest = [
+        "Milliseconds on one thread,".to_owned(),
+        "the best of several rounds.".to_owned(),
+        "What does not grow in a panel:".to_owned(),
+        format!("{width}×{height} pixels, {} lights,", typical.lights),
+        format!("{} spheres over a floor,", typical.spheres_a_side * typical.spheres_a_side),
+        format!("depth {}, a formula of {} highlight.", typical.depth, typical.terms),
+    ];
+    for words in rest {
+        line(text, format_args!(r##"<text x="0" y="{row}" fill="#555">{words}</text>"##));
+        row += 18.0;
+    }
+    line(text, format_args!("</g>"));
+}

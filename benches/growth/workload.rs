@@ -1,0 +1,223 @@
+//! A generated scene and formula, and what each stage costs with it.
+
+use illuminator::evaluate::{Compiled, Drag, Framebuffer, Method};
+use illuminator::formula::Formula;
+use illuminator::jit::CompiledFormula;
+use illuminator::lang::source::Source;
+use illuminator::lang::variables::Owner;
+use illuminator::scene::Scene;
+use illuminator::trace::{BLOCK_LANES, Budget, Counts, Hits, View, trace};
+use illuminator::workspace::{OwnerId, Values};
+use std::f64::consts::TAU;
+use std::fmt::Write;
+use std::hint::black_box;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::{Duration, Instant};
+
+/// In one round nothing is repeated after it has taken so long altogether,
+const PATIENCE: Duration = Duration::from_millis(40);
+/// or so often.
+const MOST_TIMES: usize = 40;
+/// As much as `illuminator bench` lets a drag keep, in bytes.
+const DRAG_BUDGET: usize = 1 << 30;
+/// The length of the floor that the spheres stand on in rows and columns.
+const FLOOR: f64 = 9.0;
+
+/// How much there is of everything.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Workload {
+    pub(crate) size: [u32; 2],
+    pub(crate) lights: u32,
+    /// As many rows and columns of spheres there are.
+    pub(crate) spheres_a_side: u32,
+    pub(crate) depth: u32,
+    /// The highlights that the formula adds up.
+    pub(crate) terms: u32,
+}
+
+/// What is in the picture, and the milliseconds of each stage.
+pub(crate) struct Cost {
+    pub(crate) counts: Counts,
+    pub(crate) spans: usize,
+    /// How full blocks of hits are, 0 to 1.
+    pub(crate) filled: f64,
+    pub(crate) bytes_per_pixel: f64,
+    pub(crate) full: f64,
+    pub(crate) trace: f64,
+    pub(crate) compile: f64,
+    /// A frame while `floor.kd` is dragged, everything prepared.
+    pub(crate) drag: f64,
+    pub(crate) method: Method,
+}
+
+/// Everything made ready, so that stages can be measured again and again.
+pub(crate) struct Stage {
+    formula: Formula,
+    scene: Scene,
+    view: View,
+    compiled: Arc<Compiled>,
+    dragged: Drag,
+    /// Arrays of numbers between which all bodies change, and such between which the slider does.
+    bodies: [Vec<f32>; 2],
+    slider: [Vec<f32>; 2],
+    framebuffer: Framebuffer,
+    pub(crate) cost: Cost,
+}
+
+impl Workload {
+    /// What is not enlarged.
+    pub(crate) const TYPICAL: Workload = Workload { size: [640, 360], lights: 3, spheres_a_side: 3, depth: 5, terms: 1 };
+
+    /// Phong's model with so many highlights, each with an exponent of its own.
+    fn formula(self) -> String {
+        let mut text = "body_specific;\n kd: scalar, constraint 0..1, default 0.5, slider;\n".to_owned();
+        text += " ks: scalar, constraint 0..1, default 0.4, slider;\n h: scalar, constraint 1..500, default 60, slider;\n";
+        text += "formula;\n = kd*IL*Cd*max(0, N.L)";
+        for term in 0..self.terms {
+            add(&mut text, format_args!("\n + ks*IL*max(0, R.V)^(h + {term})/{}", self.terms));
+        }
+        text + ";\n"
+    }
+
+    /// Spheres in rows and columns, one of glass, the next one a mirror, over a floor under a circle of lights. The more there are, the smaller.
+    fn scene(self) -> String {
+        let mut text = "bodies;\n floor: rectangle, <-6,0,-6>, <6,0,-6>, <6,0,6>, opaque;\n".to_owned();
+        let side = self.spheres_a_side;
+        let cell = FLOOR / f64::from(side);
+        let place = |index: u32| (f64::from(index) + 0.5) * cell - FLOOR / 2.0;
+        for (row, column) in (0..side).flat_map(|row| (0..side).map(move |column| (row, column))) {
+            let (x, z, radius) = (place(column), place(row), 0.3 * cell);
+            let kind = if is_glass(row, column) { "refractive_index 1.5" } else { "opaque" };
+            add(
+                &mut text,
+                format_args!(" s{row}_{column}: sphere, center <{x:.4},{radius:.4},{z:.4}>, radius {radius:.4}, {kind};\n"),
+            );
+        }
+        text += "lights;\n";
+        for light in 0..self.lights {
+            let (z, x) = (TAU * (0.1 + f64::from(light) / f64::from(self.lights))).sin_cos();
+            add(&mut text, format_args!(" l{light}: point, <{:.4},7,{:.4}>;\n", 7.0 * x, 7.0 * z));
+        }
+        text + "camera;\n position <0,5,11>; gaze <0,-0.42,-1>; up <0,1,0>; fov 40;\n"
+    }
+
+    /// Makes everything ready, on the threads of the current pool.
+    pub(crate) fn stage(self) -> Stage {
+        let (formula, _) = Formula::parse(&Source::new("formula", self.formula())).expect("a sound formula");
+        let (scene, _) = Scene::parse(&Source::new("scene", self.scene())).expect("a sound scene");
+        let [width, height] = self.size;
+        let view = View::new(width, height).and_then(|view| view.with_depth(self.depth)).expect("settings within their ranges");
+        let hits = Arc::new(traced(&scene, &view));
+        let kernels = Arc::new(CompiledFormula::new(&formula).expect("a formula that can be compiled"));
+        let compiled = Arc::new(Compiled::new(kernels, &formula, &scene, &hits).expect("hits of this scene"));
+        let numbers = self.numbers(&formula, &scene);
+        let mut framebuffer = Framebuffer::black(width, height);
+        let bodies = moved(&numbers, &all_places(&formula, &scene, &["kd", "h"]), [1.0, 0.999]);
+        let places = places(&formula, &scene, "floor", "kd");
+        let slider = moved(&numbers, &places, [1.0, 0.5]);
+        let mut dragged = Drag::new(&compiled, &places, &slider[0], DRAG_BUDGET).expect("kernels for a slider");
+        while !dragged.prepare() {}
+        // The first frame is a whole one.
+        dragged.frame(&slider[0], &mut framebuffer);
+        let counts = hits.counts();
+        let groups = || hits.tiles.iter().flat_map(|tile| &tile.groups);
+        let blocks: usize = hits.tiles.iter().map(|tile| tile.blocks.len()).sum();
+        let cost = Cost {
+            counts,
+            spans: groups().map(|group| group.spans.len()).sum(),
+            filled: counts.hits as f64 / (blocks * BLOCK_LANES) as f64,
+            bytes_per_pixel: compiled.bytes() as f64 / f64::from(view.pixels()),
+            full: f64::INFINITY,
+            trace: f64::INFINITY,
+            compile: f64::INFINITY,
+            drag: f64::INFINITY,
+            method: dragged.method(),
+        };
+        Stage { formula, scene, view, compiled, dragged, bodies, slider, framebuffer, cost }
+    }
+
+    /// Parameter numbers with which all rays count.
+    fn numbers(self, formula: &Formula, scene: &Scene) -> Vec<f32> {
+        let mut numbers = Values::defaults(formula, scene).numbers().to_vec();
+        let mut set = |name: &str, parameter, value| numbers[places(formula, scene, name, parameter)[0]] = value;
+        set("floor", "kr", 0.2);
+        for (row, column) in (0..self.spheres_a_side).flat_map(|row| (0..self.spheres_a_side).map(move |column| (row, column))) {
+            let name = format!("s{row}_{column}");
+            set(&name, "kr", 0.3);
+            if is_glass(row, column) {
+                set(&name, "kt", 0.6);
+            }
+        }
+        numbers
+    }
+}
+
+impl Stage {
+    /// Measures every stage some times more, on the threads of the current pool; the shortest times stay.
+    pub(crate) fn measure(&mut self) {
+        let Self { formula, scene, view, compiled, dragged, bodies, slider, framebuffer, cost } = self;
+        let mut turn = 0;
+        shorten(&mut cost.full, || {
+            turn = 1 - turn;
+            compiled.draw(&bodies[turn], framebuffer);
+        });
+        shorten(&mut cost.drag, || {
+            turn = 1 - turn;
+            dragged.frame(&slider[turn], framebuffer);
+        });
+        shorten(&mut cost.compile, || drop(black_box(CompiledFormula::new(formula))));
+        shorten(&mut cost.trace, || drop(black_box(traced(scene, view))));
+    }
+}
+
+fn traced(scene: &Scene, view: &View) -> Hits {
+    trace(scene, view, &Budget::UNLIMITED, &|_| (), &AtomicBool::new(false)).expect("a tracing that nobody ends")
+}
+
+fn is_glass(row: u32, column: u32) -> bool {
+    (row + column).is_multiple_of(2)
+}
+
+fn add(text: &mut String, more: std::fmt::Arguments) {
+    text.write_fmt(more).expect("writing to a string does not fail");
+}
+
+/// Where the numbers of a parameter of an owner lie.
+fn places(formula: &Formula, scene: &Scene, owner: &str, parameter: &str) -> Vec<usize> {
+    let values = Values::defaults(formula, scene);
+    let owner: OwnerId = values.roster().owners().named(owner).expect("an owner of the scene");
+    let id = values.roster().parameter_named(parameter).expect("a parameter of the model");
+    values.roster().places(owner, id).expect("a parameter of this owner").collect()
+}
+
+/// Where the numbers of these parameters of all bodies lie.
+fn all_places(formula: &Formula, scene: &Scene, parameters: &[&str]) -> Vec<usize> {
+    let values = Values::defaults(formula, scene);
+    let roster = values.roster();
+    let ids = parameters.iter().map(|name| roster.parameter_named(name).expect("a parameter of the model"));
+    let pairs = ids.flat_map(|id| roster.owners().of_kind(Owner::Body).map(move |owner| (owner, id)));
+    pairs.filter_map(|(owner, id)| roster.places(owner, id)).flatten().collect()
+}
+
+/// The numbers twice, those at these places multiplied.
+fn moved(numbers: &[f32], places: &[usize], factors: [f32; 2]) -> [Vec<f32>; 2] {
+    factors.map(|factor| {
+        let mut moved = numbers.to_vec();
+        places.iter().for_each(|place| moved[*place] *= factor);
+        moved
+    })
+}
+
+/// Does some work several times; the shortest time stays, in milliseconds.
+fn shorten(best: &mut f64, mut work: impl FnMut()) {
+    let begin = Instant::now();
+    for _ in 0..MOST_TIMES {
+        let start = Instant::now();
+        work();
+        *best = best.min(start.elapsed().as_secs_f64() * 1e3);
+        if begin.elapsed() > PATIENCE {
+            break;
+        }
+    }
+}
