@@ -30,7 +30,7 @@ pub(super) enum Channels {
 
 /// The byte of a component. Written so that a compiler makes vector code of a loop over it.
 #[inline(always)]
-fn byte(linear: f32) -> u32 {
+pub(super) fn byte(linear: f32) -> u32 {
     // NaN fails the first comparison.
     let positive = if linear > 0.0 { linear } else { 0.0 };
     let clamped = if positive < 1.0 { positive } else { 1.0 };

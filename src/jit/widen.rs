@@ -10,7 +10,7 @@ use iced_x86::{
     BlockEncoder, BlockEncoderOptions, Code, Decoder, DecoderOptions, Formatter, GasFormatter, Instruction, InstructionBlock,
     MemoryOperand, OpKind, Register,
 };
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 
 /// Where the code is decoded; not 0, which stands for no place.
 const BASE: u64 = 0x10000;
@@ -139,9 +139,9 @@ pub(super) fn widen(code: &[u8]) -> Result<Vec<u8>, NotWidened> {
     Ok(bytes)
 }
 
-/// How far ahead columns are fetched into the cache, in bytes: two columns' chunks. They are read from front to back, but in more streams
-/// than the processor follows by itself.
-const AHEAD: u64 = 8192;
+/// Bytes of the part of a column that lies together: the parts of all columns of a light follow each other, then those of the next light.
+/// So columns are read from front to back, but in more streams than the processor follows by itself.
+const TOGETHER: u64 = 4096;
 /// Bytes of a line of the cache.
 const LINE: u64 = 64;
 
@@ -149,17 +149,22 @@ const LINE: u64 = 64;
 fn with_prefetches(code: Vec<Instruction>) -> Vec<Instruction> {
     let indexed = |instruction: &Instruction| (instruction.memory_base(), instruction.memory_index());
     let is_store = |instruction: &Instruction| instruction.op_count() > 0 && instruction.op0_kind() == OpKind::Memory;
-    let stored: Vec<_> = code.iter().filter(|instruction| is_store(instruction)).map(indexed).collect();
-    let mut fetching = Vec::with_capacity(code.len());
-    for instruction in code {
+    let stored: HashSet<_> = code.iter().filter(|instruction| is_store(instruction)).map(indexed).collect();
+    let is_column = |instruction: &Instruction| {
         let vector = instruction.op_count() > 1 && instruction.op0_register().is_ymm();
         let loads = vector && (0..instruction.op_count()).any(|operand| instruction.op_kind(operand) == OpKind::Memory);
-        let (base, index) = indexed(&instruction);
-        let column = index != Register::None && base != Register::RIP && !stored.contains(&(base, index));
-        let displacement = instruction.memory_displacement64();
+        loads && instruction.memory_index() != Register::None && !stored.contains(&indexed(instruction))
+    };
+    let columns: HashSet<_> = code.iter().filter(|instruction| is_column(instruction)).map(indexed).collect();
+    // What the next light will read while this one's is computed.
+    let ahead = TOGETHER * columns.len() as u64;
+    let mut fetching = Vec::with_capacity(code.len());
+    for instruction in code {
         fetching.push(instruction);
-        if loads && column && displacement % LINE == 0 {
-            let place = MemoryOperand::new(base, index, 1, (displacement + AHEAD) as i64, 8, false, Register::None);
+        let displacement = instruction.memory_displacement64();
+        if is_column(&instruction) && displacement % LINE == 0 {
+            let (base, index) = indexed(&instruction);
+            let place = MemoryOperand::new(base, index, 1, (displacement + ahead) as i64, 8, false, Register::None);
             if let Ok(prefetch) = Instruction::with1(Code::Prefetcht0_m8, place) {
                 fetching.push(prefetch);
             }

@@ -79,40 +79,36 @@ pub(super) struct Factor(pub(super) [f32; 3]);
 /// Writes a cell: `numbers` holds the base, and behind it an image for each factor.
 #[inline(always)]
 pub(super) fn combine(numbers: &[f32], factors: &[Factor], channels: Channels, pixels: &mut [u32]) {
+    // A row for each component of the base and of every image.
+    let (rows, _) = numbers.as_chunks::<CELL_PIXELS>();
     match channels {
         Channels::All => {
-            let sums = [0, 1, 2]
-                .map(|component| component_of(numbers, 3, component, factors.iter().map(|Factor(factor)| factor[component])));
-            framebuffer::write(pixels, sums.each_ref().map(<[f32; CELL_PIXELS]>::as_slice));
+            let mut words = [0; CELL_PIXELS];
+            for component in 0..3 {
+                let mut sums = rows[component];
+                for (Factor(factor), image) in factors.iter().zip(rows[3..].chunks_exact(3)) {
+                    add(&mut sums, &image[component], factor[component]);
+                }
+                for (word, sum) in words.iter_mut().zip(sums) {
+                    *word = *word << 8 | framebuffer::byte(sum);
+                }
+            }
+            for (pixel, word) in pixels.iter_mut().zip(words) {
+                *pixel = word;
+            }
         }
         Channels::One(component) => {
-            let sums = component_of(numbers, 1, 0, factors.iter().map(|Factor(factor)| factor[component]));
+            let mut sums = rows[0];
+            for (Factor(factor), image) in factors.iter().zip(&rows[1..]) {
+                add(&mut sums, image, factor[component]);
+            }
             framebuffer::write_component(pixels, component, &sums);
         }
     }
 }
 
-/// A component of a cell of images of so many components.
 #[inline(always)]
-fn component_of(numbers: &[f32], components: usize, component: usize, factors: impl Iterator<Item = f32>) -> [f32; CELL_PIXELS] {
-    let mut cells = numbers.chunks_exact(components * CELL_PIXELS).map(|cell| &cell[component * CELL_PIXELS..]);
-    let mut sums = cells.next().map_or([0.0; CELL_PIXELS], first);
-    for (image, factor) in cells.zip(factors) {
-        add(&mut sums, image, factor);
-    }
-    sums
-}
-
-#[inline(always)]
-fn first(numbers: &[f32]) -> [f32; CELL_PIXELS] {
-    let mut cell = [0.0; CELL_PIXELS];
-    cell.copy_from_slice(&numbers[..CELL_PIXELS]);
-    cell
-}
-
-#[inline(always)]
-fn add(sums: &mut [f32; CELL_PIXELS], image: &[f32], factor: f32) {
-    let image = first(image);
+fn add(sums: &mut [f32; CELL_PIXELS], image: &[f32; CELL_PIXELS], factor: f32) {
     for (sum, number) in sums.iter_mut().zip(image) {
         *sum += factor * number;
     }
