@@ -89,6 +89,11 @@ impl Bindings {
         bindings
     }
 
+    /// Whether the same is computed from the same parameters.
+    pub fn computes_the_same(&self, other: &Bindings) -> bool {
+        self.contribution == other.contribution && self.graph.has_the_nodes_of(&other.graph)
+    }
+
     /// The node of a primitive on nodes of the graph, added if it is new.
     pub fn record(&mut self, primitive: Primitive, operands: &[NodeId]) -> NodeId {
         let id = self.graph.record(primitive, operands);

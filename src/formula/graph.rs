@@ -142,6 +142,11 @@ impl Graph {
         self.nodes.len()
     }
 
+    /// Whether two graphs have the same nodes in the same order.
+    pub fn has_the_nodes_of(&self, other: &Graph) -> bool {
+        self.nodes == other.nodes
+    }
+
     /// Whether there are none; a formula's graph has some.
     pub fn is_empty(&self) -> bool {
         self.nodes.is_empty()

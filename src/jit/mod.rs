@@ -10,6 +10,7 @@
     allow(dead_code, reason = "where kernels cannot run there is nothing to compile")
 )]
 
+mod cache;
 #[cfg(all(target_arch = "x86_64", unix))]
 pub mod call;
 #[cfg(not(all(target_arch = "x86_64", unix)))]
@@ -23,6 +24,7 @@ mod math;
 pub mod target;
 mod widen;
 
+pub use cache::KernelCache;
 pub use call::Kernel;
 pub use compile::CompiledFormula;
 pub use lanes::{Lanes, Splat};

@@ -1,0 +1,70 @@
+//! Compiled formulas that were wanted before: who applies a formula again, or goes back to an earlier one, compiles nothing.
+
+use crate::formula::Formula;
+use crate::formula::binding::Bindings;
+use crate::jit::compile::CompiledFormula;
+use crate::jit::target::CompileError;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// So many formulas are kept, those that were wanted last.
+const KEPT: usize = 8;
+
+/// Keeps compiled formulas. Two are the same if what is to be computed is: comments, names and defaults do not matter.
+#[derive(Default)]
+pub struct KernelCache {
+    /// The one that was wanted last is the last.
+    kept: Mutex<Vec<Arc<CompiledFormula>>>,
+}
+
+impl KernelCache {
+    /// The kernels of a formula, compiled if they are not there.
+    ///
+    /// # Errors
+    /// The processor is not supported, or the formula is beyond what the code generator takes.
+    pub fn compiled(&self, formula: &Formula) -> Result<Arc<CompiledFormula>, CompileError> {
+        let bindings = Bindings::new(formula);
+        let kept = || self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        let known = {
+            let mut kept = kept();
+            let place = kept.iter().position(|compiled| compiled.bindings.computes_the_same(&bindings));
+            place.map(|place| kept.remove(place))
+        };
+        let compiled = match known {
+            Some(compiled) => compiled,
+            None => Arc::new(CompiledFormula::compile(bindings, None)?),
+        };
+        let mut kept = kept();
+        if kept.len() >= KEPT {
+            kept.remove(0);
+        }
+        kept.push(Arc::clone(&compiled));
+        Ok(compiled)
+    }
+}
+
+#[cfg(all(test, target_arch = "x86_64", unix))]
+mod tests {
+    use super::*;
+    use crate::lang::source::Source;
+
+    #[test]
+    fn an_unchanged_formula_is_not_compiled_again() {
+        let cache = KernelCache::default();
+        let compiled = |text: &str| {
+            let (formula, _) = Formula::parse(&Source::new("model", text)).unwrap();
+            cache.compiled(&formula).unwrap()
+        };
+        let first = compiled("body_specific; k: scalar, default 1; formula; = k*Cd*(N.L);");
+        let renamed = compiled("body_specific; /* again */ kd: scalar, default 2; formula; D = kd*Cd; = (D)*(N.L);");
+        assert!(Arc::ptr_eq(&first, &renamed));
+        let other = compiled("body_specific; k: scalar; formula; = k*Cd*(N.V);");
+        assert!(!Arc::ptr_eq(&first, &other));
+        // Bounds of a parameter may change what is computed.
+        let bounded = compiled("body_specific; k: scalar, constraint 0..1; formula; = k*Cd*(N.L);");
+        assert!(!Arc::ptr_eq(&first, &bounded));
+        assert!(Arc::ptr_eq(&first, &compiled("body_specific; k: scalar; formula; = k*Cd*(N.L);")));
+        // What was wanted longest ago is given up.
+        (0..KEPT).for_each(|n| drop(compiled(&format!("formula; = {n}*Cd*alpha;"))));
+        assert!(!Arc::ptr_eq(&first, &compiled("body_specific; k: scalar; formula; = k*Cd*(N.L);")));
+    }
+}
