@@ -212,3 +212,21 @@ impl DragKernels {
         Ok(Self { separation, channels, resting, moving, kept })
     }
 }
+
+#[cfg(all(target_arch = "x86_64", unix))]
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lang::source::Source;
+    use crate::presets::{self, Kind};
+
+    #[test]
+    fn built_in_formulas_are_computed_eight_records_at_a_time() {
+        let wide = std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma");
+        for name in presets::names(Kind::Formula) {
+            let (formula, _) = Formula::parse(&Source::new(name, presets::text(Kind::Formula, name).unwrap())).unwrap();
+            let listing = CompiledFormula::listing(&formula).unwrap();
+            assert_eq!(listing.asm.contains("%ymm") && listing.asm.contains("prefetcht0"), wide, "{name}");
+        }
+    }
+}
