@@ -8,7 +8,7 @@ use crate::lang::builtins::Stack;
 use crate::lang::scalars::{Floats, Primitive, Recorder, flush};
 use crate::lang::types::Type;
 use crate::lang::variables::Variable;
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 
 /// A node, as an index into a [`Graph`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -38,6 +38,19 @@ impl Node {
             Node::Apply(primitive, operands) => &operands[..primitive.arity()],
         }
     }
+}
+
+/// The nodes that `root` leads to, each once however many paths lead there, operands before their users; `next` tells which operands
+/// of a node to go on to.
+pub(super) fn walk(root: NodeId, next: impl Fn(NodeId) -> Vec<NodeId>) -> BTreeSet<NodeId> {
+    let mut found = BTreeSet::new();
+    let mut pending = vec![root];
+    while let Some(id) = pending.pop() {
+        if found.insert(id) {
+            pending.extend(next(id));
+        }
+    }
+    found
 }
 
 /// A formula's graph.
@@ -106,8 +119,9 @@ impl Graph {
             };
             places[index] = graph.add(node);
         }
-        graph.result = roots.map(|root| places[root.0 as usize]);
-        (graph.clone(), graph.result)
+        let result = roots.map(|root| places[root.0 as usize]);
+        graph.result = result;
+        (graph, result)
     }
 
     fn leaf(&mut self, ty: Type, node: impl Fn(u8) -> Node) -> [NodeId; 3] {

@@ -10,9 +10,10 @@
 
 use crate::formula::Formula;
 use crate::formula::binding::BindingTime;
-use crate::formula::graph::{Graph, Node, NodeId};
+use crate::formula::graph::{Graph, Node, NodeId, walk};
 use crate::formula::range::{self, Range};
 use crate::lang::scalars::{Primitive, Recorder};
+use std::collections::HashMap;
 
 /// Factors of regrouped products are at most so large, so that no partial product overflows, and what underflows does not matter.
 const TAME_FACTOR: f64 = 1e6;
@@ -266,90 +267,82 @@ impl Rewriter<'_> {
 
     /// A value as a sum of products `uniform · rest`, with all that is uniform multiplied out.
     fn linear(&mut self, root: NodeId) -> NodeId {
-        match self.terms(root, 0) {
-            Some(terms) => self.sum(&terms),
-            None => root,
+        let mut sums = HashMap::new();
+        for id in walk(root, |id| self.linear_operands(id)) {
+            let terms = self.terms(id, &sums);
+            sums.insert(id, terms);
+        }
+        self.sum(&sums[&root])
+    }
+
+    /// The operands that a node is a sum of, or that it is a uniform multiple of; none where it is neither, or is not dynamic.
+    #[expect(clippy::wildcard_enum_match_arm, reason = "only what is linear is taken apart")]
+    fn linear_operands(&self, id: NodeId) -> Vec<NodeId> {
+        let Node::Apply(primitive, [x, y, ..]) = self.graph.node(id) else { return Vec::new() };
+        match primitive {
+            _ if self.time(id) != BindingTime::Dynamic => Vec::new(),
+            Primitive::Add | Primitive::Sub => vec![x, y],
+            Primitive::Mul if self.is_uniform(x) => vec![y],
+            Primitive::Mul | Primitive::Div if self.is_uniform(y) => vec![x],
+            Primitive::Neg => vec![x],
+            _ => Vec::new(),
         }
     }
 
-    /// The terms of a value; none where it has too many, or too large ones.
-    #[expect(clippy::wildcard_enum_match_arm, reason = "only what is linear is taken apart")]
-    fn terms(&mut self, id: NodeId, depth: usize) -> Option<Vec<Product>> {
-        /// Deeper sums have more terms than are multiplied out.
-        const DEEPEST: usize = 64;
-        if depth > DEEPEST {
-            return None;
-        }
-        if self.is_uniform(id) {
-            return Some(vec![Product { uniform: Some(id), rest: None }]);
-        }
-        let atom = Some(vec![Product { uniform: None, rest: Some(id) }]);
-        if self.is_static(id) {
-            return atom;
-        }
-        let (primitive, operands) = match self.graph.node(id) {
-            Node::Apply(primitive, operands) => (primitive, operands),
-            Node::Constant(_) | Node::Variable(..) | Node::Parameter(..) => return atom,
+    /// The terms of a value, from those of its linear operands; itself where there are too many, or too large ones.
+    fn terms(&mut self, id: NodeId, known: &HashMap<NodeId, Vec<Product>>) -> Vec<Product> {
+        let itself = if self.is_uniform(id) {
+            Product { uniform: Some(id), rest: None }
+        } else {
+            Product { uniform: None, rest: Some(id) }
         };
-        let [x, y] = [operands[0], operands[1]];
-        match primitive {
-            Primitive::Add | Primitive::Sub => {
-                let mut sum = self.terms(x, depth + 1)?;
-                for term in self.terms(y, depth + 1)? {
-                    let term = if primitive == Primitive::Sub { self.negated(term)? } else { term };
+        let Node::Apply(primitive, [x, y, ..]) = self.graph.node(id) else { return vec![itself] };
+        let terms = match (primitive, &*self.linear_operands(id)) {
+            (_, []) => None,
+            (Primitive::Add | Primitive::Sub, _) => {
+                let mut sum = known[&x].clone();
+                for term in &known[&y] {
+                    let term = if primitive == Primitive::Sub { self.negated(*term) } else { *term };
                     self.gather(&mut sum, term);
                 }
-                (sum.len() <= MOST_TERMS).then_some(sum).or(atom)
+                (sum.len() <= MOST_TERMS).then_some(sum)
             }
-            Primitive::Mul => {
-                let (uniform, sum) = match (self.is_uniform(x), self.is_uniform(y)) {
-                    (true, _) => (x, y),
-                    (_, true) => (y, x),
-                    (false, false) => return atom,
-                };
-                self.scaled(uniform, sum, depth).or(atom)
-            }
-            Primitive::Neg => {
+            (Primitive::Neg, _) => {
                 let minus = self.constant(-1.0);
-                self.scaled(minus, x, depth).or(atom)
+                self.scaled(minus, &known[&x])
             }
-            Primitive::Div if self.is_uniform(y) => {
+            (Primitive::Div, _) => {
                 let one = self.constant(1.0);
                 let reciprocal = self.record(Primitive::Div, &[one, y]);
-                self.scaled(reciprocal, x, depth).or(atom)
+                self.scaled(reciprocal, &known[&x])
             }
-            _ => atom,
-        }
+            (_, [sum, ..]) => self.scaled(if *sum == x { y } else { x }, &known[sum]),
+        };
+        terms.unwrap_or_else(|| vec![itself])
     }
 
     /// The terms of `uniform · sum`, if it is no more work so.
-    fn scaled(&mut self, uniform: NodeId, sum: NodeId, depth: usize) -> Option<Vec<Product>> {
+    fn scaled(&mut self, uniform: NodeId, terms: &[Product]) -> Option<Vec<Product>> {
         if !self.range(uniform).within(TAME_TERM) {
             return None;
         }
-        let terms = self.terms(sum, depth + 1)?;
         let bare = terms.iter().filter(|term| term.uniform.is_none()).count();
         // Each term without a uniform factor costs a multiplication more; that of the sum is saved. Of a large term the product must not be
         // taken in another order: the factors alone may be too small for a number.
         if bare > 1 || !terms.iter().all(|term| self.is_tame(term)) {
             return None;
         }
-        let mut scaled = Vec::with_capacity(terms.len());
-        for term in terms {
-            let factor = self.times(Some(uniform), term.uniform);
-            scaled.push(Product { uniform: factor, rest: term.rest });
-        }
-        Some(scaled)
+        let scaled = |term: &Product| Product { uniform: self.times(Some(uniform), term.uniform), rest: term.rest };
+        Some(terms.iter().map(scaled).collect())
     }
 
     fn is_tame(&self, term: &Product) -> bool {
         [term.uniform, term.rest].into_iter().flatten().all(|factor| self.range(factor).within(TAME_TERM))
     }
 
-    fn negated(&mut self, term: Product) -> Option<Product> {
+    fn negated(&mut self, term: Product) -> Product {
         let minus = self.constant(-1.0);
-        let uniform = self.times(Some(minus), term.uniform);
-        Some(Product { uniform, rest: term.rest })
+        Product { uniform: self.times(Some(minus), term.uniform), rest: term.rest }
     }
 
     /// Adds a term to a sum, together with one that has the same uniform factor (two static ones become one) or the same rest.

@@ -7,13 +7,12 @@
 
 use crate::formula::ParameterId;
 use crate::formula::binding::{BindingTime, Bindings};
-use crate::formula::graph::{Node, NodeId};
+use crate::formula::graph::{Node, NodeId, walk};
 use crate::lang::scalars::Primitive;
+use std::collections::{HashMap, HashSet};
 
 /// More terms than this are no gain over computing anew.
 const MOST_TERMS: usize = 6;
-/// What is nested deeper is not taken apart.
-const DEEPEST: usize = 256;
 /// What a sub-expression must cost for it to be kept rather than computed again: about what loading it costs, in simple instructions.
 const WORTH_KEEPING: u32 = 12;
 
@@ -69,7 +68,7 @@ impl Separation {
                 let mut resting = [None; 3];
                 let mut live = [None; 3];
                 for (component, root) in contribution.into_iter().enumerate() {
-                    (resting[component], live[component]) = separator.split(root, 0);
+                    (resting[component], live[component]) = separator.split(root);
                 }
                 let kept = separator.worth_keeping(&live);
                 Self { bindings: separator.bindings, resting, dependence: Dependence::Live { live, kept } }
@@ -113,6 +112,9 @@ struct Product {
 }
 
 type Parts = ([Option<NodeId>; 3], Vec<Term>);
+
+/// What rests of a value, and what is live; their sum is the value.
+type Split = (Option<NodeId>, Option<NodeId>);
 
 impl Separator {
     fn record(&mut self, primitive: Primitive, operands: &[NodeId]) -> NodeId {
@@ -158,7 +160,7 @@ impl Separator {
         let mut terms: Vec<Term> = Vec::new();
         for (component, root) in contribution.into_iter().enumerate() {
             let mut place = 0;
-            for product in self.terms(root, 0)? {
+            for product in self.terms(root)? {
                 let Some(factor) = product.factor else {
                     let one = self.constant(1.0);
                     resting[component] = Some(product.part.unwrap_or(one));
@@ -176,35 +178,53 @@ impl Separator {
     }
 
     /// A value as a sum of products, no two with the same factor.
+    fn terms(&mut self, root: NodeId) -> Option<Vec<Product>> {
+        let mut sums = HashMap::new();
+        for id in walk(root, |id| self.linear_operands(id)) {
+            let terms = self.terms_of(id, &sums)?;
+            sums.insert(id, terms);
+        }
+        sums.remove(&root)
+    }
+
+    /// The operands whose terms those of a node are made of.
     #[expect(clippy::wildcard_enum_match_arm, reason = "only what is linear is separable")]
-    fn terms(&mut self, id: NodeId, depth: usize) -> Option<Vec<Product>> {
+    fn linear_operands(&self, id: NodeId) -> Vec<NodeId> {
+        let Node::Apply(primitive, [x, y, ..]) = self.bindings.graph.node(id) else { return Vec::new() };
+        match primitive {
+            _ if self.kind(id) != Kind::Mixed => Vec::new(),
+            Primitive::Add | Primitive::Sub | Primitive::Mul => vec![x, y],
+            Primitive::Neg | Primitive::Div => vec![x],
+            _ => Vec::new(),
+        }
+    }
+
+    /// The terms of a node, from those of its linear operands.
+    #[expect(clippy::wildcard_enum_match_arm, reason = "only what is linear is separable")]
+    fn terms_of(&mut self, id: NodeId, known: &HashMap<NodeId, Vec<Product>>) -> Option<Vec<Product>> {
         match self.kind(id) {
             Kind::Constant | Kind::Resting => return Some(vec![Product { factor: None, part: Some(id) }]),
             Kind::Moved => return Some(vec![Product { factor: Some(id), part: None }]),
             Kind::Mixed => {}
         }
-        let Node::Apply(primitive, operands) = self.bindings.graph.node(id) else { return None };
-        if depth > DEEPEST {
-            return None;
-        }
-        let [x, y] = [operands[0], operands[1]];
+        let Node::Apply(primitive, [x, y, ..]) = self.bindings.graph.node(id) else { return None };
         let mut sum = Vec::new();
         match primitive {
             Primitive::Add | Primitive::Sub => {
-                let (one, mut other) = (self.terms(x, depth + 1)?, self.terms(y, depth + 1)?);
+                let (one, mut other) = (&known[&x], known[&y].clone());
                 if primitive == Primitive::Sub {
                     self.negate(&mut other);
                 }
-                for term in one.into_iter().chain(other) {
+                for term in one.iter().copied().chain(other) {
                     self.gather(&mut sum, term);
                 }
             }
             Primitive::Neg => {
-                sum = self.terms(x, depth + 1)?;
+                sum.clone_from(&known[&x]);
                 self.negate(&mut sum);
             }
             Primitive::Mul => {
-                let (one, other) = (self.terms(x, depth + 1)?, self.terms(y, depth + 1)?);
+                let (one, other) = (&known[&x], &known[&y]);
                 if one.len() * other.len() > 2 * MOST_TERMS {
                     return None;
                 }
@@ -217,10 +237,10 @@ impl Separator {
             Primitive::Div if self.kind(y) != Kind::Mixed => {
                 let one = self.constant(1.0);
                 let resting = self.rests(y);
-                for term in self.terms(x, depth + 1)? {
-                    let divided = if resting { &term.part } else { &term.factor };
+                for term in &known[&x] {
+                    let divided = if resting { term.part } else { term.factor };
                     let quotient = Some(self.record(Primitive::Div, &[divided.unwrap_or(one), y]));
-                    let term = if resting { Product { part: quotient, ..term } } else { Product { factor: quotient, ..term } };
+                    let term = if resting { Product { part: quotient, ..*term } } else { Product { factor: quotient, ..*term } };
                     self.gather(&mut sum, term);
                 }
             }
@@ -258,17 +278,29 @@ impl Separator {
     }
 
     /// A sum as what rests of it and what is live.
-    fn split(&mut self, id: NodeId, depth: usize) -> (Option<NodeId>, Option<NodeId>) {
-        if self.rests(id) {
-            return (Some(id), None);
+    fn split(&mut self, root: NodeId) -> Split {
+        let mut splits: HashMap<NodeId, Split> = HashMap::new();
+        for id in walk(root, |id| self.addends(id).map_or(Vec::new(), |(_, operands)| operands.to_vec())) {
+            let split = match self.addends(id) {
+                _ if self.rests(id) => (Some(id), None),
+                Some((primitive, operands)) => {
+                    let [(x, live_x), (y, live_y)] = operands.map(|operand| splits[&operand]);
+                    (self.joined(primitive, x, y), self.joined(primitive, live_x, live_y))
+                }
+                None => (None, Some(id)),
+            };
+            splits.insert(id, split);
         }
+        splits[&root]
+    }
+
+    /// What a node that does not rest is the sum or the difference of.
+    fn addends(&self, id: NodeId) -> Option<(Primitive, [NodeId; 2])> {
         match self.bindings.graph.node(id) {
-            Node::Apply(primitive @ (Primitive::Add | Primitive::Sub), operands) if depth <= DEEPEST => {
-                let (x, live_x) = self.split(operands[0], depth + 1);
-                let (y, live_y) = self.split(operands[1], depth + 1);
-                (self.joined(primitive, x, y), self.joined(primitive, live_x, live_y))
+            Node::Apply(primitive @ (Primitive::Add | Primitive::Sub), [x, y, ..]) if !self.rests(id) => {
+                Some((primitive, [x, y]))
             }
-            Node::Apply(..) | Node::Constant(_) | Node::Variable(..) | Node::Parameter(..) => (None, Some(id)),
+            Node::Apply(..) | Node::Constant(_) | Node::Variable(..) | Node::Parameter(..) => None,
         }
     }
 
@@ -299,13 +331,13 @@ impl Separator {
         kept
     }
 
-    /// What a dynamic node costs, in simple instructions.
+    /// What a dynamic node costs, in simple instructions; more than is worth keeping is not counted.
     fn cost(&self, id: NodeId) -> u32 {
-        let mut seen = vec![false; self.bindings.graph.len()];
+        let mut seen = HashSet::new();
         let mut pending = vec![id];
         let mut cost = 0;
         while let Some(id) = pending.pop() {
-            if std::mem::replace(&mut seen[id.0 as usize], true) || self.bindings.time(id) != BindingTime::Dynamic {
+            if self.bindings.time(id) != BindingTime::Dynamic || !seen.insert(id) {
                 continue;
             }
             if let Node::Apply(primitive, _) = self.bindings.graph.node(id) {
@@ -345,5 +377,111 @@ fn cost_of(primitive: Primitive) -> u32 {
         Primitive::Asin | Primitive::Acos | Primitive::Atan | Primitive::Atan2 => 24,
         Primitive::Pow => 60,
         Primitive::Perlin => 1000,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::formula::Formula;
+    use crate::formula::graph::Graph;
+    use crate::lang::source::Source;
+    use crate::lang::variables::Predefined;
+
+    /// Macros that each use the one before twice: `step` with `M` for it.
+    fn chain(length: usize, first: &str, step: &str, result: &str) -> Formula {
+        let last = format!("M{length}");
+        let lines: String =
+            (1..=length).map(|index| format!("M{index} = {};", step.replace('M', &format!("M{}", index - 1)))).collect();
+        let text = format!(
+            "body_specific; kd: scalar, constraint 0..1; ks: scalar, constraint 0..1; formula; M0 = {first}; {lines} = {};",
+            result.replace('M', &last)
+        );
+        Formula::parse(&Source::new("chain", text)).expect("a formula").0
+    }
+
+    /// Some numbers for variables and parameters.
+    fn value(node: Node) -> f32 {
+        match node {
+            Node::Parameter(id, component) => 0.3 + 0.07 * id.0 as f32 + 0.1 * f32::from(component),
+            Node::Variable(variable, component) => 0.2 + 0.05 * f32::from(variable as u8) + 0.15 * f32::from(component),
+            Node::Constant(_) | Node::Apply(..) => f32::NAN,
+        }
+    }
+
+    fn values(graph: &Graph, roots: &[Option<NodeId>]) -> Vec<f32> {
+        let known: Vec<NodeId> = roots.iter().flatten().copied().collect();
+        let mut values = graph.evaluate(&known, |id| value(graph.node(id))).into_iter();
+        roots.iter().map(|root| root.map_or(0.0, |_| values.next().expect("a value of each root"))).collect()
+    }
+
+    /// Holds the contribution, rewritten and taken apart, against the formula as it is typed; and how it depends on kd.
+    fn check(formula: &Formula) -> Dependence {
+        let graph = Graph::new(formula);
+        let ki = value(Node::Parameter(formula.predefined(Predefined::Intensity), 0));
+        let typed: Vec<f32> = values(&graph, &graph.result().map(Some)).iter().map(|number| ki * number).collect();
+        let near = |one: &[f32], what: &str| {
+            let close = |(a, b): (&f32, &f32)| a == b || (a - b).abs() <= 1e-5 * a.abs();
+            assert!(one.iter().zip(&typed).all(close), "{what}: {one:?}, typed {typed:?}");
+        };
+        let bindings = Bindings::new(formula);
+        near(&values(&bindings.graph, &bindings.contribution.map(Some)), "rewritten");
+        let kd = formula.parameter_named("kd").expect("a parameter");
+        let Separation { bindings, resting, dependence } = Separation::new(&bindings, &[(kd, 0)]);
+        assert!(bindings.graph.len() < 2000, "{} nodes", bindings.graph.len());
+        let mut sum = values(&bindings.graph, &resting);
+        match &dependence {
+            Dependence::None => {}
+            Dependence::Separable(terms) => {
+                for Term { factors, parts } in terms {
+                    let factors = values(&bindings.graph, factors);
+                    let whole = |component: usize| parts[component].map(|part| values(&bindings.graph, &[Some(part)])[0]);
+                    (0..3).for_each(|component| sum[component] += factors[component] * whole(component).unwrap_or(1.0));
+                }
+            }
+            Dependence::Live { live, .. } => {
+                sum.iter_mut().zip(values(&bindings.graph, live)).for_each(|(sum, live)| *sum += live);
+            }
+        }
+        near(&sum, "taken apart");
+        dependence
+    }
+
+    const DYNAMIC: &str = "kd*(N.L) + ks";
+
+    #[test]
+    fn sums_of_shared_nodes_are_taken_apart_once() {
+        for (step, result) in [
+            ("M + M", "M*Cd*9.5e-7"),
+            ("M*3 - M", "M*Cd*9.5e-7"),
+            ("M - M*0.5", "M*Cd*2000"),
+            ("M*ks + M/2", "M*Cd"),
+            ("-(M*0.75) - M*ks", "M*Cd"),
+        ] {
+            // 2²⁰ times the sum, first; and more doublings than there could be nodes.
+            for length in [20, 45] {
+                let result = if length == 45 { format!("({result})*1e-7") } else { result.to_owned() };
+                let dependence = check(&chain(length, DYNAMIC, step, &result));
+                assert!(matches!(dependence, Dependence::Separable(_)), "{step}: {dependence:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn products_of_shared_nodes_are_taken_apart_once() {
+        // A power of kd, and a polynomial of too high a degree.
+        assert!(matches!(check(&chain(45, "kd*(N.L)", "M*M", "M*Cd")), Dependence::Separable(_)));
+        assert!(matches!(check(&chain(2, DYNAMIC, "M*M", "M*Cd")), Dependence::Separable(_)));
+        assert!(matches!(check(&chain(45, DYNAMIC, "M*M", "M*Cd")), Dependence::Live { .. }));
+    }
+
+    #[test]
+    fn what_is_live_is_split_off_once() {
+        for step in ["M + M", "M - M*0.5 - M"] {
+            let dependence = check(&chain(45, "exp(-kd*alpha) + ks*(N.L)", step, "Cd*(M*1e-12)"));
+            assert!(matches!(dependence, Dependence::Live { .. }), "{step}: {dependence:?}");
+        }
+        let sum = check(&chain(45, "<1, 2, 3>*(exp(-kd*alpha)) + Cd*ks*alpha", "M + M", "M"));
+        assert!(matches!(sum, Dependence::Live { .. }));
     }
 }
