@@ -76,7 +76,9 @@ impl Evaluator {
         })
     }
 
-    /// The picture that these parameter numbers give, unclamped and linear.
+    /// The picture that these parameter numbers give, unclamped and linear. Each lies within the range of its parameter, where that has
+    /// one, and none is NaN or infinite, as [`Parameter::clamp`](crate::formula::Parameter::clamp) leaves them: compiled code relies on
+    /// that, and beyond it the picture may be another than the formula's.
     ///
     /// # Panics
     /// Where there are fewer numbers than the [`Layout`](crate::formula::layout::Layout) of formula and scene has.
