@@ -25,7 +25,7 @@ use images::{Image, Key, LARGEST_SUM, TileImages};
 use plan::{Passes, Plan, Step, Work};
 use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// How frames of a drag are made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -74,9 +74,12 @@ enum TileState {
         images: Vec<Image>,
         kept: Option<Columns>,
     },
-    /// Images, and whether what they leave alone is right in the picture: it is not after a picture that they could not make, with
-    /// something infinite that is 0 in them.
-    Images(TileImages, bool),
+    Images {
+        images: TileImages,
+        /// Whether what they leave alone is right in the picture: it is not after a picture that they could not make, with something
+        /// infinite that is 0 in them.
+        right: bool,
+    },
     Live(LiveTile),
     /// It is drawn the general way.
     General,
@@ -91,6 +94,7 @@ struct LiveTile {
 
 impl Drag {
     /// Takes hold of numbers of one owner (places in `memory`, whose values are those before the drag), and keeps at most so many bytes.
+    /// All numbers lie within the ranges of their parameters, as for any [frame](crate::evaluate::Evaluator::frame).
     ///
     /// # Errors
     /// Kernels for it are beyond what the code generator takes.
@@ -98,6 +102,7 @@ impl Drag {
     /// # Panics
     /// Where there are fewer parameter numbers than the layout has.
     pub fn new(compiled: &Arc<Compiled>, moved: &[usize], memory: &[f32], budget: usize) -> Result<Self, CompileError> {
+        check_numbers(compiled, memory);
         let plan = Plan::new(compiled, moved)?;
         let mut drag = Self {
             compiled: Arc::clone(compiled),
@@ -127,7 +132,7 @@ impl Drag {
         let of_tile = |(state, tile): (&TileState, &Tile)| match state {
             TileState::Untouched => 0,
             TileState::Waiting { .. } | TileState::General => tile.pixels.len(),
-            TileState::Images(images, _) => images.pixels(),
+            TileState::Images { images, .. } => images.pixels(),
             TileState::Live(live) => live.cells.len() * cells::CELL_PIXELS,
         };
         self.tiles.iter().zip(&self.compiled.hits.tiles).map(of_tile).sum()
@@ -139,30 +144,36 @@ impl Drag {
     }
 
     /// Draws the picture of these numbers. The framebuffer is that of the last frame, unless this is the first: what cannot have changed
-    /// is not written. Numbers other than the moved ones may be others than before, but then all begins anew.
+    /// is not written. Numbers other than the moved ones may be others than before, but then all begins anew. All lie within the ranges
+    /// of their parameters: how a formula is computed and taken apart is proved for these alone.
     ///
     /// # Panics
     /// Where the framebuffer has another size than the view, or there are too few parameter numbers.
     pub fn frame(&mut self, memory: &[f32], framebuffer: &mut Framebuffer) {
         self.compiled.check_size(framebuffer);
+        check_numbers(&self.compiled, memory);
         if !self.plan.same_rest(&self.memory, memory) {
             self.restart(memory);
         }
         let compiled = &*self.compiled;
-        let factors = self.plan.factors(compiled, memory);
+        let factors = self.plan.factors(memory);
         let factor = |key: Key| self.plan.factor(key, &factors);
-        let whole = compiled.whole(memory);
+        // Once all is made, tiles that are drawn the general way are rare.
+        let whole = OnceLock::new();
+        let draw_anew = |place: usize, workroom: &mut Workroom, pixels: &mut [u32]| {
+            compiled.draw_tile(whole.get_or_init(|| compiled.whole(memory)), memory, place, workroom, pixels);
+        };
         let live = self.plan.live_pass(compiled, memory);
         let (channels, drawn) = (self.plan.channels(), self.drawn);
         let tiles = framebuffer.pixels.par_chunks_mut(TILE_PIXELS as usize).zip(&mut self.tiles);
         compiled.each_tile(tiles, |(pixels, state), place, workroom| match state {
             TileState::Untouched if drawn => {}
-            TileState::Images(images, right) => {
+            TileState::Images { images, right } => {
                 let accurate = images.is_accurate(&factor);
                 if drawn && accurate && *right {
                     images.draw(&factor, pixels);
                 } else {
-                    compiled.draw_tile(&whole, memory, place, workroom, pixels);
+                    draw_anew(place, workroom, pixels);
                 }
                 *right = accurate;
             }
@@ -173,7 +184,7 @@ impl Drag {
                 }
             }
             TileState::Untouched | TileState::Live(_) | TileState::Waiting { .. } | TileState::General => {
-                compiled.draw_tile(&whole, memory, place, workroom, pixels)
+                draw_anew(place, workroom, pixels);
             }
         });
         self.drawn = true;
@@ -182,6 +193,9 @@ impl Drag {
 
     /// Makes some more of what is kept, about as much work as a full evaluation is; whether all is made now.
     pub fn prepare(&mut self) -> bool {
+        if self.is_ready() {
+            return true;
+        }
         let mut left = self.plan.full_cost(&self.compiled);
         let mut orders: Vec<usize> = vec![0; self.tiles.len()];
         for (state, order) in self.tiles.iter().zip(&mut orders) {
@@ -230,7 +244,7 @@ impl Drag {
                 TileState::Waiting { images, kept, .. } => {
                     images.iter().map(Image::bytes).sum::<usize>() + kept.as_ref().map_or(0, Columns::bytes)
                 }
-                TileState::Images(images, _) => images.bytes(),
+                TileState::Images { images, .. } => images.bytes(),
                 TileState::Live(live) => {
                     size_of_val(&*live.base) + size_of_val(&*live.cells) + live.kept.as_ref().map_or(0, Columns::bytes)
                 }
@@ -263,6 +277,12 @@ impl Drag {
     }
 }
 
+/// # Panics
+/// Where there are fewer parameter numbers than the layout has.
+fn check_numbers(compiled: &Compiled, memory: &[f32]) {
+    assert!(memory.len() >= compiled.layout.len(), "as many parameter numbers as the formula and the scene have");
+}
+
 /// Makes what is kept.
 struct Making<'m> {
     compiled: &'m Compiled,
@@ -290,7 +310,8 @@ impl Making<'_> {
                 *state = match plan.method() {
                     Method::Images if images.is_empty() => TileState::General,
                     Method::Images => {
-                        TileState::Images(TileImages::new(std::mem::take(images), &workroom.planes, channels), false)
+                        let images = TileImages::new(std::mem::take(images), &workroom.planes, channels);
+                        TileState::Images { images, right: false }
                     }
                     Method::Specialised => {
                         let cells = plan.live_cells(compiled, &compiled.hits.tiles[place], self.memory);

@@ -251,14 +251,13 @@ impl Plan {
     }
 
     /// The values of kr, kt and the factors of all terms.
-    pub(super) fn factors(&self, compiled: &Compiled, memory: &[f32]) -> Factors {
+    pub(super) fn factors(&self, memory: &[f32]) -> Factors {
         let number = |place: usize| flush(memory[place]);
         let leaf = |id: NodeId| self.leaves.iter().find(|(node, _)| *node == id).map_or(0.0, |(_, place)| number(*place));
         let wanted: Vec<NodeId> = self.terms.iter().flat_map(|term| term.factors).flatten().collect();
         let mut values = self.bindings.graph.evaluate(&wanted, leaf).into_iter();
         let terms = self.terms.iter().map(|term| term.factors.map(|factor| factor.map_or(0.0, |_| values.next().unwrap_or(0.0))));
         let weight = |place: Option<usize>| place.map_or(1.0, |place| f64::from(number(place)));
-        debug_assert!(memory.len() >= compiled.layout.len());
         Factors { terms: terms.collect(), kr: weight(self.kr), kt: weight(self.kt) }
     }
 
