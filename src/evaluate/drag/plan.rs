@@ -1,12 +1,14 @@
-//! What a drag has to do: what moves, what it reaches, and by which passes over the hits what is kept comes about.
+//! What a drag has to do: what moves, what it reaches, and what each frame adds up or multiplies.
 
-use crate::evaluate::columns::Columns;
+mod passes;
+mod steps;
+
 use crate::evaluate::compiled::{Compiled, Place, places_of};
 use crate::evaluate::drag::Method;
 use crate::evaluate::drag::cells::{CellSet, Factor};
 use crate::evaluate::drag::images::Key;
 use crate::evaluate::framebuffer::Channels;
-use crate::evaluate::pass::{Onto, Pass, Source, Workroom};
+use crate::evaluate::pass::Pass;
 use crate::evaluate::planes::Weight;
 use crate::formula::ParameterId;
 use crate::formula::binding::Bindings;
@@ -20,8 +22,8 @@ use crate::trace::{Edge, Group, Span, Tile};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-/// More images of a tile than this are not kept.
-const MOST_IMAGES: usize = 40;
+pub(super) use passes::Passes;
+pub(super) use steps::{Step, Work};
 
 /// What a drag has to do.
 pub(super) struct Plan {
@@ -70,32 +72,6 @@ enum Ambient {
     LightColour,
 }
 
-/// Something that is made for a tile before the drag is quick there.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Work {
-    /// Columns of what is kept for each record.
-    Kept,
-    /// An image.
-    Image(Key),
-    /// What rests. It is the last.
-    Base,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Step {
-    pub(super) work: Work,
-    /// About how long it takes, in units of adding a block to the pixels, which is about half of evaluating it
-    /// for a light.
-    pub(super) cost: u64,
-}
-
-/// The passes that make what is kept, for the numbers at hand.
-pub(super) struct Passes<'p> {
-    base: Pass<'p>,
-    terms: Vec<Pass<'p>>,
-    kept: Option<Source<'p>>,
-}
-
 impl Plan {
     /// Finds out what moves with the numbers at these places.
     ///
@@ -103,15 +79,17 @@ impl Plan {
     /// Kernels for it are beyond what the code generator takes.
     pub(super) fn new(compiled: &Compiled, moved: &[usize]) -> Result<Self, CompileError> {
         let layout = &compiled.layout;
-        let owners: BTreeSet<(Owner, usize)> =
-            moved.iter().filter_map(|place| layout.owner_of(*place)).map(|(owner, index, _)| (owner, index)).collect();
-        let slots: Vec<(usize, usize)> =
-            moved.iter().filter_map(|place| layout.owner_of(*place).map(|(_, _, slot)| (*place, slot))).collect();
+        let found: Vec<(usize, (Owner, usize, usize))> =
+            moved.iter().filter_map(|place| Some((*place, layout.owner_of(*place)?))).collect();
+        let owners: BTreeSet<(Owner, usize)> = found.iter().map(|(_, (owner, index, _))| (*owner, *index)).collect();
         let single = owners.len() == 1;
         let (owner, index) = owners.into_iter().next().unwrap_or((Owner::Global, 0));
-        let numbers: Vec<(usize, ParameterId, u8)> = slots
+        let numbers: Vec<(usize, ParameterId, u8)> = found
             .iter()
-            .filter_map(|(place, slot)| compiled.number_at(owner, *slot).map(|(id, component)| (*place, id, component)))
+            .filter_map(|(place, (owner, _, slot))| {
+                let (id, component) = compiled.number_at(*owner, *slot)?;
+                Some((*place, id, component))
+            })
             .collect();
         let kernels = compiled.compiled.drag(&numbers.iter().map(|(_, id, component)| (*id, *component)).collect::<Vec<_>>())?;
         let mut bindings = kernels.separation.bindings.clone();
@@ -119,7 +97,7 @@ impl Plan {
             numbers.iter().map(|(place, id, component)| (bindings.parameter(*id, *component), *place)).collect();
 
         let places = &compiled.places;
-        let slot_moves = |of: Owner, slot: usize| of == owner && slots.iter().any(|(_, moved)| *moved == slot);
+        let slot_moves = |of: Owner, slot: usize| of == owner && found.iter().any(|(_, (_, _, moved))| *moved == slot);
         let node_of = |of: Owner, slot: usize| {
             let place = (of == owner).then(|| layout.row(owner, index) + slot)?;
             leaves.iter().find(|(_, moved)| *moved == place).map(|(node, _)| *node)
@@ -250,6 +228,20 @@ impl Plan {
         }
     }
 
+    /// Whether anything that moves may be seen in a group of hits.
+    fn moves_group(&self, group: &Group) -> bool {
+        let body = group.body.index();
+        self.moves_ambient(body) || group.lights.iter().any(|light| self.moves_pair(body, light.index()))
+    }
+
+    /// What the kernels for what moves yield.
+    fn moving_channels(&self) -> Channels {
+        match *self.kernels.channels {
+            [channel] => Channels::One(channel),
+            _ => Channels::All,
+        }
+    }
+
     /// The values of kr, kt and the factors of all terms.
     pub(super) fn factors(&self, memory: &[f32]) -> Factors {
         let number = |place: usize| flush(memory[place]);
@@ -268,8 +260,12 @@ impl Plan {
         Factor(term.map(|component| (weight * f64::from(component)) as f32))
     }
 
-    /// How often the weight of each path has the moved kr and kt in it.
-    fn counts(&self, compiled: &Compiled, tile: &Tile) -> Vec<(u8, u8)> {
+    /// What the paths of a tile weigh, whatever the moved kr and kt are.
+    fn path_weights(&self, compiled: &Compiled, tile: &Tile, memory: &[f32]) -> PathWeights {
+        let mut resting = memory.to_vec();
+        [self.kr, self.kt].into_iter().flatten().for_each(|place| resting[place] = 1.0);
+        let mut weights = Vec::new();
+        compiled.path_weights(tile, &resting, &mut weights);
         let mut counts: Vec<(u8, u8)> = Vec::with_capacity(tile.paths.len());
         for path in &tile.paths {
             counts.push(match compiled.last_factor(tile, path) {
@@ -285,84 +281,7 @@ impl Plan {
                 None => (0, 0),
             });
         }
-        counts
-    }
-
-    /// The weights of the paths of a tile without the moved kr and kt; 0 for those in which they are not as often as in the key.
-    fn weights(&self, compiled: &Compiled, tile: &Tile, memory: &[f32], key: Key, weights: &mut Vec<Weight>) {
-        let mut resting = memory.to_vec();
-        [self.kr, self.kt].into_iter().flatten().for_each(|place| resting[place] = 1.0);
-        compiled.path_weights(tile, &resting, weights);
-        for (weight, counts) in weights.iter_mut().zip(self.counts(compiled, tile)) {
-            if counts != (key.reflections, key.refractions) {
-                *weight = Weight(0.0);
-            }
-        }
-    }
-
-    /// About what a full evaluation of a tile costs.
-    fn tile_cost(tile: &Tile) -> u64 {
-        let groups: u64 = tile.groups.iter().map(|group| group_cost(group.lights.len(), group.blocks.len())).sum();
-        groups + tile.miss_blocks.len() as u64 + pixels_cost(tile)
-    }
-
-    /// About what a full evaluation costs, in the units of [`Step::cost`].
-    pub(super) fn full_cost(&self, compiled: &Compiled) -> u64 {
-        compiled.hits.tiles.iter().map(Self::tile_cost).sum()
-    }
-
-    /// What has to be made for a tile; nothing where nothing that moves is seen in it.
-    pub(super) fn steps(&self, compiled: &Compiled, place: usize, memory: &[f32]) -> Vec<Step> {
-        let tile = &compiled.hits.tiles[place];
-        let mut weights = Vec::new();
-        let combinations: BTreeSet<(u8, u8)> = self.counts(compiled, tile).into_iter().collect();
-        let mut steps = Vec::new();
-        for (reflections, refractions) in combinations {
-            for term in 0..=self.terms.len() {
-                // Terms are far fewer than 256.
-                let key = Key { reflections, refractions, term: term as u8 };
-                if key.is_base() {
-                    continue;
-                }
-                self.weights(compiled, tile, memory, key, &mut weights);
-                let mut cost = 0;
-                for group in &tile.groups {
-                    let lights = self.reached(group, term);
-                    if let Some(lights) = lights {
-                        cost += group_cost(lights, live_blocks(&group.spans, &weights));
-                    }
-                }
-                if self.has_background(term) {
-                    cost += live_blocks(&tile.misses, &weights) as u64;
-                }
-                if cost > 0 {
-                    steps.push(Step { work: Work::Image(key), cost: cost + pixels_cost(tile) });
-                }
-            }
-        }
-        if self.method == Method::Specialised {
-            self.weights(compiled, tile, memory, Key::default(), &mut weights);
-            let moving = |group: &&Group| {
-                let lit = group.lights.iter().any(|light| self.moves_pair(group.body.index(), light.index()));
-                lit || self.moves_ambient(group.body.index())
-            };
-            let blocks = tile.groups.iter().filter(moving).map(|group| live_blocks(&group.spans, &weights));
-            if blocks.sum::<usize>() == 0 {
-                return Vec::new();
-            }
-            steps.clear();
-            if self.kernels.kept.is_some() {
-                let cost = tile.groups.iter().filter(moving).map(|group| group_cost(group.lights.len(), group.blocks.len()));
-                steps.push(Step { work: Work::Kept, cost: cost.sum() });
-            }
-            steps.push(Step { work: Work::Base, cost: Self::tile_cost(tile) });
-        } else if steps.len() > MOST_IMAGES {
-            // Too many to be worth it; the base alone means the general way.
-            return vec![Step { work: Work::Base, cost: 0 }];
-        } else if !steps.is_empty() {
-            steps.push(Step { work: Work::Base, cost: Self::tile_cost(tile) });
-        }
-        steps
+        PathWeights { resting: weights, counts }
     }
 
     /// How many lights of a group an image of this term (0: none) takes in; none where the group is not in it at all.
@@ -384,102 +303,13 @@ impl Plan {
         }
     }
 
-    /// The passes that make what is kept.
-    pub(super) fn passes<'p>(&'p self, compiled: &'p Compiled, memory: &[f32]) -> Passes<'p> {
-        let terms = self.terms.iter().map(|term| self.term_pass(compiled, memory, term)).collect();
-        let kept = self.kernels.kept.as_ref().map(|kept| self.moving_source(compiled, memory, kept, &self.kept_leaves));
-        Passes { base: self.base_pass(compiled, memory), terms, kept }
-    }
-
-    /// What rests.
-    fn base_pass<'p>(&'p self, compiled: &'p Compiled, memory: &[f32]) -> Pass<'p> {
-        let mut whole = compiled.whole(memory);
-        for (body, ambient) in whole.ambient.iter_mut().enumerate() {
-            if self.moves_ambient(body) {
-                *ambient = only(*ambient, self.ambient_moves.map(|moves| !moves));
-            }
-        }
-        whole.background = only(whole.background, self.background_moves.map(|moves| !moves));
-        for source in &mut whole.sources {
-            source.active = compiled.active(memory, |body, light| !self.moves_pair(body, light));
-        }
-        if let Some(resting) = &self.kernels.resting {
-            let mut source = compiled.source_of(memory, resting, &self.resting_leaves, Channels::All);
-            source.active = compiled.active(memory, |body, light| self.moves_pair(body, light));
-            whole.sources.push(source);
-        }
-        whole.channels = self.channels;
-        whole
-    }
-
-    /// The part that rests of a term.
-    fn term_pass<'p>(&'p self, compiled: &'p Compiled, memory: &[f32], term: &PlanTerm) -> Pass<'p> {
-        let mut pass = Pass {
-            sources: Vec::new(),
-            lights: compiled.layout.owners(Owner::Light),
-            ambient: vec![[0.0; 3]; compiled.layout.owners(Owner::Body)],
-            background: [0.0; 3],
-            channels: self.channels,
-        };
-        if let Some((contributor, leaves)) =
-            term.contributor.and_then(|place| Some((self.kernels.moving.get(place)?, &self.moving_leaves[place])))
-        {
-            pass.sources.push(self.moving_source(compiled, memory, contributor, leaves));
-        }
-        let present = term.factors.map(|factor| factor.is_some());
-        if term.ambient {
-            for (body, ambient) in pass.ambient.iter_mut().enumerate().filter(|(body, _)| self.moves_ambient(*body)) {
-                let [weight, colour, light] = compiled.ambient_factors(body, memory);
-                let [one, other] = match self.ambient {
-                    Ambient::Rests | Ambient::BodyColour => [weight, light],
-                    Ambient::Weight => [colour, light],
-                    Ambient::LightColour => [weight, colour],
-                };
-                *ambient = only([0, 1, 2].map(|component| one[component] * other[component]), present);
-            }
-        }
-        if term.background {
-            pass.background = only([1.0; 3], present);
-        }
-        pass
-    }
-
-    /// A source for pairs that move. Where the intensity of a light moves, it does not matter what it is at present.
-    fn moving_source<'p>(
-        &self,
-        compiled: &'p Compiled,
-        memory: &[f32],
-        contributor: &'p Contributor,
-        leaves: &[Place],
-    ) -> Source<'p> {
-        let channels = match *self.kernels.channels {
-            [channel] => Channels::One(channel),
-            _ => Channels::All,
-        };
-        let mut source = compiled.source_of(memory, contributor, leaves, channels);
-        let bright = |light: usize| {
-            let place = compiled.layout.row(Owner::Light, light) + compiled.places.ki;
-            self.moved.binary_search(&place).is_ok() || flush(memory[place]) != 0.0
-        };
-        let lights = compiled.layout.owners(Owner::Light);
-        for (pair, active) in source.active.iter_mut().enumerate() {
-            let (body, light) = (pair / lights, pair % lights);
-            *active = bright(light) && self.moves_pair(body, light);
-        }
-        source
-    }
-
     /// What is live, for the numbers of a frame.
     pub(super) fn live_pass<'p>(&'p self, compiled: &'p Compiled, memory: &[f32]) -> Option<Pass<'p>> {
         let (contributor, leaves) = match self.method {
             Method::Specialised => (self.kernels.moving.first()?, self.moving_leaves.first()?),
             Method::Images | Method::General => return None,
         };
-        let channels = match *self.kernels.channels {
-            [channel] => Channels::One(channel),
-            _ => Channels::All,
-        };
-        let mut source = compiled.source_of(memory, contributor, leaves, channels);
+        let mut source = compiled.source_of(memory, contributor, leaves, self.moving_channels());
         source.active = compiled.active(memory, |body, light| self.moves_pair(body, light));
         let ambient = |body: usize| match self.moves_ambient(body) {
             true => only(compiled.ambient(body, memory), self.ambient_moves),
@@ -497,60 +327,30 @@ impl Plan {
     /// The cells of a tile in which something is live.
     pub(super) fn live_cells(&self, compiled: &Compiled, tile: &Tile, memory: &[f32]) -> Vec<u16> {
         let mut weights = Vec::new();
-        self.weights(compiled, tile, memory, Key::default(), &mut weights);
+        self.path_weights(compiled, tile, memory).of(Key::default(), &mut weights);
         let mut cells = CellSet::none(tile.pixels.len());
-        for group in &tile.groups {
-            let body = group.body.index();
-            if self.moves_ambient(body) || group.lights.iter().any(|light| self.moves_pair(body, light.index())) {
-                add_live(tile, &group.spans, &weights, &mut cells);
-            }
+        for group in tile.groups.iter().filter(|group| self.moves_group(group)) {
+            add_live(tile, &group.spans, &weights, &mut cells);
         }
         cells.cells()
     }
 }
 
-impl Passes<'_> {
-    /// Adds up the image of this key in the workroom; the cells in which it may differ from 0.
-    pub(super) fn add_image(
-        &self,
-        plan: &Plan,
-        compiled: &Compiled,
-        memory: &[f32],
-        key: Key,
-        place: usize,
-        workroom: &mut Workroom,
-    ) -> CellSet {
-        let tile = &compiled.hits.tiles[place];
-        plan.weights(compiled, tile, memory, key, &mut workroom.weights);
-        let term = usize::from(key.term);
-        let pass = match term.checked_sub(1) {
-            Some(term) => &self.terms[term],
-            None => &self.base,
-        };
-        pass.add(tile, place, None, Onto::Black, workroom);
-        let mut touched = CellSet::none(tile.pixels.len());
-        for group in tile.groups.iter().filter(|group| plan.reached(group, term).is_some()) {
-            add_live(tile, &group.spans, &workroom.weights, &mut touched);
-        }
-        if plan.has_background(term) {
-            for span in tile.misses.iter().filter(|span| !workroom.weights[span.path.index()].is_zero()) {
-                touched.add(tile.misses_of(span));
-            }
-        }
-        touched
-    }
+/// The weights of the paths of a tile as polynomials in the moved kr and kt.
+struct PathWeights {
+    /// Without the moved kr and kt.
+    resting: Vec<Weight>,
+    /// How often each path has them in its weight.
+    counts: Vec<(u8, u8)>,
+}
 
-    /// Adds up what rests in the workroom.
-    pub(super) fn add_base(&self, plan: &Plan, compiled: &Compiled, memory: &[f32], place: usize, workroom: &mut Workroom) {
-        let tile = &compiled.hits.tiles[place];
-        plan.weights(compiled, tile, memory, Key::default(), &mut workroom.weights);
-        self.base.add(tile, place, None, Onto::Black, workroom);
-    }
-
-    /// What is kept for each record of a tile.
-    pub(super) fn kept_columns(&self, compiled: &Compiled, place: usize) -> Option<Columns> {
-        let tile = &compiled.hits.tiles[place];
-        self.kept.as_ref().map(|source| Columns::kept(tile, place, source, compiled.layout.owners(Owner::Light)))
+impl PathWeights {
+    /// The weights for an image with this key: 0 for paths that have the moved kr and kt more often in them, or less.
+    fn of(&self, key: Key, weights: &mut Vec<Weight>) {
+        let wanted = (key.reflections, key.refractions);
+        let paths = self.resting.iter().zip(&self.counts);
+        weights.clear();
+        weights.extend(paths.map(|(weight, counts)| if *counts == wanted { *weight } else { Weight(0.0) }));
     }
 }
 
@@ -566,24 +366,9 @@ fn only(colour: [f32; 3], wanted: [bool; 3]) -> [f32; 3] {
     [0, 1, 2].map(|component| if wanted[component] { colour[component] } else { 0.0 })
 }
 
-/// The blocks of spans whose weight is not 0.
-fn live_blocks(spans: &[Span], weights: &[Weight]) -> usize {
-    spans.iter().filter(|span| !weights[span.path.index()].is_zero()).map(|span| span.blocks.len()).sum()
-}
-
 /// Adds the cells of spans of hits whose weight is not 0.
 fn add_live(tile: &Tile, spans: &[Span], weights: &[Weight], cells: &mut CellSet) {
     for span in spans.iter().filter(|span| !weights[span.path.index()].is_zero()) {
         cells.add(tile.blocks_of(&span.blocks));
     }
-}
-
-/// What so many blocks of a group cost for so many lights: their evaluation, and adding them to pixels.
-fn group_cost(lights: usize, blocks: usize) -> u64 {
-    (blocks * (2 * lights + 1)) as u64
-}
-
-/// What clearing and reading the pixels of a tile costs.
-fn pixels_cost(tile: &Tile) -> u64 {
-    tile.pixels.len() as u64 / 4
 }
