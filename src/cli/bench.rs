@@ -139,18 +139,17 @@ fn measure(options: &Options, input: &Input, sliders: &[Slider]) -> Result<Repor
     let view = &input.view;
     let bytes = engine::memory_for(view, &options.input.machine)?;
     let progress = Progress::new("measuring");
-    let clock = Clock { runs: options.runs };
     let (compile_ms, compiled) =
-        clock.time(options.runs, || CompiledFormula::new(&input.formula).map_err(|e| Failure::input(e.to_string())))?;
+        time(options.runs, || CompiledFormula::new(&input.formula).map_err(|e| Failure::input(e.to_string())))?;
     let compiled = Arc::new(compiled);
     progress.tell(0.05);
     let traces = options.runs.min(MOST_TRACES);
-    let (trace_ms, hits) = clock.time(traces, || engine::trace_for(&compiled, input, view, bytes, &|_| ()))?;
+    let (trace_ms, hits) = time(traces, || engine::trace_for(&compiled, input, view, bytes, &|_| ()))?;
     progress.tell(0.2);
     let evaluator = Arc::new(engine::compiled_backend(&compiled, input, &hits)?);
     let mut framebuffer = Framebuffer::black(view.width(), view.height());
     let numbers = input.values.numbers();
-    let jit_ms = clock.median(options.runs, |_| {
+    let jit_ms = median(options.runs, |_| {
         let start = Instant::now();
         evaluator.draw(numbers, &mut framebuffer);
         Ok(start.elapsed())
@@ -160,12 +159,12 @@ fn measure(options: &Options, input: &Input, sliders: &[Slider]) -> Result<Repor
         .enumerate()
         .map(|(index, slider)| {
             progress.tell(0.25 + 0.5 * index as f64 / sliders.len() as f64);
-            drag(&clock, input, &evaluator, slider, &mut framebuffer)
+            drag(options.runs, input, &evaluator, slider, &mut framebuffer)
         })
         .collect::<Result<Vec<_>, _>>()?;
     let jit_bytes = (evaluator.bytes() + size_of_val(&*framebuffer.pixels)) as f64;
     drop(evaluator);
-    let (interpreter_ms, interpreter_bytes) = interpreted(&clock, &engine::interpreter(input, *view)?, numbers)?;
+    let (interpreter_ms, interpreter_bytes) = interpreted(options.runs, &engine::interpreter(input, *view)?, numbers)?;
     let counts = Hits::counts(&hits);
     let pixels = f64::from(view.pixels());
     Ok(Report {
@@ -185,9 +184,9 @@ fn measure(options: &Options, input: &Input, sliders: &[Slider]) -> Result<Repor
 }
 
 /// A frame by the interpreter: the time that running the programs takes, and their bytes.
-fn interpreted(clock: &Clock, interpreter: &Interpreted, numbers: &[f32]) -> Result<(f64, u64), Failure> {
+fn interpreted(runs: u32, interpreter: &Interpreted, numbers: &[f32]) -> Result<(f64, u64), Failure> {
     let mut bytes = 0;
-    let ms = clock.median(clock.runs, |_| {
+    let ms = median(runs, |_| {
         let (_, timing) = interpreter.frame(numbers);
         bytes = timing.bytes;
         // Programs are written in between; what running them took is added up over threads.
@@ -198,7 +197,7 @@ fn interpreted(clock: &Clock, interpreter: &Interpreted, numbers: &[f32]) -> Res
 
 /// A slider taken and moved to and fro.
 fn drag(
-    clock: &Clock,
+    runs: u32,
     input: &Input,
     evaluator: &Arc<Compiled>,
     slider: &Slider,
@@ -216,7 +215,7 @@ fn drag(
     let prepare_ms = milliseconds(start.elapsed());
     drag.frame(values.numbers(), framebuffer);
     let [low, high] = values.range_of(owner, id).unwrap_or([0.0, 1.0]);
-    let frame_ms = clock.median(clock.runs, |run| {
+    let frame_ms = median(runs, |run| {
         let target = low + [0.25, 0.75][run as usize % 2] * (high - low);
         let mut value = [target; 3];
         if let Some(component) = slider.component {
@@ -237,38 +236,31 @@ fn milliseconds(time: Duration) -> f64 {
     time.as_secs_f64().max(1e-9) * 1000.0
 }
 
-/// Repeats measurements.
-struct Clock {
-    runs: u32,
+/// The median of what `once` returns, in milliseconds.
+fn median(runs: u32, mut once: impl FnMut(u32) -> Result<Duration, Failure>) -> Result<f64, Failure> {
+    let start = Instant::now();
+    let mut times = Vec::new();
+    for run in 0..runs {
+        times.push(once(run)?);
+        if start.elapsed() > PATIENCE {
+            break;
+        }
+    }
+    times.sort();
+    Ok(milliseconds(times.get(times.len() / 2).copied().unwrap_or_default()))
 }
 
-impl Clock {
-    /// The median of what `once` returns, in milliseconds.
-    fn median(&self, runs: u32, mut once: impl FnMut(u32) -> Result<Duration, Failure>) -> Result<f64, Failure> {
+/// The median time of making something, in milliseconds, and what the last run made.
+fn time<T>(runs: u32, mut make: impl FnMut() -> Result<T, Failure>) -> Result<(f64, T), Failure> {
+    let mut made = None;
+    let median = median(runs, |_| {
+        // Freed before the clock starts: memory for two may not be there.
+        made = None;
         let start = Instant::now();
-        let mut times = Vec::new();
-        for run in 0..runs {
-            times.push(once(run)?);
-            if start.elapsed() > PATIENCE {
-                break;
-            }
-        }
-        times.sort();
-        Ok(milliseconds(times.get(times.len() / 2).copied().unwrap_or_default()))
-    }
-
-    /// The median time of making something, in milliseconds, and what the last run made.
-    fn time<T>(&self, runs: u32, mut make: impl FnMut() -> Result<T, Failure>) -> Result<(f64, T), Failure> {
-        let mut made = None;
-        let median = self.median(runs, |_| {
-            // Freed before the clock starts: memory for two may not be there.
-            made = None;
-            let start = Instant::now();
-            made = Some(make()?);
-            Ok(start.elapsed())
-        })?;
-        made.map(|made| (median, made)).ok_or_else(|| Failure::command_line("at least one run is needed"))
-    }
+        made = Some(make()?);
+        Ok(start.elapsed())
+    })?;
+    made.map(|made| (median, made)).ok_or_else(|| Failure::command_line("at least one run is needed"))
 }
 
 fn table(report: &Report, runs: u32) -> String {
