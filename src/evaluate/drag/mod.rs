@@ -370,3 +370,6 @@ impl WithSimd for Writing<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

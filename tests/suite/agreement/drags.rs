@@ -14,7 +14,7 @@ fn byte(component: f32) -> u32 {
 }
 
 /// How many components of a drawn picture are not those of a colour within the tolerance.
-fn wrong(drawn: &Framebuffer, frame: &Frame) -> usize {
+pub(super) fn wrong(drawn: &Framebuffer, frame: &Frame) -> usize {
     let pixels = drawn.pixels.iter().zip(&frame.linear);
     let components =
         pixels.flat_map(|(word, colour)| (0..3).map(move |component| (word >> (16 - 8 * component) & 0xff, colour[component])));

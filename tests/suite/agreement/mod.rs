@@ -5,3 +5,4 @@ mod accuracy;
 mod drags;
 mod formulas;
 mod operations;
+mod sessions;

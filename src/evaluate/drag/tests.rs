@@ -1,0 +1,118 @@
+//! What drags keep, on a built-in session.
+
+use super::*;
+use crate::formula::Formula;
+use crate::jit::CompiledFormula;
+use crate::lang::source::Source;
+use crate::presets::{self, Kind};
+use crate::scene::Scene;
+use crate::trace::{Budget, View, trace};
+use crate::workspace::{Session, Values};
+use std::sync::atomic::AtomicBool;
+
+/// Some sliders of the default session: images of kinds, and what needs a kernel.
+const SLIDERS: [&str; 9] = ["floor.kd", "floor.Cd", "floor.kr", "globe.kt", "globe.h", "gold.ks", "key.ki", "key.IL", "ka"];
+
+fn source(kind: Kind, name: &str) -> Source {
+    Source::new(name, presets::text(kind, name).expect("a built-in file"))
+}
+
+/// The default session in a size of several tiles.
+fn session() -> (Arc<Compiled>, Values) {
+    let (session, _) = Session::parse(&source(Kind::Session, presets::DEFAULT_SESSION)).expect("a session");
+    let (formula, _) = Formula::parse(&source(Kind::Formula, "phong")).expect("a formula");
+    let (scene, _) = Scene::parse(&source(Kind::Scene, "crystals")).expect("a scene");
+    let view = View::new(256, 144).expect("a size in range");
+    let hits = Arc::new(trace(&scene, &view, &Budget::UNLIMITED, &|_| {}, &AtomicBool::new(false)).expect("small enough"));
+    let (given, _) = session.assignments(Values::defaults(&formula, &scene).roster());
+    let (values, _) = Values::new(&formula, &scene, &given);
+    let compiled = Arc::new(CompiledFormula::new(&formula).expect("a formula of ordinary size"));
+    (Arc::new(Compiled::new(compiled, &formula, &scene, &hits).expect("hits of the scene")), values)
+}
+
+/// The places of the numbers that a slider moves.
+fn places(values: &Values, slider: &str) -> Vec<usize> {
+    let roster = values.roster();
+    let found = values.iter().find(|(owner, id, _)| roster.label(*owner, *id) == slider);
+    let (owner, id, _) = found.expect("a slider");
+    values.moved_places(owner, id)
+}
+
+/// How many steps are left, and what they cost.
+fn left(drag: &Drag) -> (usize, u64) {
+    let of_tile = |state: &TileState| match state {
+        TileState::Waiting { steps, done, .. } => (steps.len() - done, steps[*done..].iter().map(|step| step.cost).sum::<u64>()),
+        TileState::Untouched | TileState::Images { .. } | TileState::Live(_) | TileState::General => (0, 0),
+    };
+    drag.tiles.iter().map(of_tile).fold((0, 0), |(steps, cost), (more, costs)| (steps + more, cost + costs))
+}
+
+#[test]
+fn preparing_takes_no_more_at_a_time_than_a_full_evaluation() {
+    let (compiled, values) = session();
+    for slider in SLIDERS {
+        let mut drag = Drag::new(&compiled, &places(&values, slider), values.numbers(), usize::MAX).expect("kernels");
+        let full = drag.plan.full_cost(&compiled);
+        let (all, total) = left(&drag);
+        assert!(all > 0 && !drag.is_ready(), "{slider}");
+        let mut calls = 0;
+        loop {
+            let before = left(&drag);
+            let ready = drag.prepare();
+            let after = left(&drag);
+            let (steps, cost) = (before.0 - after.0, before.1 - after.1);
+            calls += 1;
+            assert!(steps == 1 || cost <= full, "{slider}: {steps} steps of cost {cost}, a full evaluation is {full}");
+            assert!(steps > 0, "{slider}: nothing is done in a call");
+            assert_eq!(ready, drag.is_ready());
+            assert_eq!(ready, after.0 == 0);
+            if ready {
+                break;
+            }
+        }
+        println!("{slider}: {all} steps in {calls} calls, {:.2} full evaluations", total as f64 / full as f64);
+        // What is done in two calls is more than a full evaluation.
+        assert!(calls <= 2 * total / full + 1, "{slider}: {calls} calls for {total}, a full evaluation is {full}");
+        assert!(drag.prepare(), "nothing is left to do");
+    }
+}
+
+#[test]
+fn nothing_is_kept_without_a_budget() {
+    let (compiled, values) = session();
+    for slider in SLIDERS {
+        let mut drag = Drag::new(&compiled, &places(&values, slider), values.numbers(), 0).expect("kernels");
+        while !drag.prepare() {
+            assert_eq!(drag.bytes(), 0, "{slider}");
+        }
+        assert_eq!(drag.bytes(), 0, "{slider}");
+        let general = |state: &TileState| match state {
+            TileState::Untouched | TileState::General => true,
+            TileState::Images { images, .. } => images.pixels() == 0,
+            TileState::Waiting { .. } | TileState::Live(_) => false,
+        };
+        assert!(drag.tiles.iter().all(general), "{slider}");
+        assert!(drag.tiles.iter().any(|state| matches!(state, TileState::General)), "{slider}");
+    }
+}
+
+#[test]
+fn what_is_counted_is_what_is_kept() {
+    let (compiled, values) = session();
+    for slider in SLIDERS {
+        let mut drag = Drag::new(&compiled, &places(&values, slider), values.numbers(), usize::MAX).expect("kernels");
+        while !drag.prepare() {}
+        let needed = drag.bytes();
+        assert!(needed > 0, "{slider}");
+        let mut tight = Drag::new(&compiled, &places(&values, slider), values.numbers(), needed / 2).expect("kernels");
+        loop {
+            let ready = tight.prepare();
+            assert!(tight.bytes() <= needed / 2, "{slider}: {} bytes of {needed}", tight.bytes());
+            if ready {
+                break;
+            }
+        }
+        let given_up = tight.tiles.iter().any(|state| matches!(state, TileState::General));
+        assert!(tight.bytes() > 0 && given_up, "{slider}: a part is kept");
+    }
+}

@@ -1,0 +1,204 @@
+//! Dragged sliders of built-in models and scenes: the ways that frames are made, budgets, and numbers that change in between.
+
+use crate::agreement::drags::wrong;
+use illuminator::evaluate::{Compiled, Drag, Framebuffer, Method};
+use illuminator::formula::{Formula, ParameterId};
+use illuminator::jit::CompiledFormula;
+use illuminator::lang::source::Source;
+use illuminator::presets::{self, Kind};
+use illuminator::scene::Scene;
+use illuminator::trace::{Budget, View, trace};
+use illuminator::workspace::{OwnerId, Session, Setting, Values};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+/// Several tiles.
+const SIZE: [u32; 2] = [256, 144];
+
+fn source(kind: Kind, name: &str) -> Source {
+    Source::new(name, presets::text(kind, name).expect("a built-in file"))
+}
+
+/// A formula on the scene of the default session, with its values.
+struct Model {
+    compiled: Arc<Compiled>,
+    values: Values,
+}
+
+impl Model {
+    fn new(formula: &Source) -> Self {
+        let (session, _) = Session::parse(&source(Kind::Session, presets::DEFAULT_SESSION)).expect("a session");
+        let (formula, _) = Formula::parse(formula).expect("a formula");
+        let (scene, _) = Scene::parse(&source(Kind::Scene, "crystals")).expect("a scene");
+        let view = View::new(SIZE[0], SIZE[1]).expect("a size in range");
+        let hits = trace(&scene, &view, &Budget::UNLIMITED, &|_| {}, &AtomicBool::new(false)).expect("small enough");
+        let (given, _) = session.assignments(Values::defaults(&formula, &scene).roster());
+        let (values, _) = Values::new(&formula, &scene, &given);
+        let compiled = Arc::new(CompiledFormula::new(&formula).expect("a formula of ordinary size"));
+        let compiled = Compiled::new(compiled, &formula, &scene, &Arc::new(hits)).expect("hits of the scene");
+        Self { compiled: Arc::new(compiled), values }
+    }
+
+    fn preset(formula: &str) -> Self {
+        Self::new(&source(Kind::Formula, formula))
+    }
+
+    fn drag(&self, slider: &str, budget: usize) -> Drag {
+        let (owner, id) = self.slider(slider);
+        let moved = self.values.moved_places(owner, id);
+        Drag::new(&self.compiled, &moved, self.values.numbers(), budget).expect("kernels of ordinary size")
+    }
+
+    fn slider(&self, label: &str) -> (OwnerId, ParameterId) {
+        let roster = self.values.roster();
+        let found = self.values.iter().find(|(owner, id, _)| roster.label(*owner, *id) == label);
+        found.map(|(owner, id, _)| (owner, id)).expect("a slider")
+    }
+
+    /// Moves a slider within its range.
+    fn move_to(&mut self, slider: &str, part: f32) {
+        let (owner, id) = self.slider(slider);
+        let [low, high] = self.values.range_of(owner, id).unwrap_or([0.0, 1.0]);
+        self.values.move_to(owner, id, [low + part * (high - low); 3]);
+    }
+
+    fn set(&mut self, setting: &str) {
+        let given = setting.parse::<Setting>().expect("a setting").resolve(self.values.roster()).expect("known names");
+        assert_eq!(self.values.assign(&given), []);
+    }
+
+    /// Draws a frame and holds it against that of the general kernel.
+    fn check(&self, drag: &mut Drag, drawn: &mut Framebuffer, what: &str) {
+        drag.frame(self.values.numbers(), drawn);
+        assert_eq!(wrong(drawn, &self.compiled.frame(self.values.numbers())), 0, "{what}");
+    }
+}
+
+const PIXELS: usize = SIZE[0] as usize * SIZE[1] as usize;
+
+fn black() -> Framebuffer {
+    Framebuffer::black(SIZE[0], SIZE[1])
+}
+
+#[test]
+fn every_slider_takes_the_way_that_is_meant_for_it() {
+    use Method::{Images, Specialised};
+    let cases: [(&str, &[(&str, Method)]); 2] = [
+        (
+            "phong",
+            &[
+                ("floor.Cd", Images),
+                ("floor.kd", Images),
+                ("floor.kr", Images),
+                ("globe.kt", Images),
+                ("ivory.h", Specialised),
+                ("key.ki", Images),
+                ("key.IL", Images),
+                ("ka", Images),
+                ("background", Images),
+            ],
+        ),
+        (
+            "strauss",
+            &[("floor.Cd", Images), ("floor.m", Images), ("floor.t", Specialised), ("ivory.s", Specialised), ("key.IL", Images)],
+        ),
+    ];
+    for (formula, sliders) in cases {
+        let mut model = Model::preset(formula);
+        for (slider, method) in sliders {
+            let what = format!("{slider} of {formula}");
+            let mut drag = model.drag(slider, usize::MAX);
+            assert_eq!(drag.method(), *method, "{what}");
+            assert!(!drag.is_ready(), "{what}");
+            let mut drawn = black();
+            // Before it is ready, then on the way, then ready.
+            for part in [0.2, 0.9, 0.5] {
+                model.move_to(slider, part);
+                model.check(&mut drag, &mut drawn, &what);
+            }
+            while !drag.prepare() {}
+            assert!(drag.is_ready(), "{what}");
+            for part in [0.1, 0.7, 0.0, 1.0] {
+                model.move_to(slider, part);
+                model.check(&mut drag, &mut drawn, &what);
+            }
+            let pixels = drag.pixels();
+            assert!(0 < pixels && pixels <= PIXELS, "{what}: {pixels} pixels");
+            let everywhere = slider.starts_with("key") || *slider == "ka";
+            assert!(everywhere || pixels < PIXELS, "{what}: {pixels} pixels");
+        }
+    }
+}
+
+#[test]
+fn pictures_are_right_within_any_budget() {
+    let mut model = Model::preset("phong");
+    for slider in ["floor.Cd", "floor.kr", "ivory.h", "key.IL"] {
+        let mut drag = model.drag(slider, usize::MAX);
+        while !drag.prepare() {}
+        let needed = drag.bytes();
+        for budget in [0, needed / 2, needed] {
+            let what = format!("{slider} within {budget} of {needed} bytes");
+            let mut drag = model.drag(slider, budget);
+            let mut drawn = black();
+            for part in [0.2, 0.9, 0.5, 0.0, 1.0, 0.3] {
+                model.move_to(slider, part);
+                model.check(&mut drag, &mut drawn, &what);
+                assert!(drag.bytes() <= budget, "{what}: {}", drag.bytes());
+            }
+            while !drag.prepare() {}
+            model.move_to(slider, 0.4);
+            model.check(&mut drag, &mut drawn, &what);
+            assert!(drag.bytes() <= budget, "{what}: {}", drag.bytes());
+        }
+    }
+}
+
+#[test]
+fn all_begins_anew_when_something_else_changes() {
+    let mut model = Model::preset("phong");
+    for (slider, others) in [
+        ("floor.Cd", ["key.ki=0.2", "floor.kd=0.9", "gold.kr=0.1"]),
+        ("ivory.h", ["ivory.ks=0.1", "background=<0.5, 0.1, 0.3>", "ivory.Cd=<0.1, 0.9, 0.2>"]),
+        ("globe.kt", ["hollow.kt=0.2", "ka=0.7", "fill.IL=<0.1, 0.2, 0.9>"]),
+    ] {
+        let mut drag = model.drag(slider, usize::MAX);
+        let mut drawn = black();
+        for other in others {
+            let what = format!("{slider}, then {other}");
+            while !drag.prepare() {}
+            model.move_to(slider, 0.25);
+            model.check(&mut drag, &mut drawn, &what);
+            let before = model.compiled.frame(model.values.numbers());
+            model.set(other);
+            assert!(wrong(&drawn, &model.compiled.frame(model.values.numbers())) > 0, "{what}: another picture");
+            model.check(&mut drag, &mut drawn, &what);
+            assert!(wrong(&drawn, &before) > 0);
+            // On with what was made anew.
+            while !drag.prepare() {}
+            for part in [0.75, 0.5] {
+                model.move_to(slider, part);
+                model.check(&mut drag, &mut drawn, &what);
+            }
+        }
+    }
+}
+
+#[test]
+fn macros_that_double_themselves_are_dragged() {
+    let lines: String = (1..=45).map(|index| format!("M{index} = (M{0} + M{0})*0.5;", index - 1)).collect();
+    for (first, method) in [("kd*max(0, N.L)*Cd", Method::Images), ("max(0, N.L)^(1 + kd)*Cd + ks*Cd", Method::Specialised)] {
+        let text = format!(
+            "body_specific; kd: scalar, constraint 0..1; ks: scalar, constraint 0..1; formula; M0 = {first}; {lines} = M45;"
+        );
+        let mut model = Model::new(&Source::new("doubled", text));
+        let mut drag = model.drag("floor.kd", usize::MAX);
+        assert_eq!(drag.method(), method);
+        while !drag.prepare() {}
+        let mut drawn = black();
+        for part in [0.1, 0.5, 0.9] {
+            model.move_to("floor.kd", part);
+            model.check(&mut drag, &mut drawn, first);
+        }
+    }
+}
