@@ -3,7 +3,7 @@
 //!
 //! Tracing rays is slow, shading is fast, and hits do not move while only materials change. So rays are traced once, every
 //! pixel keeps its *formula* (the model, instantiated at each hit of the pixel's ray tree), and a moved parameter evaluates formulas
-//! again: by code that Cranelift compiled for four records at a time, or by a reference interpreter that proves it right.
+//! again: by code that Cranelift compiled for many records at a time, or by a reference interpreter that proves it right.
 //!
 //! ```text
 //! formula text ─▶ lang ──▶ formula ─┬─▶ bytecode ──────────────┐
@@ -53,6 +53,8 @@ pub mod lang;
 pub mod formula;
 
 pub mod scene;
+
+mod segment;
 
 pub mod trace;
 

@@ -6,7 +6,7 @@ use illuminator::jit::CompiledFormula;
 use illuminator::lang::source::Source;
 use illuminator::lang::variables::Owner;
 use illuminator::scene::Scene;
-use illuminator::trace::{BLOCK_LANES, Budget, Counts, Hits, View, trace};
+use illuminator::trace::{Budget, Counts, Hits, LINE_HITS, View, trace};
 use illuminator::workspace::{OwnerId, Values};
 use std::f64::consts::TAU;
 use std::fmt::Write;
@@ -122,11 +122,11 @@ impl Workload {
         dragged.frame(&slider[0], &mut framebuffer);
         let counts = hits.counts();
         let groups = || hits.tiles.iter().flat_map(|tile| &tile.groups);
-        let blocks: usize = hits.tiles.iter().map(|tile| tile.blocks.len()).sum();
+        let lines: usize = groups().map(|group| group.hits.len().div_ceil(LINE_HITS)).sum();
         let cost = Cost {
             counts,
             spans: groups().map(|group| group.spans.len()).sum(),
-            filled: counts.hits as f64 / (blocks * BLOCK_LANES) as f64,
+            filled: counts.hits as f64 / (lines * LINE_HITS) as f64,
             bytes_per_pixel: compiled.bytes() as f64 / f64::from(view.pixels()),
             full: f64::INFINITY,
             trace: f64::INFINITY,

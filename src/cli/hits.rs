@@ -208,8 +208,8 @@ impl Dump {
             }
         }
         for span in &tile.misses {
-            for block in tile.misses_of(span) {
-                for pixel in block.pixel()..block.pixel() + block.lanes() {
+            for segment in tile.miss_segments_of(span) {
+                for pixel in segment.pixels() {
                     self.misses.add(&[tile.pixels.start + pixel as u32, rows[span.path.index()]], std::iter::empty())?;
                 }
             }
@@ -219,7 +219,7 @@ impl Dump {
 
     fn span(&mut self, input: &Input, optics: &Optics, tile: &Tile, group: &Group, span: &Span, path: u32) -> io::Result<()> {
         let mut outcome = Ok(());
-        replay(optics, tile, group, span.blocks.clone(), |_, pixel, surface| {
+        replay(optics, tile, group, span.hits.clone(), |_, pixel, surface| {
             if outcome.is_ok() {
                 outcome = self.hit(input, group, surface, pixel, path);
             }

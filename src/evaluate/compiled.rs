@@ -57,7 +57,7 @@ impl Compiled {
     /// `hits` are not those of `scene`.
     pub fn new(compiled: Arc<CompiledFormula>, formula: &Formula, scene: &Scene, hits: &Arc<Hits>) -> Result<Self, Mismatch> {
         let optics = Optics::new(scene, &hits.view);
-        let columns = hits.tiles.par_iter().map(|tile| Columns::new(&compiled, &optics, tile)).collect::<Result<Vec<_>, _>>()?;
+        let columns = Columns::of_tiles(&compiled, &optics, hits)?;
         let slot = |id: ParameterId| formula.parameter(id).slot as usize;
         let uniform_leaves = places_of(&compiled.bindings, &formula.parameters, &compiled.contributor.uniform_leaves);
         let place = |predefined| slot(formula.predefined(predefined));
@@ -145,11 +145,10 @@ impl Compiled {
     /// Everything that a picture is added up from.
     pub(super) fn whole(&self, memory: &[f32]) -> Pass<'_> {
         assert!(memory.len() >= self.layout.len(), "as many parameter numbers as the formula and the scene have");
-        let lights = self.layout.owners(Owner::Light);
         let source = self.source_of(memory, &self.compiled.contributor, &self.uniform_leaves, Channels::All);
         let background = self.colour(memory, Owner::Global, 0, self.places.background);
         let ambient = (0..self.layout.owners(Owner::Body)).map(|body| self.ambient(body, memory)).collect();
-        Pass { sources: vec![source], lights, ambient, background, channels: Channels::All }
+        Pass { sources: vec![source], ambient, background, channels: Channels::All }
     }
 
     /// What a contributor yields, of all pairs of a body and a light that contribute; its uniform leaves lie at these places.
@@ -161,12 +160,14 @@ impl Compiled {
         channels: Channels,
     ) -> Source<'c> {
         Source {
-            kernel: &contributor.kernel,
+            storing: &contributor.storing,
+            adding: &contributor.adding,
             channels,
             columns: &self.columns,
             uniforms: self.uniforms(memory, &contributor.uniform_kernel, leaves),
             uniform_count: contributor.uniform_kernel.outputs(),
             active: self.active(memory, |_, _| true),
+            lights: self.layout.owners(Owner::Light),
         }
     }
 

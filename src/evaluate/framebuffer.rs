@@ -1,5 +1,7 @@
 //! A picture as a window shows it: a word for each pixel.
 
+use std::ops::Range;
+
 /// A picture of `width` × `height` pixels, row by row from the top left, each `0x00RRGGBB`: components clamped to 0..1, NaN as 0, and
 /// rounded to the nearest of 0..=255, without gamma (thesis 9.1.6).
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -26,6 +28,16 @@ pub(super) enum Channels {
     All,
     /// One of them: 0 red, 1 green, 2 blue.
     One(usize),
+}
+
+impl Channels {
+    /// The components.
+    pub(super) fn components(self) -> Range<usize> {
+        match self {
+            Channels::All => 0..3,
+            Channels::One(component) => component..component + 1,
+        }
+    }
 }
 
 /// The byte of a component. Written so that a compiler makes vector code of a loop over it.

@@ -11,6 +11,7 @@ mod drag;
 mod frame;
 mod framebuffer;
 mod interpreted;
+mod memory;
 mod pass;
 mod planes;
 pub mod verify;

@@ -3,19 +3,24 @@
 //! A [`Pass`] is one way to weigh the hits of a picture. A whole frame is one pass: every path with its weight, one source of
 //! light for all pairs of a body and a light. A part of the picture that a drag keeps (see [`drag`](super::drag)) is another.
 
-use crate::evaluate::columns::{CHUNK, Columns};
+use crate::evaluate::columns::Columns;
 use crate::evaluate::framebuffer::Channels;
 use crate::evaluate::planes::{Planes, Weight};
-use crate::jit::{Kernel, Lanes, Splat};
-use crate::scene::LightId;
-use crate::trace::{Group, Span, Tile};
+use crate::jit::{Kernel, Lanes, Line, Splat, Sums};
+use crate::scene::{BodyId, LightId};
+use crate::trace::{CHUNK_LINES, Group, LINE_HITS, Span, Tile};
 use std::ops::Range;
+
+/// How many hits are worked on at a time.
+const CHUNK_HITS: usize = CHUNK_LINES * LINE_HITS;
 
 /// What lit records contribute: a kernel with what it reads beside the columns, for some pairs of a body and a light.
 pub(super) struct Source<'p> {
-    /// Static columns → contributions, added up.
-    pub(super) kernel: &'p Kernel,
-    /// What the kernel yields.
+    /// Static columns → contributions, stored.
+    pub(super) storing: &'p Kernel,
+    /// The same, added to what is there.
+    pub(super) adding: &'p Kernel,
+    /// What the kernels yield.
     pub(super) channels: Channels,
     /// The columns of each tile that the kernel reads.
     pub(super) columns: &'p [Columns],
@@ -25,13 +30,25 @@ pub(super) struct Source<'p> {
     pub(super) uniform_count: usize,
     /// For each pair whether anything comes of it.
     pub(super) active: Vec<bool>,
+    /// How many lights a body is paired with.
+    pub(super) lights: usize,
+}
+
+impl Source<'_> {
+    /// The place of a pair of a body and a light.
+    pub(super) fn pair(&self, body: BodyId, light: LightId) -> usize {
+        body.index() * self.lights + light.index()
+    }
+
+    /// The uniform values of a pair.
+    pub(super) fn uniforms_of(&self, pair: usize) -> &[Splat] {
+        &self.uniforms[pair * self.uniform_count..(pair + 1) * self.uniform_count]
+    }
 }
 
 /// What is added up, and with what weights.
 pub(super) struct Pass<'p> {
     pub(super) sources: Vec<Source<'p>>,
-    /// How many lights a body is paired with.
-    pub(super) lights: usize,
     /// For each body what its hits contribute wherever they are.
     pub(super) ambient: Vec<[f32; 3]>,
     /// What rays contribute that left the scene.
@@ -54,8 +71,8 @@ pub(super) struct Workroom {
     pub(super) planes: Planes,
     /// The weight of each path of the tile.
     pub(super) weights: Vec<Weight>,
-    /// Red, green and blue of some blocks, before the weight of their paths.
-    sums: [Vec<Lanes>; 3],
+    /// Red, green and blue of the hits of a chunk, before the weight of their paths.
+    sums: Box<Sums>,
     /// What each path, and each set of them, adds to its pixels beside the contributions of lights.
     path_colours: Vec<[f32; 3]>,
     set_colours: Vec<[f32; 3]>,
@@ -63,11 +80,16 @@ pub(super) struct Workroom {
 
 impl Workroom {
     /// About how large one is.
-    pub(super) const BYTES: usize = Planes::BYTES + 3 * (CHUNK as usize + 1) * size_of::<Lanes>();
+    pub(super) const BYTES: usize = Planes::BYTES + size_of::<Sums>();
 
     pub(super) fn new() -> Self {
-        let sums = [(); 3].map(|()| vec![Lanes::default(); CHUNK as usize + 1]);
-        Self { planes: Planes::new(), weights: Vec::new(), sums, path_colours: Vec::new(), set_colours: Vec::new() }
+        Self {
+            planes: Planes::new(),
+            weights: Vec::new(),
+            sums: bytemuck::zeroed_box(),
+            path_colours: Vec::new(),
+            set_colours: Vec::new(),
+        }
     }
 }
 
@@ -108,7 +130,8 @@ impl Pass<'_> {
 
     /// What the lights of a group add.
     fn group(&self, tile: &Tile, place: usize, kept: Option<&Columns>, group: &Group, index: usize, workroom: &mut Workroom) {
-        if !group.lights.iter().any(|light| self.sources.iter().any(|source| source.active[self.pair(group, *light)])) {
+        let active = |source: &Source| group.lights.iter().any(|light| source.active[source.pair(group.body, *light)]);
+        if !self.sources.iter().any(active) {
             return;
         }
         // Runs of spans whose weight is not 0 are computed together, and nothing of the others.
@@ -117,76 +140,78 @@ impl Pass<'_> {
         while let Some(start) = rest.iter().position(|span| !dead(&workroom.weights, span)) {
             let alive = &rest[start..];
             let length = alive.iter().position(|span| dead(&workroom.weights, span)).unwrap_or(alive.len());
-            let (mut run, behind) = alive.split_at(length);
+            let (run, behind) = alive.split_at(length);
             rest = behind;
             let (Some(first), Some(last)) = (run.first(), run.last()) else { continue };
-            let blocks = first.blocks.start..last.blocks.end;
-            // Chunks as the columns are cut in.
-            let skipped = (blocks.start - group.blocks.start) / CHUNK * CHUNK;
-            for start in (group.blocks.start + skipped..blocks.end).step_by(CHUNK as usize) {
-                let chunk = start.max(blocks.start)..(start + CHUNK).min(blocks.end);
-                self.light(place, kept, group, index, &chunk, &mut workroom.sums);
-                while let Some((span, later)) = run.split_first() {
-                    let part = span.blocks.start.max(chunk.start)..span.blocks.end.min(chunk.end);
-                    if part.start >= part.end {
-                        break;
+            // Places of hits in the group, in chunks as the columns are cut in.
+            let end = (last.hits.end - group.hits.start) as usize;
+            let mut at = (first.hits.start - group.hits.start) as usize;
+            let mut spans = run.iter();
+            let (mut segments, mut weight, mut span_end) = (&[][..], Weight(0.0), at);
+            while at < end {
+                let chunk = at / CHUNK_HITS * CHUNK_HITS;
+                let stop = (chunk + CHUNK_HITS).min(end);
+                self.light(place, kept, group, index, at / LINE_HITS..stop.div_ceil(LINE_HITS), &mut workroom.sums);
+                while at < stop {
+                    if segments.is_empty() {
+                        let Some(span) = spans.next() else { break };
+                        (segments, weight) = (tile.segments_of(span), workroom.weights[span.path.index()]);
+                        span_end = (span.hits.end - group.hits.start) as usize;
                     }
-                    let sums = (part.start - chunk.start) as usize..(part.end - chunk.start) as usize;
-                    let sums = workroom.sums.each_ref().map(|plane| &plane[sums.clone()]);
-                    let weight = workroom.weights[span.path.index()];
-                    workroom.planes.add(tile.blocks_of(&part), sums, weight, self.channels);
-                    if span.blocks.end > chunk.end {
-                        break;
-                    }
-                    run = later;
+                    // No segment reaches into another chunk, in which lines are counted from the beginning.
+                    let here = if span_end <= stop {
+                        std::mem::take(&mut segments)
+                    } else {
+                        let falls = segments.windows(2).position(|two| two[1].line() < two[0].line());
+                        let (here, later) = segments.split_at(falls.map_or(segments.len(), |last| last + 1));
+                        segments = later;
+                        here
+                    };
+                    at = span_end.min(stop);
+                    workroom.planes.add(here, &workroom.sums, weight, self.channels);
                 }
             }
         }
     }
 
-    /// The contributions of all lights of a group to these blocks.
-    fn light(
-        &self,
-        place: usize,
-        kept: Option<&Columns>,
-        group: &Group,
-        index: usize,
-        blocks: &Range<u32>,
-        sums: &mut [Vec<Lanes>; 3],
-    ) {
-        let length = blocks.len();
-        for plane in sums.iter_mut() {
-            plane[..length + 1].fill(Lanes::default());
-        }
-        let first = (blocks.start - group.blocks.start) as usize;
+    /// The contributions of all lights of a group to these lines, which are of one chunk, each to its own place in it.
+    fn light(&self, place: usize, kept: Option<&Columns>, group: &Group, index: usize, lines: Range<usize>, sums: &mut Sums) {
+        let own = lines.start % CHUNK_LINES..lines.start % CHUNK_LINES + lines.len();
+        let mut planes = sums.each_mut().map(|plane| Line::blocks_mut(&mut plane[own.clone()]));
+        // What a plane holds is of the chunk before.
+        let mut stale = [true; 3];
+        let blocks = lines.len() * Line::BLOCKS;
         let mut inputs = Vec::with_capacity(16);
         for source in &self.sources {
+            let components = source.channels.components();
             for (light_place, light) in group.lights.iter().enumerate() {
-                let pair = self.pair(group, *light);
+                let pair = source.pair(group.body, *light);
                 if !source.active[pair] {
                     continue;
                 }
-                let uniforms = &source.uniforms[pair * source.uniform_count..(pair + 1) * source.uniform_count];
                 inputs.clear();
-                source.columns[place].of(index, light_place, first, length, &mut inputs);
+                source.columns[place].of(index, light_place, lines.clone(), &mut inputs);
                 if let Some(kept) = kept {
-                    kept.of(index, light_place, first, length, &mut inputs);
+                    kept.of(index, light_place, lines.clone(), &mut inputs);
                 }
-                let [red, green, blue] = &mut *sums;
-                match source.channels {
-                    Channels::All => source.kernel.run(&inputs, uniforms, &mut [red, green, blue], length),
-                    Channels::One(component) => {
-                        let plane = [red, green, blue].into_iter().nth(component);
-                        if let Some(plane) = plane {
-                            source.kernel.run(&inputs, uniforms, &mut [plane], length);
-                        }
-                    }
+                let store = stale[components.clone()].iter().all(|stale| *stale);
+                if !store {
+                    clear(&mut planes, &mut stale, components.clone());
                 }
+                let kernel = if store { source.storing } else { source.adding };
+                kernel.run(&inputs, source.uniforms_of(pair), &mut planes[components.clone()], blocks);
+                stale[components.clone()].fill(false);
             }
         }
+        clear(&mut planes, &mut stale, self.channels.components());
     }
+}
 
-    fn pair(&self, group: &Group, light: LightId) -> usize {
-        group.body.index() * self.lights + light.index()
+/// Clears those planes of some components that are stale.
+fn clear(planes: &mut [&mut [Lanes]; 3], stale: &mut [bool; 3], components: Range<usize>) {
+    for component in components {
+        if std::mem::replace(&mut stale[component], false) {
+            planes[component].fill(Lanes::default());
+        }
     }
 }

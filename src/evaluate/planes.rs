@@ -1,57 +1,49 @@
 //! The pixels of a tile while colours are added up: a plane each of red, green and blue.
 //!
-//! Hits come in blocks of up to four neighbouring pixels (see [`Block`]), and blocks mostly in runs of neighbours: what is added to a run is
-//! added in vectors as wide as the processor has. Which colours are added, and with what weight, is the caller's.
+//! Hits stand side by side in lines, and those whose pixels are neighbours too make a [`Segment`]: what they add is added at once, by compiled
+//! code where the processor has masks, else in vectors of four. Which colours are added, and with what weight, is the caller's.
 
 use crate::evaluate::framebuffer::{self, Channels};
-use crate::jit::Lanes;
-use crate::trace::{BLOCK_LANES, Block, MAX_DEPTH, Region, TILE_PIXELS, Tile};
+use crate::jit::lanes::PLANE_PIXELS;
+use crate::jit::{Adder, Lanes, Line, PixelPlanes, Sums};
+use crate::trace::{CHUNK_LINES, LINE_HITS, MAX_DEPTH, Region, Segment, TILE_PIXELS, Tile};
 use pulp::{Arch, Simd, WithSimd};
+use std::ops::Range;
 
-// A block's lanes are those of a kernel.
-const _: () = assert!(BLOCK_LANES == Lanes::COUNT);
-
-/// Pixels that are written at a time.
-const WIDE: usize = 16;
-
-/// Pixels in a plane: those of a tile, and room for what is written beyond the last in one go with it.
-const LENGTH: usize = TILE_PIXELS as usize + WIDE;
-
-/// All ones in the lanes that a block of so many hits (less one) has.
-const LIVE: [[u32; BLOCK_LANES]; BLOCK_LANES] = [[!0, 0, 0, 0], [!0, !0, 0, 0], [!0, !0, !0, 0], [!0; 4]];
+/// Where the tile's pixels lie in a plane.
+const PIXELS: Range<usize> = Segment::MARGIN..Segment::MARGIN + TILE_PIXELS as usize;
 
 /// Red, green and blue of a tile's pixels: linear, unclamped.
 pub(super) struct Planes {
-    planes: Box<[[f32; LENGTH]; 3]>,
+    planes: Box<PixelPlanes>,
+    adder: Option<&'static Adder>,
     arch: Arch,
 }
 
 impl Planes {
     /// How large they are.
-    pub(super) const BYTES: usize = size_of::<[[f32; LENGTH]; 3]>();
+    pub(super) const BYTES: usize = size_of::<PixelPlanes>();
 
     /// All black.
     pub(super) fn new() -> Self {
-        // Made on the heap: it is larger than what a thread's stack may spare.
-        let planes: Box<[[f32; LENGTH]]> = vec![[0.0; LENGTH]; 3].into_boxed_slice();
-        let planes = planes.try_into().unwrap_or_else(|_| unreachable!("three planes were made"));
-        Self { planes, arch: Arch::new() }
+        // On the heap from the beginning: they are larger than what a thread's stack may spare.
+        Self { planes: bytemuck::zeroed_box(), adder: Adder::get(), arch: Arch::new() }
     }
 
-    /// Red, green and blue of the pixels, each a slice of a whole tile and more.
+    /// Red, green and blue of the pixels, each a slice of a whole tile.
     pub(super) fn components(&self) -> [&[f32]; 3] {
-        self.planes.each_ref().map(<[f32; LENGTH]>::as_slice)
+        self.planes.0.each_ref().map(|plane| &plane[PIXELS])
     }
 
     /// Some pixels of a component.
     #[inline]
-    pub(super) fn part_mut(&mut self, component: usize, pixels: std::ops::Range<usize>) -> &mut [f32] {
-        &mut self.planes[component][pixels]
+    pub(super) fn part_mut(&mut self, component: usize, pixels: Range<usize>) -> &mut [f32] {
+        &mut self.planes.0[component][PIXELS][pixels]
     }
 
     /// The colour of a pixel.
     pub(super) fn colour(&self, pixel: usize) -> [f32; 3] {
-        self.planes.each_ref().map(|plane| plane[pixel])
+        self.components().map(|plane| plane[pixel])
     }
 
     /// Gives every region of a tile a colour, that of its set of paths; or adds it to what is there.
@@ -59,30 +51,36 @@ impl Planes {
         self.arch.dispatch(Fill { planes: &mut self.planes, regions: &tile.regions, colours, add });
     }
 
-    /// Adds the weighed colours of blocks of hits; `sums` has four lanes for each block.
-    pub(super) fn add(&mut self, blocks: &[Block], sums: [&[Lanes]; 3], weight: Weight, channels: Channels) {
+    /// Adds the weighed colours of hits, which are in the lines that the segments say.
+    pub(super) fn add(&mut self, segments: &[Segment], sums: &Sums, weight: Weight, channels: Channels) {
         if weight.is_tiny() {
-            return self.add_tiny(blocks, sums, weight);
+            return self.add_tiny(segments, sums, weight);
         }
-        let (sums, weight) = (sums.map(Lanes::flat), weight.0 as f32);
-        let planes = &mut *self.planes;
-        match channels {
-            Channels::All => self.arch.dispatch(Addition { planes, blocks, sums: &sums, weight }),
-            Channels::One(component) => {
-                let planes = std::slice::from_mut(&mut planes[component]);
-                self.arch.dispatch(Addition { planes, blocks, sums: &[sums[component]], weight });
-            }
+        let weight = weight.0 as f32;
+        match (self.adder, channels) {
+            (Some(adder), Channels::All) => adder.add(segments, sums, weight, None, &mut self.planes),
+            (Some(adder), Channels::One(component)) => adder.add(segments, sums, weight, Some(component), &mut self.planes),
+            (None, _) => self.add_portably(segments, sums, weight, channels),
         }
+    }
+
+    /// Adds without compiled code.
+    fn add_portably(&mut self, segments: &[Segment], sums: &Sums, weight: f32, channels: Channels) {
+        let components = channels.components();
+        let planes = &mut self.planes.0[components.clone()];
+        self.arch.dispatch(Addition { planes, segments, sums: &sums[components], weight });
     }
 
     /// The same where the weight is too small for a number of single precision.
     #[cold]
-    fn add_tiny(&mut self, blocks: &[Block], sums: [&[Lanes]; 3], weight: Weight) {
-        for (index, block) in blocks.iter().enumerate() {
-            for lane in 0..block.lanes() {
-                let colour = weight.of(sums.map(|plane| plane[index].0[lane]));
-                for (plane, component) in self.planes.iter_mut().zip(colour) {
-                    plane[block.pixel() + lane] += component;
+    fn add_tiny(&mut self, segments: &[Segment], sums: &Sums, weight: Weight) {
+        for segment in segments {
+            let first = segment.lanes().trailing_zeros() as usize;
+            let sums = sums.each_ref().map(|plane| Lanes::numbers(&plane[segment.line()].0));
+            for (lane, pixel) in (first..).zip(segment.pixels()) {
+                let colour = weight.of(sums.map(|sums| sums[lane]));
+                for (plane, component) in self.planes.0.iter_mut().zip(colour) {
+                    plane[PIXELS][pixel] += component;
                 }
             }
         }
@@ -98,7 +96,7 @@ impl Planes {
 
 /// Colours every region.
 struct Fill<'a> {
-    planes: &'a mut [[f32; LENGTH]; 3],
+    planes: &'a mut PixelPlanes,
     regions: &'a [Region],
     colours: &'a [[f32; 3]],
     add: bool,
@@ -109,20 +107,19 @@ impl WithSimd for Fill<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let mut start = 0;
+        let mut start = PIXELS.start;
         for region in self.regions {
             let colour = self.colours[usize::from(region.set)];
             let end = start + usize::from(region.pixels);
-            for (plane, component) in self.planes.iter_mut().zip(colour) {
+            for (plane, component) in self.planes.0.iter_mut().zip(colour) {
                 if self.add {
                     plane[start..end].iter_mut().for_each(|pixel| *pixel += component);
                     continue;
                 }
                 // Most regions are small. What is written beyond the end, the next region overwrites.
-                let mut at = start;
-                while at < end {
-                    plane[at..at + WIDE].copy_from_slice(&[component; WIDE]);
-                    at += WIDE;
+                let length = (end - start).next_multiple_of(LINE_HITS);
+                for line in plane[start..start + length].as_chunks_mut::<LINE_HITS>().0 {
+                    *line = [component; LINE_HITS];
                 }
             }
             start = end;
@@ -144,12 +141,11 @@ impl WithSimd for Quantise<'_> {
     }
 }
 
-/// `planes += weight · sums`, four blocks at a time where they are neighbours. Plain loops of constant length, of which a compiler
-/// makes vector code.
+/// `planes += weight · sums`, in vectors of four: plain loops of constant length, of which a compiler makes vector code.
 struct Addition<'a> {
-    planes: &'a mut [[f32; LENGTH]],
-    blocks: &'a [Block],
-    sums: &'a [&'a [f32]],
+    planes: &'a mut [[f32; PLANE_PIXELS]],
+    segments: &'a [Segment],
+    sums: &'a [[Line; CHUNK_LINES]],
     weight: f32,
 }
 
@@ -158,29 +154,30 @@ impl WithSimd for Addition<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Addition { planes, blocks, sums, weight } = self;
-        let mut index = 0;
-        while let Some(block) = blocks.get(index) {
-            let (pixel, lane) = (block.pixel(), index * BLOCK_LANES);
-            if blocks[index..].first_chunk().is_some_and(Block::are_neighbours) {
-                for (plane, sums) in planes.iter_mut().zip(sums) {
-                    add_lanes(&mut plane[pixel..pixel + WIDE], &sums[lane..lane + WIDE], weight, [!0; WIDE]);
+        let Addition { planes, segments, sums, weight } = self;
+        for segment in segments {
+            for (plane, sums) in planes.iter_mut().zip(sums) {
+                let pixels = &mut plane[segment.place()..segment.place() + LINE_HITS];
+                let sums = Lanes::numbers(&sums[segment.line()].0);
+                if segment.lanes() == u16::MAX {
+                    add_lanes::<LINE_HITS>(pixels, sums, weight, u16::MAX);
+                    continue;
                 }
-                index += 4;
-            } else {
-                let live = LIVE[block.lanes() - 1];
-                for (plane, sums) in planes.iter_mut().zip(sums) {
-                    add_lanes(&mut plane[pixel..pixel + BLOCK_LANES], &sums[lane..lane + BLOCK_LANES], weight, live);
+                let (first, last) = (segment.lanes().trailing_zeros() as usize / 4, segment.lanes().ilog2() as usize / 4);
+                for four in first..=last {
+                    let own = 4 * four..4 * four + 4;
+                    add_lanes::<4>(&mut pixels[own.clone()], &sums[own], weight, segment.lanes() >> (4 * four));
                 }
-                index += 1;
             }
         }
     }
 }
 
+/// Adds to the pixels of these lanes.
 #[inline(always)]
-fn add_lanes<const N: usize>(pixels: &mut [f32], sums: &[f32], weight: f32, live: [u32; N]) {
-    let term = |lane: usize| f32::from_bits((weight * sums[lane]).to_bits() & live[lane]);
+fn add_lanes<const N: usize>(pixels: &mut [f32], sums: &[f32], weight: f32, lanes: u16) {
+    let live = |lane: usize| 0u32.wrapping_sub(u32::from(lanes >> lane & 1));
+    let term = |lane: usize| f32::from_bits((weight * sums[lane]).to_bits() & live(lane));
     let after: [f32; N] = std::array::from_fn(|lane| pixels[lane] + term(lane));
     pixels.copy_from_slice(&after);
 }
@@ -217,29 +214,70 @@ impl Weight {
 mod tests {
     use super::*;
 
+    /// Segments of hits that follow each other, in these pixels.
+    fn segments(runs: impl IntoIterator<Item = Range<usize>>) -> Vec<Segment> {
+        let mut segments: Vec<Segment> = Vec::new();
+        let mut hit = 0;
+        for run in runs {
+            let mut open = false;
+            for pixel in run {
+                open = open && segments.last_mut().is_some_and(|segment| segment.extend(pixel as u16));
+                if !open {
+                    segments.push(Segment::new(pixel as u16, hit));
+                }
+                open = true;
+                hit += 1;
+            }
+        }
+        segments
+    }
+
     #[test]
-    fn lanes_that_are_dead_add_nothing() {
-        // Full blocks with and without gaps between them, and all sorts of short ones: sums of dead lanes are NaN.
-        let runs = [0..16, 20..35, 37..41, 42..44, 45..49, 50..54, 60..61, 64..80, 81..84, 85..101, 102..104, 106..110, 110..130];
-        let mut blocks: Vec<Block> = Vec::new();
-        for run in &runs {
-            for first in run.clone().step_by(BLOCK_LANES) {
-                blocks.push(Block::of(first, (run.end - first).min(BLOCK_LANES)));
-            }
+    fn hits_add_to_their_pixels_and_to_no_others() {
+        // At the ends of a tile, with and without gaps, longer and shorter than a line.
+        let last = TILE_PIXELS as usize;
+        let runs =
+            [0..1, 2..16, 20..53, 57..58, 64..80, 81..84, 85..149, 500..700, 1000..1003, last - 33..last - 20, last - 3..last];
+        let segments = segments(runs.iter().cloned());
+        let hits: usize = runs.iter().map(Range::len).sum();
+        assert_eq!(segments.iter().map(|segment| segment.hits()).sum::<usize>(), hits);
+        // Numbers that say whose they are; beyond the hits NaN, which must not be seen.
+        let number = |component: usize, hit: usize| if hit < hits { (1 + component * 1000 + hit) as f32 } else { f32::NAN };
+        let sums: Sums = std::array::from_fn(|component| {
+            std::array::from_fn(|line| {
+                Line(std::array::from_fn(|block| {
+                    Lanes(std::array::from_fn(|lane| number(component, 16 * line + 4 * block + lane)))
+                }))
+            })
+        });
+        let mut expected = vec![[1.0_f32; 3]; last];
+        for (hit, pixel) in runs.iter().cloned().flatten().enumerate() {
+            expected[pixel] = [0, 1, 2].map(|component| 1.0 + 0.5 * number(component, hit));
         }
-        let lanes = |block: &Block| Lanes(std::array::from_fn(|lane| if lane < block.lanes() { 2.0 } else { f32::NAN }));
-        let sums: Vec<Lanes> = blocks.iter().map(lanes).collect();
-        for channels in [Channels::All, Channels::One(1)] {
+        type Add = fn(&mut Planes, &[Segment], &Sums, Channels);
+        let compiled: Add = |planes, segments, sums, channels| planes.add(segments, sums, Weight(0.5), channels);
+        let portable: Add = |planes, segments, sums, channels| planes.add_portably(segments, sums, 0.5, channels);
+        for (add, channels) in [compiled, portable].into_iter().flat_map(|add| [(add, Channels::All), (add, Channels::One(1))]) {
             let mut planes = Planes::new();
-            planes.add(&blocks, [&sums, &sums, &sums], Weight(0.5), channels);
-            for pixel in 0..160 {
-                let lit = runs.iter().any(|run| run.contains(&pixel));
-                let expected = |component: usize| match channels {
-                    Channels::One(only) if only != component => 0.0,
-                    Channels::One(_) | Channels::All => f32::from(u8::from(lit)),
-                };
-                assert_eq!(planes.colour(pixel), [expected(0), expected(1), expected(2)], "pixel {pixel}");
+            (0..3).for_each(|component| planes.part_mut(component, 0..last).fill(1.0));
+            add(&mut planes, &segments, &sums, channels);
+            for (pixel, expected) in expected.iter().enumerate() {
+                let added = |component: usize| channels == Channels::All || channels == Channels::One(component);
+                let expected = [0, 1, 2].map(|component| if added(component) { expected[component] } else { 1.0 });
+                assert_eq!(planes.colour(pixel), expected, "pixel {pixel}");
             }
+            // Nor beyond the pixels.
+            assert!(
+                planes.planes.0.iter().all(|plane| plane[..PIXELS.start].iter().chain(&plane[PIXELS.end..]).all(|x| *x == 0.0))
+            );
         }
+    }
+
+    #[test]
+    fn weights_below_those_of_single_precision_still_count() {
+        let mut planes = Planes::new();
+        let sums: Sums = [[Line([Lanes::splat(1e38); 4]); CHUNK_LINES]; 3];
+        planes.add(&segments(std::iter::once(3..7)), &sums, Weight(1e-40), Channels::All);
+        assert!((planes.colour(4)[0] - 1e-2).abs() < 1e-6 && planes.colour(7) == [0.0; 3]);
     }
 }

@@ -1,17 +1,20 @@
-//! The room of unsafe code: kernels in executable memory, calls into them, and the function that they call out to.
+//! The room of unsafe code: kernels in executable memory, calls into them, and the function that they call out to; and the code that
+//! adds to pixels.
 //!
 //! Kernels run with subnormal numbers switched off (FTZ and DAZ of the MXCSR register: a subnormal operand costs a hundred
 //! cycles and more), which Rust code must not see; so the register is set and restored around each call, and around what a kernel calls.
 #![allow(unsafe_code)]
 
 use crate::formula::graph::Graph;
+use crate::jit::adding::adding_code;
 use crate::jit::emit::PERLIN_OPERANDS;
 use crate::jit::kernel::{self, KernelPlan, Shape};
-use crate::jit::lanes::{Lanes, Splat};
-use crate::jit::target::{CompileError, Listing, Target, target};
+use crate::jit::lanes::{Lanes, Line, PLANE_PIXELS, PixelPlanes, Splat, Sums};
+use crate::jit::target::{CompileError, Listing, target};
 use crate::jit::widen::{ALIGNMENT, disassembled, widen};
 use crate::lang::noise;
 use crate::lang::scalars::flush;
+use crate::segment::{CHUNK_LINES, Segment};
 use cranelift_codegen::Context;
 use cranelift_codegen::control::ControlPlane;
 use cranelift_codegen::ir::types::I64;
@@ -20,7 +23,7 @@ use cranelift_codegen::isa::CallConv;
 use cranelift_jit::{JITBuilder, JITModule};
 use cranelift_module::{Linkage, Module, ModuleError};
 use std::mem::ManuallyDrop;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// What every kernel is: see the [kernel](super::kernel) room for the meaning of the parameters.
 ///
@@ -71,7 +74,7 @@ pub(super) fn generate(
         let id = module.declare_function(&format!("{}{index}", plan.name), Linkage::Local, &signature).map_err(failed)?;
         let unread = || CompileError::Generator(format!("the kernel of {} does not read all that it needs", plan.name));
         let mut defined = None;
-        for shape in shapes(plan, graph, &target) {
+        for shape in kernel::shapes(plan, graph, &target) {
             let schedule = plan.schedule(graph, shape).ok_or_else(unread)?;
             let noisy = schedule.iter().any(|id| kernel::calls_perlin(graph, *id));
             if shape.blocks > 1 && noisy {
@@ -87,10 +90,8 @@ pub(super) fn generate(
             if shape.blocks > 1 {
                 let compiled = context.compile(&*target.isa, &mut ControlPlane::default());
                 let compiled = compiled.map_err(|error| CompileError::Generator(error.inner.to_string()))?;
-                let Some(wide) = compiled.buffer.relocs().is_empty().then(|| widen(compiled.code_buffer())).and_then(Result::ok)
-                else {
-                    continue;
-                };
+                let own = compiled.buffer.relocs().is_empty().then(|| compiled.code_buffer());
+                let Some(wide) = own.and_then(|code| widen(code, shape.blocks)) else { continue };
                 if listing.is_some() {
                     assembler = disassembled(&wide);
                 }
@@ -123,22 +124,6 @@ pub(super) fn generate(
     Ok(plans.iter().zip(finished).map(kernel).collect())
 }
 
-/// The shapes that a plan may be written in, the quickest first, the one that always works last.
-fn shapes(plan: &KernelPlan, graph: &Graph, target: &Target) -> Vec<Shape> {
-    let fma = target.fma;
-    let narrow = Shape { blocks: 1, interleave: 1, fma };
-    let few = plan.schedule(graph, narrow).is_some_and(|schedule| schedule.len() <= kernel::MANY_NODES);
-    let interleave = if few { plan.interleave } else { 1 };
-    let mut shapes = Vec::new();
-    // Results of more records than are wanted do no harm only where they are added to scratch.
-    if target.wide && plan.accumulate {
-        let halves = std::iter::successors(Some(interleave), |interleave| (*interleave > 1).then_some(interleave / 2));
-        shapes.extend(halves.map(|interleave| Shape { blocks: 2, interleave, fma }));
-    }
-    shapes.push(Shape { interleave, ..narrow });
-    shapes
-}
-
 /// A compiled kernel.
 #[derive(Clone)]
 pub struct Kernel {
@@ -157,7 +142,7 @@ impl Kernel {
         self.outputs
     }
 
-    /// How many blocks it reads and writes where so many are wanted: whole steps of a block or two.
+    /// How many blocks it reads and writes where so many are wanted: whole steps of one, two or four blocks.
     pub fn whole_steps(&self, blocks: usize) -> usize {
         blocks.next_multiple_of(self.step)
     }
@@ -267,5 +252,71 @@ unsafe extern "C" fn perlin_lanes(lanes: *mut f32) {
     // SAFETY: gives the kernel its MXCSR back.
     unsafe {
         std::arch::asm!("ldmxcsr [{saved}]", saved = in(reg) &raw const saved, options(nostack, readonly));
+    }
+}
+
+/// Code that adds to pixels what hits in them contribute, sixteen at a time.
+pub struct Adder {
+    all: AddingEntry,
+    one: AddingEntry,
+    _memory: CodeMemory,
+}
+
+/// Code of the [adding](super::adding) room, which says what the parameters are.
+///
+/// # Safety
+/// There is a segment, and all from the first to the end are readable; so are the lines of a chunk of each component, as far as the code was
+/// written for one or three, and the planes are readable and writable. The processor has AVX-512.
+type AddingEntry =
+    unsafe extern "C" fn(segments: *const Segment, end: *const Segment, sums: *const Line, planes: *mut f32, weight: f32);
+
+impl Adder {
+    /// The code, made at its first use; none where the processor has no AVX-512.
+    pub fn get() -> Option<&'static Adder> {
+        static ADDER: OnceLock<Option<Adder>> = OnceLock::new();
+        ADDER.get_or_init(Self::new).as_ref()
+    }
+
+    fn new() -> Option<Self> {
+        if !std::arch::is_x86_feature_detected!("avx512f") {
+            return None;
+        }
+        let target = target().ok()?;
+        let builder = JITBuilder::with_isa(target.isa.clone(), cranelift_module::default_libcall_names());
+        let mut memory = CodeMemory(ManuallyDrop::new(JITModule::new(builder)));
+        let module = &mut *memory.0;
+        let strides = [size_of::<[Line; CHUNK_LINES]>() as i64, size_of::<[f32; PLANE_PIXELS]>() as i64];
+        let signature = Signature::new(CallConv::SystemV);
+        let mut functions = Vec::new();
+        for components in [3, 1] {
+            let code = adding_code(strides[0], strides[1], components).ok()?;
+            let id = module.declare_function(&format!("adding{components}"), Linkage::Local, &signature).ok()?;
+            module.define_function_bytes(id, ALIGNMENT, &code, &[]).ok()?;
+            functions.push(id);
+        }
+        module.finalize_definitions().ok()?;
+        let entry = |place: usize| {
+            let address = module.get_finalized_function(*functions.get(place)?);
+            // SAFETY: at the address is the finished code of a function with the parameters of `AddingEntry`, by the C calling convention; its
+            // memory lives as long as the adder.
+            Some(unsafe { std::mem::transmute::<*const u8, AddingEntry>(address) })
+        };
+        let (all, one) = (entry(0)?, entry(1)?);
+        Some(Self { all, one, _memory: memory })
+    }
+
+    /// Adds the sums of these segments' hits, times `weight`, to their pixels: of all components, or of one (0 red, 1 green, 2 blue).
+    pub fn add(&self, segments: &[Segment], sums: &Sums, weight: f32, component: Option<usize>, planes: &mut PixelPlanes) {
+        if segments.is_empty() {
+            return;
+        }
+        let place = component.unwrap_or(0);
+        let (sums, planes) = (&sums[place..], &mut planes.0[place..]);
+        let entry = if component.is_some() { self.one } else { self.all };
+        let segments = segments.as_ptr_range();
+        // SAFETY: the segments are those of a slice that is not empty. A segment's line is one of a chunk, and its place such that a line from
+        // there ends within a plane (see `Segment::line`, `Segment::place`; only its room can make one); of `sums` and `planes` there are as many
+        // components as the code was written for, one behind the other, since they are parts of arrays. The processor was asked.
+        unsafe { entry(segments.start, segments.end, sums.as_ptr().cast(), planes.as_mut_ptr().cast(), weight) }
     }
 }

@@ -5,7 +5,7 @@ use crate::formula::graph::NodeId;
 use crate::formula::separation::{Dependence, Separation};
 use crate::formula::{Formula, ParameterId};
 use crate::jit::call::{Kernel, generate};
-use crate::jit::kernel::KernelPlan;
+use crate::jit::kernel::{KernelPlan, Output};
 use crate::jit::target::{CompileError, Listing};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -43,8 +43,10 @@ pub struct Contributor {
     pub uniform_leaves: Vec<NodeId>,
     /// Parameters of (body, light) pairs → uniform values.
     pub uniform_kernel: Kernel,
-    /// Hit frontier, record frontier and what is kept beside; uniforms → outputs.
-    pub kernel: Kernel,
+    /// Hit frontier, record frontier and what is kept beside; uniforms → outputs, stored.
+    pub storing: Kernel,
+    /// The same, added to what is there; where it makes no sense to add, that one again.
+    pub adding: Kernel,
 }
 
 /// What a formula needs while some numbers move.
@@ -67,37 +69,43 @@ struct Wanted<'w> {
     outputs: Vec<NodeId>,
     /// Dynamic nodes that are read from columns.
     kept: &'w [NodeId],
-    accumulate: bool,
+    /// Whether they are terms of sums.
+    terms: bool,
 }
 
-/// The plans of a contributor, uniform values and records.
-fn plans(bindings: &Bindings, wanted: &Wanted) -> [KernelPlan; 2] {
+/// The plans of a contributor: uniform values, and records once or twice, see [`Contributor`].
+fn plans(bindings: &Bindings, wanted: &Wanted) -> Vec<KernelPlan> {
     let Frontier { uniforms, .. } = bindings.frontier_of(&wanted.outputs, wanted.kept);
     let stored = &bindings.frontier;
-    let records = KernelPlan {
+    let outputs: &[Output] = if wanted.terms { &[Output::FirstTerms, Output::MoreTerms] } else { &[Output::Values] };
+    let records = outputs.iter().map(|output| KernelPlan {
         name: wanted.name,
         columns: [&stored.hits, &stored.records, wanted.kept].concat(),
         uniforms: uniforms.clone(),
         outputs: wanted.outputs.clone(),
-        accumulate: wanted.accumulate,
+        output: *output,
+        lines: true,
         interleave: INTERLEAVE,
-    };
-    [stage("uniforms", bindings.leaves(&uniforms), uniforms), records]
+    });
+    let of_pairs = KernelPlan { lines: false, ..stage("uniforms", bindings.leaves(&uniforms), uniforms.clone()) };
+    std::iter::once(of_pairs).chain(records).collect()
 }
 
 /// The plan of a kernel that runs once, over nodes made of leaves.
 fn stage(name: &'static str, columns: Vec<NodeId>, outputs: Vec<NodeId>) -> KernelPlan {
-    KernelPlan { name, columns, uniforms: Vec::new(), outputs, accumulate: false, interleave: 1 }
+    KernelPlan { name, columns, uniforms: Vec::new(), outputs, output: Output::Values, lines: true, interleave: 1 }
 }
 
 /// The contributors that these are, from the kernels of their plans.
-fn contributors(plans: &[[KernelPlan; 2]], kernels: Vec<Kernel>) -> Vec<Contributor> {
+fn contributors(plans: &[Vec<KernelPlan>], kernels: Vec<Kernel>) -> Vec<Contributor> {
     let mut kernels = kernels.into_iter();
-    let pair = |[uniforms, _]: &[KernelPlan; 2]| {
-        let uniform_leaves = uniforms.columns.clone();
-        Some(Contributor { uniform_leaves, uniform_kernel: kernels.next()?, kernel: kernels.next()? })
+    let contributor = |plans: &Vec<KernelPlan>| {
+        let uniform_leaves = plans.first()?.columns.clone();
+        let (uniform_kernel, storing) = (kernels.next()?, kernels.next()?);
+        let adding = if plans.len() > 2 { kernels.next()? } else { storing.clone() };
+        Some(Contributor { uniform_leaves, uniform_kernel, storing, adding })
     };
-    plans.iter().map_while(pair).collect()
+    plans.iter().map_while(contributor).collect()
 }
 
 impl CompiledFormula {
@@ -123,9 +131,9 @@ impl CompiledFormula {
     pub(super) fn compile(bindings: Bindings, listing: Option<&mut Listing>) -> Result<Self, CompileError> {
         let Frontier { hits, records, .. } = bindings.frontier.clone();
         let (hit_leaves, record_leaves) = (bindings.leaves(&hits), bindings.leaves(&records));
-        let wanted = Wanted { name: "contributions", outputs: bindings.contribution.to_vec(), kept: &[], accumulate: true };
+        let wanted = Wanted { name: "contributions", outputs: bindings.contribution.to_vec(), kept: &[], terms: true };
         let contribution = plans(&bindings, &wanted);
-        let mut all = contribution.to_vec();
+        let mut all = contribution.clone();
         all.push(stage("hits", hit_leaves.clone(), hits));
         all.push(stage("records", record_leaves.clone(), records));
         let mut kernels = generate(&all, &bindings.graph, listing)?;
@@ -175,14 +183,14 @@ impl DragKernels {
                         None => zero,
                     };
                     let outputs = channels.iter().map(part).collect();
-                    wanted.push(Wanted { name: "term", outputs, kept: &[], accumulate: true });
+                    wanted.push(Wanted { name: "term", outputs, kept: &[], terms: true });
                 }
             }
             Dependence::Live { live, kept } => {
                 channels.extend((0..3).filter(|channel| live[*channel].is_some()));
                 kept_nodes.clone_from(kept);
                 let outputs = channels.iter().map(|channel| live[*channel].unwrap_or(zero)).collect();
-                wanted.push(Wanted { name: "live", outputs, kept: &kept_nodes, accumulate: true });
+                wanted.push(Wanted { name: "live", outputs, kept: &kept_nodes, terms: true });
             }
         }
         // Kernels yield one component or all: the others of two are 0.
@@ -198,13 +206,13 @@ impl DragKernels {
         let rests = some && separation.dependence != Dependence::None;
         if rests {
             let outputs = separation.resting.map(|node| node.unwrap_or(zero)).to_vec();
-            wanted.push(Wanted { name: "resting", outputs, kept: &[], accumulate: true });
+            wanted.push(Wanted { name: "resting", outputs, kept: &[], terms: true });
         }
         if !kept_nodes.is_empty() {
-            wanted.push(Wanted { name: "kept", outputs: kept_nodes.clone(), kept: &[], accumulate: false });
+            wanted.push(Wanted { name: "kept", outputs: kept_nodes.clone(), kept: &[], terms: false });
         }
-        let plans: Vec<[KernelPlan; 2]> = wanted.iter().map(|wanted| plans(&separation.bindings, wanted)).collect();
-        let kernels = generate(plans.as_flattened(), &separation.bindings.graph, None)?;
+        let plans: Vec<Vec<KernelPlan>> = wanted.iter().map(|wanted| plans(&separation.bindings, wanted)).collect();
+        let kernels = generate(&plans.concat(), &separation.bindings.graph, None)?;
         let mut made = contributors(&plans, kernels).into_iter();
         let moving = made.by_ref().take(moving).collect();
         let resting = if rests { made.next() } else { None };
@@ -221,12 +229,20 @@ mod tests {
     use crate::presets::{self, Kind};
 
     #[test]
-    fn built_in_formulas_are_computed_eight_records_at_a_time() {
-        let wide = std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma");
+    fn built_in_formulas_are_computed_as_many_records_at_a_time_as_there_are_lanes() {
+        let has = |all: [bool; 2]| all.iter().all(|has| *has);
+        let eight = has([std::arch::is_x86_feature_detected!("avx2"), std::arch::is_x86_feature_detected!("fma")]);
+        let sixteen = has([std::arch::is_x86_feature_detected!("avx512f"), std::arch::is_x86_feature_detected!("avx512dq")]);
+        let widest =
+            [(eight && sixteen, "%zmm"), (eight, "%ymm"), (true, "%xmm")].into_iter().find(|(there, _)| *there).unwrap().1;
         for name in presets::names(Kind::Formula) {
             let (formula, _) = Formula::parse(&Source::new(name, presets::text(Kind::Formula, name).unwrap())).unwrap();
             let listing = CompiledFormula::listing(&formula).unwrap();
-            assert_eq!(listing.asm.contains("%ymm") && listing.asm.contains("prefetcht0"), wide, "{name}");
+            let kernels: Vec<&str> = listing.asm.split("; ").filter(|kernel| kernel.starts_with("contributions")).collect();
+            assert_eq!(kernels.len(), 2, "one that stores and one that adds");
+            for kernel in kernels {
+                assert!(kernel.contains(widest) && kernel.contains("prefetcht0") == eight, "{name}: {kernel}");
+            }
         }
     }
 }

@@ -1,12 +1,13 @@
 //! A kernel as Cranelift IR: some nodes of a graph computed for every record, from columns and uniform values.
 //!
 //! The function reads `fn(columns, uniforms, outputs, steps)`: pointers to the columns, to the uniform values (each in as many lanes as
-//! any kernel has), to the output columns, and the number of steps: of blocks of four records, or of pairs of blocks in code that
+//! any kernel has), to the output columns, and the number of steps: of blocks of four records, or of two or four blocks in code that
 //! is going to be [widened](super::widen). Columns are whole steps, so that there is no tail.
 
 use crate::formula::graph::{Graph, Node, NodeId};
 use crate::jit::emit::{Emitter, LANES_BYTES, PERLIN_OPERANDS};
 use crate::jit::lanes::Splat;
+use crate::jit::target::Target;
 use crate::lang::scalars::{Primitive, Scalars};
 use cranelift_codegen::ir::condcodes::IntCC;
 use cranelift_codegen::ir::types::{F32X4, I64};
@@ -28,22 +29,50 @@ pub(super) struct KernelPlan {
     pub(super) uniforms: Vec<NodeId>,
     /// Nodes that are written to the output columns, in their order.
     pub(super) outputs: Vec<NodeId>,
-    /// Whether outputs are added to what is there rather than stored.
-    pub(super) accumulate: bool,
+    /// What becomes of them.
+    pub(super) output: Output,
+    /// Whether columns are whole lines, so that more records than are wanted may be computed.
+    pub(super) lines: bool,
     /// How many steps are computed side by side at most, so that their chains of dependent instructions overlap and constants are
     /// loaded once for all of them.
     pub(super) interleave: usize,
 }
 
+/// What becomes of the outputs of a kernel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Output {
+    /// They are stored.
+    Values,
+    /// They are terms of sums, the first ones, and stored; products may be added up in one instruction.
+    FirstTerms,
+    /// They are terms of sums, and added to what is there.
+    MoreTerms,
+}
+
 /// How a plan is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Shape {
-    /// How many blocks of four records are a step: two in code that is going to be widened.
+    /// How many blocks of four records are a step: two or four in code that is going to be widened.
     pub(super) blocks: usize,
     /// How many steps are computed side by side.
     pub(super) interleave: usize,
     /// Whether the processor multiplies and adds in one instruction.
     pub(super) fma: bool,
+}
+
+/// The shapes that a plan may be written in, the quickest first, the one that always works last.
+pub(super) fn shapes(plan: &KernelPlan, graph: &Graph, target: &Target) -> Vec<Shape> {
+    let fma = target.fma;
+    let narrow = Shape { blocks: 1, interleave: 1, fma };
+    let few = plan.schedule(graph, narrow).is_some_and(|schedule| schedule.len() <= MANY_NODES);
+    let interleave = if few { plan.interleave } else { 1 };
+    let mut shapes = Vec::new();
+    for blocks in target.widths.iter().copied().filter(|blocks| *blocks > 1 && plan.lines) {
+        let halves = std::iter::successors(Some(interleave), |interleave| (*interleave > 1).then_some(interleave / 2));
+        shapes.extend(halves.map(|interleave| Shape { blocks, interleave, fma }));
+    }
+    shapes.push(Shape { interleave, ..narrow });
+    shapes
 }
 
 impl Shape {
@@ -83,7 +112,7 @@ impl KernelPlan {
         Some(found)
     }
 
-    /// The addends of each output. Where outputs are added to what is there, and products can be added in one instruction, sums are
+    /// The addends of each output. Where outputs are terms of sums, and products can be added in one instruction, sums are
     /// taken apart; but not what several outputs share, which would be computed several times.
     fn addends(&self, graph: &Graph, shape: Shape) -> Vec<Vec<Addend>> {
         /// More addends than this are summed up before.
@@ -116,7 +145,7 @@ impl KernelPlan {
         let shared = |root: &NodeId| users[root] > 1;
         let outputs = self.outputs.iter().zip(taken);
         outputs
-            .map(|(root, leaves)| match self.accumulate && shape.fma && !shared(root) {
+            .map(|(root, leaves)| match self.output != Output::Values && shape.fma && !shared(root) {
                 true => leaves.iter().map(addend).collect(),
                 false => vec![plain(*root)],
             })
@@ -136,7 +165,7 @@ pub(super) fn parameters() -> [AbiParam; 4] {
 
 /// Beyond so many nodes steps are computed one after the other: side by side they would need far more registers than there are, and
 /// there is enough to overlap within a step.
-pub(super) const MANY_NODES: usize = 60;
+const MANY_NODES: usize = 60;
 
 /// Writes the kernel, whose plan has this schedule, into an empty function with the [`parameters`]; `perlin` is there if it is called.
 pub(super) fn write(
@@ -245,7 +274,7 @@ impl Writer<'_, '_> {
         for (addends, pointer) in addends.iter().zip(self.outputs.clone()) {
             let address = self.builder.ins().iadd(pointer, offset);
             let mut sums: Vec<Option<Value>> = vec![None; interleave];
-            if self.plan.accumulate {
+            if self.plan.output == Output::MoreTerms {
                 for (step, sum) in sums.iter_mut().enumerate() {
                     let place = self.place(step);
                     *sum = Some(self.builder.ins().load(F32X4, flags, address, place));
@@ -260,6 +289,7 @@ impl Writer<'_, '_> {
                     *sum = match (*sum, x, y) {
                         (Some(sum), Some(x), Some(y)) => Some(self.builder.ins().fma(x, y, sum)),
                         (Some(sum), Some(x), None) => Some(self.builder.ins().fadd(sum, x)),
+                        (None, Some(x), Some(y)) => Some(self.builder.ins().fmul(x, y)),
                         (None, x, _) => x,
                         (sum, None, _) => sum,
                     };

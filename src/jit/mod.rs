@@ -1,4 +1,4 @@
-//! Compiled evaluation: a formula's graph as native four-lane SIMD code, by Cranelift.
+//! Compiled evaluation: a formula's graph as native SIMD code, four, eight or sixteen lanes wide, by Cranelift.
 //!
 //! Each stage of evaluation is a *kernel*, a function with the loop over its records inside: static values of hits, static
 //! values of lit records, uniform values of (body, light) pairs, and the contributions of lit records. `kernel` writes a kernel as
@@ -10,6 +10,7 @@
     allow(dead_code, reason = "where kernels cannot run there is nothing to compile")
 )]
 
+mod adding;
 mod cache;
 #[cfg(all(target_arch = "x86_64", unix))]
 pub mod call;
@@ -25,7 +26,7 @@ pub mod target;
 mod widen;
 
 pub use cache::KernelCache;
-pub use call::Kernel;
+pub use call::{Adder, Kernel};
 pub use compile::CompiledFormula;
-pub use lanes::{Lanes, Splat};
+pub use lanes::{Lanes, Line, PixelPlanes, Splat, Sums};
 pub use target::{CompileError, Listing};

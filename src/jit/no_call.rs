@@ -2,8 +2,9 @@
 
 use crate::formula::graph::Graph;
 use crate::jit::kernel::KernelPlan;
-use crate::jit::lanes::{Lanes, Splat};
+use crate::jit::lanes::{Lanes, PixelPlanes, Splat, Sums};
 use crate::jit::target::{CompileError, Listing, target};
+use crate::segment::Segment;
 
 /// A compiled kernel: there is none.
 #[derive(Clone)]
@@ -34,4 +35,19 @@ pub(super) fn generate(
 ) -> Result<Vec<Kernel>, CompileError> {
     let target = target()?;
     Err(CompileError::Processor(target.isa.name().to_owned()))
+}
+
+/// Code that adds to pixels: there is none.
+pub enum Adder {}
+
+impl Adder {
+    /// The code: none.
+    pub fn get() -> Option<&'static Adder> {
+        None
+    }
+
+    /// Adds.
+    pub fn add(&self, _: &[Segment], _: &Sums, _: f32, _: Option<usize>, _: &mut PixelPlanes) {
+        match *self {}
+    }
 }

@@ -29,8 +29,8 @@ pub(super) struct Target {
     pub(super) isa: OwnedTargetIsa,
     /// Whether it multiplies and adds in one instruction.
     pub(super) fma: bool,
-    /// Whether it computes eight lanes at a time.
-    pub(super) wide: bool,
+    /// How many blocks of four records its vectors hold, widest first: 4, 2 and 1, as far as it goes.
+    pub(super) widths: Vec<usize>,
 }
 
 /// The target: this processor. Optimisation is left to the graph: Cranelift's own hoists constants into registers that it then has to spill.
@@ -51,6 +51,9 @@ pub(super) fn target() -> Result<Target, CompileError> {
         return Err(CompileError::Processor("it lacks SSE4.1".to_owned()));
     }
     let fma = has("has_fma") && has("has_avx");
-    let wide = fma && has("has_avx2");
-    Ok(Target { isa, fma, wide })
+    let eight = fma && has("has_avx2");
+    let sixteen = eight && has("has_avx512f") && has("has_avx512dq");
+    let widths =
+        [(4, sixteen), (2, eight), (1, true)].into_iter().filter(|(_, there)| *there).map(|(blocks, _)| blocks).collect();
+    Ok(Target { isa, fma, widths })
 }

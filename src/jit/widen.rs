@@ -1,10 +1,12 @@
-//! Eight lanes from four: finished code of a kernel, with every vector instruction re-encoded for registers of twice the width.
+//! Eight or sixteen lanes from four: finished code of a kernel, with every vector instruction re-encoded for wider registers.
 //!
-//! Cranelift knows vectors of 128 bits only, while nearly every processor with AVX2 computes 256 at the same price. But the arithmetic of a
-//! kernel goes lane by lane, and in the VEX encoding an instruction for 256 bits differs from that for 128 in one bit. So a kernel is
-//! written for steps of twice as many bytes (see [`Shape`](super::kernel::Shape)), compiled as usual, and its machine code widened:
-//! constants are doubled, registers renamed. What is not on the list below, or touches the stack, is an error: then the kernel stays as it is.
-//! That the result computes the same is tested as everything compiled is, against the interpreter.
+//! Cranelift knows vectors of 128 bits only, while nearly every processor with AVX2 computes 256 at the same price, and many with AVX-512
+//! twice that. But the arithmetic of a kernel goes lane by lane, and for nearly every instruction in the VEX encoding there is one that does
+//! the same to more lanes. So a kernel is written for steps of two or four times as many bytes (see [`Shape`](super::kernel::Shape)),
+//! compiled as usual, and its machine code widened: constants are repeated, registers renamed. With AVX-512 there are twice as many
+//! registers too, which take what Cranelift had to put on the stack; and comparisons yield masks in registers of their own. Where an
+//! instruction is not on the list below, or needs the stack after all, the kernel stays as it is. That the result computes the same
+//! is tested as everything compiled is, against the interpreter, and instruction by instruction.
 
 use iced_x86::{
     BlockEncoder, BlockEncoderOptions, Code, Decoder, DecoderOptions, Formatter, GasFormatter, Instruction, InstructionBlock,
@@ -17,23 +19,18 @@ const BASE: u64 = 0x10000;
 /// Bytes of a constant of four lanes.
 const NARROW: usize = 16;
 /// Functions and their constants are aligned so.
-pub(super) const ALIGNMENT: u64 = 32;
-
-/// Why code cannot be widened.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum NotWidened {
-    /// Values are kept on the stack, where there is no room for wider ones. With fewer values at a time there might be none.
-    Spills,
-    /// An instruction that is not known to go lane by lane.
-    Unknown,
-}
+pub(super) const ALIGNMENT: u64 = 64;
 
 macro_rules! twins {
-    ($($narrow:ident => $wide:ident,)*) => {
-        /// The instruction that does to eight lanes what this does to four.
-        fn twin(code: Code) -> Option<Code> {
+    ($($narrow:ident => $eight:ident, $sixteen:ident;)*) => {
+        #[cfg(test)]
+        const TWINS: &[[&str; 3]] = &[$([stringify!($narrow), stringify!($eight), stringify!($sixteen)]),*];
+
+        /// The instructions that do to eight and to sixteen lanes what this does to four. Of those for sixteen, comparisons yield a mask,
+        /// and selections take one.
+        fn twins(code: Code) -> Option<[Code; 2]> {
             match code {
-                $(Code::$narrow => Some(Code::$wide),)*
+                $(Code::$narrow => Some([Code::$eight, Code::$sixteen]),)*
                 _ => None,
             }
         }
@@ -41,102 +38,178 @@ macro_rules! twins {
 }
 
 twins! {
-    Movaps_xmm_xmmm128 => VEX_Vmovaps_ymm_ymmm256,
-    Movdqa_xmm_xmmm128 => VEX_Vmovdqa_ymm_ymmm256,
-    Movdqu_xmm_xmmm128 => VEX_Vmovdqu_ymm_ymmm256,
-    Movups_xmm_xmmm128 => VEX_Vmovups_ymm_ymmm256,
-    Movdqu_xmmm128_xmm => VEX_Vmovdqu_ymmm256_ymm,
-    Movups_xmmm128_xmm => VEX_Vmovups_ymmm256_ymm,
-    VEX_Vmovaps_xmm_xmmm128 => VEX_Vmovaps_ymm_ymmm256,
-    VEX_Vmovups_xmm_xmmm128 => VEX_Vmovups_ymm_ymmm256,
-    VEX_Vmovups_xmmm128_xmm => VEX_Vmovups_ymmm256_ymm,
-    VEX_Vmovdqa_xmm_xmmm128 => VEX_Vmovdqa_ymm_ymmm256,
-    VEX_Vmovdqu_xmm_xmmm128 => VEX_Vmovdqu_ymm_ymmm256,
-    VEX_Vmovdqu_xmmm128_xmm => VEX_Vmovdqu_ymmm256_ymm,
-    VEX_Vaddps_xmm_xmm_xmmm128 => VEX_Vaddps_ymm_ymm_ymmm256,
-    VEX_Vsubps_xmm_xmm_xmmm128 => VEX_Vsubps_ymm_ymm_ymmm256,
-    VEX_Vmulps_xmm_xmm_xmmm128 => VEX_Vmulps_ymm_ymm_ymmm256,
-    VEX_Vdivps_xmm_xmm_xmmm128 => VEX_Vdivps_ymm_ymm_ymmm256,
-    VEX_Vminps_xmm_xmm_xmmm128 => VEX_Vminps_ymm_ymm_ymmm256,
-    VEX_Vmaxps_xmm_xmm_xmmm128 => VEX_Vmaxps_ymm_ymm_ymmm256,
-    VEX_Vsqrtps_xmm_xmmm128 => VEX_Vsqrtps_ymm_ymmm256,
-    VEX_Vandps_xmm_xmm_xmmm128 => VEX_Vandps_ymm_ymm_ymmm256,
-    VEX_Vandnps_xmm_xmm_xmmm128 => VEX_Vandnps_ymm_ymm_ymmm256,
-    VEX_Vorps_xmm_xmm_xmmm128 => VEX_Vorps_ymm_ymm_ymmm256,
-    VEX_Vxorps_xmm_xmm_xmmm128 => VEX_Vxorps_ymm_ymm_ymmm256,
-    VEX_Vcmpps_xmm_xmm_xmmm128_imm8 => VEX_Vcmpps_ymm_ymm_ymmm256_imm8,
-    VEX_Vroundps_xmm_xmmm128_imm8 => VEX_Vroundps_ymm_ymmm256_imm8,
-    VEX_Vblendvps_xmm_xmm_xmmm128_xmm => VEX_Vblendvps_ymm_ymm_ymmm256_ymm,
-    VEX_Vpblendvb_xmm_xmm_xmmm128_xmm => VEX_Vpblendvb_ymm_ymm_ymmm256_ymm,
-    VEX_Vcvtdq2ps_xmm_xmmm128 => VEX_Vcvtdq2ps_ymm_ymmm256,
-    VEX_Vfmadd132ps_xmm_xmm_xmmm128 => VEX_Vfmadd132ps_ymm_ymm_ymmm256,
-    VEX_Vfmadd213ps_xmm_xmm_xmmm128 => VEX_Vfmadd213ps_ymm_ymm_ymmm256,
-    VEX_Vfmadd231ps_xmm_xmm_xmmm128 => VEX_Vfmadd231ps_ymm_ymm_ymmm256,
-    VEX_Vfmsub132ps_xmm_xmm_xmmm128 => VEX_Vfmsub132ps_ymm_ymm_ymmm256,
-    VEX_Vfmsub213ps_xmm_xmm_xmmm128 => VEX_Vfmsub213ps_ymm_ymm_ymmm256,
-    VEX_Vfmsub231ps_xmm_xmm_xmmm128 => VEX_Vfmsub231ps_ymm_ymm_ymmm256,
-    VEX_Vfnmadd132ps_xmm_xmm_xmmm128 => VEX_Vfnmadd132ps_ymm_ymm_ymmm256,
-    VEX_Vfnmadd213ps_xmm_xmm_xmmm128 => VEX_Vfnmadd213ps_ymm_ymm_ymmm256,
-    VEX_Vfnmadd231ps_xmm_xmm_xmmm128 => VEX_Vfnmadd231ps_ymm_ymm_ymmm256,
-    VEX_Vfnmsub132ps_xmm_xmm_xmmm128 => VEX_Vfnmsub132ps_ymm_ymm_ymmm256,
-    VEX_Vfnmsub213ps_xmm_xmm_xmmm128 => VEX_Vfnmsub213ps_ymm_ymm_ymmm256,
-    VEX_Vfnmsub231ps_xmm_xmm_xmmm128 => VEX_Vfnmsub231ps_ymm_ymm_ymmm256,
-    VEX_Vpaddd_xmm_xmm_xmmm128 => VEX_Vpaddd_ymm_ymm_ymmm256,
-    VEX_Vpsubd_xmm_xmm_xmmm128 => VEX_Vpsubd_ymm_ymm_ymmm256,
-    VEX_Vpand_xmm_xmm_xmmm128 => VEX_Vpand_ymm_ymm_ymmm256,
-    VEX_Vpandn_xmm_xmm_xmmm128 => VEX_Vpandn_ymm_ymm_ymmm256,
-    VEX_Vpor_xmm_xmm_xmmm128 => VEX_Vpor_ymm_ymm_ymmm256,
-    VEX_Vpxor_xmm_xmm_xmmm128 => VEX_Vpxor_ymm_ymm_ymmm256,
-    VEX_Vpcmpeqd_xmm_xmm_xmmm128 => VEX_Vpcmpeqd_ymm_ymm_ymmm256,
-    VEX_Vpslld_xmm_xmm_imm8 => VEX_Vpslld_ymm_ymm_imm8,
-    VEX_Vpsrld_xmm_xmm_imm8 => VEX_Vpsrld_ymm_ymm_imm8,
-    VEX_Vpsrad_xmm_xmm_imm8 => VEX_Vpsrad_ymm_ymm_imm8,
+    Movaps_xmm_xmmm128 => VEX_Vmovaps_ymm_ymmm256, EVEX_Vmovaps_zmm_k1z_zmmm512;
+    Movdqa_xmm_xmmm128 => VEX_Vmovdqa_ymm_ymmm256, EVEX_Vmovdqa32_zmm_k1z_zmmm512;
+    Movdqu_xmm_xmmm128 => VEX_Vmovdqu_ymm_ymmm256, EVEX_Vmovdqu32_zmm_k1z_zmmm512;
+    Movups_xmm_xmmm128 => VEX_Vmovups_ymm_ymmm256, EVEX_Vmovups_zmm_k1z_zmmm512;
+    Movdqu_xmmm128_xmm => VEX_Vmovdqu_ymmm256_ymm, EVEX_Vmovdqu32_zmmm512_k1z_zmm;
+    Movups_xmmm128_xmm => VEX_Vmovups_ymmm256_ymm, EVEX_Vmovups_zmmm512_k1z_zmm;
+    VEX_Vmovaps_xmm_xmmm128 => VEX_Vmovaps_ymm_ymmm256, EVEX_Vmovaps_zmm_k1z_zmmm512;
+    VEX_Vmovups_xmm_xmmm128 => VEX_Vmovups_ymm_ymmm256, EVEX_Vmovups_zmm_k1z_zmmm512;
+    VEX_Vmovups_xmmm128_xmm => VEX_Vmovups_ymmm256_ymm, EVEX_Vmovups_zmmm512_k1z_zmm;
+    VEX_Vmovdqa_xmm_xmmm128 => VEX_Vmovdqa_ymm_ymmm256, EVEX_Vmovdqa32_zmm_k1z_zmmm512;
+    VEX_Vmovdqu_xmm_xmmm128 => VEX_Vmovdqu_ymm_ymmm256, EVEX_Vmovdqu32_zmm_k1z_zmmm512;
+    VEX_Vmovdqu_xmmm128_xmm => VEX_Vmovdqu_ymmm256_ymm, EVEX_Vmovdqu32_zmmm512_k1z_zmm;
+    VEX_Vaddps_xmm_xmm_xmmm128 => VEX_Vaddps_ymm_ymm_ymmm256, EVEX_Vaddps_zmm_k1z_zmm_zmmm512b32_er;
+    VEX_Vsubps_xmm_xmm_xmmm128 => VEX_Vsubps_ymm_ymm_ymmm256, EVEX_Vsubps_zmm_k1z_zmm_zmmm512b32_er;
+    VEX_Vmulps_xmm_xmm_xmmm128 => VEX_Vmulps_ymm_ymm_ymmm256, EVEX_Vmulps_zmm_k1z_zmm_zmmm512b32_er;
+    VEX_Vdivps_xmm_xmm_xmmm128 => VEX_Vdivps_ymm_ymm_ymmm256, EVEX_Vdivps_zmm_k1z_zmm_zmmm512b32_er;
+    VEX_Vminps_xmm_xmm_xmmm128 => VEX_Vminps_ymm_ymm_ymmm256, EVEX_Vminps_zmm_k1z_zmm_zmmm512b32_sae;
+    VEX_Vmaxps_xmm_xmm_xmmm128 => VEX_Vmaxps_ymm_ymm_ymmm256, EVEX_Vmaxps_zmm_k1z_zmm_zmmm512b32_sae;
+    VEX_Vsqrtps_xmm_xmmm128 => VEX_Vsqrtps_ymm_ymmm256, EVEX_Vsqrtps_zmm_k1z_zmmm512b32_er;
+    VEX_Vandps_xmm_xmm_xmmm128 => VEX_Vandps_ymm_ymm_ymmm256, EVEX_Vandps_zmm_k1z_zmm_zmmm512b32;
+    VEX_Vandnps_xmm_xmm_xmmm128 => VEX_Vandnps_ymm_ymm_ymmm256, EVEX_Vandnps_zmm_k1z_zmm_zmmm512b32;
+    VEX_Vorps_xmm_xmm_xmmm128 => VEX_Vorps_ymm_ymm_ymmm256, EVEX_Vorps_zmm_k1z_zmm_zmmm512b32;
+    VEX_Vxorps_xmm_xmm_xmmm128 => VEX_Vxorps_ymm_ymm_ymmm256, EVEX_Vxorps_zmm_k1z_zmm_zmmm512b32;
+    VEX_Vcmpps_xmm_xmm_xmmm128_imm8 => VEX_Vcmpps_ymm_ymm_ymmm256_imm8, EVEX_Vcmpps_kr_k1_zmm_zmmm512b32_imm8_sae;
+    VEX_Vroundps_xmm_xmmm128_imm8 => VEX_Vroundps_ymm_ymmm256_imm8, EVEX_Vrndscaleps_zmm_k1z_zmmm512b32_imm8_sae;
+    VEX_Vblendvps_xmm_xmm_xmmm128_xmm => VEX_Vblendvps_ymm_ymm_ymmm256_ymm, EVEX_Vblendmps_zmm_k1z_zmm_zmmm512b32;
+    VEX_Vpblendvb_xmm_xmm_xmmm128_xmm => VEX_Vpblendvb_ymm_ymm_ymmm256_ymm, EVEX_Vblendmps_zmm_k1z_zmm_zmmm512b32;
+    VEX_Vcvtdq2ps_xmm_xmmm128 => VEX_Vcvtdq2ps_ymm_ymmm256, EVEX_Vcvtdq2ps_zmm_k1z_zmmm512b32_er;
+    VEX_Vfmadd132ps_xmm_xmm_xmmm128 => VEX_Vfmadd132ps_ymm_ymm_ymmm256, EVEX_Vfmadd132ps_zmm_k1z_zmm_zmmm512b32_er;
+    VEX_Vfmadd213ps_xmm_xmm_xmmm128 => VEX_Vfmadd213ps_ymm_ymm_ymmm256, EVEX_Vfmadd213ps_zmm_k1z_zmm_zmmm512b32_er;
+    VEX_Vfmadd231ps_xmm_xmm_xmmm128 => VEX_Vfmadd231ps_ymm_ymm_ymmm256, EVEX_Vfmadd231ps_zmm_k1z_zmm_zmmm512b32_er;
+    VEX_Vfmsub132ps_xmm_xmm_xmmm128 => VEX_Vfmsub132ps_ymm_ymm_ymmm256, EVEX_Vfmsub132ps_zmm_k1z_zmm_zmmm512b32_er;
+    VEX_Vfmsub213ps_xmm_xmm_xmmm128 => VEX_Vfmsub213ps_ymm_ymm_ymmm256, EVEX_Vfmsub213ps_zmm_k1z_zmm_zmmm512b32_er;
+    VEX_Vfmsub231ps_xmm_xmm_xmmm128 => VEX_Vfmsub231ps_ymm_ymm_ymmm256, EVEX_Vfmsub231ps_zmm_k1z_zmm_zmmm512b32_er;
+    VEX_Vfnmadd132ps_xmm_xmm_xmmm128 => VEX_Vfnmadd132ps_ymm_ymm_ymmm256, EVEX_Vfnmadd132ps_zmm_k1z_zmm_zmmm512b32_er;
+    VEX_Vfnmadd213ps_xmm_xmm_xmmm128 => VEX_Vfnmadd213ps_ymm_ymm_ymmm256, EVEX_Vfnmadd213ps_zmm_k1z_zmm_zmmm512b32_er;
+    VEX_Vfnmadd231ps_xmm_xmm_xmmm128 => VEX_Vfnmadd231ps_ymm_ymm_ymmm256, EVEX_Vfnmadd231ps_zmm_k1z_zmm_zmmm512b32_er;
+    VEX_Vfnmsub132ps_xmm_xmm_xmmm128 => VEX_Vfnmsub132ps_ymm_ymm_ymmm256, EVEX_Vfnmsub132ps_zmm_k1z_zmm_zmmm512b32_er;
+    VEX_Vfnmsub213ps_xmm_xmm_xmmm128 => VEX_Vfnmsub213ps_ymm_ymm_ymmm256, EVEX_Vfnmsub213ps_zmm_k1z_zmm_zmmm512b32_er;
+    VEX_Vfnmsub231ps_xmm_xmm_xmmm128 => VEX_Vfnmsub231ps_ymm_ymm_ymmm256, EVEX_Vfnmsub231ps_zmm_k1z_zmm_zmmm512b32_er;
+    VEX_Vpaddd_xmm_xmm_xmmm128 => VEX_Vpaddd_ymm_ymm_ymmm256, EVEX_Vpaddd_zmm_k1z_zmm_zmmm512b32;
+    VEX_Vpsubd_xmm_xmm_xmmm128 => VEX_Vpsubd_ymm_ymm_ymmm256, EVEX_Vpsubd_zmm_k1z_zmm_zmmm512b32;
+    VEX_Vpand_xmm_xmm_xmmm128 => VEX_Vpand_ymm_ymm_ymmm256, EVEX_Vpandd_zmm_k1z_zmm_zmmm512b32;
+    VEX_Vpandn_xmm_xmm_xmmm128 => VEX_Vpandn_ymm_ymm_ymmm256, EVEX_Vpandnd_zmm_k1z_zmm_zmmm512b32;
+    VEX_Vpor_xmm_xmm_xmmm128 => VEX_Vpor_ymm_ymm_ymmm256, EVEX_Vpord_zmm_k1z_zmm_zmmm512b32;
+    VEX_Vpxor_xmm_xmm_xmmm128 => VEX_Vpxor_ymm_ymm_ymmm256, EVEX_Vpxord_zmm_k1z_zmm_zmmm512b32;
+    VEX_Vpcmpeqd_xmm_xmm_xmmm128 => VEX_Vpcmpeqd_ymm_ymm_ymmm256, EVEX_Vpcmpeqd_kr_k1_zmm_zmmm512b32;
+    VEX_Vpslld_xmm_xmm_imm8 => VEX_Vpslld_ymm_ymm_imm8, EVEX_Vpslld_zmm_k1z_zmmm512b32_imm8;
+    VEX_Vpsrld_xmm_xmm_imm8 => VEX_Vpsrld_ymm_ymm_imm8, EVEX_Vpsrld_zmm_k1z_zmmm512b32_imm8;
+    VEX_Vpsrad_xmm_xmm_imm8 => VEX_Vpsrad_ymm_ymm_imm8, EVEX_Vpsrad_zmm_k1z_zmmm512b32_imm8;
 }
 
-/// The code of a function, without relocations, whose constants stand behind it, for eight lanes.
-pub(super) fn widen(code: &[u8]) -> Result<Vec<u8>, NotWidened> {
-    let mut wide: Vec<Instruction> = Vec::new();
-    // Each constant by its address, with its place among the wide ones.
-    let mut constants: BTreeMap<u64, usize> = BTreeMap::new();
+/// The code of a function, without relocations, whose constants stand behind it, for vectors of two blocks of four lanes, or of four.
+pub(super) fn widen(code: &[u8], blocks: usize) -> Option<Vec<u8>> {
+    let mut widening = Widening { sixteen: blocks == 4, code: Vec::new(), constants: BTreeMap::new(), slots: BTreeMap::new() };
     let mut decoder = Decoder::with_ip(64, code, BASE, DecoderOptions::NONE);
-    while decoder.can_decode() && constants.keys().next().is_none_or(|first| decoder.ip() < *first) {
+    while decoder.can_decode() && widening.constants.keys().next().is_none_or(|first| decoder.ip() < *first) {
         let instruction = decoder.decode();
         if instruction.is_invalid() {
-            return Err(NotWidened::Unknown);
+            return None;
         }
         if instruction.code() == Code::Retnq {
-            // What comes after runs without AVX, and would wait for the upper halves.
-            wide.push(Instruction::with(Code::VEX_Vzeroupper));
+            // What comes after runs without AVX, and would wait for the upper parts.
+            widening.code.push(Instruction::with(Code::VEX_Vzeroupper));
         }
-        wide.push(widened(instruction, &mut constants)?);
+        widening.add(instruction)?;
     }
+    let Widening { code: wide, constants, .. } = widening;
     let mut wide = with_prefetches(wide);
-    let jumps = wide.iter().any(|instruction| instruction.is_jmp_short_or_near() || instruction.is_jcc_short_or_near());
-    debug_assert!(jumps || wide.len() < 64, "kernels loop");
     // A first time to learn how long it is; the constants follow.
     let length = encoded(&wide)?.len() + NARROW;
     let pool = length.next_multiple_of(ALIGNMENT as usize);
+    let constant_bytes = NARROW * blocks;
     for instruction in &mut wide {
         if instruction.is_ip_rel_memory_operand() {
-            let address = instruction.ip_rel_memory_address();
-            let place = constants.get(&address).ok_or(NotWidened::Unknown)?;
-            instruction.set_memory_displacement64(BASE + (pool + 2 * NARROW * place) as u64);
+            let place = constants.get(&instruction.ip_rel_memory_address())?;
+            instruction.set_memory_displacement64(BASE + (pool + constant_bytes * place) as u64);
         }
     }
     let mut bytes = encoded(&wide)?;
     if bytes.len() > pool {
-        return Err(NotWidened::Unknown);
+        return None;
     }
-    bytes.resize(pool + 2 * NARROW * constants.len(), 0);
+    bytes.resize(pool + constant_bytes * constants.len(), 0);
     for (address, place) in constants {
-        let start = usize::try_from(address - BASE).map_err(|_| NotWidened::Unknown)?;
-        let constant = code.get(start..start + NARROW).ok_or(NotWidened::Unknown)?;
-        for half in 0..2 {
-            let at = pool + 2 * NARROW * place + NARROW * half;
-            bytes[at..at + NARROW].copy_from_slice(constant);
-        }
+        let start = usize::try_from(address - BASE).ok()?;
+        let constant = code.get(start..start + NARROW)?;
+        let at = pool + constant_bytes * place;
+        bytes[at..at + constant_bytes].chunks_exact_mut(NARROW).for_each(|block| block.copy_from_slice(constant));
     }
-    Ok(bytes)
+    Some(bytes)
+}
+
+/// Registers beyond those that Cranelift uses.
+const MORE_REGISTERS: usize = 16;
+
+/// A function that is being widened.
+struct Widening {
+    /// Whether to sixteen lanes rather than eight.
+    sixteen: bool,
+    code: Vec<Instruction>,
+    /// Each constant by its address, with its place among the wide ones.
+    constants: BTreeMap<u64, usize>,
+    /// Each place of the stack that holds a vector, with the register that holds it instead.
+    slots: BTreeMap<u64, usize>,
+}
+
+impl Widening {
+    /// Adds an instruction for more lanes; one that has no vector operand as it is.
+    fn add(&mut self, instruction: Instruction) -> Option<()> {
+        let registers = (0..instruction.op_count()).filter(|operand| instruction.op_kind(*operand) == OpKind::Register);
+        let vectors: Vec<u32> = registers.filter(|operand| instruction.op_register(*operand).is_vector_register()).collect();
+        if vectors.is_empty() {
+            self.code.push(instruction);
+            return (!instruction.is_ip_rel_memory_operand()).then_some(());
+        }
+        let [eight, sixteen] = twins(instruction.code())?;
+        if instruction.is_ip_rel_memory_operand() {
+            let next = self.constants.len();
+            self.constants.entry(instruction.ip_rel_memory_address()).or_insert(next);
+        }
+        let mut wide = instruction;
+        for operand in vectors {
+            let register = instruction.op_register(operand);
+            if !register.is_xmm() {
+                return None;
+            }
+            wide.set_op_register(operand, self.register(register.number()));
+        }
+        if matches!(instruction.memory_base(), Register::RSP | Register::RBP) {
+            self.off_the_stack(&mut wide)?;
+        }
+        wide.set_code(if self.sixteen { sixteen } else { eight });
+        let compares =
+            matches!(sixteen, Code::EVEX_Vcmpps_kr_k1_zmm_zmmm512b32_imm8_sae | Code::EVEX_Vpcmpeqd_kr_k1_zmm_zmmm512b32);
+        if self.sixteen && compares {
+            let result = wide.op0_register();
+            wide.set_op0_register(Register::K1);
+            self.code.push(wide);
+            self.code.push(Instruction::with2(Code::EVEX_Vpmovm2d_zmm_kr, result, Register::K1).ok()?);
+        } else if self.sixteen && sixteen == Code::EVEX_Vblendmps_zmm_k1z_zmm_zmmm512b32 {
+            let truth = self.register(instruction.op_register(3).number());
+            self.code.push(Instruction::with2(Code::EVEX_Vpmovd2m_kr_zmm, Register::K1, truth).ok()?);
+            wide.set_op_mask(Register::K1);
+            self.code.push(wide);
+        } else {
+            self.code.push(wide);
+        }
+        Some(())
+    }
+
+    fn register(&self, number: usize) -> Register {
+        let first = if self.sixteen { Register::ZMM0 } else { Register::YMM0 };
+        first + number as u32
+    }
+
+    /// Replaces a place of the stack, where there is no room for more than four lanes, by a register.
+    fn off_the_stack(&mut self, wide: &mut Instruction) -> Option<()> {
+        if !self.sixteen || wide.memory_base() != Register::RSP || wide.memory_index() != Register::None {
+            return None;
+        }
+        let next = self.slots.len();
+        let slot = *self.slots.entry(wide.memory_displacement64()).or_insert(next);
+        if slot >= MORE_REGISTERS {
+            return None;
+        }
+        let operand = (0..wide.op_count()).find(|operand| wide.op_kind(*operand) == OpKind::Memory)?;
+        wide.set_op_kind(operand, OpKind::Register);
+        wide.set_op_register(operand, self.register(MORE_REGISTERS + slot));
+        wide.set_memory_base(Register::None);
+        Some(())
+    }
 }
 
 /// Bytes of the part of a column that lies together: the parts of all columns of a light follow each other, then those of the next light.
@@ -151,7 +224,7 @@ fn with_prefetches(code: Vec<Instruction>) -> Vec<Instruction> {
     let is_store = |instruction: &Instruction| instruction.op_count() > 0 && instruction.op0_kind() == OpKind::Memory;
     let stored: HashSet<_> = code.iter().filter(|instruction| is_store(instruction)).map(indexed).collect();
     let is_column = |instruction: &Instruction| {
-        let vector = instruction.op_count() > 1 && instruction.op0_register().is_ymm();
+        let vector = instruction.op_count() > 1 && (instruction.op0_register().is_ymm() || instruction.op0_register().is_zmm());
         let loads = vector && (0..instruction.op_count()).any(|operand| instruction.op_kind(operand) == OpKind::Memory);
         loads && instruction.memory_index() != Register::None && !stored.contains(&indexed(instruction))
     };
@@ -185,33 +258,104 @@ pub(super) fn disassembled(code: &[u8]) -> String {
     text
 }
 
-fn encoded(instructions: &[Instruction]) -> Result<Vec<u8>, NotWidened> {
+fn encoded(instructions: &[Instruction]) -> Option<Vec<u8>> {
     let block = InstructionBlock::new(instructions, BASE);
-    BlockEncoder::encode(64, block, BlockEncoderOptions::NONE).map(|result| result.code_buffer).map_err(|_| NotWidened::Unknown)
+    BlockEncoder::encode(64, block, BlockEncoderOptions::NONE).map(|result| result.code_buffer).ok()
 }
 
-/// An instruction for twice as many lanes; one that has no vector operand as it is.
-fn widened(mut instruction: Instruction, constants: &mut BTreeMap<u64, usize>) -> Result<Instruction, NotWidened> {
-    let registers = (0..instruction.op_count()).filter(|operand| instruction.op_kind(*operand) == OpKind::Register);
-    let vectors: Vec<u32> = registers.filter(|operand| instruction.op_register(*operand).is_vector_register()).collect();
-    if vectors.is_empty() {
-        return if instruction.is_ip_rel_memory_operand() { Err(NotWidened::Unknown) } else { Ok(instruction) };
-    }
-    if matches!(instruction.memory_base(), Register::RSP | Register::RBP) {
-        return Err(NotWidened::Spills);
-    }
-    let code = twin(instruction.code()).ok_or(NotWidened::Unknown)?;
-    if instruction.is_ip_rel_memory_operand() {
-        let next = constants.len();
-        constants.entry(instruction.ip_rel_memory_address()).or_insert(next);
-    }
-    instruction.set_code(code);
-    for operand in vectors {
-        let register = instruction.op_register(operand);
-        if !register.is_xmm() {
-            return Err(NotWidened::Unknown);
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What an instruction does, without how it is encoded and to what.
+    fn action(code: &str) -> &str {
+        let name = code.trim_start_matches("VEX_").trim_start_matches("EVEX_");
+        let action = name.split('_').next().unwrap();
+        // The same, by its older name, with lanes for masks, or with a scale of 0.
+        match action {
+            "Movaps" => "Vmovaps",
+            "Movups" => "Vmovups",
+            "Movdqa" | "Vmovdqa32" => "Vmovdqa",
+            "Movdqu" | "Vmovdqu32" => "Vmovdqu",
+            "Vpandd" => "Vpand",
+            "Vpandnd" => "Vpandn",
+            "Vpord" => "Vpor",
+            "Vpxord" => "Vpxor",
+            "Vrndscaleps" => "Vroundps",
+            "Vblendvps" | "Vpblendvb" => "Vblendmps",
+            other => other,
         }
-        instruction.set_op_register(operand, Register::YMM0 + register.number() as u32);
     }
-    Ok(instruction)
+
+    #[test]
+    fn twins_do_the_same_to_more_lanes() {
+        for [narrow, eight, sixteen] in TWINS {
+            assert_eq!(action(narrow), action(eight), "{narrow}");
+            assert_eq!(action(narrow), action(sixteen), "{narrow}");
+            // Stores stay stores, and what is in memory is the same operand.
+            let memory = |code: &str| code.split('_').position(|part| part.contains("mmm"));
+            let first = |code: &str| memory(code).map(|place| place - usize::from(code.contains("EX_")));
+            let stores = |code: &str| first(code) == Some(1);
+            assert_eq!((stores(narrow), stores(narrow)), (stores(eight), stores(sixteen)), "{narrow}");
+            assert!(
+                eight.contains("ymm") && !eight.contains("xmm") && sixteen.contains("zmm") && !sixteen.contains("xmm"),
+                "{narrow}"
+            );
+        }
+    }
+
+    /// The code of some instructions, and constants behind it.
+    fn code(instructions: &[Instruction], constants: &[f32]) -> Vec<u8> {
+        let mut code = encoded(instructions).unwrap();
+        constants.iter().for_each(|constant| code.extend([constant.to_ne_bytes(); 4].concat()));
+        code
+    }
+
+    #[test]
+    fn what_is_on_the_stack_goes_to_registers_where_there_are_any() {
+        let slot = |place: i64| MemoryOperand::new(Register::RSP, Register::None, 1, 16 * place, 8, false, Register::None);
+        let spill = |place| Instruction::with2(Code::VEX_Vmovups_xmmm128_xmm, slot(place), Register::XMM5).unwrap();
+        let add = Instruction::with3(Code::VEX_Vaddps_xmm_xmm_xmmm128, Register::XMM1, Register::XMM2, slot(1)).unwrap();
+        let few = code(&[spill(0), spill(1), add, Instruction::with(Code::Retnq)], &[]);
+        let text = disassembled(&widen(&few, 4).unwrap());
+        assert!(
+            text.contains("vmovups %zmm5,%zmm17") && text.contains("vaddps %zmm17,%zmm2,%zmm1") && !text.contains("rsp"),
+            "{text}"
+        );
+        assert_eq!(widen(&few, 2), None);
+        let many: Vec<Instruction> = (0..17).map(spill).collect();
+        assert!(widen(&code(&many[..16], &[]), 4).is_some());
+        assert_eq!(widen(&code(&many, &[]), 4), None);
+    }
+
+    #[test]
+    fn constants_are_repeated_and_found() {
+        // Two constants behind the code, the second used first.
+        let load = |register, place: u64| {
+            let from = MemoryOperand::new(Register::RIP, Register::None, 1, place as i64, 8, false, Register::None);
+            Instruction::with2(Code::VEX_Vmovups_xmm_xmmm128, register, from).unwrap()
+        };
+        let instructions = |end: u64| [load(Register::XMM1, end + 16), load(Register::XMM2, end), Instruction::with(Code::Retnq)];
+        let length = encoded(&instructions(BASE)).unwrap().len() as u64;
+        let narrow = code(&instructions(BASE + length), &[1.5, -2.0]);
+        for blocks in [2, 4] {
+            let wide = widen(&narrow, blocks).unwrap();
+            let pool = wide.len() - 2 * NARROW * blocks;
+            let number = |at: usize| f32::from_ne_bytes(wide[at..at + 4].try_into().unwrap());
+            let loads: Vec<Instruction> = Decoder::with_ip(64, &wide, BASE, DecoderOptions::NONE).into_iter().take(2).collect();
+            let lanes = |load: &Instruction| {
+                let at = (load.ip_rel_memory_address() - BASE) as usize;
+                assert!(at >= pool && at.is_multiple_of(NARROW * blocks));
+                (0..4 * blocks).map(|lane| number(at + 4 * lane)).collect::<Vec<f32>>()
+            };
+            assert_eq!(lanes(&loads[0]), vec![-2.0; 4 * blocks]);
+            assert_eq!(lanes(&loads[1]), vec![1.5; 4 * blocks]);
+        }
+    }
+
+    #[test]
+    fn what_is_not_on_the_list_stays_narrow() {
+        let shuffle = Instruction::with3(Code::VEX_Vunpcklps_xmm_xmm_xmmm128, Register::XMM1, Register::XMM2, Register::XMM3);
+        assert_eq!(widen(&code(&[shuffle.unwrap()], &[]), 4), None);
+    }
 }

@@ -4,7 +4,8 @@
 //! it grows; only the lists are sorted in the end.
 
 use crate::scene::{BodyId, LightId};
-use crate::trace::store::{Block, Group, Path, PathId, PathSets, Region, Span, Tile};
+use crate::segment::Segment;
+use crate::trace::store::{Group, Path, PathId, PathSets, Region, Span, Tile};
 use crate::trace::walk::Edge;
 use std::collections::HashMap;
 use std::ops::Range;
@@ -101,27 +102,28 @@ impl Gatherer {
             })
             .collect();
         lists.sort_unstable_by(|a, b| (a.body, a.lights, a.path).cmp(&(b.body, b.lights, b.path)));
-        let mut blocks = Vec::new();
+        let mut all = Pixels::default();
         let groups = lists
             .chunk_by(|a, b| (a.body, a.lights) == (b.body, b.lights))
             .map(|group| {
-                let spans: Box<[Span]> = group.iter().map(|list| append(&mut blocks, list.path, &list.pixels)).collect();
-                let own = spans.first().map_or(0, |span| span.blocks.start)..blocks.len() as u32;
-                Group { body: group[0].body, lights: group[0].lights.into(), blocks: own, spans }
+                let start = all.begin_group();
+                let spans: Box<[Span]> = group.iter().map(|list| all.span(list.path, &list.pixels)).collect();
+                Group { body: group[0].body, lights: group[0].lights.into(), hits: start..all.hits, spans }
             })
             .collect();
         let mut missed: Vec<(PathId, Vec<u16>)> = self.misses.into_iter().collect();
         missed.sort_unstable_by_key(|(path, _)| *path);
-        let mut miss_blocks = Vec::new();
-        let misses = missed.iter().map(|(path, pixels)| append(&mut miss_blocks, *path, pixels)).collect();
+        let mut all_missed = Pixels::default();
+        let misses = missed.iter().map(|(path, pixels)| all_missed.span(*path, pixels)).collect();
+        let (mut segments, mut miss_segments) = (all.segments, all_missed.segments);
         let (mut paths, mut regions, mut path_sets) = (self.paths, self.regions, self.path_sets);
         paths.shrink_to_fit();
-        blocks.shrink_to_fit();
-        miss_blocks.shrink_to_fit();
+        segments.shrink_to_fit();
+        miss_segments.shrink_to_fit();
         regions.shrink_to_fit();
         path_sets.paths.shrink_to_fit();
         path_sets.ends.shrink_to_fit();
-        Tile { pixels, paths, groups, blocks, misses, miss_blocks, regions, path_sets }
+        Tile { pixels, paths, groups, segments, misses, miss_segments, regions, path_sets }
     }
 }
 
@@ -133,14 +135,33 @@ struct Bucket<'g> {
     pixels: Vec<u16>,
 }
 
-/// Adds the pixels of a path, in blocks of their own, to those before.
-fn append(all: &mut Vec<Block>, path: PathId, pixels: &[u16]) -> Span {
-    let start = all.len();
-    for pixel in pixels {
-        let extended = all[start..].last_mut().is_some_and(|block| block.extend(*pixel));
-        if !extended {
-            all.push(Block::new(*pixel));
-        }
+/// The pixels of hits, or misses, one behind the other.
+#[derive(Default)]
+struct Pixels {
+    segments: Vec<Segment>,
+    hits: u32,
+    /// The first hit of the group.
+    group: u32,
+}
+
+impl Pixels {
+    /// Begins a group, in lines of its own; the number of its first hit.
+    fn begin_group(&mut self) -> u32 {
+        self.group = self.hits;
+        self.hits
     }
-    Span { path, blocks: start as u32..all.len() as u32 }
+
+    /// Adds the pixels of a path, in segments of their own, to those before.
+    fn span(&mut self, path: PathId, pixels: &[u16]) -> Span {
+        let (start, first) = (self.segments.len(), self.hits);
+        for pixel in pixels {
+            let extended = self.segments[start..].last_mut().is_some_and(|segment| segment.extend(*pixel));
+            if !extended {
+                self.segments.push(Segment::new(*pixel, self.hits - self.group));
+            }
+            // A tile has at most 2¹⁴ pixels with 2⁹ hits and as many misses each.
+            self.hits += 1;
+        }
+        Span { path, hits: first..self.hits, segments: start as u32..self.segments.len() as u32 }
+    }
 }

@@ -22,11 +22,12 @@ mod variables;
 mod view;
 mod walk;
 
+pub use crate::segment::{CHUNK_LINES, LINE_HITS, Segment, TILE_PIXELS};
 pub use budget::{Budget, Estimate};
 pub use lookup::variable;
 pub use optics::{Beam, Optics, Surface};
 pub use replay::{Mismatch, replay};
-pub use store::{BLOCK_LANES, Block, Counts, Group, Hits, Path, PathId, PathSets, Region, Span, TILE_PIXELS, Tile};
+pub use store::{Counts, Group, Hits, Path, PathId, PathSets, Region, Span, Tile};
 pub use variables::{HitVariables, LightVariables};
 pub use view::{MAX_DEPTH, MAX_SIDE, View, ViewError};
 pub use walk::{Child, Edge, Node, Tree, ray_tree};

@@ -6,7 +6,7 @@
 
 use crate::scene::BodyId;
 use crate::trace::optics::{Optics, Surface};
-use crate::trace::store::{BLOCK_LANES, Group, Tile};
+use crate::trace::store::{Group, Tile};
 use crate::trace::walk::Edge;
 use std::ops::Range;
 
@@ -15,8 +15,8 @@ use std::ops::Range;
 #[error("the stored hits are not those of this scene and view")]
 pub struct Mismatch;
 
-/// Hands each hit of `blocks` (indices into [`Tile::blocks`], those outside the group are passed over) to `each`, in order: its lane
-/// counted over all blocks of the tile, its pixel counted over the picture, and its surface.
+/// Hands each of `hits` (their numbers in the tile, those outside the group are passed over) to `each`, in order: its number, its pixel
+/// counted over the picture, and its surface.
 ///
 /// # Errors
 /// [`Mismatch`] where a stored hit does not exist: `optics` are not those that were traced.
@@ -24,20 +24,25 @@ pub fn replay(
     optics: &Optics,
     tile: &Tile,
     group: &Group,
-    blocks: Range<u32>,
-    mut each: impl FnMut(usize, u32, &Surface),
+    hits: Range<u32>,
+    mut each: impl FnMut(u32, u32, &Surface),
 ) -> Result<(), Mismatch> {
-    let first = group.spans.partition_point(|span| span.blocks.end <= blocks.start);
-    for span in group.spans[first..].iter().take_while(|span| span.blocks.start < blocks.end) {
+    let first = group.spans.partition_point(|span| span.hits.end <= hits.start);
+    for span in group.spans[first..].iter().take_while(|span| span.hits.start < hits.end) {
         let steps = tile.steps(span.path);
-        for index in span.blocks.start.max(blocks.start)..span.blocks.end.min(blocks.end) {
-            let block = tile.blocks.get(index as usize).ok_or(Mismatch)?;
-            for lane in 0..block.lanes() {
-                // Both are within the tile.
-                let pixel = tile.pixels.start + (block.pixel() + lane) as u32;
+        let mut begin = span.hits.start;
+        for segment in tile.segments_of(span) {
+            let pixels = segment.pixels();
+            let end = begin + pixels.len() as u32;
+            for hit in begin.max(hits.start)..end.min(hits.end) {
+                let pixel = tile.pixels.start + pixels.start as u32 + (hit - begin);
                 let surface = follow_steps(optics, pixel, &steps).ok_or(Mismatch)?;
-                each(index as usize * BLOCK_LANES + lane, pixel, &surface);
+                each(hit, pixel, &surface);
             }
+            if end >= hits.end {
+                break;
+            }
+            begin = end;
         }
     }
     Ok(())

@@ -9,74 +9,14 @@
 //!
 //! where weight(path) is the product of kr or kt of the bodies along it: equation (2) of thesis 4.2.3, multiplied out.
 //! Within a [`Group`] the body and the lights are the same, within a [`Span`] the weight too. Rays of neighbouring pixels mostly go
-//! the same way, so a span is stored as [`Block`]s of up to four hits in consecutive pixels: what is computed for a block's
-//! four lanes is added to four neighbouring pixels at once.
+//! the same way, so the pixels of a span are stored as [`Segment`]s: what is computed for the hits of one, side by side, is added to
+//! neighbouring pixels at once.
 
 use crate::scene::{BodyId, LightId};
+use crate::segment::{Segment, TILE_PIXELS};
 use crate::trace::View;
 use crate::trace::walk::Edge;
 use std::ops::{Add, Range};
-
-/// How many consecutive pixels make a tile. It is fixed, so that sums are taken in the same order on any machine.
-pub const TILE_PIXELS: u32 = 16_384;
-
-/// How many hits a block holds at most.
-pub const BLOCK_LANES: usize = 4;
-
-// A block keeps its first pixel's place in the tile in fourteen bits, and the number of its hits in two.
-// A region counts them in sixteen bits, and a tile has no more sets of paths than pixels.
-const _: () = assert!(TILE_PIXELS <= 1 << Block::PIXEL_BITS && BLOCK_LANES <= 1 << (16 - Block::PIXEL_BITS));
-
-/// One to four hits, or misses, in consecutive pixels; the lanes beyond are dead.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Block(u16);
-
-impl Block {
-    const PIXEL_BITS: u32 = 14;
-
-    /// The first hit of a block.
-    pub(super) fn new(pixel: u16) -> Self {
-        debug_assert!(u32::from(pixel) < TILE_PIXELS);
-        Self(pixel)
-    }
-
-    /// A block of so many hits, 1..=4, from this pixel of a tile on.
-    #[cfg(test)]
-    pub(crate) fn of(pixel: usize, lanes: usize) -> Self {
-        Self(pixel as u16 | ((lanes - 1) as u16) << Self::PIXEL_BITS)
-    }
-
-    /// Takes one more hit in, if it is the next pixel's and there is room.
-    pub(super) fn extend(&mut self, pixel: u16) -> bool {
-        let fits = self.lanes() < BLOCK_LANES && usize::from(pixel) == self.pixel() + self.lanes();
-        if fits {
-            self.0 += 1 << Self::PIXEL_BITS;
-        }
-        fits
-    }
-
-    /// The pixel of the first lane, counted from the tile's first.
-    #[inline]
-    pub fn pixel(self) -> usize {
-        usize::from(self.0) & ((1 << Self::PIXEL_BITS) - 1)
-    }
-
-    /// Whether these blocks of one span, in their order, hold sixteen neighbouring pixels.
-    #[inline]
-    pub fn are_neighbours(blocks: &[Block; 4]) -> bool {
-        // Pixels grow by at least as much as a block has lanes: where all are full and the last is where it would be, nothing is between.
-        let full = (BLOCK_LANES as u16 - 1) << Self::PIXEL_BITS;
-        let [first, .., last] = blocks;
-        let all_full = blocks.iter().fold(full, |bits, block| bits & block.0) == full;
-        all_full && last.pixel() == first.pixel() + 3 * BLOCK_LANES
-    }
-
-    /// How many hits it holds, 1..=4.
-    #[inline]
-    pub fn lanes(self) -> usize {
-        1 + usize::from(self.0 >> Self::PIXEL_BITS)
-    }
-}
 
 /// A path by its place in its tile's list.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -105,8 +45,10 @@ pub struct Path {
 pub struct Span {
     /// The path.
     pub path: PathId,
-    /// Indices into [`Tile::blocks`], of misses into [`Tile::miss_blocks`].
-    pub blocks: Range<u32>,
+    /// Their numbers: hits of a tile, and misses by themselves, are counted in the order of groups, spans and pixels.
+    pub hits: Range<u32>,
+    /// Their pixels: indices into [`Tile::segments`], of misses into [`Tile::miss_segments`].
+    pub segments: Range<u32>,
 }
 
 /// The hits of a tile on one body that exactly these lights reach.
@@ -116,11 +58,14 @@ pub struct Group {
     pub body: BodyId,
     /// The lights, in the order of declaration; none where only the ambient light reaches.
     pub lights: Box<[LightId]>,
-    /// Indices into [`Tile::blocks`].
-    pub blocks: Range<u32>,
+    /// The numbers of its hits.
+    pub hits: Range<u32>,
     /// The same hits path by path, in the order of path ids. A path occurs once, and in it a pixel at most once.
     pub spans: Box<[Span]>,
 }
+
+// A region counts pixels, and a tile the sets of their paths, in sixteen bits.
+const _: () = assert!(TILE_PIXELS < 1 << 16);
 
 /// Consecutive pixels whose rays went the same ways.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -166,12 +111,12 @@ pub struct Tile {
     pub paths: Vec<Path>,
     /// The groups, ordered by body and then by lights.
     pub groups: Vec<Group>,
-    /// The pixels of all hits, by fours.
-    pub blocks: Vec<Block>,
+    /// The pixels of all hits, span by span.
+    pub segments: Vec<Segment>,
     /// The rays that left the scene, path by path, in the order of path ids.
     pub misses: Vec<Span>,
-    /// The pixels of all such rays, by fours.
-    pub miss_blocks: Vec<Block>,
+    /// The pixels of all such rays, span by span.
+    pub miss_segments: Vec<Segment>,
     /// All pixels in order, by the paths of their rays: what a ray adds wherever it ended, such as the ambient light, is the same in a region.
     pub regions: Vec<Region>,
     /// The paths of the rays of each region.
@@ -187,31 +132,31 @@ impl Tile {
         steps
     }
 
-    /// The blocks of a group, or of a part of it.
+    /// The pixels of a span of hits.
     ///
     /// # Panics
-    /// If the range reaches beyond the blocks of this tile.
-    pub fn blocks_of(&self, blocks: &Range<u32>) -> &[Block] {
-        &self.blocks[blocks.start as usize..blocks.end as usize]
+    /// If the span is another tile's and reaches beyond the hits of this one.
+    pub fn segments_of(&self, span: &Span) -> &[Segment] {
+        &self.segments[span.segments.start as usize..span.segments.end as usize]
     }
 
-    /// The blocks of a span of misses.
+    /// The pixels of a span of misses.
     ///
     /// # Panics
     /// If the span is another tile's and reaches beyond the misses of this one.
-    pub fn misses_of(&self, span: &Span) -> &[Block] {
-        &self.miss_blocks[span.blocks.start as usize..span.blocks.end as usize]
+    pub fn miss_segments_of(&self, span: &Span) -> &[Segment] {
+        &self.miss_segments[span.segments.start as usize..span.segments.end as usize]
     }
 
     /// What is in the tile.
     pub fn counts(&self) -> Counts {
-        let lit = |group: &Group| lanes(self.blocks_of(&group.blocks)) * group.lights.len() as u64;
+        let lit = |group: &Group| group.hits.len() as u64 * group.lights.len() as u64;
         Counts {
-            hits: lanes(&self.blocks),
+            hits: self.groups.last().map_or(0, |group| group.hits.end.into()),
             records: self.groups.iter().map(lit).sum(),
             paths: self.paths.len() as u64,
             groups: self.groups.len() as u64,
-            misses: lanes(&self.miss_blocks),
+            misses: self.misses.last().map_or(0, |span| span.hits.end.into()),
         }
     }
 
@@ -220,14 +165,9 @@ impl Tile {
         let groups = self.groups.iter().map(|group| size_of_val(&*group.lights) + size_of_val(&*group.spans));
         let lists = size_of_val(&*self.paths) + size_of_val(&*self.groups) + size_of_val(&*self.misses);
         let sets = size_of_val(&*self.path_sets.paths) + size_of_val(&*self.path_sets.ends);
-        let pixels = size_of_val(&*self.blocks) + size_of_val(&*self.miss_blocks) + size_of_val(&*self.regions) + sets;
+        let pixels = size_of_val(&*self.segments) + size_of_val(&*self.miss_segments) + size_of_val(&*self.regions) + sets;
         (size_of::<Self>() + groups.sum::<usize>() + lists + pixels) as u64
     }
-}
-
-/// How many hits are in these blocks.
-fn lanes(blocks: &[Block]) -> u64 {
-    blocks.iter().map(|block| block.lanes() as u64).sum()
 }
 
 /// How much there is of everything.
@@ -264,7 +204,7 @@ impl Add for Counts {
 pub struct Hits {
     /// The view that was traced.
     pub view: View,
-    /// [`TILE_PIXELS`] pixels each, the last one what is left, in the order of pixels.
+    /// [`TILE_PIXELS`](crate::segment::TILE_PIXELS) pixels each, the last one what is left, in the order of pixels.
     pub tiles: Vec<Tile>,
 }
 

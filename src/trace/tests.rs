@@ -72,9 +72,9 @@ fn node_at(tree: &Tree, steps: &[(Edge, Option<BodyId>)]) -> (Option<usize>, boo
     (node, false)
 }
 
-/// The pixels of some blocks, counted from the tile's first.
-fn pixels_of(blocks: &[Block]) -> impl Iterator<Item = usize> {
-    blocks.iter().flat_map(|block| block.pixel()..block.pixel() + block.lanes())
+/// The pixels of some segments, counted from the tile's first.
+fn pixels_of(segments: &[Segment]) -> impl Iterator<Item = usize> {
+    segments.iter().flat_map(|segment| segment.pixels())
 }
 
 #[test]
@@ -88,14 +88,12 @@ fn store_and_replay_are_what_the_trees_say_bit_for_bit() {
         for tile in &hits.tiles {
             for group in &tile.groups {
                 let mut last = None;
-                replay(&optics, tile, group, group.blocks.clone(), |lane, pixel, surface| {
-                    assert!(last.is_none_or(|last| last < lane));
-                    last = Some(lane);
-                    let index = (lane / BLOCK_LANES) as u32;
-                    let span = group.spans.iter().find(|span| span.blocks.contains(&index)).unwrap();
-                    let block = tile.blocks[index as usize];
-                    assert!(lane % BLOCK_LANES < block.lanes());
-                    assert_eq!(pixel as usize, tile.pixels.start as usize + block.pixel() + lane % BLOCK_LANES);
+                replay(&optics, tile, group, group.hits.clone(), |hit, pixel, surface| {
+                    assert_eq!(hit, last.map_or(group.hits.start, |last: u32| last + 1));
+                    last = Some(hit);
+                    let span = group.spans.iter().find(|span| span.hits.contains(&hit)).unwrap();
+                    let place = pixels_of(tile.segments_of(span)).nth((hit - span.hits.start) as usize).unwrap();
+                    assert_eq!(pixel as usize, tile.pixels.start as usize + place);
                     let tree = &trees[pixel as usize];
                     let node = &tree.nodes[node_at(tree, &tile.steps(span.path)).0.unwrap()];
                     assert_eq!(node.surface, *surface);
@@ -106,7 +104,7 @@ fn store_and_replay_are_what_the_trees_say_bit_for_bit() {
                 .unwrap();
             }
             for span in &tile.misses {
-                for pixel in pixels_of(tile.misses_of(span)) {
+                for pixel in pixels_of(tile.miss_segments_of(span)) {
                     let tree = &trees[tile.pixels.start as usize + pixel];
                     assert!(node_at(tree, &tile.steps(span.path)).1);
                 }
@@ -138,12 +136,13 @@ fn a_part_of_a_group_replays_as_in_the_whole() {
         all
     };
     let whole = collect(0..u32::MAX);
-    assert_eq!(whole.len(), pixels_of(tile.blocks_of(&group.blocks)).count());
-    let middle = group.blocks.start + 1..group.blocks.end - 1;
-    let lanes = middle.start as usize * BLOCK_LANES..middle.end as usize * BLOCK_LANES;
-    let within: Vec<_> = whole.iter().filter(|(lane, _)| lanes.contains(lane)).copied().collect();
-    assert_eq!(collect(middle), within);
-    assert!(collect(group.blocks.end..group.blocks.end).is_empty());
+    assert_eq!(whole.len(), group.hits.len());
+    for cut in [1, 5, group.hits.len() as u32 / 3] {
+        let middle = group.hits.start + cut..group.hits.end - cut;
+        let within: Vec<_> = whole.iter().filter(|(hit, _)| middle.contains(hit)).copied().collect();
+        assert_eq!(collect(middle), within);
+    }
+    assert!(collect(group.hits.end..group.hits.end).is_empty());
 }
 
 #[test]
@@ -165,17 +164,29 @@ fn groups_and_spans_are_in_order_and_complete() {
     for tile in &hits.tiles {
         assert!(tile.paths.iter().enumerate().all(|(id, path)| path.parent.is_none_or(|parent| parent.index() < id)));
         assert!(tile.groups.is_sorted_by(|a, b| (a.body, &a.lights) < (b.body, &b.lights)));
-        let mut next = 0;
+        let mut next = (0, 0);
         for span in tile.groups.iter().flat_map(|group| {
-            assert_eq!(group.blocks, group.spans[0].blocks.start..group.spans[group.spans.len() - 1].blocks.end);
+            assert_eq!(group.hits, group.spans[0].hits.start..group.spans[group.spans.len() - 1].hits.end);
             assert!(group.spans.is_sorted_by(|a, b| a.path < b.path));
             &group.spans
         }) {
-            assert_eq!(span.blocks.start, next);
-            next = span.blocks.end;
-            assert!(pixels_of(tile.blocks_of(&span.blocks)).is_sorted_by(|a, b| a < b));
+            assert_eq!((span.hits.start, span.segments.start), next);
+            next = (span.hits.end, span.segments.end);
+            assert_eq!(span.hits.len(), pixels_of(tile.segments_of(span)).count());
+            let group = tile.groups.iter().find(|group| group.hits.contains(&span.hits.start)).unwrap();
+            let mut hit = (span.hits.start - group.hits.start) as usize;
+            for segment in tile.segments_of(span) {
+                // Its lanes are those of its hits in their line, and neighbours.
+                assert_eq!(
+                    (segment.line(), segment.lanes().trailing_zeros() as usize),
+                    (hit / LINE_HITS % CHUNK_LINES, hit % LINE_HITS)
+                );
+                assert!((hit % LINE_HITS + segment.hits()) <= LINE_HITS);
+                hit += segment.hits();
+            }
+            assert!(pixels_of(tile.segments_of(span)).is_sorted_by(|a, b| a < b));
         }
-        assert_eq!(next as usize, tile.blocks.len());
+        assert_eq!(next.1 as usize, tile.segments.len());
     }
     assert!(hits.bytes() < 8 * (hits.counts().hits + hits.counts().misses), "{} {:?}", hits.bytes(), hits.counts());
 }

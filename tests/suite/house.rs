@@ -5,13 +5,14 @@ use std::path::{Path, PathBuf};
 
 /// Each room with those it may import. Data flows one way: text → syntax → formula → {bytecode, compiled code}; scene → hits →
 /// evaluation → picture; what a user edits sits on top, and the program above all.
-const ROOMS: [(&str, &[&str]); 10] = [
+const ROOMS: [(&str, &[&str]); 11] = [
     ("lang", &[]),
     ("formula", &["lang"]),
     ("scene", &["lang"]),
-    ("trace", &["lang", "scene"]),
+    ("segment", &[]),
+    ("trace", &["lang", "scene", "segment"]),
     ("bytecode", &["lang", "formula", "scene", "trace"]),
-    ("jit", &["lang", "formula"]),
+    ("jit", &["lang", "formula", "segment"]),
     ("evaluate", &["lang", "formula", "scene", "trace", "bytecode", "jit"]),
     ("picture", &["evaluate", "workspace"]),
     ("presets", &[]),

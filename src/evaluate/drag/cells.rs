@@ -2,7 +2,7 @@
 
 use crate::evaluate::framebuffer::{self, Channels};
 use crate::evaluate::planes::Planes;
-use crate::trace::Block;
+use crate::trace::Segment;
 
 /// Pixels of a cell. A cell of a framebuffer is a cache line.
 pub(super) const CELL_PIXELS: usize = 16;
@@ -56,12 +56,13 @@ impl CellSet {
         Self(vec![false; pixels.div_ceil(CELL_PIXELS)])
     }
 
-    /// Adds the cells of all hits of some blocks.
-    pub(super) fn add(&mut self, blocks: &[Block]) {
-        for block in blocks {
-            let last = block.pixel() + block.lanes() - 1;
-            self.0[block.pixel() / CELL_PIXELS] = true;
-            self.0[last / CELL_PIXELS] = true;
+    /// Adds the cells of all hits of some segments.
+    pub(super) fn add(&mut self, segments: &[Segment]) {
+        for segment in segments {
+            // No longer than a cell, so in two at most.
+            let pixels = segment.pixels();
+            self.0[pixels.start / CELL_PIXELS] = true;
+            self.0[(pixels.end - 1) / CELL_PIXELS] = true;
         }
     }
 

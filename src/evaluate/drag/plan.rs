@@ -317,7 +317,6 @@ impl Plan {
         };
         Some(Pass {
             sources: vec![source],
-            lights: compiled.layout.owners(Owner::Light),
             ambient: (0..compiled.layout.owners(Owner::Body)).map(ambient).collect(),
             background: [0.0; 3],
             channels: self.channels,
@@ -369,6 +368,6 @@ fn only(colour: [f32; 3], wanted: [bool; 3]) -> [f32; 3] {
 /// Adds the cells of spans of hits whose weight is not 0.
 fn add_live(tile: &Tile, spans: &[Span], weights: &[Weight], cells: &mut CellSet) {
     for span in spans.iter().filter(|span| !weights[span.path.index()].is_zero()) {
-        cells.add(tile.blocks_of(&span.blocks));
+        cells.add(tile.segments_of(span));
     }
 }

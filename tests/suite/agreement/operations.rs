@@ -2,7 +2,7 @@
 
 use illuminator::formula::Formula;
 use illuminator::formula::graph::{Node, NodeId};
-use illuminator::jit::{CompiledFormula, Kernel, Lanes, Splat};
+use illuminator::jit::{CompiledFormula, Kernel, Lanes, Line, Splat};
 use illuminator::lang::builtins::{Form, Operation, Stack};
 use illuminator::lang::scalars::{Floats, flush};
 use illuminator::lang::source::Source;
@@ -107,11 +107,15 @@ pub(super) fn formula_of(operation: Operation, from: Operands) -> (Formula, usiz
     (formula, count)
 }
 
+/// How many blocks so many cases take: kernels may compute a line of records at a time.
+fn whole_lines(cases: usize) -> usize {
+    Lanes::blocks(cases).next_multiple_of(Line::BLOCKS)
+}
+
 /// A column for each of these nodes, with the number of every case.
 fn columns(nodes: &[NodeId], cases: usize, number: impl Fn(NodeId, usize) -> f32) -> Vec<Vec<Lanes>> {
     let column = |node: &NodeId| {
-        // Kernels may compute two blocks at a time.
-        let mut column = vec![Lanes::default(); Lanes::blocks(cases) + 1];
+        let mut column = vec![Lanes::default(); whole_lines(cases)];
         (0..cases).for_each(|case| column[case / 4].0[case % 4] = flush(number(*node, case)));
         column
     };
@@ -120,7 +124,7 @@ fn columns(nodes: &[NodeId], cases: usize, number: impl Fn(NodeId, usize) -> f32
 
 fn run(kernel: &Kernel, inputs: &[Vec<Lanes>], uniforms: &[Splat], outputs: usize, cases: usize) -> Vec<Vec<Lanes>> {
     let blocks = Lanes::blocks(cases);
-    let mut results = vec![vec![Lanes::default(); blocks + 1]; outputs];
+    let mut results = vec![vec![Lanes::default(); whole_lines(cases)]; outputs];
     let inputs: Vec<&[Lanes]> = inputs.iter().map(Vec::as_slice).collect();
     let mut places: Vec<&mut [Lanes]> = results.iter_mut().map(Vec::as_mut_slice).collect();
     kernel.run(&inputs, uniforms, &mut places, blocks);
@@ -156,7 +160,12 @@ pub(super) fn compiled(formula: &Formula, cases: &[Vec<f32>], from: Operands) ->
             );
             let splat: Vec<Splat> = uniforms.iter().map(|column| Splat::new(column[0].0[0])).collect();
             let inputs = columns(&bindings.frontier.hits, cases.len(), number);
-            run(&compiled.contributor.kernel, &inputs, &splat, 3, cases.len())
+            let [stored, added] = [&compiled.contributor.storing, &compiled.contributor.adding]
+                .map(|kernel| run(kernel, &inputs, &splat, 3, cases.len()));
+            let numbers = |columns: &[Vec<Lanes>]| columns.iter().flatten().flat_map(|lanes| lanes.0).collect::<Vec<f32>>();
+            let same = |(x, y): (f32, f32)| x == y || x.is_nan() && y.is_nan();
+            assert!(numbers(&stored).into_iter().zip(numbers(&added)).all(same), "stored, or added to 0");
+            stored
         }
     };
     (0..cases.len())

@@ -51,7 +51,6 @@ impl Plan {
     fn term_pass<'p>(&'p self, compiled: &'p Compiled, memory: &[f32], term: &PlanTerm) -> Pass<'p> {
         let mut pass = Pass {
             sources: Vec::new(),
-            lights: compiled.layout.owners(Owner::Light),
             ambient: vec![[0.0; 3]; compiled.layout.owners(Owner::Body)],
             background: [0.0; 3],
             channels: self.channels,
@@ -92,7 +91,7 @@ impl Plan {
             let place = compiled.layout.row(Owner::Light, light) + compiled.places.ki;
             self.moved.binary_search(&place).is_ok() || flush(memory[place]) != 0.0
         };
-        let lights = compiled.layout.owners(Owner::Light);
+        let lights = source.lights;
         for (pair, active) in source.active.iter_mut().enumerate() {
             let (body, light) = (pair / lights, pair % lights);
             *active = bright(light) && self.moves_pair(body, light);
@@ -126,7 +125,7 @@ impl Passes<'_> {
         }
         if plan.has_background(term) {
             for span in tile.misses.iter().filter(|span| !workroom.weights[span.path.index()].is_zero()) {
-                touched.add(tile.misses_of(span));
+                touched.add(tile.miss_segments_of(span));
             }
         }
         touched
@@ -149,6 +148,6 @@ impl Passes<'_> {
     /// What is kept for each record of a tile.
     pub(in crate::evaluate::drag) fn kept_columns(&self, compiled: &Compiled, place: usize) -> Option<Columns> {
         let tile = &compiled.hits.tiles[place];
-        self.kept.as_ref().map(|source| Columns::kept(tile, place, source, compiled.layout.owners(Owner::Light)))
+        self.kept.as_ref().map(|source| Columns::kept(tile, place, source))
     }
 }

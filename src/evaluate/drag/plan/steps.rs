@@ -5,8 +5,10 @@ use crate::evaluate::drag::Method;
 use crate::evaluate::drag::images::Key;
 use crate::evaluate::drag::plan::{PathWeights, Plan};
 use crate::evaluate::planes::Weight;
+use crate::jit::Lanes;
 use crate::trace::{Group, Span, Tile};
 use std::collections::BTreeSet;
+use std::ops::Range;
 
 /// More images of a tile than this are not kept.
 const MOST_IMAGES: usize = 40;
@@ -61,7 +63,7 @@ impl Plan {
                 if moving().all(|group| live_blocks(&group.spans, &own) == 0) {
                     return Vec::new();
                 }
-                let cost = moving().map(|group| group_cost(group.lights.len(), group.blocks.len())).sum();
+                let cost = moving().map(|group| group_cost(group.lights.len(), blocks(&group.hits))).sum();
                 let kept = self.kernels.kept.as_ref().map(|_| Step { work: Work::Kept, cost });
                 kept.into_iter().chain([base]).collect()
             }
@@ -75,7 +77,7 @@ impl Plan {
         let (mut own, mut steps) = (Vec::new(), Vec::new());
         for (reflections, refractions) in powers {
             weights.of(Key { reflections, refractions, term: 0 }, &mut own);
-            let blocks: Vec<(&Group, usize)> = tile
+            let live: Vec<(&Group, usize)> = tile
                 .groups
                 .iter()
                 .map(|group| (group, live_blocks(&group.spans, &own)))
@@ -87,7 +89,7 @@ impl Plan {
                 let key = Key { reflections, refractions, term: term as u8 };
                 let of_group = |(group, blocks): &(&Group, usize)| Some(group_cost(self.reached(group, term)?, *blocks));
                 let cost: u64 =
-                    blocks.iter().filter_map(of_group).sum::<u64>() + if self.has_background(term) { misses } else { 0 };
+                    live.iter().filter_map(of_group).sum::<u64>() + if self.has_background(term) { misses } else { 0 };
                 if cost > 0 && !key.is_base() {
                     steps.push(Step { work: Work::Image(key), cost: cost + pixels_cost(tile) });
                 }
@@ -99,13 +101,18 @@ impl Plan {
 
 /// About what a full evaluation of a tile costs.
 fn tile_cost(tile: &Tile) -> u64 {
-    let groups: u64 = tile.groups.iter().map(|group| group_cost(group.lights.len(), group.blocks.len())).sum();
-    groups + tile.miss_blocks.len() as u64 + pixels_cost(tile)
+    let groups: u64 = tile.groups.iter().map(|group| group_cost(group.lights.len(), blocks(&group.hits))).sum();
+    groups + tile.miss_segments.len() as u64 + pixels_cost(tile)
+}
+
+/// About how many blocks of four so many hits take.
+fn blocks(hits: &Range<u32>) -> usize {
+    hits.len().div_ceil(Lanes::COUNT)
 }
 
 /// The blocks of spans whose weight is not 0.
 fn live_blocks(spans: &[Span], weights: &[Weight]) -> usize {
-    spans.iter().filter(|span| !weights[span.path.index()].is_zero()).map(|span| span.blocks.len()).sum()
+    spans.iter().filter(|span| !weights[span.path.index()].is_zero()).map(|span| blocks(&span.hits)).sum()
 }
 
 /// What so many blocks of a group cost for so many lights: their evaluation, and adding them to pixels.
