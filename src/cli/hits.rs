@@ -203,7 +203,7 @@ impl Dump {
             rows.push(row);
         }
         for group in &tile.groups {
-            for span in &group.spans {
+            for span in tile.spans_of(group) {
                 self.span(input, optics, tile, group, span, rows[span.path.index()])?;
             }
         }

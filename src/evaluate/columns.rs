@@ -13,6 +13,7 @@ use crate::lang::variables::Variable;
 use crate::scene::LightId;
 use crate::trace::{CHUNK_LINES, Group, HitVariables, Hits, LINE_HITS, LightVariables, Mismatch, Optics, Tile, replay, variable};
 use rayon::prelude::*;
+use smallvec::SmallVec;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -21,6 +22,9 @@ const _: () = assert!(LINE_HITS == Line::RECORDS);
 
 /// How many blocks are worked out at a time: what belongs to them stays in the first cache meanwhile.
 pub(super) const CHUNK: usize = CHUNK_LINES * Line::BLOCKS;
+
+/// Parts of columns that a kernel reads; few, mostly.
+pub(super) type Inputs<'c> = SmallVec<[&'c [Lanes]; 8]>;
 
 /// The columns of a tile's groups.
 pub(super) struct Columns {
@@ -130,7 +134,7 @@ impl Columns {
         let arrangement = Arrangement::new(tile, 0, outputs, |group| group.lights.iter().any(|light| is_active(group, light)));
         let mut memory = StreamMemory::zeroed(arrangement.lines);
         let lines = memory.lines_mut();
-        let mut inputs = Vec::new();
+        let mut inputs = Inputs::new();
         for (index, (group, own)) in tile.groups.iter().zip(&arrangement.groups).enumerate() {
             for chunk in Chunk::all(own) {
                 let start = arrangement.chunk(own, &chunk);
@@ -155,7 +159,8 @@ impl Columns {
 
     /// Some lines of the columns of a group for its light of this place, hit frontier first, behind those that are there. The lines are
     /// of one chunk.
-    pub(super) fn of<'c>(&'c self, group: usize, light: usize, lines: Range<usize>, into: &mut Vec<&'c [Lanes]>) {
+    #[inline]
+    pub(super) fn of<'c>(&'c self, group: usize, light: usize, lines: Range<usize>, into: &mut Inputs<'c>) {
         let arrangement = &self.arrangement;
         let own = &arrangement.groups[group];
         let chunk = Chunk::of(lines.start, own);

@@ -3,7 +3,7 @@
 //! A [`Pass`] is one way to weigh the hits of a picture. A whole frame is one pass: every path with its weight, one source of
 //! light for all pairs of a body and a light. A part of the picture that a drag keeps (see [`drag`](super::drag)) is another.
 
-use crate::evaluate::columns::Columns;
+use crate::evaluate::columns::{Columns, Inputs};
 use crate::evaluate::framebuffer::Channels;
 use crate::evaluate::planes::{Planes, Weight};
 use crate::jit::{Kernel, Lanes, Line, Splat, Sums};
@@ -136,7 +136,7 @@ impl Pass<'_> {
         }
         // Runs of spans whose weight is not 0 are computed together, and nothing of the others.
         let dead = |weights: &[Weight], span: &Span| weights[span.path.index()].is_zero();
-        let mut rest = &*group.spans;
+        let mut rest = tile.spans_of(group);
         while let Some(start) = rest.iter().position(|span| !dead(&workroom.weights, span)) {
             let alive = &rest[start..];
             let length = alive.iter().position(|span| dead(&workroom.weights, span)).unwrap_or(alive.len());
@@ -181,7 +181,7 @@ impl Pass<'_> {
         // What a plane holds is of the chunk before.
         let mut stale = [true; 3];
         let blocks = lines.len() * Line::BLOCKS;
-        let mut inputs = Vec::with_capacity(16);
+        let mut inputs = Inputs::new();
         for source in &self.sources {
             let components = source.channels.components();
             for (light_place, light) in group.lights.iter().enumerate() {

@@ -5,7 +5,7 @@
 
 use crate::evaluate::framebuffer::{self, Channels};
 use crate::jit::lanes::PLANE_PIXELS;
-use crate::jit::{Adder, Lanes, Line, PixelPlanes, Sums};
+use crate::jit::{Lanes, Line, PixelCode, PixelLine, PixelPlanes, Sums};
 use crate::trace::{CHUNK_LINES, LINE_HITS, MAX_DEPTH, Region, Segment, TILE_PIXELS, Tile};
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
@@ -16,7 +16,7 @@ const PIXELS: Range<usize> = Segment::MARGIN..Segment::MARGIN + TILE_PIXELS as u
 /// Red, green and blue of a tile's pixels: linear, unclamped.
 pub(super) struct Planes {
     planes: Box<PixelPlanes>,
-    adder: Option<&'static Adder>,
+    code: Option<&'static PixelCode>,
     arch: Arch,
 }
 
@@ -27,7 +27,7 @@ impl Planes {
     /// All black.
     pub(super) fn new() -> Self {
         // On the heap from the beginning: they are larger than what a thread's stack may spare.
-        Self { planes: bytemuck::zeroed_box(), adder: Adder::get(), arch: Arch::new() }
+        Self { planes: bytemuck::zeroed_box(), code: PixelCode::get(), arch: Arch::new() }
     }
 
     /// Red, green and blue of the pixels, each a slice of a whole tile.
@@ -57,9 +57,9 @@ impl Planes {
             return self.add_tiny(segments, sums, weight);
         }
         let weight = weight.0 as f32;
-        match (self.adder, channels) {
-            (Some(adder), Channels::All) => adder.add(segments, sums, weight, None, &mut self.planes),
-            (Some(adder), Channels::One(component)) => adder.add(segments, sums, weight, Some(component), &mut self.planes),
+        match (self.code, channels) {
+            (Some(code), Channels::All) => code.add(segments, sums, weight, None, &mut self.planes),
+            (Some(code), Channels::One(component)) => code.add(segments, sums, weight, Some(component), &mut self.planes),
             (None, _) => self.add_portably(segments, sums, weight, channels),
         }
     }
@@ -88,7 +88,18 @@ impl Planes {
 
     /// Writes the tile's pixels.
     pub(super) fn quantise(&self, pixels: &mut [u32]) {
-        self.arch.dispatch(Quantise { planes: self.components(), pixels });
+        let Some(code) = self.code else { return self.quantise_portably(0, pixels) };
+        // Stores past the caches are of whole lines.
+        let (head, lines, tail) = bytemuck::pod_align_to_mut::<u32, PixelLine>(pixels);
+        let (first, last) = (head.len(), head.len() + lines.len() * LINE_HITS);
+        self.quantise_portably(0, head);
+        code.write(&self.planes, PIXELS.start + first, lines);
+        self.quantise_portably(last, tail);
+    }
+
+    /// Writes some pixels, from this one of the tile on, without compiled code.
+    fn quantise_portably(&self, first: usize, pixels: &mut [u32]) {
+        self.arch.dispatch(Quantise { planes: self.components().map(|plane| &plane[first..]), pixels });
     }
 }
 
@@ -270,6 +281,27 @@ mod tests {
             assert!(
                 planes.planes.0.iter().all(|plane| plane[..PIXELS.start].iter().chain(&plane[PIXELS.end..]).all(|x| *x == 0.0))
             );
+        }
+    }
+
+    #[test]
+    fn pixels_are_written_alike_by_compiled_code() {
+        // Everything near the middle between two bytes, and what is no number between 0 and 1, in turns; not at the beginning of a line.
+        let odd = [-0.0, 1.0, -1.0, 2.0, 1e30, -1e30, f32::NAN, -f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MIN_POSITIVE];
+        let number = |place: usize| match place % 7 {
+            0 => odd[place / 7 % odd.len()],
+            ulps => f32::from_bits((((place / 7 % 256) as f32 + 0.5) / 255.0).to_bits() + ulps as u32 - 4),
+        };
+        let mut planes = Planes::new();
+        for component in 0..3 {
+            let part = planes.part_mut(component, 0..2000);
+            part.iter_mut().enumerate().for_each(|(place, pixel)| *pixel = number(place + 31 * component));
+        }
+        for (start, length) in [(0, 2000), (3, 1500), (5, 16), (1, 7), (0, 0)] {
+            let mut pixels = vec![[0xdead_beef; 2000]; 2];
+            planes.quantise(&mut pixels[0][start..start + length]);
+            planes.quantise_portably(0, &mut pixels[1][start..start + length]);
+            assert!(pixels[0] == pixels[1], "{length} pixels at {start}");
         }
     }
 

@@ -6,15 +6,15 @@
 #![allow(unsafe_code)]
 
 use crate::formula::graph::Graph;
-use crate::jit::adding::adding_code;
 use crate::jit::emit::PERLIN_OPERANDS;
 use crate::jit::kernel::{self, KernelPlan, Shape};
-use crate::jit::lanes::{Lanes, Line, PLANE_PIXELS, PixelPlanes, Splat, Sums};
+use crate::jit::lanes::{Lanes, Line, PLANE_PIXELS, PixelLine, PixelPlanes, Splat, Sums};
+use crate::jit::pixels;
 use crate::jit::target::{CompileError, Listing, target};
 use crate::jit::widen::{ALIGNMENT, disassembled, widen};
 use crate::lang::noise;
 use crate::lang::scalars::flush;
-use crate::segment::{CHUNK_LINES, Segment};
+use crate::segment::{CHUNK_LINES, LINE_HITS, Segment};
 use cranelift_codegen::Context;
 use cranelift_codegen::control::ControlPlane;
 use cranelift_codegen::ir::types::I64;
@@ -22,6 +22,7 @@ use cranelift_codegen::ir::{AbiParam, Signature};
 use cranelift_codegen::isa::CallConv;
 use cranelift_jit::{JITBuilder, JITModule};
 use cranelift_module::{Linkage, Module, ModuleError};
+use smallvec::SmallVec;
 use std::mem::ManuallyDrop;
 use std::sync::{Arc, OnceLock};
 
@@ -159,32 +160,17 @@ impl Kernel {
         assert!(uniforms.len() >= self.uniforms, "a kernel's uniforms");
         assert!(columns.iter().all(|column| column.len() >= blocks), "a kernel's columns are long enough");
         assert!(outputs.iter().all(|column| column.len() >= blocks), "a kernel's outputs are long enough");
-        // Most formulas read a handful of columns; a vector on the heap for each call would cost more than the call.
-        const FEW: usize = 32;
-        let mut few_columns = [std::ptr::null::<Lanes>(); FEW];
-        let many_columns: Vec<*const Lanes>;
-        let column_table = if columns.len() <= FEW {
-            few_columns.iter_mut().zip(columns).for_each(|(pointer, column)| *pointer = column.as_ptr());
-            few_columns.as_ptr()
-        } else {
-            many_columns = columns.iter().map(|column| column.as_ptr()).collect();
-            many_columns.as_ptr()
-        };
-        let mut few_outputs = [std::ptr::null_mut::<Lanes>(); FEW];
-        let many_outputs: Vec<*mut Lanes>;
-        let output_table = if outputs.len() <= FEW {
-            few_outputs.iter_mut().zip(outputs).for_each(|(pointer, column)| *pointer = column.as_mut_ptr());
-            few_outputs.as_ptr()
-        } else {
-            many_outputs = outputs.iter_mut().map(|column| column.as_mut_ptr()).collect();
-            many_outputs.as_ptr()
-        };
+        // Most formulas read a handful of columns; memory from the heap for each call would cost more than the call.
+        let mut column_table = SmallVec::<[*const Lanes; 8]>::new();
+        column_table.extend(columns.iter().map(|column| column.as_ptr()));
+        let mut output_table = SmallVec::<[*mut Lanes; 8]>::new();
+        output_table.extend(outputs.iter_mut().map(|column| column.as_mut_ptr()));
         let entry = self.entry;
         // SAFETY: the code reads exactly `self.columns` and `self.outputs` pointers from the tables and `self.uniforms` lanes, and of each
         // column the first `blocks` lanes, whole steps; the assertions above guarantee all of them, `&mut` that outputs overlap nothing. `Lanes`
         // is aligned as the code's loads and stores need. Nothing of Rust runs while subnormals are switched off.
         unsafe {
-            without_subnormals(entry, column_table, uniforms.as_ptr(), output_table, blocks / self.step);
+            without_subnormals(entry, column_table.as_ptr(), uniforms.as_ptr(), output_table.as_ptr(), blocks / self.step);
         }
     }
 }
@@ -255,26 +241,33 @@ unsafe extern "C" fn perlin_lanes(lanes: *mut f32) {
     }
 }
 
-/// Code that adds to pixels what hits in them contribute, sixteen at a time.
-pub struct Adder {
-    all: AddingEntry,
-    one: AddingEntry,
+/// Code that adds to pixels what hits in them contribute, and writes pixels, sixteen at a time.
+pub struct PixelCode {
+    adding_all: Adding,
+    adding_one: Adding,
+    writing: Writing,
     _memory: CodeMemory,
 }
 
-/// Code of the [adding](super::adding) room, which says what the parameters are.
+/// Code of the [pixels](super::pixels) room that adds; it says what the parameters are.
 ///
 /// # Safety
 /// There is a segment, and all from the first to the end are readable; so are the lines of a chunk of each component, as far as the code was
 /// written for one or three, and the planes are readable and writable. The processor has AVX-512.
-type AddingEntry =
+type Adding =
     unsafe extern "C" fn(segments: *const Segment, end: *const Segment, sums: *const Line, planes: *mut f32, weight: f32);
 
-impl Adder {
+/// Code of the [pixels](super::pixels) room that writes.
+///
+/// # Safety
+/// There is a line, and all are readable from `planes` on in three planes, and writable from `pixels` on. The processor has AVX-512.
+type Writing = unsafe extern "C" fn(planes: *const f32, pixels: *mut PixelLine, lines: usize);
+
+impl PixelCode {
     /// The code, made at its first use; none where the processor has no AVX-512.
-    pub fn get() -> Option<&'static Adder> {
-        static ADDER: OnceLock<Option<Adder>> = OnceLock::new();
-        ADDER.get_or_init(Self::new).as_ref()
+    pub fn get() -> Option<&'static PixelCode> {
+        static CODE: OnceLock<Option<PixelCode>> = OnceLock::new();
+        CODE.get_or_init(Self::new).as_ref()
     }
 
     fn new() -> Option<Self> {
@@ -285,24 +278,28 @@ impl Adder {
         let builder = JITBuilder::with_isa(target.isa.clone(), cranelift_module::default_libcall_names());
         let mut memory = CodeMemory(ManuallyDrop::new(JITModule::new(builder)));
         let module = &mut *memory.0;
-        let strides = [size_of::<[Line; CHUNK_LINES]>() as i64, size_of::<[f32; PLANE_PIXELS]>() as i64];
-        let signature = Signature::new(CallConv::SystemV);
-        let mut functions = Vec::new();
-        for components in [3, 1] {
-            let code = adding_code(strides[0], strides[1], components).ok()?;
-            let id = module.declare_function(&format!("adding{components}"), Linkage::Local, &signature).ok()?;
-            module.define_function_bytes(id, ALIGNMENT, &code, &[]).ok()?;
-            functions.push(id);
-        }
-        module.finalize_definitions().ok()?;
-        let entry = |place: usize| {
-            let address = module.get_finalized_function(*functions.get(place)?);
-            // SAFETY: at the address is the finished code of a function with the parameters of `AddingEntry`, by the C calling convention; its
-            // memory lives as long as the adder.
-            Some(unsafe { std::mem::transmute::<*const u8, AddingEntry>(address) })
+        let [sums, plane] = [size_of::<[Line; CHUNK_LINES]>() as i64, size_of::<[f32; PLANE_PIXELS]>() as i64];
+        let codes = [
+            ("adding", pixels::adding_code(sums, plane, 3)),
+            ("adding_one", pixels::adding_code(sums, plane, 1)),
+            ("writing", pixels::writing_code(plane)),
+        ];
+        let mut define = |(name, code): (&str, Result<Vec<u8>, _>)| {
+            let id = module.declare_function(name, Linkage::Local, &Signature::new(CallConv::SystemV)).ok()?;
+            module.define_function_bytes(id, ALIGNMENT, &code.ok()?, &[]).ok()?;
+            Some(id)
         };
-        let (all, one) = (entry(0)?, entry(1)?);
-        Some(Self { all, one, _memory: memory })
+        let [adding_all, adding_one, writing] = codes.map(&mut define);
+        let ids = [adding_all?, adding_one?, writing?];
+        module.finalize_definitions().ok()?;
+        let [adding_all, adding_one, writing] = ids.map(|id| module.get_finalized_function(id));
+        // SAFETY: at the addresses is the finished code of functions with these parameters, by the C calling convention; their memory lives
+        // as long as the result.
+        let (adding_all, adding_one, writing) = unsafe {
+            let adding = |address| std::mem::transmute::<*const u8, Adding>(address);
+            (adding(adding_all), adding(adding_one), std::mem::transmute::<*const u8, Writing>(writing))
+        };
+        Some(Self { adding_all, adding_one, writing, _memory: memory })
     }
 
     /// Adds the sums of these segments' hits, times `weight`, to their pixels: of all components, or of one (0 red, 1 green, 2 blue).
@@ -312,11 +309,31 @@ impl Adder {
         }
         let place = component.unwrap_or(0);
         let (sums, planes) = (&sums[place..], &mut planes.0[place..]);
-        let entry = if component.is_some() { self.one } else { self.all };
+        let entry = if component.is_some() { self.adding_one } else { self.adding_all };
         let segments = segments.as_ptr_range();
         // SAFETY: the segments are those of a slice that is not empty. A segment's line is one of a chunk, and its place such that a line from
         // there ends within a plane (see `Segment::line`, `Segment::place`; only its room can make one); of `sums` and `planes` there are as many
         // components as the code was written for, one behind the other, since they are parts of arrays. The processor was asked.
         unsafe { entry(segments.start, segments.end, sums.as_ptr().cast(), planes.as_mut_ptr().cast(), weight) }
+    }
+
+    /// Writes lines of pixels, `0x00RRGGBB`, from this place in the planes on. Clamped, NaN as 0, and rounded to the nearest of 0..=255.
+    ///
+    /// # Panics
+    /// Where there are not so many pixels in a plane.
+    pub fn write(&self, planes: &PixelPlanes, place: usize, pixels: &mut [PixelLine]) {
+        if pixels.is_empty() {
+            return;
+        }
+        assert!(
+            pixels.len() <= PLANE_PIXELS / LINE_HITS && place + pixels.len() * LINE_HITS <= PLANE_PIXELS,
+            "pixels of a plane"
+        );
+        // SAFETY: there is a line; all lie within their plane, from `place` on, and green and blue a plane's length behind one another, since
+        // the planes are an array (the pointer is made from that to the whole of it); `pixels` are as many, and aligned as their type says.
+        // The processor was asked.
+        unsafe {
+            (self.writing)((&raw const planes.0).cast::<f32>().add(place), pixels.as_mut_ptr(), pixels.len());
+        }
     }
 }

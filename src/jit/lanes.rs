@@ -61,6 +61,11 @@ impl Splat {
     }
 }
 
+/// Sixteen pixels of a framebuffer: a line of the cache.
+#[derive(Debug, Clone, Copy, bytemuck::Zeroable, bytemuck::Pod)]
+#[repr(C, align(64))]
+pub struct PixelLine(pub [u32; Line::RECORDS]);
+
 /// What is added to the pixels of hits: red, green and blue of each line of a chunk.
 pub type Sums = [[Line; CHUNK_LINES]; 3];
 

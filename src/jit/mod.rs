@@ -10,7 +10,6 @@
     allow(dead_code, reason = "where kernels cannot run there is nothing to compile")
 )]
 
-mod adding;
 mod cache;
 #[cfg(all(target_arch = "x86_64", unix))]
 pub mod call;
@@ -22,11 +21,12 @@ mod emit;
 mod kernel;
 pub mod lanes;
 mod math;
+mod pixels;
 pub mod target;
 mod widen;
 
 pub use cache::KernelCache;
-pub use call::{Adder, Kernel};
+pub use call::{Kernel, PixelCode};
 pub use compile::CompiledFormula;
-pub use lanes::{Lanes, Line, PixelPlanes, Splat, Sums};
+pub use lanes::{Lanes, Line, PixelLine, PixelPlanes, Splat, Sums};
 pub use target::{CompileError, Listing};

@@ -2,7 +2,7 @@
 
 use crate::formula::graph::Graph;
 use crate::jit::kernel::KernelPlan;
-use crate::jit::lanes::{Lanes, PixelPlanes, Splat, Sums};
+use crate::jit::lanes::{Lanes, PixelLine, PixelPlanes, Splat, Sums};
 use crate::jit::target::{CompileError, Listing, target};
 use crate::segment::Segment;
 
@@ -37,17 +37,22 @@ pub(super) fn generate(
     Err(CompileError::Processor(target.isa.name().to_owned()))
 }
 
-/// Code that adds to pixels: there is none.
-pub enum Adder {}
+/// Code that adds to pixels and writes them: there is none.
+pub enum PixelCode {}
 
-impl Adder {
+impl PixelCode {
     /// The code: none.
-    pub fn get() -> Option<&'static Adder> {
+    pub fn get() -> Option<&'static PixelCode> {
         None
     }
 
     /// Adds.
     pub fn add(&self, _: &[Segment], _: &Sums, _: f32, _: Option<usize>, _: &mut PixelPlanes) {
+        match *self {}
+    }
+
+    /// Writes.
+    pub fn write(&self, _: &PixelPlanes, _: usize, _: &mut [PixelLine]) {
         match *self {}
     }
 }

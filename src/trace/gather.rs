@@ -102,13 +102,15 @@ impl Gatherer {
             })
             .collect();
         lists.sort_unstable_by(|a, b| (a.body, a.lights, a.path).cmp(&(b.body, b.lights, b.path)));
-        let mut all = Pixels::default();
+        let (mut all, mut spans) = (Pixels::default(), Vec::new());
         let groups = lists
             .chunk_by(|a, b| (a.body, a.lights) == (b.body, b.lights))
             .map(|group| {
                 let start = all.begin_group();
-                let spans: Box<[Span]> = group.iter().map(|list| all.span(list.path, &list.pixels)).collect();
-                Group { body: group[0].body, lights: group[0].lights.into(), hits: start..all.hits, spans }
+                let first = spans.len() as u32;
+                spans.extend(group.iter().map(|list| all.span(list.path, &list.pixels)));
+                let (hits, own) = (start..all.hits, first..spans.len() as u32);
+                Group { body: group[0].body, lights: group[0].lights.into(), hits, spans: own }
             })
             .collect();
         let mut missed: Vec<(PathId, Vec<u16>)> = self.misses.into_iter().collect();
@@ -118,12 +120,13 @@ impl Gatherer {
         let (mut segments, mut miss_segments) = (all.segments, all_missed.segments);
         let (mut paths, mut regions, mut path_sets) = (self.paths, self.regions, self.path_sets);
         paths.shrink_to_fit();
+        spans.shrink_to_fit();
         segments.shrink_to_fit();
         miss_segments.shrink_to_fit();
         regions.shrink_to_fit();
         path_sets.paths.shrink_to_fit();
         path_sets.ends.shrink_to_fit();
-        Tile { pixels, paths, groups, segments, misses, miss_segments, regions, path_sets }
+        Tile { pixels, paths, groups, spans, segments, misses, miss_segments, regions, path_sets }
     }
 }
 

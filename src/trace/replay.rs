@@ -27,8 +27,9 @@ pub fn replay(
     hits: Range<u32>,
     mut each: impl FnMut(u32, u32, &Surface),
 ) -> Result<(), Mismatch> {
-    let first = group.spans.partition_point(|span| span.hits.end <= hits.start);
-    for span in group.spans[first..].iter().take_while(|span| span.hits.start < hits.end) {
+    let spans = tile.spans_of(group);
+    let first = spans.partition_point(|span| span.hits.end <= hits.start);
+    for span in spans[first..].iter().take_while(|span| span.hits.start < hits.end) {
         let steps = tile.steps(span.path);
         let mut begin = span.hits.start;
         for segment in tile.segments_of(span) {

@@ -16,6 +16,7 @@ use crate::scene::{BodyId, LightId};
 use crate::segment::{Segment, TILE_PIXELS};
 use crate::trace::View;
 use crate::trace::walk::Edge;
+use smallvec::SmallVec;
 use std::ops::{Add, Range};
 
 /// A path by its place in its tile's list.
@@ -57,11 +58,11 @@ pub struct Group {
     /// The body.
     pub body: BodyId,
     /// The lights, in the order of declaration; none where only the ambient light reaches.
-    pub lights: Box<[LightId]>,
+    pub lights: SmallVec<[LightId; 6]>,
     /// The numbers of its hits.
     pub hits: Range<u32>,
-    /// The same hits path by path, in the order of path ids. A path occurs once, and in it a pixel at most once.
-    pub spans: Box<[Span]>,
+    /// The same hits path by path, in the order of path ids: indices into [`Tile::spans`]. A path occurs once, and in it a pixel at most once.
+    pub spans: Range<u32>,
 }
 
 // A region counts pixels, and a tile the sets of their paths, in sixteen bits.
@@ -111,6 +112,8 @@ pub struct Tile {
     pub paths: Vec<Path>,
     /// The groups, ordered by body and then by lights.
     pub groups: Vec<Group>,
+    /// The spans of all groups. All that a frame reads on its way stands in few long lists: it comes from memory, mostly.
+    pub spans: Vec<Span>,
     /// The pixels of all hits, span by span.
     pub segments: Vec<Segment>,
     /// The rays that left the scene, path by path, in the order of path ids.
@@ -130,6 +133,14 @@ impl Tile {
         let mut steps: Vec<_> = chain.map(|path| (path.edge, path.body)).collect();
         steps.reverse();
         steps
+    }
+
+    /// The spans of a group.
+    ///
+    /// # Panics
+    /// If the group is another tile's.
+    pub fn spans_of(&self, group: &Group) -> &[Span] {
+        &self.spans[group.spans.start as usize..group.spans.end as usize]
     }
 
     /// The pixels of a span of hits.
@@ -162,11 +173,12 @@ impl Tile {
 
     /// The memory it takes, in bytes.
     pub fn bytes(&self) -> u64 {
-        let groups = self.groups.iter().map(|group| size_of_val(&*group.lights) + size_of_val(&*group.spans));
-        let lists = size_of_val(&*self.paths) + size_of_val(&*self.groups) + size_of_val(&*self.misses);
+        let spilled = self.groups.iter().filter(|group| group.lights.spilled()).map(|group| size_of_val(&*group.lights));
+        let lists =
+            size_of_val(&*self.paths) + size_of_val(&*self.groups) + size_of_val(&*self.spans) + size_of_val(&*self.misses);
         let sets = size_of_val(&*self.path_sets.paths) + size_of_val(&*self.path_sets.ends);
         let pixels = size_of_val(&*self.segments) + size_of_val(&*self.miss_segments) + size_of_val(&*self.regions) + sets;
-        (size_of::<Self>() + groups.sum::<usize>() + lists + pixels) as u64
+        (size_of::<Self>() + spilled.sum::<usize>() + lists + pixels) as u64
     }
 }
 

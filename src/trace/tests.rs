@@ -91,7 +91,7 @@ fn store_and_replay_are_what_the_trees_say_bit_for_bit() {
                 replay(&optics, tile, group, group.hits.clone(), |hit, pixel, surface| {
                     assert_eq!(hit, last.map_or(group.hits.start, |last: u32| last + 1));
                     last = Some(hit);
-                    let span = group.spans.iter().find(|span| span.hits.contains(&hit)).unwrap();
+                    let span = tile.spans_of(group).iter().find(|span| span.hits.contains(&hit)).unwrap();
                     let place = pixels_of(tile.segments_of(span)).nth((hit - span.hits.start) as usize).unwrap();
                     assert_eq!(pixel as usize, tile.pixels.start as usize + place);
                     let tree = &trees[pixel as usize];
@@ -166,9 +166,10 @@ fn groups_and_spans_are_in_order_and_complete() {
         assert!(tile.groups.is_sorted_by(|a, b| (a.body, &a.lights) < (b.body, &b.lights)));
         let mut next = (0, 0);
         for span in tile.groups.iter().flat_map(|group| {
-            assert_eq!(group.hits, group.spans[0].hits.start..group.spans[group.spans.len() - 1].hits.end);
-            assert!(group.spans.is_sorted_by(|a, b| a.path < b.path));
-            &group.spans
+            let spans = tile.spans_of(group);
+            assert_eq!(group.hits, spans[0].hits.start..spans[spans.len() - 1].hits.end);
+            assert!(spans.is_sorted_by(|a, b| a.path < b.path));
+            spans
         }) {
             assert_eq!((span.hits.start, span.segments.start), next);
             next = (span.hits.end, span.segments.end);

@@ -329,7 +329,7 @@ impl Plan {
         self.path_weights(compiled, tile, memory).of(Key::default(), &mut weights);
         let mut cells = CellSet::none(tile.pixels.len());
         for group in tile.groups.iter().filter(|group| self.moves_group(group)) {
-            add_live(tile, &group.spans, &weights, &mut cells);
+            add_live(tile, tile.spans_of(group), &weights, &mut cells);
         }
         cells.cells()
     }

@@ -121,7 +121,7 @@ impl Passes<'_> {
         pass.add(tile, place, None, Onto::Black, workroom);
         let mut touched = CellSet::none(tile.pixels.len());
         for group in tile.groups.iter().filter(|group| plan.reached(group, term).is_some()) {
-            add_live(tile, &group.spans, &workroom.weights, &mut touched);
+            add_live(tile, tile.spans_of(group), &workroom.weights, &mut touched);
         }
         if plan.has_background(term) {
             for span in tile.misses.iter().filter(|span| !workroom.weights[span.path.index()].is_zero()) {

@@ -60,7 +60,7 @@ impl Plan {
                 let mut own = Vec::new();
                 weights.of(Key::default(), &mut own);
                 let moving = || tile.groups.iter().filter(|group| self.moves_group(group));
-                if moving().all(|group| live_blocks(&group.spans, &own) == 0) {
+                if moving().all(|group| live_blocks(tile.spans_of(group), &own) == 0) {
                     return Vec::new();
                 }
                 let cost = moving().map(|group| group_cost(group.lights.len(), blocks(&group.hits))).sum();
@@ -80,7 +80,7 @@ impl Plan {
             let live: Vec<(&Group, usize)> = tile
                 .groups
                 .iter()
-                .map(|group| (group, live_blocks(&group.spans, &own)))
+                .map(|group| (group, live_blocks(tile.spans_of(group), &own)))
                 .filter(|(_, blocks)| *blocks > 0)
                 .collect();
             let misses = live_blocks(&tile.misses, &own) as u64;
