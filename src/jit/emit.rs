@@ -19,13 +19,15 @@ pub(super) struct Emitter<'e, 'f> {
     pub(super) builder: &'e mut FunctionBuilder<'f>,
     /// Whether the processor multiplies and adds in one instruction.
     pub(super) fma: bool,
+    /// Whether the code is going to be widened to sixteen lanes.
+    pub(super) sixteen: bool,
     /// The noise function, and room for its operands and result; there if the kernel needs it.
     pub(super) perlin: Option<(FuncRef, StackSlot)>,
 }
 
 impl<'f> Emitter<'_, 'f> {
     fn math(&mut self) -> VectorMath<'_, 'f> {
-        VectorMath::new(self.builder, self.fma)
+        VectorMath::new(self.builder, self.fma, self.sixteen)
     }
 
     /// A truth value as a mask; a constant one is a number still.

@@ -6,7 +6,7 @@
 
 use crate::formula::graph::{Graph, Node, NodeId};
 use crate::jit::emit::{Emitter, LANES_BYTES, PERLIN_OPERANDS};
-use crate::jit::lanes::Splat;
+use crate::jit::lanes::{Line, Splat};
 use crate::jit::target::Target;
 use crate::lang::scalars::{Primitive, Scalars};
 use cranelift_codegen::ir::condcodes::IntCC;
@@ -254,8 +254,9 @@ impl Writer<'_, '_> {
             #[expect(clippy::needless_range_loop, reason = "it is the place in the values of every operand")]
             for step in 0..interleave {
                 let before = self.last_instruction();
-                let fma = self.shape.fma;
-                let mut emitter = Emitter { builder: &mut self.builder, fma, perlin: self.perlin };
+                let Shape { fma, blocks, .. } = self.shape;
+                let (builder, sixteen) = (&mut self.builder, blocks == Line::BLOCKS);
+                let mut emitter = Emitter { builder, fma, sixteen, perlin: self.perlin };
                 computed.push(match node {
                     Node::Constant(bits) => emitter.constant(f32::from_bits(bits)),
                     Node::Apply(primitive, _) => {

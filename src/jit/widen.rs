@@ -90,6 +90,14 @@ twins! {
     VEX_Vpsrad_xmm_xmm_imm8 => VEX_Vpsrad_ymm_ymm_imm8, EVEX_Vpsrad_zmm_k1z_zmmm512b32_imm8;
 }
 
+/// Instructions that stand for some that only sixteen lanes have, as the elementary functions use them: kernels have no saturating
+/// arithmetic. The one for words is x · 2ⁿ with n the largest whole number not above the second operand, the one for bytes the first
+/// operand less the largest whole number not above it.
+const SCALE: Code = Code::VEX_Vpsubsw_xmm_xmm_xmmm128;
+const ABOVE_WHOLE: Code = Code::VEX_Vpsubsb_xmm_xmm_xmmm128;
+/// Of `vreduceps`: rounding down to a whole number.
+const TO_WHOLE_BELOW: i32 = 1;
+
 /// The code of a function, without relocations, whose constants stand behind it, for vectors of two blocks of four lanes, or of four.
 pub(super) fn widen(code: &[u8], blocks: usize) -> Option<Vec<u8>> {
     let mut widening = Widening { sixteen: blocks == 4, code: Vec::new(), constants: BTreeMap::new(), slots: BTreeMap::new() };
@@ -154,7 +162,11 @@ impl Widening {
             self.code.push(instruction);
             return (!instruction.is_ip_rel_memory_operand()).then_some(());
         }
-        let [eight, sixteen] = twins(instruction.code())?;
+        let [eight, sixteen] = match instruction.code() {
+            SCALE if self.sixteen => [Code::EVEX_Vscalefps_zmm_k1z_zmm_zmmm512b32_er; 2],
+            ABOVE_WHOLE if self.sixteen => [Code::EVEX_Vreduceps_zmm_k1z_zmmm512b32_imm8_sae; 2],
+            code => twins(code)?,
+        };
         if instruction.is_ip_rel_memory_operand() {
             let next = self.constants.len();
             self.constants.entry(instruction.ip_rel_memory_address()).or_insert(next);
@@ -171,6 +183,10 @@ impl Widening {
             self.off_the_stack(&mut wide)?;
         }
         wide.set_code(if self.sixteen { sixteen } else { eight });
+        if instruction.code() == ABOVE_WHOLE {
+            let [result, x] = [wide.op0_register(), wide.op1_register()];
+            wide = Instruction::with3(sixteen, result, x, TO_WHOLE_BELOW).ok()?;
+        }
         let compares =
             matches!(sixteen, Code::EVEX_Vcmpps_kr_k1_zmm_zmmm512b32_imm8_sae | Code::EVEX_Vpcmpeqd_kr_k1_zmm_zmmm512b32);
         if self.sixteen && compares {

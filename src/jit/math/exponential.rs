@@ -63,11 +63,9 @@ impl VectorMath<'_, '_> {
         // At the limits the power of two itself is infinite or zero, see `power_of_two`.
         let x = self.at_most(x, 128.0);
         let x = self.at_least(x, -127.0);
-        let whole = self.floor(x);
-        let fraction = self.sub(x, whole);
+        let [fraction, whole] = self.parted(x);
         let significand = self.polynomial(fraction, &EXP2);
-        let power = self.power_of_two(whole);
-        self.mul(significand, power)
+        self.scaled(significand, whole)
     }
 
     /// e^x. x = n ln 2 + f with whole n and f in [0, ln 2), up to rounding; ln 2 in two parts
@@ -85,8 +83,7 @@ impl VectorMath<'_, '_> {
         let tail = self.constant(LN_2_TAIL);
         let fraction = self.mul_sub_from(whole, tail, fraction);
         let significand = self.polynomial(fraction, &EXP);
-        let power = self.power_of_two(whole);
-        self.mul(significand, power)
+        self.scaled(significand, whole)
     }
 
     /// log2 x: the exponent plus r times a polynomial of r, where r is the significand in
@@ -189,7 +186,7 @@ impl VectorMath<'_, '_> {
     }
 
     /// 2^n for a whole n from −126 to 127; 0 for −127 and infinite for 128.
-    fn power_of_two(&mut self, n: Value) -> Value {
+    pub(super) fn power_of_two(&mut self, n: Value) -> Value {
         // The sum's low bits hold n plus the bias; the shift makes them the exponent field and
         // drops the rest. Cheaper than a conversion, whose overflow rules cost nine instructions.
         let rounder = self.constant(ROUNDER + 127.0);

@@ -28,7 +28,7 @@ mod inverse;
 mod trigonometric;
 
 use cranelift_codegen::ir::condcodes::FloatCC;
-use cranelift_codegen::ir::types::{F32X4, I32, I32X4};
+use cranelift_codegen::ir::types::{F32X4, I8X16, I16X8, I32, I32X4};
 use cranelift_codegen::ir::{Constant, ConstantData, InstBuilder, MemFlagsData, Type, Value};
 use cranelift_frontend::FunctionBuilder;
 
@@ -52,12 +52,40 @@ const ROUNDER: f32 = 12_582_912.0;
 pub(in crate::jit) struct VectorMath<'a, 'f> {
     builder: &'a mut FunctionBuilder<'f>,
     fma: bool,
+    sixteen: bool,
 }
 
 impl<'a, 'f> VectorMath<'a, 'f> {
-    /// `fma` says whether the processor multiplies and adds in one rounding.
-    pub(in crate::jit) fn new(builder: &'a mut FunctionBuilder<'f>, fma: bool) -> Self {
-        Self { builder, fma }
+    /// `fma` says whether the processor multiplies and adds in one rounding, `sixteen` whether the code is going to be widened to sixteen
+    /// lanes, where there are instructions that four lanes have none for.
+    pub(in crate::jit) fn new(builder: &'a mut FunctionBuilder<'f>, fma: bool, sixteen: bool) -> Self {
+        Self { builder, fma, sixteen }
+    }
+
+    /// x less the largest whole number not above it, and that number, at least for [`scaled`](Self::scaled). Of finite x.
+    fn parted(&mut self, x: Value) -> [Value; 2] {
+        if self.sixteen {
+            return [self.stand_in(I8X16, x, x), x];
+        }
+        let whole = self.floor(x);
+        [self.sub(x, whole), whole]
+    }
+
+    /// x · 2ⁿ for whole n from −127, where it is 0, to 128, where it is infinite.
+    fn scaled(&mut self, x: Value, n: Value) -> Value {
+        if self.sixteen {
+            return self.stand_in(I16X8, x, n);
+        }
+        let power = self.power_of_two(n);
+        self.mul(x, power)
+    }
+
+    /// An instruction that has no use here, for one that only sixteen lanes have: see [`super::widen`]. Only code that is going to be
+    /// widened may have it.
+    fn stand_in(&mut self, lanes: Type, x: Value, y: Value) -> Value {
+        let [x, y] = [x, y].map(|value| self.reinterpret(value, lanes));
+        let result = self.builder.ins().ssub_sat(x, y);
+        self.reinterpret(result, F32X4)
     }
 
     /// The largest whole number not above `x`. Exact; keeps the sign of zero. One `roundps`.
