@@ -1,13 +1,13 @@
 //! Static values of all records, worked out once after tracing and kept in columns (structure of arrays).
 //!
 //! A group of hits has one column for each node of the hit frontier and, for each light that reaches it, one for each node of the
-//! record frontier, in whole lines. They are cut in chunks of [`CHUNK`] blocks, the chunks of all columns one behind the other before the
+//! record frontier, in whole rounds of the kernels. They are cut in chunks of [`CHUNK`] blocks, the chunks of all columns one behind the other before the
 //! next ones: just as frames read them, so that memory is read from front to back.
 
 use crate::evaluate::memory::StreamMemory;
 use crate::evaluate::pass::Source;
 use crate::formula::graph::{Node, NodeId};
-use crate::jit::{CompiledFormula, Lanes, Line};
+use crate::jit::{CompiledFormula, Lanes, Line, ROUND_BLOCKS};
 use crate::lang::scalars::flush;
 use crate::lang::variables::Variable;
 use crate::scene::LightId;
@@ -18,13 +18,16 @@ use std::ops::Range;
 use std::sync::Arc;
 
 // What stands side by side in a column is what is added to the pixels side by side.
-const _: () = assert!(LINE_HITS == Line::RECORDS);
+const _: () = assert!(LINE_HITS == Line::RECORDS && CHUNK_LINES.is_multiple_of(ROUND_LINES));
+
+/// Columns are multiples of so many lines: whole rounds of the kernels.
+pub(super) const ROUND_LINES: usize = ROUND_BLOCKS / Line::BLOCKS;
 
 /// How many blocks are worked out at a time: what belongs to them stays in the first cache meanwhile.
 pub(super) const CHUNK: usize = CHUNK_LINES * Line::BLOCKS;
 
-/// Parts of columns that a kernel reads; few, mostly.
-pub(super) type Inputs<'c> = SmallVec<[&'c [Lanes]; 8]>;
+/// Parts of columns that kernels read; few, mostly.
+pub(super) type Inputs<'c> = SmallVec<[&'c [Lanes]; 16]>;
 
 /// The columns of a tile's groups.
 pub(super) struct Columns {
@@ -47,7 +50,7 @@ struct Arrangement {
 struct GroupColumns {
     /// The first line of the first.
     start: usize,
-    /// How long each is, in whole lines.
+    /// How long each is.
     lines: usize,
     lights: usize,
 }
@@ -57,7 +60,7 @@ impl Arrangement {
     fn new(tile: &Tile, hit_columns: usize, record_columns: usize, has: impl Fn(&Group) -> bool) -> Self {
         let mut arrangement = Self { groups: Vec::with_capacity(tile.groups.len()), hit_columns, record_columns, lines: 0 };
         for group in &tile.groups {
-            let lines = if has(group) { group.hits.len().div_ceil(LINE_HITS) } else { 0 };
+            let lines = if has(group) { group.hits.len().div_ceil(LINE_HITS).next_multiple_of(ROUND_LINES) } else { 0 };
             let own = GroupColumns { start: arrangement.lines, lines, lights: group.lights.len() };
             arrangement.groups.push(own);
             arrangement.lines += lines * arrangement.columns_of(&own);

@@ -3,12 +3,13 @@
 //! A [`Pass`] is one way to weigh the hits of a picture. A whole frame is one pass: every path with its weight, one source of
 //! light for all pairs of a body and a light. A part of the picture that a drag keeps (see [`drag`](super::drag)) is another.
 
-use crate::evaluate::columns::{Columns, Inputs};
+use crate::evaluate::columns::{Columns, Inputs, ROUND_LINES};
 use crate::evaluate::framebuffer::Channels;
 use crate::evaluate::planes::{Planes, Weight};
-use crate::jit::{Kernel, Lanes, Line, Splat, Sums};
+use crate::jit::{Call, Kernel, Lanes, Line, Splat, Sums, run_in_turn};
 use crate::scene::{BodyId, LightId};
 use crate::trace::{CHUNK_LINES, Group, LINE_HITS, Span, Tile};
+use smallvec::SmallVec;
 use std::ops::Range;
 
 /// How many hits are worked on at a time.
@@ -151,7 +152,8 @@ impl Pass<'_> {
             while at < end {
                 let chunk = at / CHUNK_HITS * CHUNK_HITS;
                 let stop = (chunk + CHUNK_HITS).min(end);
-                self.light(place, kept, group, index, at / LINE_HITS..stop.div_ceil(LINE_HITS), &mut workroom.sums);
+                let lines = at / LINE_HITS / ROUND_LINES * ROUND_LINES..stop.div_ceil(LINE_HITS).next_multiple_of(ROUND_LINES);
+                self.light(place, kept, group, index, lines, &mut workroom.sums);
                 while at < stop {
                     if segments.is_empty() {
                         let Some(span) = spans.next() else { break };
@@ -174,34 +176,38 @@ impl Pass<'_> {
         }
     }
 
-    /// The contributions of all lights of a group to these lines, which are of one chunk, each to its own place in it.
+    /// The contributions of all lights of a group to these lines, whole rounds of one chunk, each to its own place in it.
     fn light(&self, place: usize, kept: Option<&Columns>, group: &Group, index: usize, lines: Range<usize>, sums: &mut Sums) {
         let own = lines.start % CHUNK_LINES..lines.start % CHUNK_LINES + lines.len();
         let mut planes = sums.each_mut().map(|plane| Line::blocks_mut(&mut plane[own.clone()]));
         // What a plane holds is of the chunk before.
         let mut stale = [true; 3];
         let blocks = lines.len() * Line::BLOCKS;
-        let mut inputs = Inputs::new();
         for source in &self.sources {
             let components = source.channels.components();
+            let store = stale[components.clone()].iter().all(|stale| *stale);
+            let mut inputs = Inputs::new();
+            let mut calls = SmallVec::<[Call; 6]>::new();
             for (light_place, light) in group.lights.iter().enumerate() {
                 let pair = source.pair(group.body, *light);
                 if !source.active[pair] {
                     continue;
                 }
-                inputs.clear();
                 source.columns[place].of(index, light_place, lines.clone(), &mut inputs);
                 if let Some(kept) = kept {
                     kept.of(index, light_place, lines.clone(), &mut inputs);
                 }
-                let store = stale[components.clone()].iter().all(|stale| *stale);
-                if !store {
-                    clear(&mut planes, &mut stale, components.clone());
-                }
-                let kernel = if store { source.storing } else { source.adding };
-                kernel.run(&inputs, source.uniforms_of(pair), &mut planes[components.clone()], blocks);
-                stale[components.clone()].fill(false);
+                let kernel = if store && calls.is_empty() { source.storing } else { source.adding };
+                calls.push(Call { kernel, uniforms: source.uniforms_of(pair) });
             }
+            if calls.is_empty() {
+                continue;
+            }
+            if !store {
+                clear(&mut planes, &mut stale, components.clone());
+            }
+            run_in_turn(&calls, &inputs, &mut planes[components.clone()], blocks);
+            stale[components].fill(false);
         }
         clear(&mut planes, &mut stale, self.channels.components());
     }

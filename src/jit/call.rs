@@ -29,9 +29,9 @@ use std::sync::{Arc, OnceLock};
 /// What every kernel is: see the [kernel](super::kernel) room for the meaning of the parameters.
 ///
 /// # Safety
-/// The tables hold as many pointers as the kernel reads, each column and output at least the blocks of that many steps, the uniforms
+/// The tables hold as many pointers as the kernel reads, each column and output at least the blocks of that many rounds, the uniforms
 /// as many as it reads; outputs overlap nothing.
-type Entry = unsafe extern "C" fn(columns: *const *const Lanes, uniforms: *const Splat, outputs: *const *mut Lanes, steps: usize);
+type Entry = unsafe extern "C" fn(columns: *const *const Lanes, uniforms: *const Splat, outputs: *const *mut Lanes, rounds: usize);
 
 /// The memory that holds a formula's kernels; freed with the last of them.
 pub(super) struct CodeMemory(ManuallyDrop<JITModule>);
@@ -120,7 +120,7 @@ pub(super) fn generate(
         // of which is wider than a register; its memory lives as long as the kernel.
         let entry = unsafe { std::mem::transmute::<*const u8, Entry>(address) };
         let [columns, uniforms, outputs] = [plan.columns.len(), plan.uniforms.len(), plan.outputs.len()];
-        Kernel { entry, columns, uniforms, outputs, step: shape.blocks, _memory: Arc::clone(&memory) }
+        Kernel { entry, columns, uniforms, outputs, round: shape.round(), _memory: Arc::clone(&memory) }
     };
     Ok(plans.iter().zip(finished).map(kernel).collect())
 }
@@ -133,7 +133,7 @@ pub struct Kernel {
     uniforms: usize,
     outputs: usize,
     /// How many blocks it computes at a time.
-    step: usize,
+    round: usize,
     _memory: Arc<CodeMemory>,
 }
 
@@ -143,36 +143,79 @@ impl Kernel {
         self.outputs
     }
 
-    /// How many blocks it reads and writes where so many are wanted: whole steps of one, two or four blocks.
-    pub fn whole_steps(&self, blocks: usize) -> usize {
-        blocks.next_multiple_of(self.step)
+    /// How many blocks it reads and writes where so many are wanted: whole rounds, of up to [`ROUND_BLOCKS`](super::ROUND_BLOCKS).
+    pub fn whole_rounds(&self, blocks: usize) -> usize {
+        blocks.next_multiple_of(self.round)
     }
 
-    /// Runs the kernel over `blocks` blocks of four records: reads `columns` and `uniforms`, stores or adds into `outputs`. What it adds to
-    /// a block beyond, see [`whole_steps`](Self::whole_steps), has no meaning.
+    /// Runs the kernel over `blocks` blocks of four records: reads `columns` and `uniforms`, stores or adds into `outputs`. What it makes of
+    /// a block beyond, see [`whole_rounds`](Self::whole_rounds), has no meaning.
     ///
     /// # Panics
-    /// Where there are not as many columns, uniforms and outputs as the kernel was written for, or one of them is shorter than the
-    /// [whole steps](Self::whole_steps) of `blocks`.
+    /// As [`run_in_turn`].
     pub fn run(&self, columns: &[&[Lanes]], uniforms: &[Splat], outputs: &mut [&mut [Lanes]], blocks: usize) {
-        let blocks = self.whole_steps(blocks);
-        assert_eq!((columns.len(), outputs.len()), (self.columns, self.outputs), "a kernel's columns and outputs");
-        assert!(uniforms.len() >= self.uniforms, "a kernel's uniforms");
-        assert!(columns.iter().all(|column| column.len() >= blocks), "a kernel's columns are long enough");
-        assert!(outputs.iter().all(|column| column.len() >= blocks), "a kernel's outputs are long enough");
-        // Most formulas read a handful of columns; memory from the heap for each call would cost more than the call.
-        let mut column_table = SmallVec::<[*const Lanes; 8]>::new();
-        column_table.extend(columns.iter().map(|column| column.as_ptr()));
-        let mut output_table = SmallVec::<[*mut Lanes; 8]>::new();
-        output_table.extend(outputs.iter_mut().map(|column| column.as_mut_ptr()));
-        let entry = self.entry;
-        // SAFETY: the code reads exactly `self.columns` and `self.outputs` pointers from the tables and `self.uniforms` lanes, and of each
-        // column the first `blocks` lanes, whole steps; the assertions above guarantee all of them, `&mut` that outputs overlap nothing. `Lanes`
-        // is aligned as the code's loads and stores need. Nothing of Rust runs while subnormals are switched off.
-        unsafe {
-            without_subnormals(entry, column_table.as_ptr(), uniforms.as_ptr(), output_table.as_ptr(), blocks / self.step);
-        }
+        run_in_turn(&[Call { kernel: self, uniforms }], columns, outputs, blocks);
     }
+}
+
+/// A kernel and what it reads beside columns.
+#[derive(Clone, Copy)]
+pub struct Call<'c> {
+    /// The kernel.
+    pub kernel: &'c Kernel,
+    /// Its uniform values.
+    pub uniforms: &'c [Splat],
+}
+
+/// The arguments of a call, as the code below reads them.
+#[repr(C)]
+struct Arguments {
+    columns: *const *const Lanes,
+    uniforms: *const Splat,
+    outputs: *const *mut Lanes,
+    rounds: usize,
+    entry: Entry,
+}
+
+/// Runs kernels one after the other, over the same blocks and into the same outputs. `columns` are those of the first, then those of the
+/// second, and so on. To enter and leave compiled code costs some ten nanoseconds, so it is done once for all of them.
+///
+/// # Panics
+/// Where there are not as many columns, uniforms and outputs as a kernel was written for, or one of them is shorter than its
+/// [whole rounds](Kernel::whole_rounds) of `blocks`.
+pub fn run_in_turn(calls: &[Call], columns: &[&[Lanes]], outputs: &mut [&mut [Lanes]], blocks: usize) {
+    // Most formulas read a handful of columns; memory from the heap for each call would cost more than the call.
+    let mut column_table = SmallVec::<[*const Lanes; 16]>::new();
+    column_table.extend(columns.iter().map(|column| column.as_ptr()));
+    let mut output_table = SmallVec::<[*mut Lanes; 4]>::new();
+    output_table.extend(outputs.iter_mut().map(|column| column.as_mut_ptr()));
+    let longest = calls.iter().map(|call| call.kernel.whole_rounds(blocks)).max().unwrap_or(0);
+    assert!(columns.iter().all(|column| column.len() >= longest), "a kernel's columns are long enough");
+    assert!(outputs.iter().all(|column| column.len() >= longest), "a kernel's outputs are long enough");
+    let mut own = &*column_table;
+    let mut table = SmallVec::<[Arguments; 4]>::new();
+    for Call { kernel, uniforms } in calls {
+        assert_eq!(outputs.len(), kernel.outputs, "a kernel's outputs");
+        assert!(uniforms.len() >= kernel.uniforms, "a kernel's uniforms");
+        assert!(own.len() >= kernel.columns, "a kernel's columns");
+        let (columns, later) = own.split_at(kernel.columns);
+        own = later;
+        table.push(Arguments {
+            columns: columns.as_ptr(),
+            uniforms: uniforms.as_ptr(),
+            outputs: output_table.as_ptr(),
+            rounds: kernel.whole_rounds(blocks) / kernel.round,
+            entry: kernel.entry,
+        });
+    }
+    assert!(own.is_empty(), "kernels' columns");
+    if table.is_empty() {
+        return;
+    }
+    // SAFETY: the table is not empty. Each kernel's code reads exactly `kernel.columns` and `kernel.outputs` pointers from its tables and
+    // `kernel.uniforms` lanes, and of each column the blocks of its rounds; the assertions above guarantee all of them, `&mut` that outputs
+    // overlap nothing. `Lanes` is aligned as the code's loads and stores need. Nothing of Rust runs while subnormals are switched off.
+    unsafe { without_subnormals(&table) }
 }
 
 /// Flush to zero, denormals are zero, and all exceptions masked.
@@ -180,33 +223,39 @@ const KERNEL_MXCSR: u32 = 0x9fc0;
 /// What Rust code runs with: round to nearest, all exceptions masked.
 const RUST_MXCSR: u32 = 0x1f80;
 
-/// Calls a kernel with subnormal operands and results counting as zero.
+/// Makes calls with subnormal operands and results counting as zero.
 ///
 /// # Safety
-/// Calling `entry` with these arguments must be sound.
-unsafe fn without_subnormals(
-    entry: Entry,
-    columns: *const *const Lanes,
-    uniforms: *const Splat,
-    outputs: *const *mut Lanes,
-    steps: usize,
-) {
+/// There is a call, and making each of them must be sound.
+unsafe fn without_subnormals(calls: &[Arguments]) {
     let mut saved: u32 = RUST_MXCSR;
-    // SAFETY: saves MXCSR, sets it for the kernel, calls the kernel by the C calling convention (whose registers are all declared
-    // lost), and restores MXCSR, so that Rust code never runs under the changed one. r12 survives the call by that convention.
+    let calls = calls.as_ptr_range();
+    // SAFETY: saves MXCSR, sets it for the kernels, makes the calls by the C calling convention (whose registers are all declared
+    // lost), and restores MXCSR, so that Rust code never runs under the changed one. r12, r13 and r14 survive calls by that convention.
     unsafe {
         std::arch::asm!(
             "stmxcsr [r12]",
-            "ldmxcsr [r13]",
-            "call r14",
+            "ldmxcsr [rax]",
+            "2:",
+            "mov rdi, [r13 + {columns}]",
+            "mov rsi, [r13 + {uniforms}]",
+            "mov rdx, [r13 + {outputs}]",
+            "mov rcx, [r13 + {rounds}]",
+            "call [r13 + {entry}]",
+            "add r13, {size}",
+            "cmp r13, r14",
+            "jb 2b",
             "ldmxcsr [r12]",
+            columns = const std::mem::offset_of!(Arguments, columns),
+            uniforms = const std::mem::offset_of!(Arguments, uniforms),
+            outputs = const std::mem::offset_of!(Arguments, outputs),
+            rounds = const std::mem::offset_of!(Arguments, rounds),
+            entry = const std::mem::offset_of!(Arguments, entry),
+            size = const size_of::<Arguments>(),
             in("r12") &raw mut saved,
-            in("r13") &raw const KERNEL_MXCSR_VALUE,
-            in("r14") entry,
-            in("rdi") columns,
-            in("rsi") uniforms,
-            in("rdx") outputs,
-            in("rcx") steps,
+            in("rax") &raw const KERNEL_MXCSR_VALUE,
+            inout("r13") calls.start => _,
+            in("r14") calls.end,
             clobber_abi("C"),
         );
     }

@@ -5,14 +5,10 @@ use crate::formula::graph::NodeId;
 use crate::formula::separation::{Dependence, Separation};
 use crate::formula::{Formula, ParameterId};
 use crate::jit::call::{Kernel, generate};
-use crate::jit::kernel::{KernelPlan, Output};
+use crate::jit::kernel::{KernelPlan, MOST_STEPS, Output};
 use crate::jit::target::{CompileError, Listing};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
-
-/// How many blocks of four records the contribution kernel computes side by side. Four hide most of the latency of a
-/// polynomial's chain of multiplications.
-const INTERLEAVE: usize = 4;
 
 /// Kernels for so many drags are kept for the next time that a slider is taken.
 const DRAGS_KEPT: usize = 64;
@@ -84,16 +80,16 @@ fn plans(bindings: &Bindings, wanted: &Wanted) -> Vec<KernelPlan> {
         uniforms: uniforms.clone(),
         outputs: wanted.outputs.clone(),
         output: *output,
-        lines: true,
-        interleave: INTERLEAVE,
+        rounds: true,
+        interleave: MOST_STEPS,
     });
-    let of_pairs = KernelPlan { lines: false, ..stage("uniforms", bindings.leaves(&uniforms), uniforms.clone()) };
+    let of_pairs = KernelPlan { rounds: false, ..stage("uniforms", bindings.leaves(&uniforms), uniforms.clone()) };
     std::iter::once(of_pairs).chain(records).collect()
 }
 
 /// The plan of a kernel that runs once, over nodes made of leaves.
 fn stage(name: &'static str, columns: Vec<NodeId>, outputs: Vec<NodeId>) -> KernelPlan {
-    KernelPlan { name, columns, uniforms: Vec::new(), outputs, output: Output::Values, lines: true, interleave: 1 }
+    KernelPlan { name, columns, uniforms: Vec::new(), outputs, output: Output::Values, rounds: true, interleave: 1 }
 }
 
 /// The contributors that these are, from the kernels of their plans.

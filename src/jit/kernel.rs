@@ -1,8 +1,8 @@
 //! A kernel as Cranelift IR: some nodes of a graph computed for every record, from columns and uniform values.
 //!
 //! The function reads `fn(columns, uniforms, outputs, steps)`: pointers to the columns, to the uniform values (each in as many lanes as
-//! any kernel has), to the output columns, and the number of steps: of blocks of four records, or of two or four blocks in code that
-//! is going to be [widened](super::widen). Columns are whole steps, so that there is no tail.
+//! any kernel has), to the output columns, and the number of rounds of its loop. A round is some steps side by side, and a step a block of
+//! four records, or two or four blocks in code that is going to be [widened](super::widen). Columns are whole rounds, so that there is no tail.
 
 use crate::formula::graph::{Graph, Node, NodeId};
 use crate::jit::emit::{Emitter, LANES_BYTES, PERLIN_OPERANDS};
@@ -31,12 +31,18 @@ pub(super) struct KernelPlan {
     pub(super) outputs: Vec<NodeId>,
     /// What becomes of them.
     pub(super) output: Output,
-    /// Whether columns are whole lines, so that more records than are wanted may be computed.
-    pub(super) lines: bool,
-    /// How many steps are computed side by side at most, so that their chains of dependent instructions overlap and constants are
+    /// Whether columns are multiples of [`ROUND_BLOCKS`], so that more records than are wanted may be computed.
+    pub(super) rounds: bool,
+    /// How many steps are computed side by side at most, a power of two, so that their chains of dependent instructions overlap and constants are
     /// loaded once for all of them.
     pub(super) interleave: usize,
 }
+
+/// Every kernel computes as many blocks in a round, or a part of them.
+pub const ROUND_BLOCKS: usize = MOST_STEPS * Line::BLOCKS;
+
+/// As many steps are computed side by side at most. Four hide most of the latency of a polynomial's chain of multiplications.
+pub(super) const MOST_STEPS: usize = 4;
 
 /// What becomes of the outputs of a kernel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -67,7 +73,7 @@ pub(super) fn shapes(plan: &KernelPlan, graph: &Graph, target: &Target) -> Vec<S
     let few = plan.schedule(graph, narrow).is_some_and(|schedule| schedule.len() <= MANY_NODES);
     let interleave = if few { plan.interleave } else { 1 };
     let mut shapes = Vec::new();
-    for blocks in target.widths.iter().copied().filter(|blocks| *blocks > 1 && plan.lines) {
+    for blocks in target.widths.iter().copied().filter(|blocks| *blocks > 1 && plan.rounds) {
         let halves = std::iter::successors(Some(interleave), |interleave| (*interleave > 1).then_some(interleave / 2));
         shapes.extend(halves.map(|interleave| Shape { blocks, interleave, fma }));
     }
@@ -76,6 +82,11 @@ pub(super) fn shapes(plan: &KernelPlan, graph: &Graph, target: &Target) -> Vec<S
 }
 
 impl Shape {
+    /// How many blocks a round of the loop takes.
+    pub(super) fn round(self) -> usize {
+        self.blocks * self.interleave
+    }
+
     /// Bytes of a step in each column.
     fn bytes(self) -> usize {
         self.blocks * LANES_BYTES as usize
@@ -186,7 +197,7 @@ pub(super) fn write(
         let size = (PERLIN_OPERANDS + 1) * LANES_BYTES;
         (function, builder.create_sized_stack_slot(StackSlotData::new(StackSlotKind::ExplicitSlot, size, 4)))
     });
-    let [columns, uniforms, outputs, steps] = std::array::from_fn(|index| builder.block_params(entry)[index]);
+    let [columns, uniforms, outputs, rounds] = std::array::from_fn(|index| builder.block_params(entry)[index]);
     let pointers = |builder: &mut FunctionBuilder, table: Value, count: usize| -> Vec<Value> {
         (0..count)
             .map(|index| builder.ins().load(I64, MemFlagsData::trusted().with_readonly(), table, 8 * index as i32))
@@ -194,14 +205,11 @@ pub(super) fn write(
     };
     let columns = pointers(&mut builder, columns, plan.columns.len());
     let outputs = pointers(&mut builder, outputs, plan.outputs.len());
-    let shift = builder.ins().iconst(I64, i64::from(shape.bytes().trailing_zeros()));
-    let end = builder.ins().ishl(steps, shift);
+    let round = shape.bytes() * shape.interleave;
+    let shift = builder.ins().iconst(I64, i64::from(round.trailing_zeros()));
+    let end = builder.ins().ishl(rounds, shift);
     let mut writer = Writer { plan, graph, schedule, builder, shape, perlin, columns, uniforms, outputs };
-    let mut at = writer.builder.ins().iconst(I64, 0);
-    if shape.interleave > 1 {
-        at = writer.counted_loop(at, end, shape.interleave);
-    }
-    writer.counted_loop(at, end, 1);
+    writer.counted_loop(end);
     writer.builder.ins().return_(&[]);
     writer.builder.seal_all_blocks();
     writer.builder.finalize(isa.frontend_config());
@@ -220,24 +228,21 @@ struct Writer<'w, 'f> {
 }
 
 impl Writer<'_, '_> {
-    /// A loop from byte offset `at` that computes `interleave` steps at a time, as long as so many are left before `end`.
-    /// Yields the offset where it stops, in the block behind the loop.
-    fn counted_loop(&mut self, at: Value, end: Value, interleave: usize) -> Value {
+    /// The loop over all rounds, from byte offset 0 to `end`; leaves the writer in the block behind it.
+    fn counted_loop(&mut self, end: Value) {
         let [head, body, exit] = [(); 3].map(|()| self.builder.create_block());
         let offset = self.builder.append_block_param(head, I64);
-        let after = self.builder.append_block_param(exit, I64);
-        let step = (self.shape.bytes() * interleave) as i64;
-        self.builder.ins().jump(head, &[at.into()]);
+        let start = self.builder.ins().iconst(I64, 0);
+        self.builder.ins().jump(head, &[start.into()]);
         self.builder.switch_to_block(head);
-        let stride = self.builder.ins().iconst(I64, step);
-        let next = self.builder.ins().iadd(offset, stride);
-        let room = self.builder.ins().icmp(IntCC::UnsignedLessThanOrEqual, next, end);
-        self.builder.ins().brif(room, body, &[], exit, &[offset.into()]);
+        let more = self.builder.ins().icmp(IntCC::UnsignedLessThan, offset, end);
+        self.builder.ins().brif(more, body, &[], exit, &[]);
         self.builder.switch_to_block(body);
-        self.body(offset, interleave);
+        self.body(offset, self.shape.interleave);
+        let round = self.builder.ins().iconst(I64, (self.shape.bytes() * self.shape.interleave) as i64);
+        let next = self.builder.ins().iadd(offset, round);
         self.builder.ins().jump(head, &[next.into()]);
         self.builder.switch_to_block(exit);
-        after
     }
 
     /// Computes the steps that begin at byte `offset`, each node for all of them before the next node.

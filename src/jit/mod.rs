@@ -26,7 +26,8 @@ pub mod target;
 mod widen;
 
 pub use cache::KernelCache;
-pub use call::{Kernel, PixelCode};
+pub use call::{Call, Kernel, PixelCode, run_in_turn};
 pub use compile::CompiledFormula;
+pub use kernel::ROUND_BLOCKS;
 pub use lanes::{Lanes, Line, PixelLine, PixelPlanes, Splat, Sums};
 pub use target::{CompileError, Listing};

@@ -17,7 +17,7 @@ impl Kernel {
     }
 
     /// How many blocks it reads and writes where so many are wanted.
-    pub fn whole_steps(&self, _blocks: usize) -> usize {
+    pub fn whole_rounds(&self, _blocks: usize) -> usize {
         match *self {}
     }
 
@@ -26,6 +26,18 @@ impl Kernel {
         match *self {}
     }
 }
+
+/// A kernel and what it reads beside columns.
+#[derive(Clone, Copy)]
+pub struct Call<'c> {
+    /// The kernel.
+    pub kernel: &'c Kernel,
+    /// Its uniform values.
+    pub uniforms: &'c [Splat],
+}
+
+/// Runs kernels: there is none.
+pub fn run_in_turn(_calls: &[Call], _columns: &[&[Lanes]], _outputs: &mut [&mut [Lanes]], _blocks: usize) {}
 
 /// Says that there is no compiled code for this processor.
 pub(super) fn generate(

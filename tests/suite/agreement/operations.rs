@@ -2,7 +2,7 @@
 
 use illuminator::formula::Formula;
 use illuminator::formula::graph::{Node, NodeId};
-use illuminator::jit::{CompiledFormula, Kernel, Lanes, Line, Splat};
+use illuminator::jit::{CompiledFormula, Kernel, Lanes, ROUND_BLOCKS, Splat};
 use illuminator::lang::builtins::{Form, Operation, Stack};
 use illuminator::lang::scalars::{Floats, flush};
 use illuminator::lang::source::Source;
@@ -107,15 +107,15 @@ pub(super) fn formula_of(operation: Operation, from: Operands) -> (Formula, usiz
     (formula, count)
 }
 
-/// How many blocks so many cases take: kernels may compute a line of records at a time.
-fn whole_lines(cases: usize) -> usize {
-    Lanes::blocks(cases).next_multiple_of(Line::BLOCKS)
+/// How many blocks so many cases take, in whole rounds of any kernel.
+fn whole_rounds(cases: usize) -> usize {
+    Lanes::blocks(cases).next_multiple_of(ROUND_BLOCKS)
 }
 
 /// A column for each of these nodes, with the number of every case.
 fn columns(nodes: &[NodeId], cases: usize, number: impl Fn(NodeId, usize) -> f32) -> Vec<Vec<Lanes>> {
     let column = |node: &NodeId| {
-        let mut column = vec![Lanes::default(); whole_lines(cases)];
+        let mut column = vec![Lanes::default(); whole_rounds(cases)];
         (0..cases).for_each(|case| column[case / 4].0[case % 4] = flush(number(*node, case)));
         column
     };
@@ -124,7 +124,7 @@ fn columns(nodes: &[NodeId], cases: usize, number: impl Fn(NodeId, usize) -> f32
 
 fn run(kernel: &Kernel, inputs: &[Vec<Lanes>], uniforms: &[Splat], outputs: usize, cases: usize) -> Vec<Vec<Lanes>> {
     let blocks = Lanes::blocks(cases);
-    let mut results = vec![vec![Lanes::default(); whole_lines(cases)]; outputs];
+    let mut results = vec![vec![Lanes::default(); whole_rounds(cases)]; outputs];
     let inputs: Vec<&[Lanes]> = inputs.iter().map(Vec::as_slice).collect();
     let mut places: Vec<&mut [Lanes]> = results.iter_mut().map(Vec::as_mut_slice).collect();
     kernel.run(&inputs, uniforms, &mut places, blocks);
