@@ -164,8 +164,10 @@ impl Pass<'_> {
                     let here = if span_end <= stop {
                         std::mem::take(&mut segments)
                     } else {
-                        let falls = segments.windows(2).position(|two| two[1].line() < two[0].line());
-                        let (here, later) = segments.split_at(falls.map_or(segments.len(), |last| last + 1));
+                        // As many there are at least.
+                        let sure = (stop - at).div_ceil(LINE_HITS);
+                        let falls = segments[sure - 1..].windows(2).position(|two| two[1].line() < two[0].line());
+                        let (here, later) = segments.split_at(falls.map_or(segments.len(), |last| last + sure));
                         segments = later;
                         here
                     };
