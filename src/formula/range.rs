@@ -23,7 +23,7 @@ pub(super) struct Range {
 }
 
 /// Rounding of a dot product of unit vectors: by so much it may exceed 1.
-pub(super) const UNIT_SLACK: f64 = 1e-6;
+const UNIT_SLACK: f64 = 1e-6;
 
 impl Range {
     /// Anything at all.

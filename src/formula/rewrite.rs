@@ -129,9 +129,7 @@ impl Rewriter<'_> {
         let logarithm = self.record(Primitive::Log2, &[magnitude]);
         let (least, largest) = (self.constant(f32::MIN), self.constant(f32::MAX));
         let logarithm = self.record(Primitive::Max, &[least, logarithm]);
-        // What only rounding takes beyond 1, a cosine that is, is 1: its powers then have a bound, and are nearer to what they should be.
-        let top = if x.high > 1.0 && x.high <= 1.0 + 2.0 * range::UNIT_SLACK { self.constant(0.0) } else { largest };
-        let logarithm = self.record(Primitive::Min, &[top, logarithm]);
+        let logarithm = self.record(Primitive::Min, &[largest, logarithm]);
         let bounded = self.bounded_exponent(exponent);
         let product = self.record(Primitive::Mul, &[bounded, logarithm]);
         let power = self.record(Primitive::Exp2, &[product]);
