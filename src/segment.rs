@@ -11,6 +11,9 @@ pub const TILE_PIXELS: u32 = 16_384;
 /// How many hits make a line: as many as the widest vectors have lanes. The hits of a group are cut in lines in their order.
 pub const LINE_HITS: usize = 16;
 
+/// Compiled code computes so many lines side by side.
+pub const ROUND_LINES: usize = 4;
+
 /// How many lines are worked on at a time, see [`Segment::line`].
 pub const CHUNK_LINES: usize = 64;
 

@@ -1,17 +1,19 @@
 //! Static values of all records, worked out once after tracing and kept in columns (structure of arrays).
 //!
 //! A group of hits has one column for each node of the hit frontier and, for each light that reaches it, one for each node of the
-//! record frontier, in whole rounds of the kernels. They are cut in chunks of [`CHUNK`] blocks, the chunks of all columns one behind the other before the
+//! record frontier, in whole lines. They are cut in chunks of [`CHUNK`] blocks, the chunks of all columns one behind the other before the
 //! next ones: just as frames read them, so that memory is read from front to back.
 
 use crate::evaluate::memory::StreamMemory;
 use crate::evaluate::pass::Source;
 use crate::formula::graph::{Node, NodeId};
-use crate::jit::{CompiledFormula, Lanes, Line, ROUND_BLOCKS};
+use crate::jit::{CompiledFormula, Lanes, Line};
 use crate::lang::scalars::flush;
 use crate::lang::variables::Variable;
 use crate::scene::LightId;
-use crate::trace::{CHUNK_LINES, Group, HitVariables, Hits, LINE_HITS, LightVariables, Mismatch, Optics, Tile, replay, variable};
+use crate::trace::{
+    CHUNK_LINES, Group, HitVariables, Hits, LINE_HITS, LightVariables, Mismatch, Optics, ROUND_LINES, Tile, replay, variable,
+};
 use rayon::prelude::*;
 use smallvec::SmallVec;
 use std::ops::Range;
@@ -20,8 +22,8 @@ use std::sync::Arc;
 // What stands side by side in a column is what is added to the pixels side by side.
 const _: () = assert!(LINE_HITS == Line::RECORDS && CHUNK_LINES.is_multiple_of(ROUND_LINES));
 
-/// Columns are multiples of so many lines: whole rounds of the kernels.
-pub(super) const ROUND_LINES: usize = ROUND_BLOCKS / Line::BLOCKS;
+/// Kernels read whole rounds: where a column ends before, what lies behind it, of which nothing comes.
+const SPARE: usize = ROUND_LINES;
 
 /// How many blocks are worked out at a time: what belongs to them stays in the first cache meanwhile.
 pub(super) const CHUNK: usize = CHUNK_LINES * Line::BLOCKS;
@@ -50,7 +52,7 @@ struct Arrangement {
 struct GroupColumns {
     /// The first line of the first.
     start: usize,
-    /// How long each is.
+    /// How long each is, in whole lines.
     lines: usize,
     lights: usize,
 }
@@ -60,7 +62,7 @@ impl Arrangement {
     fn new(tile: &Tile, hit_columns: usize, record_columns: usize, has: impl Fn(&Group) -> bool) -> Self {
         let mut arrangement = Self { groups: Vec::with_capacity(tile.groups.len()), hit_columns, record_columns, lines: 0 };
         for group in &tile.groups {
-            let lines = if has(group) { group.hits.len().div_ceil(LINE_HITS).next_multiple_of(ROUND_LINES) } else { 0 };
+            let lines = if has(group) { group.hits.len().div_ceil(LINE_HITS) } else { 0 };
             let own = GroupColumns { start: arrangement.lines, lines, lights: group.lights.len() };
             arrangement.groups.push(own);
             arrangement.lines += lines * arrangement.columns_of(&own);
@@ -108,7 +110,7 @@ impl Columns {
         let lit = |group: &Group| !group.lights.is_empty();
         let arrangement = |tile: &Tile| Arrangement::new(tile, frontier.hits.len(), frontier.records.len(), lit);
         let arrangements: Vec<Arrangement> = hits.tiles.iter().map(arrangement).collect();
-        let mut memory = StreamMemory::zeroed(arrangements.iter().map(|arrangement| arrangement.lines).sum());
+        let mut memory = StreamMemory::zeroed(arrangements.iter().map(|arrangement| arrangement.lines).sum::<usize>() + SPARE);
         let mut parts = Vec::with_capacity(arrangements.len());
         let mut rest = memory.lines_mut();
         for arrangement in &arrangements {
@@ -135,7 +137,7 @@ impl Columns {
         let is_active = |group: &Group, light: &LightId| source.active[source.pair(group.body, *light)];
         let outputs = source.storing.outputs();
         let arrangement = Arrangement::new(tile, 0, outputs, |group| group.lights.iter().any(|light| is_active(group, light)));
-        let mut memory = StreamMemory::zeroed(arrangement.lines);
+        let mut memory = StreamMemory::zeroed(arrangement.lines + SPARE);
         let lines = memory.lines_mut();
         let mut inputs = Inputs::new();
         for (index, (group, own)) in tile.groups.iter().zip(&arrangement.groups).enumerate() {
@@ -161,7 +163,7 @@ impl Columns {
     }
 
     /// Some lines of the columns of a group for its light of this place, hit frontier first, behind those that are there. The lines are
-    /// of one chunk.
+    /// of one chunk, or up to a round beyond, where there is something else.
     #[inline]
     pub(super) fn of<'c>(&'c self, group: usize, light: usize, lines: Range<usize>, into: &mut Inputs<'c>) {
         let arrangement = &self.arrangement;

@@ -3,12 +3,12 @@
 //! A [`Pass`] is one way to weigh the hits of a picture. A whole frame is one pass: every path with its weight, one source of
 //! light for all pairs of a body and a light. A part of the picture that a drag keeps (see [`drag`](super::drag)) is another.
 
-use crate::evaluate::columns::{Columns, Inputs, ROUND_LINES};
+use crate::evaluate::columns::{Columns, Inputs};
 use crate::evaluate::framebuffer::Channels;
 use crate::evaluate::planes::{Planes, Weight};
 use crate::jit::{Call, Kernel, Lanes, Line, Splat, Sums, run_in_turn};
 use crate::scene::{BodyId, LightId};
-use crate::trace::{CHUNK_LINES, Group, LINE_HITS, Span, Tile};
+use crate::trace::{CHUNK_LINES, Group, LINE_HITS, ROUND_LINES, Span, Tile};
 use smallvec::SmallVec;
 use std::ops::Range;
 

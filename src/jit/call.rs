@@ -31,7 +31,8 @@ use std::sync::{Arc, OnceLock};
 /// # Safety
 /// The tables hold as many pointers as the kernel reads, each column and output at least the blocks of that many rounds, the uniforms
 /// as many as it reads; outputs overlap nothing.
-type Entry = unsafe extern "C" fn(columns: *const *const Lanes, uniforms: *const Splat, outputs: *const *mut Lanes, rounds: usize);
+type Entry =
+    unsafe extern "C" fn(columns: *const *const Lanes, uniforms: *const Splat, outputs: *const *mut Lanes, rounds: usize);
 
 /// The memory that holds a formula's kernels; freed with the last of them.
 pub(super) struct CodeMemory(ManuallyDrop<JITModule>);

@@ -81,7 +81,8 @@ fn plans(bindings: &Bindings, wanted: &Wanted) -> Vec<KernelPlan> {
         outputs: wanted.outputs.clone(),
         output: *output,
         rounds: true,
-        interleave: MOST_STEPS,
+        // What is stored in columns must not go beyond their last line.
+        interleave: if wanted.terms { MOST_STEPS } else { 1 },
     });
     let of_pairs = KernelPlan { rounds: false, ..stage("uniforms", bindings.leaves(&uniforms), uniforms.clone()) };
     std::iter::once(of_pairs).chain(records).collect()

@@ -9,6 +9,7 @@ use crate::jit::emit::{Emitter, LANES_BYTES, PERLIN_OPERANDS};
 use crate::jit::lanes::{Line, Splat};
 use crate::jit::target::Target;
 use crate::lang::scalars::{Primitive, Scalars};
+use crate::segment::ROUND_LINES;
 use cranelift_codegen::ir::condcodes::IntCC;
 use cranelift_codegen::ir::types::{F32X4, I64};
 use cranelift_codegen::ir::{
@@ -31,7 +32,7 @@ pub(super) struct KernelPlan {
     pub(super) outputs: Vec<NodeId>,
     /// What becomes of them.
     pub(super) output: Output,
-    /// Whether columns are multiples of [`ROUND_BLOCKS`], so that more records than are wanted may be computed.
+    /// Whether columns are whole lines and may be read a round beyond, so that more records than are wanted may be computed.
     pub(super) rounds: bool,
     /// How many steps are computed side by side at most, a power of two, so that their chains of dependent instructions overlap and constants are
     /// loaded once for all of them.
@@ -39,10 +40,10 @@ pub(super) struct KernelPlan {
 }
 
 /// Every kernel computes as many blocks in a round, or a part of them.
-pub const ROUND_BLOCKS: usize = MOST_STEPS * Line::BLOCKS;
+pub const ROUND_BLOCKS: usize = ROUND_LINES * Line::BLOCKS;
 
 /// As many steps are computed side by side at most. Four hide most of the latency of a polynomial's chain of multiplications.
-pub(super) const MOST_STEPS: usize = 4;
+pub(super) const MOST_STEPS: usize = ROUND_LINES;
 
 /// What becomes of the outputs of a kernel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

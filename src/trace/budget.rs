@@ -13,7 +13,7 @@ const SAMPLED_SHARE: u32 = 64;
 const FEWEST_SAMPLES: u32 = 512;
 /// at most so many.
 const MOST_SAMPLES: u32 = 20_000;
-/// What the store takes for a hit or a miss in an estimate: two bytes for the pixel, the rest a share of paths and spans,
+/// What the store takes for a hit or a miss in an estimate: at most six bytes for the pixel, the rest a share of paths and spans,
 /// which large scenes keep below it.
 const STORE_BYTES_PER_HIT: u64 = 8;
 

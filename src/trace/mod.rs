@@ -22,7 +22,7 @@ mod variables;
 mod view;
 mod walk;
 
-pub use crate::segment::{CHUNK_LINES, LINE_HITS, Segment, TILE_PIXELS};
+pub use crate::segment::{CHUNK_LINES, LINE_HITS, ROUND_LINES, Segment, TILE_PIXELS};
 pub use budget::{Budget, Estimate};
 pub use lookup::variable;
 pub use optics::{Beam, Optics, Surface};
@@ -158,8 +158,17 @@ fn trace_tile(
         // The tables are counted whole although little of them remains when the tile is finished: the sum must not depend on
         // which tiles are under way at a time.
         let grown = gatherer.entries() - std::mem::replace(&mut entries, gatherer.entries());
-        ledger.charge(hits, records, (hits + misses) * size_of::<u16>() as u64 + grown * BYTES_PER_ENTRY)?;
+        ledger.charge(hits, records, (hits + misses) * size_of::<Segment>() as u64 + grown * BYTES_PER_ENTRY)?;
         pace(chunk.end - chunk.start)?;
     }
-    Ok(gatherer.tile(pixels))
+    let tile = gatherer.tile(pixels);
+    // What is kept of lit hits is kept in whole lines.
+    let lit = tile.groups.iter().filter(|group| !group.lights.is_empty());
+    let beyond = lit.map(|group| {
+        let beyond = group.hits.len().next_multiple_of(LINE_HITS) - group.hits.len();
+        [beyond as u64, (beyond * group.lights.len()) as u64]
+    });
+    let [hits, records] = beyond.fold([0, 0], |sum, beyond| [sum[0] + beyond[0], sum[1] + beyond[1]]);
+    ledger.charge(hits, records, 0)?;
+    Ok(tile)
 }
