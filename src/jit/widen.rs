@@ -162,10 +162,14 @@ impl Widening {
             self.code.push(instruction);
             return (!instruction.is_ip_rel_memory_operand()).then_some(());
         }
-        let [eight, sixteen] = match instruction.code() {
-            SCALE if self.sixteen => [Code::EVEX_Vscalefps_zmm_k1z_zmm_zmmm512b32_er; 2],
-            ABOVE_WHOLE if self.sixteen => [Code::EVEX_Vreduceps_zmm_k1z_zmmm512b32_imm8_sae; 2],
-            code => twins(code)?,
+        let stands_for = [
+            (SCALE, Code::EVEX_Vscalefps_zmm_k1z_zmm_zmmm512b32_er),
+            (ABOVE_WHOLE, Code::EVEX_Vreduceps_zmm_k1z_zmmm512b32_imm8_sae),
+        ];
+        let stand_in = stands_for.into_iter().find(|(code, _)| self.sixteen && *code == instruction.code());
+        let [eight, sixteen] = match stand_in {
+            Some((_, code)) => [code; 2],
+            None => twins(instruction.code())?,
         };
         if instruction.is_ip_rel_memory_operand() {
             let next = self.constants.len();
