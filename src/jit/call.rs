@@ -10,7 +10,7 @@ use crate::jit::emit::PERLIN_OPERANDS;
 use crate::jit::kernel::{self, KernelPlan, Shape};
 use crate::jit::lanes::{Lanes, Line, PLANE_PIXELS, PixelLine, PixelPlanes, Splat, Sums};
 use crate::jit::pixels;
-use crate::jit::target::{CompileError, Listing, target};
+use crate::jit::target::{CompileError, Listing, Target, target};
 use crate::jit::widen::{ALIGNMENT, disassembled, widen};
 use crate::lang::noise;
 use crate::lang::scalars::flush;
@@ -54,13 +54,18 @@ impl Drop for CodeMemory {
 ///
 /// # Errors
 /// The processor is not supported, a plan does not read what it needs, or the code generator refuses (too large a function).
-pub(super) fn generate(
+pub(super) fn generate(plans: &[KernelPlan], graph: &Graph, listing: Option<&mut Listing>) -> Result<Vec<Kernel>, CompileError> {
+    generate_for(&target()?, plans, graph, listing)
+}
+
+/// The same for a processor that this one can do the work of.
+fn generate_for(
+    target: &Target,
     plans: &[KernelPlan],
     graph: &Graph,
     mut listing: Option<&mut Listing>,
 ) -> Result<Vec<Kernel>, CompileError> {
     let failed = |error: ModuleError| CompileError::Generator(error.to_string());
-    let target = target()?;
     let mut builder = JITBuilder::with_isa(target.isa.clone(), cranelift_module::default_libcall_names());
     builder.symbol("perlin", perlin_lanes as *const u8);
     // Owned at once by what frees it: a module that is merely dropped leaks its memory.
@@ -76,7 +81,7 @@ pub(super) fn generate(
         let id = module.declare_function(&format!("{}{index}", plan.name), Linkage::Local, &signature).map_err(failed)?;
         let unread = || CompileError::Generator(format!("the kernel of {} does not read all that it needs", plan.name));
         let mut defined = None;
-        for shape in kernel::shapes(plan, graph, &target) {
+        for shape in kernel::shapes(plan, graph, target) {
             let schedule = plan.schedule(graph, shape).ok_or_else(unread)?;
             let noisy = schedule.iter().any(|id| kernel::calls_perlin(graph, *id));
             if shape.blocks > 1 && noisy {
@@ -384,6 +389,71 @@ impl PixelCode {
         // The processor was asked.
         unsafe {
             (self.writing)((&raw const planes.0).cast::<f32>().add(place), pixels.as_mut_ptr(), pixels.len());
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::formula::Formula;
+    use crate::formula::binding::Bindings;
+    use crate::jit::ROUND_BLOCKS;
+    use crate::jit::kernel::Output;
+    use crate::lang::source::Source;
+    use crate::presets::{self, Kind};
+
+    /// What the contribution kernels of a formula yield on some numbers, compiled for at most so many blocks at a time.
+    fn contributions(bindings: &Bindings, widest: usize) -> (usize, Vec<f32>) {
+        let mut target = target().unwrap();
+        target.widths.retain(|width| *width <= widest);
+        let frontier = &bindings.frontier;
+        let plan = |output| KernelPlan {
+            name: "contributions",
+            columns: [&frontier.hits[..], &frontier.records].concat(),
+            uniforms: frontier.uniforms.clone(),
+            outputs: bindings.contribution.to_vec(),
+            output,
+            rounds: true,
+            interleave: 4,
+        };
+        let kernels = generate_for(&target, &[plan(Output::FirstTerms), plan(Output::MoreTerms)], &bindings.graph, None).unwrap();
+        const BLOCKS: usize = 3 * ROUND_BLOCKS;
+        let number = |place: usize| 1.25 * ((place as f32 * 0.618_034).fract() - 0.3);
+        let column = |column: usize| -> Vec<Lanes> {
+            (0..BLOCKS).map(|block| Lanes(std::array::from_fn(|lane| number(1000 * column + 4 * block + lane)))).collect()
+        };
+        let columns: Vec<Vec<Lanes>> = (0..kernels[0].columns).map(column).collect();
+        let columns: Vec<&[Lanes]> = columns.iter().map(Vec::as_slice).collect();
+        let uniforms: Vec<Splat> = (0..kernels[0].uniforms).map(|place| Splat::new(number(7 * place).abs() * 3.0)).collect();
+        let mut outputs = vec![vec![Lanes::default(); BLOCKS]; 3];
+        let mut planes: Vec<&mut [Lanes]> = outputs.iter_mut().map(Vec::as_mut_slice).collect();
+        // One stores, the other adds twice.
+        for kernel in [&kernels[0], &kernels[1], &kernels[1]] {
+            kernel.run(&columns, &uniforms, &mut planes, BLOCKS);
+        }
+        (kernels[0].round, outputs.iter().flatten().flat_map(|lanes| lanes.0).collect())
+    }
+
+    #[test]
+    fn kernels_of_all_widths_compute_the_same() {
+        let every = "body_specific; a: scalar; b: scalar; formula;
+            = <sin(a*alpha) + asin(N.V) + tan(b*beta), exp(a*(N.L)) + log(b + dist) + atan2(a*alpha, beta), (a*dist)^(b*(N.L))>
+            + if(a*alpha < b, <1, floor(a*beta), 0>, V*sqrt(b*dist));";
+        let presets = presets::names(Kind::Formula).map(|name| presets::text(Kind::Formula, name).unwrap().to_owned());
+        for text in presets.chain([every.to_owned()]) {
+            let (formula, _) = Formula::parse(&Source::new("formula", text.clone())).unwrap();
+            let bindings = Bindings::new(&formula);
+            let (round, narrow) = contributions(&bindings, 1);
+            assert!(round <= 4 && narrow.iter().any(|x| *x != 0.0));
+            for width in target().unwrap().widths {
+                let (round, wide) = contributions(&bindings, width);
+                assert!(round.is_multiple_of(width), "as wide as there are registers for: {text}");
+                // Two to the power of a negative number may differ in the last place, see `vreduceps`.
+                let same = |(x, y): (&f32, &f32)| x == y || x.is_nan() && y.is_nan() || (x - y).abs() <= 2e-6 * x.abs().max(1.0);
+                let other = narrow.iter().zip(&wide).find(|pair| !same(*pair));
+                assert_eq!(other, None, "{width} blocks: {text}");
+            }
         }
     }
 }

@@ -95,7 +95,8 @@ twins! {
 /// operand less the largest whole number not above it.
 const SCALE: Code = Code::VEX_Vpsubsw_xmm_xmm_xmmm128;
 const ABOVE_WHOLE: Code = Code::VEX_Vpsubsb_xmm_xmm_xmmm128;
-/// Of `vreduceps`: rounding down to a whole number.
+/// Of `vreduceps`: rounding down to a whole number. The difference is rounded down too, so it is one unit in the last place less than the
+/// nearest at times, where the operand is negative.
 const TO_WHOLE_BELOW: i32 = 1;
 
 /// The code of a function, without relocations, whose constants stand behind it, for vectors of two blocks of four lanes, or of four.
