@@ -104,7 +104,7 @@ impl Compiled {
         frame
     }
 
-    /// The same picture as a window shows it.
+    /// The same picture as a window shows it; the numbers lie within the ranges of their parameters here too.
     ///
     /// # Panics
     /// Where the framebuffer has another size than the view, or there are too few parameter numbers.
@@ -127,6 +127,10 @@ impl Compiled {
         assert_eq!((framebuffer.width, framebuffer.height), (view.width(), view.height()), "a framebuffer of the view's size");
     }
 
+    pub(super) fn check_numbers(&self, memory: &[f32]) {
+        assert!(memory.len() >= self.layout.len(), "as many parameter numbers as the formula and the scene have");
+    }
+
     /// Does some work for each tile, in parallel: on what belongs to it, with its place among the tiles, in some workroom.
     pub(super) fn each_tile<T: Send>(
         &self,
@@ -144,7 +148,7 @@ impl Compiled {
 
     /// Everything that a picture is added up from.
     pub(super) fn whole(&self, memory: &[f32]) -> Pass<'_> {
-        assert!(memory.len() >= self.layout.len(), "as many parameter numbers as the formula and the scene have");
+        self.check_numbers(memory);
         let source = self.source_of(memory, &self.compiled.contributor, &self.uniform_leaves, Channels::All);
         let background = self.colour(memory, Owner::Global, 0, self.places.background);
         let ambient = (0..self.layout.owners(Owner::Body)).map(|body| self.ambient(body, memory)).collect();

@@ -54,7 +54,7 @@ impl Planes {
     /// Adds the weighed colours of hits, which are in the lines that the segments say.
     pub(super) fn add(&mut self, segments: &[Segment], sums: &Sums, weight: Weight, channels: Channels) {
         if weight.is_tiny() {
-            return self.add_tiny(segments, sums, weight);
+            return self.add_tiny(segments, sums, weight, channels);
         }
         let weight = weight.0 as f32;
         match (self.code, channels) {
@@ -73,15 +73,15 @@ impl Planes {
 
     /// The same where the weight is too small for a number of single precision.
     #[cold]
-    fn add_tiny(&mut self, segments: &[Segment], sums: &Sums, weight: Weight) {
-        for segment in segments {
+    fn add_tiny(&mut self, segments: &[Segment], sums: &Sums, weight: Weight, channels: Channels) {
+        for (component, segment) in
+            channels.components().flat_map(|component| segments.iter().map(move |segment| (component, segment)))
+        {
             let first = segment.lanes().trailing_zeros() as usize;
-            let sums = sums.each_ref().map(|plane| Lanes::numbers(&plane[segment.line()].0));
-            for (lane, pixel) in (first..).zip(segment.pixels()) {
-                let colour = weight.of(sums.map(|sums| sums[lane]));
-                for (plane, component) in self.planes.0.iter_mut().zip(colour) {
-                    plane[PIXELS][pixel] += component;
-                }
+            let sums = Lanes::numbers(&sums[component][segment.line()].0);
+            for (pixel, sum) in self.planes.0[component][PIXELS][segment.pixels()].iter_mut().zip(&sums[first..]) {
+                let [weighed, ..] = weight.of([*sum; 3]);
+                *pixel += weighed;
             }
         }
     }
@@ -309,7 +309,10 @@ mod tests {
     fn weights_below_those_of_single_precision_still_count() {
         let mut planes = Planes::new();
         let sums: Sums = [[Line([Lanes::splat(1e38); 4]); CHUNK_LINES]; 3];
+        planes.add(&segments(std::iter::once(3..7)), &sums, Weight(1e-40), Channels::One(1));
+        assert_eq!(planes.colour(4)[0], 0.0);
         planes.add(&segments(std::iter::once(3..7)), &sums, Weight(1e-40), Channels::All);
-        assert!((planes.colour(4)[0] - 1e-2).abs() < 1e-6 && planes.colour(7) == [0.0; 3]);
+        assert!((planes.colour(4)[0] - 1e-2).abs() < 1e-6 && (planes.colour(4)[1] - 2e-2).abs() < 1e-6);
+        assert_eq!(planes.colour(7), [0.0; 3]);
     }
 }

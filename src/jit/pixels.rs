@@ -6,8 +6,9 @@
 //! nor portable code has masked stores, or those past the caches.
 
 use crate::jit::lanes::Line;
+use crate::jit::widen::encoded;
 use crate::segment::Segment;
-use iced_x86::{BlockEncoder, BlockEncoderOptions, Code, IcedError, Instruction, InstructionBlock, MemoryOperand, Register};
+use iced_x86::{Code, IcedError, Instruction, MemoryOperand, Register};
 
 /// The code of `fn(segments, end, sums, planes, weight)`: pointers to the first segment and behind the last (there is one at least), to
 /// three arrays of lines and three planes of pixels, and a number. The arrays lie so many bytes behind one another, and so do the planes. Of
@@ -107,8 +108,3 @@ pub(super) fn writing_code(plane_stride: i64) -> Result<Vec<u8>, IcedError> {
 
 /// Where a loop begins, for the encoder.
 const LOOP: u64 = 1;
-
-fn encoded(code: &[Instruction]) -> Result<Vec<u8>, IcedError> {
-    let block = InstructionBlock::new(code, 0x10000);
-    BlockEncoder::encode(64, block, BlockEncoderOptions::NONE).map(|encoded| encoded.code_buffer)
-}

@@ -9,8 +9,8 @@
 //! is tested as everything compiled is, against the interpreter, and instruction by instruction.
 
 use iced_x86::{
-    BlockEncoder, BlockEncoderOptions, Code, Decoder, DecoderOptions, Formatter, GasFormatter, Instruction, InstructionBlock,
-    MemoryOperand, OpKind, Register,
+    BlockEncoder, BlockEncoderOptions, Code, Decoder, DecoderOptions, Formatter, GasFormatter, IcedError, Instruction,
+    InstructionBlock, MemoryOperand, OpKind, Register,
 };
 use std::collections::{BTreeMap, HashSet};
 
@@ -117,7 +117,7 @@ pub(super) fn widen(code: &[u8], blocks: usize) -> Option<Vec<u8>> {
     let Widening { code: wide, constants, .. } = widening;
     let mut wide = with_prefetches(wide);
     // A first time to learn how long it is; the constants follow.
-    let length = encoded(&wide)?.len() + NARROW;
+    let length = encoded(&wide).ok()?.len() + NARROW;
     let pool = length.next_multiple_of(ALIGNMENT as usize);
     let constant_bytes = NARROW * blocks;
     for instruction in &mut wide {
@@ -126,7 +126,7 @@ pub(super) fn widen(code: &[u8], blocks: usize) -> Option<Vec<u8>> {
             instruction.set_memory_displacement64(BASE + (pool + constant_bytes * place) as u64);
         }
     }
-    let mut bytes = encoded(&wide)?;
+    let mut bytes = encoded(&wide).ok()?;
     if bytes.len() > pool {
         return None;
     }
@@ -279,9 +279,10 @@ pub(super) fn disassembled(code: &[u8]) -> String {
     text
 }
 
-fn encoded(instructions: &[Instruction]) -> Option<Vec<u8>> {
+/// The machine code of instructions.
+pub(super) fn encoded(instructions: &[Instruction]) -> Result<Vec<u8>, IcedError> {
     let block = InstructionBlock::new(instructions, BASE);
-    BlockEncoder::encode(64, block, BlockEncoderOptions::NONE).map(|result| result.code_buffer).ok()
+    BlockEncoder::encode(64, block, BlockEncoderOptions::NONE).map(|result| result.code_buffer)
 }
 
 #[cfg(test)]

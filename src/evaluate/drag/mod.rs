@@ -102,7 +102,7 @@ impl Drag {
     /// # Panics
     /// Where there are fewer parameter numbers than the layout has.
     pub fn new(compiled: &Arc<Compiled>, moved: &[usize], memory: &[f32], budget: usize) -> Result<Self, CompileError> {
-        check_numbers(compiled, memory);
+        compiled.check_numbers(memory);
         let plan = Plan::new(compiled, moved)?;
         let mut drag = Self {
             compiled: Arc::clone(compiled),
@@ -151,7 +151,7 @@ impl Drag {
     /// Where the framebuffer has another size than the view, or there are too few parameter numbers.
     pub fn frame(&mut self, memory: &[f32], framebuffer: &mut Framebuffer) {
         self.compiled.check_size(framebuffer);
-        check_numbers(&self.compiled, memory);
+        self.compiled.check_numbers(memory);
         if !self.plan.same_rest(&self.memory, memory) {
             self.restart(memory);
         }
@@ -275,12 +275,6 @@ impl Drag {
         self.tiles = (0..compiled.hits.tiles.len()).into_par_iter().map(state).collect();
         self.settle();
     }
-}
-
-/// # Panics
-/// Where there are fewer parameter numbers than the layout has.
-fn check_numbers(compiled: &Compiled, memory: &[f32]) {
-    assert!(memory.len() >= compiled.layout.len(), "as many parameter numbers as the formula and the scene have");
 }
 
 /// Makes what is kept.

@@ -71,14 +71,6 @@ fn drag(case: &Case, moved: &[usize], values: &[f32]) -> Result<Method, TestCase
         }
         drag.frame(&memory, &mut drawn);
         let frame = case.compiled.frame(&memory);
-        if std::env::var("SHOW").is_ok() && wrong(&drawn, &frame) > 0 {
-            for (i, (w, c)) in drawn.pixels.iter().zip(&frame.linear).enumerate() {
-                let e = c.map(byte);
-                if *w != e[0] << 16 | e[1] << 8 | e[2] {
-                    println!("turn {turn} value {value} pixel {i} {w:06x} {c:?} {e:02x?}");
-                }
-            }
-        }
         prop_assert_eq!(wrong(&drawn, &frame), 0, "{} by {:?}, moved {:?} to {}", &case.text, drag.method(), moved, value);
     }
     Ok(drag.method())
