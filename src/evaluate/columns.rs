@@ -1,13 +1,13 @@
 //! Static values of all records, worked out once after tracing and kept in columns (structure of arrays).
 //!
 //! A group of hits has one column for each node of the hit frontier and, for each light that reaches it, one for each node of the
-//! record frontier, in whole lines. They are cut in chunks of [`CHUNK`] blocks, the chunks of all columns one behind the other before the
-//! next ones: just as frames read them, so that memory is read from front to back.
+//! record frontier, in whole lines. They are cut in chunks of [`CHUNK_LINES`]. In a chunk, first comes a stream of the columns of hits, then one
+//! of the columns of records for each light; in a stream columns take turns line by line. Just so frames read them: from front to back.
 
 use crate::evaluate::memory::StreamMemory;
 use crate::evaluate::pass::Source;
 use crate::formula::graph::{Node, NodeId};
-use crate::jit::{CompiledFormula, Lanes, Line};
+use crate::jit::{CompiledFormula, Line, Streams};
 use crate::lang::scalars::flush;
 use crate::lang::variables::Variable;
 use crate::scene::LightId;
@@ -15,21 +15,11 @@ use crate::trace::{
     CHUNK_LINES, Group, HitVariables, Hits, LINE_HITS, LightVariables, Mismatch, Optics, ROUND_LINES, Tile, replay, variable,
 };
 use rayon::prelude::*;
-use smallvec::SmallVec;
 use std::ops::Range;
 use std::sync::Arc;
 
 // What stands side by side in a column is what is added to the pixels side by side.
 const _: () = assert!(LINE_HITS == Line::RECORDS && CHUNK_LINES.is_multiple_of(ROUND_LINES));
-
-/// Kernels read whole rounds: where a column ends before, what lies behind it, of which nothing comes.
-const SPARE: usize = ROUND_LINES;
-
-/// How many blocks are worked out at a time: what belongs to them stays in the first cache meanwhile.
-pub(super) const CHUNK: usize = CHUNK_LINES * Line::BLOCKS;
-
-/// Parts of columns that kernels read; few, mostly.
-pub(super) type Inputs<'c> = SmallVec<[&'c [Lanes]; 16]>;
 
 /// The columns of a tile's groups.
 pub(super) struct Columns {
@@ -79,6 +69,11 @@ impl Arrangement {
     fn chunk(&self, group: &GroupColumns, chunk: &Chunk) -> usize {
         group.start + chunk.first * self.columns_of(group)
     }
+
+    /// Kernels read whole rounds: where a stream ends before, what lies behind it, of which nothing comes. So many lines at most.
+    fn spare(hit_columns: usize, record_columns: usize) -> usize {
+        ROUND_LINES * hit_columns.max(record_columns)
+    }
 }
 
 /// A part of a group whose columns lie together.
@@ -108,9 +103,11 @@ impl Columns {
         let frontier = &compiled.bindings.frontier;
         // Where no light reaches, nothing is evaluated.
         let lit = |group: &Group| !group.lights.is_empty();
-        let arrangement = |tile: &Tile| Arrangement::new(tile, frontier.hits.len(), frontier.records.len(), lit);
+        let (hit_columns, record_columns) = (frontier.hits.len(), frontier.records.len());
+        let spare = Arrangement::spare(hit_columns, record_columns);
+        let arrangement = |tile: &Tile| Arrangement::new(tile, hit_columns, record_columns, lit);
         let arrangements: Vec<Arrangement> = hits.tiles.iter().map(arrangement).collect();
-        let mut memory = StreamMemory::zeroed(arrangements.iter().map(|arrangement| arrangement.lines).sum::<usize>() + SPARE);
+        let mut memory = StreamMemory::zeroed(arrangements.iter().map(|arrangement| arrangement.lines).sum::<usize>() + spare);
         let mut parts = Vec::with_capacity(arrangements.len());
         let mut rest = memory.lines_mut();
         for arrangement in &arrangements {
@@ -137,20 +134,18 @@ impl Columns {
         let is_active = |group: &Group, light: &LightId| source.active[source.pair(group.body, *light)];
         let outputs = source.storing.outputs();
         let arrangement = Arrangement::new(tile, 0, outputs, |group| group.lights.iter().any(|light| is_active(group, light)));
-        let mut memory = StreamMemory::zeroed(arrangement.lines + SPARE);
+        let mut memory = StreamMemory::zeroed(arrangement.lines + Arrangement::spare(0, outputs));
         let lines = memory.lines_mut();
-        let mut inputs = Inputs::new();
         for (index, (group, own)) in tile.groups.iter().zip(&arrangement.groups).enumerate() {
             for chunk in Chunk::all(own) {
                 let start = arrangement.chunk(own, &chunk);
+                let given = source.columns[place].part(index, chunk.first..chunk.first + chunk.lines);
                 for (light_place, light) in group.lights.iter().enumerate().filter(|(_, light)| is_active(group, light)) {
-                    inputs.clear();
-                    source.columns[place].of(index, light_place, chunk.first..chunk.first + chunk.lines, &mut inputs);
                     let length = outputs * chunk.lines;
                     let begin = start + light_place * length;
-                    let mut outputs = pieces(&mut lines[begin..begin + length], chunk.lines);
                     let uniforms = source.uniforms_of(source.pair(group.body, *light));
-                    source.storing.run(&inputs, uniforms, &mut outputs, chunk.lines * Line::BLOCKS);
+                    let streams: Streams = [given.hits(), given.records(light_place), &[]];
+                    source.storing.run(streams, uniforms, &mut [&mut lines[begin..begin + length]], chunk.lines);
                 }
             }
         }
@@ -162,19 +157,50 @@ impl Columns {
         self.lines.len() * size_of::<Line>() + size_of_val(self.arrangement.groups.as_slice())
     }
 
-    /// Some lines of the columns of a group for its light of this place, hit frontier first, behind those that are there. The lines are
-    /// of one chunk, or up to a round beyond, where there is something else.
+    /// Some lines of the columns of a group. The lines are of one chunk, or up to a round beyond, where there is something else.
     #[inline]
-    pub(super) fn of<'c>(&'c self, group: usize, light: usize, lines: Range<usize>, into: &mut Inputs<'c>) {
+    pub(super) fn part(&self, group: usize, lines: Range<usize>) -> Part<'_> {
         let arrangement = &self.arrangement;
         let own = &arrangement.groups[group];
         let chunk = Chunk::of(lines.start, own);
-        let start = self.lines.start + arrangement.chunk(own, &chunk) + lines.start - chunk.first;
-        let records = arrangement.hit_columns + light * arrangement.record_columns;
-        for column in (0..arrangement.hit_columns).chain(records..records + arrangement.record_columns) {
-            let begin = start + column * chunk.lines;
-            into.push(Line::blocks(&self.memory.lines()[begin..begin + lines.len()]));
+        Part {
+            memory: &self.memory.lines()[self.lines.start + arrangement.chunk(own, &chunk)..],
+            hit_columns: arrangement.hit_columns,
+            record_columns: arrangement.record_columns,
+            chunk: chunk.lines,
+            lines: lines.start - chunk.first..lines.end - chunk.first,
         }
+    }
+}
+
+/// Some lines of the columns of a group, as kernels read them.
+pub(super) struct Part<'c> {
+    /// From the first line of the chunk on.
+    memory: &'c [Line],
+    hit_columns: usize,
+    record_columns: usize,
+    /// How many lines a column of the chunk has.
+    chunk: usize,
+    /// Which of them.
+    lines: Range<usize>,
+}
+
+impl<'c> Part<'c> {
+    /// The hit frontier.
+    #[inline]
+    pub(super) fn hits(&self) -> &'c [Line] {
+        self.stream(0, self.hit_columns)
+    }
+
+    /// The record frontier, for the light of this place in the group.
+    #[inline]
+    pub(super) fn records(&self, light: usize) -> &'c [Line] {
+        self.stream(self.chunk * (self.hit_columns + light * self.record_columns), self.record_columns)
+    }
+
+    /// Of the stream of so many columns that begins at this line.
+    fn stream(&self, start: usize, columns: usize) -> &'c [Line] {
+        &self.memory[start + columns * self.lines.start..start + columns * self.lines.end]
     }
 }
 
@@ -201,35 +227,24 @@ fn fill(
         let start = arrangement.chunk(own, &chunk);
         let part = &mut memory[start..start + columns * chunk.lines];
         let (hit_part, record_part) = part.split_at_mut(chunk.lines * arrangement.hit_columns);
-        let blocks = chunk.lines * Line::BLOCKS;
-        compiled.hit_kernel.run(&workroom.hit_inputs(), &[], &mut pieces(hit_part, chunk.lines), blocks);
-        for light in 0..group.lights.len() {
+        compiled.hit_kernel.run([&workroom.hits, &[], &[]], &[], &mut [hit_part], chunk.lines);
+        for (light, records) in workroom.records.iter().enumerate().take(group.lights.len()) {
             let length = chunk.lines * arrangement.record_columns;
             let part = &mut record_part[light * length..(light + 1) * length];
-            compiled.record_kernel.run(&workroom.record_inputs(light), &[], &mut pieces(part, chunk.lines), blocks);
+            compiled.record_kernel.run([records, &[], &[]], &[], &mut [part], chunk.lines);
         }
     }
     Ok(())
-}
-
-/// Columns of so many lines each that lie one behind the other.
-fn pieces(columns: &mut [Line], lines: usize) -> Vec<&mut [Lanes]> {
-    columns.chunks_exact_mut(lines).map(Line::blocks_mut).collect()
-}
-
-/// A column for as many blocks as are worked out at a time.
-fn column() -> Vec<Lanes> {
-    vec![Lanes::default(); CHUNK]
 }
 
 /// The variables that static kernels read, for some hits at a time.
 struct Workroom {
     hit_leaves: Vec<(Variable, usize)>,
     record_leaves: Vec<(Variable, usize)>,
-    /// A column for each hit leaf.
-    hits: Vec<Vec<Lanes>>,
-    /// For each light, a column for each record leaf.
-    records: Vec<Vec<Vec<Lanes>>>,
+    /// A stream with a column for each hit leaf, of as many hits as are worked out at a time: they stay in the first cache meanwhile.
+    hits: Vec<Line>,
+    /// For each light, one with a column for each record leaf.
+    records: Vec<Vec<Line>>,
 }
 
 impl Workroom {
@@ -243,7 +258,7 @@ impl Workroom {
             leaves.iter().filter_map(variable).collect()
         };
         let (hit_leaves, record_leaves) = (variables(&compiled.hit_leaves), variables(&compiled.record_leaves));
-        let hits = hit_leaves.iter().map(|_| column()).collect();
+        let hits = vec![Line::default(); CHUNK_LINES * hit_leaves.len()];
         Self { hit_leaves, record_leaves, hits, records: Vec::new() }
     }
 
@@ -252,30 +267,25 @@ impl Workroom {
     fn gather(&mut self, optics: &Optics, tile: &Tile, group: &Group, hits: Range<u32>) -> Result<(), Mismatch> {
         let scene = optics.scene();
         while self.records.len() < group.lights.len() {
-            self.records.push(self.record_leaves.iter().map(|_| column()).collect());
+            self.records.push(vec![Line::default(); CHUNK_LINES * self.record_leaves.len()]);
         }
         let first = hits.start;
         replay(optics, tile, group, hits, |hit, _, surface| {
             let place = (hit - first) as usize;
             let own = HitVariables::of(scene, surface);
-            let put = |column: &mut Vec<Lanes>, value: f32| column[place / Lanes::COUNT].0[place % Lanes::COUNT] = flush(value);
-            for (light, columns) in group.lights.iter().zip(&mut self.records) {
+            let put = |stream: &mut [Line], columns: usize, column: usize, value: f32| {
+                stream[place / Line::RECORDS * columns + column].0[place % Line::RECORDS] = flush(value);
+            };
+            for (light, stream) in group.lights.iter().zip(&mut self.records) {
                 let record = LightVariables::of(surface, scene.light(*light));
-                for ((symbol, component), column) in self.record_leaves.iter().zip(columns) {
-                    put(column, variable(*symbol, &own, &record)[*component]);
+                for (column, (symbol, component)) in self.record_leaves.iter().enumerate() {
+                    put(stream, self.record_leaves.len(), column, variable(*symbol, &own, &record)[*component]);
                 }
             }
-            for ((symbol, component), column) in self.hit_leaves.iter().zip(&mut self.hits) {
-                put(column, own.value(*symbol).map_or(0.0, |value| value[*component]));
+            for (column, (symbol, component)) in self.hit_leaves.iter().enumerate() {
+                let value = own.value(*symbol).map_or(0.0, |value| value[*component]);
+                put(&mut self.hits, self.hit_leaves.len(), column, value);
             }
         })
-    }
-
-    fn hit_inputs(&self) -> Vec<&[Lanes]> {
-        self.hits.iter().map(Vec::as_slice).collect()
-    }
-
-    fn record_inputs(&self, light: usize) -> Vec<&[Lanes]> {
-        self.records[light].iter().map(Vec::as_slice).collect()
     }
 }

@@ -10,7 +10,7 @@ use crate::formula::graph::{Node, NodeId};
 use crate::formula::layout::Layout;
 use crate::formula::{Formula, Parameter, ParameterId};
 use crate::jit::compile::Contributor;
-use crate::jit::{CompiledFormula, Kernel, Lanes, Splat};
+use crate::jit::{CompiledFormula, Kernel, Line, Splat};
 use crate::lang::scalars::flush;
 use crate::lang::variables::{Owner, Predefined};
 use crate::scene::Scene;
@@ -214,27 +214,26 @@ impl Compiled {
     fn uniforms(&self, memory: &[f32], kernel: &Kernel, leaves: &[Place]) -> Vec<Splat> {
         let [bodies, lights] = [Owner::Body, Owner::Light].map(|owner| self.layout.owners(owner));
         let pairs = bodies * lights;
-        let blocks = Lanes::blocks(pairs);
-        let inputs: Vec<Vec<Lanes>> = leaves
-            .iter()
-            .map(|place| {
-                let mut column = vec![Lanes::default(); blocks];
-                for pair in 0..pairs {
-                    let index = match place.owner {
-                        Owner::Global => 0,
-                        Owner::Body => pair / lights,
-                        Owner::Light => pair % lights,
-                    };
-                    column[pair / Lanes::COUNT].0[pair % Lanes::COUNT] = self.number(memory, place.owner, index, place.slot);
-                }
-                column
-            })
-            .collect();
-        let mut outputs = vec![vec![Lanes::default(); blocks]; kernel.outputs()];
-        let inputs: Vec<&[Lanes]> = inputs.iter().map(Vec::as_slice).collect();
-        let mut places: Vec<&mut [Lanes]> = outputs.iter_mut().map(Vec::as_mut_slice).collect();
-        kernel.run(&inputs, &[], &mut places, blocks);
-        let values = |pair: usize| outputs.iter().map(move |column| column[pair / Lanes::COUNT].0[pair % Lanes::COUNT]);
+        let lines = pairs.div_ceil(Line::RECORDS);
+        let mut inputs = vec![Line::default(); lines * leaves.len()];
+        for (column, place) in leaves.iter().enumerate() {
+            for pair in 0..pairs {
+                let index = match place.owner {
+                    Owner::Global => 0,
+                    Owner::Body => pair / lights,
+                    Owner::Light => pair % lights,
+                };
+                let number = self.number(memory, place.owner, index, place.slot);
+                inputs[pair / Line::RECORDS * leaves.len() + column].0[pair % Line::RECORDS] = number;
+            }
+        }
+        let columns = kernel.outputs();
+        let mut outputs = vec![Line::default(); lines * columns];
+        kernel.run([&inputs, &[], &[]], &[], &mut [&mut outputs], lines);
+        let values = |pair: usize| {
+            let first = pair / Line::RECORDS * columns;
+            outputs[first..first + columns].iter().map(move |line| line.0[pair % Line::RECORDS])
+        };
         (0..pairs).flat_map(values).map(Splat::new).collect()
     }
 

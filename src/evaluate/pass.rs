@@ -3,10 +3,10 @@
 //! A [`Pass`] is one way to weigh the hits of a picture. A whole frame is one pass: every path with its weight, one source of
 //! light for all pairs of a body and a light. A part of the picture that a drag keeps (see [`drag`](super::drag)) is another.
 
-use crate::evaluate::columns::{Columns, Inputs};
+use crate::evaluate::columns::Columns;
 use crate::evaluate::framebuffer::Channels;
 use crate::evaluate::planes::{Planes, Weight};
-use crate::jit::{Call, Kernel, Lanes, Line, Splat, Sums, run_in_turn};
+use crate::jit::{Call, Kernel, Line, Splat, Sums, run_in_turn};
 use crate::scene::{BodyId, LightId};
 use crate::trace::{CHUNK_LINES, Group, LINE_HITS, ROUND_LINES, Span, Tile};
 use smallvec::SmallVec;
@@ -181,26 +181,25 @@ impl Pass<'_> {
     /// The contributions of all lights of a group to these lines, whole rounds of one chunk, each to its own place in it.
     fn light(&self, place: usize, kept: Option<&Columns>, group: &Group, index: usize, lines: Range<usize>, sums: &mut Sums) {
         let own = lines.start % CHUNK_LINES..lines.start % CHUNK_LINES + lines.len();
-        let mut planes = sums.each_mut().map(|plane| Line::blocks_mut(&mut plane[own.clone()]));
+        let mut planes = sums.each_mut().map(|plane| &mut plane[own.clone()]);
+        let count = lines.len();
+        let kept = kept.map(|kept| kept.part(index, lines.clone()));
         // What a plane holds is of the chunk before.
         let mut stale = [true; 3];
-        let blocks = lines.len() * Line::BLOCKS;
         for source in &self.sources {
             let components = source.channels.components();
             let store = stale[components.clone()].iter().all(|stale| *stale);
-            let mut inputs = Inputs::new();
-            let mut calls = SmallVec::<[Call; 6]>::new();
+            let mut calls = SmallVec::<[Call; 8]>::new();
+            let part = source.columns[place].part(index, lines.clone());
             for (light_place, light) in group.lights.iter().enumerate() {
                 let pair = source.pair(group.body, *light);
                 if !source.active[pair] {
                     continue;
                 }
-                source.columns[place].of(index, light_place, lines.clone(), &mut inputs);
-                if let Some(kept) = kept {
-                    kept.of(index, light_place, lines.clone(), &mut inputs);
-                }
+                let kept = kept.as_ref().map_or(&[][..], |kept| kept.records(light_place));
                 let kernel = if store && calls.is_empty() { source.storing } else { source.adding };
-                calls.push(Call { kernel, uniforms: source.uniforms_of(pair) });
+                let streams = [part.hits(), part.records(light_place), kept];
+                calls.push(Call { kernel, streams, uniforms: source.uniforms_of(pair) });
             }
             if calls.is_empty() {
                 continue;
@@ -208,7 +207,7 @@ impl Pass<'_> {
             if !store {
                 clear(&mut planes, &mut stale, components.clone());
             }
-            run_in_turn(&calls, &inputs, &mut planes[components.clone()], blocks);
+            run_in_turn(&calls, &mut planes[components.clone()], count);
             stale[components].fill(false);
         }
         clear(&mut planes, &mut stale, self.channels.components());
@@ -216,10 +215,10 @@ impl Pass<'_> {
 }
 
 /// Clears those planes of some components that are stale.
-fn clear(planes: &mut [&mut [Lanes]; 3], stale: &mut [bool; 3], components: Range<usize>) {
+fn clear(planes: &mut [&mut [Line]; 3], stale: &mut [bool; 3], components: Range<usize>) {
     for component in components {
         if std::mem::replace(&mut stale[component], false) {
-            planes[component].fill(Lanes::default());
+            planes[component].fill(Line::default());
         }
     }
 }

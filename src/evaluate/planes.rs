@@ -5,7 +5,7 @@
 
 use crate::evaluate::framebuffer::{self, Channels};
 use crate::jit::lanes::PLANE_PIXELS;
-use crate::jit::{Lanes, Line, PixelCode, PixelLine, PixelPlanes, Sums};
+use crate::jit::{Line, PixelCode, PixelLine, PixelPlanes, Sums};
 use crate::trace::{CHUNK_LINES, LINE_HITS, MAX_DEPTH, Region, Segment, TILE_PIXELS, Tile};
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
@@ -78,7 +78,7 @@ impl Planes {
             channels.components().flat_map(|component| segments.iter().map(move |segment| (component, segment)))
         {
             let first = segment.lanes().trailing_zeros() as usize;
-            let sums = Lanes::numbers(&sums[component][segment.line()].0);
+            let sums = &sums[component][segment.line()].0;
             for (pixel, sum) in self.planes.0[component][PIXELS][segment.pixels()].iter_mut().zip(&sums[first..]) {
                 let [weighed, ..] = weight.of([*sum; 3]);
                 *pixel += weighed;
@@ -169,7 +169,7 @@ impl WithSimd for Addition<'_> {
         for segment in segments {
             for (plane, sums) in planes.iter_mut().zip(sums) {
                 let pixels = &mut plane[segment.place()..segment.place() + LINE_HITS];
-                let sums = Lanes::numbers(&sums[segment.line()].0);
+                let sums = &sums[segment.line()].0;
                 if segment.lanes() == u16::MAX {
                     add_lanes::<LINE_HITS>(pixels, sums, weight, u16::MAX);
                     continue;
@@ -255,11 +255,7 @@ mod tests {
         // Numbers that say whose they are; beyond the hits NaN, which must not be seen.
         let number = |component: usize, hit: usize| if hit < hits { (1 + component * 1000 + hit) as f32 } else { f32::NAN };
         let sums: Sums = std::array::from_fn(|component| {
-            std::array::from_fn(|line| {
-                Line(std::array::from_fn(|block| {
-                    Lanes(std::array::from_fn(|lane| number(component, 16 * line + 4 * block + lane)))
-                }))
-            })
+            std::array::from_fn(|line| Line(std::array::from_fn(|lane| number(component, 16 * line + lane))))
         });
         let mut expected = vec![[1.0_f32; 3]; last];
         for (hit, pixel) in runs.iter().cloned().flatten().enumerate() {
@@ -308,7 +304,7 @@ mod tests {
     #[test]
     fn weights_below_those_of_single_precision_still_count() {
         let mut planes = Planes::new();
-        let sums: Sums = [[Line([Lanes::splat(1e38); 4]); CHUNK_LINES]; 3];
+        let sums: Sums = [[Line([1e38; 16]); CHUNK_LINES]; 3];
         planes.add(&segments(std::iter::once(3..7)), &sums, Weight(1e-40), Channels::One(1));
         assert_eq!(planes.colour(4)[0], 0.0);
         planes.add(&segments(std::iter::once(3..7)), &sums, Weight(1e-40), Channels::All);

@@ -8,7 +8,7 @@
 use crate::formula::graph::Graph;
 use crate::jit::emit::PERLIN_OPERANDS;
 use crate::jit::kernel::{self, KernelPlan, Shape};
-use crate::jit::lanes::{Lanes, Line, PLANE_PIXELS, PixelLine, PixelPlanes, Splat, Sums};
+use crate::jit::lanes::{Line, PLANE_PIXELS, PixelLine, PixelPlanes, STREAMS, Splat, Streams, Sums};
 use crate::jit::pixels;
 use crate::jit::target::{CompileError, Listing, Target, target};
 use crate::jit::widen::{ALIGNMENT, disassembled, widen};
@@ -29,10 +29,9 @@ use std::sync::{Arc, OnceLock};
 /// What every kernel is: see the [kernel](super::kernel) room for the meaning of the parameters.
 ///
 /// # Safety
-/// The tables hold as many pointers as the kernel reads, each column and output at least the blocks of that many rounds, the uniforms
+/// The tables hold as many pointers as the kernel reads, each stream and output at least the lines of that many rounds, the uniforms
 /// as many as it reads; outputs overlap nothing.
-type Entry =
-    unsafe extern "C" fn(columns: *const *const Lanes, uniforms: *const Splat, outputs: *const *mut Lanes, rounds: usize);
+type Entry = unsafe extern "C" fn(streams: *const *const Line, uniforms: *const Splat, outputs: *const *mut Line, rounds: usize);
 
 /// The memory that holds a formula's kernels; freed with the last of them.
 pub(super) struct CodeMemory(ManuallyDrop<JITModule>);
@@ -125,8 +124,9 @@ fn generate_for(
         // SAFETY: at the address is the finished code of the function that was written just now with the parameters of `Entry`, none
         // of which is wider than a register; its memory lives as long as the kernel.
         let entry = unsafe { std::mem::transmute::<*const u8, Entry>(address) };
-        let [columns, uniforms, outputs] = [plan.columns.len(), plan.uniforms.len(), plan.outputs.len()];
-        Kernel { entry, columns, uniforms, outputs, round: shape.round(), _memory: Arc::clone(&memory) }
+        let streams = plan.streams.each_ref().map(Vec::len);
+        let (uniforms, outputs) = (plan.uniforms.len(), plan.output_streams().into());
+        Kernel { entry, streams, uniforms, outputs, shape, _memory: Arc::clone(&memory) }
     };
     Ok(plans.iter().zip(finished).map(kernel).collect())
 }
@@ -135,40 +135,43 @@ fn generate_for(
 #[derive(Clone)]
 pub struct Kernel {
     entry: Entry,
-    columns: usize,
+    /// How many columns there are in each stream that it reads.
+    streams: [usize; STREAMS],
     uniforms: usize,
-    outputs: usize,
-    /// How many blocks it computes at a time.
-    round: usize,
+    /// How many columns there are in each stream that it writes.
+    outputs: Arc<[usize]>,
+    shape: Shape,
     _memory: Arc<CodeMemory>,
 }
 
 impl Kernel {
-    /// How many outputs it has.
+    /// How many columns it writes.
     pub fn outputs(&self) -> usize {
-        self.outputs
+        self.outputs.iter().sum()
     }
 
-    /// How many blocks it reads and writes where so many are wanted: whole rounds, of up to [`ROUND_BLOCKS`](super::ROUND_BLOCKS).
-    pub fn whole_rounds(&self, blocks: usize) -> usize {
-        blocks.next_multiple_of(self.round)
+    /// How many lines it reads and writes where so many are wanted: whole rounds, of up to [`ROUND_LINES`](crate::segment::ROUND_LINES).
+    pub fn whole_rounds(&self, lines: usize) -> usize {
+        lines.next_multiple_of(self.shape.lines())
     }
 
-    /// Runs the kernel over `blocks` blocks of four records: reads `columns` and `uniforms`, stores or adds into `outputs`. What it makes of
-    /// a block beyond, see [`whole_rounds`](Self::whole_rounds), has no meaning.
+    /// Runs the kernel over so many lines of records, from these streams and uniform values: stores or adds into `outputs`, see
+    /// [`run_in_turn`].
     ///
     /// # Panics
     /// As [`run_in_turn`].
-    pub fn run(&self, columns: &[&[Lanes]], uniforms: &[Splat], outputs: &mut [&mut [Lanes]], blocks: usize) {
-        run_in_turn(&[Call { kernel: self, uniforms }], columns, outputs, blocks);
+    pub fn run(&self, streams: Streams, uniforms: &[Splat], outputs: &mut [&mut [Line]], lines: usize) {
+        run_in_turn(&[Call { kernel: self, streams, uniforms }], outputs, lines);
     }
 }
 
-/// A kernel and what it reads beside columns.
+/// A kernel and what it reads.
 #[derive(Clone, Copy)]
 pub struct Call<'c> {
     /// The kernel.
     pub kernel: &'c Kernel,
+    /// Its columns.
+    pub streams: Streams<'c>,
     /// Its uniform values.
     pub uniforms: &'c [Splat],
 }
@@ -176,51 +179,49 @@ pub struct Call<'c> {
 /// The arguments of a call, as the code below reads them.
 #[repr(C)]
 struct Arguments {
-    columns: *const *const Lanes,
+    streams: [*const Line; STREAMS],
     uniforms: *const Splat,
-    outputs: *const *mut Lanes,
+    outputs: *const *mut Line,
     rounds: usize,
     entry: Entry,
 }
 
-/// Runs kernels one after the other, over the same blocks and into the same outputs. `columns` are those of the first, then those of the
-/// second, and so on. To enter and leave compiled code costs some ten nanoseconds, so it is done once for all of them.
+/// Runs kernels one after the other, over as many lines and into the same outputs: one stream where values are stored, a column for each output
+/// where terms are added up. What becomes of lines beyond, see [`Kernel::whole_rounds`], has no meaning. To enter and leave compiled code
+/// costs some ten nanoseconds, so it is done once for all of them.
 ///
 /// # Panics
-/// Where there are not as many columns, uniforms and outputs as a kernel was written for, or one of them is shorter than its
-/// [whole rounds](Kernel::whole_rounds) of `blocks`.
-pub fn run_in_turn(calls: &[Call], columns: &[&[Lanes]], outputs: &mut [&mut [Lanes]], blocks: usize) {
-    // Most formulas read a handful of columns; memory from the heap for each call would cost more than the call.
-    let mut column_table = SmallVec::<[*const Lanes; 16]>::new();
-    column_table.extend(columns.iter().map(|column| column.as_ptr()));
-    let mut output_table = SmallVec::<[*mut Lanes; 4]>::new();
+/// Where there are not as many uniforms and outputs as a kernel was written for, or a stream or an output is shorter than its
+/// [whole rounds](Kernel::whole_rounds) of `lines`.
+pub fn run_in_turn(calls: &[Call], outputs: &mut [&mut [Line]], lines: usize) {
+    let mut output_table = SmallVec::<[*mut Line; 4]>::new();
     output_table.extend(outputs.iter_mut().map(|column| column.as_mut_ptr()));
-    let longest = calls.iter().map(|call| call.kernel.whole_rounds(blocks)).max().unwrap_or(0);
-    assert!(columns.iter().all(|column| column.len() >= longest), "a kernel's columns are long enough");
-    assert!(outputs.iter().all(|column| column.len() >= longest), "a kernel's outputs are long enough");
-    let mut own = &*column_table;
-    let mut table = SmallVec::<[Arguments; 4]>::new();
-    for Call { kernel, uniforms } in calls {
-        assert_eq!(outputs.len(), kernel.outputs, "a kernel's outputs");
+    let mut table = SmallVec::<[Arguments; 8]>::new();
+    for Call { kernel, streams, uniforms } in calls {
+        let whole = kernel.whole_rounds(lines);
+        // Of each stream, as much as is read or written: a product that does not fit is longer than any slice.
+        let holds = |length: usize, columns: usize| whole.checked_mul(columns).is_some_and(|needed| length >= needed);
+        assert!(streams.iter().zip(kernel.streams).all(|(stream, columns)| holds(stream.len(), columns)), "a kernel's columns");
+        assert!(
+            outputs.len() == kernel.outputs.len()
+                && outputs.iter().zip(&*kernel.outputs).all(|(output, columns)| holds(output.len(), *columns)),
+            "a kernel's outputs"
+        );
         assert!(uniforms.len() >= kernel.uniforms, "a kernel's uniforms");
-        assert!(own.len() >= kernel.columns, "a kernel's columns");
-        let (columns, later) = own.split_at(kernel.columns);
-        own = later;
         table.push(Arguments {
-            columns: columns.as_ptr(),
+            streams: streams.map(<[Line]>::as_ptr),
             uniforms: uniforms.as_ptr(),
             outputs: output_table.as_ptr(),
-            rounds: kernel.whole_rounds(blocks) / kernel.round,
+            rounds: whole * Line::BLOCKS / kernel.shape.round(),
             entry: kernel.entry,
         });
     }
-    assert!(own.is_empty(), "kernels' columns");
     if table.is_empty() {
         return;
     }
-    // SAFETY: the table is not empty. Each kernel's code reads exactly `kernel.columns` and `kernel.outputs` pointers from its tables and
-    // `kernel.uniforms` lanes, and of each column the blocks of its rounds; the assertions above guarantee all of them, `&mut` that outputs
-    // overlap nothing. `Lanes` is aligned as the code's loads and stores need. Nothing of Rust runs while subnormals are switched off.
+    // SAFETY: the table is not empty. Each kernel's code reads of every stream, and writes of every output, the lines of its rounds,
+    // times as many as the stream has columns, and `kernel.uniforms` splats; the assertions above guarantee all of them, `&mut` that outputs
+    // overlap nothing. `Line` is aligned as the code's loads and stores need. Nothing of Rust runs while subnormals are switched off.
     unsafe { without_subnormals(&table) }
 }
 
@@ -243,7 +244,7 @@ unsafe fn without_subnormals(calls: &[Arguments]) {
             "stmxcsr [r12]",
             "ldmxcsr [rax]",
             "2:",
-            "mov rdi, [r13 + {columns}]",
+            "lea rdi, [r13 + {streams}]",
             "mov rsi, [r13 + {uniforms}]",
             "mov rdx, [r13 + {outputs}]",
             "mov rcx, [r13 + {rounds}]",
@@ -252,7 +253,7 @@ unsafe fn without_subnormals(calls: &[Arguments]) {
             "cmp r13, r14",
             "jb 2b",
             "ldmxcsr [r12]",
-            columns = const std::mem::offset_of!(Arguments, columns),
+            streams = const std::mem::offset_of!(Arguments, streams),
             uniforms = const std::mem::offset_of!(Arguments, uniforms),
             outputs = const std::mem::offset_of!(Arguments, outputs),
             rounds = const std::mem::offset_of!(Arguments, rounds),
@@ -280,7 +281,7 @@ unsafe extern "C" fn perlin_lanes(lanes: *mut f32) {
     unsafe {
         std::arch::asm!("stmxcsr [{saved}]", "ldmxcsr [{rust}]", saved = in(reg) &raw mut saved, rust = in(reg) &raw const RUST_MXCSR_VALUE, options(nostack));
     }
-    const WIDTH: usize = Lanes::COUNT;
+    const WIDTH: usize = Line::RECORDS / Line::BLOCKS;
     const OPERANDS: usize = PERLIN_OPERANDS as usize;
     for lane in 0..WIDTH {
         // SAFETY: kernels pass the address of a stack slot of `OPERANDS + 1` times `WIDTH` floats whose operands they have written.
@@ -398,10 +399,10 @@ mod tests {
     use super::*;
     use crate::formula::Formula;
     use crate::formula::binding::Bindings;
-    use crate::jit::ROUND_BLOCKS;
     use crate::jit::kernel::Output;
     use crate::lang::source::Source;
     use crate::presets::{self, Kind};
+    use crate::segment::ROUND_LINES;
 
     /// What the contribution kernels of a formula yield on some numbers, compiled for at most so many blocks at a time.
     fn contributions(bindings: &Bindings, widest: usize) -> (usize, Vec<f32>) {
@@ -410,29 +411,27 @@ mod tests {
         let frontier = &bindings.frontier;
         let plan = |output| KernelPlan {
             name: "contributions",
-            columns: [&frontier.hits[..], &frontier.records].concat(),
+            streams: [frontier.hits.clone(), frontier.records.clone(), Vec::new()],
             uniforms: frontier.uniforms.clone(),
             outputs: bindings.contribution.to_vec(),
             output,
-            rounds: true,
+            wide: true,
             interleave: 4,
         };
         let kernels = generate_for(&target, &[plan(Output::FirstTerms), plan(Output::MoreTerms)], &bindings.graph, None).unwrap();
-        const BLOCKS: usize = 3 * ROUND_BLOCKS;
+        const LINES: usize = 3 * ROUND_LINES;
         let number = |place: usize| 1.25 * ((place as f32 * 0.618_034).fract() - 0.3);
-        let column = |column: usize| -> Vec<Lanes> {
-            (0..BLOCKS).map(|block| Lanes(std::array::from_fn(|lane| number(1000 * column + 4 * block + lane)))).collect()
-        };
-        let columns: Vec<Vec<Lanes>> = (0..kernels[0].columns).map(column).collect();
-        let columns: Vec<&[Lanes]> = columns.iter().map(Vec::as_slice).collect();
+        let line = |first: usize| Line(std::array::from_fn(|lane| number(first + lane)));
+        let stream = |columns: &usize| (0..LINES * columns).map(|place| line(16 * place + 1000 * columns)).collect();
+        let streams: [Vec<Line>; STREAMS] = kernels[0].streams.each_ref().map(stream);
         let uniforms: Vec<Splat> = (0..kernels[0].uniforms).map(|place| Splat::new(number(7 * place).abs() * 3.0)).collect();
-        let mut outputs = vec![vec![Lanes::default(); BLOCKS]; 3];
-        let mut planes: Vec<&mut [Lanes]> = outputs.iter_mut().map(Vec::as_mut_slice).collect();
+        let mut outputs = vec![vec![Line::default(); LINES]; 3];
+        let mut planes: Vec<&mut [Line]> = outputs.iter_mut().map(Vec::as_mut_slice).collect();
         // One stores, the other adds twice.
         for kernel in [&kernels[0], &kernels[1], &kernels[1]] {
-            kernel.run(&columns, &uniforms, &mut planes, BLOCKS);
+            kernel.run(streams.each_ref().map(Vec::as_slice), &uniforms, &mut planes, LINES);
         }
-        (kernels[0].round, outputs.iter().flatten().flat_map(|lanes| lanes.0).collect())
+        (kernels[0].shape.round(), outputs.iter().flatten().flat_map(|line| line.0).collect())
     }
 
     #[test]

@@ -39,7 +39,7 @@ pub struct Contributor {
     pub uniform_leaves: Vec<NodeId>,
     /// Parameters of (body, light) pairs → uniform values.
     pub uniform_kernel: Kernel,
-    /// Hit frontier, record frontier and what is kept beside; uniforms → outputs, stored.
+    /// Streams of the hit frontier, the record frontier and what is kept beside; uniforms → outputs, stored.
     pub storing: Kernel,
     /// The same, added to what is there; where it makes no sense to add, that one again.
     pub adding: Kernel,
@@ -76,28 +76,29 @@ fn plans(bindings: &Bindings, wanted: &Wanted) -> Vec<KernelPlan> {
     let outputs: &[Output] = if wanted.terms { &[Output::FirstTerms, Output::MoreTerms] } else { &[Output::Values] };
     let records = outputs.iter().map(|output| KernelPlan {
         name: wanted.name,
-        columns: [&stored.hits, &stored.records, wanted.kept].concat(),
+        streams: [stored.hits.clone(), stored.records.clone(), wanted.kept.to_vec()],
         uniforms: uniforms.clone(),
         outputs: wanted.outputs.clone(),
         output: *output,
-        rounds: true,
+        wide: true,
         // What is stored in columns must not go beyond their last line.
         interleave: if wanted.terms { MOST_STEPS } else { 1 },
     });
-    let of_pairs = KernelPlan { rounds: false, ..stage("uniforms", bindings.leaves(&uniforms), uniforms.clone()) };
+    let of_pairs = KernelPlan { wide: false, ..stage("uniforms", bindings.leaves(&uniforms), uniforms.clone()) };
     std::iter::once(of_pairs).chain(records).collect()
 }
 
 /// The plan of a kernel that runs once, over nodes made of leaves.
-fn stage(name: &'static str, columns: Vec<NodeId>, outputs: Vec<NodeId>) -> KernelPlan {
-    KernelPlan { name, columns, uniforms: Vec::new(), outputs, output: Output::Values, rounds: true, interleave: 1 }
+fn stage(name: &'static str, leaves: Vec<NodeId>, outputs: Vec<NodeId>) -> KernelPlan {
+    let streams = [leaves, Vec::new(), Vec::new()];
+    KernelPlan { name, streams, uniforms: Vec::new(), outputs, output: Output::Values, wide: true, interleave: 1 }
 }
 
 /// The contributors that these are, from the kernels of their plans.
 fn contributors(plans: &[Vec<KernelPlan>], kernels: Vec<Kernel>) -> Vec<Contributor> {
     let mut kernels = kernels.into_iter();
     let contributor = |plans: &Vec<KernelPlan>| {
-        let uniform_leaves = plans.first()?.columns.clone();
+        let uniform_leaves = plans.first()?.streams[0].clone();
         let (uniform_kernel, storing) = (kernels.next()?, kernels.next()?);
         let adding = if plans.len() > 2 { kernels.next()? } else { storing.clone() };
         Some(Contributor { uniform_leaves, uniform_kernel, storing, adding })

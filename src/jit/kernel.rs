@@ -1,12 +1,12 @@
 //! A kernel as Cranelift IR: some nodes of a graph computed for every record, from columns and uniform values.
 //!
-//! The function reads `fn(columns, uniforms, outputs, steps)`: pointers to the columns, to the uniform values (each in as many lanes as
-//! any kernel has), to the output columns, and the number of rounds of its loop. A round is some steps side by side, and a step a block of
-//! four records, or two or four blocks in code that is going to be [widened](super::widen). Columns are whole rounds, so that there is no tail.
+//! The function reads `fn(streams, uniforms, outputs, rounds)`: pointers to the [streams](KernelPlan::streams), to the uniform values (each in
+//! as many lanes as any kernel has), to where outputs go, and the number of rounds of its loop. A round is some steps side by side, and a step a
+//! block of four records, or two or four blocks in code that is going to be [widened](super::widen). Whole rounds can be read, so there is no tail.
 
 use crate::formula::graph::{Graph, Node, NodeId};
 use crate::jit::emit::{Emitter, LANES_BYTES, PERLIN_OPERANDS};
-use crate::jit::lanes::{Line, Splat};
+use crate::jit::lanes::{Line, STREAMS, Splat};
 use crate::jit::target::Target;
 use crate::lang::scalars::{Primitive, Scalars};
 use crate::segment::ROUND_LINES;
@@ -24,23 +24,21 @@ use std::collections::{HashMap, HashSet};
 pub(super) struct KernelPlan {
     /// For dumps and symbols.
     pub(super) name: &'static str,
-    /// Nodes that are read from columns, in their order.
-    pub(super) columns: Vec<NodeId>,
+    /// Nodes that are read from columns. A stream holds some columns line by line: the first line of each, then the second of each, so that
+    /// memory is read from front to back, however many columns there are.
+    pub(super) streams: [Vec<NodeId>; STREAMS],
     /// Nodes that are the same for all records, in their order.
     pub(super) uniforms: Vec<NodeId>,
-    /// Nodes that are written to the output columns, in their order.
+    /// Nodes that are written, in their order.
     pub(super) outputs: Vec<NodeId>,
     /// What becomes of them.
     pub(super) output: Output,
-    /// Whether columns are whole lines and may be read a round beyond, so that more records than are wanted may be computed.
-    pub(super) rounds: bool,
+    /// Whether there are enough records for more than four at a time to be worth their while.
+    pub(super) wide: bool,
     /// How many steps are computed side by side at most, a power of two, so that their chains of dependent instructions overlap and constants are
     /// loaded once for all of them.
     pub(super) interleave: usize,
 }
-
-/// Every kernel computes as many blocks in a round, or a part of them.
-pub const ROUND_BLOCKS: usize = ROUND_LINES * Line::BLOCKS;
 
 /// As many steps are computed side by side at most. Four hide most of the latency of a polynomial's chain of multiplications.
 pub(super) const MOST_STEPS: usize = ROUND_LINES;
@@ -48,9 +46,9 @@ pub(super) const MOST_STEPS: usize = ROUND_LINES;
 /// What becomes of the outputs of a kernel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Output {
-    /// They are stored.
+    /// They are stored, in one stream.
     Values,
-    /// They are terms of sums, the first ones, and stored; products may be added up in one instruction.
+    /// They are terms of sums, the first ones, and stored, each in a column of its own; products may be added up in one instruction.
     FirstTerms,
     /// They are terms of sums, and added to what is there.
     MoreTerms,
@@ -74,7 +72,7 @@ pub(super) fn shapes(plan: &KernelPlan, graph: &Graph, target: &Target) -> Vec<S
     let few = plan.schedule(graph, narrow).is_some_and(|schedule| schedule.len() <= MANY_NODES);
     let interleave = if few { plan.interleave } else { 1 };
     let mut shapes = Vec::new();
-    for blocks in target.widths.iter().copied().filter(|blocks| *blocks > 1 && plan.rounds) {
+    for blocks in target.widths.iter().copied().filter(|blocks| *blocks > 1 && plan.wide) {
         let halves = std::iter::successors(Some(interleave), |interleave| (*interleave > 1).then_some(interleave / 2));
         shapes.extend(halves.map(|interleave| Shape { blocks, interleave, fma }));
     }
@@ -88,11 +86,32 @@ impl Shape {
         self.blocks * self.interleave
     }
 
+    /// How many lines are computed together at least.
+    pub(super) fn lines(self) -> usize {
+        self.round().div_ceil(Line::BLOCKS)
+    }
+
     /// Bytes of a step in each column.
     fn bytes(self) -> usize {
         self.blocks * LANES_BYTES as usize
     }
+
+    /// Bytes of a round in each column.
+    fn round_bytes(self) -> usize {
+        self.round() * LANES_BYTES as usize
+    }
+
+    /// Where a step of a round lies in a column of a stream of so many, in bytes from the beginning of the round.
+    fn place(self, step: usize, columns: usize, column: usize) -> i32 {
+        let bytes = self.bytes() * step;
+        let (lines, within) = (bytes / LINE_BYTES, bytes % LINE_BYTES);
+        // Kernels read far fewer columns than would fill 2³¹ bytes.
+        ((lines * columns + column) * LINE_BYTES + within) as i32
+    }
 }
+
+/// Bytes of a line of a column.
+const LINE_BYTES: usize = size_of::<Line>();
 
 /// An addend of an output: a node, or a product of two.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -102,11 +121,16 @@ struct Addend {
 }
 
 impl KernelPlan {
+    /// The nodes that are read.
+    fn stored(&self) -> impl Iterator<Item = NodeId> {
+        self.streams.iter().flatten().chain(&self.uniforms).copied()
+    }
+
     /// The nodes that the kernel must compute, operands before their users; where it reads a node it does not look behind it.
     /// None where it would need a variable or parameter that it does not read.
     pub(super) fn schedule(&self, graph: &Graph, shape: Shape) -> Option<Vec<NodeId>> {
         let mut seen = vec![false; graph.len()];
-        self.columns.iter().chain(&self.uniforms).for_each(|node| seen[node.0 as usize] = true);
+        self.stored().for_each(|node| seen[node.0 as usize] = true);
         let mut found = Vec::new();
         let addends = self.addends(graph, shape).into_iter().flatten();
         let mut pending: Vec<NodeId> = addends.flat_map(|addend| [Some(addend.factor), addend.other]).flatten().collect();
@@ -124,13 +148,21 @@ impl KernelPlan {
         Some(found)
     }
 
+    /// How many columns there are in each stream of outputs.
+    pub(super) fn output_streams(&self) -> Vec<usize> {
+        match self.output {
+            Output::Values => vec![self.outputs.len()],
+            Output::FirstTerms | Output::MoreTerms => vec![1; self.outputs.len()],
+        }
+    }
+
     /// The addends of each output. Where outputs are terms of sums, and products can be added in one instruction, sums are
     /// taken apart; but not what several outputs share, which would be computed several times.
     fn addends(&self, graph: &Graph, shape: Shape) -> Vec<Vec<Addend>> {
         /// More addends than this are summed up before.
         const MOST: usize = 16;
         let mut users: HashMap<NodeId, usize> = HashMap::new();
-        let stored: HashSet<NodeId> = self.columns.iter().chain(&self.uniforms).copied().collect();
+        let stored: HashSet<NodeId> = self.stored().collect();
         let parts = |id: NodeId| match graph.node(id) {
             Node::Apply(primitive @ (Primitive::Add | Primitive::Mul), operands) if !stored.contains(&id) => {
                 Some((primitive, operands[0], operands[1]))
@@ -198,18 +230,14 @@ pub(super) fn write(
         let size = (PERLIN_OPERANDS + 1) * LANES_BYTES;
         (function, builder.create_sized_stack_slot(StackSlotData::new(StackSlotKind::ExplicitSlot, size, 4)))
     });
-    let [columns, uniforms, outputs, rounds] = std::array::from_fn(|index| builder.block_params(entry)[index]);
-    let pointers = |builder: &mut FunctionBuilder, table: Value, count: usize| -> Vec<Value> {
-        (0..count)
-            .map(|index| builder.ins().load(I64, MemFlagsData::trusted().with_readonly(), table, 8 * index as i32))
-            .collect()
-    };
-    let columns = pointers(&mut builder, columns, plan.columns.len());
-    let outputs = pointers(&mut builder, outputs, plan.outputs.len());
-    let round = shape.bytes() * shape.interleave;
-    let shift = builder.ins().iconst(I64, i64::from(round.trailing_zeros()));
+    let [streams, uniforms, outputs, rounds] = std::array::from_fn(|index| builder.block_params(entry)[index]);
+    let mut pointer =
+        |table: Value, index: usize| builder.ins().load(I64, MemFlagsData::trusted().with_readonly(), table, 8 * index as i32);
+    let streams = std::array::from_fn(|index| (!plan.streams[index].is_empty()).then(|| pointer(streams, index)));
+    let outputs = (0..plan.output_streams().len()).map(|index| pointer(outputs, index)).collect();
+    let shift = builder.ins().iconst(I64, i64::from(shape.round_bytes().trailing_zeros()));
     let end = builder.ins().ishl(rounds, shift);
-    let mut writer = Writer { plan, graph, schedule, builder, shape, perlin, columns, uniforms, outputs };
+    let mut writer = Writer { plan, graph, schedule, builder, shape, perlin, streams, uniforms, outputs };
     writer.counted_loop(end);
     writer.builder.ins().return_(&[]);
     writer.builder.seal_all_blocks();
@@ -223,13 +251,13 @@ struct Writer<'w, 'f> {
     builder: FunctionBuilder<'f>,
     shape: Shape,
     perlin: Option<(FuncRef, cranelift_codegen::ir::StackSlot)>,
-    columns: Vec<Value>,
+    streams: [Option<Value>; STREAMS],
     uniforms: Value,
     outputs: Vec<Value>,
 }
 
 impl Writer<'_, '_> {
-    /// The loop over all rounds, from byte offset 0 to `end`; leaves the writer in the block behind it.
+    /// The loop over all rounds, from offset 0 to `end`, in bytes of a column; leaves the writer in the block behind it.
     fn counted_loop(&mut self, end: Value) {
         let [head, body, exit] = [(); 3].map(|()| self.builder.create_block());
         let offset = self.builder.append_block_param(head, I64);
@@ -240,20 +268,21 @@ impl Writer<'_, '_> {
         self.builder.ins().brif(more, body, &[], exit, &[]);
         self.builder.switch_to_block(body);
         self.body(offset, self.shape.interleave);
-        let round = self.builder.ins().iconst(I64, (self.shape.bytes() * self.shape.interleave) as i64);
+        let round = self.builder.ins().iconst(I64, self.shape.round_bytes() as i64);
         let next = self.builder.ins().iadd(offset, round);
         self.builder.ins().jump(head, &[next.into()]);
         self.builder.switch_to_block(exit);
     }
 
-    /// Computes the steps that begin at byte `offset`, each node for all of them before the next node.
+    /// Computes the steps that begin at byte `offset` of a column, each node for all of them before the next node.
     fn body(&mut self, offset: Value, interleave: usize) {
         let flags = MemFlagsData::trusted();
+        let offsets = std::array::from_fn(|stream| self.offset_in(offset, self.plan.streams[stream].len()));
         let mut values: Vec<Vec<Value>> = vec![Vec::new(); self.graph.len()];
         for id in self.schedule {
             let node = self.graph.node(*id);
             for operand in node.operands() {
-                self.read(*operand, offset, interleave, &mut values);
+                self.read(*operand, &offsets, interleave, &mut values);
             }
             let mut copies = Vec::with_capacity(interleave);
             let mut computed = Vec::with_capacity(interleave);
@@ -278,18 +307,22 @@ impl Writer<'_, '_> {
             values[id.0 as usize] = computed;
         }
         let addends = self.plan.addends(self.graph, self.shape);
-        for (addends, pointer) in addends.iter().zip(self.outputs.clone()) {
-            let address = self.builder.ins().iadd(pointer, offset);
+        let width = if self.plan.output == Output::Values { addends.len() } else { 1 };
+        let target = self.offset_in(offset, width);
+        for (column, addends) in addends.iter().enumerate() {
+            let pointer = self.outputs[column / width];
+            let address = self.builder.ins().iadd(pointer, target);
+            let shape = self.shape;
+            let place = |step| shape.place(step, width, column % width);
             let mut sums: Vec<Option<Value>> = vec![None; interleave];
             if self.plan.output == Output::MoreTerms {
                 for (step, sum) in sums.iter_mut().enumerate() {
-                    let place = self.place(step);
-                    *sum = Some(self.builder.ins().load(F32X4, flags, address, place));
+                    *sum = Some(self.builder.ins().load(F32X4, flags, address, place(step)));
                 }
             }
             for Addend { factor, other } in addends {
                 for operand in std::iter::once(factor).chain(other) {
-                    self.read(*operand, offset, interleave, &mut values);
+                    self.read(*operand, &offsets, interleave, &mut values);
                 }
                 for (step, sum) in sums.iter_mut().enumerate() {
                     let [x, y] = [Some(*factor), *other].map(|node| node.map(|node| values[node.0 as usize][step]));
@@ -303,9 +336,8 @@ impl Writer<'_, '_> {
                 }
             }
             for (step, sum) in sums.into_iter().enumerate() {
-                let place = self.place(step);
                 if let Some(sum) = sum {
-                    self.builder.ins().store(flags, sum, address, place);
+                    self.builder.ins().store(flags, sum, address, place(step));
                 }
             }
         }
@@ -354,25 +386,39 @@ impl Writer<'_, '_> {
     }
 
     /// Loads a node that is read from a column or the uniforms, at its first use: all at once they would not fit the registers.
-    fn read(&mut self, id: NodeId, offset: Value, interleave: usize, values: &mut [Vec<Value>]) {
+    fn read(&mut self, id: NodeId, offsets: &[Value; STREAMS], interleave: usize, values: &mut [Vec<Value>]) {
         if !values[id.0 as usize].is_empty() {
             return;
         }
         let flags = MemFlagsData::trusted().with_readonly();
-        if let Some(column) = self.plan.columns.iter().position(|node| *node == id) {
-            let address = self.builder.ins().iadd(self.columns[column], offset);
-            let places: Vec<i32> = (0..interleave).map(|step| self.place(step)).collect();
+        for (index, stream) in self.plan.streams.iter().enumerate() {
+            let Some(column) = stream.iter().position(|node| *node == id) else { continue };
+            let Some(pointer) = self.streams[index] else { continue };
+            let address = self.builder.ins().iadd(pointer, offsets[index]);
+            let places: Vec<i32> = (0..interleave).map(|step| self.shape.place(step, stream.len(), column)).collect();
             let load = |place| self.builder.ins().load(F32X4, flags, address, place);
             values[id.0 as usize] = places.into_iter().map(load).collect();
-        } else if let Some(uniform) = self.plan.uniforms.iter().position(|node| *node == id) {
+            return;
+        }
+        if let Some(uniform) = self.plan.uniforms.iter().position(|node| *node == id) {
             let place = (size_of::<Splat>() * uniform) as i32;
             let value = self.builder.ins().load(F32X4, flags, self.uniforms, place);
             values[id.0 as usize] = vec![value; interleave];
         }
     }
 
-    /// The offset of a step, in bytes.
-    fn place(&self, step: usize) -> i32 {
-        (self.shape.bytes() * step) as i32
+    /// Where a round that begins at byte `offset` of a column begins in a stream of so many columns.
+    fn offset_in(&mut self, offset: Value, columns: usize) -> Value {
+        if columns <= 1 {
+            return offset;
+        }
+        let whole_lines = self.shape.round_bytes().is_multiple_of(LINE_BYTES);
+        let [mut lines, mut within] = [offset, offset];
+        if !whole_lines {
+            lines = self.builder.ins().band_imm_s(offset, -(LINE_BYTES as i64));
+            within = self.builder.ins().band_imm_s(offset, LINE_BYTES as i64 - 1);
+        }
+        let lines = self.builder.ins().imul_imm_s(lines, columns as i64);
+        if whole_lines { lines } else { self.builder.ins().iadd(lines, within) }
     }
 }

@@ -2,52 +2,24 @@
 
 use crate::segment::{CHUNK_LINES, LINE_HITS, Segment, TILE_PIXELS};
 
-/// Four records' values of one column, side by side in memory as kernels load them.
-#[derive(Debug, Clone, Copy, PartialEq, Default, bytemuck::Zeroable, bytemuck::Pod)]
-#[repr(C, align(16))]
-pub struct Lanes(pub [f32; 4]);
-
-impl Lanes {
-    /// How many records a block holds.
-    pub const COUNT: usize = 4;
-
-    /// The same value for all four records.
-    pub fn splat(value: f32) -> Self {
-        Self([value; 4])
-    }
-
-    /// The numbers of some blocks, one behind the other.
-    pub fn numbers(blocks: &[Lanes]) -> &[f32] {
-        bytemuck::cast_slice(blocks)
-    }
-
-    /// How many blocks so many records take.
-    pub fn blocks(records: usize) -> usize {
-        records.div_ceil(Self::COUNT)
-    }
-}
-
-/// Four blocks: as many records as the widest kernels compute at a time, and a line of the cache.
+/// A line of a column: the numbers of as many records as the widest kernels compute at a time, and a line of the cache.
 #[derive(Debug, Clone, Copy, PartialEq, Default, bytemuck::Zeroable, bytemuck::Pod)]
 #[repr(C, align(64))]
-pub struct Line(pub [Lanes; 4]);
+pub struct Line(pub [f32; Line::RECORDS]);
 
 impl Line {
-    /// How many blocks a line holds.
-    pub const BLOCKS: usize = 4;
     /// How many records a line holds.
-    pub const RECORDS: usize = Self::BLOCKS * Lanes::COUNT;
-
-    /// The blocks of some lines, one behind the other.
-    pub fn blocks(lines: &[Line]) -> &[Lanes] {
-        bytemuck::cast_slice(lines)
-    }
-
-    /// The same, to be written.
-    pub fn blocks_mut(lines: &mut [Line]) -> &mut [Lanes] {
-        bytemuck::cast_slice_mut(lines)
-    }
+    pub const RECORDS: usize = LINE_HITS;
+    /// How many vectors of four.
+    pub const BLOCKS: usize = Self::RECORDS / 4;
 }
+
+/// A kernel reads from so many streams at most.
+pub const STREAMS: usize = 3;
+
+/// What a kernel reads: each a stream of lines, in which some columns take turns: the first line of each, then the second of each, and so on.
+/// Those that it does not read may be empty.
+pub type Streams<'c> = [&'c [Line]; STREAMS];
 
 /// A uniform value, in as many lanes as the widest kernels have.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -82,11 +54,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lanes_are_what_kernels_load() {
-        assert_eq!((size_of::<Lanes>(), align_of::<Lanes>()), (16, 16));
+    fn lines_and_splats_are_what_kernels_load() {
         assert_eq!((size_of::<Splat>(), align_of::<Splat>()), (64, 64));
         assert_eq!((size_of::<Line>(), align_of::<Line>()), (64, 64));
-        assert_eq!(Lanes::blocks(0), 0);
-        assert_eq!(Lanes::blocks(5), 2);
     }
 }

@@ -28,6 +28,5 @@ mod widen;
 pub use cache::KernelCache;
 pub use call::{Call, Kernel, PixelCode, run_in_turn};
 pub use compile::CompiledFormula;
-pub use kernel::ROUND_BLOCKS;
-pub use lanes::{Lanes, Line, PixelLine, PixelPlanes, Splat, Sums};
+pub use lanes::{Line, PixelLine, PixelPlanes, Splat, Streams, Sums};
 pub use target::{CompileError, Listing};

@@ -2,7 +2,7 @@
 
 use crate::formula::graph::Graph;
 use crate::jit::kernel::KernelPlan;
-use crate::jit::lanes::{Lanes, PixelLine, PixelPlanes, Splat, Sums};
+use crate::jit::lanes::{Line, PixelLine, PixelPlanes, Splat, Streams, Sums};
 use crate::jit::target::{CompileError, Listing, target};
 use crate::segment::Segment;
 
@@ -11,33 +11,35 @@ use crate::segment::Segment;
 pub enum Kernel {}
 
 impl Kernel {
-    /// How many outputs it has.
+    /// How many columns it writes.
     pub fn outputs(&self) -> usize {
         match *self {}
     }
 
-    /// How many blocks it reads and writes where so many are wanted.
-    pub fn whole_rounds(&self, _blocks: usize) -> usize {
+    /// How many lines it reads and writes where so many are wanted.
+    pub fn whole_rounds(&self, _lines: usize) -> usize {
         match *self {}
     }
 
     /// Runs the kernel.
-    pub fn run(&self, _columns: &[&[Lanes]], _uniforms: &[Splat], _outputs: &mut [&mut [Lanes]], _blocks: usize) {
+    pub fn run(&self, _streams: Streams, _uniforms: &[Splat], _outputs: &mut [&mut [Line]], _lines: usize) {
         match *self {}
     }
 }
 
-/// A kernel and what it reads beside columns.
+/// A kernel and what it reads.
 #[derive(Clone, Copy)]
 pub struct Call<'c> {
     /// The kernel.
     pub kernel: &'c Kernel,
+    /// Its columns.
+    pub streams: Streams<'c>,
     /// Its uniform values.
     pub uniforms: &'c [Splat],
 }
 
 /// Runs kernels: there is none.
-pub fn run_in_turn(_calls: &[Call], _columns: &[&[Lanes]], _outputs: &mut [&mut [Lanes]], _blocks: usize) {}
+pub fn run_in_turn(_calls: &[Call], _outputs: &mut [&mut [Line]], _lines: usize) {}
 
 /// Says that there is no compiled code for this processor.
 pub(super) fn generate(

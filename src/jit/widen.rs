@@ -233,9 +233,9 @@ impl Widening {
     }
 }
 
-/// Bytes of the part of a column that lies together: the parts of all columns of a light follow each other, then those of the next light.
-/// So columns are read from front to back, but in more streams than the processor follows by itself.
-const TOGETHER: u64 = 4096;
+/// So many bytes ahead of what it reads a kernel fetches: less, and memory would be too late, more, and the first cache would overflow. What is
+/// read next lies behind what is read now (see [`KernelPlan::streams`](super::kernel::KernelPlan::streams)), also where a kernel's work ends.
+const AHEAD: u64 = 8192;
 /// Bytes of a line of the cache.
 const LINE: u64 = 64;
 
@@ -249,16 +249,13 @@ fn with_prefetches(code: Vec<Instruction>) -> Vec<Instruction> {
         let loads = vector && (0..instruction.op_count()).any(|operand| instruction.op_kind(operand) == OpKind::Memory);
         loads && instruction.memory_index() != Register::None && !stored.contains(&indexed(instruction))
     };
-    let columns: HashSet<_> = code.iter().filter(|instruction| is_column(instruction)).map(indexed).collect();
-    // What the next light will read while this one's is computed.
-    let ahead = TOGETHER * columns.len() as u64;
     let mut fetching = Vec::with_capacity(code.len());
     for instruction in code {
         fetching.push(instruction);
         let displacement = instruction.memory_displacement64();
         if is_column(&instruction) && displacement % LINE == 0 {
             let (base, index) = indexed(&instruction);
-            let place = MemoryOperand::new(base, index, 1, (displacement + ahead) as i64, 8, false, Register::None);
+            let place = MemoryOperand::new(base, index, 1, (displacement + AHEAD) as i64, 8, false, Register::None);
             if let Ok(prefetch) = Instruction::with1(Code::Prefetcht0_m8, place) {
                 fetching.push(prefetch);
             }

@@ -2,12 +2,13 @@
 
 use illuminator::formula::Formula;
 use illuminator::formula::graph::{Node, NodeId};
-use illuminator::jit::{CompiledFormula, Kernel, Lanes, ROUND_BLOCKS, Splat};
+use illuminator::jit::{CompiledFormula, Kernel, Line, Splat};
 use illuminator::lang::builtins::{Form, Operation, Stack};
 use illuminator::lang::scalars::{Floats, flush};
 use illuminator::lang::source::Source;
 use illuminator::lang::types::Type;
 use illuminator::lang::variables::Variable;
+use illuminator::trace::ROUND_LINES;
 
 /// Zeros, the ends of the normal numbers, subnormals (which count as 0), infinities, NaN, and numbers where functions turn.
 const AWKWARD: [f32; 38] = [
@@ -107,28 +108,35 @@ pub(super) fn formula_of(operation: Operation, from: Operands) -> (Formula, usiz
     (formula, count)
 }
 
-/// How many blocks so many cases take, in whole rounds of any kernel.
+/// How many lines so many cases take, in whole rounds of any kernel.
 fn whole_rounds(cases: usize) -> usize {
-    Lanes::blocks(cases).next_multiple_of(ROUND_BLOCKS)
+    cases.div_ceil(Line::RECORDS).next_multiple_of(ROUND_LINES)
 }
 
-/// A column for each of these nodes, with the number of every case.
-fn columns(nodes: &[NodeId], cases: usize, number: impl Fn(NodeId, usize) -> f32) -> Vec<Vec<Lanes>> {
-    let column = |node: &NodeId| {
-        let mut column = vec![Lanes::default(); whole_rounds(cases)];
-        (0..cases).for_each(|case| column[case / 4].0[case % 4] = flush(number(*node, case)));
-        column
+/// A stream with a column for each of these nodes, with the number of every case.
+fn stream(nodes: &[NodeId], cases: usize, number: impl Fn(NodeId, usize) -> f32) -> Vec<Line> {
+    let mut lines = vec![Line::default(); whole_rounds(cases) * nodes.len()];
+    for (column, node) in nodes.iter().enumerate() {
+        for case in 0..cases {
+            lines[case / 16 * nodes.len() + column].0[case % 16] = flush(number(*node, case));
+        }
+    }
+    lines
+}
+
+/// What a kernel makes of a stream: the outputs of each case.
+fn run(kernel: &Kernel, input: &[Line], uniforms: &[Splat], terms: bool, cases: usize) -> Vec<Vec<f32>> {
+    let outputs = kernel.outputs();
+    // Values are stored in one stream, terms in columns.
+    let (count, columns) = if terms { (outputs, 1) } else { (1, outputs) };
+    let mut results = vec![vec![Line::default(); whole_rounds(cases) * columns]; count];
+    let mut places: Vec<&mut [Line]> = results.iter_mut().map(Vec::as_mut_slice).collect();
+    kernel.run([input, &[], &[]], uniforms, &mut places, cases.div_ceil(Line::RECORDS));
+    let result = |case: usize, output: usize| {
+        let line = case / 16 * columns + output % columns;
+        results[output / columns][line].0[case % 16]
     };
-    nodes.iter().map(column).collect()
-}
-
-fn run(kernel: &Kernel, inputs: &[Vec<Lanes>], uniforms: &[Splat], outputs: usize, cases: usize) -> Vec<Vec<Lanes>> {
-    let blocks = Lanes::blocks(cases);
-    let mut results = vec![vec![Lanes::default(); whole_rounds(cases)]; outputs];
-    let inputs: Vec<&[Lanes]> = inputs.iter().map(Vec::as_slice).collect();
-    let mut places: Vec<&mut [Lanes]> = results.iter_mut().map(Vec::as_mut_slice).collect();
-    kernel.run(&inputs, uniforms, &mut places, blocks);
-    results
+    (0..cases).map(|case| (0..outputs).map(|output| result(case, output)).collect()).collect()
 }
 
 /// The compiled results of many cases: each case is the operation's numbers, each result its components.
@@ -149,8 +157,8 @@ pub(super) fn compiled(formula: &Formula, cases: &[Vec<f32>], from: Operands) ->
         }
         Node::Constant(_) | Node::Apply(..) => panic!("leaves are parameters and variables"),
     };
-    let leaves = columns(&compiled.contributor.uniform_leaves, cases.len(), number);
-    let uniforms = run(&compiled.contributor.uniform_kernel, &leaves, &[], bindings.frontier.uniforms.len(), cases.len());
+    let leaves = stream(&compiled.contributor.uniform_leaves, cases.len(), number);
+    let uniforms = run(&compiled.contributor.uniform_kernel, &leaves, &[], false, cases.len());
     let results = match from {
         Operands::Uniforms => uniforms,
         Operands::Columns => {
@@ -158,13 +166,12 @@ pub(super) fn compiled(formula: &Formula, cases: &[Vec<f32>], from: Operands) ->
                 bindings.frontier.hits.len() <= 7 && bindings.frontier.records.is_empty(),
                 "only the numbers themselves are static"
             );
-            let splat: Vec<Splat> = uniforms.iter().map(|column| Splat::new(column[0].0[0])).collect();
-            let inputs = columns(&bindings.frontier.hits, cases.len(), number);
+            let splat: Vec<Splat> = uniforms[0].iter().map(|number| Splat::new(*number)).collect();
+            let input = stream(&bindings.frontier.hits, cases.len(), number);
             let [stored, added] = [&compiled.contributor.storing, &compiled.contributor.adding]
-                .map(|kernel| run(kernel, &inputs, &splat, 3, cases.len()));
-            let numbers = |columns: &[Vec<Lanes>]| columns.iter().flatten().flat_map(|lanes| lanes.0).collect::<Vec<f32>>();
-            let same = |(x, y): (f32, f32)| x == y || x.is_nan() && y.is_nan();
-            assert!(numbers(&stored).into_iter().zip(numbers(&added)).all(same), "stored, or added to 0");
+                .map(|kernel| run(kernel, &input, &splat, true, cases.len()));
+            let same = |(x, y): (&f32, &f32)| x == y || x.is_nan() && y.is_nan();
+            assert!(stored.iter().flatten().zip(added.iter().flatten()).all(same), "stored, or added to 0");
             stored
         }
     };
@@ -177,7 +184,7 @@ pub(super) fn compiled(formula: &Formula, cases: &[Vec<f32>], from: Operands) ->
                 }
             };
             std::array::from_fn(|index| match component(index) {
-                Some(place) => results[place][case / 4].0[case % 4],
+                Some(place) => results[case][place],
                 // Constant components are folded.
                 None => bindings.graph.constant(bindings.contribution[index]).expect("what depends on nothing is constant"),
             })

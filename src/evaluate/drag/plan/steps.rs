@@ -5,7 +5,6 @@ use crate::evaluate::drag::Method;
 use crate::evaluate::drag::images::Key;
 use crate::evaluate::drag::plan::{PathWeights, Plan};
 use crate::evaluate::planes::Weight;
-use crate::jit::Lanes;
 use crate::trace::{Group, Span, Tile};
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -107,7 +106,7 @@ fn tile_cost(tile: &Tile) -> u64 {
 
 /// About how many blocks of four so many hits take.
 fn blocks(hits: &Range<u32>) -> usize {
-    hits.len().div_ceil(Lanes::COUNT)
+    hits.len().div_ceil(4)
 }
 
 /// The blocks of spans whose weight is not 0.
