@@ -17,6 +17,9 @@ pub const ROUND_LINES: usize = 4;
 /// How many lines are worked on at a time, see [`Segment::line`].
 pub const CHUNK_LINES: usize = 64;
 
+/// How many hits these are.
+pub const CHUNK_HITS: usize = CHUNK_LINES * LINE_HITS;
+
 /// Up to sixteen hits, or misses, that stand side by side in one line and whose pixels are neighbours too.
 ///
 /// It says where the line would lie in the picture if all its hits were neighbours like these, and which of its lanes they are: so a

@@ -8,12 +8,9 @@ use crate::evaluate::framebuffer::Channels;
 use crate::evaluate::planes::{Planes, Weight};
 use crate::jit::{Call, Kernel, Line, Splat, Sums, run_in_turn};
 use crate::scene::{BodyId, LightId};
-use crate::trace::{CHUNK_LINES, Group, LINE_HITS, ROUND_LINES, Span, Tile};
+use crate::trace::{CHUNK_HITS, CHUNK_LINES, Group, LINE_HITS, ROUND_LINES, Span, Tile};
 use smallvec::SmallVec;
 use std::ops::Range;
-
-/// How many hits are worked on at a time.
-const CHUNK_HITS: usize = CHUNK_LINES * LINE_HITS;
 
 /// What lit records contribute: a kernel with what it reads beside the columns, for some pairs of a body and a light.
 pub(super) struct Source<'p> {
@@ -131,88 +128,78 @@ impl Pass<'_> {
 
     /// What the lights of a group add.
     fn group(&self, tile: &Tile, place: usize, kept: Option<&Columns>, group: &Group, index: usize, workroom: &mut Workroom) {
-        let active = |source: &Source| group.lights.iter().any(|light| source.active[source.pair(group.body, *light)]);
-        if !self.sources.iter().any(active) {
+        let mut shiners = Shiners::new();
+        for (number, source) in self.sources.iter().enumerate() {
+            for (light_place, light) in group.lights.iter().enumerate() {
+                let pair = source.pair(group.body, *light);
+                if source.active[pair] {
+                    shiners.push(Shiner { source: number, light: light_place, uniforms: source.uniforms_of(pair) });
+                }
+            }
+        }
+        if shiners.is_empty() {
             return;
         }
         // Runs of spans whose weight is not 0 are computed together, and nothing of the others.
-        let dead = |weights: &[Weight], span: &Span| weights[span.path.index()].is_zero();
         let mut rest = tile.spans_of(group);
-        while let Some(start) = rest.iter().position(|span| !dead(&workroom.weights, span)) {
-            let alive = &rest[start..];
-            let length = alive.iter().position(|span| dead(&workroom.weights, span)).unwrap_or(alive.len());
-            let (run, behind) = alive.split_at(length);
+        while let Some(first) = rest.first() {
+            let begin = (first.hits.start - group.hits.start) as usize;
+            let chunk_end = group.hits.start + (begin / CHUNK_HITS * CHUNK_HITS + CHUNK_HITS) as u32;
+            let goes_on = |span: &Span| !workroom.weights[span.path.index()].is_zero() && span.hits.start < chunk_end;
+            let (run, behind) = rest.split_at(rest.iter().position(|span| !goes_on(span)).unwrap_or(rest.len()));
+            let Some(last) = run.last() else {
+                rest = &rest[1..];
+                continue;
+            };
             rest = behind;
-            let (Some(first), Some(last)) = (run.first(), run.last()) else { continue };
-            // Places of hits in the group, in chunks as the columns are cut in.
             let end = (last.hits.end - group.hits.start) as usize;
-            let mut at = (first.hits.start - group.hits.start) as usize;
-            let mut spans = run.iter();
-            let (mut segments, mut weight, mut span_end) = (&[][..], Weight(0.0), at);
-            while at < end {
-                let chunk = at / CHUNK_HITS * CHUNK_HITS;
-                let stop = (chunk + CHUNK_HITS).min(end);
-                let lines = at / LINE_HITS / ROUND_LINES * ROUND_LINES..stop.div_ceil(LINE_HITS).next_multiple_of(ROUND_LINES);
-                self.light(place, kept, group, index, lines, &mut workroom.sums);
-                while at < stop {
-                    if segments.is_empty() {
-                        let Some(span) = spans.next() else { break };
-                        (segments, weight) = (tile.segments_of(span), workroom.weights[span.path.index()]);
-                        span_end = (span.hits.end - group.hits.start) as usize;
-                    }
-                    // No segment reaches into another chunk, in which lines are counted from the beginning.
-                    let here = if span_end <= stop {
-                        std::mem::take(&mut segments)
-                    } else {
-                        // As many there are at least.
-                        let sure = (stop - at).div_ceil(LINE_HITS);
-                        let falls = segments[sure - 1..].windows(2).position(|two| two[1].line() < two[0].line());
-                        let (here, later) = segments.split_at(falls.map_or(segments.len(), |last| last + sure));
-                        segments = later;
-                        here
-                    };
-                    at = span_end.min(stop);
-                    workroom.planes.add(here, &workroom.sums, weight, self.channels);
-                }
+            let lines = begin / LINE_HITS / ROUND_LINES * ROUND_LINES..end.div_ceil(LINE_HITS).next_multiple_of(ROUND_LINES);
+            self.light(place, kept, index, &shiners, lines, &mut workroom.sums);
+            for span in run {
+                let weight = workroom.weights[span.path.index()];
+                workroom.planes.add(tile.segments_of(span), &workroom.sums, weight, self.channels);
             }
         }
     }
 
     /// The contributions of all lights of a group to these lines, whole rounds of one chunk, each to its own place in it.
-    fn light(&self, place: usize, kept: Option<&Columns>, group: &Group, index: usize, lines: Range<usize>, sums: &mut Sums) {
+    fn light(&self, place: usize, kept: Option<&Columns>, index: usize, shiners: &Shiners, lines: Range<usize>, sums: &mut Sums) {
         let own = lines.start % CHUNK_LINES..lines.start % CHUNK_LINES + lines.len();
         let mut planes = sums.each_mut().map(|plane| &mut plane[own.clone()]);
-        let count = lines.len();
         let kept = kept.map(|kept| kept.part(index, lines.clone()));
         // What a plane holds is of the chunk before.
         let mut stale = [true; 3];
-        for source in &self.sources {
+        for shiners in shiners.chunk_by(|a, b| a.source == b.source) {
+            let source = &self.sources[shiners[0].source];
             let components = source.channels.components();
             let store = stale[components.clone()].iter().all(|stale| *stale);
-            let mut calls = SmallVec::<[Call; 8]>::new();
-            let part = source.columns[place].part(index, lines.clone());
-            for (light_place, light) in group.lights.iter().enumerate() {
-                let pair = source.pair(group.body, *light);
-                if !source.active[pair] {
-                    continue;
-                }
-                let kept = kept.as_ref().map_or(&[][..], |kept| kept.records(light_place));
-                let kernel = if store && calls.is_empty() { source.storing } else { source.adding };
-                let streams = [part.hits(), part.records(light_place), kept];
-                calls.push(Call { kernel, streams, uniforms: source.uniforms_of(pair) });
-            }
-            if calls.is_empty() {
-                continue;
-            }
             if !store {
                 clear(&mut planes, &mut stale, components.clone());
             }
-            run_in_turn(&calls, &mut planes[components.clone()], count);
+            let part = source.columns[place].part(index, lines.clone());
+            let mut calls = SmallVec::<[Call; 8]>::new();
+            for Shiner { light, uniforms, .. } in shiners {
+                let kernel = if store && calls.is_empty() { source.storing } else { source.adding };
+                let kept = kept.as_ref().map_or(&[][..], |kept| kept.records(*light));
+                calls.push(Call { kernel, streams: [part.hits(), part.records(*light), kept], uniforms });
+            }
+            run_in_turn(&calls, &mut planes[components.clone()], lines.len());
             stale[components].fill(false);
         }
         clear(&mut planes, &mut stale, self.channels.components());
     }
 }
+
+/// A light that contributes to a group, by a source.
+struct Shiner<'p> {
+    source: usize,
+    /// Its place among the lights of the group.
+    light: usize,
+    uniforms: &'p [Splat],
+}
+
+/// Those of a group, source by source.
+type Shiners<'p> = SmallVec<[Shiner<'p>; 8]>;
 
 /// Clears those planes of some components that are stale.
 fn clear(planes: &mut [&mut [Line]; 3], stale: &mut [bool; 3], components: Range<usize>) {

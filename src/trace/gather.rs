@@ -4,7 +4,7 @@
 //! it grows; only the lists are sorted in the end.
 
 use crate::scene::{BodyId, LightId};
-use crate::segment::Segment;
+use crate::segment::{CHUNK_HITS, Segment};
 use crate::trace::store::{Group, Path, PathId, PathSets, Region, Span, Tile};
 use crate::trace::walk::Edge;
 use std::collections::HashMap;
@@ -108,7 +108,14 @@ impl Gatherer {
             .map(|group| {
                 let start = all.begin_group();
                 let first = spans.len() as u32;
-                spans.extend(group.iter().map(|list| all.span(list.path, &list.pixels)));
+                for list in group {
+                    let mut rest = &*list.pixels;
+                    while !rest.is_empty() {
+                        let (here, later) = rest.split_at(rest.len().min(all.left_in_chunk()));
+                        spans.push(all.span(list.path, here));
+                        rest = later;
+                    }
+                }
                 let (hits, own) = (start..all.hits, first..spans.len() as u32);
                 Group { body: group[0].body, lights: group[0].lights.into(), hits, spans: own }
             })
@@ -152,6 +159,11 @@ impl Pixels {
     fn begin_group(&mut self) -> u32 {
         self.group = self.hits;
         self.hits
+    }
+
+    /// How many hits of the group the present chunk still takes.
+    fn left_in_chunk(&self) -> usize {
+        CHUNK_HITS - (self.hits - self.group) as usize % CHUNK_HITS
     }
 
     /// Adds the pixels of a path, in segments of their own, to those before.

@@ -22,7 +22,7 @@ mod variables;
 mod view;
 mod walk;
 
-pub use crate::segment::{CHUNK_LINES, LINE_HITS, ROUND_LINES, Segment, TILE_PIXELS};
+pub use crate::segment::{CHUNK_HITS, CHUNK_LINES, LINE_HITS, ROUND_LINES, Segment, TILE_PIXELS};
 pub use budget::{Budget, Estimate};
 pub use lookup::variable;
 pub use optics::{Beam, Optics, Surface};

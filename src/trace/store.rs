@@ -41,7 +41,8 @@ pub struct Path {
     pub body: Option<BodyId>,
 }
 
-/// Consecutive hits, or misses, of one path, in the order of their pixels.
+/// Consecutive hits, or misses, of one path, in the order of their pixels. Hits are of one chunk: [`CHUNK_HITS`](crate::segment::CHUNK_HITS) of
+/// their group.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Span {
     /// The path.
@@ -61,7 +62,7 @@ pub struct Group {
     pub lights: SmallVec<[LightId; 6]>,
     /// The numbers of its hits.
     pub hits: Range<u32>,
-    /// The same hits path by path, in the order of path ids: indices into [`Tile::spans`]. A path occurs once, and in it a pixel at most once.
+    /// The same hits path by path, in the order of path ids: indices into [`Tile::spans`]. In a path a pixel occurs at most once.
     pub spans: Range<u32>,
 }
 

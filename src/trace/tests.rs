@@ -168,7 +168,11 @@ fn groups_and_spans_are_in_order_and_complete() {
         for span in tile.groups.iter().flat_map(|group| {
             let spans = tile.spans_of(group);
             assert_eq!(group.hits, spans[0].hits.start..spans[spans.len() - 1].hits.end);
-            assert!(spans.is_sorted_by(|a, b| a.path < b.path));
+            // A path goes on in another span only in the next chunk.
+            let chunk = |hit: u32| (hit - group.hits.start) as usize / CHUNK_HITS;
+            assert!(spans.iter().all(|span| chunk(span.hits.start) == chunk(span.hits.end - 1)));
+            let begins = |span: &Span| (span.hits.start - group.hits.start) as usize % CHUNK_HITS == 0;
+            assert!(spans.is_sorted_by(|a, b| a.path < b.path || a.path == b.path && begins(b)));
             spans
         }) {
             assert_eq!((span.hits.start, span.segments.start), next);
