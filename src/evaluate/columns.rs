@@ -7,7 +7,7 @@
 use crate::evaluate::memory::StreamMemory;
 use crate::evaluate::pass::Source;
 use crate::formula::graph::{Node, NodeId};
-use crate::jit::{CompiledFormula, Line, Streams};
+use crate::jit::{AHEAD, CompiledFormula, Line, Streams};
 use crate::lang::scalars::flush;
 use crate::lang::variables::Variable;
 use crate::scene::LightId;
@@ -168,6 +168,7 @@ impl Columns {
             hit_columns: arrangement.hit_columns,
             record_columns: arrangement.record_columns,
             chunk: chunk.lines,
+            whole: chunk.lines * arrangement.columns_of(own),
             lines: lines.start - chunk.first..lines.end - chunk.first,
         }
     }
@@ -179,8 +180,9 @@ pub(super) struct Part<'c> {
     memory: &'c [Line],
     hit_columns: usize,
     record_columns: usize,
-    /// How many lines a column of the chunk has.
+    /// How many lines a column of the chunk has, and all of them.
     chunk: usize,
+    whole: usize,
     /// Which of them.
     lines: Range<usize>,
 }
@@ -196,6 +198,11 @@ impl<'c> Part<'c> {
     #[inline]
     pub(super) fn records(&self, light: usize) -> &'c [Line] {
         self.stream(self.chunk * (self.hit_columns + light * self.record_columns), self.record_columns)
+    }
+
+    /// What is going to be read behind the chunk, as far as kernels have not fetched it.
+    pub(super) fn coming(&self) -> &'c [Line] {
+        self.memory.get(self.whole + AHEAD / size_of::<Line>()..).unwrap_or_default()
     }
 
     /// Of the stream of so many columns that begins at this line.

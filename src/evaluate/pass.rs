@@ -154,10 +154,12 @@ impl Pass<'_> {
             rest = behind;
             let end = (last.hits.end - group.hits.start) as usize;
             let lines = begin / LINE_HITS / ROUND_LINES * ROUND_LINES..end.div_ceil(LINE_HITS).next_multiple_of(ROUND_LINES);
+            let read = kept.unwrap_or(&self.sources[shiners[0].source].columns[place]);
+            let mut coming = read.part(index, lines.clone()).coming();
             self.light(place, kept, index, &shiners, lines, &mut workroom.sums);
             for span in run {
                 let weight = workroom.weights[span.path.index()];
-                workroom.planes.add(tile.segments_of(span), &workroom.sums, weight, self.channels);
+                workroom.planes.add(tile.segments_of(span), &workroom.sums, weight, self.channels, &mut coming);
             }
         }
     }

@@ -51,17 +51,19 @@ impl Planes {
         self.arch.dispatch(Fill { planes: &mut self.planes, regions: &tile.regions, colours, add });
     }
 
-    /// Adds the weighed colours of hits, which are in the lines that the segments say.
-    pub(super) fn add(&mut self, segments: &[Segment], sums: &Sums, weight: Weight, channels: Channels) {
+    /// Adds the weighed colours of hits, which are in the lines that the segments say. Meanwhile some of what is `coming` is fetched, and taken off.
+    pub(super) fn add(&mut self, segments: &[Segment], sums: &Sums, weight: Weight, channels: Channels, coming: &mut &[Line]) {
         if weight.is_tiny() {
             return self.add_tiny(segments, sums, weight, channels);
         }
         let weight = weight.0 as f32;
-        match (self.code, channels) {
-            (Some(code), Channels::All) => code.add(segments, sums, weight, None, &mut self.planes),
-            (Some(code), Channels::One(component)) => code.add(segments, sums, weight, Some(component), &mut self.planes),
-            (None, _) => self.add_portably(segments, sums, weight, channels),
-        }
+        let Some(code) = self.code else { return self.add_portably(segments, sums, weight, channels) };
+        let component = match channels {
+            Channels::All => None,
+            Channels::One(component) => Some(component),
+        };
+        let fetched = code.add(segments, sums, weight, component, &mut self.planes, coming);
+        *coming = coming.get(fetched..).unwrap_or_default();
     }
 
     /// Adds without compiled code.
@@ -262,7 +264,7 @@ mod tests {
             expected[pixel] = [0, 1, 2].map(|component| 1.0 + 0.5 * number(component, hit));
         }
         type Add = fn(&mut Planes, &[Segment], &Sums, Channels);
-        let compiled: Add = |planes, segments, sums, channels| planes.add(segments, sums, Weight(0.5), channels);
+        let compiled: Add = |planes, segments, sums, channels| planes.add(segments, sums, Weight(0.5), channels, &mut &[][..]);
         let portable: Add = |planes, segments, sums, channels| planes.add_portably(segments, sums, 0.5, channels);
         for (add, channels) in [compiled, portable].into_iter().flat_map(|add| [(add, Channels::All), (add, Channels::One(1))]) {
             let mut planes = Planes::new();
@@ -305,9 +307,9 @@ mod tests {
     fn weights_below_those_of_single_precision_still_count() {
         let mut planes = Planes::new();
         let sums: Sums = [[Line([1e38; 16]); CHUNK_LINES]; 3];
-        planes.add(&segments(std::iter::once(3..7)), &sums, Weight(1e-40), Channels::One(1));
+        planes.add(&segments(std::iter::once(3..7)), &sums, Weight(1e-40), Channels::One(1), &mut &[][..]);
         assert_eq!(planes.colour(4)[0], 0.0);
-        planes.add(&segments(std::iter::once(3..7)), &sums, Weight(1e-40), Channels::All);
+        planes.add(&segments(std::iter::once(3..7)), &sums, Weight(1e-40), Channels::All, &mut &[][..]);
         assert!((planes.colour(4)[0] - 1e-2).abs() < 1e-6 && (planes.colour(4)[1] - 2e-2).abs() < 1e-6);
         assert_eq!(planes.colour(7), [0.0; 3]);
     }

@@ -309,9 +309,15 @@ pub struct PixelCode {
 ///
 /// # Safety
 /// There is a segment, and all from the first to the end are readable; so are the lines of a chunk of each component, as far as the code was
-/// written for one or three, and the planes are readable and writable. The processor has AVX-512.
-type Adding =
-    unsafe extern "C" fn(segments: *const Segment, end: *const Segment, sums: *const Line, planes: *mut f32, weight: f32);
+/// written for one or three, and the planes are readable and writable. What is coming may be anywhere. The processor has AVX-512.
+type Adding = unsafe extern "C" fn(
+    segments: *const Segment,
+    end: *const Segment,
+    sums: *const Line,
+    planes: *mut f32,
+    coming: *const Line,
+    weight: f32,
+);
 
 /// Code of the [pixels](super::pixels) room that writes.
 ///
@@ -358,19 +364,30 @@ impl PixelCode {
         Some(Self { adding_all, adding_one, writing, _memory: memory })
     }
 
-    /// Adds the sums of these segments' hits, times `weight`, to their pixels: of all components, or of one (0 red, 1 green, 2 blue).
-    pub fn add(&self, segments: &[Segment], sums: &Sums, weight: f32, component: Option<usize>, planes: &mut PixelPlanes) {
+    /// Adds the sums of these segments' hits, times `weight`, to their pixels: of all components, or of one (0 red, 1 green, 2 blue). Meanwhile
+    /// it fetches lines from the beginning of what is `coming`, so many for each segment; how many in all.
+    pub fn add(
+        &self,
+        segments: &[Segment],
+        sums: &Sums,
+        weight: f32,
+        component: Option<usize>,
+        planes: &mut PixelPlanes,
+        coming: &[Line],
+    ) -> usize {
         if segments.is_empty() {
-            return;
+            return 0;
         }
+        let fetched = segments.len() * pixels::FETCHED;
         let place = component.unwrap_or(0);
         let (sums, planes) = (&sums[place..], &mut planes.0[place..]);
         let entry = if component.is_some() { self.adding_one } else { self.adding_all };
         let segments = segments.as_ptr_range();
         // SAFETY: the segments are those of a slice that is not empty. A segment's line is one of a chunk, and its place such that a line from
         // there ends within a plane (see `Segment::line`, `Segment::place`; only its room can make one); of `sums` and `planes` there are as many
-        // components as the code was written for, one behind the other, since they are parts of arrays. The processor was asked.
-        unsafe { entry(segments.start, segments.end, sums.as_ptr().cast(), planes.as_mut_ptr().cast(), weight) }
+        // components as the code was written for, one behind the other, since they are parts of arrays. To fetch from where nothing is does nothing. The processor was asked.
+        unsafe { entry(segments.start, segments.end, sums.as_ptr().cast(), planes.as_mut_ptr().cast(), coming.as_ptr(), weight) }
+        fetched
     }
 
     /// Writes lines of pixels, `0x00RRGGBB`, from this place in the planes on. Clamped, NaN as 0, and rounded to the nearest of 0..=255.

@@ -21,6 +21,10 @@ pub const STREAMS: usize = 3;
 /// Those that it does not read may be empty.
 pub type Streams<'c> = [&'c [Line]; STREAMS];
 
+/// So many bytes ahead of what they read kernels fetch: with less, memory would be too late, with more, the first cache would overflow. What is
+/// read next lies behind what is read now, also where a kernel's work ends.
+pub const AHEAD: usize = 16384;
+
 /// A uniform value, in as many lanes as the widest kernels have.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[repr(C, align(64))]

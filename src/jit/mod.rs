@@ -28,5 +28,5 @@ mod widen;
 pub use cache::KernelCache;
 pub use call::{Call, Kernel, PixelCode, run_in_turn};
 pub use compile::CompiledFormula;
-pub use lanes::{Line, PixelLine, PixelPlanes, Splat, Streams, Sums};
+pub use lanes::{AHEAD, Line, PixelLine, PixelPlanes, Splat, Streams, Sums};
 pub use target::{CompileError, Listing};

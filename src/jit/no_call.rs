@@ -61,7 +61,7 @@ impl PixelCode {
     }
 
     /// Adds.
-    pub fn add(&self, _: &[Segment], _: &Sums, _: f32, _: Option<usize>, _: &mut PixelPlanes) {
+    pub fn add(&self, _: &[Segment], _: &Sums, _: f32, _: Option<usize>, _: &mut PixelPlanes, _: &[Line]) -> usize {
         match *self {}
     }
 

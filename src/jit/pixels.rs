@@ -10,8 +10,11 @@ use crate::jit::widen::encoded;
 use crate::segment::Segment;
 use iced_x86::{Code, IcedError, Instruction, MemoryOperand, Register};
 
-/// The code of `fn(segments, end, sums, planes, weight)`: pointers to the first segment and behind the last (there is one at least), to
-/// three arrays of lines and three planes of pixels, and a number. The arrays lie so many bytes behind one another, and so do the planes. Of
+/// While the code of [`adding_code`] is at a segment, it fetches so many lines that are read next: memory has time meanwhile.
+pub(super) const FETCHED: usize = 2;
+
+/// The code of `fn(segments, end, sums, planes, coming, weight)`: pointers to the first segment and behind the last (there is one at least), to
+/// three arrays of lines and three planes of pixels, and to what is going to be read, if anything is there; and a number. The arrays lie so many bytes behind one another, and so do the planes. Of
 /// red, green and blue, `weight` times the sums of a segment's lanes is added to its pixels; or of `components` of them only.
 pub(super) fn adding_code(sums_stride: i64, plane_stride: i64, components: usize) -> Result<Vec<u8>, IcedError> {
     use Register as R;
@@ -27,9 +30,9 @@ pub(super) fn adding_code(sums_stride: i64, plane_stride: i64, components: usize
     let mut code = vec![Instruction::with2(Code::EVEX_Vbroadcastss_zmm_k1z_xmmm32, R::ZMM0, R::XMM0)?];
     let mut body = vec![
         Instruction::with2(Code::Movzx_r32_rm16, R::EAX, place)?,
-        Instruction::with2(Code::Movzx_r32_rm16, R::R8D, line)?,
+        Instruction::with2(Code::Movzx_r32_rm16, R::R9D, line)?,
         Instruction::with2(Code::VEX_Kmovw_kr_km16, R::K1, lanes)?,
-        Instruction::with2(Code::Shl_rm32_imm8, R::R8D, line_shift)?,
+        Instruction::with2(Code::Shl_rm32_imm8, R::R9D, line_shift)?,
     ];
     let pixels = |plane: i64| at(R::RCX, R::RAX, size_of::<f32>() as u32, plane * plane_stride);
     for (vector, plane) in vectors {
@@ -37,14 +40,18 @@ pub(super) fn adding_code(sums_stride: i64, plane_stride: i64, components: usize
         body.push(masked(Instruction::with2(Code::EVEX_Vmovups_zmm_k1z_zmmm512, *vector, pixels(*plane))?, true));
     }
     for (vector, plane) in vectors {
-        let sums = at(R::RDX, R::R8, 1, plane * sums_stride);
+        let sums = at(R::RDX, R::R9, 1, plane * sums_stride);
         body.push(Instruction::with3(Code::EVEX_Vfmadd231ps_zmm_k1z_zmm_zmmm512b32_er, *vector, R::ZMM0, sums)?);
     }
     for (vector, plane) in vectors {
         body.push(masked(Instruction::with2(Code::EVEX_Vmovups_zmmm512_k1z_zmm, pixels(*plane), *vector)?, false));
     }
+    for line in 0..FETCHED {
+        body.push(Instruction::with1(Code::Prefetcht0_m8, at(R::R8, R::None, 1, (line * size_of::<Line>()) as i64))?);
+    }
     body[0].set_ip(LOOP);
     code.extend(body);
+    code.push(Instruction::with2(Code::Add_rm64_imm32, R::R8, (FETCHED * size_of::<Line>()) as i32)?);
     code.push(Instruction::with2(Code::Add_rm64_imm8, R::RDI, size_of::<Segment>() as i32)?);
     code.push(Instruction::with2(Code::Cmp_r64_rm64, R::RDI, R::RSI)?);
     code.push(Instruction::with_branch(Code::Jb_rel32_64, LOOP)?);

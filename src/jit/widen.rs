@@ -8,11 +8,13 @@
 //! instruction is not on the list below, or needs the stack after all, the kernel stays as it is. That the result computes the same
 //! is tested as everything compiled is, against the interpreter, and instruction by instruction.
 
+use crate::jit::lanes::AHEAD;
 use iced_x86::{
     BlockEncoder, BlockEncoderOptions, Code, Decoder, DecoderOptions, Formatter, GasFormatter, IcedError, Instruction,
     InstructionBlock, MemoryOperand, OpKind, Register,
 };
-use std::collections::{BTreeMap, HashSet};
+use std::cmp::Reverse;
+use std::collections::{BTreeMap, BinaryHeap, HashSet};
 
 /// Where the code is decoded; not 0, which stands for no place.
 const BASE: u64 = 0x10000;
@@ -233,9 +235,6 @@ impl Widening {
     }
 }
 
-/// So many bytes ahead of what it reads a kernel fetches: less, and memory would be too late, more, and the first cache would overflow. What is
-/// read next lies behind what is read now (see [`KernelPlan::streams`](super::kernel::KernelPlan::streams)), also where a kernel's work ends.
-const AHEAD: u64 = 8192;
 /// Bytes of a line of the cache.
 const LINE: u64 = 64;
 
@@ -249,13 +248,20 @@ fn with_prefetches(code: Vec<Instruction>) -> Vec<Instruction> {
         let loads = vector && (0..instruction.op_count()).any(|operand| instruction.op_kind(operand) == OpKind::Memory);
         loads && instruction.memory_index() != Register::None && !stored.contains(&indexed(instruction))
     };
+    let begins_line = |instruction: &Instruction| is_column(instruction) && instruction.memory_displacement64() % LINE == 0;
+    // However columns are read, memory is fetched from front to back.
+    let mut places: BTreeMap<_, BinaryHeap<Reverse<u64>>> = BTreeMap::new();
+    for instruction in code.iter().filter(|instruction| begins_line(instruction)) {
+        places.entry(indexed(instruction)).or_default().push(Reverse(instruction.memory_displacement64()));
+    }
     let mut fetching = Vec::with_capacity(code.len());
     for instruction in code {
         fetching.push(instruction);
-        let displacement = instruction.memory_displacement64();
-        if is_column(&instruction) && displacement % LINE == 0 {
-            let (base, index) = indexed(&instruction);
-            let place = MemoryOperand::new(base, index, 1, (displacement + AHEAD) as i64, 8, false, Register::None);
+        let stream = indexed(&instruction);
+        if begins_line(&instruction)
+            && let Some(Reverse(displacement)) = places.get_mut(&stream).and_then(BinaryHeap::pop)
+        {
+            let place = MemoryOperand::new(stream.0, stream.1, 1, (displacement + AHEAD as u64) as i64, 8, false, Register::None);
             if let Ok(prefetch) = Instruction::with1(Code::Prefetcht0_m8, place) {
                 fetching.push(prefetch);
             }
