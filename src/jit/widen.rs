@@ -248,7 +248,8 @@ fn with_prefetches(code: Vec<Instruction>) -> Vec<Instruction> {
         let loads = vector && (0..instruction.op_count()).any(|operand| instruction.op_kind(operand) == OpKind::Memory);
         loads && instruction.memory_index() != Register::None && !stored.contains(&indexed(instruction))
     };
-    let begins_line = |instruction: &Instruction| is_column(instruction) && instruction.memory_displacement64() % LINE == 0;
+    let begins_line =
+        |instruction: &Instruction| is_column(instruction) && instruction.memory_displacement64().is_multiple_of(LINE);
     // However columns are read, memory is fetched from front to back.
     let mut places: BTreeMap<_, BinaryHeap<Reverse<u64>>> = BTreeMap::new();
     for instruction in code.iter().filter(|instruction| begins_line(instruction)) {

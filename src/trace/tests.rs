@@ -171,7 +171,7 @@ fn groups_and_spans_are_in_order_and_complete() {
             // A path goes on in another span only in the next chunk.
             let chunk = |hit: u32| (hit - group.hits.start) as usize / CHUNK_HITS;
             assert!(spans.iter().all(|span| chunk(span.hits.start) == chunk(span.hits.end - 1)));
-            let begins = |span: &Span| (span.hits.start - group.hits.start) as usize % CHUNK_HITS == 0;
+            let begins = |span: &Span| ((span.hits.start - group.hits.start) as usize).is_multiple_of(CHUNK_HITS);
             assert!(spans.is_sorted_by(|a, b| a.path < b.path || a.path == b.path && begins(b)));
             spans
         }) {
