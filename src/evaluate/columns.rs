@@ -7,7 +7,7 @@
 use crate::evaluate::memory::StreamMemory;
 use crate::evaluate::pass::Source;
 use crate::formula::graph::{Node, NodeId};
-use crate::jit::{AHEAD, CompiledFormula, Line, Streams};
+use crate::jit::{AHEAD, CompiledFormula, Line, Streams, fetch};
 use crate::lang::scalars::flush;
 use crate::lang::variables::Variable;
 use crate::scene::LightId;
@@ -150,6 +150,11 @@ impl Columns {
             }
         }
         Self { memory: Arc::new(memory), lines: 0..arrangement.lines, arrangement }
+    }
+
+    /// Has what a pass reads beside the columns fetched.
+    pub(super) fn fetch(&self) {
+        fetch(&self.arrangement.groups);
     }
 
     /// The memory they take, in bytes.

@@ -6,7 +6,7 @@
 use crate::evaluate::columns::Columns;
 use crate::evaluate::framebuffer::Channels;
 use crate::evaluate::planes::{Planes, Weight};
-use crate::jit::{Call, Kernel, Line, Splat, Sums, run_in_turn};
+use crate::jit::{Call, Kernel, Line, Splat, Sums, fetch, run_in_turn};
 use crate::scene::{BodyId, LightId};
 use crate::trace::{CHUNK_HITS, CHUNK_LINES, Group, LINE_HITS, ROUND_LINES, Span, Tile};
 use smallvec::SmallVec;
@@ -71,9 +71,9 @@ pub(super) struct Workroom {
     pub(super) weights: Vec<Weight>,
     /// Red, green and blue of the hits of a chunk, before the weight of their paths.
     sums: Box<Sums>,
-    /// What each path, and each set of them, adds to its pixels beside the contributions of lights.
-    path_colours: Vec<[f32; 3]>,
-    set_colours: Vec<[f32; 3]>,
+    /// What each path, and each set of them, adds to its pixels beside the contributions of lights; the fourth number is 0.
+    path_colours: Vec<[f32; 4]>,
+    set_colours: Vec<[f32; 4]>,
 }
 
 impl Workroom {
@@ -95,6 +95,11 @@ impl Pass<'_> {
     /// Adds the pass to the planes of the workroom, whose weights are those of the tile's paths. `place` is the tile's; `kept` are
     /// columns beside the static ones, if kernels read such.
     pub(super) fn add(&self, tile: &Tile, place: usize, kept: Option<&Columns>, onto: Onto, workroom: &mut Workroom) {
+        // All at once: one after the other, each would be waited for.
+        fetch(&tile.regions);
+        fetch(&tile.groups);
+        fetch(&tile.spans);
+        self.sources.iter().for_each(|source| source.columns[place].fetch());
         self.everywhere(tile, onto, workroom);
         for (index, group) in tile.groups.iter().enumerate() {
             self.group(tile, place, kept, group, index, workroom);
@@ -112,11 +117,12 @@ impl Pass<'_> {
         path_colours.clear();
         path_colours.extend(tile.paths.iter().zip(weights.iter()).map(|(path, weight)| {
             let colour = path.body.map_or(self.background, |body| self.ambient[body.index()]);
-            if weight.is_zero() { [0.0; 3] } else { weight.of(colour) }
+            let [red, green, blue] = if weight.is_zero() { [0.0; 3] } else { weight.of(colour) };
+            [red, green, blue, 0.0]
         }));
         set_colours.clear();
         set_colours.extend(tile.path_sets.iter().map(|paths| {
-            let mut sum = [0.0; 3];
+            let mut sum = [0.0; 4];
             for path in paths {
                 let colour = path_colours[path.index()];
                 sum = std::array::from_fn(|component| sum[component] + colour[component]);

@@ -47,7 +47,7 @@ impl Planes {
     }
 
     /// Gives every region of a tile a colour, that of its set of paths; or adds it to what is there.
-    pub(super) fn fill(&mut self, tile: &Tile, colours: &[[f32; 3]], add: bool) {
+    pub(super) fn fill(&mut self, tile: &Tile, colours: &[[f32; 4]], add: bool) {
         self.arch.dispatch(Fill { planes: &mut self.planes, regions: &tile.regions, colours, add });
     }
 
@@ -107,11 +107,14 @@ impl Planes {
 
 // What is dispatched is a structure with a method that must be inlined: only so is it compiled for the vectors of this processor.
 
+/// So many pixels are coloured at a time.
+const LEAST: usize = PLANE_PIXELS - PIXELS.end;
+
 /// Colours every region.
 struct Fill<'a> {
     planes: &'a mut PixelPlanes,
     regions: &'a [Region],
-    colours: &'a [[f32; 3]],
+    colours: &'a [[f32; 4]],
     add: bool,
 }
 
@@ -129,10 +132,14 @@ impl WithSimd for Fill<'_> {
                     plane[start..end].iter_mut().for_each(|pixel| *pixel += component);
                     continue;
                 }
-                // Most regions are small. What is written beyond the end, the next region overwrites.
-                let length = (end - start).next_multiple_of(LINE_HITS);
-                for line in plane[start..start + length].as_chunks_mut::<LINE_HITS>().0 {
-                    *line = [component; LINE_HITS];
+                // Most regions are small: a choice among lengths would often be guessed wrong. What is written beyond the end, the next
+                // region overwrites.
+                plane[start..start + LEAST].fill(component);
+                if end - start > LEAST {
+                    let length = (end - start).next_multiple_of(LEAST);
+                    for line in plane[start + LEAST..start + length].as_chunks_mut::<LEAST>().0 {
+                        *line = [component; LEAST];
+                    }
                 }
             }
             start = end;

@@ -23,6 +23,7 @@ use cranelift_codegen::isa::CallConv;
 use cranelift_jit::{JITBuilder, JITModule};
 use cranelift_module::{Linkage, Module, ModuleError};
 use smallvec::SmallVec;
+use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
 use std::mem::ManuallyDrop;
 use std::sync::{Arc, OnceLock};
 
@@ -294,6 +295,16 @@ unsafe extern "C" fn perlin_lanes(lanes: *mut f32) {
     // SAFETY: gives the kernel its MXCSR back.
     unsafe {
         std::arch::asm!("ldmxcsr [{saved}]", saved = in(reg) &raw const saved, options(nostack, readonly));
+    }
+}
+
+/// Has the processor fetch a list that is going to be read, and goes on: lists that come from memory are then waited for together.
+pub fn fetch<T>(list: &[T]) {
+    let bytes = list.as_ptr_range();
+    for line in (bytes.start.addr()..bytes.end.addr()).step_by(size_of::<Line>()) {
+        // SAFETY: fetching reads nothing that the program sees, and does nothing where nothing is. The instruction is of SSE, which every
+        // processor of this architecture has.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(std::ptr::without_provenance(line)) };
     }
 }
 

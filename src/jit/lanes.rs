@@ -45,8 +45,8 @@ pub struct PixelLine(pub [u32; Line::RECORDS]);
 /// What is added to the pixels of hits: red, green and blue of each line of a chunk.
 pub type Sums = [[Line; CHUNK_LINES]; 3];
 
-/// Pixels of a plane: those of a tile, behind a [margin](Segment::MARGIN), and room for a line beyond.
-pub const PLANE_PIXELS: usize = Segment::MARGIN + TILE_PIXELS as usize + LINE_HITS;
+/// Pixels of a plane: those of a tile, behind a [margin](Segment::MARGIN), and room for two lines beyond.
+pub const PLANE_PIXELS: usize = Segment::MARGIN + TILE_PIXELS as usize + 2 * LINE_HITS;
 
 /// Red, green and blue of the pixels of a tile, each behind its margin.
 #[derive(Debug, Clone, bytemuck::Zeroable)]

@@ -51,6 +51,9 @@ pub(super) fn generate(
     Err(CompileError::Processor(target.isa.name().to_owned()))
 }
 
+/// Has the processor fetch a list: not here.
+pub fn fetch<T>(_: &[T]) {}
+
 /// Code that adds to pixels and writes them: there is none.
 pub enum PixelCode {}
 

@@ -11,7 +11,7 @@ use crate::segment::Segment;
 use iced_x86::{Code, IcedError, Instruction, MemoryOperand, Register};
 
 /// While the code of [`adding_code`] is at a segment, it fetches so many lines that are read next: memory has time meanwhile.
-pub(super) const FETCHED: usize = 2;
+pub(super) const FETCHED: usize = 1;
 
 /// The code of `fn(segments, end, sums, planes, coming, weight)`: pointers to the first segment and behind the last (there is one at least), to
 /// three arrays of lines and three planes of pixels, and to what is going to be read, if anything is there; and a number. The arrays lie so many bytes behind one another, and so do the planes. Of
