@@ -5,8 +5,8 @@
 
 use crate::evaluate::columns::Columns;
 use crate::evaluate::framebuffer::Channels;
-use crate::evaluate::planes::{Planes, Weight};
-use crate::jit::{Call, Kernel, Line, Splat, Sums, fetch, run_in_turn};
+use crate::evaluate::planes::{Adder, Planes, Weight};
+use crate::jit::{Kernel, Line, Splat, Steps, Sums, fetch};
 use crate::scene::{BodyId, LightId};
 use crate::trace::{CHUNK_HITS, CHUNK_LINES, Group, LINE_HITS, ROUND_LINES, Span, Tile};
 use smallvec::SmallVec;
@@ -71,6 +71,8 @@ pub(super) struct Workroom {
     pub(super) weights: Vec<Weight>,
     /// Red, green and blue of the hits of a chunk, before the weight of their paths.
     sums: Box<Sums>,
+    /// Room for the work of compiled code.
+    steps: Steps,
     /// What each path, and each set of them, adds to its pixels beside the contributions of lights; the fourth number is 0.
     path_colours: Vec<[f32; 4]>,
     set_colours: Vec<[f32; 4]>,
@@ -85,6 +87,7 @@ impl Workroom {
             planes: Planes::new(),
             weights: Vec::new(),
             sums: bytemuck::zeroed_box(),
+            steps: Steps::default(),
             path_colours: Vec::new(),
             set_colours: Vec::new(),
         }
@@ -101,9 +104,12 @@ impl Pass<'_> {
         fetch(&tile.spans);
         self.sources.iter().for_each(|source| source.columns[place].fetch());
         self.everywhere(tile, onto, workroom);
+        let Workroom { planes, weights, sums, steps, .. } = workroom;
+        let mut adder = planes.adder(steps, sums);
         for (index, group) in tile.groups.iter().enumerate() {
-            self.group(tile, place, kept, group, index, workroom);
+            self.group(tile, place, kept, group, index, weights, &mut adder);
         }
+        adder.finish();
     }
 
     /// What rays add whatever their hits are like, ambient light and background: the same in each region.
@@ -133,7 +139,17 @@ impl Pass<'_> {
     }
 
     /// What the lights of a group add.
-    fn group(&self, tile: &Tile, place: usize, kept: Option<&Columns>, group: &Group, index: usize, workroom: &mut Workroom) {
+    #[expect(clippy::too_many_arguments, reason = "a group is of a tile and has columns")]
+    fn group<'p>(
+        &'p self,
+        tile: &'p Tile,
+        place: usize,
+        kept: Option<&'p Columns>,
+        group: &'p Group,
+        index: usize,
+        weights: &[Weight],
+        adder: &mut Adder<'p>,
+    ) {
         let mut shiners = Shiners::new();
         for (number, source) in self.sources.iter().enumerate() {
             for (light_place, light) in group.lights.iter().enumerate() {
@@ -151,7 +167,7 @@ impl Pass<'_> {
         while let Some(first) = rest.first() {
             let begin = (first.hits.start - group.hits.start) as usize;
             let chunk_end = group.hits.start + (begin / CHUNK_HITS * CHUNK_HITS + CHUNK_HITS) as u32;
-            let goes_on = |span: &Span| !workroom.weights[span.path.index()].is_zero() && span.hits.start < chunk_end;
+            let goes_on = |span: &Span| !weights[span.path.index()].is_zero() && span.hits.start < chunk_end;
             let (run, behind) = rest.split_at(rest.iter().position(|span| !goes_on(span)).unwrap_or(rest.len()));
             let Some(last) = run.last() else {
                 rest = &rest[1..];
@@ -162,39 +178,44 @@ impl Pass<'_> {
             let lines = begin / LINE_HITS / ROUND_LINES * ROUND_LINES..end.div_ceil(LINE_HITS).next_multiple_of(ROUND_LINES);
             let read = kept.unwrap_or(&self.sources[shiners[0].source].columns[place]);
             let mut coming = read.part(index, lines.clone()).coming();
-            self.light(place, kept, index, &shiners, lines, &mut workroom.sums);
+            self.light(place, kept, index, &shiners, lines, adder);
             for span in run {
-                let weight = workroom.weights[span.path.index()];
-                workroom.planes.add(tile.segments_of(span), &workroom.sums, weight, self.channels, &mut coming);
+                adder.add(tile.segments_of(span), weights[span.path.index()], self.channels, &mut coming);
             }
         }
     }
 
     /// The contributions of all lights of a group to these lines, whole rounds of one chunk, each to its own place in it.
-    fn light(&self, place: usize, kept: Option<&Columns>, index: usize, shiners: &Shiners, lines: Range<usize>, sums: &mut Sums) {
+    fn light<'p>(
+        &'p self,
+        place: usize,
+        kept: Option<&'p Columns>,
+        index: usize,
+        shiners: &Shiners<'p>,
+        lines: Range<usize>,
+        adder: &mut Adder<'p>,
+    ) {
         let own = lines.start % CHUNK_LINES..lines.start % CHUNK_LINES + lines.len();
-        let mut planes = sums.each_mut().map(|plane| &mut plane[own.clone()]);
         let kept = kept.map(|kept| kept.part(index, lines.clone()));
-        // What a plane holds is of the chunk before.
+        // What the sums hold is of the chunk before.
         let mut stale = [true; 3];
         for shiners in shiners.chunk_by(|a, b| a.source == b.source) {
             let source = &self.sources[shiners[0].source];
             let components = source.channels.components();
-            let store = stale[components.clone()].iter().all(|stale| *stale);
+            let mut store = stale[components.clone()].iter().all(|stale| *stale);
             if !store {
-                clear(&mut planes, &mut stale, components.clone());
+                clear(adder, &own, &mut stale, components.clone());
             }
             let part = source.columns[place].part(index, lines.clone());
-            let mut calls = SmallVec::<[Call; 8]>::new();
             for Shiner { light, uniforms, .. } in shiners {
-                let kernel = if store && calls.is_empty() { source.storing } else { source.adding };
+                let kernel = if std::mem::take(&mut store) { source.storing } else { source.adding };
                 let kept = kept.as_ref().map_or(&[][..], |kept| kept.records(*light));
-                calls.push(Call { kernel, streams: [part.hits(), part.records(*light), kept], uniforms });
+                let streams = [part.hits(), part.records(*light), kept];
+                adder.program().contribute(kernel, streams, uniforms, components.clone(), own.clone());
             }
-            run_in_turn(&calls, &mut planes[components.clone()], lines.len());
             stale[components].fill(false);
         }
-        clear(&mut planes, &mut stale, self.channels.components());
+        clear(adder, &own, &mut stale, self.channels.components());
     }
 }
 
@@ -209,11 +230,12 @@ struct Shiner<'p> {
 /// Those of a group, source by source.
 type Shiners<'p> = SmallVec<[Shiner<'p>; 8]>;
 
-/// Clears those planes of some components that are stale.
-fn clear(planes: &mut [&mut [Line]; 3], stale: &mut [bool; 3], components: Range<usize>) {
+/// Clears these lines of the sums of those components that are stale.
+fn clear(adder: &mut Adder, lines: &Range<usize>, stale: &mut [bool; 3], components: Range<usize>) {
     for component in components {
         if std::mem::replace(&mut stale[component], false) {
-            planes[component].fill(Line::default());
+            let (sums, _) = adder.program().run();
+            sums[component][lines.clone()].fill(Line::default());
         }
     }
 }

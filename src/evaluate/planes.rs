@@ -5,7 +5,7 @@
 
 use crate::evaluate::framebuffer::{self, Channels};
 use crate::jit::lanes::PLANE_PIXELS;
-use crate::jit::{Line, PixelCode, PixelLine, PixelPlanes, Sums};
+use crate::jit::{Line, PixelCode, PixelLine, PixelPlanes, Program, Steps, Sums};
 use crate::trace::{CHUNK_LINES, LINE_HITS, MAX_DEPTH, Region, Segment, TILE_PIXELS, Tile};
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
@@ -51,41 +51,9 @@ impl Planes {
         self.arch.dispatch(Fill { planes: &mut self.planes, regions: &tile.regions, colours, add });
     }
 
-    /// Adds the weighed colours of hits, which are in the lines that the segments say. Meanwhile some of what is `coming` is fetched, and taken off.
-    pub(super) fn add(&mut self, segments: &[Segment], sums: &Sums, weight: Weight, channels: Channels, coming: &mut &[Line]) {
-        if weight.is_tiny() {
-            return self.add_tiny(segments, sums, weight, channels);
-        }
-        let weight = weight.0 as f32;
-        let Some(code) = self.code else { return self.add_portably(segments, sums, weight, channels) };
-        let component = match channels {
-            Channels::All => None,
-            Channels::One(component) => Some(component),
-        };
-        let fetched = code.add(segments, sums, weight, component, &mut self.planes, coming);
-        *coming = coming.get(fetched..).unwrap_or_default();
-    }
-
-    /// Adds without compiled code.
-    fn add_portably(&mut self, segments: &[Segment], sums: &Sums, weight: f32, channels: Channels) {
-        let components = channels.components();
-        let planes = &mut self.planes.0[components.clone()];
-        self.arch.dispatch(Addition { planes, segments, sums: &sums[components], weight });
-    }
-
-    /// The same where the weight is too small for a number of single precision.
-    #[cold]
-    fn add_tiny(&mut self, segments: &[Segment], sums: &Sums, weight: Weight, channels: Channels) {
-        for (component, segment) in
-            channels.components().flat_map(|component| segments.iter().map(move |segment| (component, segment)))
-        {
-            let first = segment.lanes().trailing_zeros() as usize;
-            let sums = &sums[component][segment.line()].0;
-            for (pixel, sum) in self.planes.0[component][PIXELS][segment.pixels()].iter_mut().zip(&sums[first..]) {
-                let [weighed, ..] = weight.of([*sum; 3]);
-                *pixel += weighed;
-            }
-        }
+    /// What adds to the pixels, by way of these sums.
+    pub(super) fn adder<'p>(&'p mut self, steps: &'p mut Steps, sums: &'p mut Sums) -> Adder<'p> {
+        Adder { program: Program::new(steps, sums, &mut self.planes), arch: self.arch }
     }
 
     /// Writes the tile's pixels.
@@ -102,6 +70,66 @@ impl Planes {
     /// Writes some pixels, from this one of the tile on, without compiled code.
     fn quantise_portably(&self, first: usize, pixels: &mut [u32]) {
         self.arch.dispatch(Quantise { planes: self.components().map(|plane| &plane[first..]), pixels });
+    }
+}
+
+/// Adds the colours of hits to pixels. What is asked of it is put off until it is finished, as far as compiled code does it.
+pub(super) struct Adder<'p> {
+    program: Program<'p>,
+    arch: Arch,
+}
+
+impl<'p> Adder<'p> {
+    /// The work for compiled code.
+    pub(super) fn program(&mut self) -> &mut Program<'p> {
+        &mut self.program
+    }
+
+    /// Adds the weighed colours of hits, which are in the lines that the segments say. Meanwhile some of what is `coming` is fetched, and taken off.
+    pub(super) fn add(&mut self, segments: &'p [Segment], weight: Weight, channels: Channels, coming: &mut &[Line]) {
+        let component = match channels {
+            Channels::All => None,
+            Channels::One(component) => Some(component),
+        };
+        if !weight.is_tiny()
+            && let Some(fetched) = self.program.add(segments, weight.0 as f32, component, coming)
+        {
+            *coming = coming.get(fetched..).unwrap_or_default();
+            return;
+        }
+        let (sums, planes) = self.program.run();
+        if weight.is_tiny() {
+            add_tiny(planes, segments, sums, weight, channels);
+        } else {
+            add_portably(self.arch, planes, segments, sums, weight.0 as f32, channels);
+        }
+    }
+
+    /// Does what was put off.
+    pub(super) fn finish(mut self) {
+        self.program.run();
+    }
+}
+
+/// Adds without compiled code.
+fn add_portably(arch: Arch, planes: &mut PixelPlanes, segments: &[Segment], sums: &Sums, weight: f32, channels: Channels) {
+    let components = channels.components();
+    let planes = &mut planes.0[components.clone()];
+    arch.dispatch(Addition { planes, segments, sums: &sums[components], weight });
+}
+
+/// The same where the weight is too small for a number of single precision.
+#[cold]
+fn add_tiny(planes: &mut PixelPlanes, segments: &[Segment], sums: &Sums, weight: Weight, channels: Channels) {
+    for (component, segment) in
+        channels.components().flat_map(|component| segments.iter().map(move |segment| (component, segment)))
+    {
+        let first = segment.lanes().trailing_zeros() as usize;
+        let sums = &sums[component][segment.line()].0;
+        for (pixel, sum) in planes.0[component][PIXELS][segment.pixels()].iter_mut().zip(&sums[first..]) {
+            let [weighed, ..] = weight.of([*sum; 3]);
+            *pixel += weighed;
+        }
     }
 }
 
@@ -252,6 +280,13 @@ mod tests {
         segments
     }
 
+    fn add(planes: &mut Planes, segments: &[Segment], sums: &mut Sums, weight: Weight, channels: Channels) {
+        let mut steps = Steps::default();
+        let mut adder = planes.adder(&mut steps, sums);
+        adder.add(segments, weight, channels, &mut &[][..]);
+        adder.finish();
+    }
+
     #[test]
     fn hits_add_to_their_pixels_and_to_no_others() {
         // At the ends of a tile, with and without gaps, longer and shorter than a line.
@@ -263,20 +298,22 @@ mod tests {
         assert_eq!(segments.iter().map(|segment| segment.hits()).sum::<usize>(), hits);
         // Numbers that say whose they are; beyond the hits NaN, which must not be seen.
         let number = |component: usize, hit: usize| if hit < hits { (1 + component * 1000 + hit) as f32 } else { f32::NAN };
-        let sums: Sums = std::array::from_fn(|component| {
+        let mut sums: Sums = std::array::from_fn(|component| {
             std::array::from_fn(|line| Line(std::array::from_fn(|lane| number(component, 16 * line + lane))))
         });
         let mut expected = vec![[1.0_f32; 3]; last];
         for (hit, pixel) in runs.iter().cloned().flatten().enumerate() {
             expected[pixel] = [0, 1, 2].map(|component| 1.0 + 0.5 * number(component, hit));
         }
-        type Add = fn(&mut Planes, &[Segment], &Sums, Channels);
-        let compiled: Add = |planes, segments, sums, channels| planes.add(segments, sums, Weight(0.5), channels, &mut &[][..]);
-        let portable: Add = |planes, segments, sums, channels| planes.add_portably(segments, sums, 0.5, channels);
+        type Add = fn(&mut Planes, &[Segment], &mut Sums, Channels);
+        let compiled: Add = |planes, segments, sums, channels| add(planes, segments, sums, Weight(0.5), channels);
+        let portable: Add = |planes, segments, sums, channels| {
+            add_portably(planes.arch, &mut planes.planes, segments, sums, 0.5, channels);
+        };
         for (add, channels) in [compiled, portable].into_iter().flat_map(|add| [(add, Channels::All), (add, Channels::One(1))]) {
             let mut planes = Planes::new();
             (0..3).for_each(|component| planes.part_mut(component, 0..last).fill(1.0));
-            add(&mut planes, &segments, &sums, channels);
+            add(&mut planes, &segments, &mut sums, channels);
             for (pixel, expected) in expected.iter().enumerate() {
                 let added = |component: usize| channels == Channels::All || channels == Channels::One(component);
                 let expected = [0, 1, 2].map(|component| if added(component) { expected[component] } else { 1.0 });
@@ -313,10 +350,10 @@ mod tests {
     #[test]
     fn weights_below_those_of_single_precision_still_count() {
         let mut planes = Planes::new();
-        let sums: Sums = [[Line([1e38; 16]); CHUNK_LINES]; 3];
-        planes.add(&segments(std::iter::once(3..7)), &sums, Weight(1e-40), Channels::One(1), &mut &[][..]);
+        let mut sums: Sums = [[Line([1e38; 16]); CHUNK_LINES]; 3];
+        add(&mut planes, &segments(std::iter::once(3..7)), &mut sums, Weight(1e-40), Channels::One(1));
         assert_eq!(planes.colour(4)[0], 0.0);
-        planes.add(&segments(std::iter::once(3..7)), &sums, Weight(1e-40), Channels::All, &mut &[][..]);
+        add(&mut planes, &segments(std::iter::once(3..7)), &mut sums, Weight(1e-40), Channels::All);
         assert!((planes.colour(4)[0] - 1e-2).abs() < 1e-6 && (planes.colour(4)[1] - 2e-2).abs() < 1e-6);
         assert_eq!(planes.colour(7), [0.0; 3]);
     }

@@ -9,7 +9,7 @@ use crate::formula::graph::Graph;
 use crate::jit::emit::PERLIN_OPERANDS;
 use crate::jit::kernel::{self, KernelPlan, Shape};
 use crate::jit::lanes::{Line, PLANE_PIXELS, PixelLine, PixelPlanes, STREAMS, Splat, Streams, Sums};
-use crate::jit::pixels;
+use crate::jit::pixels::{self, Addition};
 use crate::jit::target::{CompileError, Listing, Target, target};
 use crate::jit::widen::{ALIGNMENT, disassembled, widen};
 use crate::lang::noise;
@@ -22,9 +22,10 @@ use cranelift_codegen::ir::{AbiParam, Signature};
 use cranelift_codegen::isa::CallConv;
 use cranelift_jit::{JITBuilder, JITModule};
 use cranelift_module::{Linkage, Module, ModuleError};
-use smallvec::SmallVec;
 use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+use std::marker::PhantomData;
 use std::mem::ManuallyDrop;
+use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
 /// What every kernel is: see the [kernel](super::kernel) room for the meaning of the parameters.
@@ -76,6 +77,9 @@ fn generate_for(
     let noise = module.declare_function("perlin", Linkage::Import, &noise_signature).map_err(failed)?;
     let mut functions = Vec::with_capacity(plans.len());
     for (index, plan) in plans.iter().enumerate() {
+        if plan.output_streams().len() > OUTPUTS {
+            return Err(CompileError::Generator(format!("the kernel of {} has too many outputs", plan.name)));
+        }
         let mut signature = Signature::new(CallConv::SystemV);
         signature.params.extend(kernel::parameters());
         let id = module.declare_function(&format!("{}{index}", plan.name), Linkage::Local, &signature).map_err(failed)?;
@@ -156,74 +160,151 @@ impl Kernel {
         lines.next_multiple_of(self.shape.lines())
     }
 
-    /// Runs the kernel over so many lines of records, from these streams and uniform values: stores or adds into `outputs`, see
-    /// [`run_in_turn`].
+    /// Runs the kernel over so many lines of records, from these streams and uniform values: stores or adds into `outputs`, one stream where values
+    /// are stored, a column for each output where terms are added up. What becomes of lines beyond, see [`whole_rounds`](Self::whole_rounds),
+    /// has no meaning.
     ///
     /// # Panics
-    /// As [`run_in_turn`].
+    /// Where there are not as many uniforms and outputs as the kernel was written for, or a stream or an output is shorter than its
+    /// [whole rounds](Self::whole_rounds) of `lines`.
     pub fn run(&self, streams: Streams, uniforms: &[Splat], outputs: &mut [&mut [Line]], lines: usize) {
-        run_in_turn(&[Call { kernel: self, streams, uniforms }], outputs, lines);
+        let whole = self.whole_rounds(lines);
+        assert!(outputs.len() == self.outputs.len(), "a kernel's outputs");
+        let mut places = [std::ptr::null_mut(); OUTPUTS];
+        for ((output, columns), place) in outputs.iter_mut().zip(&*self.outputs).zip(&mut places) {
+            assert!(holds(output.len(), whole, *columns), "a kernel's outputs");
+            *place = output.as_mut_ptr();
+        }
+        let step = self.step(streams, uniforms, places, whole);
+        // SAFETY: the kernel's code reads of every stream, and writes of every output, the lines of its rounds, times as many as the stream has
+        // columns, and `self.uniforms` splats; the assertions, here and in `step`, guarantee all of them, `&mut` that outputs overlap nothing.
+        unsafe { perform(&[step]) }
+    }
+
+    /// A call that reads these, checked, and writes whole rounds to these places, which are not.
+    fn step(&self, streams: Streams, uniforms: &[Splat], outputs: [*mut Line; OUTPUTS], whole: usize) -> Step {
+        let enough = streams.iter().zip(self.streams).all(|(stream, columns)| holds(stream.len(), whole, columns));
+        assert!(enough, "a kernel's columns");
+        assert!(uniforms.len() >= self.uniforms, "a kernel's uniforms");
+        let mut words = [0; WORDS];
+        let (inputs, others) = words.split_at_mut(STREAMS);
+        let (places, others) = others.split_at_mut(OUTPUTS);
+        inputs.copy_from_slice(&streams.map(|stream| stream.as_ptr().expose_provenance()));
+        places.copy_from_slice(&outputs.map(<*mut Line>::expose_provenance));
+        others.copy_from_slice(&[uniforms.as_ptr().expose_provenance(), whole * Line::BLOCKS / self.shape.round()]);
+        Step { words, entry: self.entry as usize }
     }
 }
 
-/// A kernel and what it reads.
+/// Whether a stream of so many lines has these of so many columns. A product that does not fit is longer than any stream.
+fn holds(length: usize, lines: usize, columns: usize) -> bool {
+    lines.checked_mul(columns).is_some_and(|needed| length >= needed)
+}
+
+/// A call of compiled code: what it reads, and where the code is. Of a kernel: its streams, its outputs, its uniform values, and the number of
+/// rounds; of code that adds to pixels: an [`Addition`].
 #[derive(Clone, Copy)]
-pub struct Call<'c> {
-    /// The kernel.
-    pub kernel: &'c Kernel,
-    /// Its columns.
-    pub streams: Streams<'c>,
-    /// Its uniform values.
-    pub uniforms: &'c [Splat],
-}
-
-/// The arguments of a call, as the code below reads them.
 #[repr(C)]
-struct Arguments {
-    streams: [*const Line; STREAMS],
-    uniforms: *const Splat,
-    outputs: *const *mut Line,
-    rounds: usize,
-    entry: Entry,
+struct Step {
+    words: [usize; WORDS],
+    entry: usize,
 }
 
-/// Runs kernels one after the other, over as many lines and into the same outputs: one stream where values are stored, a column for each output
-/// where terms are added up. What becomes of lines beyond, see [`Kernel::whole_rounds`], has no meaning. To enter and leave compiled code
-/// costs some ten nanoseconds, so it is done once for all of them.
-///
-/// # Panics
-/// Where there are not as many uniforms and outputs as a kernel was written for, or a stream or an output is shorter than its
-/// [whole rounds](Kernel::whole_rounds) of `lines`.
-pub fn run_in_turn(calls: &[Call], outputs: &mut [&mut [Line]], lines: usize) {
-    let mut output_table = SmallVec::<[*mut Line; 4]>::new();
-    output_table.extend(outputs.iter_mut().map(|column| column.as_mut_ptr()));
-    let mut table = SmallVec::<[Arguments; 8]>::new();
-    for Call { kernel, streams, uniforms } in calls {
-        let whole = kernel.whole_rounds(lines);
-        // Of each stream, as much as is read or written: a product that does not fit is longer than any slice.
-        let holds = |length: usize, columns: usize| whole.checked_mul(columns).is_some_and(|needed| length >= needed);
-        assert!(streams.iter().zip(kernel.streams).all(|(stream, columns)| holds(stream.len(), columns)), "a kernel's columns");
-        assert!(
-            outputs.len() == kernel.outputs.len()
-                && outputs.iter().zip(&*kernel.outputs).all(|(output, columns)| holds(output.len(), *columns)),
-            "a kernel's outputs"
-        );
-        assert!(uniforms.len() >= kernel.uniforms, "a kernel's uniforms");
-        table.push(Arguments {
-            streams: streams.map(<[Line]>::as_ptr),
-            uniforms: uniforms.as_ptr(),
-            outputs: output_table.as_ptr(),
-            rounds: whole * Line::BLOCKS / kernel.shape.round(),
-            entry: kernel.entry,
-        });
+/// A kernel writes so many streams at most.
+const OUTPUTS: usize = 3;
+const WORDS: usize = STREAMS + OUTPUTS + 2;
+const ADDITION_WORDS: usize = size_of::<Addition>() / size_of::<usize>();
+
+/// Work for compiled code on the pixels of a tile: put together first, then done in one go. To enter and leave compiled code costs some ten
+/// nanoseconds, and while columns stream through the first cache, nothing else would stay in it.
+pub struct Program<'p> {
+    steps: &'p mut Steps,
+    sums: *mut Sums,
+    planes: *mut PixelPlanes,
+    code: Option<&'static PixelCode>,
+    /// What steps point to lives, and is nobody else's where it is written.
+    _pointed: PhantomData<(&'p mut Sums, &'p mut PixelPlanes, &'p [Line])>,
+}
+
+/// Room for the steps of a program.
+#[derive(Default)]
+pub struct Steps(Vec<Step>);
+
+impl<'p> Program<'p> {
+    /// An empty one, that works on these sums and pixels.
+    pub fn new(steps: &'p mut Steps, sums: &'p mut Sums, planes: &'p mut PixelPlanes) -> Self {
+        steps.0.clear();
+        Self { steps, sums, planes, code: PixelCode::get(), _pointed: PhantomData }
     }
-    if table.is_empty() {
-        return;
+
+    /// Runs a kernel of terms over some lines: these streams are theirs, and the sums are at the same place in the chunk. They are of these components,
+    /// one for each output.
+    ///
+    /// # Panics
+    /// As [`Kernel::run`], and where the [whole rounds](Kernel::whole_rounds) of the lines are not within a chunk.
+    pub fn contribute(
+        &mut self,
+        kernel: &'p Kernel,
+        streams: Streams<'p>,
+        uniforms: &'p [Splat],
+        components: Range<usize>,
+        lines: Range<usize>,
+    ) {
+        let whole = kernel.whole_rounds(lines.len());
+        assert!(lines.start + whole <= CHUNK_LINES, "lines of a chunk");
+        assert!(components.len() == kernel.outputs.len() && components.end <= OUTPUTS, "components for a kernel's outputs");
+        assert!(kernel.outputs.iter().all(|columns| *columns <= 1), "a kernel of terms");
+        let mut places = [std::ptr::null_mut(); OUTPUTS];
+        for (component, place) in components.zip(&mut places) {
+            // SAFETY: a component is one of three, and the line one of its chunk.
+            *place = unsafe { self.sums.cast::<Line>().add(component * CHUNK_LINES + lines.start) };
+        }
+        self.steps.0.push(kernel.step(streams, uniforms, places, whole));
     }
-    // SAFETY: the table is not empty. Each kernel's code reads of every stream, and writes of every output, the lines of its rounds,
-    // times as many as the stream has columns, and `kernel.uniforms` splats; the assertions above guarantee all of them, `&mut` that outputs
-    // overlap nothing. `Line` is aligned as the code's loads and stores need. Nothing of Rust runs while subnormals are switched off.
-    unsafe { without_subnormals(&table) }
+
+    /// Adds the sums of these segments' hits, times `weight`, to their pixels: of all components, or of one (0 red, 1 green, 2 blue). Meanwhile
+    /// it fetches lines from the beginning of what is `coming`, so many for each segment; how many in all. None where there is no such code.
+    pub fn add(&mut self, segments: &'p [Segment], weight: f32, component: Option<usize>, coming: &[Line]) -> Option<usize> {
+        let code = self.code?;
+        if segments.is_empty() {
+            return Some(0);
+        }
+        let place = component.unwrap_or(0);
+        assert!(place < OUTPUTS, "a component");
+        let ends = segments.as_ptr_range();
+        // SAFETY: there are as many components of both.
+        let (sums, planes) =
+            unsafe { (self.sums.cast::<Line>().add(place * CHUNK_LINES), self.planes.cast::<f32>().add(place * PLANE_PIXELS)) };
+        let addition = Addition {
+            segments: ends.start.expose_provenance(),
+            end: ends.end.expose_provenance(),
+            sums: sums.expose_provenance(),
+            planes: planes.expose_provenance(),
+            coming: coming.as_ptr().addr(),
+            weight: weight.to_bits() as usize,
+        };
+        let entry = if component.is_some() { code.adding_one } else { code.adding_all };
+        let mut words = [0; WORDS];
+        words[..ADDITION_WORDS].copy_from_slice(&bytemuck::cast::<Addition, [usize; ADDITION_WORDS]>(addition));
+        self.steps.0.push(Step { words, entry });
+        Some(segments.len() * pixels::FETCHED)
+    }
+
+    /// Does what was put together so far; the sums and pixels after that.
+    pub fn run(&mut self) -> (&mut Sums, &mut PixelPlanes) {
+        if !self.steps.0.is_empty() {
+            // SAFETY: steps are made by the two methods above. A kernel's code reads of every stream the lines of its rounds, times as many as it has
+            // columns, and its uniform splats, as `step` asserts; and writes as many lines of sums, as `contribute` does. Code that adds reads the
+            // segments of a slice that is not empty; a segment's line is one of a chunk, and its place such that a line from there ends within
+            // a plane (see `Segment::line`, `Segment::place`; only its room can make one), and of sums and planes there are as many components
+            // as the code was written for, one behind the other, since they are arrays. To fetch from where nothing is does nothing. All is borrowed
+            // for 'p, and what is written is ours alone. The processor was asked for what the codes need.
+            unsafe { perform(&self.steps.0) }
+            self.steps.0.clear();
+        }
+        // SAFETY: both were given as unique references for 'p, and no step is left that points to them.
+        unsafe { (&mut *self.sums, &mut *self.planes) }
+    }
 }
 
 /// Flush to zero, denormals are zero, and all exceptions masked.
@@ -231,39 +312,39 @@ const KERNEL_MXCSR: u32 = 0x9fc0;
 /// What Rust code runs with: round to nearest, all exceptions masked.
 const RUST_MXCSR: u32 = 0x1f80;
 
-/// Makes calls with subnormal operands and results counting as zero.
+/// Takes the steps in their order, with subnormal operands and results counting as zero.
 ///
 /// # Safety
-/// There is a call, and making each of them must be sound.
-unsafe fn without_subnormals(calls: &[Arguments]) {
+/// There is a step, and making the call of each of them must be sound.
+unsafe fn perform(steps: &[Step]) {
     let mut saved: u32 = RUST_MXCSR;
-    let calls = calls.as_ptr_range();
-    // SAFETY: saves MXCSR, sets it for the kernels, makes the calls by the C calling convention (whose registers are all declared
+    let steps = steps.as_ptr_range();
+    // SAFETY: saves MXCSR, sets it for the compiled code, makes the calls by the C calling convention (whose registers are all declared
     // lost), and restores MXCSR, so that Rust code never runs under the changed one. r12, r13 and r14 survive calls by that convention.
+    // `Line` is aligned as the code's loads and stores need.
     unsafe {
         std::arch::asm!(
             "stmxcsr [r12]",
             "ldmxcsr [rax]",
             "2:",
-            "lea rdi, [r13 + {streams}]",
+            "mov rdi, r13",
             "mov rsi, [r13 + {uniforms}]",
-            "mov rdx, [r13 + {outputs}]",
+            "lea rdx, [r13 + {outputs}]",
             "mov rcx, [r13 + {rounds}]",
             "call [r13 + {entry}]",
             "add r13, {size}",
             "cmp r13, r14",
             "jb 2b",
             "ldmxcsr [r12]",
-            streams = const std::mem::offset_of!(Arguments, streams),
-            uniforms = const std::mem::offset_of!(Arguments, uniforms),
-            outputs = const std::mem::offset_of!(Arguments, outputs),
-            rounds = const std::mem::offset_of!(Arguments, rounds),
-            entry = const std::mem::offset_of!(Arguments, entry),
-            size = const size_of::<Arguments>(),
+            outputs = const STREAMS * size_of::<usize>(),
+            uniforms = const (STREAMS + OUTPUTS) * size_of::<usize>(),
+            rounds = const (STREAMS + OUTPUTS + 1) * size_of::<usize>(),
+            entry = const std::mem::offset_of!(Step, entry),
+            size = const size_of::<Step>(),
             in("r12") &raw mut saved,
             in("rax") &raw const KERNEL_MXCSR_VALUE,
-            inout("r13") calls.start => _,
-            in("r14") calls.end,
+            inout("r13") steps.start => _,
+            in("r14") steps.end,
             clobber_abi("C"),
         );
     }
@@ -308,27 +389,14 @@ pub fn fetch<T>(list: &[T]) {
     }
 }
 
-/// Code that adds to pixels what hits in them contribute, and writes pixels, sixteen at a time.
+/// Code that adds to pixels what hits in them contribute, and writes pixels, sixteen at a time. It needs AVX-512.
 pub struct PixelCode {
-    adding_all: Adding,
-    adding_one: Adding,
+    /// Where the code of the [pixels](super::pixels) room is that adds, all components or one.
+    adding_all: usize,
+    adding_one: usize,
     writing: Writing,
     _memory: CodeMemory,
 }
-
-/// Code of the [pixels](super::pixels) room that adds; it says what the parameters are.
-///
-/// # Safety
-/// There is a segment, and all from the first to the end are readable; so are the lines of a chunk of each component, as far as the code was
-/// written for one or three, and the planes are readable and writable. What is coming may be anywhere. The processor has AVX-512.
-type Adding = unsafe extern "C" fn(
-    segments: *const Segment,
-    end: *const Segment,
-    sums: *const Line,
-    planes: *mut f32,
-    coming: *const Line,
-    weight: f32,
-);
 
 /// Code of the [pixels](super::pixels) room that writes.
 ///
@@ -366,39 +434,11 @@ impl PixelCode {
         let ids = [adding_all?, adding_one?, writing?];
         module.finalize_definitions().ok()?;
         let [adding_all, adding_one, writing] = ids.map(|id| module.get_finalized_function(id));
-        // SAFETY: at the addresses is the finished code of functions with these parameters, by the C calling convention; their memory lives
+        // SAFETY: at the address is the finished code of a function with these parameters, by the C calling convention; its memory lives
         // as long as the result.
-        let (adding_all, adding_one, writing) = unsafe {
-            let adding = |address| std::mem::transmute::<*const u8, Adding>(address);
-            (adding(adding_all), adding(adding_one), std::mem::transmute::<*const u8, Writing>(writing))
-        };
+        let writing = unsafe { std::mem::transmute::<*const u8, Writing>(writing) };
+        let [adding_all, adding_one] = [adding_all, adding_one].map(<*const u8>::expose_provenance);
         Some(Self { adding_all, adding_one, writing, _memory: memory })
-    }
-
-    /// Adds the sums of these segments' hits, times `weight`, to their pixels: of all components, or of one (0 red, 1 green, 2 blue). Meanwhile
-    /// it fetches lines from the beginning of what is `coming`, so many for each segment; how many in all.
-    pub fn add(
-        &self,
-        segments: &[Segment],
-        sums: &Sums,
-        weight: f32,
-        component: Option<usize>,
-        planes: &mut PixelPlanes,
-        coming: &[Line],
-    ) -> usize {
-        if segments.is_empty() {
-            return 0;
-        }
-        let fetched = segments.len() * pixels::FETCHED;
-        let place = component.unwrap_or(0);
-        let (sums, planes) = (&sums[place..], &mut planes.0[place..]);
-        let entry = if component.is_some() { self.adding_one } else { self.adding_all };
-        let segments = segments.as_ptr_range();
-        // SAFETY: the segments are those of a slice that is not empty. A segment's line is one of a chunk, and its place such that a line from
-        // there ends within a plane (see `Segment::line`, `Segment::place`; only its room can make one); of `sums` and `planes` there are as many
-        // components as the code was written for, one behind the other, since they are parts of arrays. To fetch from where nothing is does nothing. The processor was asked.
-        unsafe { entry(segments.start, segments.end, sums.as_ptr().cast(), planes.as_mut_ptr().cast(), coming.as_ptr(), weight) }
-        fetched
     }
 
     /// Writes lines of pixels, `0x00RRGGBB`, from this place in the planes on. Clamped, NaN as 0, and rounded to the nearest of 0..=255.

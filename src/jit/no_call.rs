@@ -5,6 +5,7 @@ use crate::jit::kernel::KernelPlan;
 use crate::jit::lanes::{Line, PixelLine, PixelPlanes, Splat, Streams, Sums};
 use crate::jit::target::{CompileError, Listing, target};
 use crate::segment::Segment;
+use std::ops::Range;
 
 /// A compiled kernel: there is none.
 #[derive(Clone)]
@@ -27,19 +28,37 @@ impl Kernel {
     }
 }
 
-/// A kernel and what it reads.
-#[derive(Clone, Copy)]
-pub struct Call<'c> {
-    /// The kernel.
-    pub kernel: &'c Kernel,
-    /// Its columns.
-    pub streams: Streams<'c>,
-    /// Its uniform values.
-    pub uniforms: &'c [Splat],
+/// Work for compiled code on the pixels of a tile: there is none.
+pub struct Program<'p> {
+    sums: &'p mut Sums,
+    planes: &'p mut PixelPlanes,
 }
 
-/// Runs kernels: there is none.
-pub fn run_in_turn(_calls: &[Call], _outputs: &mut [&mut [Line]], _lines: usize) {}
+/// Room for the steps of a program.
+#[derive(Default)]
+pub struct Steps;
+
+impl<'p> Program<'p> {
+    /// An empty one.
+    pub fn new(_: &'p mut Steps, sums: &'p mut Sums, planes: &'p mut PixelPlanes) -> Self {
+        Self { sums, planes }
+    }
+
+    /// Runs a kernel.
+    pub fn contribute(&mut self, kernel: &'p Kernel, _: Streams<'p>, _: &'p [Splat], _: Range<usize>, _: Range<usize>) {
+        match *kernel {}
+    }
+
+    /// Does not add.
+    pub fn add(&mut self, _: &'p [Segment], _: f32, _: Option<usize>, _: &[Line]) -> Option<usize> {
+        None
+    }
+
+    /// The sums and pixels.
+    pub fn run(&mut self) -> (&mut Sums, &mut PixelPlanes) {
+        (self.sums, self.planes)
+    }
+}
 
 /// Says that there is no compiled code for this processor.
 pub(super) fn generate(
@@ -61,11 +80,6 @@ impl PixelCode {
     /// The code: none.
     pub fn get() -> Option<&'static PixelCode> {
         None
-    }
-
-    /// Adds.
-    pub fn add(&self, _: &[Segment], _: &Sums, _: f32, _: Option<usize>, _: &mut PixelPlanes, _: &[Line]) -> usize {
-        match *self {}
     }
 
     /// Writes.

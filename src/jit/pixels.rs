@@ -9,13 +9,29 @@ use crate::jit::lanes::Line;
 use crate::jit::widen::encoded;
 use crate::segment::Segment;
 use iced_x86::{Code, IcedError, Instruction, MemoryOperand, Register};
+use std::mem::offset_of;
 
 /// While the code of [`adding_code`] is at a segment, it fetches so many lines that are read next: memory has time meanwhile.
 pub(super) const FETCHED: usize = 1;
 
-/// The code of `fn(segments, end, sums, planes, coming, weight)`: pointers to the first segment and behind the last (there is one at least), to
-/// three arrays of lines and three planes of pixels, and to what is going to be read, if anything is there; and a number. The arrays lie so many bytes behind one another, and so do the planes. Of
-/// red, green and blue, `weight` times the sums of a segment's lanes is added to its pixels; or of `components` of them only.
+/// What the code of [`adding_code`] reads.
+#[derive(Clone, Copy, bytemuck::Zeroable, bytemuck::Pod)]
+#[repr(C)]
+pub(super) struct Addition {
+    /// Pointers to the first segment and behind the last; there is one at least.
+    pub(super) segments: usize,
+    pub(super) end: usize,
+    /// To arrays of lines and planes of pixels, one for each component.
+    pub(super) sums: usize,
+    pub(super) planes: usize,
+    /// To what is going to be read, if anything is there.
+    pub(super) coming: usize,
+    /// The bits of a number.
+    pub(super) weight: usize,
+}
+
+/// The code of `fn(addition)`: a pointer to an [`Addition`], whose arrays of lines lie so many bytes behind one another, and so do its
+/// planes. Of red, green and blue, the weight times the sums of a segment's lanes is added to its pixels; or of `components` of them only.
 pub(super) fn adding_code(sums_stride: i64, plane_stride: i64, components: usize) -> Result<Vec<u8>, IcedError> {
     use Register as R;
     let at = |base, index, scale, displacement| MemoryOperand::new(base, index, scale, displacement, 8, false, R::None);
@@ -25,9 +41,22 @@ pub(super) fn adding_code(sums_stride: i64, plane_stride: i64, components: usize
         instruction.set_zeroing_masking(zeroing);
         instruction
     };
+    let given = |offset: usize| at(R::RDI, R::None, 1, offset as i64);
+    let weight = given(offset_of!(Addition, weight));
+    let mut code = vec![Instruction::with2(Code::EVEX_Vbroadcastss_zmm_k1z_xmmm32, R::ZMM0, weight)?];
+    let pointers = [
+        (offset_of!(Addition, coming), R::R8),
+        (offset_of!(Addition, planes), R::RCX),
+        (offset_of!(Addition, sums), R::RDX),
+        (offset_of!(Addition, end), R::RSI),
+        // It takes the place of the pointer to all of them.
+        (offset_of!(Addition, segments), R::RDI),
+    ];
+    for (offset, register) in pointers {
+        code.push(Instruction::with2(Code::Mov_r64_rm64, register, given(offset))?);
+    }
     let vectors = &[(R::ZMM1, 0), (R::ZMM2, 1), (R::ZMM3, 2)][..components];
     let line_shift = size_of::<Line>().trailing_zeros();
-    let mut code = vec![Instruction::with2(Code::EVEX_Vbroadcastss_zmm_k1z_xmmm32, R::ZMM0, R::XMM0)?];
     let mut body = vec![
         Instruction::with2(Code::Movzx_r32_rm16, R::EAX, place)?,
         Instruction::with2(Code::Movzx_r32_rm16, R::R9D, line)?,
