@@ -29,28 +29,34 @@ pub const CHUNK_HITS: usize = CHUNK_LINES * LINE_HITS;
 pub struct Segment {
     place: u16,
     lanes: u16,
-    line: u16,
+    /// The line and, in the upper bits, the span.
+    line_and_span: u16,
 }
 
-// Places are within sixteen bits.
+// Places are within sixteen bits, and so are a line with a span: there are no more spans in a chunk than hits.
 const _: () = assert!(TILE_PIXELS as usize + Segment::MARGIN <= u16::MAX as usize && LINE_HITS == u16::BITS as usize);
+const _: () = assert!(CHUNK_LINES == 1 << Segment::LINE_BITS && CHUNK_LINES * CHUNK_HITS <= 1 << u16::BITS);
 
 impl Segment {
     /// What is added to pixels in a [`place`](Self::place), so that it is never negative.
     pub const MARGIN: usize = LINE_HITS;
 
-    /// Where place, lanes and line lie, in bytes; each has sixteen bits.
-    pub(crate) const OFFSETS: [usize; 3] = [offset_of!(Self, place), offset_of!(Self, lanes), offset_of!(Self, line)];
+    /// Where place, lanes, and line with span lie, in bytes; each has sixteen bits.
+    pub(crate) const OFFSETS: [usize; 3] = [offset_of!(Self, place), offset_of!(Self, lanes), offset_of!(Self, line_and_span)];
 
-    /// That of one hit, by its pixel, counted from the tile's first, and its number in the group.
+    /// So many bits are the line, those above them the span.
+    pub(crate) const LINE_BITS: u32 = CHUNK_LINES.trailing_zeros();
+
+    /// That of one hit, by its pixel, counted from the tile's first, its number in the group, and that of its span in the chunk.
     ///
     /// # Panics
-    /// Where there is no such pixel in a tile.
-    pub(crate) fn new(pixel: u16, hit: u32) -> Self {
-        assert!(u32::from(pixel) < TILE_PIXELS, "a pixel of a tile");
+    /// Where there is no such pixel in a tile, or no such span in a chunk.
+    pub(crate) fn new(pixel: u16, hit: u32, span: usize) -> Self {
+        assert!(u32::from(pixel) < TILE_PIXELS && span < CHUNK_HITS, "a pixel of a tile, and a span of a chunk");
         let lane = hit % LINE_HITS as u32;
         let line = hit / LINE_HITS as u32 % CHUNK_LINES as u32;
-        Self { place: pixel + Self::MARGIN as u16 - lane as u16, lanes: 1 << lane, line: line as u16 }
+        let line_and_span = line as u16 | (span << Self::LINE_BITS) as u16;
+        Self { place: pixel + Self::MARGIN as u16 - lane as u16, lanes: 1 << lane, line_and_span }
     }
 
     /// Takes the next hit in, if it is in the same line and its pixel is the next.
@@ -79,7 +85,13 @@ impl Segment {
     /// The place of the line among those that are worked on together, less than [`CHUNK_LINES`].
     #[inline]
     pub fn line(self) -> usize {
-        usize::from(self.line)
+        usize::from(self.line_and_span) % CHUNK_LINES
+    }
+
+    /// The number of the span among those of the chunk, less than [`CHUNK_HITS`].
+    #[inline]
+    pub fn span(self) -> usize {
+        usize::from(self.line_and_span >> Self::LINE_BITS)
     }
 
     /// How many hits.

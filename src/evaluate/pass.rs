@@ -162,25 +162,29 @@ impl Pass<'_> {
         if shiners.is_empty() {
             return;
         }
-        // Runs of spans whose weight is not 0 are computed together, and nothing of the others.
+        let weight = |span: &Span| weights[span.path.index()];
         let mut rest = tile.spans_of(group);
         while let Some(first) = rest.first() {
-            let begin = (first.hits.start - group.hits.start) as usize;
-            let chunk_end = group.hits.start + (begin / CHUNK_HITS * CHUNK_HITS + CHUNK_HITS) as u32;
-            let goes_on = |span: &Span| !weights[span.path.index()].is_zero() && span.hits.start < chunk_end;
-            let (run, behind) = rest.split_at(rest.iter().position(|span| !goes_on(span)).unwrap_or(rest.len()));
-            let Some(last) = run.last() else {
-                rest = &rest[1..];
-                continue;
-            };
+            // A chunk.
+            let end = first.hits.start + CHUNK_HITS as u32;
+            let count = rest.iter().position(|span| span.hits.start >= end).unwrap_or(rest.len());
+            let (chunk, behind) = rest.split_at(count);
             rest = behind;
-            let end = (last.hits.end - group.hits.start) as usize;
-            let lines = begin / LINE_HITS / ROUND_LINES * ROUND_LINES..end.div_ceil(LINE_HITS).next_multiple_of(ROUND_LINES);
-            let read = kept.unwrap_or(&self.sources[shiners[0].source].columns[place]);
-            let mut coming = read.part(index, lines.clone()).coming();
-            self.light(place, kept, index, &shiners, lines, adder);
-            for span in run {
-                adder.add(tile.segments_of(span), weights[span.path.index()], self.channels, &mut coming);
+            let kept_weights = adder.weigh(chunk.iter().map(weight));
+            // Runs of spans whose weight is not 0 are computed together, and nothing of the others.
+            for run in chunk.chunk_by(|a, b| weight(a).is_zero() == weight(b).is_zero()) {
+                let (Some(first), Some(last)) = (run.first(), run.last()) else { continue };
+                if weight(first).is_zero() {
+                    continue;
+                }
+                let [begin, end] = [first.hits.start, last.hits.end].map(|hit| (hit - group.hits.start) as usize);
+                let lines = begin / LINE_HITS / ROUND_LINES * ROUND_LINES..end.div_ceil(LINE_HITS).next_multiple_of(ROUND_LINES);
+                let read = kept.unwrap_or(&self.sources[shiners[0].source].columns[place]);
+                let mut coming = read.part(index, lines.clone()).coming();
+                self.light(place, kept, index, &shiners, lines, adder);
+                let segments = &tile.segments[first.segments.start as usize..last.segments.end as usize];
+                let spans = run.iter().map(|span| (tile.segments_of(span), weight(span)));
+                adder.add(segments, spans, kept_weights, self.channels, &mut coming);
             }
         }
     }

@@ -5,7 +5,7 @@
 
 use crate::evaluate::framebuffer::{self, Channels};
 use crate::jit::lanes::PLANE_PIXELS;
-use crate::jit::{Line, PixelCode, PixelLine, PixelPlanes, Program, Steps, Sums};
+use crate::jit::{Line, PixelCode, PixelLine, PixelPlanes, Program, Steps, Sums, Weights};
 use crate::trace::{CHUNK_LINES, LINE_HITS, MAX_DEPTH, Region, Segment, TILE_PIXELS, Tile};
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
@@ -85,23 +85,38 @@ impl<'p> Adder<'p> {
         &mut self.program
     }
 
-    /// Adds the weighed colours of hits, which are in the lines that the segments say. Meanwhile some of what is `coming` is fetched, and taken off.
-    pub(super) fn add(&mut self, segments: &'p [Segment], weight: Weight, channels: Channels, coming: &mut &[Line]) {
+    /// Keeps the weights of the spans of a chunk.
+    pub(super) fn weigh(&mut self, weights: impl ExactSizeIterator<Item = Weight>) -> Weights {
+        self.program.weigh(weights.map(|weight| weight.0 as f32))
+    }
+
+    /// Adds the weighed colours of hits, which are in the lines that the segments say: of spans that follow each other, each with its weight, which
+    /// is kept too. Meanwhile some of what is `coming` is fetched, and taken off.
+    pub(super) fn add(
+        &mut self,
+        segments: &'p [Segment],
+        spans: impl Iterator<Item = (&'p [Segment], Weight)> + Clone,
+        kept: Weights,
+        channels: Channels,
+        coming: &mut &[Line],
+    ) {
         let component = match channels {
             Channels::All => None,
             Channels::One(component) => Some(component),
         };
-        if !weight.is_tiny()
-            && let Some(fetched) = self.program.add(segments, weight.0 as f32, component, coming)
+        if !spans.clone().any(|(_, weight)| weight.is_tiny())
+            && let Some(fetched) = self.program.add(segments, kept, component, coming)
         {
             *coming = coming.get(fetched..).unwrap_or_default();
             return;
         }
         let (sums, planes) = self.program.run();
-        if weight.is_tiny() {
-            add_tiny(planes, segments, sums, weight, channels);
-        } else {
-            add_portably(self.arch, planes, segments, sums, weight.0 as f32, channels);
+        for (segments, weight) in spans {
+            if weight.is_tiny() {
+                add_tiny(planes, segments, sums, weight, channels);
+            } else {
+                add_portably(self.arch, planes, segments, sums, weight.0 as f32, channels);
+            }
         }
     }
 
@@ -271,7 +286,7 @@ mod tests {
             for pixel in run {
                 open = open && segments.last_mut().is_some_and(|segment| segment.extend(pixel as u16));
                 if !open {
-                    segments.push(Segment::new(pixel as u16, hit));
+                    segments.push(Segment::new(pixel as u16, hit, 1));
                 }
                 open = true;
                 hit += 1;
@@ -283,7 +298,9 @@ mod tests {
     fn add(planes: &mut Planes, segments: &[Segment], sums: &mut Sums, weight: Weight, channels: Channels) {
         let mut steps = Steps::default();
         let mut adder = planes.adder(&mut steps, sums);
-        adder.add(segments, weight, channels, &mut &[][..]);
+        // Segments are of the span of this number.
+        let kept = adder.weigh([Weight(f64::NAN), weight, Weight(f64::NAN)].into_iter());
+        adder.add(segments, std::iter::once((segments, weight)), kept, channels, &mut &[][..]);
         adder.finish();
     }
 

@@ -14,7 +14,7 @@ use crate::jit::target::{CompileError, Listing, Target, target};
 use crate::jit::widen::{ALIGNMENT, disassembled, widen};
 use crate::lang::noise;
 use crate::lang::scalars::flush;
-use crate::segment::{CHUNK_LINES, LINE_HITS, Segment};
+use crate::segment::{CHUNK_HITS, CHUNK_LINES, LINE_HITS, Segment};
 use cranelift_codegen::Context;
 use cranelift_codegen::control::ControlPlane;
 use cranelift_codegen::ir::types::I64;
@@ -228,12 +228,25 @@ pub struct Program<'p> {
 
 /// Room for the steps of a program.
 #[derive(Default)]
-pub struct Steps(Vec<Step>);
+pub struct Steps {
+    steps: Vec<Step>,
+    /// The weights of spans that steps point to: as long as there are steps, it keeps its place.
+    weights: Vec<f32>,
+    /// How many of them are taken.
+    used: usize,
+}
+
+/// Room for so many weights: those of some chunks of many spans, or of many of few.
+const WEIGHTS: usize = 4 * CHUNK_HITS;
+
+/// Where the weights of a chunk are kept.
+#[derive(Debug, Clone, Copy)]
+pub struct Weights(usize);
 
 impl<'p> Program<'p> {
     /// An empty one, that works on these sums and pixels.
     pub fn new(steps: &'p mut Steps, sums: &'p mut Sums, planes: &'p mut PixelPlanes) -> Self {
-        steps.0.clear();
+        steps.steps.clear();
         Self { steps, sums, planes, code: PixelCode::get(), _pointed: PhantomData }
     }
 
@@ -259,16 +272,36 @@ impl<'p> Program<'p> {
             // SAFETY: a component is one of three, and the line one of its chunk.
             *place = unsafe { self.sums.cast::<Line>().add(component * CHUNK_LINES + lines.start) };
         }
-        self.steps.0.push(kernel.step(streams, uniforms, places, whole));
+        self.steps.steps.push(kernel.step(streams, uniforms, places, whole));
     }
 
-    /// Adds the sums of these segments' hits, times `weight`, to their pixels: of all components, or of one (0 red, 1 green, 2 blue). Meanwhile
-    /// it fetches lines from the beginning of what is `coming`, so many for each segment; how many in all. None where there is no such code.
-    pub fn add(&mut self, segments: &'p [Segment], weight: f32, component: Option<usize>, coming: &[Line]) -> Option<usize> {
+    /// Keeps the weight of each span of a chunk for [`add`](Self::add).
+    ///
+    /// # Panics
+    /// Where there are more than a chunk has hits.
+    pub fn weigh(&mut self, weights: impl ExactSizeIterator<Item = f32>) -> Weights {
+        assert!(weights.len() <= CHUNK_HITS, "the spans of a chunk");
+        // Any span that a segment may name has a place.
+        if self.steps.weights.len() < self.steps.used + CHUNK_HITS {
+            self.run();
+            self.steps.used = 0;
+            self.steps.weights.resize(WEIGHTS, 0.0);
+        }
+        let start = self.steps.used;
+        self.steps.used += weights.len();
+        self.steps.weights[start..].iter_mut().zip(weights).for_each(|(place, weight)| *place = weight);
+        Weights(start)
+    }
+
+    /// Adds the sums of these segments' hits, times the weight of their span, to their pixels: of all components, or of one (0 red, 1 green, 2 blue).
+    /// The weights are the last ones that were kept. Meanwhile it fetches lines from the beginning of what is `coming`, so many for each
+    /// segment; how many in all. None where there is no such code.
+    pub fn add(&mut self, segments: &'p [Segment], weights: Weights, component: Option<usize>, coming: &[Line]) -> Option<usize> {
         let code = self.code?;
         if segments.is_empty() {
             return Some(0);
         }
+        let weights = &self.steps.weights[weights.0..weights.0 + CHUNK_HITS];
         let place = component.unwrap_or(0);
         assert!(place < OUTPUTS, "a component");
         let ends = segments.as_ptr_range();
@@ -281,26 +314,27 @@ impl<'p> Program<'p> {
             sums: sums.expose_provenance(),
             planes: planes.expose_provenance(),
             coming: coming.as_ptr().addr(),
-            weight: weight.to_bits() as usize,
+            weights: weights.as_ptr().expose_provenance(),
         };
         let entry = if component.is_some() { code.adding_one } else { code.adding_all };
         let mut words = [0; WORDS];
         words[..ADDITION_WORDS].copy_from_slice(&bytemuck::cast::<Addition, [usize; ADDITION_WORDS]>(addition));
-        self.steps.0.push(Step { words, entry });
+        self.steps.steps.push(Step { words, entry });
         Some(segments.len() * pixels::FETCHED)
     }
 
     /// Does what was put together so far; the sums and pixels after that.
     pub fn run(&mut self) -> (&mut Sums, &mut PixelPlanes) {
-        if !self.steps.0.is_empty() {
+        if !self.steps.steps.is_empty() {
             // SAFETY: steps are made by the two methods above. A kernel's code reads of every stream the lines of its rounds, times as many as it has
             // columns, and its uniform splats, as `step` asserts; and writes as many lines of sums, as `contribute` does. Code that adds reads the
             // segments of a slice that is not empty; a segment's line is one of a chunk, and its place such that a line from there ends within
             // a plane (see `Segment::line`, `Segment::place`; only its room can make one), and of sums and planes there are as many components
-            // as the code was written for, one behind the other, since they are arrays. To fetch from where nothing is does nothing. All is borrowed
+            // as the code was written for, one behind the other, since they are arrays; the weights of a chunk's hits are there, so those of its spans,
+            // and have kept their place, as `weigh` grows their list only where no step is left. To fetch from where nothing is does nothing. All is borrowed
             // for 'p, and what is written is ours alone. The processor was asked for what the codes need.
-            unsafe { perform(&self.steps.0) }
-            self.steps.0.clear();
+            unsafe { perform(&self.steps.steps) }
+            self.steps.steps.clear();
         }
         // SAFETY: both were given as unique references for 'p, and no step is left that points to them.
         unsafe { (&mut *self.sums, &mut *self.planes) }

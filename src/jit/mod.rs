@@ -26,7 +26,7 @@ pub mod target;
 mod widen;
 
 pub use cache::KernelCache;
-pub use call::{Kernel, PixelCode, Program, Steps, fetch};
+pub use call::{Kernel, PixelCode, Program, Steps, Weights, fetch};
 pub use compile::CompiledFormula;
 pub use lanes::{AHEAD, Line, PixelLine, PixelPlanes, Splat, Streams, Sums};
 pub use target::{CompileError, Listing};

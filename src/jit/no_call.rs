@@ -38,6 +38,10 @@ pub struct Program<'p> {
 #[derive(Default)]
 pub struct Steps;
 
+/// Where the weights of a chunk are kept.
+#[derive(Debug, Clone, Copy)]
+pub struct Weights;
+
 impl<'p> Program<'p> {
     /// An empty one.
     pub fn new(_: &'p mut Steps, sums: &'p mut Sums, planes: &'p mut PixelPlanes) -> Self {
@@ -49,8 +53,13 @@ impl<'p> Program<'p> {
         match *kernel {}
     }
 
+    /// Keeps no weights.
+    pub fn weigh(&mut self, _: impl ExactSizeIterator<Item = f32>) -> Weights {
+        Weights
+    }
+
     /// Does not add.
-    pub fn add(&mut self, _: &'p [Segment], _: f32, _: Option<usize>, _: &[Line]) -> Option<usize> {
+    pub fn add(&mut self, _: &'p [Segment], _: Weights, _: Option<usize>, _: &[Line]) -> Option<usize> {
         None
     }
 

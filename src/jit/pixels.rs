@@ -26,25 +26,25 @@ pub(super) struct Addition {
     pub(super) planes: usize,
     /// To what is going to be read, if anything is there.
     pub(super) coming: usize,
-    /// The bits of a number.
-    pub(super) weight: usize,
+    /// To the weight of each span of the chunk.
+    pub(super) weights: usize,
 }
 
 /// The code of `fn(addition)`: a pointer to an [`Addition`], whose arrays of lines lie so many bytes behind one another, and so do its
-/// planes. Of red, green and blue, the weight times the sums of a segment's lanes is added to its pixels; or of `components` of them only.
+/// planes. Of red, green and blue, the weight of its span times the sums of a segment's lanes is added to its pixels; or of `components` of them only.
 pub(super) fn adding_code(sums_stride: i64, plane_stride: i64, components: usize) -> Result<Vec<u8>, IcedError> {
     use Register as R;
     let at = |base, index, scale, displacement| MemoryOperand::new(base, index, scale, displacement, 8, false, R::None);
-    let [place, lanes, line] = Segment::OFFSETS.map(|offset| at(R::RDI, R::None, 1, offset as i64));
+    let [place, lanes, line_and_span] = Segment::OFFSETS.map(|offset| at(R::RDI, R::None, 1, offset as i64));
     let masked = |mut instruction: Instruction, zeroing| {
         instruction.set_op_mask(R::K1);
         instruction.set_zeroing_masking(zeroing);
         instruction
     };
     let given = |offset: usize| at(R::RDI, R::None, 1, offset as i64);
-    let weight = given(offset_of!(Addition, weight));
-    let mut code = vec![Instruction::with2(Code::EVEX_Vbroadcastss_zmm_k1z_xmmm32, R::ZMM0, weight)?];
+    let mut code = Vec::new();
     let pointers = [
+        (offset_of!(Addition, weights), R::R11),
         (offset_of!(Addition, coming), R::R8),
         (offset_of!(Addition, planes), R::RCX),
         (offset_of!(Addition, sums), R::RDX),
@@ -59,9 +59,13 @@ pub(super) fn adding_code(sums_stride: i64, plane_stride: i64, components: usize
     let line_shift = size_of::<Line>().trailing_zeros();
     let mut body = vec![
         Instruction::with2(Code::Movzx_r32_rm16, R::EAX, place)?,
-        Instruction::with2(Code::Movzx_r32_rm16, R::R9D, line)?,
+        Instruction::with2(Code::Movzx_r32_rm16, R::R9D, line_and_span)?,
         Instruction::with2(Code::VEX_Kmovw_kr_km16, R::K1, lanes)?,
+        Instruction::with2(Code::Mov_r32_rm32, R::R10D, R::R9D)?,
+        Instruction::with2(Code::Shr_rm32_imm8, R::R10D, Segment::LINE_BITS)?,
+        Instruction::with2(Code::And_rm32_imm32, R::R9D, (1 << Segment::LINE_BITS) - 1)?,
         Instruction::with2(Code::Shl_rm32_imm8, R::R9D, line_shift)?,
+        Instruction::with2(Code::EVEX_Vbroadcastss_zmm_k1z_xmmm32, R::ZMM0, at(R::R11, R::R10, size_of::<f32>() as u32, 0))?,
     ];
     let pixels = |plane: i64| at(R::RCX, R::RAX, size_of::<f32>() as u32, plane * plane_stride);
     for (vector, plane) in vectors {

@@ -108,11 +108,16 @@ impl Gatherer {
             .map(|group| {
                 let start = all.begin_group();
                 let first = spans.len() as u32;
+                let mut in_chunk = 0;
                 for list in group {
                     let mut rest = &*list.pixels;
                     while !rest.is_empty() {
                         let (here, later) = rest.split_at(rest.len().min(all.left_in_chunk()));
-                        spans.push(all.span(list.path, here));
+                        if all.left_in_chunk() == CHUNK_HITS {
+                            in_chunk = 0;
+                        }
+                        spans.push(all.span(list.path, here, in_chunk));
+                        in_chunk += 1;
                         rest = later;
                     }
                 }
@@ -123,7 +128,7 @@ impl Gatherer {
         let mut missed: Vec<(PathId, Vec<u16>)> = self.misses.into_iter().collect();
         missed.sort_unstable_by_key(|(path, _)| *path);
         let mut all_missed = Pixels::default();
-        let misses = missed.iter().map(|(path, pixels)| all_missed.span(*path, pixels)).collect();
+        let misses = missed.iter().map(|(path, pixels)| all_missed.span(*path, pixels, 0)).collect();
         let (mut segments, mut miss_segments) = (all.segments, all_missed.segments);
         let (mut paths, mut regions, mut path_sets) = (self.paths, self.regions, self.path_sets);
         paths.shrink_to_fit();
@@ -166,13 +171,13 @@ impl Pixels {
         CHUNK_HITS - (self.hits - self.group) as usize % CHUNK_HITS
     }
 
-    /// Adds the pixels of a path, in segments of their own, to those before.
-    fn span(&mut self, path: PathId, pixels: &[u16]) -> Span {
+    /// Adds the pixels of a path, in segments of their own, to those before; the span has this number in its chunk.
+    fn span(&mut self, path: PathId, pixels: &[u16], in_chunk: usize) -> Span {
         let (start, first) = (self.segments.len(), self.hits);
         for pixel in pixels {
             let extended = self.segments[start..].last_mut().is_some_and(|segment| segment.extend(*pixel));
             if !extended {
-                self.segments.push(Segment::new(*pixel, self.hits - self.group));
+                self.segments.push(Segment::new(*pixel, self.hits - self.group, in_chunk));
             }
             // A tile has at most 2¹⁴ pixels with 2⁹ hits and as many misses each.
             self.hits += 1;
