@@ -225,6 +225,26 @@ mod tests {
     }
 
     #[test]
+    fn sums_of_colours_are_multiplied_out() {
+        // A highlight whose colour grows metallic, by an exponent with bounds, and by one without, which would be infinite for a cosine above 1.
+        for exponent in ["1 + 99*s", "3/(1 - s)"] {
+            let metal = bindings(&format!(
+                "body_specific; s: scalar, constraint 0..1; m: scalar, constraint 0..1; formula; white = <1, 1, 1>;
+                 = IL*pow(max(0, R.V), {exponent})*(white + m*(1 - max(0, N.L))*(Cd - white));"
+            ));
+            // The colours of the highlight and of its part with the cosine, and the exponent.
+            assert_eq!((metal.frontier.records.len(), metal.frontier.uniforms.len()), (2, 7), "{exponent}");
+        }
+        // A power of what may exceed 1 by more than rounding may be infinite: it stays a factor of the whole.
+        let wild =
+            bindings("body_specific; s: scalar, constraint 0..1; formula; = IL*pow(2*max(0, R.V), 3/(1 - s))*(Cd + (N.L)*Cd*s);");
+        assert_eq!(
+            wild.contribution.iter().filter(|root| matches!(wild.graph.node(**root), Node::Apply(Primitive::Add, _))).count(),
+            0
+        );
+    }
+
+    #[test]
     fn what_depends_on_the_hit_alone_is_kept_once_a_hit() {
         let marbled = bindings("formula; = perlin(point, 2, 2, 4)*Cd*(N.L);");
         assert_eq!((marbled.frontier.hits.len(), marbled.frontier.records.len()), (1, 1));

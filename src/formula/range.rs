@@ -1,7 +1,8 @@
 //! What values a node of the graph can take, as far as its operands' ranges tell: for rewrites that hold only within bounds.
 //!
 //! A range is an over-estimate. Its ends are those of exact arithmetic; results are rounded to `f32`, so a value may lie beyond an end by
-//! some units in the last place, but never on the other side of 0. Products of unequal signs and the like are not followed far: what is
+//! some units in the last place, but never on the other side of 0. Directions are of unit length but for an error of rounding, or exactly, as is
+//! asked for. Products of unequal signs and the like are not followed far: what is
 //! needed is whether a base can be negative, an exponent 0, a term infinite.
 
 use crate::formula::Formula;
@@ -23,7 +24,7 @@ pub(super) struct Range {
 }
 
 /// Rounding of a dot product of unit vectors: by so much it may exceed 1.
-const UNIT_SLACK: f64 = 1e-6;
+pub(super) const UNIT_SLACK: f64 = 1e-6;
 
 impl Range {
     /// Anything at all.
@@ -99,19 +100,19 @@ impl Range {
     }
 }
 
-/// The range of a node from those of the nodes before it.
-pub(super) fn range(graph: &Graph, id: NodeId, formula: &Formula, known: &[Range]) -> Range {
+/// The range of a node from those of the nodes before it. Lengths of directions and the like are off by `slack` at most: [`UNIT_SLACK`], or nothing.
+pub(super) fn range(graph: &Graph, id: NodeId, formula: &Formula, known: &[Range], slack: f64) -> Range {
     let of = |id: &NodeId| known[id.0 as usize];
     match graph.node(id) {
         Node::Constant(bits) => Range::constant(f32::from_bits(bits)),
-        Node::Variable(variable, _) => of_variable(variable),
+        Node::Variable(variable, _) => of_variable(variable, slack),
         Node::Parameter(parameter, _) => {
             let [low, high] = formula.parameter(parameter).range.unwrap_or([f32::MIN, f32::MAX]);
             Range::new(low.into(), high.into())
         }
         node @ Node::Apply(primitive, _) => {
             if unit_dot_product(graph, id) {
-                return Range::new(-1.0 - UNIT_SLACK, 1.0 + UNIT_SLACK);
+                return Range::new(-1.0 - slack, 1.0 + slack);
             }
             let operands: Vec<Range> = node.operands().iter().map(of).collect();
             apply(primitive, &operands, node.operands()).rounded()
@@ -119,7 +120,7 @@ pub(super) fn range(graph: &Graph, id: NodeId, formula: &Formula, known: &[Range
     }
 }
 
-fn of_variable(variable: Variable) -> Range {
+fn of_variable(variable: Variable, slack: f64) -> Range {
     match variable {
         Variable::Normal
         | Variable::ToLight
@@ -127,8 +128,8 @@ fn of_variable(variable: Variable) -> Range {
         | Variable::Mirrored
         | Variable::Halfway
         | Variable::Tangent
-        | Variable::Bitangent => Range::new(-1.0 - UNIT_SLACK, 1.0 + UNIT_SLACK),
-        Variable::Alpha | Variable::Beta | Variable::Gamma => Range::new(0.0, std::f64::consts::PI + UNIT_SLACK),
+        | Variable::Bitangent => Range::new(-1.0 - slack, 1.0 + slack),
+        Variable::Alpha | Variable::Beta | Variable::Gamma => Range::new(0.0, std::f64::consts::PI + slack),
         Variable::Distance => Range::new(0.0, f64::INFINITY),
         Variable::Point => Range::new(f64::NEG_INFINITY, f64::INFINITY),
     }
@@ -141,7 +142,7 @@ fn unit_dot_product(graph: &Graph, id: NodeId) -> bool {
         Node::Apply(..) | Node::Constant(_) | Node::Variable(..) | Node::Parameter(..) => None,
     };
     let direction = |id: NodeId| match graph.node(id) {
-        Node::Variable(variable, component) if of_variable(variable).low < 0.0 && variable != Variable::Point => {
+        Node::Variable(variable, component) if of_variable(variable, 0.0).low < 0.0 && variable != Variable::Point => {
             Some((variable, component))
         }
         Node::Variable(..) | Node::Apply(..) | Node::Constant(_) | Node::Parameter(..) => None,

@@ -11,7 +11,7 @@
 use crate::formula::Formula;
 use crate::formula::binding::BindingTime;
 use crate::formula::graph::{Graph, Node, NodeId, walk};
-use crate::formula::range::{self, Range};
+use crate::formula::range::{self, Range, UNIT_SLACK};
 use crate::lang::scalars::{Primitive, Recorder};
 use std::collections::HashMap;
 
@@ -19,12 +19,16 @@ use std::collections::HashMap;
 const TAME_FACTOR: f64 = 1e6;
 /// Terms that are multiplied out are at most so large: their rounding errors are then far below what a colour shows.
 const TAME_TERM: f64 = 64.0;
+/// By rounding alone terms may grow so large nevertheless.
+const LARGEST_TERM: f64 = 1e20;
+/// The logarithm of a power of a cosine, as far as rounding takes it beyond 0.
+const BEYOND_ONE: f64 = 60.0;
 /// A sum of more terms stays as it is.
 const MOST_TERMS: usize = 6;
 
 /// The rewritten graph, and in it the nodes that stand for `roots`.
 pub(super) fn rewrite(old: &Graph, roots: [NodeId; 3], formula: &Formula) -> (Graph, [NodeId; 3]) {
-    let mut rewriter = Rewriter { graph: Graph::empty(), times: Vec::new(), ranges: Vec::new(), formula };
+    let mut rewriter = Rewriter { graph: Graph::empty(), times: Vec::new(), ranges: Vec::new(), exact: Vec::new(), formula };
     let mut new: Vec<NodeId> = Vec::with_capacity(old.len());
     for index in 0..old.len() {
         let node = old.node(NodeId(index as u32));
@@ -43,6 +47,8 @@ struct Rewriter<'f> {
     graph: Graph,
     times: Vec<BindingTime>,
     ranges: Vec<Range>,
+    /// The ranges if directions were of unit length exactly.
+    exact: Vec<Range>,
     formula: &'f Formula,
 }
 
@@ -87,7 +93,8 @@ impl Rewriter<'_> {
         for index in self.times.len()..self.graph.len() {
             let id = NodeId(index as u32);
             self.times.push(BindingTime::of(&self.graph, id, &self.times));
-            self.ranges.push(range::range(&self.graph, id, self.formula, &self.ranges));
+            self.ranges.push(range::range(&self.graph, id, self.formula, &self.ranges, UNIT_SLACK));
+            self.exact.push(range::range(&self.graph, id, self.formula, &self.exact, 0.0));
         }
     }
 
@@ -131,7 +138,13 @@ impl Rewriter<'_> {
         let logarithm = self.record(Primitive::Max, &[least, logarithm]);
         let logarithm = self.record(Primitive::Min, &[largest, logarithm]);
         let bounded = self.bounded_exponent(exponent);
-        let product = self.record(Primitive::Mul, &[bounded, logarithm]);
+        let mut product = self.record(Primitive::Mul, &[bounded, logarithm]);
+        // The power of a cosine that rounding takes beyond 1 is infinite only by an exponent without bounds, where the next number below gives 0.
+        // Whatever it is taken for, a bounded one can be multiplied out.
+        if x.high > 1.0 && self.exact[base.0 as usize].high <= 1.0 && self.range(product).high > BEYOND_ONE {
+            let most = self.constant(BEYOND_ONE as f32);
+            product = self.record(Primitive::Min, &[most, product]);
+        }
         let power = self.record(Primitive::Exp2, &[product]);
         if x.not_negative() && (y.low >= 0.0 || !x.negative_zero) {
             return power;
@@ -285,8 +298,27 @@ impl Rewriter<'_> {
             Primitive::Mul if self.is_uniform(x) => vec![y],
             Primitive::Mul | Primitive::Div if self.is_uniform(y) => vec![x],
             Primitive::Neg => vec![x],
+            Primitive::Mul => vec![x, y],
             _ => Vec::new(),
         }
+    }
+
+    /// The terms of a product of two values that are not uniform, where one of them is a sum: `Σ uniform · (other · rest)`, if it is hardly more
+    /// work so. Components mostly differ in what is uniform, and share the rest.
+    fn multiplied_out(&mut self, x: NodeId, y: NodeId, known: &HashMap<NodeId, Vec<Product>>) -> Option<Vec<Product>> {
+        let (sum, other) = match (&*known[&x], &*known[&y]) {
+            ([other], sum) | (sum, [other]) if sum.len() > 1 => (sum, other),
+            _ => return None,
+        };
+        let work = sum.iter().filter(|term| term.rest.is_some()).count();
+        if work > 2 || !self.is_tame(other) || !sum.iter().all(|term| self.is_tame(term)) {
+            return None;
+        }
+        let scaled = |term: &Product| Product {
+            uniform: self.times(other.uniform, term.uniform),
+            rest: self.times(other.rest, term.rest),
+        };
+        Some(sum.iter().map(scaled).collect())
     }
 
     /// The terms of a value, from those of its linear operands; itself where there are too many, or too large ones.
@@ -307,6 +339,7 @@ impl Rewriter<'_> {
                 }
                 (sum.len() <= MOST_TERMS).then_some(sum)
             }
+            (Primitive::Mul, [_, _]) => self.multiplied_out(x, y, known),
             (Primitive::Neg, _) => {
                 let minus = self.constant(-1.0);
                 self.scaled(minus, &known[&x])
@@ -337,7 +370,8 @@ impl Rewriter<'_> {
     }
 
     fn is_tame(&self, term: &Product) -> bool {
-        [term.uniform, term.rest].into_iter().flatten().all(|factor| self.range(factor).within(TAME_TERM))
+        let tame = |id: NodeId| self.exact[id.0 as usize].within(TAME_TERM) && self.range(id).within(LARGEST_TERM);
+        [term.uniform, term.rest].into_iter().flatten().all(tame)
     }
 
     fn negated(&mut self, term: Product) -> Product {
