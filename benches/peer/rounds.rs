@@ -14,8 +14,8 @@ use sysinfo::{MINIMUM_CPU_UPDATE_INTERVAL, System};
 pub(crate) const DISCARDED: usize = 5;
 /// What is slow takes part in so many rounds.
 const SLOW_ROUNDS: usize = 3;
-/// So many frames are made at a time; the first finds the caches full of others' data, and does not count.
-const FRAMES: usize = 3;
+/// So many frames are made at a time, as while a slider moves; the first finds the caches full of others' data, and does not count.
+const FRAMES: usize = 8;
 /// What other programs do is looked at every so many rounds.
 const LISTENING: usize = 10;
 /// More than caches hold.
