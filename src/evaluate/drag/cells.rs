@@ -94,16 +94,29 @@ pub(super) fn combine(numbers: &[f32], factors: &[Factor], channels: Channels, p
                     *word = *word << 8 | framebuffer::byte(sum);
                 }
             }
-            for (pixel, word) in pixels.iter_mut().zip(words) {
-                *pixel = word;
-            }
+            in_cell(pixels, |pixels| *pixels = words);
         }
         Channels::One(component) => {
             let mut sums = rows[0];
             for (Factor(factor), image) in factors.iter().zip(&rows[1..]) {
                 add(&mut sums, image, factor[component]);
             }
-            framebuffer::write_component(pixels, component, &sums);
+            in_cell(pixels, |pixels| framebuffer::write_component(pixels, component, &sums));
+        }
+    }
+}
+
+/// Does something to the pixels of a cell, of which the last one of a picture may have fewer. A compiler makes the best of a length that it knows.
+#[inline(always)]
+fn in_cell(pixels: &mut [u32], work: impl Fn(&mut [u32; CELL_PIXELS])) {
+    match <&mut [u32; CELL_PIXELS]>::try_from(&mut *pixels) {
+        Ok(whole) => work(whole),
+        Err(_) => {
+            let mut room = [0; CELL_PIXELS];
+            let part = &mut room[..pixels.len()];
+            part.copy_from_slice(pixels);
+            work(&mut room);
+            pixels.copy_from_slice(&room[..pixels.len()]);
         }
     }
 }
