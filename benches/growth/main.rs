@@ -112,7 +112,10 @@ fn plans() -> Vec<Plan> {
     };
     vec![
         pixels,
-        growing("lights", "lights", &[1, 2, 4, 8, 16], &[1, 2, 4, 8, 16], |lights| Workload { lights, ..Workload::TYPICAL }),
+        growing("lights", "lights", &[1, 2, 4, 8, 16, 32, 64], &[1, 2, 4, 8, 16, 32, 64], |lights| Workload {
+            lights,
+            ..Workload::TYPICAL
+        }),
         growing("spheres", "spheres", &[1, 4, 9, 16, 36, 64], &[1, 4, 9, 16, 36, 64], |amount| Workload {
             spheres_a_side: amount.isqrt(),
             ..Workload::TYPICAL

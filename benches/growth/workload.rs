@@ -126,7 +126,7 @@ impl Workload {
         let cost = Cost {
             counts,
             spans: groups().map(|group| group.spans.len()).sum(),
-            filled: counts.hits as f64 / (lines * LINE_HITS) as f64,
+            filled: groups().map(|group| group.hits.len()).sum::<usize>() as f64 / (lines * LINE_HITS) as f64,
             bytes_per_pixel: compiled.bytes() as f64 / f64::from(view.pixels()),
             full: f64::INFINITY,
             trace: f64::INFINITY,

@@ -16,9 +16,8 @@ use crate::cli::progress::Progress;
 use crate::cli::report::Failure;
 use illuminator::lang::types::Type;
 use illuminator::lang::variables::{Rate, Variable};
-use illuminator::trace::{
-    Budget, Edge, Group, HitVariables, Hits, LightVariables, Optics, Span, Surface, Tile, replay, trace, variable,
-};
+use illuminator::scene::LightId;
+use illuminator::trace::{Budget, Edge, HitVariables, Hits, LightVariables, Optics, Surface, Tile, replay, trace, variable};
 use illuminator::workspace::files::{reason, replace_file};
 use serde::Serialize;
 use std::collections::{BTreeMap, HashMap};
@@ -202,10 +201,26 @@ impl Dump {
             self.known.insert(step, row);
             rows.push(row);
         }
+        // Hits that stand in several groups, with all their lights.
+        let mut scattered: BTreeMap<(u32, u32), (Surface, Vec<LightId>)> = BTreeMap::new();
         for group in &tile.groups {
             for span in tile.spans_of(group) {
-                self.span(input, optics, tile, group, span, rows[span.path.index()])?;
+                let path = rows[span.path.index()];
+                let mut outcome = Ok(());
+                replay(optics, tile, group, span.hits.clone(), |_, pixel, surface| {
+                    if group.scattered {
+                        let (_, lights) = scattered.entry((path, pixel)).or_insert_with(|| (*surface, Vec::new()));
+                        lights.extend(&group.lights);
+                    } else if outcome.is_ok() {
+                        outcome = self.hit(input, &group.lights, surface, pixel, path);
+                    }
+                })
+                .map_err(io::Error::other)?;
+                outcome?;
             }
+        }
+        for ((path, pixel), (surface, lights)) in scattered {
+            self.hit(input, &lights, &surface, pixel, path)?;
         }
         for span in &tile.misses {
             for segment in tile.miss_segments_of(span) {
@@ -217,22 +232,11 @@ impl Dump {
         Ok(())
     }
 
-    fn span(&mut self, input: &Input, optics: &Optics, tile: &Tile, group: &Group, span: &Span, path: u32) -> io::Result<()> {
-        let mut outcome = Ok(());
-        replay(optics, tile, group, span.hits.clone(), |_, pixel, surface| {
-            if outcome.is_ok() {
-                outcome = self.hit(input, group, surface, pixel, path);
-            }
-        })
-        .map_err(io::Error::other)?;
-        outcome
-    }
-
-    fn hit(&mut self, input: &Input, group: &Group, surface: &Surface, pixel: u32, path: u32) -> io::Result<()> {
+    fn hit(&mut self, input: &Input, lights: &[LightId], surface: &Surface, pixel: u32, path: u32) -> io::Result<()> {
         let own = HitVariables::of(&input.scene, surface);
         let values = self.of_hit.iter().map(|symbol| (own.value(*symbol).unwrap_or_default(), symbol.ty()));
-        let row = self.hits.add(&[pixel, group.body.0, path], values)?;
-        for light in &group.lights {
+        let row = self.hits.add(&[pixel, surface.body.0, path], values)?;
+        for light in lights {
             let lit = LightVariables::of(surface, input.scene.light(*light));
             let values = self.of_record.iter().map(|symbol| (variable(*symbol, &own, &lit), symbol.ty()));
             self.records.add(&[row, light.0], values)?;

@@ -7,7 +7,8 @@ use crate::scene::{BodyId, LightId};
 use crate::segment::{CHUNK_HITS, Segment};
 use crate::trace::store::{Group, Path, PathId, PathSets, Region, Span, Tile};
 use crate::trace::walk::Edge;
-use std::collections::HashMap;
+use smallvec::SmallVec;
+use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
 /// About what a path, a light set or a list of pixels takes in the tables of the gatherer, hits aside, in bytes; a quarter of
@@ -94,17 +95,10 @@ impl Gatherer {
     pub(super) fn tile(self, pixels: Range<u32>) -> Tile {
         let mut sets: Vec<(Vec<LightId>, u32)> = self.light_sets.into_iter().collect();
         sets.sort_unstable_by_key(|(_, set)| *set);
-        let mut lists: Vec<Bucket> = self
-            .hits
-            .into_iter()
-            .filter_map(|((path, set), pixels)| {
-                Some(Bucket { body: self.paths.get(path.index())?.body?, lights: &sets.get(set as usize)?.0, path, pixels })
-            })
-            .collect();
-        lists.sort_unstable_by(|a, b| (a.body, a.lights, a.path).cmp(&(b.body, b.lights, b.path)));
+        let (lists, copies) = buckets(self.hits, &sets, &self.paths);
         let (mut all, mut spans) = (Pixels::default(), Vec::new());
         let groups = lists
-            .chunk_by(|a, b| (a.body, a.lights) == (b.body, b.lights))
+            .chunk_by(|a, b| a.group() == b.group())
             .map(|group| {
                 let start = all.begin_group();
                 let first = spans.len() as u32;
@@ -122,7 +116,8 @@ impl Gatherer {
                     }
                 }
                 let (hits, own) = (start..all.hits, first..spans.len() as u32);
-                Group { body: group[0].body, lights: group[0].lights.into(), hits, spans: own }
+                let Bucket { body, lights, scattered, .. } = &group[0];
+                Group { body: *body, lights: lights.clone(), scattered: *scattered, hits, spans: own }
             })
             .collect();
         let mut missed: Vec<(PathId, Vec<u16>)> = self.misses.into_iter().collect();
@@ -138,16 +133,73 @@ impl Gatherer {
         regions.shrink_to_fit();
         path_sets.paths.shrink_to_fit();
         path_sets.ends.shrink_to_fit();
-        Tile { pixels, paths, groups, spans, segments, misses, miss_segments, regions, path_sets }
+        Tile { pixels, paths, groups, copies, spans, segments, misses, miss_segments, regions, path_sets }
     }
 }
 
-/// The hits of one path that are reached by one light set.
-struct Bucket<'g> {
+/// The hits of one path on a body that are reached by one light set; or scattered ones that are reached by one light, among others.
+struct Bucket {
     body: BodyId,
-    lights: &'g [LightId],
+    lights: SmallVec<[LightId; 6]>,
+    scattered: bool,
     path: PathId,
     pixels: Vec<u16>,
+}
+
+impl Bucket {
+    /// What the hits of a group share.
+    fn group(&self) -> (BodyId, &[LightId], bool) {
+        (self.body, &self.lights, self.scattered)
+    }
+}
+
+/// Groups of fewer hits may be scattered. To begin with a light of a group costs as much as some thirty hits; to add to pixels for each light by
+/// itself costs the less, the longer the groups are that become of it.
+const FEW: usize = 24;
+/// They are, if so many times fewer pairs of a group and a light come of it.
+const FEWER: usize = 4;
+
+/// The hits by what groups and spans share, in the order of these; and how many are in several groups, each counted as often as it is too many.
+fn buckets(hits: HashMap<(PathId, u32), Vec<u16>>, sets: &[(Vec<LightId>, u32)], paths: &[Path]) -> (Vec<Bucket>, u32) {
+    let body_of = |path: PathId| paths.get(path.index()).and_then(|path| path.body);
+    let lights_of = |set: u32| sets.get(set as usize).map_or(&[][..], |(lights, _)| lights);
+    let mut amounts: HashMap<(BodyId, u32), usize> = HashMap::new();
+    for ((path, set), pixels) in &hits {
+        if let Some(body) = body_of(*path) {
+            *amounts.entry((body, *set)).or_default() += pixels.len();
+        }
+    }
+    let is_small = |body: BodyId, set: u32| lights_of(set).len() > 1 && amounts[&(body, set)] < FEW;
+    // Of small groups of each body the pairs with their lights, and these.
+    let mut small: HashMap<BodyId, (usize, HashSet<LightId>)> = HashMap::new();
+    for (body, set) in amounts.keys().filter(|(body, set)| is_small(*body, *set)) {
+        let (pairs, lights) = small.entry(*body).or_default();
+        *pairs += lights_of(*set).len();
+        lights.extend(lights_of(*set));
+    }
+    let is_scattered = |body| small.get(&body).is_some_and(|(pairs, lights)| *pairs >= FEWER * lights.len());
+    let mut buckets = Vec::with_capacity(hits.len());
+    let mut scattered: HashMap<(BodyId, LightId, PathId), Vec<u16>> = HashMap::new();
+    let mut copies = 0;
+    for ((path, set), pixels) in hits {
+        let Some(body) = body_of(path) else { continue };
+        let lights = lights_of(set);
+        if is_small(body, set) && is_scattered(body) {
+            // As many as there are records, of which there are fewer than 2³².
+            copies += (pixels.len() * (lights.len() - 1)) as u32;
+            for light in lights {
+                scattered.entry((body, *light, path)).or_default().extend_from_slice(&pixels);
+            }
+        } else {
+            buckets.push(Bucket { body, lights: lights.into(), scattered: false, path, pixels });
+        }
+    }
+    for ((body, light, path), mut pixels) in scattered {
+        pixels.sort_unstable();
+        buckets.push(Bucket { body, lights: [light].as_slice().into(), scattered: true, path, pixels });
+    }
+    buckets.sort_unstable_by(|a, b| (a.group(), a.path).cmp(&(b.group(), b.path)));
+    (buckets, copies)
 }
 
 /// The pixels of hits, or misses, one behind the other.

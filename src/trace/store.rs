@@ -53,13 +53,16 @@ pub struct Span {
     pub segments: Range<u32>,
 }
 
-/// The hits of a tile on one body that exactly these lights reach.
+/// The hits of a tile on one body that exactly these lights reach. Where many lights cast many shadows, few hits have the same ones: such hits
+/// are *scattered*, they stand in a group for each of their lights.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Group {
     /// The body.
     pub body: BodyId,
     /// The lights, in the order of declaration; none where only the ambient light reaches.
     pub lights: SmallVec<[LightId; 6]>,
+    /// Whether its hits are scattered: the one light is not the only one that reaches them.
+    pub scattered: bool,
     /// The numbers of its hits.
     pub hits: Range<u32>,
     /// The same hits path by path, in the order of path ids: indices into [`Tile::spans`]. In a path a pixel occurs at most once.
@@ -111,8 +114,10 @@ pub struct Tile {
     pub pixels: Range<u32>,
     /// Every path that a ray of these pixels took, parents before children, in the order in which they were met first.
     pub paths: Vec<Path>,
-    /// The groups, ordered by body and then by lights.
+    /// The groups, ordered by body, by lights, and by whether they are scattered.
     pub groups: Vec<Group>,
+    /// How many hits stand in groups beside another one of their lights.
+    pub copies: u32,
     /// The spans of all groups. All that a frame reads on its way stands in few long lists: it comes from memory, mostly.
     pub spans: Vec<Span>,
     /// The pixels of all hits, span by span.
@@ -164,7 +169,7 @@ impl Tile {
     pub fn counts(&self) -> Counts {
         let lit = |group: &Group| group.hits.len() as u64 * group.lights.len() as u64;
         Counts {
-            hits: self.groups.last().map_or(0, |group| group.hits.end.into()),
+            hits: self.groups.last().map_or(0, |group| u64::from(group.hits.end)) - u64::from(self.copies),
             records: self.groups.iter().map(lit).sum(),
             paths: self.paths.len() as u64,
             groups: self.groups.len() as u64,

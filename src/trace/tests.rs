@@ -3,7 +3,8 @@
 
 use super::*;
 use crate::lang::source::Source;
-use crate::scene::{BodyId, Scene};
+use crate::scene::{BodyId, Light, LightId, Scene};
+use std::collections::BTreeMap;
 use std::sync::Mutex;
 
 /// The scene that this text describes.
@@ -45,6 +46,17 @@ fn room(scale: f64) -> Scene {
     ))
 }
 
+/// The same room, with so many lamps more, around it.
+fn bright_room(lamps: u32) -> Scene {
+    let mut scene = room(1.0);
+    for lamp in 0..lamps {
+        let (z, x) = (1.3 + std::f64::consts::TAU * f64::from(lamp) / f64::from(lamps)).sin_cos();
+        let position = [5.0 * x, 4.0, 5.0 * z].into();
+        scene.lights.push(Light { name: format!("lamp{lamp}"), position, ..scene.lights[0].clone() });
+    }
+    scene
+}
+
 fn view(width: u32, height: u32, depth: u32) -> View {
     View::new(width, height).unwrap().with_depth(depth).unwrap()
 }
@@ -79,10 +91,16 @@ fn pixels_of(segments: &[Segment]) -> impl Iterator<Item = usize> {
 
 #[test]
 fn store_and_replay_are_what_the_trees_say_bit_for_bit() {
-    let scene = room(1.0);
-    for view in [view(160, 120, 5), view(40, 30, 9).with_offset([0.1, 0.8]), view(40, 30, 4).with_shadows(false)] {
-        let hits = traced(&scene, &view);
-        let optics = Optics::new(&scene, &view);
+    let (room, bright) = (room(1.0), bright_room(10));
+    for (scene, view) in [
+        (&room, view(160, 120, 5)),
+        (&room, view(40, 30, 9).with_offset([0.1, 0.8])),
+        (&room, view(40, 30, 4).with_shadows(false)),
+        (&bright, view(80, 60, 5)),
+    ] {
+        let hits = traced(scene, &view);
+        let mut scattered: BTreeMap<(u32, usize), Vec<LightId>> = BTreeMap::new();
+        let optics = Optics::new(scene, &view);
         let trees: Vec<Tree> = (0..view.pixels()).map(|pixel| ray_tree(&optics, pixel)).collect();
         let mut seen = 0;
         for tile in &hits.tiles {
@@ -95,10 +113,16 @@ fn store_and_replay_are_what_the_trees_say_bit_for_bit() {
                     let place = pixels_of(tile.segments_of(span)).nth((hit - span.hits.start) as usize).unwrap();
                     assert_eq!(pixel as usize, tile.pixels.start as usize + place);
                     let tree = &trees[pixel as usize];
-                    let node = &tree.nodes[node_at(tree, &tile.steps(span.path)).0.unwrap()];
+                    let node = node_at(tree, &tile.steps(span.path)).0.unwrap();
+                    if group.scattered {
+                        scattered.entry((pixel, node)).or_default().extend(&group.lights);
+                    }
+                    let node = &tree.nodes[node];
                     assert_eq!(node.surface, *surface);
                     assert_eq!(node.surface.body, group.body);
-                    assert_eq!(*node.lights, *group.lights);
+                    if !group.scattered {
+                        assert_eq!(*node.lights, *group.lights);
+                    }
                     seen += 1;
                 })
                 .unwrap();
@@ -115,7 +139,14 @@ fn store_and_replay_are_what_the_trees_say_bit_for_bit() {
             let children = tree.nodes.iter().flat_map(|node| [node.reflected, node.refracted]);
             children.filter(|child| *child == Child::Miss).count() + usize::from(tree.nodes.is_empty())
         };
-        assert_eq!(seen, nodes);
+        // Scattered hits are once in a group of each of their lights.
+        for ((pixel, node), lights) in &scattered {
+            assert_eq!(*trees[*pixel as usize].nodes[*node].lights, **lights);
+        }
+        assert_eq!(scattered.is_empty(), scene.lights.len() < 10);
+        let copies: u32 = hits.tiles.iter().map(|tile| tile.copies).sum();
+        assert_eq!(copies as usize, scattered.values().map(|lights| lights.len() - 1).sum::<usize>());
+        assert_eq!(seen, nodes + copies as usize);
         assert_eq!(hits.counts().hits, nodes as u64);
         assert_eq!(hits.counts().misses, trees.iter().map(misses).sum::<usize>() as u64);
         let records: usize = trees.iter().flat_map(|tree| &tree.nodes).map(|node| node.lights.len()).sum();
@@ -163,7 +194,7 @@ fn groups_and_spans_are_in_order_and_complete() {
     assert_eq!(hits.tiles.last().unwrap().pixels.end, 30_000);
     for tile in &hits.tiles {
         assert!(tile.paths.iter().enumerate().all(|(id, path)| path.parent.is_none_or(|parent| parent.index() < id)));
-        assert!(tile.groups.is_sorted_by(|a, b| (a.body, &a.lights) < (b.body, &b.lights)));
+        assert!(tile.groups.is_sorted_by(|a, b| (a.body, &a.lights, a.scattered) < (b.body, &b.lights, b.scattered)));
         let mut next = (0, 0);
         for span in tile.groups.iter().flat_map(|group| {
             let spans = tile.spans_of(group);

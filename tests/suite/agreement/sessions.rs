@@ -1,7 +1,8 @@
 //! Dragged sliders of built-in models and scenes: the ways that frames are made, budgets, and numbers that change in between.
 
 use crate::agreement::drags::wrong;
-use illuminator::evaluate::{Compiled, Drag, Framebuffer, Method};
+use illuminator::evaluate::verify::verify;
+use illuminator::evaluate::{Compiled, Drag, Framebuffer, Interpreted, Method};
 use illuminator::formula::{Formula, ParameterId};
 use illuminator::jit::CompiledFormula;
 use illuminator::lang::source::Source;
@@ -23,20 +24,27 @@ fn source(kind: Kind, name: &str) -> Source {
 struct Model {
     compiled: Arc<Compiled>,
     values: Values,
+    /// How many hits stand in a group of another light too.
+    scattered: u32,
 }
 
 impl Model {
     fn new(formula: &Source) -> Self {
+        Self::on(&source(Kind::Scene, "crystals"), formula)
+    }
+
+    fn on(scene: &Source, formula: &Source) -> Self {
         let (session, _) = Session::parse(&source(Kind::Session, presets::DEFAULT_SESSION)).expect("a session");
         let (formula, _) = Formula::parse(formula).expect("a formula");
-        let (scene, _) = Scene::parse(&source(Kind::Scene, "crystals")).expect("a scene");
+        let (scene, _) = Scene::parse(scene).expect("a scene");
         let view = View::new(SIZE[0], SIZE[1]).expect("a size in range");
         let hits = trace(&scene, &view, &Budget::UNLIMITED, &|_| {}, &AtomicBool::new(false)).expect("small enough");
+        let scattered = hits.tiles.iter().map(|tile| tile.copies).sum();
         let (given, _) = session.assignments(Values::defaults(&formula, &scene).roster());
         let (values, _) = Values::new(&formula, &scene, &given);
         let compiled = Arc::new(CompiledFormula::new(&formula).expect("a formula of ordinary size"));
         let compiled = Compiled::new(compiled, &formula, &scene, &Arc::new(hits)).expect("hits of the scene");
-        Self { compiled: Arc::new(compiled), values }
+        Self { compiled: Arc::new(compiled), values, scattered }
     }
 
     fn preset(formula: &str) -> Self {
@@ -180,6 +188,41 @@ fn all_begins_anew_when_something_else_changes() {
                 model.move_to(slider, part);
                 model.check(&mut drag, &mut drawn, &what);
             }
+        }
+    }
+}
+
+#[test]
+fn many_lights_with_many_shadows_are_drawn_and_dragged() {
+    let lights: String = (0..12)
+        .map(|light| {
+            let (z, x) = (0.5 * f64::from(light)).sin_cos();
+            format!("l{light}: point, <{}, 7, {}>;", 7.0 * x, 7.0 * z)
+        })
+        .collect();
+    let balls: String = (0..9)
+        .map(|ball| format!("b{ball}: sphere, center <{}, 0.7, {}>, radius 0.7, opaque;", 2 * (ball % 3) - 2, 2 * (ball / 3) - 2))
+        .collect();
+    let scene = format!(
+        "bodies; floor: rectangle, <-6, 0, -6>, <6, 0, -6>, <6, 0, 6>, opaque; {balls} lights; {lights}
+         camera; position <0, 5, 9>; gaze <0, -0.5, -1>; up <0, 1, 0>; fov 40;"
+    );
+    let scene = Source::new("scene", scene);
+    let mut model = Model::on(&scene, &source(Kind::Formula, "phong"));
+    assert!(model.scattered > 1000, "{} hits stand in several groups", model.scattered);
+    model.set("*.kr=0.3");
+    let (formula, _) = Formula::parse(&source(Kind::Formula, "phong")).expect("a formula");
+    let (parsed, _) = Scene::parse(&scene).expect("a scene");
+    let interpreted = Interpreted::new(&Arc::new(formula), &Arc::new(parsed), View::new(SIZE[0], SIZE[1]).expect("a size"))
+        .expect("small enough");
+    assert!(verify(&model.compiled, &interpreted, model.values.numbers()).passes());
+    for slider in ["floor.kd", "floor.h", "b4.kr", "l3.ki"] {
+        let mut drag = model.drag(slider, usize::MAX);
+        while !drag.prepare() {}
+        let mut drawn = black();
+        for part in [0.0, 0.4, 1.0] {
+            model.move_to(slider, part);
+            model.check(&mut drag, &mut drawn, slider);
         }
     }
 }
