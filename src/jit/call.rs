@@ -43,6 +43,13 @@ unsafe impl Send for CodeMemory {}
 // SAFETY: as above; there is no method that reads or changes the module through a shared reference.
 unsafe impl Sync for CodeMemory {}
 
+impl CodeMemory {
+    /// A module that is owned at once by what frees it: one that is merely dropped leaks its memory.
+    fn new(builder: JITBuilder) -> Self {
+        Self(ManuallyDrop::new(JITModule::new(builder)))
+    }
+}
+
 impl Drop for CodeMemory {
     fn drop(&mut self) {
         // SAFETY: the value is not used after this, since it is being dropped. Every kernel holds the memory by an `Arc`, so no
@@ -69,8 +76,7 @@ fn generate_for(
     let failed = |error: ModuleError| CompileError::Generator(error.to_string());
     let mut builder = JITBuilder::with_isa(target.isa.clone(), cranelift_module::default_libcall_names());
     builder.symbol("perlin", perlin_lanes as *const u8);
-    // Owned at once by what frees it: a module that is merely dropped leaks its memory.
-    let mut memory = CodeMemory(ManuallyDrop::new(JITModule::new(builder)));
+    let mut memory = CodeMemory::new(builder);
     let module = &mut *memory.0;
     let mut noise_signature = Signature::new(CallConv::SystemV);
     noise_signature.params.push(AbiParam::new(I64));
@@ -451,7 +457,7 @@ impl PixelCode {
         }
         let target = target().ok()?;
         let builder = JITBuilder::with_isa(target.isa.clone(), cranelift_module::default_libcall_names());
-        let mut memory = CodeMemory(ManuallyDrop::new(JITModule::new(builder)));
+        let mut memory = CodeMemory::new(builder);
         let module = &mut *memory.0;
         let [sums, plane] = [size_of::<[Line; CHUNK_LINES]>() as i64, size_of::<[f32; PLANE_PIXELS]>() as i64];
         let codes = [
