@@ -3,7 +3,7 @@
 //! A [`Pass`] is one way to weigh the hits of a picture. A whole frame is one pass: every path with its weight, one source of
 //! light for all pairs of a body and a light. A part of the picture that a drag keeps (see [`drag`](super::drag)) is another.
 
-use crate::evaluate::columns::Columns;
+use crate::evaluate::columns::{Columns, Part};
 use crate::evaluate::framebuffer::Channels;
 use crate::evaluate::planes::{Adder, Planes, Weight};
 use crate::jit::{Kernel, Line, Splat, Steps, Sums, fetch};
@@ -179,9 +179,7 @@ impl Pass<'_> {
                 }
                 let [begin, end] = [first.hits.start, last.hits.end].map(|hit| (hit - group.hits.start) as usize);
                 let lines = begin / LINE_HITS / ROUND_LINES * ROUND_LINES..end.div_ceil(LINE_HITS).next_multiple_of(ROUND_LINES);
-                let read = kept.unwrap_or(&self.sources[shiners[0].source].columns[place]);
-                let mut coming = read.part(index, lines.clone()).coming();
-                self.light(place, kept, index, &shiners, lines, adder);
+                let mut coming = self.light(place, kept, index, &shiners, lines, adder);
                 let segments = &tile.segments[first.segments.start as usize..last.segments.end as usize];
                 let spans = run.iter().map(|span| (tile.segments_of(span), weight(span)));
                 adder.add(segments, spans, kept_weights, self.channels, &mut coming);
@@ -189,7 +187,7 @@ impl Pass<'_> {
         }
     }
 
-    /// The contributions of all lights of a group to these lines, whole rounds of one chunk, each to its own place in it.
+    /// The contributions of all lights of a group to these lines, whole rounds of one chunk, each to its own place in it. What is read after that.
     fn light<'p>(
         &'p self,
         place: usize,
@@ -198,9 +196,10 @@ impl Pass<'_> {
         shiners: &Shiners<'p>,
         lines: Range<usize>,
         adder: &mut Adder<'p>,
-    ) {
+    ) -> &'p [Line] {
         let own = lines.start % CHUNK_LINES..lines.start % CHUNK_LINES + lines.len();
         let kept = kept.map(|kept| kept.part(index, lines.clone()));
+        let mut coming = kept.as_ref().map(Part::coming);
         // What the sums hold is of the chunk before.
         let mut stale = [true; 3];
         for shiners in shiners.chunk_by(|a, b| a.source == b.source) {
@@ -211,6 +210,7 @@ impl Pass<'_> {
                 clear(adder, &own, &mut stale, components.clone());
             }
             let part = source.columns[place].part(index, lines.clone());
+            coming.get_or_insert(part.coming());
             for Shiner { light, uniforms, .. } in shiners {
                 let kernel = if std::mem::take(&mut store) { source.storing } else { source.adding };
                 let kept = kept.as_ref().map_or(&[][..], |kept| kept.records(*light));
@@ -220,6 +220,7 @@ impl Pass<'_> {
             stale[components].fill(false);
         }
         clear(adder, &own, &mut stale, self.channels.components());
+        coming.unwrap_or_default()
     }
 }
 

@@ -22,6 +22,7 @@ use cranelift_codegen::ir::{AbiParam, Signature};
 use cranelift_codegen::isa::CallConv;
 use cranelift_jit::{JITBuilder, JITModule};
 use cranelift_module::{Linkage, Module, ModuleError};
+use smallvec::SmallVec;
 use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
 use std::marker::PhantomData;
 use std::mem::ManuallyDrop;
@@ -136,7 +137,7 @@ fn generate_for(
         // of which is wider than a register; its memory lives as long as the kernel.
         let entry = unsafe { std::mem::transmute::<*const u8, Entry>(address) };
         let streams = plan.streams.each_ref().map(Vec::len);
-        let (uniforms, outputs) = (plan.uniforms.len(), plan.output_streams().into());
+        let (uniforms, outputs) = (plan.uniforms.len(), SmallVec::from_vec(plan.output_streams()));
         Kernel { entry, streams, uniforms, outputs, shape, _memory: Arc::clone(&memory) }
     };
     Ok(plans.iter().zip(finished).map(kernel).collect())
@@ -150,7 +151,7 @@ pub struct Kernel {
     streams: [usize; STREAMS],
     uniforms: usize,
     /// How many columns there are in each stream that it writes.
-    outputs: Arc<[usize]>,
+    outputs: SmallVec<[usize; OUTPUTS]>,
     shape: Shape,
     _memory: Arc<CodeMemory>,
 }
@@ -177,7 +178,7 @@ impl Kernel {
         let whole = self.whole_rounds(lines);
         assert!(outputs.len() == self.outputs.len(), "a kernel's outputs");
         let mut places = [std::ptr::null_mut(); OUTPUTS];
-        for ((output, columns), place) in outputs.iter_mut().zip(&*self.outputs).zip(&mut places) {
+        for ((output, columns), place) in outputs.iter_mut().zip(&self.outputs).zip(&mut places) {
             assert!(holds(output.len(), whole, *columns), "a kernel's outputs");
             *place = output.as_mut_ptr();
         }

@@ -384,4 +384,29 @@ mod tests {
         let shuffle = Instruction::with3(Code::VEX_Vunpcklps_xmm_xmm_xmmm128, Register::XMM1, Register::XMM2, Register::XMM3);
         assert_eq!(widen(&code(&[shuffle.unwrap()], &[]), 4), None);
     }
+
+    #[test]
+    fn streams_are_fetched_in_the_order_of_memory() {
+        // Three lines of two streams, in another order, and scratch that is stored to.
+        let at = |base, displacement| MemoryOperand::new(base, Register::R9, 1, displacement, 8, false, Register::None);
+        let load = |register, base, displacement| {
+            Instruction::with2(Code::VEX_Vmovups_xmm_xmmm128, register, at(base, displacement)).unwrap()
+        };
+        let instructions = [
+            load(Register::XMM1, Register::RAX, 0x40),
+            load(Register::XMM2, Register::RCX, 0x80),
+            load(Register::XMM3, Register::RAX, 0),
+            load(Register::XMM4, Register::RDX, 0),
+            Instruction::with2(Code::VEX_Vmovups_xmmm128_xmm, at(Register::RDX, 0), Register::XMM4).unwrap(),
+            load(Register::XMM5, Register::RAX, 0xc0),
+            Instruction::with(Code::Retnq),
+        ];
+        let wide = widen(&code(&instructions, &[]), 4).unwrap();
+        let fetched: Vec<(Register, u64)> = Decoder::with_ip(64, &wide, BASE, DecoderOptions::NONE)
+            .into_iter()
+            .filter(|instruction| instruction.code() == Code::Prefetcht0_m8)
+            .map(|fetch| (fetch.memory_base(), fetch.memory_displacement64() - AHEAD as u64))
+            .collect();
+        assert_eq!(fetched, [(Register::RAX, 0), (Register::RCX, 0x80), (Register::RAX, 0x40), (Register::RAX, 0xc0)]);
+    }
 }
