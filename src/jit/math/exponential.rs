@@ -57,7 +57,7 @@ struct Scaled {
 impl VectorMath<'_, '_> {
     /// 2^x. The whole part becomes an exponent, the fraction in [0, 1) goes through a polynomial.
     ///
-    /// Error up to 1.3 ulp (1.6 without FMA; 1.7 in sixteen lanes, by estimate). Exact for whole x. From 128 on infinite, below −126
+    /// Error up to 1.3 ulp (1.6 without FMA; 1.6 in sixteen lanes). Exact for whole x. From 128 on infinite, below −126
     /// exactly 0.
     pub(in crate::jit) fn exp2(&mut self, x: Value) -> Value {
         // At the limits the power of two itself is infinite or zero, see `power_of_two`.
