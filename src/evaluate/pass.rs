@@ -179,10 +179,10 @@ impl Pass<'_> {
                 }
                 let [begin, end] = [first.hits.start, last.hits.end].map(|hit| (hit - group.hits.start) as usize);
                 let lines = begin / LINE_HITS / ROUND_LINES * ROUND_LINES..end.div_ceil(LINE_HITS).next_multiple_of(ROUND_LINES);
-                let mut coming = self.light(place, kept, index, &shiners, lines, adder);
+                let coming = self.light(place, kept, index, &shiners, lines, adder);
                 let segments = &tile.segments[first.segments.start as usize..last.segments.end as usize];
                 let spans = run.iter().map(|span| (tile.segments_of(span), weight(span)));
-                adder.add(segments, spans, kept_weights, self.channels, &mut coming);
+                adder.add(segments, spans, kept_weights, self.channels, coming);
             }
         }
     }

@@ -91,23 +91,20 @@ impl<'p> Adder<'p> {
     }
 
     /// Adds the weighed colours of hits, which are in the lines that the segments say: of spans that follow each other, each with its weight, which
-    /// is kept too. Meanwhile some of what is `coming` is fetched, and taken off.
+    /// is kept too. Meanwhile some of what is `coming` is fetched.
     pub(super) fn add(
         &mut self,
         segments: &'p [Segment],
         spans: impl Iterator<Item = (&'p [Segment], Weight)> + Clone,
         kept: Weights,
         channels: Channels,
-        coming: &mut &[Line],
+        coming: &[Line],
     ) {
         let component = match channels {
             Channels::All => None,
             Channels::One(component) => Some(component),
         };
-        if !spans.clone().any(|(_, weight)| weight.is_tiny())
-            && let Some(fetched) = self.program.add(segments, kept, component, coming)
-        {
-            *coming = coming.get(fetched..).unwrap_or_default();
+        if !spans.clone().any(|(_, weight)| weight.is_tiny()) && self.program.add(segments, kept, component, coming) {
             return;
         }
         let (sums, planes) = self.program.run();
@@ -300,7 +297,7 @@ mod tests {
         let mut adder = planes.adder(&mut steps, sums);
         // Segments are of the span of this number.
         let kept = adder.weigh([Weight(f64::NAN), weight, Weight(f64::NAN)].into_iter());
-        adder.add(segments, std::iter::once((segments, weight)), kept, channels, &mut &[][..]);
+        adder.add(segments, std::iter::once((segments, weight)), kept, channels, &[]);
         adder.finish();
     }
 

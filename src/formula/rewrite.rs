@@ -288,7 +288,7 @@ impl Rewriter<'_> {
         self.sum(&sums[&root])
     }
 
-    /// The operands that a node is a sum of, or that it is a uniform multiple of; none where it is neither, or is not dynamic.
+    /// The operands that a node is a sum or a product of, but for uniform factors; none where it is neither, or is not dynamic.
     #[expect(clippy::wildcard_enum_match_arm, reason = "only what is linear is taken apart")]
     fn linear_operands(&self, id: NodeId) -> Vec<NodeId> {
         let Node::Apply(primitive, [x, y, ..]) = self.graph.node(id) else { return Vec::new() };

@@ -225,7 +225,7 @@ const ADDITION_WORDS: usize = size_of::<Addition>() / size_of::<usize>();
 /// Work for compiled code on the pixels of a tile: put together first, then done in one go. To enter and leave compiled code costs some ten
 /// nanoseconds, and while columns stream through the first cache, nothing else would stay in it.
 pub struct Program<'p> {
-    steps: &'p mut Steps,
+    room: &'p mut Steps,
     sums: *mut Sums,
     planes: *mut PixelPlanes,
     code: Option<&'static PixelCode>,
@@ -252,9 +252,9 @@ pub struct Weights(usize);
 
 impl<'p> Program<'p> {
     /// An empty one, that works on these sums and pixels.
-    pub fn new(steps: &'p mut Steps, sums: &'p mut Sums, planes: &'p mut PixelPlanes) -> Self {
-        steps.steps.clear();
-        Self { steps, sums, planes, code: PixelCode::get(), _pointed: PhantomData }
+    pub fn new(room: &'p mut Steps, sums: &'p mut Sums, planes: &'p mut PixelPlanes) -> Self {
+        room.steps.clear();
+        Self { room, sums, planes, code: PixelCode::get(), _pointed: PhantomData }
     }
 
     /// Runs a kernel of terms over some lines: these streams are theirs, and the sums are at the same place in the chunk. They are of these components,
@@ -279,7 +279,7 @@ impl<'p> Program<'p> {
             // SAFETY: a component is one of three, and the line one of its chunk.
             *place = unsafe { self.sums.cast::<Line>().add(component * CHUNK_LINES + lines.start) };
         }
-        self.steps.steps.push(kernel.step(streams, uniforms, places, whole));
+        self.room.steps.push(kernel.step(streams, uniforms, places, whole));
     }
 
     /// Keeps the weight of each span of a chunk for [`add`](Self::add).
@@ -289,26 +289,26 @@ impl<'p> Program<'p> {
     pub fn weigh(&mut self, weights: impl ExactSizeIterator<Item = f32>) -> Weights {
         assert!(weights.len() <= CHUNK_HITS, "the spans of a chunk");
         // Any span that a segment may name has a place.
-        if self.steps.weights.len() < self.steps.used + CHUNK_HITS {
+        if self.room.weights.len() < self.room.used + CHUNK_HITS {
             self.run();
-            self.steps.used = 0;
-            self.steps.weights.resize(WEIGHTS, 0.0);
+            self.room.used = 0;
+            self.room.weights.resize(WEIGHTS, 0.0);
         }
-        let start = self.steps.used;
-        self.steps.used += weights.len();
-        self.steps.weights[start..].iter_mut().zip(weights).for_each(|(place, weight)| *place = weight);
+        let start = self.room.used;
+        self.room.used += weights.len();
+        self.room.weights[start..].iter_mut().zip(weights).for_each(|(place, weight)| *place = weight);
         Weights(start)
     }
 
     /// Adds the sums of these segments' hits, times the weight of their span, to their pixels: of all components, or of one (0 red, 1 green, 2 blue).
-    /// The weights are the last ones that were kept. Meanwhile it fetches lines from the beginning of what is `coming`, so many for each
-    /// segment; how many in all. None where there is no such code.
-    pub fn add(&mut self, segments: &'p [Segment], weights: Weights, component: Option<usize>, coming: &[Line]) -> Option<usize> {
-        let code = self.code?;
+    /// The weights are the last ones that were kept. Meanwhile it fetches lines from the beginning of what is `coming`, some for each
+    /// segment. False where there is no such code.
+    pub fn add(&mut self, segments: &'p [Segment], weights: Weights, component: Option<usize>, coming: &[Line]) -> bool {
+        let Some(code) = self.code else { return false };
         if segments.is_empty() {
-            return Some(0);
+            return true;
         }
-        let weights = &self.steps.weights[weights.0..weights.0 + CHUNK_HITS];
+        let weights = &self.room.weights[weights.0..weights.0 + CHUNK_HITS];
         let place = component.unwrap_or(0);
         assert!(place < OUTPUTS, "a component");
         let ends = segments.as_ptr_range();
@@ -326,13 +326,13 @@ impl<'p> Program<'p> {
         let entry = if component.is_some() { code.adding_one } else { code.adding_all };
         let mut words = [0; WORDS];
         words[..ADDITION_WORDS].copy_from_slice(&bytemuck::cast::<Addition, [usize; ADDITION_WORDS]>(addition));
-        self.steps.steps.push(Step { words, entry });
-        Some(segments.len() * pixels::FETCHED)
+        self.room.steps.push(Step { words, entry });
+        true
     }
 
     /// Does what was put together so far; the sums and pixels after that.
     pub fn run(&mut self) -> (&mut Sums, &mut PixelPlanes) {
-        if !self.steps.steps.is_empty() {
+        if !self.room.steps.is_empty() {
             // SAFETY: steps are made by the two methods above. A kernel's code reads of every stream the lines of its rounds, times as many as it has
             // columns, and its uniform splats, as `step` asserts; and writes as many lines of sums, as `contribute` does. Code that adds reads the
             // segments of a slice that is not empty; a segment's line is one of a chunk, and its place such that a line from there ends within
@@ -340,8 +340,8 @@ impl<'p> Program<'p> {
             // as the code was written for, one behind the other, since they are arrays; the weights of a chunk's hits are there, so those of its spans,
             // and have kept their place, as `weigh` grows their list only where no step is left. To fetch from where nothing is does nothing. All is borrowed
             // for 'p, and what is written is ours alone. The processor was asked for what the codes need.
-            unsafe { perform(&self.steps.steps) }
-            self.steps.steps.clear();
+            unsafe { perform(&self.room.steps) }
+            self.room.steps.clear();
         }
         // SAFETY: both were given as unique references for 'p, and no step is left that points to them.
         unsafe { (&mut *self.sums, &mut *self.planes) }

@@ -59,8 +59,8 @@ impl<'p> Program<'p> {
     }
 
     /// Does not add.
-    pub fn add(&mut self, _: &'p [Segment], _: Weights, _: Option<usize>, _: &[Line]) -> Option<usize> {
-        None
+    pub fn add(&mut self, _: &'p [Segment], _: Weights, _: Option<usize>, _: &[Line]) -> bool {
+        false
     }
 
     /// The sums and pixels.

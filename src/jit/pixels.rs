@@ -12,7 +12,7 @@ use iced_x86::{Code, IcedError, Instruction, MemoryOperand, Register};
 use std::mem::offset_of;
 
 /// While the code of [`adding_code`] is at a segment, it fetches so many lines that are read next: memory has time meanwhile.
-pub(super) const FETCHED: usize = 2;
+const FETCHED: usize = 2;
 
 /// What the code of [`adding_code`] reads.
 #[derive(Clone, Copy, bytemuck::Zeroable, bytemuck::Pod)]

@@ -162,13 +162,14 @@ fn trace_tile(
         pace(chunk.end - chunk.start)?;
     }
     let tile = gatherer.tile(pixels);
-    // What is kept of lit hits is kept in whole lines.
+    // What is kept of lit hits is kept in whole lines, and of hits in several groups in each.
     let lit = tile.groups.iter().filter(|group| !group.lights.is_empty());
     let beyond = lit.map(|group| {
         let beyond = group.hits.len().next_multiple_of(LINE_HITS) - group.hits.len();
         [beyond as u64, (beyond * group.lights.len()) as u64]
     });
     let [hits, records] = beyond.fold([0, 0], |sum, beyond| [sum[0] + beyond[0], sum[1] + beyond[1]]);
-    ledger.charge(hits, records, 0)?;
+    let copies = u64::from(tile.copies);
+    ledger.charge(hits + copies, records, copies * size_of::<Segment>() as u64)?;
     Ok(tile)
 }
