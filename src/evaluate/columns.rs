@@ -7,7 +7,7 @@
 use crate::evaluate::memory::StreamMemory;
 use crate::evaluate::pass::Source;
 use crate::formula::graph::{Node, NodeId};
-use crate::jit::{AHEAD, CompiledFormula, Line, Streams, fetch};
+use crate::jit::{AHEAD, CompiledFormula, Line, Splat, Streams};
 use crate::lang::scalars::flush;
 use crate::lang::variables::Variable;
 use crate::scene::LightId;
@@ -129,8 +129,8 @@ impl Columns {
         Ok(arrangements.into_iter().map(tile).collect())
     }
 
-    /// Columns of what a source yields for each record of a tile, where it is active.
-    pub(super) fn kept(tile: &Tile, place: usize, source: &Source) -> Self {
+    /// Columns of what a source yields for each record of a tile, where it is active, from these static columns and uniform values.
+    pub(super) fn kept(tile: &Tile, given: &Columns, source: &Source, uniforms: &[Splat]) -> Self {
         let is_active = |group: &Group, light: &LightId| source.active[source.pair(group.body, *light)];
         let outputs = source.storing.outputs();
         let arrangement = Arrangement::new(tile, 0, outputs, |group| group.lights.iter().any(|light| is_active(group, light)));
@@ -139,12 +139,12 @@ impl Columns {
         for (index, (group, own)) in tile.groups.iter().zip(&arrangement.groups).enumerate() {
             for chunk in Chunk::all(own) {
                 let start = arrangement.chunk(own, &chunk);
-                let given = source.columns[place].part(index, chunk.first..chunk.first + chunk.lines);
+                let part = given.part(index, chunk.first..chunk.first + chunk.lines);
                 for (light_place, light) in group.lights.iter().enumerate().filter(|(_, light)| is_active(group, light)) {
                     let length = outputs * chunk.lines;
                     let begin = start + light_place * length;
-                    let uniforms = source.uniforms_of(source.pair(group.body, *light));
-                    let streams: Streams = [given.hits(), given.records(light_place), &[]];
+                    let uniforms = &uniforms[source.uniforms_of(source.pair(group.body, *light))];
+                    let streams: Streams = [&given.lines()[part.hits()], &given.lines()[part.records(light_place)], &[]];
                     source.storing.run(streams, uniforms, &mut [&mut lines[begin..begin + length]], chunk.lines);
                 }
             }
@@ -152,9 +152,9 @@ impl Columns {
         Self { memory: Arc::new(memory), lines: 0..arrangement.lines, arrangement }
     }
 
-    /// Has what a pass reads beside the columns fetched.
-    pub(super) fn fetch(&self) {
-        fetch(&self.arrangement.groups);
+    /// The lines of the columns, and behind them what whole rounds may read beyond.
+    pub(super) fn lines(&self) -> &[Line] {
+        &self.memory.lines()[self.lines.start..]
     }
 
     /// The memory they take, in bytes.
@@ -163,13 +163,12 @@ impl Columns {
     }
 
     /// Some lines of the columns of a group. The lines are of one chunk, or up to a round beyond, where there is something else.
-    #[inline]
-    pub(super) fn part(&self, group: usize, lines: Range<usize>) -> Part<'_> {
+    pub(super) fn part(&self, group: usize, lines: Range<usize>) -> Part {
         let arrangement = &self.arrangement;
         let own = &arrangement.groups[group];
         let chunk = Chunk::of(lines.start, own);
         Part {
-            memory: &self.memory.lines()[self.lines.start + arrangement.chunk(own, &chunk)..],
+            start: arrangement.chunk(own, &chunk),
             hit_columns: arrangement.hit_columns,
             record_columns: arrangement.record_columns,
             chunk: chunk.lines,
@@ -179,10 +178,10 @@ impl Columns {
     }
 }
 
-/// Some lines of the columns of a group, as kernels read them.
-pub(super) struct Part<'c> {
-    /// From the first line of the chunk on.
-    memory: &'c [Line],
+/// Where some lines of the columns of a group are in those of the tile, as kernels read them.
+pub(super) struct Part {
+    /// The first line of the chunk.
+    start: usize,
     hit_columns: usize,
     record_columns: usize,
     /// How many lines a column of the chunk has, and all of them.
@@ -192,27 +191,26 @@ pub(super) struct Part<'c> {
     lines: Range<usize>,
 }
 
-impl<'c> Part<'c> {
+impl Part {
     /// The hit frontier.
-    #[inline]
-    pub(super) fn hits(&self) -> &'c [Line] {
+    pub(super) fn hits(&self) -> Range<usize> {
         self.stream(0, self.hit_columns)
     }
 
     /// The record frontier, for the light of this place in the group.
-    #[inline]
-    pub(super) fn records(&self, light: usize) -> &'c [Line] {
+    pub(super) fn records(&self, light: usize) -> Range<usize> {
         self.stream(self.chunk * (self.hit_columns + light * self.record_columns), self.record_columns)
     }
 
-    /// What is going to be read behind the chunk, as far as kernels have not fetched it.
-    pub(super) fn coming(&self) -> &'c [Line] {
-        self.memory.get(self.whole + AHEAD / size_of::<Line>()..).unwrap_or_default()
+    /// The first of what is going to be read behind the chunk that kernels have not fetched, if anything is there.
+    pub(super) fn coming(&self) -> usize {
+        self.start + self.whole + AHEAD / size_of::<Line>()
     }
 
-    /// Of the stream of so many columns that begins at this line.
-    fn stream(&self, start: usize, columns: usize) -> &'c [Line] {
-        &self.memory[start + columns * self.lines.start..start + columns * self.lines.end]
+    /// Of the stream of so many columns that begins at this line of the chunk.
+    fn stream(&self, start: usize, columns: usize) -> Range<usize> {
+        let start = self.start + start;
+        start + columns * self.lines.start..start + columns * self.lines.end
     }
 }
 

@@ -5,6 +5,7 @@ use crate::evaluate::frame::Frame;
 use crate::evaluate::framebuffer::{Channels, Framebuffer};
 use crate::evaluate::pass::{Onto, Pass, Source, Workroom};
 use crate::evaluate::planes::Weight;
+use crate::evaluate::program::TileProgram;
 use crate::formula::binding::Bindings;
 use crate::formula::graph::{Node, NodeId};
 use crate::formula::layout::Layout;
@@ -22,12 +23,14 @@ use std::sync::{Arc, Mutex, PoisonError};
 pub struct Compiled {
     pub(super) compiled: Arc<CompiledFormula>,
     pub(super) hits: Arc<Hits>,
-    columns: Vec<Columns>,
+    pub(super) columns: Vec<Columns>,
     pub(super) layout: Layout,
     pub(super) parameters: Vec<Parameter>,
     /// Where each parameter number that the uniform kernel reads lies.
     uniform_leaves: Vec<Place>,
     pub(super) places: Places,
+    /// What is done for each tile in a whole picture.
+    programs: Vec<Mutex<TileProgram>>,
     /// Where tiles were worked on; kept for the next frame.
     workrooms: Mutex<Vec<Workroom>>,
 }
@@ -72,6 +75,7 @@ impl Compiled {
         };
         let layout = Layout::new(formula, scene.bodies.len(), scene.lights.len());
         let parameters = formula.parameters.clone();
+        let programs = hits.tiles.iter().map(|_| Mutex::default()).collect();
         Ok(Self {
             compiled,
             hits: Arc::clone(hits),
@@ -80,14 +84,18 @@ impl Compiled {
             parameters,
             uniform_leaves,
             places,
+            programs,
             workrooms: Mutex::default(),
         })
     }
 
-    /// The memory at rest, in bytes: the hit store, the static columns, and where tiles were worked on.
+    /// The memory at rest, in bytes: the hit store, the static columns, what is done for each tile, and where tiles were worked on. The last two
+    /// are there after a frame.
     pub fn bytes(&self) -> usize {
         let workrooms = self.workrooms.lock().unwrap_or_else(PoisonError::into_inner).len();
-        self.hits.bytes() as usize + self.columns.iter().map(Columns::bytes).sum::<usize>() + workrooms * Workroom::BYTES
+        let programs = self.programs.iter().map(|program| program.lock().unwrap_or_else(PoisonError::into_inner).bytes());
+        let columns = self.columns.iter().map(Columns::bytes);
+        self.hits.bytes() as usize + columns.chain(programs).sum::<usize>() + workrooms * Workroom::BYTES
     }
 
     /// The picture that these parameter numbers give, unclamped and linear; see [`Evaluator::frame`](super::Evaluator::frame).
@@ -149,30 +157,37 @@ impl Compiled {
     /// Everything that a picture is added up from.
     pub(super) fn whole(&self, memory: &[f32]) -> Pass<'_> {
         self.check_numbers(memory);
-        let source = self.source_of(memory, &self.compiled.contributor, &self.uniform_leaves, Channels::All);
+        let (source, uniforms) = self.source_of(memory, &self.compiled.contributor, &self.uniform_leaves, Channels::All);
         let background = self.colour(memory, Owner::Global, 0, self.places.background);
         let ambient = (0..self.layout.owners(Owner::Body)).map(|body| self.ambient(body, memory)).collect();
-        Pass { sources: vec![source], ambient, background, channels: Channels::All }
+        let mut pass = self.nothing(ambient, background, Channels::All);
+        pass.push(source, uniforms);
+        pass
     }
 
-    /// What a contributor yields, of all pairs of a body and a light that contribute; its uniform leaves lie at these places.
+    /// A pass without sources.
+    pub(super) fn nothing(&self, ambient: Vec<[f32; 3]>, background: [f32; 3], channels: Channels) -> Pass<'_> {
+        Pass { sources: Vec::new(), uniforms: Vec::new(), columns: &self.columns, ambient, background, channels }
+    }
+
+    /// What a contributor yields, of all pairs of a body and a light that contribute, and its uniform values, whose leaves lie at these places.
     pub(super) fn source_of<'c>(
         &'c self,
         memory: &[f32],
         contributor: &'c Contributor,
         leaves: &[Place],
         channels: Channels,
-    ) -> Source<'c> {
-        Source {
+    ) -> (Source<'c>, Vec<Splat>) {
+        let source = Source {
             storing: &contributor.storing,
             adding: &contributor.adding,
             channels,
-            columns: &self.columns,
-            uniforms: self.uniforms(memory, &contributor.uniform_kernel, leaves),
+            first_uniform: 0,
             uniform_count: contributor.uniform_kernel.outputs(),
             active: self.active(memory, |_, _| true),
             lights: self.layout.owners(Owner::Light),
-        }
+        };
+        (source, self.uniforms(memory, &contributor.uniform_kernel, leaves))
     }
 
     /// The parameter, and its component, whose number lies in this slot of the row of such an owner.
@@ -198,7 +213,8 @@ impl Compiled {
     fn tile(&self, pass: &Pass, memory: &[f32], place: usize, workroom: &mut Workroom) {
         let tile = &self.hits.tiles[place];
         self.path_weights(tile, memory, &mut workroom.weights);
-        pass.add(tile, place, None, Onto::Black, workroom);
+        let mut program = self.programs[place].lock().unwrap_or_else(PoisonError::into_inner);
+        pass.add(tile, place, None, Onto::Black, workroom, &mut program);
     }
 
     /// A number of the row of the owner of this index.

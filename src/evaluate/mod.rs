@@ -14,6 +14,7 @@ mod interpreted;
 mod memory;
 mod pass;
 mod planes;
+mod program;
 pub mod verify;
 
 pub use compiled::Compiled;

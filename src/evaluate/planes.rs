@@ -5,7 +5,7 @@
 
 use crate::evaluate::framebuffer::{self, Channels};
 use crate::jit::lanes::PLANE_PIXELS;
-use crate::jit::{Line, PixelCode, PixelLine, PixelPlanes, Program, Steps, Sums, Weights};
+use crate::jit::{Line, PixelCode, PixelLine, PixelPlanes, Sums};
 use crate::trace::{CHUNK_LINES, LINE_HITS, MAX_DEPTH, Region, Segment, TILE_PIXELS, Tile};
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
@@ -51,9 +51,19 @@ impl Planes {
         self.arch.dispatch(Fill { planes: &mut self.planes, regions: &tile.regions, colours, add });
     }
 
-    /// What adds to the pixels, by way of these sums.
-    pub(super) fn adder<'p>(&'p mut self, steps: &'p mut Steps, sums: &'p mut Sums) -> Adder<'p> {
-        Adder { program: Program::new(steps, sums, &mut self.planes), arch: self.arch }
+    /// The pixels, for compiled code.
+    pub(super) fn pixels_mut(&mut self) -> &mut PixelPlanes {
+        &mut self.planes
+    }
+
+    /// Adds the sums of a span's hits, times its weight, to their pixels, as compiled code does where there is some for it.
+    pub(super) fn add(&mut self, segments: &[Segment], sums: &Sums, weight: Weight, channels: Channels) {
+        if weight.is_tiny() {
+            return add_tiny(&mut self.planes, segments, sums, weight, channels);
+        }
+        let components = channels.components();
+        let planes = &mut self.planes.0[components.clone()];
+        self.arch.dispatch(Addition { planes, segments, sums: &sums[components], weight: weight.0 as f32 });
     }
 
     /// Writes the tile's pixels.
@@ -73,64 +83,7 @@ impl Planes {
     }
 }
 
-/// Adds the colours of hits to pixels. What is asked of it is put off until it is finished, as far as compiled code does it.
-pub(super) struct Adder<'p> {
-    program: Program<'p>,
-    arch: Arch,
-}
-
-impl<'p> Adder<'p> {
-    /// The work for compiled code.
-    pub(super) fn program(&mut self) -> &mut Program<'p> {
-        &mut self.program
-    }
-
-    /// Keeps the weights of the spans of a chunk.
-    pub(super) fn weigh(&mut self, weights: impl ExactSizeIterator<Item = Weight>) -> Weights {
-        self.program.weigh(weights.map(|weight| weight.0 as f32))
-    }
-
-    /// Adds the weighed colours of hits, which are in the lines that the segments say: of spans that follow each other, each with its weight, which
-    /// is kept too. Meanwhile some of what is `coming` is fetched.
-    pub(super) fn add(
-        &mut self,
-        segments: &'p [Segment],
-        spans: impl Iterator<Item = (&'p [Segment], Weight)> + Clone,
-        kept: Weights,
-        channels: Channels,
-        coming: &[Line],
-    ) {
-        let component = match channels {
-            Channels::All => None,
-            Channels::One(component) => Some(component),
-        };
-        if !spans.clone().any(|(_, weight)| weight.is_tiny()) && self.program.add(segments, kept, component, coming) {
-            return;
-        }
-        let (sums, planes) = self.program.run();
-        for (segments, weight) in spans {
-            if weight.is_tiny() {
-                add_tiny(planes, segments, sums, weight, channels);
-            } else {
-                add_portably(self.arch, planes, segments, sums, weight.0 as f32, channels);
-            }
-        }
-    }
-
-    /// Does what was put off.
-    pub(super) fn finish(mut self) {
-        self.program.run();
-    }
-}
-
-/// Adds without compiled code.
-fn add_portably(arch: Arch, planes: &mut PixelPlanes, segments: &[Segment], sums: &Sums, weight: f32, channels: Channels) {
-    let components = channels.components();
-    let planes = &mut planes.0[components.clone()];
-    arch.dispatch(Addition { planes, segments, sums: &sums[components], weight });
-}
-
-/// The same where the weight is too small for a number of single precision.
+/// Adds where the weight is too small for a number of single precision.
 #[cold]
 fn add_tiny(planes: &mut PixelPlanes, segments: &[Segment], sums: &Sums, weight: Weight, channels: Channels) {
     for (component, segment) in
@@ -255,7 +208,7 @@ impl Weight {
         self.0 == 0.0
     }
 
-    fn is_tiny(self) -> bool {
+    pub(super) fn is_tiny(self) -> bool {
         self.0 < f64::from(f32::MIN_POSITIVE)
     }
 
@@ -273,6 +226,8 @@ impl Weight {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::jit::{Operands, Program};
+    use crate::trace::CHUNK_HITS;
 
     /// Segments of hits that follow each other, in these pixels.
     fn segments(runs: impl IntoIterator<Item = Range<usize>>) -> Vec<Segment> {
@@ -292,13 +247,24 @@ mod tests {
         segments
     }
 
-    fn add(planes: &mut Planes, segments: &[Segment], sums: &mut Sums, weight: Weight, channels: Channels) {
-        let mut steps = Steps::default();
-        let mut adder = planes.adder(&mut steps, sums);
-        // Segments are of the span of this number.
-        let kept = adder.weigh([Weight(f64::NAN), weight, Weight(f64::NAN)].into_iter());
-        adder.add(segments, std::iter::once((segments, weight)), kept, channels, &[]);
-        adder.finish();
+    /// Adds by compiled code, where there is some.
+    fn add_compiled(planes: &mut Planes, segments: &[Segment], sums: &mut Sums, weight: f32, channels: Channels) {
+        let mut program = Program::default();
+        let component = match channels {
+            Channels::All => None,
+            Channels::One(component) => Some(component),
+        };
+        // Segments of others stand before and behind them, and weights too: those of the second span count, in a chunk that begins behind the first.
+        let all = [&segments[..1], segments, &segments[..1]].concat();
+        let mut weights = vec![f32::NAN; 3 + CHUNK_HITS];
+        weights[2] = weight;
+        if !program.add(1..1 + segments.len(), 1, component, 0) {
+            return planes.add(segments, sums, Weight(weight.into()), channels);
+        }
+        let planes = planes.pixels_mut();
+        let mut operands =
+            Operands { streams: [&[]; 3], coming: &[], uniforms: &[], segments: &all, weights: &weights, sums, planes };
+        program.run(0..1, &mut operands);
     }
 
     #[test]
@@ -320,10 +286,8 @@ mod tests {
             expected[pixel] = [0, 1, 2].map(|component| 1.0 + 0.5 * number(component, hit));
         }
         type Add = fn(&mut Planes, &[Segment], &mut Sums, Channels);
-        let compiled: Add = |planes, segments, sums, channels| add(planes, segments, sums, Weight(0.5), channels);
-        let portable: Add = |planes, segments, sums, channels| {
-            add_portably(planes.arch, &mut planes.planes, segments, sums, 0.5, channels);
-        };
+        let compiled: Add = |planes, segments, sums, channels| add_compiled(planes, segments, sums, 0.5, channels);
+        let portable: Add = |planes, segments, sums, channels| planes.add(segments, sums, Weight(0.5), channels);
         for (add, channels) in [compiled, portable].into_iter().flat_map(|add| [(add, Channels::All), (add, Channels::One(1))]) {
             let mut planes = Planes::new();
             (0..3).for_each(|component| planes.part_mut(component, 0..last).fill(1.0));
@@ -364,10 +328,10 @@ mod tests {
     #[test]
     fn weights_below_those_of_single_precision_still_count() {
         let mut planes = Planes::new();
-        let mut sums: Sums = [[Line([1e38; 16]); CHUNK_LINES]; 3];
-        add(&mut planes, &segments(std::iter::once(3..7)), &mut sums, Weight(1e-40), Channels::One(1));
+        let sums: Sums = [[Line([1e38; 16]); CHUNK_LINES]; 3];
+        planes.add(&segments(std::iter::once(3..7)), &sums, Weight(1e-40), Channels::One(1));
         assert_eq!(planes.colour(4)[0], 0.0);
-        add(&mut planes, &segments(std::iter::once(3..7)), &mut sums, Weight(1e-40), Channels::All);
+        planes.add(&segments(std::iter::once(3..7)), &sums, Weight(1e-40), Channels::All);
         assert!((planes.colour(4)[0] - 1e-2).abs() < 1e-6 && (planes.colour(4)[1] - 2e-2).abs() < 1e-6);
         assert_eq!(planes.colour(7), [0.0; 3]);
     }

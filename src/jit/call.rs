@@ -9,7 +9,8 @@ use crate::formula::graph::Graph;
 use crate::jit::emit::PERLIN_OPERANDS;
 use crate::jit::kernel::{self, KernelPlan, Shape};
 use crate::jit::lanes::{Line, PLANE_PIXELS, PixelLine, PixelPlanes, STREAMS, Splat, Streams, Sums};
-use crate::jit::pixels::{self, Addition};
+use crate::jit::pixels;
+use crate::jit::step::{Addition, Bases, OUTPUTS, Reading};
 use crate::jit::target::{CompileError, Listing, Target, target};
 use crate::jit::widen::{ALIGNMENT, disassembled, widen};
 use crate::lang::noise;
@@ -24,7 +25,6 @@ use cranelift_jit::{JITBuilder, JITModule};
 use cranelift_module::{Linkage, Module, ModuleError};
 use smallvec::SmallVec;
 use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-use std::marker::PhantomData;
 use std::mem::ManuallyDrop;
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
@@ -32,9 +32,9 @@ use std::sync::{Arc, OnceLock};
 /// What every kernel is: see the [kernel](super::kernel) room for the meaning of the parameters.
 ///
 /// # Safety
-/// The tables hold as many pointers as the kernel reads, each stream and output at least the lines of that many rounds, the uniforms
-/// as many as it reads; outputs overlap nothing.
-type Entry = unsafe extern "C" fn(streams: *const *const Line, uniforms: *const Splat, outputs: *const *mut Line, rounds: usize);
+/// Where the reading says, counted from the bases, each stream and output has at least the lines of that many rounds, and there are as many
+/// uniforms as the kernel reads; outputs overlap nothing.
+type Entry = unsafe extern "C" fn(reading: *const Reading, bases: *const Bases);
 
 /// The memory that holds a formula's kernels; freed with the last of them.
 pub(super) struct CodeMemory(ManuallyDrop<JITModule>);
@@ -138,7 +138,7 @@ fn generate_for(
         let entry = unsafe { std::mem::transmute::<*const u8, Entry>(address) };
         let streams = plan.streams.each_ref().map(Vec::len);
         let (uniforms, outputs) = (plan.uniforms.len(), SmallVec::from_vec(plan.output_streams()));
-        Kernel { entry, streams, uniforms, outputs, shape, _memory: Arc::clone(&memory) }
+        Kernel { entry, streams, uniforms, outputs, shape, memory: Arc::clone(&memory) }
     };
     Ok(plans.iter().zip(finished).map(kernel).collect())
 }
@@ -153,7 +153,7 @@ pub struct Kernel {
     /// How many columns there are in each stream that it writes.
     outputs: SmallVec<[usize; OUTPUTS]>,
     shape: Shape,
-    _memory: Arc<CodeMemory>,
+    memory: Arc<CodeMemory>,
 }
 
 impl Kernel {
@@ -176,30 +176,27 @@ impl Kernel {
     /// [whole rounds](Self::whole_rounds) of `lines`.
     pub fn run(&self, streams: Streams, uniforms: &[Splat], outputs: &mut [&mut [Line]], lines: usize) {
         let whole = self.whole_rounds(lines);
-        assert!(outputs.len() == self.outputs.len(), "a kernel's outputs");
-        let mut places = [std::ptr::null_mut(); OUTPUTS];
-        for ((output, columns), place) in outputs.iter_mut().zip(&self.outputs).zip(&mut places) {
-            assert!(holds(output.len(), whole, *columns), "a kernel's outputs");
-            *place = output.as_mut_ptr();
-        }
-        let step = self.step(streams, uniforms, places, whole);
-        // SAFETY: the kernel's code reads of every stream, and writes of every output, the lines of its rounds, times as many as the stream has
-        // columns, and `self.uniforms` splats; the assertions, here and in `step`, guarantee all of them, `&mut` that outputs overlap nothing.
-        unsafe { perform(&[step]) }
-    }
-
-    /// A call that reads these, checked, and writes whole rounds to these places, which are not.
-    fn step(&self, streams: Streams, uniforms: &[Splat], outputs: [*mut Line; OUTPUTS], whole: usize) -> Step {
         let enough = streams.iter().zip(self.streams).all(|(stream, columns)| holds(stream.len(), whole, columns));
         assert!(enough, "a kernel's columns");
         assert!(uniforms.len() >= self.uniforms, "a kernel's uniforms");
-        let mut words = [0; WORDS];
-        let (inputs, others) = words.split_at_mut(STREAMS);
-        let (places, others) = others.split_at_mut(OUTPUTS);
-        inputs.copy_from_slice(&streams.map(|stream| stream.as_ptr().expose_provenance()));
-        places.copy_from_slice(&outputs.map(<*mut Line>::expose_provenance));
-        others.copy_from_slice(&[uniforms.as_ptr().expose_provenance(), whole * Line::BLOCKS / self.shape.round()]);
-        Step { words, entry: self.entry as usize }
+        assert!(outputs.len() == self.outputs.len(), "a kernel's outputs");
+        let mut places = [0; OUTPUTS];
+        for ((output, columns), place) in outputs.iter_mut().zip(&self.outputs).zip(&mut places) {
+            assert!(holds(output.len(), whole, *columns), "a kernel's outputs");
+            *place = output.as_mut_ptr().expose_provenance();
+        }
+        let streams = streams.map(|stream| stream.as_ptr().expose_provenance());
+        let step = self.step(streams, uniforms.as_ptr().expose_provenance(), places, whole);
+        // SAFETY: the kernel's code reads of every stream, and writes of every output, the lines of its rounds, times as many as the stream has
+        // columns, and `self.uniforms` splats; the assertions guarantee all of them, `&mut` that outputs overlap nothing. Places are addresses, so
+        // they are counted from 0.
+        unsafe { perform(&[step], &Bases::default()) }
+    }
+
+    /// A call that works on whole rounds at these places.
+    fn step(&self, streams: [usize; STREAMS], uniforms: usize, outputs: [usize; OUTPUTS], whole: usize) -> Step {
+        let rounds = whole * Line::BLOCKS / self.shape.round();
+        Step { work: Reading { streams, outputs, uniforms, rounds }, entry: self.entry as usize }
     }
 }
 
@@ -208,65 +205,97 @@ fn holds(length: usize, lines: usize, columns: usize) -> bool {
     lines.checked_mul(columns).is_some_and(|needed| length >= needed)
 }
 
-/// A call of compiled code: what it reads, and where the code is. Of a kernel: its streams, its outputs, its uniform values, and the number of
-/// rounds; of code that adds to pixels: an [`Addition`].
+/// A call of compiled code: what it works on (of a kernel; for code that adds to pixels it is the bytes of an [`Addition`]), and where the code is.
 #[derive(Clone, Copy)]
 #[repr(C)]
 struct Step {
-    words: [usize; WORDS],
+    work: Reading,
     entry: usize,
 }
 
-/// A kernel writes so many streams at most.
-const OUTPUTS: usize = 3;
-const WORDS: usize = STREAMS + OUTPUTS + 2;
-const ADDITION_WORDS: usize = size_of::<Addition>() / size_of::<usize>();
-
-/// Work for compiled code on the pixels of a tile: put together first, then done in one go. To enter and leave compiled code costs some ten
-/// nanoseconds, and while columns stream through the first cache, nothing else would stay in it.
-pub struct Program<'p> {
-    room: &'p mut Steps,
-    sums: *mut Sums,
-    planes: *mut PixelPlanes,
-    code: Option<&'static PixelCode>,
-    /// What steps point to lives, and is nobody else's where it is written.
-    _pointed: PhantomData<(&'p mut Sums, &'p mut PixelPlanes, &'p [Line])>,
-}
-
-/// Room for the steps of a program.
+/// Work for compiled code on the pixels of a tile: put together once, then done in one go, frame after frame. To enter and leave compiled code costs
+/// some ten nanoseconds, and while columns stream through the first cache, nothing else would stay in it.
+///
+/// A program knows where everything lies in what it works on, not where that is: [`Operands`] are given anew each time.
 #[derive(Default)]
-pub struct Steps {
+pub struct Program {
     steps: Vec<Step>,
-    /// The weights of spans that steps point to: as long as there are steps, it keeps its place.
-    weights: Vec<f32>,
-    /// How many of them are taken.
-    used: usize,
+    reach: Reach,
+    /// What holds the code of the steps.
+    memory: SmallVec<[Arc<CodeMemory>; 1]>,
 }
 
-/// Room for so many weights: those of some chunks of many spans, or of many of few.
-const WEIGHTS: usize = 4 * CHUNK_HITS;
+/// How many of each operand there must be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+struct Reach {
+    streams: [usize; STREAMS],
+    uniforms: usize,
+    segments: usize,
+    weights: usize,
+}
 
-/// Where the weights of a chunk are kept.
-#[derive(Debug, Clone, Copy)]
-pub struct Weights(usize);
+/// What a program works on.
+pub struct Operands<'o> {
+    /// Lines in which the streams of kernels are.
+    pub streams: Streams<'o>,
+    /// Lines that are read from front to back: what is fetched ahead.
+    pub coming: &'o [Line],
+    /// Uniform values.
+    pub uniforms: &'o [Splat],
+    /// The segments of hits.
+    pub segments: &'o [Segment],
+    /// The weight of each span; behind the last one so many more that each of a [chunk](CHUNK_HITS) could have one.
+    pub weights: &'o [f32],
+    /// What kernels write and pixels get.
+    pub sums: &'o mut Sums,
+    /// The pixels.
+    pub planes: &'o mut PixelPlanes,
+}
 
-impl<'p> Program<'p> {
-    /// An empty one, that works on these sums and pixels.
-    pub fn new(room: &'p mut Steps, sums: &'p mut Sums, planes: &'p mut PixelPlanes) -> Self {
-        room.steps.clear();
-        Self { room, sums, planes, code: PixelCode::get(), _pointed: PhantomData }
+impl Program {
+    /// Forgets all steps.
+    pub fn clear(&mut self) {
+        self.steps.clear();
+        self.memory.clear();
+        self.reach = Reach::default();
     }
 
-    /// Runs a kernel of terms over some lines: these streams are theirs, and the sums are at the same place in the chunk. They are of these components,
-    /// one for each output.
+    /// How many steps there are.
+    pub fn len(&self) -> usize {
+        self.steps.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.steps.is_empty()
+    }
+
+    /// The memory that the steps take, in bytes.
+    pub fn bytes(&self) -> usize {
+        self.steps.capacity() * size_of::<Step>()
+    }
+
+    /// Gives back memory that is not needed.
+    pub fn shrink(&mut self) {
+        self.steps.shrink_to_fit();
+    }
+
+    /// Has the steps fetched.
+    pub fn fetch(&self) {
+        fetch(&self.steps);
+    }
+
+    /// Runs a kernel of terms over some lines: these parts of the streams are theirs, and the sums are at the same place in the chunk. They are of
+    /// these components, one for each output. The uniform values begin at this one.
     ///
     /// # Panics
-    /// As [`Kernel::run`], and where the [whole rounds](Kernel::whole_rounds) of the lines are not within a chunk.
+    /// Where a part of a stream is shorter than the [whole rounds](Kernel::whole_rounds) of the lines, these are not within a chunk, or there are not as
+    /// many components as the kernel was written for.
     pub fn contribute(
         &mut self,
-        kernel: &'p Kernel,
-        streams: Streams<'p>,
-        uniforms: &'p [Splat],
+        kernel: &Kernel,
+        streams: [Range<usize>; STREAMS],
+        uniforms: usize,
         components: Range<usize>,
         lines: Range<usize>,
     ) {
@@ -274,77 +303,81 @@ impl<'p> Program<'p> {
         assert!(lines.start + whole <= CHUNK_LINES, "lines of a chunk");
         assert!(components.len() == kernel.outputs.len() && components.end <= OUTPUTS, "components for a kernel's outputs");
         assert!(kernel.outputs.iter().all(|columns| *columns <= 1), "a kernel of terms");
-        let mut places = [std::ptr::null_mut(); OUTPUTS];
+        let enough = streams.iter().zip(kernel.streams).all(|(stream, columns)| holds(stream.len(), whole, columns));
+        assert!(enough, "a kernel's columns");
+        for (reach, stream) in self.reach.streams.iter_mut().zip(&streams) {
+            *reach = stream.end.max(*reach);
+        }
+        self.reach.uniforms = self.reach.uniforms.max(uniforms + kernel.uniforms);
+        if !self.memory.iter().any(|memory| Arc::ptr_eq(memory, &kernel.memory)) {
+            self.memory.push(Arc::clone(&kernel.memory));
+        }
+        let mut places = [0; OUTPUTS];
         for (component, place) in components.zip(&mut places) {
-            // SAFETY: a component is one of three, and the line one of its chunk.
-            *place = unsafe { self.sums.cast::<Line>().add(component * CHUNK_LINES + lines.start) };
+            *place = (component * CHUNK_LINES + lines.start) * size_of::<Line>();
         }
-        self.room.steps.push(kernel.step(streams, uniforms, places, whole));
-    }
-
-    /// Keeps the weight of each span of a chunk for [`add`](Self::add).
-    ///
-    /// # Panics
-    /// Where there are more than a chunk has hits.
-    pub fn weigh(&mut self, weights: impl ExactSizeIterator<Item = f32>) -> Weights {
-        assert!(weights.len() <= CHUNK_HITS, "the spans of a chunk");
-        // Any span that a segment may name has a place.
-        if self.room.weights.len() < self.room.used + CHUNK_HITS {
-            self.run();
-            self.room.used = 0;
-            self.room.weights.resize(WEIGHTS, 0.0);
-        }
-        let start = self.room.used;
-        self.room.used += weights.len();
-        self.room.weights[start..].iter_mut().zip(weights).for_each(|(place, weight)| *place = weight);
-        Weights(start)
+        let streams = streams.map(|stream| stream.start * size_of::<Line>());
+        self.steps.push(kernel.step(streams, uniforms * size_of::<Splat>(), places, whole));
     }
 
     /// Adds the sums of these segments' hits, times the weight of their span, to their pixels: of all components, or of one (0 red, 1 green, 2 blue).
-    /// The weights are the last ones that were kept. Meanwhile it fetches lines from the beginning of what is `coming`, some for each
-    /// segment. False where there is no such code.
-    pub fn add(&mut self, segments: &'p [Segment], weights: Weights, component: Option<usize>, coming: &[Line]) -> bool {
-        let Some(code) = self.code else { return false };
+    /// The weights of their chunk begin at this one. Meanwhile it fetches some lines for each segment, from this one on of those that are coming. False
+    /// where there is no such code.
+    pub fn add(&mut self, segments: Range<usize>, weights: usize, component: Option<usize>, coming: usize) -> bool {
+        let Some(code) = PixelCode::get() else { return false };
         if segments.is_empty() {
             return true;
         }
-        let weights = &self.room.weights[weights.0..weights.0 + CHUNK_HITS];
         let place = component.unwrap_or(0);
         assert!(place < OUTPUTS, "a component");
-        let ends = segments.as_ptr_range();
-        // SAFETY: there are as many components of both.
-        let (sums, planes) =
-            unsafe { (self.sums.cast::<Line>().add(place * CHUNK_LINES), self.planes.cast::<f32>().add(place * PLANE_PIXELS)) };
+        self.reach.segments = self.reach.segments.max(segments.end);
+        // Any span that a segment may name.
+        self.reach.weights = self.reach.weights.max(weights + CHUNK_HITS);
         let addition = Addition {
-            segments: ends.start.expose_provenance(),
-            end: ends.end.expose_provenance(),
-            sums: sums.expose_provenance(),
-            planes: planes.expose_provenance(),
-            coming: coming.as_ptr().addr(),
-            weights: weights.as_ptr().expose_provenance(),
+            segments: segments.start * size_of::<Segment>(),
+            end: segments.end * size_of::<Segment>(),
+            sums: place * size_of::<[Line; CHUNK_LINES]>(),
+            planes: place * size_of::<[f32; PLANE_PIXELS]>(),
+            coming: coming * size_of::<Line>(),
+            weights: weights * size_of::<f32>(),
+            unused: Default::default(),
         };
         let entry = if component.is_some() { code.adding_one } else { code.adding_all };
-        let mut words = [0; WORDS];
-        words[..ADDITION_WORDS].copy_from_slice(&bytemuck::cast::<Addition, [usize; ADDITION_WORDS]>(addition));
-        self.room.steps.push(Step { words, entry });
+        self.steps.push(Step { work: bytemuck::cast(addition), entry });
         true
     }
 
-    /// Does what was put together so far; the sums and pixels after that.
-    pub fn run(&mut self) -> (&mut Sums, &mut PixelPlanes) {
-        if !self.room.steps.is_empty() {
-            // SAFETY: steps are made by the two methods above. A kernel's code reads of every stream the lines of its rounds, times as many as it has
-            // columns, and its uniform splats, as `step` asserts; and writes as many lines of sums, as `contribute` does. Code that adds reads the
-            // segments of a slice that is not empty; a segment's line is one of a chunk, and its place such that a line from there ends within
-            // a plane (see `Segment::line`, `Segment::place`; only its room can make one), and of sums and planes there are as many components
-            // as the code was written for, one behind the other, since they are arrays; the weights of a chunk's hits are there, so those of its spans,
-            // and have kept their place, as `weigh` grows their list only where no step is left. To fetch from where nothing is does nothing. All is borrowed
-            // for 'p, and what is written is ours alone. The processor was asked for what the codes need.
-            unsafe { perform(&self.room.steps) }
-            self.room.steps.clear();
+    /// Takes some of the steps in their order.
+    ///
+    /// # Panics
+    /// Where there are fewer operands than any step of the program reaches.
+    pub fn run(&self, steps: Range<usize>, operands: &mut Operands) {
+        let Operands { streams, coming, uniforms, segments, weights, sums, planes } = operands;
+        let Reach { streams: lines, uniforms: splats, segments: places, weights: spans } = self.reach;
+        assert!(streams.iter().zip(lines).all(|(stream, lines)| stream.len() >= lines), "a program's columns");
+        assert!(uniforms.len() >= splats && segments.len() >= places && weights.len() >= spans, "a program's operands");
+        let steps = &self.steps[steps];
+        if steps.is_empty() {
+            return;
         }
-        // SAFETY: both were given as unique references for 'p, and no step is left that points to them.
-        unsafe { (&mut *self.sums, &mut *self.planes) }
+        let bases = Bases {
+            streams: streams.map(|stream| stream.as_ptr().expose_provenance()),
+            outputs: (&raw mut **sums).expose_provenance(),
+            uniforms: uniforms.as_ptr().expose_provenance(),
+            segments: segments.as_ptr().expose_provenance(),
+            planes: (&raw mut **planes).expose_provenance(),
+            weights: weights.as_ptr().expose_provenance(),
+            coming: coming.as_ptr().addr(),
+        };
+        // SAFETY: there is a step, and steps are made by the two methods above. A kernel's code reads of every stream the lines of its rounds, times as
+        // many as it has columns, and its uniform splats: `contribute` asserts that they lie before the reach, and the assertions here that so much is
+        // given; and it writes as many lines of sums, within a chunk of components. Code that adds reads segments before the reach, at least one;
+        // a segment's line is one of a chunk, and its place such that a line from there ends within a plane (see `Segment::line`, `Segment::place`;
+        // only its room can make one), and of sums and planes there are as many components from the step's on as the code was written for, one
+        // behind the other, since they are arrays; the weight of each span that a segment may name is before the reach. To fetch from where nothing
+        // is does nothing. What is written is borrowed uniquely. The code lives as long as the program, or for ever, and the processor was asked for
+        // what it needs.
+        unsafe { perform(steps, &bases) }
     }
 }
 
@@ -356,12 +389,12 @@ const RUST_MXCSR: u32 = 0x1f80;
 /// Takes the steps in their order, with subnormal operands and results counting as zero.
 ///
 /// # Safety
-/// There is a step, and making the call of each of them must be sound.
-unsafe fn perform(steps: &[Step]) {
+/// There is a step, and making the call of each of them, with these bases, must be sound.
+unsafe fn perform(steps: &[Step], bases: &Bases) {
     let mut saved: u32 = RUST_MXCSR;
     let steps = steps.as_ptr_range();
     // SAFETY: saves MXCSR, sets it for the compiled code, makes the calls by the C calling convention (whose registers are all declared
-    // lost), and restores MXCSR, so that Rust code never runs under the changed one. r12, r13 and r14 survive calls by that convention.
+    // lost), and restores MXCSR, so that Rust code never runs under the changed one. r12 to r15 survive calls by that convention.
     // `Line` is aligned as the code's loads and stores need.
     unsafe {
         std::arch::asm!(
@@ -369,23 +402,19 @@ unsafe fn perform(steps: &[Step]) {
             "ldmxcsr [rax]",
             "2:",
             "mov rdi, r13",
-            "mov rsi, [r13 + {uniforms}]",
-            "lea rdx, [r13 + {outputs}]",
-            "mov rcx, [r13 + {rounds}]",
+            "mov rsi, r15",
             "call [r13 + {entry}]",
             "add r13, {size}",
             "cmp r13, r14",
             "jb 2b",
             "ldmxcsr [r12]",
-            outputs = const STREAMS * size_of::<usize>(),
-            uniforms = const (STREAMS + OUTPUTS) * size_of::<usize>(),
-            rounds = const (STREAMS + OUTPUTS + 1) * size_of::<usize>(),
             entry = const std::mem::offset_of!(Step, entry),
             size = const size_of::<Step>(),
             in("r12") &raw mut saved,
             in("rax") &raw const KERNEL_MXCSR_VALUE,
             inout("r13") steps.start => _,
             in("r14") steps.end,
+            in("r15") bases,
             clobber_abi("C"),
         );
     }

@@ -1,12 +1,14 @@
 //! A kernel as Cranelift IR: some nodes of a graph computed for every record, from columns and uniform values.
 //!
-//! The function reads `fn(streams, uniforms, outputs, rounds)`: pointers to the [streams](KernelPlan::streams), to the uniform values (each in
-//! as many lanes as any kernel has), to where outputs go, and the number of rounds of its loop. A round is some steps side by side, and a step a
-//! block of four records, or two or four blocks in code that is going to be [widened](super::widen). Whole rounds can be read, so there is no tail.
+//! The function reads `fn(reading, bases)`: a [`Reading`] says where its [streams](KernelPlan::streams) are, the uniform values (each in as many
+//! lanes as any kernel has), and where outputs go, all counted from [`Bases`]; and how many rounds its loop has. A round is some steps side by
+//! side, and a step a block of four records, or two or four blocks in code that is going to be [widened](super::widen). Whole rounds can be read, so
+//! there is no tail.
 
 use crate::formula::graph::{Graph, Node, NodeId};
 use crate::jit::emit::{Emitter, LANES_BYTES, PERLIN_OPERANDS};
 use crate::jit::lanes::{Line, STREAMS, Splat};
+use crate::jit::step::{Bases, Reading};
 use crate::jit::target::Target;
 use crate::lang::scalars::{Primitive, Scalars};
 use crate::segment::ROUND_LINES;
@@ -18,6 +20,7 @@ use cranelift_codegen::ir::{
 use cranelift_codegen::isa::TargetIsa;
 use cranelift_frontend::{FunctionBuilder, FunctionBuilderContext};
 use std::collections::{HashMap, HashSet};
+use std::mem::offset_of;
 
 /// What a kernel computes, and from what.
 #[derive(Debug, Clone)]
@@ -203,8 +206,8 @@ pub(super) fn calls_perlin(graph: &Graph, id: NodeId) -> bool {
 }
 
 /// The parameters that every kernel has.
-pub(super) fn parameters() -> [AbiParam; 4] {
-    [AbiParam::new(I64); 4]
+pub(super) fn parameters() -> [AbiParam; 2] {
+    [AbiParam::new(I64); 2]
 }
 
 /// Beyond so many nodes steps are computed one after the other: side by side they would need far more registers than there are, and
@@ -230,11 +233,24 @@ pub(super) fn write(
         let size = (PERLIN_OPERANDS + 1) * LANES_BYTES;
         (function, builder.create_sized_stack_slot(StackSlotData::new(StackSlotKind::ExplicitSlot, size, 4)))
     });
-    let [streams, uniforms, outputs, rounds] = std::array::from_fn(|index| builder.block_params(entry)[index]);
-    let mut pointer =
-        |table: Value, index: usize| builder.ins().load(I64, MemFlagsData::trusted().with_readonly(), table, 8 * index as i32);
-    let streams = std::array::from_fn(|index| (!plan.streams[index].is_empty()).then(|| pointer(streams, index)));
-    let outputs = (0..plan.output_streams().len()).map(|index| pointer(outputs, index)).collect();
+    let [reading, bases] = std::array::from_fn(|index| builder.block_params(entry)[index]);
+    let word = |builder: &mut FunctionBuilder, table: Value, offset: usize| {
+        builder.ins().load(I64, MemFlagsData::trusted().with_readonly(), table, offset as i32)
+    };
+    let mut pointer = |from_base: usize, base: usize| {
+        let [from_base, base] = [(reading, from_base), (bases, base)].map(|(table, offset)| word(&mut builder, table, offset));
+        builder.ins().iadd(from_base, base)
+    };
+    let streams = std::array::from_fn(|index| {
+        let own = index * size_of::<usize>();
+        let read = !plan.streams[index].is_empty();
+        read.then(|| pointer(offset_of!(Reading, streams) + own, offset_of!(Bases, streams) + own))
+    });
+    let outputs = (0..plan.output_streams().len())
+        .map(|index| pointer(offset_of!(Reading, outputs) + index * size_of::<usize>(), offset_of!(Bases, outputs)))
+        .collect();
+    let uniforms = pointer(offset_of!(Reading, uniforms), offset_of!(Bases, uniforms));
+    let rounds = word(&mut builder, reading, offset_of!(Reading, rounds));
     let shift = builder.ins().iconst(I64, i64::from(shape.round_bytes().trailing_zeros()));
     let end = builder.ins().ishl(rounds, shift);
     let mut writer = Writer { plan, graph, schedule, builder, shape, perlin, streams, uniforms, outputs };

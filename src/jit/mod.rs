@@ -22,11 +22,12 @@ mod kernel;
 pub mod lanes;
 mod math;
 mod pixels;
+mod step;
 pub mod target;
 mod widen;
 
 pub use cache::KernelCache;
-pub use call::{Kernel, PixelCode, Program, Steps, Weights, fetch};
+pub use call::{Kernel, Operands, PixelCode, Program, fetch};
 pub use compile::CompiledFormula;
 pub use lanes::{AHEAD, Line, PixelLine, PixelPlanes, Splat, Streams, Sums};
 pub use target::{CompileError, Listing};

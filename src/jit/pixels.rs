@@ -6,6 +6,7 @@
 //! nor portable code has masked stores, or those past the caches.
 
 use crate::jit::lanes::Line;
+use crate::jit::step::{Addition, Bases};
 use crate::jit::widen::encoded;
 use crate::segment::Segment;
 use iced_x86::{Code, IcedError, Instruction, MemoryOperand, Register};
@@ -14,24 +15,8 @@ use std::mem::offset_of;
 /// While the code of [`adding_code`] is at a segment, it fetches so many lines that are read next: memory has time meanwhile.
 const FETCHED: usize = 2;
 
-/// What the code of [`adding_code`] reads.
-#[derive(Clone, Copy, bytemuck::Zeroable, bytemuck::Pod)]
-#[repr(C)]
-pub(super) struct Addition {
-    /// Pointers to the first segment and behind the last; there is one at least.
-    pub(super) segments: usize,
-    pub(super) end: usize,
-    /// To arrays of lines and planes of pixels, one for each component.
-    pub(super) sums: usize,
-    pub(super) planes: usize,
-    /// To what is going to be read, if anything is there.
-    pub(super) coming: usize,
-    /// To the weight of each span of the chunk.
-    pub(super) weights: usize,
-}
-
-/// The code of `fn(addition)`: a pointer to an [`Addition`], whose arrays of lines lie so many bytes behind one another, and so do its
-/// planes. Of red, green and blue, the weight of its span times the sums of a segment's lanes is added to its pixels; or of `components` of them only.
+/// The code of `fn(addition, bases)`: pointers to an [`Addition`], whose arrays of lines lie so many bytes behind one another, and so do its
+/// planes, and to the [`Bases`]. Of red, green and blue, the weight of its span times the sums of a segment's lanes is added to its pixels; or of `components` of them only.
 pub(super) fn adding_code(sums_stride: i64, plane_stride: i64, components: usize) -> Result<Vec<u8>, IcedError> {
     use Register as R;
     let at = |base, index, scale, displacement| MemoryOperand::new(base, index, scale, displacement, 8, false, R::None);
@@ -41,20 +26,21 @@ pub(super) fn adding_code(sums_stride: i64, plane_stride: i64, components: usize
         instruction.set_zeroing_masking(zeroing);
         instruction
     };
-    let given = |offset: usize| at(R::RDI, R::None, 1, offset as i64);
     let mut code = Vec::new();
-    let pointers = [
-        (offset_of!(Addition, weights), R::R11),
-        (offset_of!(Addition, coming), R::R8),
-        (offset_of!(Addition, planes), R::RCX),
-        (offset_of!(Addition, sums), R::RDX),
-        (offset_of!(Addition, end), R::RSI),
-        // It takes the place of the pointer to all of them.
-        (offset_of!(Addition, segments), R::RDI),
+    let places = [
+        (R::R11, offset_of!(Addition, weights), offset_of!(Bases, weights)),
+        (R::R8, offset_of!(Addition, coming), offset_of!(Bases, coming)),
+        (R::RCX, offset_of!(Addition, planes), offset_of!(Bases, planes)),
+        (R::RDX, offset_of!(Addition, sums), offset_of!(Bases, outputs)),
+        // The last two take the places of what all are read from.
+        (R::RAX, offset_of!(Addition, end), offset_of!(Bases, segments)),
+        (R::RDI, offset_of!(Addition, segments), offset_of!(Bases, segments)),
     ];
-    for (offset, register) in pointers {
-        code.push(Instruction::with2(Code::Mov_r64_rm64, register, given(offset))?);
+    for (register, offset, base) in places {
+        code.push(Instruction::with2(Code::Mov_r64_rm64, register, at(R::RDI, R::None, 1, offset as i64))?);
+        code.push(Instruction::with2(Code::Add_r64_rm64, register, at(R::RSI, R::None, 1, base as i64))?);
     }
+    code.push(Instruction::with2(Code::Mov_r64_rm64, R::RSI, R::RAX)?);
     let vectors = &[(R::ZMM1, 0), (R::ZMM2, 1), (R::ZMM3, 2)][..components];
     let line_shift = size_of::<Line>().trailing_zeros();
     let mut body = vec![

@@ -19,6 +19,7 @@ use crate::evaluate::columns::Columns;
 use crate::evaluate::compiled::Compiled;
 use crate::evaluate::framebuffer::{self, Channels, Framebuffer};
 use crate::evaluate::pass::{Onto, Pass, Workroom};
+use crate::evaluate::program::TileProgram;
 use crate::jit::CompileError;
 use crate::trace::{TILE_PIXELS, Tile};
 use images::{Image, Key, LARGEST_SUM, TileImages};
@@ -90,6 +91,7 @@ struct LiveTile {
     cells: Vec<u16>,
     base: Vec<f32>,
     kept: Option<Columns>,
+    program: TileProgram,
 }
 
 impl Drag {
@@ -246,7 +248,8 @@ impl Drag {
                 }
                 TileState::Images { images, .. } => images.bytes(),
                 TileState::Live(live) => {
-                    size_of_val(&*live.base) + size_of_val(&*live.cells) + live.kept.as_ref().map_or(0, Columns::bytes)
+                    let kept = live.kept.as_ref().map_or(0, Columns::bytes);
+                    size_of_val(&*live.base) + size_of_val(&*live.cells) + kept + live.program.bytes()
                 }
             };
             if self.bytes + bytes > self.budget {
@@ -315,7 +318,7 @@ impl Making<'_> {
                         }
                         // What is large may cancel against what is live.
                         if cells::largest(&base) <= LARGEST_SUM {
-                            TileState::Live(LiveTile { cells, base, kept: kept.take() })
+                            TileState::Live(LiveTile { cells, base, kept: kept.take(), program: TileProgram::default() })
                         } else {
                             TileState::General
                         }
@@ -329,12 +332,12 @@ impl Making<'_> {
 
 impl LiveTile {
     /// Adds what is live to what rests, and writes the cells. The workroom holds the weights of the tile's paths.
-    fn draw(&self, tile: &Tile, place: usize, live: &Pass, channels: Channels, workroom: &mut Workroom, pixels: &mut [u32]) {
+    fn draw(&mut self, tile: &Tile, place: usize, live: &Pass, channels: Channels, workroom: &mut Workroom, pixels: &mut [u32]) {
         let stride = cells::stride(channels);
         for (cell, lanes) in self.cells.iter().zip(self.base.chunks_exact(stride)) {
             cells::restore(&mut workroom.planes, usize::from(*cell), channels, lanes);
         }
-        live.add(tile, place, self.kept.as_ref(), Onto::WhatIsThere, workroom);
+        live.add(tile, place, self.kept.as_ref(), Onto::WhatIsThere, workroom, &mut self.program);
         let planes = workroom.planes.components();
         pulp::Arch::new().dispatch(Writing { cells: &self.cells, planes, channels, pixels });
     }

@@ -309,18 +309,15 @@ impl Plan {
             Method::Specialised => (self.kernels.moving.first()?, self.moving_leaves.first()?),
             Method::Images | Method::General => return None,
         };
-        let mut source = compiled.source_of(memory, contributor, leaves, self.moving_channels());
+        let (mut source, uniforms) = compiled.source_of(memory, contributor, leaves, self.moving_channels());
         source.active = compiled.active(memory, |body, light| self.moves_pair(body, light));
         let ambient = |body: usize| match self.moves_ambient(body) {
             true => only(compiled.ambient(body, memory), self.ambient_moves),
             false => [0.0; 3],
         };
-        Some(Pass {
-            sources: vec![source],
-            ambient: (0..compiled.layout.owners(Owner::Body)).map(ambient).collect(),
-            background: [0.0; 3],
-            channels: self.channels,
-        })
+        let mut pass = compiled.nothing((0..compiled.layout.owners(Owner::Body)).map(ambient).collect(), [0.0; 3], self.channels);
+        pass.push(source, uniforms);
+        Some(pass)
     }
 
     /// The cells of a tile in which something is live.

@@ -7,6 +7,7 @@ use crate::evaluate::drag::images::Key;
 use crate::evaluate::drag::plan::{Ambient, Plan, PlanTerm, add_live, only};
 use crate::evaluate::framebuffer::Channels;
 use crate::evaluate::pass::{Onto, Pass, Source, Workroom};
+use crate::jit::Splat;
 use crate::jit::compile::Contributor;
 use crate::lang::scalars::flush;
 use crate::lang::variables::Owner;
@@ -15,7 +16,8 @@ use crate::lang::variables::Owner;
 pub(in crate::evaluate::drag) struct Passes<'p> {
     base: Pass<'p>,
     terms: Vec<Pass<'p>>,
-    kept: Option<Source<'p>>,
+    /// With its uniform values.
+    kept: Option<(Source<'p>, Vec<Splat>)>,
 }
 
 impl Plan {
@@ -39,9 +41,9 @@ impl Plan {
             source.active = compiled.active(memory, |body, light| !self.moves_pair(body, light));
         }
         if let Some(resting) = &self.kernels.resting {
-            let mut source = compiled.source_of(memory, resting, &self.resting_leaves, Channels::All);
+            let (mut source, uniforms) = compiled.source_of(memory, resting, &self.resting_leaves, Channels::All);
             source.active = compiled.active(memory, |body, light| self.moves_pair(body, light));
-            whole.sources.push(source);
+            whole.push(source, uniforms);
         }
         whole.channels = self.channels;
         whole
@@ -49,16 +51,12 @@ impl Plan {
 
     /// The part that rests of a term.
     fn term_pass<'p>(&'p self, compiled: &'p Compiled, memory: &[f32], term: &PlanTerm) -> Pass<'p> {
-        let mut pass = Pass {
-            sources: Vec::new(),
-            ambient: vec![[0.0; 3]; compiled.layout.owners(Owner::Body)],
-            background: [0.0; 3],
-            channels: self.channels,
-        };
+        let mut pass = compiled.nothing(vec![[0.0; 3]; compiled.layout.owners(Owner::Body)], [0.0; 3], self.channels);
         if let Some((contributor, leaves)) =
             term.contributor.and_then(|place| Some((self.kernels.moving.get(place)?, &self.moving_leaves[place])))
         {
-            pass.sources.push(self.moving_source(compiled, memory, contributor, leaves));
+            let (source, uniforms) = self.moving_source(compiled, memory, contributor, leaves);
+            pass.push(source, uniforms);
         }
         let present = term.factors.map(|factor| factor.is_some());
         if term.ambient {
@@ -85,8 +83,8 @@ impl Plan {
         memory: &[f32],
         contributor: &'p Contributor,
         leaves: &[Place],
-    ) -> Source<'p> {
-        let mut source = compiled.source_of(memory, contributor, leaves, self.moving_channels());
+    ) -> (Source<'p>, Vec<Splat>) {
+        let (mut source, uniforms) = compiled.source_of(memory, contributor, leaves, self.moving_channels());
         let bright = |light: usize| {
             let place = compiled.layout.row(Owner::Light, light) + compiled.places.ki;
             self.moved.binary_search(&place).is_ok() || flush(memory[place]) != 0.0
@@ -96,7 +94,7 @@ impl Plan {
             let (body, light) = (pair / lights, pair % lights);
             *active = bright(light) && self.moves_pair(body, light);
         }
-        source
+        (source, uniforms)
     }
 }
 
@@ -118,7 +116,7 @@ impl Passes<'_> {
             Some(term) => &self.terms[term],
             None => &self.base,
         };
-        pass.add(tile, place, None, Onto::Black, workroom);
+        pass.add_once(tile, place, Onto::Black, workroom);
         let mut touched = CellSet::none(tile.pixels.len());
         for group in tile.groups.iter().filter(|group| plan.reached(group, term).is_some()) {
             add_live(tile, tile.spans_of(group), &workroom.weights, &mut touched);
@@ -142,12 +140,13 @@ impl Passes<'_> {
     ) {
         let tile = &compiled.hits.tiles[place];
         plan.path_weights(compiled, tile, memory).of(Key::default(), &mut workroom.weights);
-        self.base.add(tile, place, None, Onto::Black, workroom);
+        self.base.add_once(tile, place, Onto::Black, workroom);
     }
 
     /// What is kept for each record of a tile.
     pub(in crate::evaluate::drag) fn kept_columns(&self, compiled: &Compiled, place: usize) -> Option<Columns> {
         let tile = &compiled.hits.tiles[place];
-        self.kept.as_ref().map(|source| Columns::kept(tile, place, source))
+        let kept = |(source, uniforms): &(Source, Vec<Splat>)| Columns::kept(tile, &compiled.columns[place], source, uniforms);
+        self.kept.as_ref().map(kept)
     }
 }
