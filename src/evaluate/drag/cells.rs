@@ -77,31 +77,46 @@ impl CellSet {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Factor(pub(super) [f32; 3]);
 
-/// Writes a cell: `numbers` holds the base, and behind it an image for each factor.
+/// Writes cells one behind the other: for each, `numbers` holds the base, and behind it an image for each factor.
 #[inline(always)]
-pub(super) fn combine(numbers: &[f32], factors: &[Factor], channels: Channels, pixels: &mut [u32]) {
+pub(super) fn combine(numbers: &[f32], factors: &[Factor], channels: Channels, cells: &[u16], pixels: &mut [u32]) {
+    match factors {
+        // Most cells have one image: then all is of known length.
+        [factor] => combine_images::<1>(numbers, &[*factor], channels, cells, pixels),
+        _ => combine_images::<0>(numbers, factors, channels, cells, pixels),
+    }
+}
+
+/// The same with `N` factors, or with any number of them where that is 0.
+#[inline(always)]
+fn combine_images<const N: usize>(numbers: &[f32], factors: &[Factor], channels: Channels, cells: &[u16], pixels: &mut [u32]) {
+    let factors = if N == 0 { factors } else { &factors[..N] };
     // A row for each component of the base and of every image.
     let (rows, _) = numbers.as_chunks::<CELL_PIXELS>();
     match channels {
         Channels::All => {
-            let mut words = [0; CELL_PIXELS];
-            for component in 0..3 {
-                let mut sums = rows[component];
-                for (Factor(factor), image) in factors.iter().zip(rows[3..].chunks_exact(3)) {
-                    add(&mut sums, &image[component], factor[component]);
+            for (rows, cell) in rows.chunks_exact(3 * (1 + factors.len())).zip(cells) {
+                let mut words = [0; CELL_PIXELS];
+                for component in 0..3 {
+                    let mut sums = rows[component];
+                    for (image, Factor(factor)) in factors.iter().enumerate() {
+                        add(&mut sums, &rows[3 * (image + 1) + component], factor[component]);
+                    }
+                    for (word, sum) in words.iter_mut().zip(sums) {
+                        *word = *word << 8 | framebuffer::byte(sum);
+                    }
                 }
-                for (word, sum) in words.iter_mut().zip(sums) {
-                    *word = *word << 8 | framebuffer::byte(sum);
-                }
+                in_cell(pixels_of(pixels, *cell), |pixels| *pixels = words);
             }
-            in_cell(pixels, |pixels| *pixels = words);
         }
         Channels::One(component) => {
-            let mut sums = rows[0];
-            for (Factor(factor), image) in factors.iter().zip(&rows[1..]) {
-                add(&mut sums, image, factor[component]);
+            for (rows, cell) in rows.chunks_exact(1 + factors.len()).zip(cells) {
+                let mut sums = rows[0];
+                for (image, Factor(factor)) in factors.iter().enumerate() {
+                    add(&mut sums, &rows[image + 1], factor[component]);
+                }
+                in_cell(pixels_of(pixels, *cell), |pixels| framebuffer::write_component(pixels, component, &sums));
             }
-            in_cell(pixels, |pixels| framebuffer::write_component(pixels, component, &sums));
         }
     }
 }

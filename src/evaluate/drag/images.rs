@@ -158,11 +158,10 @@ impl WithSimd for Drawing<'_> {
             own.extend(run.images.iter().map(|image| factors[usize::from(*image)]));
             let length = stride * (1 + own.len());
             let (here, later) = cells.split_at(run.cells);
-            for (cell, numbers) in here.iter().zip(numbers.chunks_exact(length)) {
-                cells::combine(numbers, &own, images.channels, cells::pixels_of(pixels, *cell));
-            }
+            let (own_numbers, behind) = numbers.split_at(length * run.cells);
+            cells::combine(own_numbers, &own, images.channels, here, pixels);
             cells = later;
-            numbers = &numbers[length * run.cells..];
+            numbers = behind;
         }
     }
 }
