@@ -8,7 +8,7 @@
 use crate::formula::graph::Graph;
 use crate::jit::emit::PERLIN_OPERANDS;
 use crate::jit::kernel::{self, KernelPlan, Shape};
-use crate::jit::lanes::{Line, PLANE_PIXELS, PixelLine, PixelPlanes, STREAMS, Splat, Streams, Sums};
+use crate::jit::lanes::{Line, Operands, PLANE_PIXELS, PixelLine, PixelPlanes, STREAMS, Splat, Streams};
 use crate::jit::pixels;
 use crate::jit::step::{Addition, Bases, OUTPUTS, Reading};
 use crate::jit::target::{CompileError, Listing, Target, target};
@@ -232,24 +232,6 @@ struct Reach {
     uniforms: usize,
     segments: usize,
     weights: usize,
-}
-
-/// What a program works on.
-pub struct Operands<'o> {
-    /// Lines in which the streams of kernels are.
-    pub streams: Streams<'o>,
-    /// Lines that are read from front to back: what is fetched ahead.
-    pub coming: &'o [Line],
-    /// Uniform values.
-    pub uniforms: &'o [Splat],
-    /// The segments of hits.
-    pub segments: &'o [Segment],
-    /// The weight of each span; behind the last one so many more that each of a [chunk](CHUNK_HITS) could have one.
-    pub weights: &'o [f32],
-    /// What kernels write and pixels get.
-    pub sums: &'o mut Sums,
-    /// The pixels.
-    pub planes: &'o mut PixelPlanes,
 }
 
 impl Program {
@@ -538,6 +520,7 @@ mod tests {
     use crate::formula::Formula;
     use crate::formula::binding::Bindings;
     use crate::jit::kernel::Output;
+    use crate::jit::lanes::Sums;
     use crate::lang::source::Source;
     use crate::presets::{self, Kind};
     use crate::segment::ROUND_LINES;
@@ -592,5 +575,31 @@ mod tests {
                 assert_eq!(other, None, "{width} blocks: {text}");
             }
         }
+    }
+
+    #[test]
+    fn programs_run_on_nothing_that_is_too_short() {
+        let (formula, _) = Formula::parse(&Source::new("formula", presets::text(Kind::Formula, "phong").unwrap())).unwrap();
+        let compiled = crate::jit::CompiledFormula::new(&formula).unwrap();
+        let columns = compiled.bindings.frontier.records.len();
+        let kernel = &compiled.contributor.storing;
+        let mut program = Program::default();
+        program.contribute(kernel, [0..0, 4..4 + 4 * columns, 0..0], 2, 0..3, 8..12);
+        let added = program.add(1..3, 5, None, 0);
+        let lines = vec![Line::default(); 4 + 4 * columns];
+        let uniforms = vec![Splat::default(); 2 + compiled.contributor.uniform_kernel.outputs()];
+        let segments = vec![Segment::new(0, 0, 0); 3];
+        let weights = vec![0.0; 5 + CHUNK_HITS];
+        let (mut sums, mut planes) = (bytemuck::zeroed_box::<Sums>(), bytemuck::zeroed_box::<PixelPlanes>());
+        let mut run = |lines: &[Line], uniforms: &[Splat], segments: &[Segment], weights: &[f32]| {
+            let (sums, planes) = (&mut *sums, &mut *planes);
+            let mut operands = Operands { streams: [&[], lines, &[]], coming: &[], uniforms, segments, weights, sums, planes };
+            std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| program.run(0..program.len(), &mut operands))).is_ok()
+        };
+        assert!(run(&lines, &uniforms, &segments, &weights));
+        assert!(!run(&lines[1..], &uniforms, &segments, &weights) && !run(&lines, &uniforms[1..], &segments, &weights));
+        // Where no code adds, nothing reads these.
+        assert_eq!(run(&lines, &uniforms, &segments[1..], &weights), !added);
+        assert_eq!(run(&lines, &uniforms, &segments, &weights[1..]), !added);
     }
 }

@@ -53,6 +53,24 @@ pub const PLANE_PIXELS: usize = Segment::MARGIN + TILE_PIXELS as usize + 2 * LIN
 #[repr(C, align(64))]
 pub struct PixelPlanes(pub [[f32; PLANE_PIXELS]; 3]);
 
+/// What a [program](super::call::Program) works on.
+pub struct Operands<'o> {
+    /// Lines in which the streams of kernels are.
+    pub streams: Streams<'o>,
+    /// Lines that are read from front to back: what is fetched ahead.
+    pub coming: &'o [Line],
+    /// Uniform values.
+    pub uniforms: &'o [Splat],
+    /// The segments of hits.
+    pub segments: &'o [Segment],
+    /// The weight of each span; behind the last one so many more that each of a chunk ([`CHUNK_HITS`](crate::segment::CHUNK_HITS)) could have one.
+    pub weights: &'o [f32],
+    /// What kernels write and pixels get.
+    pub sums: &'o mut Sums,
+    /// The pixels.
+    pub planes: &'o mut PixelPlanes,
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

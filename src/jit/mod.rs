@@ -3,7 +3,8 @@
 //! Each stage of evaluation is a *kernel*, a function with the loop over its records inside: static values of hits, static
 //! values of lit records, uniform values of (body, light) pairs, and the contributions of lit records. `kernel` writes a kernel as
 //! IR, `emit` gives the scalar primitives their instructions, `math` holds those that no processor has, [`compile`] makes
-//! the kernels of a formula, and [`call`] is the one room where unsafe code lives: it owns compiled code and calls it.
+//! the kernels of a formula, `step` says how compiled code is told what to work on, and [`call`] is the one room where unsafe code lives: it owns
+//! compiled code and calls it.
 
 #![cfg_attr(
     not(all(target_arch = "x86_64", unix)),
@@ -27,7 +28,7 @@ pub mod target;
 mod widen;
 
 pub use cache::KernelCache;
-pub use call::{Kernel, Operands, PixelCode, Program, fetch};
+pub use call::{Kernel, PixelCode, Program, fetch};
 pub use compile::CompiledFormula;
-pub use lanes::{AHEAD, Line, PixelLine, PixelPlanes, Splat, Streams, Sums};
+pub use lanes::{AHEAD, Line, Operands, PixelLine, PixelPlanes, Splat, Streams, Sums};
 pub use target::{CompileError, Listing};

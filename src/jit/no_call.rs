@@ -2,9 +2,8 @@
 
 use crate::formula::graph::Graph;
 use crate::jit::kernel::KernelPlan;
-use crate::jit::lanes::{Line, PixelLine, PixelPlanes, Splat, Streams, Sums};
+use crate::jit::lanes::{Line, Operands, PixelLine, PixelPlanes, STREAMS, Splat, Streams};
 use crate::jit::target::{CompileError, Listing, target};
-use crate::segment::Segment;
 use std::ops::Range;
 
 /// A compiled kernel: there is none.
@@ -29,44 +28,46 @@ impl Kernel {
 }
 
 /// Work for compiled code on the pixels of a tile: there is none.
-pub struct Program<'p> {
-    sums: &'p mut Sums,
-    planes: &'p mut PixelPlanes,
-}
-
-/// Room for the steps of a program.
 #[derive(Default)]
-pub struct Steps;
+pub struct Program;
 
-/// Where the weights of a chunk are kept.
-#[derive(Debug, Clone, Copy)]
-pub struct Weights;
+impl Program {
+    /// Forgets all steps.
+    pub fn clear(&mut self) {}
 
-impl<'p> Program<'p> {
-    /// An empty one.
-    pub fn new(_: &'p mut Steps, sums: &'p mut Sums, planes: &'p mut PixelPlanes) -> Self {
-        Self { sums, planes }
+    /// How many steps there are: none.
+    pub fn len(&self) -> usize {
+        0
     }
 
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        true
+    }
+
+    /// The memory that the steps take.
+    pub fn bytes(&self) -> usize {
+        0
+    }
+
+    /// Gives back memory that is not needed.
+    pub fn shrink(&mut self) {}
+
+    /// Has the steps fetched.
+    pub fn fetch(&self) {}
+
     /// Runs a kernel.
-    pub fn contribute(&mut self, kernel: &'p Kernel, _: Streams<'p>, _: &'p [Splat], _: Range<usize>, _: Range<usize>) {
+    pub fn contribute(&mut self, kernel: &Kernel, _: [Range<usize>; STREAMS], _: usize, _: Range<usize>, _: Range<usize>) {
         match *kernel {}
     }
 
-    /// Keeps no weights.
-    pub fn weigh(&mut self, _: impl ExactSizeIterator<Item = f32>) -> Weights {
-        Weights
-    }
-
     /// Does not add.
-    pub fn add(&mut self, _: &'p [Segment], _: Weights, _: Option<usize>, _: &[Line]) -> bool {
+    pub fn add(&mut self, _: Range<usize>, _: usize, _: Option<usize>, _: usize) -> bool {
         false
     }
 
-    /// The sums and pixels.
-    pub fn run(&mut self) -> (&mut Sums, &mut PixelPlanes) {
-        (self.sums, self.planes)
-    }
+    /// Takes no steps.
+    pub fn run(&self, _: Range<usize>, _: &mut Operands) {}
 }
 
 /// Says that there is no compiled code for this processor.
