@@ -69,3 +69,6 @@ pub mod workspace;
 pub mod picture;
 
 pub mod presets;
+
+#[cfg(feature = "window")]
+pub mod preview;
