@@ -1,7 +1,6 @@
 //! The engine's work as commands ask for it: on so many threads, within so much memory, with progress.
 
 use crate::cli::input::Input;
-use crate::cli::memory;
 use crate::cli::options::MachineOptions;
 use crate::cli::progress::Progress;
 use crate::cli::report::Failure;
@@ -37,7 +36,7 @@ pub(super) fn trace_for(
 
 /// What may be used, after checking that the picture itself fits in.
 pub(super) fn memory_for(view: &View, options: &MachineOptions) -> Result<u64, Failure> {
-    let budget = memory::budget(options.memory);
+    let budget = options.memory.unwrap_or_else(trace::usable_memory);
     let needed = u64::from(view.pixels()) * BYTES_PER_PIXEL;
     if needed > budget { Err(failed(TraceError::Memory { needed, budget, pixels: view.pixels() })) } else { Ok(budget) }
 }

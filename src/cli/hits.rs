@@ -9,7 +9,6 @@
 
 use crate::cli::engine;
 use crate::cli::input::Input;
-use crate::cli::memory;
 use crate::cli::options::MachineOptions;
 use crate::cli::output::check_folder;
 use crate::cli::progress::Progress;
@@ -17,7 +16,9 @@ use crate::cli::report::Failure;
 use illuminator::lang::types::Type;
 use illuminator::lang::variables::{Rate, Variable};
 use illuminator::scene::LightId;
-use illuminator::trace::{Budget, Edge, HitVariables, Hits, LightVariables, Optics, Surface, Tile, replay, trace, variable};
+use illuminator::trace::{
+    Budget, Edge, HitVariables, Hits, LightVariables, Optics, Surface, Tile, replay, trace, usable_memory, variable,
+};
 use illuminator::workspace::files::{reason, replace_file};
 use serde::Serialize;
 use std::collections::{BTreeMap, HashMap};
@@ -40,7 +41,7 @@ pub(super) fn dump(input: &Input, machine: &MachineOptions, folder: &Path) -> Re
     check_folder(folder)?;
     let progress = Progress::new("tracing");
     let hits = engine::on_threads(machine, || {
-        let budget = Budget { bytes: memory::budget(machine.memory), ..Budget::UNLIMITED };
+        let budget = Budget { bytes: machine.memory.unwrap_or_else(usable_memory), ..Budget::UNLIMITED };
         trace(&input.scene, &input.view, &budget, &|share| progress.tell(share), &AtomicBool::new(false))
     })?;
     drop(progress);

@@ -1,6 +1,5 @@
 //! From options to what the engine works on: session, formula, scene and values, with everything said that is wrong about them.
 
-use crate::cli::memory;
 use crate::cli::options::{Colour, InputOptions};
 use crate::cli::report::{Failure, accept, explain, say, warn};
 use illuminator::formula::Formula;
@@ -10,7 +9,7 @@ use illuminator::lang::source::Source;
 use illuminator::lang::variables::Predefined;
 use illuminator::presets::{DEFAULT_SESSION, Kind};
 use illuminator::scene::Scene;
-use illuminator::trace::View;
+use illuminator::trace::{View, usable_memory};
 use illuminator::workspace::files::{Location, kind_of};
 use illuminator::workspace::session::{Lacking, PictureSettings};
 use illuminator::workspace::{Assignment, OwnerId, Roster, Session, Values};
@@ -113,7 +112,7 @@ pub(super) fn load(options: &InputOptions) -> Result<Input, Failure> {
     });
     let (formula_source, formula, scene) = open_both(&formula, &scene)?;
     let numbers = Layout::new(&formula, scene.bodies.len(), scene.lights.len()).len() as u64;
-    if numbers.saturating_mul(BYTES_PER_NUMBER) > memory::budget(options.machine.memory) {
+    if numbers.saturating_mul(BYTES_PER_NUMBER) > options.machine.memory.unwrap_or_else(usable_memory) {
         let message =
             format!("{numbers} parameter values, those of all bodies and lights together, take more memory than may be used");
         return Err(Failure::Input(Diagnostic::error(message).help("`--memory SIZE` allows more")));

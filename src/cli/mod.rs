@@ -9,7 +9,6 @@ mod dump;
 mod engine;
 mod hits;
 mod input;
-mod memory;
 mod options;
 mod output;
 mod progress;

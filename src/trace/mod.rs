@@ -13,6 +13,7 @@
 mod budget;
 mod gather;
 mod lookup;
+mod memory;
 mod optics;
 mod replay;
 mod store;
@@ -25,6 +26,7 @@ mod walk;
 pub use crate::segment::{CHUNK_HITS, CHUNK_LINES, LINE_HITS, ROUND_LINES, Segment, TILE_PIXELS};
 pub use budget::{Budget, Estimate};
 pub use lookup::variable;
+pub use memory::usable_memory;
 pub use optics::{Beam, Optics, Surface};
 pub use replay::{Mismatch, replay};
 pub use store::{Counts, Group, Hits, Path, PathId, PathSets, Region, Span, Tile};

@@ -29,7 +29,7 @@ mod trigonometric;
 
 use cranelift_codegen::ir::condcodes::FloatCC;
 use cranelift_codegen::ir::types::{F32X4, I8X16, I16X8, I32, I32X4};
-use cranelift_codegen::ir::{Constant, ConstantData, InstBuilder, MemFlagsData, Type, Value};
+use cranelift_codegen::ir::{Constant, ConstantData, Endianness, InstBuilder, MemFlagsData, Type, Value};
 use cranelift_frontend::FunctionBuilder;
 
 /// The sign bit of an `f32`.
@@ -223,7 +223,7 @@ impl<'a, 'f> VectorMath<'a, 'f> {
         if self.builder.func.dfg.value_type(x) == ty {
             return x;
         }
-        self.builder.ins().bitcast(ty, MemFlagsData::new(), x)
+        self.builder.ins().bitcast(ty, MemFlagsData::new().with_endianness(Endianness::Little), x)
     }
 
     /// The bits of each lane moved left, as integers.

@@ -1,16 +1,16 @@
-//! How much memory a picture may take.
+//! How much memory this machine has to spare for a picture.
 
 use sysinfo::System;
 
 /// What may be used where nothing is known of the machine.
 const FALLBACK: u64 = 1 << 30;
 
-/// The bytes that may be used: what the user allows, or half of what is free now, limits of control groups heeded.
-pub(super) fn budget(allowed: Option<u64>) -> u64 {
-    allowed.unwrap_or_else(|| match available() {
+/// The bytes that a picture may take where nobody says otherwise: half of what is free now, limits of control groups heeded.
+pub fn usable_memory() -> u64 {
+    match available() {
         0 => FALLBACK,
         free => free / 2,
-    })
+    }
 }
 
 /// Bytes that are free; 0 where that is not known.

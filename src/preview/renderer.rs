@@ -1,0 +1,366 @@
+//! Pictures made in the background: what is wanted goes in, the newest picture comes out, and nobody waits.
+//!
+//! One thread traces, coarsely at first and then in full; another evaluates. Both look at what is wanted *now*: values that were overtaken are never
+//! drawn, and tracing that nobody wants any more ends soon. Nothing here knows of widgets.
+
+mod drawing;
+
+use crate::evaluate::{Backend, Method};
+use crate::formula::Formula;
+use crate::scene::Scene;
+use crate::trace::{Budget, Counts, Hits, TraceError, View, trace};
+use drawing::Artist;
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+/// What a picture is made of, beside values.
+#[derive(Clone)]
+pub struct Subject {
+    /// The model.
+    pub formula: Arc<Formula>,
+    /// The scene.
+    pub scene: Arc<Scene>,
+    /// Size, depth and the like.
+    pub view: View,
+    /// By which backend.
+    pub backend: Backend,
+    /// Whether the picture is shown with the sRGB transfer function.
+    pub srgb: bool,
+}
+
+impl Subject {
+    /// Whether the hits of one are those of the other.
+    fn same_hits(&self, other: &Subject) -> bool {
+        Arc::ptr_eq(&self.scene, &other.scene) && self.view == other.view
+    }
+}
+
+/// A picture to be shown.
+#[derive(Debug, Clone, Default)]
+pub struct Picture {
+    /// Pixels in a row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Row by row from the top left, `0x00RRGGBB`.
+    pub pixels: Vec<u32>,
+    /// Pictures are counted; 0 is none.
+    pub version: u64,
+    /// Of which values it is, by the number that [`Renderer::show`] or [`Renderer::move_to`] gave them.
+    pub values: u64,
+    /// The size that it stands for: a coarse one has fewer pixels.
+    pub full_size: [u32; 2],
+}
+
+impl Picture {
+    /// Whether it has all its pixels.
+    pub fn is_full(&self) -> bool {
+        self.full_size == [self.width, self.height]
+    }
+}
+
+/// What happened in the background.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Event {
+    /// A formula was compiled, or found among those that were.
+    Compiled(Duration),
+    /// Rays were traced, in full where `full`.
+    Traced {
+        /// How long it took.
+        time: Duration,
+        /// What was found.
+        counts: Counts,
+        /// Pixels in a row, and rows.
+        size: [u32; 2],
+        /// Whether that is the size that was asked for.
+        full: bool,
+    },
+    /// Static values of all hits were worked out, and the first picture was drawn.
+    Ready {
+        /// How long that took.
+        time: Duration,
+        /// The memory at rest, in bytes a pixel.
+        bytes_per_pixel: f64,
+    },
+    /// A frame was drawn.
+    Frame {
+        /// How: none where it was no drag.
+        method: Option<Method>,
+        /// How long it took.
+        time: Duration,
+    },
+    /// There is no picture, and why.
+    Failed(String),
+}
+
+/// What is wanted.
+#[derive(Default)]
+struct Wanted {
+    subject: Option<Subject>,
+    numbers: Vec<f32>,
+    /// Counts values and subjects.
+    stamp: u64,
+    /// The places of the numbers of a slider that is held.
+    held: Option<Vec<usize>>,
+    /// What was traced last, of the subject that is wanted.
+    hits: Option<Arc<Hits>>,
+    quit: bool,
+}
+
+/// What the threads share.
+struct Shared {
+    wanted: Mutex<Wanted>,
+    changed: Condvar,
+    /// The newest picture that was not taken yet, and buffers to be used again.
+    newest: Mutex<Option<Picture>>,
+    spare: Mutex<Vec<Vec<u32>>>,
+    /// Ends tracing.
+    cancelled: AtomicBool,
+    /// How much is traced, in thousandths; 1000 where nothing is being traced.
+    progress: AtomicU32,
+    versions: AtomicU64,
+    wake: Box<dyn Fn() + Send + Sync>,
+}
+
+impl Shared {
+    fn wanted(&self) -> MutexGuard<'_, Wanted> {
+        self.wanted.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn wait<'w>(&self, wanted: MutexGuard<'w, Wanted>) -> MutexGuard<'w, Wanted> {
+        self.changed.wait(wanted).unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Makes pictures.
+pub struct Renderer {
+    shared: Arc<Shared>,
+    events: Receiver<Event>,
+    threads: Vec<JoinHandle<()>>,
+}
+
+/// Pictures of fewer pixels are traced at once, in milliseconds.
+const SMALL: u32 = 320 * 200;
+/// A coarse picture has one pixel in so many, along each side.
+const COARSE: u32 = 4;
+
+impl Renderer {
+    /// Starts the threads; `wake` is called, from any of them, when there is something to see.
+    ///
+    /// # Errors
+    /// No thread can be started.
+    pub fn new(wake: impl Fn() + Send + Sync + 'static) -> std::io::Result<Self> {
+        let shared = Arc::new(Shared {
+            wanted: Mutex::default(),
+            changed: Condvar::new(),
+            newest: Mutex::default(),
+            spare: Mutex::default(),
+            cancelled: AtomicBool::new(false),
+            progress: AtomicU32::new(1000),
+            versions: AtomicU64::new(0),
+            wake: Box::new(wake),
+        });
+        let (sender, events) = channel();
+        let mut renderer = Self { shared: Arc::clone(&shared), events, threads: Vec::new() };
+        // Each works on threads of its own: a frame does not wait for tiles that are being traced.
+        for (name, work) in [("tracing", trace_forever as fn(&Shared, &Sender<Event>)), ("evaluation", draw_forever)] {
+            let pool = rayon::ThreadPoolBuilder::new().thread_name(move |index| format!("{name} {index}")).build();
+            let pool = pool.map_err(std::io::Error::other)?;
+            let (shared, sender) = (Arc::clone(&shared), sender.clone());
+            let thread = std::thread::Builder::new().name(name.to_owned());
+            renderer.threads.push(thread.spawn(move || pool.install(|| work(&shared, &sender)))?);
+        }
+        Ok(renderer)
+    }
+
+    /// Shows something else, with these parameter numbers; the number of these values.
+    pub fn show(&self, subject: Subject, numbers: &[f32]) -> u64 {
+        let mut wanted = self.shared.wanted();
+        let kept = wanted.subject.as_ref().is_some_and(|before| before.same_hits(&subject));
+        if !kept {
+            wanted.hits = None;
+            self.shared.cancelled.store(true, Ordering::Relaxed);
+        }
+        wanted.subject = Some(subject);
+        wanted.held = None;
+        self.set(wanted, numbers)
+    }
+
+    /// Shows other values. `held` are the places of those numbers that a slider moves as long as it is held.
+    pub fn move_to(&self, numbers: &[f32], held: Option<Vec<usize>>) -> u64 {
+        let mut wanted = self.shared.wanted();
+        wanted.held = held;
+        self.set(wanted, numbers)
+    }
+
+    fn set(&self, mut wanted: MutexGuard<'_, Wanted>, numbers: &[f32]) -> u64 {
+        numbers.clone_into(&mut wanted.numbers);
+        wanted.stamp += 1;
+        let stamp = wanted.stamp;
+        drop(wanted);
+        self.shared.changed.notify_all();
+        stamp
+    }
+
+    /// The newest picture, if there is one that was not taken yet; the one that it takes the place of is given back.
+    pub fn take(&self, before: &mut Picture) -> bool {
+        let newest = self.shared.newest.lock().unwrap_or_else(PoisonError::into_inner).take();
+        let Some(newest) = newest else { return false };
+        let old = std::mem::replace(before, newest);
+        self.shared.spare.lock().unwrap_or_else(PoisonError::into_inner).push(old.pixels);
+        true
+    }
+
+    /// What happened since it was asked last.
+    pub fn events(&self) -> impl Iterator<Item = Event> {
+        self.events.try_iter()
+    }
+
+    /// How much of a picture is traced, 0..1; none where nothing is being traced.
+    pub fn progress(&self) -> Option<f32> {
+        let thousandths = self.shared.progress.load(Ordering::Relaxed);
+        (thousandths < 1000).then_some(thousandths as f32 / 1000.0)
+    }
+}
+
+impl Drop for Renderer {
+    fn drop(&mut self) {
+        self.shared.wanted().quit = true;
+        self.shared.cancelled.store(true, Ordering::Relaxed);
+        self.shared.changed.notify_all();
+        for thread in self.threads.drain(..) {
+            // One that panicked has said so.
+            let _ = thread.join();
+        }
+    }
+}
+
+/// Traces what is wanted, whenever that changes.
+fn trace_forever(shared: &Shared, events: &Sender<Event>) {
+    let mut traced: Option<Subject> = None;
+    loop {
+        let subject = {
+            let mut wanted = shared.wanted();
+            loop {
+                if wanted.quit {
+                    return;
+                }
+                match &wanted.subject {
+                    Some(subject) if !traced.as_ref().is_some_and(|traced| traced.same_hits(subject)) => break,
+                    Some(_) | None => wanted = shared.wait(wanted),
+                }
+            }
+            // Whoever wants something else from now on says so again.
+            shared.cancelled.store(false, Ordering::Relaxed);
+            wanted.subject.clone()
+        };
+        let Some(subject) = subject else { continue };
+        traced = Some(subject.clone());
+        for view in stages(&subject.view) {
+            let full = view == subject.view;
+            if trace_stage(shared, events, &subject, view, full).is_none() {
+                break;
+            }
+        }
+        shared.progress.store(1000, Ordering::Relaxed);
+        (shared.wake)();
+    }
+}
+
+/// The views that are traced one after the other.
+fn stages(view: &View) -> Vec<View> {
+    let coarse = || {
+        let side = |side: u32| side.div_ceil(COARSE);
+        let small = View::new(side(view.width()), side(view.height())).ok()?;
+        small.with_depth(view.depth()).ok()?.with_shadows(view.shadows()).with_default_index(view.default_index()).ok()
+    };
+    let first = if view.pixels() > SMALL { coarse() } else { None };
+    first.into_iter().chain([*view]).collect()
+}
+
+fn trace_stage(shared: &Shared, events: &Sender<Event>, subject: &Subject, view: View, full: bool) -> Option<()> {
+    let start = Instant::now();
+    let told = AtomicU32::new(0);
+    let progress = |share: f64| {
+        let thousandths = ((share * 1000.0) as u32).min(999);
+        shared.progress.store(thousandths, Ordering::Relaxed);
+        // Not more often than can be seen.
+        if thousandths >= told.load(Ordering::Relaxed) + 20 {
+            told.store(thousandths, Ordering::Relaxed);
+            (shared.wake)();
+        }
+    };
+    let budget = Budget { bytes: crate::trace::usable_memory(), ..Budget::UNLIMITED };
+    let hits = match trace(&subject.scene, &view, &budget, &progress, &shared.cancelled) {
+        Ok(hits) => Arc::new(hits),
+        Err(TraceError::Cancelled) => return None,
+        Err(error @ TraceError::Memory { .. }) => {
+            // Whoever listens is gone only when all ends.
+            let _ = events.send(Event::Failed(error.to_string()));
+            (shared.wake)();
+            return None;
+        }
+    };
+    let mut wanted = shared.wanted();
+    if !wanted.subject.as_ref().is_some_and(|wanted| wanted.same_hits(subject)) {
+        return None;
+    }
+    let size = [view.width(), view.height()];
+    let _ = events.send(Event::Traced { time: start.elapsed(), counts: hits.counts(), size, full });
+    wanted.hits = Some(hits);
+    drop(wanted);
+    shared.changed.notify_all();
+    Some(())
+}
+
+/// Draws what is wanted, whenever that changes, and prepares what a held slider will need meanwhile.
+fn draw_forever(shared: &Shared, events: &Sender<Event>) {
+    let mut artist = Artist::default();
+    let mut drawn: Option<(u64, Arc<Hits>)> = None;
+    loop {
+        let (subject, hits, numbers, held, stamp) = {
+            let mut wanted = shared.wanted();
+            loop {
+                if wanted.quit {
+                    return;
+                }
+                if let (Some(subject), Some(hits)) = (&wanted.subject, &wanted.hits) {
+                    let done = |(stamp, of): &(u64, Arc<Hits>)| *stamp == wanted.stamp && Arc::ptr_eq(of, hits);
+                    if !drawn.as_ref().is_some_and(done) {
+                        break (subject.clone(), Arc::clone(hits), wanted.numbers.clone(), wanted.held.clone(), wanted.stamp);
+                    }
+                }
+                if artist.has_more_to_prepare() {
+                    drop(wanted);
+                    artist.prepare();
+                    wanted = shared.wanted();
+                } else {
+                    wanted = shared.wait(wanted);
+                }
+            }
+        };
+        let tell = |event: Event| {
+            let _ = events.send(event);
+        };
+        let room = || shared.spare.lock().unwrap_or_else(PoisonError::into_inner).pop().unwrap_or_default();
+        match artist.draw(&subject, &hits, &numbers, held, &tell, room) {
+            Ok(mut picture) => {
+                picture.version = shared.versions.fetch_add(1, Ordering::Relaxed) + 1;
+                picture.values = stamp;
+                let overtaken = shared.newest.lock().unwrap_or_else(PoisonError::into_inner).replace(picture);
+                if let Some(overtaken) = overtaken {
+                    shared.spare.lock().unwrap_or_else(PoisonError::into_inner).push(overtaken.pixels);
+                }
+            }
+            Err(message) => tell(Event::Failed(message)),
+        }
+        drawn = Some((stamp, hits));
+        (shared.wake)();
+    }
+}
+
+#[cfg(test)]
+mod tests;

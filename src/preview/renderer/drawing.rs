@@ -1,0 +1,175 @@
+//! The drawing of one picture: what is ready is used again, a held slider is a drag.
+
+use crate::evaluate::{Backend, Compiled, Drag, Framebuffer, Interpreted};
+use crate::formula::Formula;
+use crate::jit::{CompiledFormula, KernelCache};
+use crate::picture::{Transfer, quantise};
+use crate::preview::renderer::{Event, Picture, Subject};
+use crate::trace::Hits;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// What a held slider may keep, in bytes.
+const DRAG_BYTES: usize = 1 << 30;
+
+/// Draws pictures.
+#[derive(Default)]
+pub(super) struct Artist {
+    kernels: KernelCache,
+    /// The formula that was compiled last.
+    compiled: Option<(Arc<Formula>, Arc<CompiledFormula>)>,
+    /// What is ready, and of which hits.
+    ready: Option<(Arc<Hits>, Arc<Compiled>)>,
+    interpreted: Option<(Arc<Formula>, Arc<Hits>, Interpreted)>,
+    drag: Option<(Vec<usize>, Drag)>,
+    framebuffer: Option<Framebuffer>,
+}
+
+impl Artist {
+    /// Whether a held slider needs more than there is.
+    pub(super) fn has_more_to_prepare(&self) -> bool {
+        self.drag.as_ref().is_some_and(|(_, drag)| !drag.is_ready())
+    }
+
+    /// Makes some of it.
+    pub(super) fn prepare(&mut self) {
+        if let Some((_, drag)) = &mut self.drag {
+            drag.prepare();
+        }
+    }
+
+    /// Draws a picture, into some room.
+    ///
+    /// # Errors
+    /// The backend cannot take the formula.
+    pub(super) fn draw(
+        &mut self,
+        subject: &Subject,
+        hits: &Arc<Hits>,
+        numbers: &[f32],
+        held: Option<Vec<usize>>,
+        tell: &dyn Fn(Event),
+        room: impl FnOnce() -> Vec<u32>,
+    ) -> Result<Picture, String> {
+        let size = [hits.view.width(), hits.view.height()];
+        let mut pixels = room();
+        match subject.backend {
+            Backend::Interpreter => {
+                self.forget_compiled();
+                self.interpret(subject, hits, numbers, tell, &mut pixels)?;
+            }
+            Backend::Jit => {
+                self.interpreted = None;
+                self.evaluate(subject, hits, numbers, held, tell, &mut pixels)?;
+            }
+        }
+        let full_size = [subject.view.width(), subject.view.height()];
+        Ok(Picture { width: size[0], height: size[1], pixels, version: 0, values: 0, full_size })
+    }
+
+    fn forget_compiled(&mut self) {
+        self.drag = None;
+        self.ready = None;
+    }
+
+    fn interpret(
+        &mut self,
+        subject: &Subject,
+        hits: &Arc<Hits>,
+        numbers: &[f32],
+        tell: &dyn Fn(Event),
+        pixels: &mut Vec<u32>,
+    ) -> Result<(), String> {
+        let known = self.interpreted.as_ref();
+        if !known.is_some_and(|(formula, of, _)| Arc::ptr_eq(formula, &subject.formula) && Arc::ptr_eq(of, hits)) {
+            let made = Interpreted::new(&subject.formula, &subject.scene, hits.view).map_err(|error| error.to_string())?;
+            self.interpreted = Some((Arc::clone(&subject.formula), Arc::clone(hits), made));
+        }
+        if let Some((.., interpreted)) = &self.interpreted {
+            let start = Instant::now();
+            let (frame, _) = interpreted.frame(numbers);
+            words(&frame.linear, subject.srgb, pixels);
+            tell(Event::Frame { method: None, time: start.elapsed() });
+        }
+        Ok(())
+    }
+
+    fn evaluate(
+        &mut self,
+        subject: &Subject,
+        hits: &Arc<Hits>,
+        numbers: &[f32],
+        held: Option<Vec<usize>>,
+        tell: &dyn Fn(Event),
+        pixels: &mut Vec<u32>,
+    ) -> Result<(), String> {
+        let start = Instant::now();
+        let formula = match &self.compiled {
+            Some((formula, compiled)) if Arc::ptr_eq(formula, &subject.formula) => Arc::clone(compiled),
+            Some(_) | None => {
+                let compiled = self.kernels.compiled(&subject.formula).map_err(|error| error.to_string())?;
+                tell(Event::Compiled(start.elapsed()));
+                self.compiled = Some((Arc::clone(&subject.formula), Arc::clone(&compiled)));
+                self.forget_compiled();
+                compiled
+            }
+        };
+        let start = Instant::now();
+        let (ready, is_new) = match &self.ready {
+            Some((of, ready)) if Arc::ptr_eq(of, hits) => (Arc::clone(ready), false),
+            Some(_) | None => {
+                self.forget_compiled();
+                let made = Compiled::new(formula, &subject.formula, &subject.scene, hits).map_err(|error| error.to_string())?;
+                let made = Arc::new(made);
+                self.ready = Some((Arc::clone(hits), Arc::clone(&made)));
+                (made, true)
+            }
+        };
+        let [width, height] = [hits.view.width(), hits.view.height()];
+        let fits = |framebuffer: &Framebuffer| (framebuffer.width, framebuffer.height) == (width, height);
+        let mut framebuffer = match self.framebuffer.take() {
+            Some(framebuffer) if fits(&framebuffer) => framebuffer,
+            Some(_) | None => Framebuffer::black(width, height),
+        };
+        let frame_start = Instant::now();
+        let mut method = None;
+        if subject.srgb {
+            self.drag = None;
+            words(&ready.frame(numbers).linear, true, pixels);
+        } else {
+            match held {
+                Some(places) => {
+                    if !self.drag.as_ref().is_some_and(|(held, _)| *held == places) {
+                        let drag = Drag::new(&ready, &places, numbers, DRAG_BYTES).map_err(|error| error.to_string())?;
+                        self.drag = Some((places, drag));
+                    }
+                    if let Some((_, drag)) = &mut self.drag {
+                        drag.frame(numbers, &mut framebuffer);
+                        method = Some(drag.method());
+                    }
+                }
+                None => {
+                    self.drag = None;
+                    ready.draw(numbers, &mut framebuffer);
+                }
+            }
+            framebuffer.pixels.clone_into(pixels);
+        }
+        self.framebuffer = Some(framebuffer);
+        if is_new {
+            let bytes_per_pixel = ready.bytes() as f64 / f64::from(width * height);
+            tell(Event::Ready { time: start.elapsed(), bytes_per_pixel });
+        } else {
+            tell(Event::Frame { method, time: frame_start.elapsed() });
+        }
+        Ok(())
+    }
+}
+
+/// Linear colours as words `0x00RRGGBB`.
+fn words(linear: &[[f32; 3]], srgb: bool, pixels: &mut Vec<u32>) {
+    let bytes = quantise(linear, if srgb { Transfer::Srgb } else { Transfer::Linear });
+    let word = |[red, green, blue]: &[u8; 3]| u32::from_be_bytes([0, *red, *green, *blue]);
+    pixels.clear();
+    pixels.extend(bytes.as_chunks::<3>().0.iter().map(word));
+}

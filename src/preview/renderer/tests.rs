@@ -1,0 +1,94 @@
+//! Pictures made in the background, on a built-in scene.
+
+use super::*;
+use crate::evaluate::{Compiled, Framebuffer};
+use crate::jit::CompiledFormula;
+use crate::lang::source::Source;
+use crate::presets::{self, Kind};
+use crate::workspace::Values;
+
+fn subject(width: u32, height: u32) -> (Subject, Values) {
+    let source = |kind: Kind, name: &str| Source::new(name, presets::text(kind, name).expect("a built-in file"));
+    let (formula, _) = Formula::parse(&source(Kind::Formula, "phong")).expect("a formula");
+    let (scene, _) = Scene::parse(&source(Kind::Scene, "studio")).expect("a scene");
+    let values = Values::defaults(&formula, &scene);
+    let view = View::new(width, height).expect("a size in range").with_depth(3).expect("a depth in range");
+    (Subject { formula: Arc::new(formula), scene: Arc::new(scene), view, backend: Backend::Jit, srgb: false }, values)
+}
+
+/// Waits for a picture of these values with all its pixels.
+fn wait_for(renderer: &Renderer, values: u64) -> Picture {
+    let mut picture = Picture::default();
+    for _ in 0..20_000 {
+        renderer.take(&mut picture);
+        if picture.values == values && picture.is_full() {
+            return picture;
+        }
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    let events: Vec<Event> = renderer.events().collect();
+    panic!("no picture came: {events:?}, {} {}", picture.values, picture.version);
+}
+
+/// The picture as it is drawn without any thread.
+fn expected(subject: &Subject, values: &Values) -> Vec<u32> {
+    let hits = trace(&subject.scene, &subject.view, &Budget::UNLIMITED, &|_| {}, &AtomicBool::new(false)).expect("small enough");
+    let compiled = Arc::new(CompiledFormula::new(&subject.formula).expect("a formula of ordinary size"));
+    let compiled = Compiled::new(compiled, &subject.formula, &subject.scene, &Arc::new(hits)).expect("hits of the scene");
+    let mut framebuffer = Framebuffer::black(subject.view.width(), subject.view.height());
+    compiled.draw(values.numbers(), &mut framebuffer);
+    framebuffer.pixels
+}
+
+#[test]
+fn the_newest_picture_comes_whatever_was_wanted_before() {
+    let renderer = Renderer::new(|| {}).expect("threads");
+    let (small, mut values) = subject(96, 64);
+    let first = renderer.show(small.clone(), values.numbers());
+    assert!(wait_for(&renderer, first).pixels == expected(&small, &values));
+    // Many moves of a held slider: the last one is shown.
+    let roster = values.roster();
+    let (owner, id, _) = values.iter().find(|(owner, id, _)| roster.label(*owner, *id).ends_with(".kd")).expect("a slider");
+    let places = values.moved_places(owner, id);
+    let mut last = first;
+    for step in 0..50 {
+        values.move_to(owner, id, [0.02 * step as f32; 3]);
+        last = renderer.move_to(values.numbers(), Some(places.clone()));
+    }
+    assert!(wait_for(&renderer, last).pixels == expected(&small, &values));
+    // Another size while the last is still drawn: large enough to come coarsely first.
+    let (large, _) = subject(480, 320);
+    renderer.show(subject(300, 300).0, values.numbers());
+    let other = renderer.show(large.clone(), values.numbers());
+    let picture = wait_for(&renderer, other);
+    assert_eq!([picture.width, picture.height], [480, 320]);
+    assert!(picture.pixels == expected(&large, &values));
+    let events: Vec<Event> = renderer.events().collect();
+    assert!(events.iter().any(|event| matches!(event, Event::Traced { full: false, .. })), "{events:?}");
+    assert!(!events.iter().any(|event| matches!(event, Event::Failed(_))), "{events:?}");
+}
+
+#[test]
+fn both_backends_show_the_same_and_a_transfer_brightens() {
+    let renderer = Renderer::new(|| {}).expect("threads");
+    let (compiled, values) = subject(64, 48);
+    let one = renderer.show(compiled.clone(), values.numbers());
+    let one = wait_for(&renderer, one);
+    let other = renderer.show(Subject { backend: Backend::Interpreter, ..compiled.clone() }, values.numbers());
+    let other = wait_for(&renderer, other);
+    let far = |(a, b): (&u32, &u32)| a.to_be_bytes().iter().zip(b.to_be_bytes()).any(|(a, b)| a.abs_diff(b) > 1);
+    assert_eq!(one.pixels.iter().zip(&other.pixels).filter(|pair| far(*pair)).count(), 0);
+    let bright = renderer.show(Subject { srgb: true, ..compiled }, values.numbers());
+    let bright = wait_for(&renderer, bright);
+    let sum = |picture: &Picture| picture.pixels.iter().flat_map(|word| word.to_be_bytes()).map(u64::from).sum::<u64>();
+    assert!(sum(&bright) > sum(&one));
+}
+
+#[test]
+fn who_lets_go_while_tracing_does_not_wait() {
+    let renderer = Renderer::new(|| {}).expect("threads");
+    let (huge, values) = subject(4000, 3000);
+    renderer.show(huge, values.numbers());
+    std::thread::sleep(Duration::from_millis(50));
+    drop(renderer);
+}
