@@ -1,0 +1,1 @@
+//! Widgets and the picture into pixels, on the CPU.
