@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 pub mod paint;
 pub mod renderer;
 pub mod window;
+pub mod workshop;
 
 /// What a window can show: widgets, with a picture under them.
 ///

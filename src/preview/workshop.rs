@@ -1,0 +1,333 @@
+//! What is open in the workshop: a formula on a scene with its values, what may be done with it, and what that leads to.
+//!
+//! No widgets: what a button does is here, what it looks like is not. Pictures come from the [renderer](super::renderer); whatever fails leaves what
+//! was there as it was.
+
+mod history;
+mod opening;
+
+use crate::evaluate::Backend;
+use crate::formula::{Formula, ParameterId};
+use crate::lang::diagnostic::Diagnostics;
+use crate::lang::source::Source;
+use crate::preview::renderer::{Picture, Renderer, Subject};
+use crate::scene::Scene;
+use crate::trace::{View, ViewError};
+use crate::workspace::files::Location;
+use crate::workspace::session::PictureSettings;
+use crate::workspace::{OwnerId, Session, Values};
+use history::History;
+pub use opening::Opened;
+use std::io;
+use std::path::Path;
+use std::sync::Arc;
+
+/// What is open.
+pub struct Workshop {
+    renderer: Renderer,
+    formula: Arc<Formula>,
+    scene: Arc<Scene>,
+    values: Values,
+    history: History,
+    picture: PictureSettings,
+    backend: Backend,
+    /// The slider that is held.
+    held: Option<(OwnerId, ParameterId)>,
+    shown: Picture,
+    /// The number of the values that were asked for last.
+    asked: u64,
+    snapshots: [Option<Snapshot>; 2],
+}
+
+/// A picture with its values, kept to be compared.
+#[derive(Clone)]
+pub struct Snapshot {
+    /// The picture.
+    pub picture: Picture,
+    values: Values,
+    formula: Arc<Formula>,
+    scene: Arc<Scene>,
+}
+
+impl Workshop {
+    /// Shows what was opened. `wake` is called, from any thread, when there is something new to see.
+    ///
+    /// # Errors
+    /// No thread can be started.
+    pub fn new(opened: &Opened, wake: impl Fn() + Send + Sync + 'static) -> io::Result<Self> {
+        let mut workshop = Self {
+            renderer: Renderer::new(wake)?,
+            formula: Arc::clone(&opened.formula),
+            scene: Arc::clone(&opened.scene),
+            values: opened.values.clone(),
+            history: History::default(),
+            picture: opened.picture,
+            backend: Backend::Jit,
+            held: None,
+            shown: Picture::default(),
+            asked: 0,
+            snapshots: [None, None],
+        };
+        workshop.show();
+        Ok(workshop)
+    }
+
+    /// Shows something else that was opened.
+    pub fn open(&mut self, opened: &Opened) {
+        self.formula = Arc::clone(&opened.formula);
+        self.scene = Arc::clone(&opened.scene);
+        self.values = opened.values.clone();
+        self.picture = opened.picture;
+        self.history = History::default();
+        self.snapshots = [None, None];
+        self.show();
+    }
+
+    /// The background work.
+    pub fn renderer(&self) -> &Renderer {
+        &self.renderer
+    }
+
+    /// The formula that is applied.
+    pub fn formula(&self) -> &Arc<Formula> {
+        &self.formula
+    }
+
+    /// The scene that is applied.
+    pub fn scene(&self) -> &Arc<Scene> {
+        &self.scene
+    }
+
+    /// The values of all parameters.
+    pub fn values(&self) -> &Values {
+        &self.values
+    }
+
+    /// Size, depth and the like.
+    pub fn settings(&self) -> PictureSettings {
+        self.picture
+    }
+
+    /// By what pictures are evaluated.
+    pub fn backend(&self) -> Backend {
+        self.backend
+    }
+
+    /// The view of the picture that is wanted.
+    ///
+    /// # Errors
+    /// A setting is out of range.
+    pub fn view(&self) -> Result<View, ViewError> {
+        view(&self.picture)
+    }
+
+    fn show(&mut self) {
+        self.held = None;
+        // Settings are checked before they are taken.
+        let Ok(view) = self.view() else { return };
+        let subject = Subject {
+            formula: Arc::clone(&self.formula),
+            scene: Arc::clone(&self.scene),
+            view,
+            backend: self.backend,
+            srgb: self.picture.srgb,
+        };
+        self.asked = self.renderer.show(subject, self.values.numbers());
+    }
+
+    /// Takes the newest picture, if there is one; whether there was.
+    pub fn refresh(&mut self) -> bool {
+        self.renderer.take(&mut self.shown)
+    }
+
+    /// The picture that is shown.
+    pub fn shown(&self) -> &Picture {
+        &self.shown
+    }
+
+    /// Whether the picture is that of all values as they are now, in full.
+    pub fn is_up_to_date(&self) -> bool {
+        self.shown.values == self.asked && self.shown.is_full()
+    }
+
+    /// Applies a formula: values stay by owner and name. What was wrong is said, and nothing is changed then.
+    ///
+    /// # Errors
+    /// All mistakes in the text.
+    pub fn apply_formula(&mut self, source: &Source) -> Result<Diagnostics, Diagnostics> {
+        let (formula, warnings) = Formula::parse(source)?;
+        let (values, _) = self.values.carry_over(&formula, &self.scene);
+        self.formula = Arc::new(formula);
+        self.arrive(values);
+        Ok(warnings)
+    }
+
+    /// Applies a scene: values stay by owner and name. What was wrong is said, and nothing is changed then.
+    ///
+    /// # Errors
+    /// All mistakes in the text.
+    pub fn apply_scene(&mut self, source: &Source) -> Result<Diagnostics, Diagnostics> {
+        let (scene, warnings) = Scene::parse(source)?;
+        let (values, _) = self.values.carry_over(&self.formula, &scene);
+        self.scene = Arc::new(scene);
+        self.arrive(values);
+        Ok(warnings)
+    }
+
+    fn arrive(&mut self, values: Values) {
+        self.values = values;
+        self.history = History::default();
+        self.show();
+    }
+
+    /// Holds a slider, or goes on holding it, and moves it.
+    pub fn drag(&mut self, owner: OwnerId, id: ParameterId, value: [f32; 3]) {
+        if self.held != Some((owner, id)) {
+            self.history.note(&self.values);
+            self.held = Some((owner, id));
+        }
+        self.values.move_to(owner, id, value);
+        let places = self.values.moved_places(owner, id);
+        self.asked = self.renderer.move_to(self.values.numbers(), Some(places));
+    }
+
+    /// Lets go of what is held.
+    pub fn let_go(&mut self) {
+        if self.held.take().is_some() {
+            self.asked = self.renderer.move_to(self.values.numbers(), None);
+        }
+    }
+
+    /// The slider that is held.
+    pub fn held(&self) -> Option<(OwnerId, ParameterId)> {
+        self.held
+    }
+
+    /// Sets a value at once.
+    pub fn set(&mut self, owner: OwnerId, id: ParameterId, value: [f32; 3]) {
+        self.change(|values| {
+            values.move_to(owner, id, value);
+        });
+    }
+
+    /// Gives every owner of the same kind the value that one has.
+    pub fn copy_to_all(&mut self, owner: OwnerId, id: ParameterId) {
+        let mut value = [0.0; 3];
+        self.values.of(owner, id).iter().zip(&mut value).for_each(|(from, to)| *to = *from);
+        let others: Vec<OwnerId> = self.values.roster().owners().of_kind(owner.kind()).filter(|other| *other != owner).collect();
+        self.change(|values| {
+            for other in others {
+                values.move_to(other, id, value);
+            }
+        });
+    }
+
+    /// Changes values, which can be undone.
+    pub fn change(&mut self, change: impl FnOnce(&mut Values)) {
+        let before = self.values.clone();
+        change(&mut self.values);
+        if before != self.values {
+            self.history.note(&before);
+            self.held = None;
+            self.asked = self.renderer.move_to(self.values.numbers(), None);
+        }
+    }
+
+    /// Undoes the last change of values; whether there was one.
+    pub fn undo(&mut self) -> bool {
+        let found = self.history.undo(&mut self.values);
+        self.moved(found)
+    }
+
+    /// Does what was undone again; whether there was anything.
+    pub fn redo(&mut self) -> bool {
+        let found = self.history.redo(&mut self.values);
+        self.moved(found)
+    }
+
+    fn moved(&mut self, found: bool) -> bool {
+        if found {
+            self.held = None;
+            self.asked = self.renderer.move_to(self.values.numbers(), None);
+        }
+        found
+    }
+
+    /// Whether there is a change to be undone, and one to be done again.
+    pub fn can_undo_and_redo(&self) -> [bool; 2] {
+        self.history.can_undo_and_redo()
+    }
+
+    /// Shows the picture in another size, depth and so on.
+    ///
+    /// # Errors
+    /// One of them is out of range; nothing is changed then.
+    pub fn set_picture(&mut self, picture: PictureSettings) -> Result<(), ViewError> {
+        view(&picture)?;
+        if picture != self.picture {
+            self.picture = picture;
+            self.show();
+        }
+        Ok(())
+    }
+
+    /// Evaluates by another backend.
+    pub fn set_backend(&mut self, backend: Backend) {
+        if backend != self.backend {
+            self.backend = backend;
+            self.show();
+        }
+    }
+
+    /// Keeps the picture that is shown, with its values, in one of two places.
+    pub fn keep(&mut self, place: usize) {
+        let snapshot = Snapshot {
+            picture: self.shown.clone(),
+            values: self.values.clone(),
+            formula: Arc::clone(&self.formula),
+            scene: Arc::clone(&self.scene),
+        };
+        if let Some(kept) = self.snapshots.get_mut(place) {
+            *kept = Some(snapshot);
+        }
+    }
+
+    /// What is kept in a place.
+    pub fn kept(&self, place: usize) -> Option<&Snapshot> {
+        self.snapshots.get(place)?.as_ref()
+    }
+
+    /// Goes back to the values, formula and scene that are kept in a place.
+    pub fn go_back_to(&mut self, place: usize) {
+        let Some(snapshot) = self.kept(place).cloned() else { return };
+        if Arc::ptr_eq(&snapshot.formula, &self.formula) && Arc::ptr_eq(&snapshot.scene, &self.scene) {
+            self.change(|values| *values = snapshot.values);
+        } else {
+            self.formula = snapshot.formula;
+            self.scene = snapshot.scene;
+            self.arrive(snapshot.values);
+        }
+    }
+
+    /// What is open as a session of these files.
+    pub fn session(&self, formula: Location, scene: Location) -> Session {
+        Session { formula, scene, picture: self.picture, values: Session::name_values(&self.values) }
+    }
+
+    /// Saves it.
+    ///
+    /// # Errors
+    /// The file cannot be written; what was there is unharmed.
+    pub fn save_session(&self, path: &Path, formula: Location, scene: Location) -> io::Result<()> {
+        self.session(formula, scene).save(path)
+    }
+}
+
+/// The view that picture settings mean.
+fn view(picture: &PictureSettings) -> Result<View, ViewError> {
+    let [width, height] = picture.size;
+    View::new(width, height)?.with_depth(picture.depth)?.with_shadows(picture.shadows).with_default_index(picture.default_index)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,88 @@
+//! Files into what the workshop shows: read, checked, and nothing taken unless all of it can be.
+
+use crate::formula::Formula;
+use crate::lang::diagnostic::{Diagnostic, Diagnostics};
+use crate::lang::source::Source;
+use crate::presets::Kind;
+use crate::scene::Scene;
+use crate::workspace::files::Location;
+use crate::workspace::session::PictureSettings;
+use crate::workspace::{Roster, Session, Values};
+use std::path::Path;
+use std::sync::Arc;
+
+/// What was opened.
+#[derive(Debug)]
+pub struct Opened {
+    /// Where the formula is, its text, and what it is.
+    pub formula_location: Location,
+    /// Its text.
+    pub formula_text: Source,
+    /// The formula.
+    pub formula: Arc<Formula>,
+    /// Where the scene is.
+    pub scene_location: Location,
+    /// Its text.
+    pub scene_text: Source,
+    /// The scene.
+    pub scene: Arc<Scene>,
+    /// The values.
+    pub values: Values,
+    /// Size, depth and the like.
+    pub picture: PictureSettings,
+    /// What was not taken as it was given, for people.
+    pub warnings: Vec<String>,
+}
+
+impl Opened {
+    /// Opens a session with its files.
+    ///
+    /// # Errors
+    /// What is wrong with any of the files, as text with the places marked.
+    pub fn session(location: &Location) -> Result<Opened, String> {
+        let source = read(location, Kind::Session)?;
+        let (mut session, told) = checked(Session::parse(&source), &source)?;
+        if let Location::File(path) = location {
+            let folder = path.parent().unwrap_or(Path::new(""));
+            session.formula = session.formula.from_folder(folder);
+            session.scene = session.scene.from_folder(folder);
+        }
+        let formula_text = read(&session.formula, Kind::Formula)?;
+        let (formula, more) = checked(Formula::parse(&formula_text), &formula_text)?;
+        let scene_text = read(&session.scene, Kind::Scene)?;
+        let (scene, most) = checked(Scene::parse(&scene_text), &scene_text)?;
+        let (given, leftovers) = session.assignments(&Roster::new(&formula, &scene));
+        let (values, changed) = Values::new(&formula, &scene, &given);
+        let mut warnings = [told, more, most].concat();
+        warnings.extend(leftovers.iter().map(|leftover| text(&leftover.warning)));
+        warnings.extend(changed.iter().map(ToString::to_string));
+        Ok(Opened {
+            formula_location: session.formula,
+            formula_text,
+            formula: Arc::new(formula),
+            scene_location: session.scene,
+            scene_text,
+            scene: Arc::new(scene),
+            values,
+            picture: session.picture,
+            warnings,
+        })
+    }
+}
+
+/// Reads a text.
+fn read(location: &Location, kind: Kind) -> Result<Source, String> {
+    location.read(kind).map_err(|error| text(&error))
+}
+
+/// What a text was parsed into, and its warnings.
+fn checked<T>(parsed: Result<(T, Diagnostics), Diagnostics>, source: &Source) -> Result<(T, Vec<String>), String> {
+    let (parsed, warnings) = parsed.map_err(|errors| errors.render(source, false))?;
+    Ok((parsed, warnings.iter().map(text).collect()))
+}
+
+/// What a diagnostic says, without its place.
+fn text(diagnostic: &Diagnostic) -> String {
+    let hints = diagnostic.hints().iter().map(|hint| format!(" ({hint})"));
+    std::iter::once(diagnostic.message().to_owned()).chain(hints).collect()
+}

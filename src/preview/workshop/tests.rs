@@ -1,0 +1,107 @@
+//! What the buttons of the workshop do, without any.
+
+use super::*;
+use crate::lang::source::Source;
+use std::time::Duration;
+
+fn workshop() -> Workshop {
+    let mut opened = Opened::session(&Location::Preset("studio".to_owned())).expect("a built-in session");
+    opened.picture.size = [64, 48];
+    opened.picture.depth = 2;
+    Workshop::new(&opened, || {}).expect("threads")
+}
+
+/// Waits until the picture is that of the values.
+fn settle(workshop: &mut Workshop) -> Vec<u32> {
+    for _ in 0..30_000 {
+        workshop.refresh();
+        if workshop.is_up_to_date() {
+            return workshop.shown().pixels.clone();
+        }
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    panic!("no picture came");
+}
+
+fn slider(workshop: &Workshop, label: &str) -> (OwnerId, ParameterId) {
+    let values = workshop.values();
+    let found = values.iter().find(|(owner, id, _)| values.roster().label(*owner, *id) == label);
+    found.map(|(owner, id, _)| (owner, id)).expect("a slider")
+}
+
+#[test]
+fn sliders_move_the_picture_and_changes_are_undone_drag_by_drag() {
+    let mut workshop = workshop();
+    let first = settle(&mut workshop);
+    let (owner, id) = slider(&workshop, "ball.kd");
+    for step in 0..10 {
+        workshop.drag(owner, id, [0.05 * step as f32; 3]);
+    }
+    workshop.let_go();
+    let second = settle(&mut workshop);
+    assert!(first != second);
+    workshop.set(owner, id, [0.0; 3]);
+    let third = settle(&mut workshop);
+    assert!(third != second && workshop.can_undo_and_redo() == [true, false]);
+    assert!(workshop.undo() && settle(&mut workshop) == second);
+    assert!(workshop.undo() && settle(&mut workshop) == first);
+    assert!(!workshop.undo() && workshop.redo() && settle(&mut workshop) == second);
+}
+
+#[test]
+fn a_failed_apply_leaves_everything_as_it_was() {
+    let mut workshop = workshop();
+    let first = settle(&mut workshop);
+    let values = workshop.values().clone();
+    let errors = workshop.apply_formula(&Source::new("new", "formula; = IL*Cd*N.L;")).expect_err("a mistake");
+    assert!(errors.has_errors() && settle(&mut workshop) == first && *workshop.values() == values);
+    workshop.apply_scene(&Source::new("new", "bodies; ball: sphere;")).expect_err("a mistake");
+    assert!(settle(&mut workshop) == first);
+    // A good one keeps values by owner and name.
+    let (owner, id) = slider(&workshop, "ball.Cd");
+    let colour = workshop.values().of(owner, id).to_vec();
+    workshop.apply_formula(&Source::new("new", "formula; = IL*Cd*max(0, N.L);")).expect("no mistake");
+    assert!(settle(&mut workshop) != first);
+    let (owner, id) = slider(&workshop, "ball.Cd");
+    assert_eq!(workshop.values().of(owner, id), colour);
+}
+
+#[test]
+fn snapshots_bring_values_and_formulas_back() {
+    let mut workshop = workshop();
+    let first = settle(&mut workshop);
+    workshop.keep(0);
+    let (owner, id) = slider(&workshop, "ball.kd");
+    workshop.set(owner, id, [0.0; 3]);
+    let second = settle(&mut workshop);
+    workshop.keep(1);
+    workshop.apply_formula(&Source::new("new", "formula; = IL*Cd*max(0, N.L);")).expect("no mistake");
+    settle(&mut workshop);
+    workshop.go_back_to(0);
+    assert!(settle(&mut workshop) == first);
+    workshop.go_back_to(1);
+    assert!(settle(&mut workshop) == second);
+    assert!(workshop.kept(0).is_some_and(|kept| kept.picture.pixels == first));
+}
+
+#[test]
+fn a_value_is_copied_to_all_bodies_and_a_session_holds_everything() {
+    let mut workshop = workshop();
+    settle(&mut workshop);
+    let (owner, id) = slider(&workshop, "ball.h");
+    workshop.set(owner, id, [123.0; 3]);
+    workshop.copy_to_all(owner, id);
+    let values = workshop.values();
+    assert!(values.roster().owners().of_kind(owner.kind()).all(|body| values.of(body, id) == [123.0]));
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("my.toml");
+    let [formula, scene] = ["phong", "studio"].map(|name| Location::Preset(name.to_owned()));
+    workshop.save_session(&path, formula, scene).expect("saved");
+    let opened = Opened::session(&Location::File(path)).expect("a session");
+    assert_eq!(opened.values.numbers(), workshop.values().numbers());
+    assert_eq!((opened.picture, opened.warnings), (workshop.settings(), Vec::new()));
+    let missing = Opened::session(&Location::new("nowhere.toml")).expect_err("no such file");
+    assert!(missing.contains("nowhere.toml"), "{missing}");
+    assert!(workshop.set_picture(PictureSettings { depth: 10, ..workshop.settings() }).is_err());
+    settle(&mut workshop);
+}
