@@ -3,7 +3,7 @@
 use crate::bytecode::instruction::Instruction;
 use crate::formula::{Formula, Term, TermId};
 use crate::lang::builtins::Stack;
-use crate::lang::scalars::{Floats, flush};
+use crate::lang::scalars::flush;
 use crate::lang::types::Type;
 use thiserror::Error;
 
@@ -110,16 +110,7 @@ fn constants(formula: &Formula) -> Vec<Option<[f32; 3]>> {
             Term::Variable(_) | Term::Parameter(_) => None,
             Term::Apply(operation, operands) => {
                 let values: Option<Vec<[f32; 3]>> = operands.iter().map(|operand| constants[operand.0 as usize]).collect();
-                values.map(|values| {
-                    for (value, ty) in values.iter().zip(operation.operands()) {
-                        value[..ty.slots()].iter().for_each(|number| stack.push(*number));
-                    }
-                    operation.apply(&mut Floats, &mut stack);
-                    match operation.result() {
-                        Type::Scalar | Type::Truth => [stack.pop::<1>()[0]; 3],
-                        Type::Vector => stack.pop::<3>(),
-                    }
-                })
+                values.map(|values| operation.on_numbers(&values, &mut stack))
             }
         });
     }

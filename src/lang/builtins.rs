@@ -4,7 +4,7 @@
 //! reference, and its meaning in terms of the [`Scalars`] primitives. The parser's and checker's knowledge, the interpreter, the
 //! expression graph (and so the compiled code), constant folding, the printed reference and the tests all derive from here.
 
-use crate::lang::scalars::Scalars;
+use crate::lang::scalars::{Floats, Scalars};
 use crate::lang::token::Mark;
 use crate::lang::types::{Origin, Type};
 
@@ -375,6 +375,19 @@ impl Form {
 }
 
 impl Operation {
+    /// Its result on numbers, by the reference meaning; scalars, operands and result, stand three times. There are as many operands as it
+    /// takes; `stack` is scratch for sixteen numbers that is empty before and after.
+    pub fn on_numbers(self, operands: &[[f32; 3]], stack: &mut Stack<f32>) -> [f32; 3] {
+        for (value, ty) in operands.iter().zip(self.operands()) {
+            value[..ty.slots()].iter().for_each(|number| stack.push(*number));
+        }
+        self.apply(&mut Floats, stack);
+        match self.result() {
+            Type::Scalar | Type::Truth => [stack.pop::<1>()[0]; 3],
+            Type::Vector => stack.pop::<3>(),
+        }
+    }
+
     /// Operand types and result: `V,S→V`.
     pub fn signature(self) -> String {
         let letters: Vec<String> = self.operands().iter().map(|operand| operand.letter().to_string()).collect();
@@ -406,7 +419,6 @@ pub fn names() -> Vec<&'static str> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lang::scalars::Floats;
 
     /// The operation applied to numbers, by the reference meaning.
     fn value(operation: Operation, operands: &[f32]) -> Vec<f32> {
