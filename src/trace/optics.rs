@@ -6,7 +6,7 @@
 #[cfg(test)]
 mod tests;
 
-use crate::scene::{Body, BodyId, Light, LightId, Ray, Scene, Side};
+use crate::scene::{BodyId, Light, LightId, Ray, Scene, Side};
 use crate::trace::View;
 use glam::DVec3;
 
@@ -116,15 +116,27 @@ impl<'s> Optics<'s> {
         if !self.view.shadows() {
             return true;
         }
-        let (direction, distance) = surface.toward(self.scene.light(light));
-        if surface.normal.dot(direction) <= 0.0 {
-            return false;
-        }
+        let toward = surface.toward(self.scene.light(light));
+        surface.normal.dot(toward.0) > 0.0 && self.between(surface, toward).next().is_none()
+    }
+
+    /// Whether the light is on the side of the surface where the ray came from: N·L > 0.
+    pub fn faces(&self, light: LightId, surface: &Surface) -> bool {
+        surface.normal.dot(surface.toward(self.scene.light(light)).0) > 0.0
+    }
+
+    /// The bodies that lie strictly between a hit and a light that it faces, in the order of declaration, each with its distance from the
+    /// hit in world units; whether shadow rays are sent or not.
+    pub fn obstacles(&self, light: LightId, surface: &Surface) -> impl Iterator<Item = (BodyId, f64)> {
+        self.between(surface, surface.toward(self.scene.light(light)))
+    }
+
+    fn between(&self, surface: &Surface, (direction, distance): (DVec3, f64)) -> impl Iterator<Item = (BodyId, f64)> {
         let ray = Ray { origin: surface.point, direction };
         let beam = Beam { ray, leaves: Some((surface.body, surface.side)) };
+        let met = self.scene.body_ids().filter_map(move |id| Some((id, self.meets(&beam, id)?)));
         // A lamp may be fixed to a body without being buried in it.
-        let blocks = |id| self.meets(&beam, id).is_some_and(|met| met < distance - self.clearance);
-        !self.scene.body_ids().any(blocks)
+        met.filter(move |(_, met)| *met < distance - self.clearance)
     }
 
     /// The reflected ray, 2(N·V)N − V (thesis 3.2.4); none from a matte body.
@@ -143,7 +155,7 @@ impl<'s> Optics<'s> {
         if body.opaque {
             return None;
         }
-        let ratio = self.ratio(body, surface.side);
+        let ratio = self.ratio(surface);
         let cosine = surface.normal.dot(surface.view);
         let square = 1.0 - ratio * ratio * (1.0 - cosine * cosine);
         if square < 0.0 {
@@ -154,10 +166,10 @@ impl<'s> Optics<'s> {
         Some(Beam { ray, leaves: Some((surface.body, surface.side.opposite())) })
     }
 
-    /// n₁/n₂ for a ray that meets that side of the body's surface: from 1 into the body at its front, else the reverse.
-    fn ratio(&self, body: &Body, side: Side) -> f64 {
-        let index = body.refractive_index.unwrap_or(self.view.default_index());
-        match side {
+    /// n₁/n₂ for the ray that met this surface: from 1 into the body at its front, else the reverse; whether it is refracted or not.
+    pub fn ratio(&self, surface: &Surface) -> f64 {
+        let index = self.scene.body(surface.body).refractive_index.unwrap_or(self.view.default_index());
+        match surface.side {
             Side::Front => 1.0 / index,
             Side::Back => index,
         }
