@@ -7,6 +7,7 @@ use crate::cli::options::InputOptions;
 use crate::cli::report::{Failure, print};
 use clap::{Args, ValueEnum};
 use illuminator::bytecode::Code;
+use illuminator::evaluate::inspect::Inspector;
 use illuminator::jit::CompiledFormula;
 use illuminator::lang::ast::{ExprId, ExprKind, FormulaFile};
 use illuminator::lang::{parser, printer};
@@ -21,8 +22,8 @@ pub(super) struct Options {
     /// What to show
     #[arg(long, value_enum)]
     stage: Stage,
-    /// With `--stage bytecode`: the program of this pixel too, counted from the top left
-    #[arg(long, value_name = "X,Y", value_parser = pixel)]
+    /// With `--stage rays`: the pixel, counted from the top left; with `--stage bytecode`: the program of this pixel too
+    #[arg(long, value_name = "X,Y", value_parser = pixel, required_if_eq("stage", "rays"))]
     pixel: Option<[u32; 2]>,
     /// With `--stage hits`: the folder that the columns are written to
     #[arg(long = "output", short, value_name = "DIR", required_if_eq("stage", "hits"))]
@@ -40,6 +41,8 @@ enum Stage {
     Clif,
     /// Machine instructions
     Asm,
+    /// The tree of rays of a pixel: bodies, angles, lights, what each adds, and the formula with its numbers
+    Rays,
     /// Every hit and every lit (hit, light) record as files of numbers
     Hits,
 }
@@ -62,6 +65,13 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         Stage::Bytecode => print(&bytecode(&input, options.pixel)?),
         Stage::Clif => print(&listing()?.clif),
         Stage::Asm => print(&listing()?.asm),
+        Stage::Rays => {
+            // Without the option the parser of arguments has ended the program.
+            let pixel = options.pixel.ok_or_else(|| Failure::command_line("`--stage rays` needs `--pixel X,Y`"))?;
+            let inspector = Inspector::new(&input.formula, &input.scene, input.values.numbers());
+            let inspection = inspector.inspect(&input.view, pixel).ok_or_else(|| outside(&input, pixel))?;
+            print(&inspector.text(&inspection))
+        }
         Stage::Hits => {
             // Without the option the parser of arguments has ended the program.
             let folder = options.output.as_deref().ok_or_else(|| Failure::command_line("`--stage hits` needs `-o DIR`"))?;
@@ -105,6 +115,11 @@ fn branch(file: &FormulaFile, root: ExprId, text: &mut String) {
     }
 }
 
+fn outside(input: &Input, [x, y]: [u32; 2]) -> Failure {
+    let size = format!("{}x{}", input.view.width(), input.view.height());
+    Failure::command_line(format!("--pixel {x},{y} is outside the picture of {size} pixels"))
+}
+
 fn bytecode(input: &Input, pixel: Option<[u32; 2]>) -> Result<String, Failure> {
     let code = Code::new(&input.formula).map_err(|error| Failure::input(error.to_string()))?;
     let mut text = format!("type I: the formula, {} bytes\n", code.bytes());
@@ -112,8 +127,7 @@ fn bytecode(input: &Input, pixel: Option<[u32; 2]>) -> Result<String, Failure> {
     if let Some([x, y]) = pixel {
         let view = &input.view;
         if x >= view.width() || y >= view.height() {
-            let size = format!("{}x{}", view.width(), view.height());
-            return Err(Failure::command_line(format!("--pixel {x},{y} is outside the picture of {size} pixels")));
+            return Err(outside(input, [x, y]));
         }
         let place = y * view.width() + x;
         let programs = engine::interpreter(input, *view)?.program(place);

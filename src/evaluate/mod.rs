@@ -10,6 +10,7 @@ mod compiled;
 mod drag;
 mod frame;
 mod framebuffer;
+pub mod inspect;
 mod interpreted;
 mod memory;
 mod pass;

@@ -11,6 +11,7 @@ pub mod layout;
 mod range;
 mod rewrite;
 pub mod separation;
+mod written;
 
 use crate::lang::ast::Relation;
 use crate::lang::builtins::Operation;

@@ -1,0 +1,248 @@
+//! One pixel looked into: its tree of rays with bodies, angles and lights, what each of them adds, and the formula with its numbers.
+//!
+//! The pixel is traced anew, which takes well under a millisecond: no store of hits is needed. Numbers are added up as the interpreter
+//! does it, so a pixel's total is the interpreter's. What is found is plain data ([`report`](Inspection)); [`text`](Inspector::text)
+//! writes it for a terminal. Nothing here knows how it is shown, and nothing is kept.
+
+mod figures;
+mod instance;
+mod report;
+#[cfg(test)]
+mod tests;
+mod text;
+
+pub use figures::{Quantity, figures, vector_figures};
+pub use instance::{Instance, InstanceLine};
+pub use report::{Crossing, End, InspectedHit, InspectedLight, InspectedRay, Inspection, Onward, Visibility};
+
+use crate::formula::layout::Layout;
+use crate::formula::{Formula, ParameterId, Term};
+use crate::lang::builtins::Stack;
+use crate::lang::scalars::{Floats, Scalars, flush};
+use crate::lang::variables::{Owner, Predefined};
+use crate::scene::{BodyId, LightId, Ray, Scene, Side};
+use crate::trace::{Child, Edge, HitVariables, LightVariables, Node, Optics, Tree, View, ray_tree, variable};
+
+/// A formula on a scene with the values of its parameters, to be looked into.
+#[derive(Debug, Clone, Copy)]
+pub struct Inspector<'i> {
+    formula: &'i Formula,
+    scene: &'i Scene,
+    layout: Layout,
+    numbers: &'i [f32],
+}
+
+/// A ray whose end is yet to be looked at.
+struct Pending {
+    child: Child,
+    edge: Edge,
+    parent: Option<usize>,
+    depth: u32,
+    ray: Ray,
+    factor: f32,
+    weight: f64,
+}
+
+impl<'i> Inspector<'i> {
+    /// Looks into `formula` on `scene` with these parameter numbers, those of [`Evaluator::frame`](crate::evaluate::Evaluator::frame).
+    ///
+    /// # Panics
+    /// Where there are fewer numbers than the [`Layout`] of formula and scene has.
+    pub fn new(formula: &'i Formula, scene: &'i Scene, numbers: &'i [f32]) -> Self {
+        let layout = Layout::new(formula, scene.bodies.len(), scene.lights.len());
+        assert!(numbers.len() >= layout.len(), "as many parameter numbers as the formula and the scene have");
+        Self { formula, scene, layout, numbers }
+    }
+
+    /// Follows the rays of a pixel, column and row from the top left; `None` outside the picture.
+    pub fn inspect(&self, view: &View, pixel: [u32; 2]) -> Option<Inspection> {
+        let [column, row] = pixel;
+        if column >= view.width() || row >= view.height() {
+            return None;
+        }
+        let place = row * view.width() + column;
+        let optics = Optics::new(self.scene, view);
+        let mut rays = self.follow(&optics, place, &ray_tree(&optics, place));
+        // Children come after their parents.
+        for index in (0..rays.len()).rev() {
+            rays[index].total = self.brought(&rays, index);
+        }
+        let total = rays.first()?.total;
+        Some(Inspection { pixel, rays, total })
+    }
+
+    /// The formula at a hit for a light, whether that reaches it or not, with its numbers; `None` for a light that the scene does not have.
+    pub fn instance(&self, hit: &InspectedHit, light: LightId) -> Option<Instance> {
+        let light = hit.lights.get(light.index())?;
+        let values = self.values(hit.body(), light.light, &hit.variables, &light.variables);
+        Some(Instance::new(self.formula, &values))
+    }
+
+    /// All rays with what is found at their ends, but not yet what their children bring.
+    fn follow(&self, optics: &Optics, pixel: u32, tree: &Tree) -> Vec<InspectedRay> {
+        let mut rays: Vec<InspectedRay> = Vec::new();
+        let child = if tree.nodes.is_empty() { Child::Miss } else { Child::Hit(0) };
+        let ray = optics.primary(pixel).ray;
+        let mut stack = vec![Pending { child, edge: Edge::Primary, parent: None, depth: 1, ray, factor: 1.0, weight: 1.0 }];
+        while let Some(Pending { child, edge, parent, depth, ray, factor, weight }) = stack.pop() {
+            let node = match child {
+                Child::None => continue,
+                Child::Miss => None,
+                Child::Hit(index) => tree.nodes.get(index),
+            };
+            let index = rays.len();
+            if let Some(End::Hit(hit)) = parent.and_then(|parent| rays.get_mut(parent)).map(|parent| &mut parent.end) {
+                match edge {
+                    Edge::Primary => {}
+                    Edge::Reflected => hit.reflected = Onward::Ray(index),
+                    Edge::Refracted => hit.refracted = Onward::Ray(index),
+                }
+            }
+            let (end, own) = match node {
+                None => (End::Background, self.predefined(Predefined::Background, 0)),
+                Some(node) => {
+                    let hit = self.hit(optics, node);
+                    let own = own(&hit);
+                    (End::Hit(Box::new(hit)), own)
+                }
+            };
+            if let Some(Node { surface, reflected, refracted, .. }) = node {
+                let body = surface.body.index();
+                let children = [
+                    (Edge::Refracted, *refracted, optics.refracted(surface), Predefined::Refraction),
+                    (Edge::Reflected, *reflected, optics.reflected(surface), Predefined::Reflection),
+                ];
+                stack.extend(children.into_iter().filter_map(|(edge, child, beam, factor)| {
+                    let factor = self.predefined(factor, body)[0];
+                    let (ray, weight) = (beam?.ray, weight * f64::from(factor));
+                    Some(Pending { child, edge, parent: Some(index), depth: depth + 1, ray, factor, weight })
+                }));
+            }
+            let share = |light: f32| if weight == 0.0 { 0.0 } else { (weight * f64::from(light)) as f32 };
+            let contribution = own.map(share);
+            rays.push(InspectedRay { edge, parent, depth, ray, factor, weight, end, own, total: own, contribution });
+        }
+        rays
+    }
+
+    /// A hit with its lights; what becomes of child rays is told when they are followed.
+    fn hit(&self, optics: &Optics, node: &Node) -> InspectedHit {
+        let surface = &node.surface;
+        let body = self.scene.body(surface.body);
+        let variables = HitVariables::of(self.scene, surface);
+        let refracted = optics.refracted(surface);
+        let crossing = (!body.opaque).then(|| Crossing {
+            entering: surface.side == Side::Front,
+            n12: optics.ratio(surface),
+            angle: refracted.map(|beam| degrees(-surface.normal.dot(beam.ray.direction))),
+        });
+        let ambient = {
+            let [colour, ambient] =
+                [self.predefined(Predefined::BodyColour, surface.body.index()), self.predefined(Predefined::AmbientColour, 0)];
+            let product = [0, 1, 2].map(|component| Floats.mul(colour[component], ambient[component]));
+            weighed(self.predefined(Predefined::Ambient, 0)[0], product)
+        };
+        InspectedHit {
+            surface: *surface,
+            variables,
+            incidence: degrees(surface.normal.dot(surface.view)),
+            crossing,
+            ambient,
+            lights: self.scene.light_ids().map(|light| self.light(optics, node, &variables, light)).collect(),
+            reflected: if body.matte { Onward::Matte } else { Onward::Depth },
+            refracted: match refracted {
+                _ if body.opaque => Onward::Opaque,
+                None => Onward::TotalReflection,
+                Some(_) => Onward::Depth,
+            },
+        }
+    }
+
+    fn light(&self, optics: &Optics, node: &Node, hit: &HitVariables, light: LightId) -> InspectedLight {
+        let surface = &node.surface;
+        let visibility = if node.lights.contains(&light) {
+            Visibility::Lit
+        } else if optics.faces(light, surface) {
+            let mut between: Vec<(BodyId, f64)> = optics.obstacles(light, surface).collect();
+            between.sort_by(|one, other| one.1.total_cmp(&other.1));
+            Visibility::Shadowed(between.into_iter().map(|(body, _)| body).collect())
+        } else {
+            Visibility::Away
+        };
+        let variables = LightVariables::of(surface, self.scene.light(light));
+        let local = self.values(surface.body, light, hit, &variables)[self.formula.result.0 as usize];
+        let intensity = self.predefined(Predefined::Intensity, light.index())[0];
+        let contribution = if visibility == Visibility::Lit { weighed(intensity, local) } else { [0.0; 3] };
+        let angle = degrees(surface.normal.dot(surface.toward(self.scene.light(light)).0));
+        InspectedLight { light, visibility, angle, variables, intensity, local, contribution }
+    }
+
+    /// Equation (2) at the end of a ray whose children's totals are known.
+    fn brought(&self, rays: &[InspectedRay], index: usize) -> [f32; 3] {
+        let ray = &rays[index];
+        let End::Hit(hit) = &ray.end else { return ray.own };
+        [hit.reflected, hit.refracted].into_iter().fold(ray.own, |sum, child| match child {
+            Onward::Ray(child) => add(sum, weighed(rays[child].factor, rays[child].total)),
+            Onward::Matte | Onward::Opaque | Onward::TotalReflection | Onward::Depth => sum,
+        })
+    }
+
+    /// The values of all terms of the formula at a hit for a light, by the reference meaning; scalars three times.
+    fn values(&self, body: BodyId, light: LightId, hit: &HitVariables, record: &LightVariables) -> Vec<[f32; 3]> {
+        let mut values: Vec<[f32; 3]> = Vec::with_capacity(self.formula.terms.len());
+        let mut stack = Stack::new(16, 0.0);
+        let mut operands_at_hand = Vec::new();
+        for term in &self.formula.terms {
+            values.push(match term {
+                Term::Number(value) => [flush(*value); 3],
+                Term::Variable(symbol) => variable(*symbol, hit, record).map(flush),
+                Term::Parameter(id) => {
+                    let owner = match self.formula.parameter(*id).owner {
+                        Owner::Global => 0,
+                        Owner::Body => body.index(),
+                        Owner::Light => light.index(),
+                    };
+                    self.parameter(*id, owner)
+                }
+                Term::Apply(operation, operands) => {
+                    operands_at_hand.clear();
+                    operands_at_hand.extend(operands.iter().map(|operand| values[operand.0 as usize]));
+                    operation.on_numbers(&operands_at_hand, &mut stack)
+                }
+            });
+        }
+        values
+    }
+
+    fn predefined(&self, predefined: Predefined, owner: usize) -> [f32; 3] {
+        self.parameter(self.formula.predefined(predefined), owner)
+    }
+
+    /// The value of a parameter of the owner of this index; a scalar three times.
+    fn parameter(&self, id: ParameterId, owner: usize) -> [f32; 3] {
+        let parameter = self.formula.parameter(id);
+        let place = self.layout.place(parameter, owner);
+        let last = parameter.ty.slots() - 1;
+        [0, 1, 2].map(|component: usize| flush(self.numbers[place + component.min(last)]))
+    }
+}
+
+/// Σ ki·local + ka·Cd·Ia, added up as the interpreter does.
+fn own(hit: &InspectedHit) -> [f32; 3] {
+    let lit = hit.lights.iter().filter(|light| light.visibility == Visibility::Lit);
+    lit.map(|light| light.contribution).chain([hit.ambient]).reduce(add).unwrap_or_default()
+}
+
+fn add(one: [f32; 3], other: [f32; 3]) -> [f32; 3] {
+    [0, 1, 2].map(|component| Floats.add(one[component], other[component]))
+}
+
+/// A weight of 0 leaves nothing, of NaN and infinity neither.
+fn weighed(weight: f32, light: [f32; 3]) -> [f32; 3] {
+    light.map(|component| if weight == 0.0 { 0.0 } else { Floats.mul(weight, component) })
+}
+
+/// The angle of a cosine in degrees; rounding may take it beyond 1.
+fn degrees(cosine: f64) -> f64 {
+    cosine.clamp(-1.0, 1.0).acos().to_degrees()
+}

@@ -1,0 +1,150 @@
+//! What an inspection finds, as plain data: the tree of a pixel's rays with everything that is known of each.
+
+use crate::scene::{BodyId, LightId, Ray};
+use crate::trace::{Edge, HitVariables, LightVariables, Surface};
+
+/// How the colour of one pixel comes about.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Inspection {
+    /// The pixel: column and row, from the top left.
+    pub pixel: [u32; 2],
+    /// Its rays, parents before children and the reflected child's whole tree before the refracted; the primary ray is the first.
+    pub rays: Vec<InspectedRay>,
+    /// The pixel's linear red, green and blue, unclamped: the interpreter's, bit for bit.
+    pub total: [f32; 3],
+}
+
+/// A ray with what it brings.
+#[derive(Debug, Clone, PartialEq)]
+pub struct InspectedRay {
+    /// How it came to be.
+    pub edge: Edge,
+    /// The ray at whose hit it starts, as an index into [`Inspection::rays`]; `None`: the camera.
+    pub parent: Option<usize>,
+    /// 1 for the primary ray, that of its parent plus 1 for others.
+    pub depth: u32,
+    /// Where it starts and goes, in world coordinates.
+    pub ray: Ray,
+    /// kr or kt of the body that it comes from, 0..1; 1 for the primary ray.
+    pub factor: f32,
+    /// The weight of its path, 0..1: the product of the factors of the rays up to it.
+    pub weight: f64,
+    /// Where it ends.
+    pub end: End,
+    /// Light at its end, linear RGB: Σ ki·local + ka·Cd·Ia of the hit, or the background.
+    pub own: [f32; 3],
+    /// Light that it brings, linear RGB, equation (2) of thesis 4.2.3: `own` and what its children bring, times their factors.
+    pub total: [f32; 3],
+    /// What its end adds to the pixel, linear RGB: `weight`·`own`, and 0 where the weight is 0.
+    pub contribution: [f32; 3],
+}
+
+/// Where a ray ends.
+#[derive(Debug, Clone, PartialEq)]
+pub enum End {
+    /// Nowhere: it leaves the scene.
+    Background,
+    /// On a body.
+    Hit(Box<InspectedHit>),
+}
+
+/// A hit with all that is added up there.
+#[derive(Debug, Clone, PartialEq)]
+pub struct InspectedHit {
+    /// Which body, where, from which side, how far from the ray's start (f64, world units).
+    pub surface: Surface,
+    /// The variables that formulas read here.
+    pub variables: HitVariables,
+    /// The angle between the ray and the normal in degrees, 0..90.
+    pub incidence: f64,
+    /// How the ray is refracted; `None`: the body is opaque.
+    pub crossing: Option<Crossing>,
+    /// ka·Cd·Ia.
+    pub ambient: [f32; 3],
+    /// Every light of the scene, in the order of declaration.
+    pub lights: Vec<InspectedLight>,
+    /// What becomes of the reflected ray.
+    pub reflected: Onward,
+    /// What becomes of the refracted ray.
+    pub refracted: Onward,
+}
+
+impl InspectedHit {
+    /// The body.
+    pub fn body(&self) -> BodyId {
+        self.surface.body
+    }
+}
+
+/// The passage through a surface by Snell's law.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Crossing {
+    /// Whether the ray goes from outside, index 1, into the body; else the reverse.
+    pub entering: bool,
+    /// n₁/n₂, greater than 0.
+    pub n12: f64,
+    /// The angle between the refracted ray and the normal in degrees, 0..90; `None`: total internal reflection.
+    pub angle: Option<f64>,
+}
+
+impl Crossing {
+    /// The critical angle in degrees, 0..90: beyond it all light is reflected; `None` where n12 is at most 1 and there is none.
+    pub fn critical(&self) -> Option<f64> {
+        (self.n12 > 1.0).then(|| (1.0 / self.n12).asin().to_degrees())
+    }
+}
+
+/// What becomes of a child ray.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Onward {
+    /// It is followed: an index into [`Inspection::rays`].
+    Ray(usize),
+    /// There is none: the body is matte.
+    Matte,
+    /// There is none: the body is opaque.
+    Opaque,
+    /// There is none: the angle of incidence is beyond the critical one.
+    TotalReflection,
+    /// It is not followed: the greatest depth is reached.
+    Depth,
+}
+
+/// What a light does at a hit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct InspectedLight {
+    /// The light.
+    pub light: LightId,
+    /// Whether it reaches the hit.
+    pub visibility: Visibility,
+    /// The angle between the normal and the direction to the light in degrees, 0..180.
+    pub angle: f64,
+    /// The variables that formulas read here for this light, its distance among them.
+    pub variables: LightVariables,
+    /// ki, its intensity, 0..1.
+    pub intensity: f32,
+    /// What the formula yields for it, linear RGB; also where it does not reach.
+    pub local: [f32; 3],
+    /// ki·local; 0 where it does not reach or ki is 0.
+    pub contribution: [f32; 3],
+}
+
+/// Whether a light reaches a hit.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Visibility {
+    /// It does. Without shadow rays every light does, wherever it is.
+    Lit,
+    /// It is behind the surface: N·L ≤ 0.
+    Away,
+    /// These bodies are in between, the nearest to the hit first; there is at least one.
+    Shadowed(Vec<BodyId>),
+}
+
+impl Inspection {
+    /// The hit of the ray of this index; `None` where there is no such ray, or it leaves the scene.
+    pub fn hit(&self, ray: usize) -> Option<&InspectedHit> {
+        match &self.rays.get(ray)?.end {
+            End::Hit(hit) => Some(hit),
+            End::Background => None,
+        }
+    }
+}

@@ -1,0 +1,237 @@
+//! Pixels whose light can be worked out by hand.
+
+use super::*;
+use crate::lang::source::Source;
+use crate::workspace::{Setting, Values};
+
+/// A formula on a scene with values, looked into at the one pixel of a picture.
+struct Bench {
+    formula: Formula,
+    scene: Scene,
+    values: Values,
+    view: View,
+}
+
+impl Bench {
+    fn new(formula: &str, scene: &str, settings: &[&str]) -> Self {
+        let source = Source::new("formula", formula);
+        let formula = Formula::parse(&source).unwrap_or_else(|errors| panic!("{}", errors.render(&source, false))).0;
+        let source = Source::new("scene", scene);
+        let scene = Scene::parse(&source).unwrap_or_else(|errors| panic!("{}", errors.render(&source, false))).0;
+        let mut values = Values::defaults(&formula, &scene);
+        let given: Vec<_> = settings
+            .iter()
+            .flat_map(|text| text.parse::<Setting>().expect("a setting").resolve(values.roster()).expect("known names"))
+            .collect();
+        assert_eq!(values.assign(&given), []);
+        Self { formula, scene, values, view: View::new(1, 1).expect("a size") }
+    }
+
+    fn inspector(&self) -> Inspector<'_> {
+        Inspector::new(&self.formula, &self.scene, self.values.numbers())
+    }
+
+    fn inspect(&self) -> Inspection {
+        self.inspector().inspect(&self.view, [0, 0]).expect("the one pixel")
+    }
+}
+
+const LAMBERT: &str = "body_specific; kd: scalar, constraint 0..1, default 0.5;
+    formula; DIFFUSE = kd*IL*Cd*max(0, N.L); = (DIFFUSE);";
+const AHEAD: &str = "camera; position <0,0,5>; gaze <0,0,-1>; up <0,1,0>; fov 30;";
+
+fn near(one: f64, other: f64) {
+    assert!((one - other).abs() < 1e-9, "{one} is not {other}");
+}
+
+fn alike(one: [f32; 3], other: [f32; 3]) {
+    assert!(one.iter().zip(other).all(|(one, other)| (one - other).abs() < 1e-6), "{one:?} is not {other:?}");
+}
+
+#[test]
+fn lamberts_law_in_the_middle_of_a_sphere() {
+    // The hit is (0, 0, 1), N is z, the light 5 away along (0, 3, 4): N·L is 0.8.
+    let scene = format!("bodies; ball: sphere, center <0,0,0>, radius 1, opaque, matte; lights; key: point, <0,3,5>; {AHEAD}");
+    let bench = Bench::new(LAMBERT, &scene, &["ball.Cd=<0.9, 0.2, 0.1>", "key.ki=0.5"]);
+    let inspection = bench.inspect();
+    assert_eq!(inspection.rays.len(), 1);
+    let hit = inspection.hit(0).expect("a hit");
+    near(hit.surface.distance, 4.0);
+    near(hit.incidence, 0.0);
+    let light = &hit.lights[0];
+    assert_eq!(light.visibility, Visibility::Lit);
+    near(light.angle, 0.8_f64.acos().to_degrees());
+    assert_eq!(light.variables.distance, 5.0);
+    alike(light.local, [0.36, 0.08, 0.04]);
+    alike(light.contribution, [0.18, 0.04, 0.02]);
+    alike(hit.ambient, [0.09, 0.02, 0.01]);
+    alike(inspection.rays[0].own, [0.27, 0.06, 0.03]);
+    assert_eq!(inspection.total, inspection.rays[0].own);
+    assert_eq!((hit.reflected, hit.refracted, hit.crossing), (Onward::Matte, Onward::Opaque, None));
+
+    let instance = bench.inspector().instance(hit, LightId(0)).expect("a light of the scene");
+    let [diffuse, result] = instance.lines.as_slice() else { panic!("{instance:?}") };
+    assert_eq!(diffuse.name.as_deref(), Some("DIFFUSE"));
+    assert_eq!(diffuse.written, "kd*IL*Cd*max(0, N.L)");
+    assert_eq!(diffuse.numbers, "0.5*<1, 1, 1>*<0.9, 0.2, 0.1>*max(0, 0.8)");
+    assert_eq!(diffuse.value.to_string(), "<0.36, 0.08, 0.04>");
+    assert_eq!(diffuse.value, Quantity::Vector(light.local));
+    assert_eq!((result.name.as_deref(), result.written.as_str()), (None, "DIFFUSE"));
+    assert_eq!(result.numbers, diffuse.value.to_string());
+    assert_eq!(bench.inspector().instance(hit, LightId(1)), None);
+}
+
+#[test]
+fn lights_shine_are_hidden_turned_away_or_out() {
+    let scene = format!(
+        "bodies; ball: sphere, center <0,0,0>, radius 1;
+            far: sphere, center <0,6,7>, radius 0.5; near: sphere, center <0,3,4>, radius 0.5;
+         lights; hidden: point, <0,9,10>; away: point, <9,0,1>; out: point, <-3,0,5>; {AHEAD}"
+    );
+    let mut bench = Bench::new(LAMBERT, &scene, &["out.ki=0"]);
+    bench.view = bench.view.with_depth(1).expect("a depth");
+    let inspection = bench.inspect();
+    let hit = inspection.hit(0).expect("a hit");
+    let visible: Vec<&Visibility> = hit.lights.iter().map(|light| &light.visibility).collect();
+    // The nearer of the two first, though it is declared last.
+    assert_eq!(visible, [&Visibility::Shadowed(vec![BodyId(2), BodyId(1)]), &Visibility::Away, &Visibility::Lit]);
+    near(hit.lights[0].angle, 45.0);
+    near(hit.lights[1].angle, 90.0);
+    assert!(hit.lights[2].local[0] > 0.0);
+    assert!(hit.lights.iter().all(|light| light.contribution == [0.0; 3]));
+    assert_eq!(inspection.total, hit.ambient);
+    assert_eq!((hit.reflected, hit.refracted), (Onward::Depth, Onward::Depth));
+
+    bench.view = bench.view.with_shadows(false);
+    let inspection = bench.inspect();
+    let lights = &inspection.hit(0).expect("a hit").lights;
+    assert!(lights.iter().all(|light| light.visibility == Visibility::Lit));
+    assert!(lights[0].contribution[0] > 0.0);
+}
+
+#[test]
+fn a_mirror_shows_what_is_before_it() {
+    // The ray comes in along (3, 0, −4)/5, leaves along (3, 0, 4)/5 and hits the wall 5 away at (3, 0, 4).
+    let scene =
+        "bodies; mirror: rectangle, <-9,9,0>, <9,9,0>, <9,-9,0>, opaque; wall: rectangle, <3,-9,-9>, <3,9,-9>, <3,9,9>, opaque;
+        lights; camera; position <-3,0,4>; gaze <3,0,-4>; up <0,1,0>; fov 30;";
+    let settings = ["mirror.Cd=<0.2, 0.2, 0.2>", "mirror.kr=0.5", "wall.Cd=<0.8, 0.4, 0.2>", "wall.kr=0.25", "ka=0.5"];
+    let mut bench = Bench::new(LAMBERT, scene, &[&settings[..], &["background=<0.8, 0, 0>"]].concat());
+    bench.view = bench.view.with_depth(3).expect("a depth");
+    let inspection = bench.inspect();
+    let [mirror, wall, back] = inspection.rays.as_slice() else { panic!("{} rays", inspection.rays.len()) };
+    assert_eq!([mirror.edge, wall.edge, back.edge], [Edge::Primary, Edge::Reflected, Edge::Reflected]);
+    assert_eq!([mirror.depth, wall.depth, back.depth], [1, 2, 3]);
+    assert_eq!([mirror.weight, wall.weight, back.weight], [1.0, 0.5, 0.125]);
+    assert_eq!([mirror.parent, wall.parent, back.parent], [None, Some(0), Some(1)]);
+    assert!(wall.ray.origin.length() < 1e-9);
+    assert!(wall.ray.direction.abs_diff_eq([0.6, 0.0, 0.8].into(), 1e-12));
+    let (at_mirror, at_wall) = (inspection.hit(0).expect("the mirror"), inspection.hit(1).expect("the wall"));
+    near(at_mirror.incidence, 0.8_f64.acos().to_degrees());
+    near(at_wall.incidence, 0.6_f64.acos().to_degrees());
+    near(at_wall.surface.distance, 5.0);
+    assert_eq!((at_mirror.reflected, at_wall.reflected), (Onward::Ray(1), Onward::Ray(2)));
+    assert_eq!((&back.end, inspection.hit(2)), (&End::Background, None));
+    alike(wall.own, [0.4, 0.2, 0.1]);
+    alike(wall.total, [0.6, 0.2, 0.1]);
+    alike(wall.contribution, [0.2, 0.1, 0.05]);
+    alike(back.contribution, [0.1, 0.0, 0.0]);
+    alike(inspection.total, [0.4, 0.2, 0.15]);
+}
+
+#[test]
+fn glass_bends_rays_by_snells_law() {
+    // The ray meets the sphere at (0.6, 0, 0.8): sines of 0.6 outside and 0.6/1.5 inside.
+    let scene = "bodies; glass: sphere, center <0,0,0>, radius 1, refractive_index 1.5; lights;
+        camera; position <0.6,0,5>; gaze <0,0,-1>; up <0,1,0>; fov 30;";
+    let settings = ["glass.kt=0.5", "ka=0", "background=<0.8, 0.4, 0.2>"];
+    let mut bench = Bench::new(LAMBERT, scene, &settings);
+    bench.view = bench.view.with_depth(3).expect("a depth");
+    let inspection = bench.inspect();
+    let (outer, inner) = (0.6_f64.asin().to_degrees(), 0.4_f64.asin().to_degrees());
+    let entry = inspection.hit(0).expect("the glass");
+    near(entry.incidence, outer);
+    let Some(Crossing { entering: true, n12, angle: Some(angle) }) = entry.crossing else { panic!("{:?}", entry.crossing) };
+    near(n12, 1.0 / 1.5);
+    near(angle, inner);
+    let Onward::Ray(within) = entry.refracted else { panic!("{:?}", entry.refracted) };
+    let exit = inspection.hit(within).expect("the other side");
+    near(exit.incidence, inner);
+    let Some(Crossing { entering: false, n12, angle: Some(angle) }) = exit.crossing else { panic!("{:?}", exit.crossing) };
+    near(n12, 1.5);
+    near(angle, outer);
+    let Onward::Ray(beyond) = exit.refracted else { panic!("{:?}", exit.refracted) };
+    let beyond = &inspection.rays[beyond];
+    assert_eq!(beyond.weight, 0.25);
+    near(beyond.ray.direction.angle_between(inspection.rays[0].ray.direction).to_degrees(), 2.0 * (outer - inner));
+    alike(inspection.total, [0.2, 0.1, 0.05]);
+    // Reflected rays weigh nothing and are there all the same.
+    let Onward::Ray(reflected) = entry.reflected else { panic!("{:?}", entry.reflected) };
+    assert_eq!((inspection.rays[reflected].weight, inspection.rays[reflected].contribution), (0.0, [0.0; 3]));
+    assert!(inspection.rays[reflected].own[0] > 0.0);
+}
+
+#[test]
+fn beyond_the_critical_angle_all_is_reflected() {
+    // The back of the pane is met at 60°; 1/1.5 is the sine of the critical angle.
+    let scene = "bodies; pane: rectangle, <-9,-9,0>, <9,-9,0>, <9,9,0>, refractive_index 1.5; lights;
+        camera; position <-1.7320508075688772,0,1>; gaze <1.7320508075688772,0,-1>; up <0,1,0>; fov 30;";
+    let bench = Bench::new(LAMBERT, scene, &["pane.kt=0.5", "pane.kr=0.5", "ka=0", "background=<0.8, 0.4, 0.2>"]);
+    let inspection = bench.inspect();
+    let hit = inspection.hit(0).expect("the pane");
+    near(hit.incidence, 60.0);
+    assert_eq!(hit.crossing, Some(Crossing { entering: false, n12: 1.5, angle: None }));
+    near(hit.crossing.and_then(|crossing| crossing.critical()).expect("dense to thin"), (1.0_f64 / 1.5).asin().to_degrees());
+    assert_eq!((hit.reflected, hit.refracted), (Onward::Ray(1), Onward::TotalReflection));
+    alike(inspection.total, [0.4, 0.2, 0.1]);
+}
+
+#[test]
+fn a_ray_past_everything_and_a_pixel_past_the_picture() {
+    let bench = Bench::new(LAMBERT, &format!("bodies; lights; {AHEAD}"), &["background=<0.1, 0.2, 0.3>"]);
+    let inspection = bench.inspect();
+    assert_eq!((inspection.rays.len(), &inspection.rays[0].end), (1, &End::Background));
+    assert_eq!(inspection.total, [0.1, 0.2, 0.3]);
+    assert_eq!(bench.inspector().inspect(&bench.view, [1, 0]), None);
+    assert_eq!(bench.inspector().inspect(&bench.view, [0, 1]), None);
+}
+
+#[test]
+fn instances_read_like_the_formula() {
+    let formula = "body_specific; h: scalar, constraint -9..9, default -2; v: vector, default <-1, 0.5, 0>;
+        formula; K = 1.5; EARLY = LATE; LATE = (K - h)^2; TURN = -h^2 + cos(pi);
+        SIDE = if(N.L > 0 && gamma < pi, v . N, h); = <LATE, TURN, SIDE> - (v + Cd*(N.v));";
+    let scene = format!("bodies; ball: sphere, center <0,0,0>, radius 1; lights; key: point, <0,3,5>; {AHEAD}");
+    let bench = Bench::new(formula, &scene, &[]);
+    let inspection = bench.inspect();
+    let instance = bench.inspector().instance(inspection.hit(0).expect("a hit"), LightId(0)).expect("a light");
+    let lines: Vec<String> = instance
+        .lines
+        .iter()
+        .map(|line| format!("{} | {} | {} | {}", line.name.as_deref().unwrap_or(""), line.written, line.numbers, line.value))
+        .collect();
+    assert_eq!(
+        lines,
+        [
+            "K | 1.5 | 1.5 | 1.5",
+            // One of the two names is the other's meaning; the first is the one that is written out.
+            "EARLY | (K - h)^2 | (1.5 - -2)^2 | 12.25",
+            "LATE | EARLY | 12.25 | 12.25",
+            "TURN | -h^2 + cos(pi) | --2^2 + cos(3.142) | 3",
+            "SIDE | if(N.L > 0 && gamma < pi, v.N, h) | if(0.8 > 0 && 0 < 3.142, <-1, 0.5, 0>.<0, 0, 1>, -2) | 0",
+            " | <EARLY, TURN, SIDE> - (v + Cd*(N.v)) | <12.25, 3, 0> - (<-1, 0.5, 0> + <0.8, 0.8, 0.8>*(<0, 0, 1>.<-1, 0.5, 0>)) | <13.25, 2.5, 0>",
+        ]
+    );
+}
+
+#[test]
+fn terms_without_weight_add_nothing_and_others_what_they_are() {
+    let scene = format!("bodies; ball: sphere, center <0,0,0>, radius 1; lights; key: point, <0,3,5>; {AHEAD}");
+    let wild = "formula; = Cd/(ka - ka);";
+    let inspection = Bench::new(wild, &scene, &["key.ki=0", "ka=0"]).inspect();
+    assert_eq!(inspection.total, [0.0; 3]);
+    let bench = Bench::new(wild, &scene, &["ball.Cd=<1, 0, 1>"]);
+    let inspection = bench.inspect();
+    assert!(inspection.total[0].is_infinite() && inspection.total[1].is_nan());
+    assert!(bench.inspector().text(&inspection).contains("<inf, NaN, inf>"));
+}

@@ -1,0 +1,178 @@
+//! An inspection as indented text: rays under the hits that they come from, two blanks a step.
+//!
+//! Of rays whose weight is 0 there is no more than a line at the hit that they come from.
+
+use crate::evaluate::inspect::figures::{figures, vector_figures};
+use crate::evaluate::inspect::{
+    Crossing, End, InspectedHit, InspectedLight, InspectedRay, Inspection, Inspector, Onward, Visibility,
+};
+use crate::lang::variables::Predefined;
+use crate::scene::Side;
+use crate::trace::Edge;
+use glam::DVec3;
+
+/// What is equal is written on one line up to this length in characters, without its indentation; else one below the other.
+const WIDTH: usize = 120;
+
+struct Writer<'w> {
+    inspector: &'w Inspector<'w>,
+    inspection: &'w Inspection,
+    text: String,
+    /// Steps of indentation.
+    depth: usize,
+}
+
+fn scalar(value: f32) -> String {
+    figures(f64::from(value))
+}
+
+fn colour(light: [f32; 3]) -> String {
+    vector_figures(light.map(f64::from))
+}
+
+fn vector(vector: DVec3) -> String {
+    vector_figures(vector.to_array())
+}
+
+fn angle(degrees: f64) -> String {
+    format!("{}°", figures(degrees))
+}
+
+impl Inspector<'_> {
+    /// An inspection as text of many lines, its numbers rounded to four digits.
+    pub fn text(&self, inspection: &Inspection) -> String {
+        let mut writer = Writer { inspector: self, inspection, text: String::new(), depth: 0 };
+        let [column, row] = inspection.pixel;
+        writer.line(&format!("pixel ({column}, {row}): {}", colour(inspection.total)));
+        inspection.rays.iter().filter(|ray| ray.weight != 0.0).for_each(|ray| writer.ray(ray));
+        writer.text
+    }
+}
+
+impl Writer<'_> {
+    fn line(&mut self, line: &str) {
+        self.text.extend(std::iter::repeat_n("  ", self.depth));
+        self.text.push_str(line);
+        self.text.push('\n');
+    }
+
+    /// `head = one = another = …`; of neighbours that read the same there is one.
+    fn equal(&mut self, head: &str, mut texts: Vec<String>) {
+        texts.dedup();
+        let whole = format!("{head} = {}", texts.join(" = "));
+        if whole.chars().count() <= WIDTH {
+            return self.line(&whole);
+        }
+        let blank = " ".repeat(head.chars().count());
+        for (index, text) in texts.iter().enumerate() {
+            self.line(&format!("{} = {text}", if index == 0 { head } else { &blank }));
+        }
+    }
+
+    fn ray(&mut self, ray: &InspectedRay) {
+        self.depth = ray.depth as usize - 1;
+        let kind = match ray.edge {
+            Edge::Primary => "primary ray".to_owned(),
+            Edge::Reflected => format!("reflected ray, kr = {}", scalar(ray.factor)),
+            Edge::Refracted => format!("refracted ray, kt = {}", scalar(ray.factor)),
+        };
+        self.line(&format!("{kind}: from {} along {}", vector(ray.ray.origin), vector(ray.ray.direction)));
+        self.depth += 1;
+        match &ray.end {
+            End::Background => self.line(&format!("leaves the scene: background {}", colour(ray.own))),
+            End::Hit(hit) => self.hit(ray, hit),
+        }
+        if ray.edge != Edge::Primary {
+            let product = format!("{}*{}", figures(ray.weight), colour(ray.own));
+            self.equal("to the pixel: weight*own", vec![product, colour(ray.contribution)]);
+        }
+    }
+
+    fn hit(&mut self, ray: &InspectedRay, hit: &InspectedHit) {
+        let surface = &hit.surface;
+        let side = match surface.side {
+            Side::Front => "front",
+            Side::Back => "back",
+        };
+        self.line(&format!(
+            "hits the {side} of `{}` at {}, distance {}, {} from the normal {}",
+            self.inspector.scene.body(surface.body).name,
+            vector(surface.point),
+            figures(surface.distance),
+            angle(hit.incidence),
+            vector(surface.normal),
+        ));
+        hit.lights.iter().for_each(|light| self.light(hit, light));
+        let body_colour = self.inspector.predefined(Predefined::BodyColour, surface.body.index());
+        let [weight, ambient] = [Predefined::Ambient, Predefined::AmbientColour].map(|known| self.inspector.predefined(known, 0));
+        let product = format!("{}*{}*{}", scalar(weight[0]), colour(body_colour), colour(ambient));
+        self.equal("ambient light: ka*Cd*Ia", vec![product, colour(hit.ambient)]);
+        let [reflection, refraction] = [Predefined::Reflection, Predefined::Refraction]
+            .map(|known| self.inspector.predefined(known, surface.body.index())[0]);
+        self.onward("reflected ray", hit, hit.reflected, &format!("kr = {}", scalar(reflection)), reflection);
+        self.onward("refracted ray", hit, hit.refracted, &format!("kt = {}", scalar(refraction)), refraction);
+        self.sum(ray, hit);
+    }
+
+    fn light(&mut self, hit: &InspectedHit, light: &InspectedLight) {
+        let scene = self.inspector.scene;
+        let name = &scene.light(light.light).name;
+        let place = format!("{} from the normal, distance {}", angle(light.angle), scalar(light.variables.distance));
+        match &light.visibility {
+            Visibility::Away => self.line(&format!("light `{name}`: behind the surface, {place}")),
+            Visibility::Shadowed(bodies) => {
+                let names: Vec<String> = bodies.iter().map(|body| format!("`{}`", scene.body(*body).name)).collect();
+                self.line(&format!("light `{name}`: in the shadow of {}, {place}", names.join(", ")));
+            }
+            Visibility::Lit if light.intensity == 0.0 => self.line(&format!("light `{name}`: out, ki = 0, {place}")),
+            Visibility::Lit => {
+                self.line(&format!("light `{name}`: {place}"));
+                self.depth += 1;
+                for line in self.inspector.instance(hit, light.light).into_iter().flat_map(|instance| instance.lines) {
+                    let name = line.name.as_deref().unwrap_or("local");
+                    self.equal(name, vec![line.written, line.numbers, line.value.to_string()]);
+                }
+                let product = format!("{}*{}", scalar(light.intensity), colour(light.local));
+                self.equal("ki*local", vec![product, colour(light.contribution)]);
+                self.depth -= 1;
+            }
+        }
+    }
+
+    /// What is to be said of a child ray at the hit itself.
+    fn onward(&mut self, name: &str, hit: &InspectedHit, onward: Onward, weight: &str, factor: f32) {
+        let what = match onward {
+            Onward::Matte => "none, the body is matte".to_owned(),
+            Onward::Opaque => "none, the body is opaque".to_owned(),
+            Onward::TotalReflection => {
+                let critical = hit.crossing.and_then(|crossing| crossing.critical()).map_or_else(String::new, angle);
+                format!("none, total internal reflection: {} exceeds the critical angle {critical}", angle(hit.incidence))
+            }
+            Onward::Depth => format!("{weight}, not followed any deeper"),
+            Onward::Ray(_) if factor == 0.0 => weight.to_owned(),
+            Onward::Ray(child) => {
+                let refracted = self.inspection.rays.get(child).is_some_and(|child| child.edge == Edge::Refracted);
+                let Some(Crossing { entering, n12, angle: Some(degrees) }) = hit.crossing.filter(|_| refracted) else { return };
+                let way = if entering { "entering" } else { "leaving" };
+                format!("{weight}, {way} with n12 = {}, {} from the normal", figures(n12), angle(degrees))
+            }
+        };
+        self.line(&format!("{name}: {what}"));
+    }
+
+    /// Equation (2) of thesis 4.2.3 with its numbers.
+    fn sum(&mut self, ray: &InspectedRay, hit: &InspectedHit) {
+        let lit = hit.lights.iter().filter(|light| light.visibility == Visibility::Lit && light.intensity != 0.0);
+        let terms: Vec<String> = lit.map(|light| light.contribution).chain([hit.ambient]).map(colour).collect();
+        self.equal("own", vec![terms.join(" + "), colour(ray.own)]);
+        let mut whole = colour(ray.own);
+        for child in [hit.reflected, hit.refracted] {
+            if let Onward::Ray(child) = child
+                && let Some(child) = self.inspection.rays.get(child).filter(|child| child.factor != 0.0)
+            {
+                whole.push_str(&format!(" + {}*{}", scalar(child.factor), colour(child.total)));
+            }
+        }
+        self.equal("E", vec![whole, colour(ray.total)]);
+    }
+}

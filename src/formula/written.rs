@@ -1,0 +1,106 @@
+//! A checked formula's expressions as text again, with other texts in the place of some parts: names of macros, numbers.
+//!
+//! The text is the printer's; here terms become the syntax that it prints. What was a macro and what was written out is not known
+//! here: terms know nothing of it.
+
+use crate::formula::{Formula, Term, TermId};
+use crate::lang::ast::{Expr, ExprId, ExprKind, FormulaFile, Name};
+use crate::lang::builtins::Form;
+use crate::lang::printer::print_expression;
+use crate::lang::source::Span;
+use std::collections::HashMap;
+
+impl Formula {
+    /// An expression as text, with no more parentheses than it needs. Where `stand_in` has a text for a part of it, that stands there,
+    /// like a name: it needs no parentheses. Without stand-ins macros are written out at every use.
+    pub fn written(&self, root: TermId, stand_in: impl Fn(TermId) -> Option<String>) -> String {
+        let mut texts: HashMap<TermId, Option<String>> = HashMap::new();
+        let mut pending = vec![root];
+        while let Some(id) = pending.pop() {
+            if texts.contains_key(&id) {
+                continue;
+            }
+            let text = stand_in(id);
+            if text.is_none()
+                && let Term::Apply(_, operands) = self.term(id)
+            {
+                pending.extend_from_slice(operands);
+            }
+            texts.insert(id, text);
+        }
+        let mut parts: Vec<(TermId, Option<String>)> = texts.into_iter().collect();
+        // Operands come before their users.
+        parts.sort_unstable_by_key(|(id, _)| *id);
+        let mut file = FormulaFile::default();
+        let mut places: HashMap<TermId, ExprId> = HashMap::with_capacity(parts.len());
+        for (id, text) in parts {
+            places.insert(id, ExprId(file.expressions.len() as u32));
+            let kind = text.map_or_else(|| self.syntax(id, &places), ExprKind::Name);
+            file.expressions.push(Expr { kind, span: Span::default(), parenthesised: false });
+        }
+        places.get(&root).map_or_else(String::new, |root| print_expression(&file, *root))
+    }
+
+    /// The syntax of a term whose operands have a place.
+    fn syntax(&self, id: TermId, places: &HashMap<TermId, ExprId>) -> ExprKind {
+        let (operation, operands) = match self.term(id) {
+            Term::Number(value) => return ExprKind::Number(*value),
+            Term::Variable(variable) => return ExprKind::Name(variable.name().to_owned()),
+            Term::Parameter(parameter) => return ExprKind::Name(self.parameter(*parameter).name.clone()),
+            Term::Apply(operation, operands) => (operation, operands),
+        };
+        let operands: Vec<ExprId> = operands.iter().filter_map(|operand| places.get(operand).copied()).collect();
+        // Every operation has as many operands as its form asks for.
+        match (operation.form(), operands.as_slice()) {
+            (Form::Prefix(mark), [operand]) => ExprKind::Prefix(mark, *operand),
+            (Form::Infix(mark), [left, right]) => ExprKind::Infix(mark, Span::default(), [*left, *right]),
+            (Form::Vector, [x, y, z]) => ExprKind::Vector([*x, *y, *z]),
+            (Form::Conditional, [condition, then, other]) => ExprKind::Conditional([*condition, *then, *other]),
+            (Form::Constant(name), _) => ExprKind::Name(name.to_owned()),
+            (Form::Function(name), _) => ExprKind::Call(Name { text: name.to_owned(), span: Span::default() }, operands),
+            (Form::Prefix(_) | Form::Infix(_) | Form::Vector | Form::Conditional, _) => ExprKind::Missing,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lang::source::Source;
+
+    fn formula(text: &str) -> Formula {
+        Formula::parse(&Source::new("test", text)).expect("a formula").0
+    }
+
+    #[test]
+    fn terms_read_as_they_were_typed() {
+        for text in [
+            "kr*IL*Cd*max(0, N.L)",
+            "Cd*((kr + kt)^-2 - -2^kr^kt)",
+            "if(N.L > 0 && !(kr < 1 || kt != 2), <kr, pi, 1e3 - kr>, -Cd)",
+            "Cd*(1 - (2 - kr)) - (Cd - IL)",
+            "mix(Cd, IL, perlin(point, 2, 2, 4)) / 2",
+        ] {
+            let formula = formula(&format!("formula; = {text};"));
+            assert_eq!(formula.written(formula.result, |_| None), text.replace("1e3", "1000").replace(" / ", "/"));
+        }
+    }
+
+    #[test]
+    fn stand_ins_stand_like_names() {
+        let formula = formula("formula; M = 1 + kr; = Cd*M^2 - Cd*(N.L);");
+        let (name, id) = &formula.macros[0];
+        let names = formula.written(formula.result, |term| (term == *id).then(|| name.clone()));
+        assert_eq!(names, "Cd*M^2 - Cd*(N.L)");
+        let negative = |term: TermId| matches!(formula.term(term), Term::Parameter(_)).then(|| "-0.5".to_owned());
+        assert_eq!(formula.written(*id, negative), "1 + -0.5");
+        assert_eq!(formula.written(formula.result, |_| Some("Q".to_owned())), "Q");
+    }
+
+    #[test]
+    fn long_expressions_need_no_stack() {
+        let sum = vec!["alpha"; 20_000].join(" + ");
+        let formula = formula(&format!("formula; = <1, 1, {sum}>;"));
+        assert_eq!(formula.written(formula.result, |_| None), format!("<1, 1, {sum}>"));
+    }
+}
