@@ -4,6 +4,7 @@
 
 mod files;
 mod messages;
+mod rays;
 
 use std::fs;
 use std::path::Path;

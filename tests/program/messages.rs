@@ -35,6 +35,8 @@ fn command_lines() {
             "dump --stage hits",
             "dump --stage ast -o out",
             "dump session.toml --stage bytecode --pixel 99,1",
+            "dump session.toml --stage rays",
+            "dump session.toml --stage rays --pixel 5,24",
             "check",
         ],
     );

@@ -4,6 +4,7 @@
 mod agreement;
 mod diagnostics;
 mod house;
+mod inspection;
 mod presets;
 mod reference;
 mod round_trip;

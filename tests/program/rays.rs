@@ -1,0 +1,15 @@
+//! A pixel's tree of rays as the program prints it, word for word.
+
+use crate::{folder, told};
+
+#[test]
+fn glass_and_shadows() {
+    // Through the glass and the bubble in it: totally reflected light, and a floor in the shadow.
+    let text = told(folder().path(), "dump preset:glass --size 64x36 --depth 4 --stage rays --pixel 16,17");
+    insta::assert_snapshot!("glass", text);
+}
+
+#[test]
+fn the_ball_of_the_session() {
+    insta::assert_snapshot!("ball", told(folder().path(), "dump session.toml --stage rays --pixel 17,10"));
+}

@@ -1,0 +1,60 @@
+//! Pixels looked into are the interpreter's pixels, and their parts make up the whole.
+
+use illuminator::evaluate::Interpreted;
+use illuminator::evaluate::inspect::{End, Inspector, Visibility};
+use illuminator::evaluate::verify::TOLERANCE;
+use illuminator::formula::Formula;
+use illuminator::lang::source::Source;
+use illuminator::presets::{self, Kind};
+use illuminator::scene::Scene;
+use illuminator::trace::View;
+use illuminator::workspace::files::Location;
+use illuminator::workspace::{Session, Values};
+use std::sync::Arc;
+
+fn read(location: &Location, kind: Kind) -> Source {
+    location.read(kind).expect("a built-in file")
+}
+
+fn close(one: f64, other: f32) -> bool {
+    (one - f64::from(other)).abs() <= f64::from(TOLERANCE) * f64::from(other.abs().max(1.0))
+}
+
+#[test]
+fn every_preset_adds_up_to_the_interpreters_pixel() {
+    for name in presets::names(Kind::Session) {
+        let (session, _) = Session::parse(&read(&Location::Preset(name.to_owned()), Kind::Session)).expect("a session");
+        let (formula, _) = Formula::parse(&read(&session.formula, Kind::Formula)).expect("a formula");
+        let (scene, _) = Scene::parse(&read(&session.scene, Kind::Scene)).expect("a scene");
+        let (given, _) = session.assignments(Values::defaults(&formula, &scene).roster());
+        let (values, _) = Values::new(&formula, &scene, &given);
+        let (formula, scene) = (Arc::new(formula), Arc::new(scene));
+        let inspector = Inspector::new(&formula, &scene, values.numbers());
+        for (depth, shadows) in (1..=6).flat_map(|depth| [(depth, false), (depth, true)]) {
+            let view = View::new(10, 5).and_then(|view| view.with_depth(depth)).expect("within range").with_shadows(shadows);
+            let interpreted = Interpreted::new(&formula, &scene, view).expect("small code");
+            let (frame, _) = interpreted.frame(values.numbers());
+            for (place, expected) in frame.linear.iter().enumerate() {
+                let pixel = [place as u32 % 10, place as u32 / 10];
+                let what = format!("{name}, depth {depth}, shadows {shadows}, pixel {pixel:?}");
+                let inspection = inspector.inspect(&view, pixel).expect("a pixel of the picture");
+                assert_eq!(&inspection.total, expected, "{what}");
+                assert!(inspection.rays.iter().all(|ray| ray.depth <= depth), "{what}");
+                for component in 0..3 {
+                    let parts = inspection.rays.iter().map(|ray| f64::from(ray.contribution[component]));
+                    assert!(close(parts.sum(), expected[component]), "{what}: the parts are not the whole");
+                }
+                for ray in &inspection.rays {
+                    let End::Hit(hit) = &ray.end else { continue };
+                    assert_eq!(hit.lights.len(), scene.lights.len(), "{what}");
+                    for light in &hit.lights {
+                        let lit = light.visibility == Visibility::Lit;
+                        assert!(lit || shadows && light.contribution == [0.0; 3], "{what}: {light:?}");
+                        let none = light.visibility == Visibility::Shadowed(Vec::new());
+                        assert!(!none, "{what}: a shadow that no body casts");
+                    }
+                }
+            }
+        }
+    }
+}
