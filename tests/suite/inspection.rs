@@ -40,9 +40,9 @@ fn every_preset_adds_up_to_the_interpreters_pixel() {
                 let inspection = inspector.inspect(&view, pixel).expect("a pixel of the picture");
                 assert_eq!(&inspection.total, expected, "{what}");
                 assert!(inspection.rays.iter().all(|ray| ray.depth <= depth), "{what}");
-                for component in 0..3 {
+                for (component, whole) in expected.iter().enumerate() {
                     let parts = inspection.rays.iter().map(|ray| f64::from(ray.contribution[component]));
-                    assert!(close(parts.sum(), expected[component]), "{what}: the parts are not the whole");
+                    assert!(close(parts.sum(), *whole), "{what}: the parts are not the whole");
                 }
                 for ray in &inspection.rays {
                     let End::Hit(hit) = &ray.end else { continue };

@@ -3,7 +3,8 @@
 use crate::evaluate::inspect::figures::Quantity;
 use crate::formula::{Formula, Term, TermId};
 use crate::lang::builtins::{Form, Operation};
-use std::collections::HashMap;
+use crate::lang::token::Mark;
+use std::collections::{HashMap, HashSet};
 
 /// The formula with its numbers.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,18 +36,36 @@ impl Instance {
         for (name, id) in &formula.macros {
             names.entry(*id).or_insert(name);
         }
+        let behind = behind_operators(formula);
+        let number = |id: TermId| match quantity(id) {
+            Quantity::Scalar(value) if value < 0.0 && behind.contains(&id) => format!("({})", Quantity::Scalar(value)),
+            value => value.to_string(),
+        };
         let line = |name: Option<&str>, root: TermId| {
             // Its own name would say nothing of it.
             let named = |id: TermId| names.get(&id).filter(|known| id != root || name != Some(**known));
             let written = formula.written(root, |id| named(id).map(|name| (*name).to_owned()));
-            let number = |id: TermId| (named(id).is_some() || is_leaf(formula, id)).then(|| quantity(id).to_string());
-            let numbers = formula.written(root, number);
+            let numbers = formula.written(root, |id| (named(id).is_some() || is_leaf(formula, id)).then(|| number(id)));
             InstanceLine { name: name.map(str::to_owned), written, numbers, value: quantity(root) }
         };
         let mut lines: Vec<InstanceLine> = formula.macros.iter().map(|(name, id)| line(Some(name), *id)).collect();
         lines.push(line(None, formula.result));
         Self { lines }
     }
+}
+
+/// The terms that some operator is written before, and bases of powers: a negative number in their place is easier to read in parentheses.
+fn behind_operators(formula: &Formula) -> HashSet<TermId> {
+    let mut behind = HashSet::new();
+    for term in &formula.terms {
+        let Term::Apply(operation, operands) = term else { continue };
+        match operation.form() {
+            Form::Prefix(_) | Form::Infix(Mark::Caret) => behind.extend(operands),
+            Form::Infix(_) => behind.extend(operands.get(1)),
+            Form::Function(_) | Form::Constant(_) | Form::Vector | Form::Conditional => {}
+        }
+    }
+    behind
 }
 
 /// Whether a number is written for a term: for whatever is known by a name, and for the dot product of two variables.

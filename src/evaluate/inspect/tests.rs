@@ -215,9 +215,9 @@ fn instances_read_like_the_formula() {
         [
             "K | 1.5 | 1.5 | 1.5",
             // One of the two names is the other's meaning; the first is the one that is written out.
-            "EARLY | (K - h)^2 | (1.5 - -2)^2 | 12.25",
+            "EARLY | (K - h)^2 | (1.5 - (-2))^2 | 12.25",
             "LATE | EARLY | 12.25 | 12.25",
-            "TURN | -h^2 + cos(pi) | --2^2 + cos(3.142) | 3",
+            "TURN | -h^2 + cos(pi) | -(-2)^2 + cos(3.142) | 3",
             "SIDE | if(N.L > 0 && gamma < pi, v.N, h) | if(0.8 > 0 && 0 < 3.142, <-1, 0.5, 0>.<0, 0, 1>, -2) | 0",
             " | <EARLY, TURN, SIDE> - (v + Cd*(N.v)) | <12.25, 3, 0> - (<-1, 0.5, 0> + <0.8, 0.8, 0.8>*(<0, 0, 1>.<-1, 0.5, 0>)) | <13.25, 2.5, 0>",
         ]
