@@ -3,7 +3,7 @@
 //! A pixel is a flat sum over ray paths (equation (2) of the thesis multiplied out, see [`Tile`](crate::trace::Tile)). The compiled
 //! backend keeps the static values of every record in columns (`columns`) and, each frame, runs the contribution kernel
 //! over the groups whose path weight is not 0 (`compiled`; in which order, `program` keeps from frame to frame). The interpreter backend writes each pixel's program and runs it
-//! (`interpreted`). Both take parameter numbers as one array in the order of [`Layout`](crate::formula::layout::Layout).
+//! (`interpreted`). [`inspect`] tells how one pixel comes about. All take parameter numbers as one array in the order of [`Layout`](crate::formula::layout::Layout).
 
 mod columns;
 mod compiled;

@@ -39,7 +39,7 @@ impl Instance {
         let behind = behind_operators(formula);
         let number = |id: TermId| match quantity(id) {
             Quantity::Scalar(value) if value < 0.0 && behind.contains(&id) => format!("({})", Quantity::Scalar(value)),
-            value => value.to_string(),
+            value @ (Quantity::Scalar(_) | Quantity::Vector(_)) => value.to_string(),
         };
         let line = |name: Option<&str>, root: TermId| {
             // Its own name would say nothing of it.
