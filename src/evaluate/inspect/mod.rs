@@ -1,6 +1,6 @@
 //! One pixel looked into: its tree of rays with bodies, angles and lights, what each of them adds, and the formula with its numbers.
 //!
-//! The pixel is traced anew, which takes well under a millisecond: no store of hits is needed. Numbers are added up as the interpreter
+//! The pixel is traced anew: no store of hits is needed. Numbers are added up as the interpreter
 //! does it, so a pixel's total is the interpreter's. What is found is plain data ([`report`](Inspection)); [`text`](Inspector::text)
 //! writes it for a terminal. Nothing here knows how it is shown, and nothing is kept.
 
