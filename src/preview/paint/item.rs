@@ -1,0 +1,248 @@
+//! Triangles of widgets into items: what is drawn in one go, where, and a hash of it.
+//!
+//! Most triangles come in pairs that make an upright rectangle of one colour, plain (fills, bars) or with a letter on it; those are taken
+//! together. What has no extent or no number for a place is left out.
+
+use super::hash;
+use super::raster::pack;
+use super::region::Region;
+use super::texture::{Texture, Textures};
+use egui::epaint::{ClippedPrimitive, Mesh, Primitive, TextureId, Vertex};
+use std::hash::{Hash, Hasher};
+
+/// How far a texel may be from its pixel for the two to be the same.
+const EXACT: f64 = 0.02;
+
+/// Something to draw.
+#[derive(Debug)]
+pub(super) struct Item {
+    /// The pixels that it may touch; never empty.
+    pub(super) place: Region,
+    pub(super) content: Content,
+    /// Of everything that its pixels depend on.
+    pub(super) hash: u64,
+}
+
+/// What is drawn. Colours are premultiplied, `0xAARRGGBB`.
+#[derive(Debug)]
+pub(super) enum Content {
+    /// One colour.
+    Fill(u32),
+    /// Texels that lie exactly on pixels, the texel `shift` away from the pixel.
+    Copy { texture: TextureId, shift: [i64; 2], tint: u32 },
+    /// Texels of an upright rectangle: at pixel 0 there is texel `from`, and `step` more at each next.
+    Stretch { texture: TextureId, from: [f64; 2], step: [f64; 2], tint: u32 },
+    /// A triangle with colours between those of its corners, and a texture where it has one.
+    Triangle(Box<Triangle>),
+}
+
+/// A triangle.
+#[derive(Debug)]
+pub(super) struct Triangle {
+    /// Its corners, in pixels.
+    pub(super) corners: [[f64; 2]; 3],
+    /// The colours there.
+    pub(super) colours: [u32; 3],
+    /// The texture and where the corners are on it, in texels.
+    pub(super) texture: Option<(TextureId, [[f64; 2]; 3])>,
+}
+
+/// A corner on the way from points to pixels.
+#[derive(Clone, Copy)]
+struct Corner {
+    at: [f64; 2],
+    texel: [f64; 2],
+    colour: u32,
+}
+
+/// Puts down the items of `widgets` in order.
+pub(super) fn collect(widgets: &[ClippedPrimitive], scale: f32, whole: Region, textures: &Textures, items: &mut Vec<Item>) {
+    for widget in widgets {
+        // What paints itself by a graphics card's means has no place here.
+        let Primitive::Mesh(mesh) = &widget.primitive else { continue };
+        let clip = Region::of(widget.clip_rect, scale).meet(whole);
+        let Some(texture) = textures.get(mesh.texture_id).filter(|_| !clip.is_empty()) else { continue };
+        Collector { mesh, texture, scale, clip, items }.run();
+    }
+}
+
+struct Collector<'a> {
+    mesh: &'a Mesh,
+    texture: &'a Texture,
+    scale: f32,
+    clip: Region,
+    items: &'a mut Vec<Item>,
+}
+
+impl Collector<'_> {
+    fn run(mut self) {
+        let mut left = self.mesh.indices.as_slice();
+        while let [a, b, c, rest @ ..] = left {
+            left = rest;
+            let Some(first) = self.corners([*a, *b, *c]) else { continue };
+            if let [d, e, f, beyond @ ..] = rest
+                && let Some(second) = self.corners([*d, *e, *f])
+                && self.rectangle(&first, &second)
+            {
+                left = beyond;
+            } else {
+                self.triangle(&first);
+            }
+        }
+    }
+
+    fn corners(&self, indices: [u32; 3]) -> Option<[Corner; 3]> {
+        let corner = |index: u32| {
+            let Vertex { pos, uv, color } = *self.mesh.vertices.get(index as usize)?;
+            let at = [pos.x * self.scale, pos.y * self.scale];
+            let texel = [uv.x * self.texture.size[0] as f32, uv.y * self.texture.size[1] as f32];
+            let finite = at.iter().chain(&texel).all(|number| number.is_finite());
+            finite.then(|| Corner { at: at.map(f64::from), texel: texel.map(f64::from), colour: pack(color.to_array()) })
+        };
+        let [a, b, c] = indices;
+        Some([corner(a)?, corner(b)?, corner(c)?])
+    }
+
+    /// The pixels whose middles are between `low` and `high`.
+    fn place(&self, low: [f64; 2], high: [f64; 2]) -> Option<Region> {
+        let [left, top] = low.map(edge);
+        let [right, bottom] = high.map(edge);
+        Some(Region { left, top, right, bottom }.meet(self.clip)).filter(|place| !place.is_empty())
+    }
+
+    /// Takes two triangles as one rectangle, where they are one.
+    fn rectangle(&mut self, first: &[Corner; 3], second: &[Corner; 3]) -> bool {
+        let all = || first.iter().chain(second);
+        let colour = first[0].colour;
+        if all().any(|corner| corner.colour != colour) {
+            return false;
+        }
+        let [low, high] = bounds(first);
+        let mut texels = [None; 4];
+        let mut missing = [0, 0];
+        for (triangle, missing) in [first, second].into_iter().zip(&mut missing) {
+            let mut seen = 0;
+            for corner in triangle {
+                // Which corner of the rectangle it is: a bit says right, another below.
+                let mut number = 0;
+                for axis in 0..2 {
+                    if corner.at[axis] == high[axis] {
+                        number |= 1 << axis;
+                    } else if corner.at[axis] != low[axis] {
+                        return false;
+                    }
+                }
+                seen |= 1 << number;
+                *missing ^= number;
+                if *texels[number].get_or_insert(corner.texel) != corner.texel {
+                    return false;
+                }
+            }
+            if u32::count_ones(seen) != 3 {
+                return false;
+            }
+        }
+        // Each triangle lacks a corner; they are the two halves where those face each other.
+        let [Some(a), Some(b), Some(c), Some(d)] = texels else { return false };
+        if missing[0] ^ missing[1] != 3 || a[0] != c[0] || b[0] != d[0] || a[1] != b[1] || c[1] != d[1] {
+            return false;
+        }
+        if let Some(place) = self.place(low, high) {
+            self.push(place, self.textured(colour, [low, high], [a, d]));
+        }
+        true
+    }
+
+    /// What a rectangle with texels `from` to `to` is.
+    fn textured(&self, tint: u32, [low, high]: [[f64; 2]; 2], [from, to]: [[f64; 2]; 2]) -> Content {
+        let texture = self.mesh.texture_id;
+        if from == to {
+            return Content::Fill(self.plain(tint, from));
+        }
+        let step = [0, 1].map(|axis| (to[axis] - from[axis]) / (high[axis] - low[axis]));
+        let shift = [0, 1].map(|axis| from[axis] - low[axis]);
+        let exact = [0, 1].into_iter().all(|axis| {
+            let off = (shift[axis] - shift[axis].round()).abs();
+            let drift = ((step[axis] - 1.0) * (high[axis] - low[axis])).abs();
+            off < EXACT && drift < EXACT
+        });
+        if exact {
+            Content::Copy { texture, shift: shift.map(|shift| shift.round() as i64), tint }
+        } else {
+            let from = [0, 1].map(|axis| from[axis] + (0.5 - low[axis]) * step[axis]);
+            Content::Stretch { texture, from, step, tint }
+        }
+    }
+
+    /// A colour with the texel that all of it has.
+    fn plain(&self, colour: u32, texel: [f64; 2]) -> u32 {
+        super::raster::tinted(self.texture.sample(texel.map(|at| at as f32), false), colour)
+    }
+
+    fn triangle(&mut self, corners: &[Corner; 3]) {
+        let [low, high] = bounds(corners);
+        let Some(place) = self.place(low, high) else { return };
+        let texels = corners.map(|corner| corner.texel);
+        let mut colours = corners.map(|corner| corner.colour);
+        let mut texture = Some((self.mesh.texture_id, texels));
+        if texels[0] == texels[1] && texels[0] == texels[2] {
+            colours = colours.map(|colour| self.plain(colour, texels[0]));
+            texture = None;
+        }
+        // What adds nothing and hides nothing: the outer rim of soft edges has one such corner, never three.
+        if colours == [0; 3] {
+            return;
+        }
+        self.push(place, Content::Triangle(Box::new(Triangle { corners: corners.map(|corner| corner.at), colours, texture })));
+    }
+
+    fn push(&mut self, place: Region, content: Content) {
+        if matches!(content, Content::Fill(0)) {
+            return;
+        }
+        let hash = hash(|hasher| {
+            place.write(hasher);
+            content.write(self.texture.version, hasher);
+        });
+        self.items.push(Item { place, content, hash });
+    }
+}
+
+impl Content {
+    fn write(&self, version: u64, hasher: &mut impl Hasher) {
+        let (kind, texture) = match self {
+            Self::Fill(_) => (0, None),
+            Self::Copy { texture, .. } => (1, Some(texture)),
+            Self::Stretch { texture, .. } => (2, Some(texture)),
+            Self::Triangle(triangle) => (3, triangle.texture.as_ref().map(|(texture, _)| texture)),
+        };
+        hasher.write_u32(kind);
+        texture.map(|texture| (texture, version)).hash(hasher);
+        let mut points = |points: &[[f64; 2]]| points.as_flattened().iter().for_each(|at| hasher.write_u64(at.to_bits()));
+        match self {
+            Self::Fill(colour) => hasher.write_u32(*colour),
+            Self::Copy { shift, tint, .. } => (shift, tint).hash(hasher),
+            Self::Stretch { from, step, tint, .. } => {
+                points(&[*from, *step]);
+                hasher.write_u32(*tint);
+            }
+            Self::Triangle(triangle) => {
+                points(&triangle.corners);
+                triangle.texture.iter().for_each(|(_, texels)| points(texels));
+                triangle.colours.hash(hasher);
+            }
+        }
+    }
+}
+
+/// The first pixel whose middle is not before `at`.
+pub(super) fn edge(at: f64) -> i32 {
+    (at - 0.5).ceil() as i32
+}
+
+fn bounds(corners: &[Corner; 3]) -> [[f64; 2]; 2] {
+    let fold = |choose: fn(f64, f64) -> f64| {
+        [0, 1].map(|axis| choose(choose(corners[0].at[axis], corners[1].at[axis]), corners[2].at[axis]))
+    };
+    [fold(f64::min), fold(f64::max)]
+}

@@ -1,0 +1,249 @@
+//! Items into the pixels of one tile.
+//!
+//! A pixel belongs to a shape where its middle is inside; a middle on a border belongs to the shape to the right of it and below. So shapes that
+//! share a border neither overlap nor leave a gap: borders are found row by row, from their upper end, whichever shape asks.
+
+use super::item::{Content, Item, Triangle, edge};
+use super::region::Region;
+use super::texture::{Texture, Textures};
+
+/// A tile that is being drawn.
+pub(super) struct Canvas<'a> {
+    /// The rows of the window in which the tile is.
+    band: &'a mut [u32],
+    width: usize,
+    /// The row of the window that is the band's first.
+    top: i32,
+    place: Region,
+}
+
+/// `[red, green, blue, alpha]` as `0xAARRGGBB`.
+pub(super) fn pack([red, green, blue, alpha]: [u8; 4]) -> u32 {
+    u32::from_le_bytes([blue, green, red, alpha])
+}
+
+/// The products of two channels side by side with a factor of at most 255, divided by 255 and rounded.
+fn scaled(pair: u32, factor: u32) -> u32 {
+    let product = pair * factor + 0x0080_0080;
+    ((product + ((product >> 8) & 0x00ff_00ff)) >> 8) & 0x00ff_00ff
+}
+
+/// What is seen of `below` through `colour`. Colours that add light without hiding (alpha too small for them) end at white.
+pub(super) fn over(colour: u32, below: u32) -> u32 {
+    let through = 255 - (colour >> 24);
+    let add = |own: u32, below: u32| {
+        let sum = own + scaled(below, through);
+        (sum | ((sum >> 8) & 0x0001_0001) * 0xff) & 0x00ff_00ff
+    };
+    let outer = add(colour & 0x00ff_00ff, below & 0x00ff_00ff);
+    let middle = add((colour >> 8) & 0xff, (below >> 8) & 0xff);
+    outer | ((middle & 0xff) << 8)
+}
+
+/// A texel in a colour: their product, channel by channel.
+pub(super) fn tinted(texel: u32, colour: u32) -> u32 {
+    match (texel, colour) {
+        (0, _) | (_, 0) => 0,
+        (u32::MAX, _) => colour,
+        (_, u32::MAX) => texel,
+        _ => {
+            let [a, b] = [texel.to_le_bytes(), colour.to_le_bytes()];
+            let product = |channel: usize| {
+                let product = u32::from(a[channel]) * u32::from(b[channel]) + 128;
+                ((product + (product >> 8)) >> 8) as u8
+            };
+            u32::from_le_bytes([product(0), product(1), product(2), product(3)])
+        }
+    }
+}
+
+/// Puts a colour on a pixel.
+fn blend(pixel: &mut u32, colour: u32) {
+    match colour >> 24 {
+        0xff => *pixel = colour & 0x00ff_ffff,
+        0 if colour == 0 => {}
+        _ => *pixel = over(colour, *pixel),
+    }
+}
+
+impl<'a> Canvas<'a> {
+    /// The tile at `place`, in a band of whole rows from `top`.
+    pub(super) fn new(band: &'a mut [u32], width: usize, top: i32, place: Region) -> Self {
+        Self { band, width, top, place }
+    }
+
+    pub(super) fn place(&self) -> Region {
+        self.place
+    }
+
+    /// The pixels of a row from `left` to before `right`; all of them in the tile.
+    pub(super) fn row(&mut self, y: i32, left: i32, right: i32) -> &mut [u32] {
+        let start = (y - self.top) as usize * self.width;
+        &mut self.band[start + left as usize..start + right.max(left) as usize]
+    }
+
+    pub(super) fn clear(&mut self, colour: u32) {
+        self.fill(self.place, colour | 0xff00_0000);
+    }
+
+    pub(super) fn draw(&mut self, item: &Item, textures: &Textures) {
+        let place = item.place.meet(self.place);
+        if place.is_empty() {
+            return;
+        }
+        match &item.content {
+            Content::Fill(colour) => self.fill(place, *colour),
+            Content::Copy { texture, shift, tint } => {
+                if let Some(texture) = textures.get(*texture) {
+                    self.copy(place, texture, *shift, *tint);
+                }
+            }
+            Content::Stretch { texture, from, step, tint } => {
+                if let Some(texture) = textures.get(*texture) {
+                    self.stretch(place, texture, *from, *step, *tint);
+                }
+            }
+            Content::Triangle(triangle) => self.triangle(place, triangle, textures),
+        }
+    }
+
+    fn fill(&mut self, place: Region, colour: u32) {
+        for y in place.top..place.bottom {
+            span(self.row(y, place.left, place.right), colour);
+        }
+    }
+
+    fn copy(&mut self, place: Region, texture: &Texture, shift: [i64; 2], tint: u32) {
+        for y in place.top..place.bottom {
+            let row = self.row(y, place.left, place.right);
+            let [Ok(from), Ok(line)] = [i64::from(place.left) + shift[0], i64::from(y) + shift[1]].map(usize::try_from) else {
+                continue;
+            };
+            for (pixel, &texel) in row.iter_mut().zip(texture.row(line, from, (place.right - place.left) as usize)) {
+                if texel != 0 {
+                    blend(pixel, tinted(texel, tint));
+                }
+            }
+        }
+    }
+
+    fn stretch(&mut self, place: Region, texture: &Texture, from: [f64; 2], step: [f64; 2], tint: u32) {
+        let fine = step.iter().all(|step| step.abs() > 1.0);
+        for y in place.top..place.bottom {
+            let line = (from[1] + f64::from(y) * step[1]) as f32;
+            let row = self.row(y, place.left, place.right);
+            for (x, pixel) in (place.left..).zip(row) {
+                let at = (from[0] + f64::from(x) * step[0]) as f32;
+                blend(pixel, tinted(texture.sample([at, line], fine), tint));
+            }
+        }
+    }
+
+    fn triangle(&mut self, place: Region, triangle: &Triangle, textures: &Textures) {
+        let plain = triangle.texture.is_none() && triangle.colours.iter().all(|colour| *colour == triangle.colours[0]);
+        let colours = Slope::of(triangle, triangle.colours.map(|colour| colour.to_le_bytes().map(f64::from)));
+        let texels =
+            triangle.texture.as_ref().and_then(|(texture, texels)| Some((textures.get(*texture)?, Slope::of(triangle, *texels))));
+        if triangle.texture.is_some() && texels.is_none() {
+            return;
+        }
+        for y in place.top..place.bottom {
+            let Some((left, right)) = crossing(&triangle.corners, f64::from(y) + 0.5) else { continue };
+            let [left, right] = [edge(left).max(place.left), edge(right).min(place.right)];
+            if left >= right {
+                continue;
+            }
+            let row = self.row(y, left, right);
+            if plain {
+                span(row, triangle.colours[0]);
+                continue;
+            }
+            let middle = [f64::from(left) + 0.5, f64::from(y) + 0.5];
+            let colour = colours.along(middle);
+            match &texels {
+                None => {
+                    for (pixel, colour) in row.iter_mut().zip(colour) {
+                        blend(pixel, u32::from_le_bytes(colour.map(|channel| (channel + 0.5) as u8)));
+                    }
+                }
+                Some((texture, slope)) => {
+                    let fine = slope.across.iter().all(|step| step.abs() > 1.0);
+                    for ((pixel, colour), texel) in row.iter_mut().zip(colour).zip(slope.along(middle)) {
+                        let colour = u32::from_le_bytes(colour.map(|channel| (channel + 0.5) as u8));
+                        blend(pixel, tinted(texture.sample(texel, fine), colour));
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Puts one colour on pixels side by side.
+fn span(row: &mut [u32], colour: u32) {
+    if colour >> 24 == 0xff {
+        row.fill(colour & 0x00ff_ffff);
+    } else {
+        row.iter_mut().for_each(|pixel| *pixel = over(colour, *pixel));
+    }
+}
+
+/// Where the middle of a row enters and leaves a triangle.
+fn crossing(corners: &[[f64; 2]; 3], y: f64) -> Option<(f64, f64)> {
+    let mut found = [None; 2];
+    for [from, to] in [[0, 1], [1, 2], [2, 0]].map(|ends| ends.map(|end| corners[end])) {
+        let [upper, lower] = if from[1] <= to[1] { [from, to] } else { [to, from] };
+        if upper[1] <= y && y < lower[1] {
+            let x = upper[0] + (y - upper[1]) * ((lower[0] - upper[0]) / (lower[1] - upper[1]));
+            found[usize::from(found[0].is_some())] = Some(x);
+        }
+    }
+    let [Some(a), Some(b)] = found else { return None };
+    Some((a.min(b), a.max(b)))
+}
+
+/// Numbers that change evenly over a triangle.
+struct Slope<const N: usize> {
+    origin: [f64; 2],
+    start: [f64; N],
+    across: [f64; N],
+    down: [f64; N],
+    /// What the corners have; between them there is nothing beyond.
+    low: [f32; N],
+    high: [f32; N],
+}
+
+impl<const N: usize> Slope<N> {
+    fn of(triangle: &Triangle, values: [[f64; N]; 3]) -> Self {
+        let [origin, b, c] = triangle.corners;
+        let [[bx, by], [cx, cy]] = [b, c].map(|corner| [corner[0] - origin[0], corner[1] - origin[1]]);
+        let area = bx * cy - cx * by;
+        let rise = |corner: usize, channel: usize| values[corner][channel] - values[0][channel];
+        let finite = |number: f64| if number.is_finite() { number } else { 0.0 };
+        let fold = |choose: fn(f64, f64) -> f64| {
+            std::array::from_fn(|channel| choose(choose(values[0][channel], values[1][channel]), values[2][channel]) as f32)
+        };
+        Self {
+            origin,
+            start: values[0],
+            across: std::array::from_fn(|channel| finite((rise(1, channel) * cy - rise(2, channel) * by) / area)),
+            down: std::array::from_fn(|channel| finite((rise(2, channel) * bx - rise(1, channel) * cx) / area)),
+            low: fold(f64::min),
+            high: fold(f64::max),
+        }
+    }
+
+    /// The numbers at a point, and one pixel further to the right each time.
+    fn along(&self, at: [f64; 2]) -> impl Iterator<Item = [f32; N]> {
+        let [right, below] = [at[0] - self.origin[0], at[1] - self.origin[1]];
+        let start: [f32; N] = std::array::from_fn(|channel| {
+            (self.start[channel] + right * self.across[channel] + below * self.down[channel]) as f32
+        });
+        let step: [f32; N] = self.across.map(|step| step as f32);
+        let mut count = 0.0;
+        std::iter::repeat_with(move || {
+            let now = count;
+            count += 1.0;
+            std::array::from_fn(|channel| (start[channel] + now * step[channel]).max(self.low[channel]).min(self.high[channel]))
+        })
+    }
+}

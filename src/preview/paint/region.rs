@@ -1,0 +1,53 @@
+//! Rectangles of whole pixels.
+
+use std::hash::Hasher;
+
+/// A rectangle of whole pixels: the first column and row in it, and those right after the last.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Region {
+    /// The first column.
+    pub left: i32,
+    /// The first row.
+    pub top: i32,
+    /// The column after the last.
+    pub right: i32,
+    /// The row after the last.
+    pub bottom: i32,
+}
+
+impl Region {
+    /// The pixels that a rectangle in points has at a scale: its borders rounded to the nearest ones between pixels.
+    #[must_use]
+    pub fn of(place: egui::Rect, scale: f32) -> Self {
+        // A conversion saturates, and makes 0 of what is no number.
+        let pixel = |at: f32| (at * scale).round().clamp(-1e8, 1e8) as i32;
+        Self { left: pixel(place.min.x), top: pixel(place.min.y), right: pixel(place.max.x), bottom: pixel(place.max.y) }
+    }
+
+    /// What is in both.
+    #[must_use]
+    pub fn meet(self, other: Self) -> Self {
+        Self {
+            left: self.left.max(other.left),
+            top: self.top.max(other.top),
+            right: self.right.min(other.right),
+            bottom: self.bottom.min(other.bottom),
+        }
+    }
+
+    /// Whether no pixel is in it.
+    #[must_use]
+    pub fn is_empty(self) -> bool {
+        self.left >= self.right || self.top >= self.bottom
+    }
+
+    /// Whether all of `other` is in it.
+    #[must_use]
+    pub fn holds(self, other: Self) -> bool {
+        self.left <= other.left && self.top <= other.top && self.right >= other.right && self.bottom >= other.bottom
+    }
+
+    pub(super) fn write(self, hasher: &mut impl Hasher) {
+        [self.left, self.top, self.right, self.bottom].iter().for_each(|&at| hasher.write_i32(at));
+    }
+}
