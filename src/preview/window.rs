@@ -1,4 +1,16 @@
 //! The window itself: the one room, with those below it, that knows the screen, the keyboard, the pointer and the clipboard.
+//!
+//! Two connections to the display share the work. That of `minifb` has the window, its keys and its bar; a second one (`display`) hears of
+//! every click at the moment it happens, where minifb asks now and then, and hands over only those pixels that changed. Without the second one minifb
+//! does it all. Here is how a window begins and ends; its days are in `turn`.
+
+mod clipboard;
+mod cursor;
+mod display;
+mod incoming;
+mod keys;
+mod polled;
+mod turn;
 
 use crate::preview::Shown;
 use thiserror::Error;
@@ -32,12 +44,61 @@ pub enum WindowError {
     Refused(String),
 }
 
+impl WindowError {
+    /// What the variables of the environment already say.
+    fn foreseen(variable: impl Fn(&str) -> bool) -> Option<Self> {
+        match (variable("DISPLAY"), variable("WAYLAND_DISPLAY")) {
+            (true, _) => None,
+            (false, true) => Some(Self::WaylandOnly),
+            (false, false) => Some(Self::NoDisplay),
+        }
+    }
+}
+
 /// Shows `app` in a window until either wants it closed.
 ///
 /// # Errors
 ///
 /// Where no window can be opened. `app` has then been asked for nothing but its title.
 pub fn run(app: &mut dyn Shown, options: WindowOptions) -> Result<(), WindowError> {
-    let _ = (app, options);
-    Err(WindowError::NoDisplay)
+    let is_set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
+    if let Some(error) = WindowError::foreseen(is_set) {
+        return Err(error);
+    }
+    let [width, height] = options.size.map(|side| side.clamp(1, 1 << 14));
+    let appearance = minifb::WindowOptions { resize: true, scale_mode: minifb::ScaleMode::UpperLeft, ..Default::default() };
+    let title = printable(&app.title());
+    let window =
+        minifb::Window::new(&title, width, height, appearance).map_err(|error| WindowError::Refused(one_line(&error)))?;
+    let mut shell = turn::Shell::new(window, title);
+    app.started(shell.context());
+    while shell.turn(app) {}
+    app.closing();
+    Ok(())
+}
+
+/// A title that a display takes: what ends texts there is left out.
+fn printable(title: &str) -> String {
+    title.replace('\0', "")
+}
+
+fn one_line(error: &minifb::Error) -> String {
+    error.to_string().split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_missing_is_said_in_one_line_that_points_to_a_way_without() {
+        let foreseen = |set: &'static [&str]| WindowError::foreseen(move |name| set.contains(&name));
+        assert_eq!(foreseen(&["DISPLAY", "WAYLAND_DISPLAY"]), None);
+        assert_eq!(foreseen(&["WAYLAND_DISPLAY"]), Some(WindowError::WaylandOnly));
+        assert_eq!(foreseen(&[]), Some(WindowError::NoDisplay));
+        for error in [WindowError::NoDisplay, WindowError::WaylandOnly, WindowError::Refused("no".into())] {
+            let text = error.to_string();
+            assert!(text.contains("`illuminator render`") && text.lines().count() == 1, "{text}");
+        }
+    }
 }

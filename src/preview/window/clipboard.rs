@@ -1,0 +1,43 @@
+//! The clipboard, as far as there is one: what cannot be read is empty, and what cannot be written is lost.
+
+use arboard::{ImageData, SetExtLinux};
+use egui::ColorImage;
+
+/// Opened when it is first asked for: most sessions never do.
+#[derive(Default)]
+pub(super) struct Clipboard {
+    opened: Option<Option<arboard::Clipboard>>,
+}
+
+impl Clipboard {
+    fn open(&mut self) -> Option<&mut arboard::Clipboard> {
+        self.opened.get_or_insert_with(|| arboard::Clipboard::new().ok()).as_mut()
+    }
+
+    /// The text in it. Lines end as they do here.
+    pub(super) fn text(&mut self) -> Option<String> {
+        let text = self.open()?.get_text().ok()?;
+        Some(text.replace("\r\n", "\n")).filter(|text| !text.is_empty())
+    }
+
+    pub(super) fn set_text(&mut self, text: String) {
+        if let Some(clipboard) = self.open() {
+            let _ = clipboard.set_text(text);
+        }
+    }
+
+    /// What is selected, for a click with the middle button elsewhere.
+    pub(super) fn set_selection(&mut self, text: String) {
+        if let Some(clipboard) = self.open() {
+            let _ = clipboard.set().clipboard(arboard::LinuxClipboardKind::Primary).text(text);
+        }
+    }
+
+    pub(super) fn set_image(&mut self, image: &ColorImage) {
+        let [width, height] = image.size;
+        let bytes: Vec<u8> = image.pixels.iter().flat_map(egui::Color32::to_srgba_unmultiplied).collect();
+        if let Some(clipboard) = self.open() {
+            let _ = clipboard.set_image(ImageData { width, height, bytes: bytes.into() });
+        }
+    }
+}

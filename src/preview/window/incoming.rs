@@ -1,0 +1,105 @@
+//! What came in and waits to be seen by the widgets, in order and in portions that a frame can see apart.
+//!
+//! egui finds out what is under the pointer once a frame, and a widget is clicked once a frame. So a frame sees no more than one click, and no
+//! movement after a press.
+
+use egui::Event;
+use std::collections::VecDeque;
+use std::time::Instant;
+
+/// Events that wait.
+#[derive(Debug, Default)]
+pub(super) struct Incoming {
+    waiting: VecDeque<(Event, Instant)>,
+}
+
+/// What one frame sees.
+#[derive(Debug, Default, PartialEq)]
+pub(super) struct Portion {
+    pub(super) events: Vec<Event>,
+    /// When the earliest movement of the pointer in it came in.
+    pub(super) motion: Option<Instant>,
+}
+
+impl Incoming {
+    pub(super) fn push(&mut self, event: Event, at: Instant) {
+        self.waiting.push_back((event, at));
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.waiting.is_empty()
+    }
+
+    /// Whether something waits that is more than a movement.
+    pub(super) fn is_urgent(&self) -> bool {
+        self.waiting.iter().any(|(event, _)| !matches!(event, Event::PointerMoved(_)))
+    }
+
+    /// Takes what the next frame is to see.
+    pub(super) fn portion(&mut self) -> Portion {
+        let mut portion = Portion::default();
+        let [mut pressed, mut released] = [false, false];
+        while let Some((event, at)) = self.waiting.pop_front() {
+            match &event {
+                Event::PointerMoved(_) if pressed || released => {
+                    self.waiting.push_front((event, at));
+                    break;
+                }
+                Event::PointerMoved(_) => {
+                    portion.motion.get_or_insert(at);
+                    if let Some(Event::PointerMoved(_)) = portion.events.last() {
+                        portion.events.pop();
+                    }
+                }
+                Event::PointerButton { pressed: true, .. } if released => {
+                    self.waiting.push_front((event, at));
+                    break;
+                }
+                Event::PointerButton { pressed: true, .. } => pressed = true,
+                Event::PointerButton { pressed: false, .. } => released = true,
+                _ => {}
+            }
+            portion.events.push(event);
+        }
+        portion
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use egui::{Modifiers, PointerButton, pos2};
+
+    fn moved(x: f32) -> Event {
+        Event::PointerMoved(pos2(x, 0.0))
+    }
+
+    fn button(pressed: bool) -> Event {
+        Event::PointerButton { pos: pos2(1.0, 1.0), button: PointerButton::Primary, pressed, modifiers: Modifiers::NONE }
+    }
+
+    fn portions(events: impl IntoIterator<Item = Event>) -> Vec<Vec<Event>> {
+        let mut incoming = Incoming::default();
+        events.into_iter().for_each(|event| incoming.push(event, Instant::now()));
+        std::iter::from_fn(|| (!incoming.is_empty()).then(|| incoming.portion().events)).collect()
+    }
+
+    #[test]
+    fn every_click_is_seen_by_a_frame_of_its_own() {
+        let clicks = [button(true), button(false)].repeat(3);
+        assert_eq!(portions(clicks), vec![vec![button(true), button(false)]; 3]);
+    }
+
+    #[test]
+    fn movements_run_together_but_not_past_a_press() {
+        let events = [moved(1.0), moved(2.0), button(true), moved(3.0), moved(4.0), button(false), moved(5.0)];
+        let expected = vec![vec![moved(2.0), button(true)], vec![moved(4.0), button(false)], vec![moved(5.0)]];
+        assert_eq!(portions(events), expected);
+    }
+
+    #[test]
+    fn keys_keep_their_place() {
+        let events = [Event::Text("a".into()), moved(1.0), Event::Text("b".into()), button(true)];
+        assert_eq!(portions(events.clone()), vec![events.to_vec()]);
+    }
+}

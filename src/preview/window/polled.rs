@@ -1,0 +1,45 @@
+//! The pointer as minifb knows it, for want of anything better: where it is now, which buttons are down now. A click between two looks is lost.
+
+use super::display::Pointer;
+use egui::PointerButton;
+use minifb::{MouseButton, MouseMode, Window};
+
+const BUTTONS: [(MouseButton, PointerButton); 5] = [
+    (MouseButton::Left, PointerButton::Primary),
+    (MouseButton::Middle, PointerButton::Middle),
+    (MouseButton::Right, PointerButton::Secondary),
+    (MouseButton::Back, PointerButton::Extra1),
+    (MouseButton::Forward, PointerButton::Extra2),
+];
+
+/// What was so at the last look.
+#[derive(Debug, Default)]
+pub(super) struct Polled {
+    at: Option<[f32; 2]>,
+    down: [bool; BUTTONS.len()],
+}
+
+impl Polled {
+    /// What is different now.
+    pub(super) fn look(&mut self, window: &Window) -> Vec<Pointer> {
+        let mut told = Vec::new();
+        let held = self.down.contains(&true);
+        // While a button is held, the pointer is followed beyond the window.
+        let mode = if held { MouseMode::Pass } else { MouseMode::Discard };
+        let at = window.get_unscaled_mouse_pos(mode).map(|(x, y)| [x, y]);
+        if at != self.at {
+            told.push(at.map_or(Pointer::Gone, Pointer::Moved));
+            self.at = at;
+        }
+        let Some(at) = at else { return told };
+        for ((theirs, button), down) in BUTTONS.into_iter().zip(&mut self.down) {
+            let pressed = window.get_mouse_down(theirs);
+            if pressed != *down {
+                *down = pressed;
+                told.push(Pointer::Button { at, button, pressed });
+            }
+        }
+        told.extend(window.get_scroll_wheel().map(|(x, y)| Pointer::Wheel([x, y])));
+        told
+    }
+}

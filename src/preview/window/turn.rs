@@ -1,0 +1,356 @@
+//! The days of a window: wait until something happens, let the widgets see it, paint what changed, hand it over.
+//!
+//! Where nothing happens, nothing is done: the window sleeps until the display or another thread wakes it, and looks up a few times a second for
+//! what comes without a signal. A frame in which nothing changed is not handed over: that costs more than all the rest.
+
+use super::clipboard::Clipboard;
+use super::display::{Display, Pointer, Signal};
+use super::incoming::Incoming;
+use super::keys::{Keyboard, Strokes};
+use super::polled::Polled;
+use super::{cursor, printable};
+use crate::preview::paint::{Frame, Painter, Region};
+use crate::preview::{FrameTimes, Shown};
+use egui::{Event, FullOutput, OutputCommand, RawInput, ViewportCommand, ViewportId};
+use std::sync::mpsc::{Receiver, channel};
+use std::time::{Duration, Instant};
+
+/// How soon after a frame the next may follow for a movement of the pointer.
+const MOTION: Duration = Duration::from_millis(4);
+
+/// How soon after a frame the next may follow that it asked for itself, as for an animation.
+const ANIMATION: Duration = Duration::from_millis(16);
+
+/// How often minifb is asked for news while there are any, and long after there were.
+const AWAKE: Duration = Duration::from_millis(8);
+const ASLEEP: Duration = Duration::from_millis(100);
+
+/// How long after the last news there may be more of a kind that gives no signal, as from an input method.
+const LATE: Duration = Duration::from_millis(300);
+
+/// How often the pixels are handed over again where nobody says that they were lost.
+const AGAIN: Duration = Duration::from_millis(400);
+
+/// A window and what it needs to live.
+pub(super) struct Shell {
+    window: minifb::Window,
+    display: Option<Display>,
+    polled: Polled,
+    signals: Receiver<Signal>,
+    strokes: Strokes,
+    keyboard: Keyboard,
+    clipboard: Clipboard,
+    incoming: Incoming,
+    context: egui::Context,
+    painter: Painter,
+    title: String,
+    size: [usize; 2],
+    focused: bool,
+    hidden: bool,
+    /// All pixels are to be handed over, whether they changed or not.
+    lost: bool,
+    begun: Instant,
+    news: Instant,
+    last: Instant,
+    presented: Instant,
+    /// When the next frame is wanted though nothing comes in.
+    due: Option<Instant>,
+}
+
+impl Shell {
+    pub(super) fn new(mut window: minifb::Window, title: String) -> Self {
+        let strokes = Strokes::default();
+        window.set_input_callback(Box::new(strokes.clone()));
+        window.set_target_fps(0);
+        let (sender, signals) = channel();
+        let context = egui::Context::default();
+        // The size of widgets is the application's to set.
+        context.options_mut(|options| options.zoom_with_keyboard = false);
+        let (own, waker) = (std::thread::current().id(), sender.clone());
+        context.set_request_repaint_callback(move |wish| {
+            if let Some(at) = Instant::now().checked_add(wish.delay) {
+                let _ = waker.send(Signal::Repaint { at, own: std::thread::current().id() == own });
+            }
+        });
+        let display = u32::try_from(window.get_window_handle() as usize).ok().and_then(|handle| Display::open(handle, sender));
+        let now = Instant::now();
+        Self {
+            window,
+            display,
+            polled: Polled::default(),
+            signals,
+            strokes,
+            keyboard: Keyboard::default(),
+            clipboard: Clipboard::default(),
+            incoming: Incoming::default(),
+            context,
+            painter: Painter::new(),
+            title,
+            size: [0, 0],
+            focused: true,
+            hidden: false,
+            lost: true,
+            begun: now,
+            news: now,
+            last: now,
+            presented: now,
+            due: Some(now),
+        }
+    }
+
+    pub(super) fn context(&self) -> &egui::Context {
+        &self.context
+    }
+
+    /// Waits, and does what there is to do. False where the window is to close.
+    pub(super) fn turn(&mut self, app: &mut dyn Shown) -> bool {
+        let signals = self.wait();
+        self.window.update();
+        if !self.window.is_open() {
+            return false;
+        }
+        let scale = sound(app.scale()) * self.context.zoom_factor();
+        self.sort(signals, scale);
+        self.look(scale);
+        if self.next().is_some_and(|at| at <= Instant::now()) {
+            return self.frame(app);
+        }
+        if self.lost || (self.display.is_none() && self.presented.elapsed() > AGAIN) {
+            self.present(&[self.whole()]);
+        }
+        true
+    }
+
+    /// When the next frame is wanted.
+    fn next(&self) -> Option<Instant> {
+        let now = Instant::now();
+        let seen = if self.incoming.is_urgent() { Some(now) } else { (!self.incoming.is_empty()).then(|| self.last + MOTION) };
+        seen.into_iter().chain(self.due).min()
+    }
+
+    /// Sleeps until there is something to do or to look at.
+    fn wait(&self) -> Vec<Signal> {
+        let now = Instant::now();
+        let rest = if self.display.is_some() && now.duration_since(self.news) > LATE { ASLEEP } else { AWAKE };
+        let until = self.next().map_or(rest, |at| at.saturating_duration_since(now).min(rest));
+        let first = if self.strokes.is_empty() && !until.is_zero() { self.signals.recv_timeout(until).ok() } else { None };
+        first.into_iter().chain(self.signals.try_iter()).collect()
+    }
+
+    /// Puts what was heard and what was typed into one order.
+    fn sort(&mut self, signals: Vec<Signal>, scale: f32) {
+        let strokes = self.strokes.take();
+        if !signals.is_empty() || !strokes.is_empty() {
+            self.news = Instant::now();
+        }
+        // Keys are heard of twice. Where the counts agree, it is known between which clicks they were typed.
+        let is_key = |stroke: &super::keys::Stroke| matches!(stroke, super::keys::Stroke::Key(..));
+        let known = strokes.iter().filter(|stroke| is_key(stroke)).count()
+            == signals.iter().filter(|signal| **signal == Signal::Key).count();
+        let mut strokes = strokes.into_iter().peekable();
+        for signal in signals {
+            match signal {
+                Signal::Pointer(pointer, modifiers, at) => self.pointer(pointer, modifiers, at, scale),
+                Signal::Key if known => {
+                    while let Some(stroke) = strokes.next() {
+                        self.stroke(stroke);
+                        if strokes.peek().is_some_and(is_key) {
+                            break;
+                        }
+                    }
+                }
+                Signal::Exposed => self.lost = true,
+                Signal::Mapped(mapped) => {
+                    self.hidden = !mapped;
+                    self.lost |= mapped;
+                }
+                Signal::Repaint { at, own } => {
+                    let at = if own { at.max(self.last + ANIMATION) } else { at };
+                    self.due = self.due.into_iter().chain([at]).min();
+                }
+                Signal::Key | Signal::Other => {}
+            }
+        }
+        strokes.for_each(|stroke| self.stroke(stroke));
+        if self.display.is_none() {
+            let modifiers = self.keyboard.modifiers();
+            for pointer in self.polled.look(&self.window) {
+                self.news = Instant::now();
+                self.pointer(pointer, modifiers, Instant::now(), scale);
+            }
+        }
+    }
+
+    fn stroke(&mut self, stroke: super::keys::Stroke) {
+        let mut told = Vec::new();
+        self.keyboard.stroke(stroke, &mut self.clipboard, &mut told);
+        told.into_iter().for_each(|event| self.incoming.push(event, Instant::now()));
+    }
+
+    fn pointer(&mut self, pointer: Pointer, modifiers: egui::Modifiers, at: Instant, scale: f32) {
+        if let Some(event) = self.keyboard.correct(modifiers) {
+            self.incoming.push(event, at);
+        }
+        let point = |[x, y]: [f32; 2]| egui::pos2(x, y) / scale;
+        let event = match pointer {
+            Pointer::Moved(place) => Event::PointerMoved(point(place)),
+            Pointer::Gone => Event::PointerGone,
+            Pointer::Button { at, button, pressed } => Event::PointerButton { pos: point(at), button, pressed, modifiers },
+            Pointer::Wheel(notches) => Event::MouseWheel {
+                unit: egui::MouseWheelUnit::Line,
+                delta: notches.into(),
+                phase: egui::TouchPhase::Move,
+                source: egui::MouseWheelSource::Wheel,
+                modifiers,
+            },
+        };
+        self.incoming.push(event, at);
+    }
+
+    /// Notices what minifb knows without telling: size and focus.
+    fn look(&mut self, scale: f32) {
+        let (width, height) = self.window.get_size();
+        if self.size != [width, height] {
+            self.size = [width, height];
+            self.lost = true;
+            self.due = Some(Instant::now());
+        }
+        if self.focused != self.window.is_active() {
+            self.focused = self.window.is_active();
+            let mut told = Vec::new();
+            if !self.focused {
+                self.keyboard.release(&mut told);
+            }
+            told.push(Event::WindowFocused(self.focused));
+            told.into_iter().for_each(|event| self.incoming.push(event, Instant::now()));
+        }
+        let _ = scale;
+    }
+
+    /// Shows a frame. False where the window is to close.
+    fn frame(&mut self, app: &mut dyn Shown) -> bool {
+        let start = Instant::now();
+        self.last = start;
+        self.due = self.due.filter(|due| *due > start);
+        let mut motion = None;
+        let mut closes = false;
+        let mut output = loop {
+            let portion = self.incoming.portion();
+            motion = motion.or(portion.motion);
+            let input = self.input(portion.events, sound(app.scale()));
+            let mut output = self.context.run_ui(input, |ui| app.ui(ui));
+            self.painter.update_textures(&mut output.textures_delta);
+            closes |= self.obey(&mut output);
+            if self.incoming.is_empty() {
+                break output;
+            }
+        };
+        let widgets = self.context.tessellate(std::mem::take(&mut output.shapes), output.pixels_per_point);
+        let background = self.context.global_style().visuals.panel_fill.to_array();
+        let laid_out = Instant::now();
+
+        let picture = app.picture();
+        let version = picture.as_ref().map(|picture| picture.version);
+        let frame = Frame {
+            size: self.size,
+            scale: output.pixels_per_point,
+            background: u32::from_be_bytes([0, background[0], background[1], background[2]]),
+            widgets: &widgets,
+            picture,
+        };
+        let changed = self.painter.paint(&frame).to_vec();
+        let painted = Instant::now();
+
+        let presents = !self.hidden && (self.lost || !changed.is_empty());
+        if presents {
+            self.present(&if self.lost { vec![self.whole()] } else { changed });
+        }
+        let finished = Instant::now();
+        app.timed(&FrameTimes {
+            layout: laid_out - start,
+            painting: painted - laid_out,
+            present: presents.then(|| finished - painted),
+            motion,
+            finished: Some(finished),
+            picture: version,
+        });
+        self.rename(app);
+        !closes && !app.wants_close()
+    }
+
+    fn input(&self, events: Vec<Event>, scale: f32) -> RawInput {
+        let size = egui::vec2(self.size[0] as f32, self.size[1] as f32) / (scale * self.context.zoom_factor());
+        let mut input = RawInput {
+            screen_rect: Some(egui::Rect::from_min_size(egui::Pos2::ZERO, size)),
+            max_texture_side: Some(1 << 13),
+            time: Some(self.begun.elapsed().as_secs_f64()),
+            events,
+            focused: self.focused,
+            ..RawInput::default()
+        };
+        if let Some(viewport) = input.viewports.get_mut(&ViewportId::ROOT) {
+            viewport.native_pixels_per_point = Some(scale);
+            viewport.inner_rect = input.screen_rect;
+            viewport.focused = Some(self.focused);
+            viewport.minimized = Some(self.hidden);
+        }
+        input
+    }
+
+    /// Does what the widgets ask of the system. True where they want the window closed.
+    fn obey(&mut self, output: &mut FullOutput) -> bool {
+        for command in output.platform_output.commands.drain(..) {
+            match command {
+                OutputCommand::CopyText(text) => self.clipboard.set_text(text),
+                OutputCommand::TextSelectionSettled(text) if !text.is_empty() => self.clipboard.set_selection(text),
+                OutputCommand::CopyImage(image) => self.clipboard.set_image(&image),
+                // There is nothing in the workshop that leads to the web.
+                OutputCommand::TextSelectionSettled(_) | OutputCommand::OpenUrl(_) => {}
+            }
+        }
+        self.window.set_cursor_style(cursor::style(output.platform_output.cursor_icon));
+        let Some(root) = output.viewport_output.get(&ViewportId::ROOT) else { return false };
+        if let Some(at) = Instant::now().checked_add(root.repaint_delay) {
+            self.due = self.due.into_iter().chain([at.max(self.last + ANIMATION)]).min();
+        }
+        root.commands.iter().any(|command| matches!(command, ViewportCommand::Close))
+    }
+
+    fn rename(&mut self, app: &dyn Shown) {
+        let title = printable(&app.title());
+        if title != self.title {
+            self.window.set_title(&title);
+            self.title = title;
+        }
+    }
+
+    fn whole(&self) -> Region {
+        let [right, bottom] = self.painter.size().map(|side| side as i32);
+        Region { left: 0, top: 0, right, bottom }
+    }
+
+    /// Hands pixels over to the display.
+    fn present(&mut self, changed: &[Region]) {
+        let [width, height] = self.painter.size();
+        if width == 0 || height == 0 {
+            return;
+        }
+        let pixels = self.painter.pixels();
+        if let Some(display) = &mut self.display
+            && display.present(pixels, width, changed).is_err()
+        {
+            self.display = None;
+        }
+        if self.display.is_none() {
+            // It can only refuse pixels that are fewer than it is told.
+            let _ = self.window.update_with_buffer(pixels, width, height);
+        }
+        self.lost = false;
+        self.presented = Instant::now();
+    }
+}
+
+/// A scale that widgets can be laid out at.
+fn sound(scale: f32) -> f32 {
+    if scale.is_finite() { scale.clamp(0.5, 4.0) } else { 1.0 }
+}
