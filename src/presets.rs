@@ -52,7 +52,7 @@ const FORMULAS: &[(&str, &str)] =
 const SCENES: &[(&str, &str)] = files!("scene", "scene": "studio", "glass", "highlights", "sunset", "crystals", "dozen");
 const SESSIONS: &[(&str, &str)] =
     files!("session", "toml": "default", "studio", "glass", "highlights", "sunset", "crystals", "dozen");
-const MATERIALS: &[(&str, &str)] = files!("material", "materials":);
+const MATERIALS: &[(&str, &str)] = files!("material", "toml": "phong", "blinn-phong", "strauss");
 
 /// The text of a built-in file.
 pub fn text(kind: Kind, name: &str) -> Option<&'static str> {
@@ -70,7 +70,7 @@ mod tests {
     use crate::formula::Formula;
     use crate::lang::source::Source;
     use crate::scene::Scene;
-    use crate::workspace::Session;
+    use crate::workspace::{Library, Session};
 
     fn sources(kind: Kind) -> impl Iterator<Item = Source> {
         names(kind).map(move |name| Source::new(name, text(kind, name).unwrap()))
@@ -86,6 +86,10 @@ mod tests {
         }
         for source in sources(Kind::Session) {
             Session::parse(&source).unwrap_or_else(|errors| panic!("{}", errors.render(&source, false)));
+        }
+        for source in sources(Kind::Material) {
+            let (library, warnings) = Library::parse(&source).unwrap_or_else(|errors| panic!("{}", errors.render(&source, false)));
+            assert!(warnings.is_empty() && library.len() >= 6, "{}", source.name());
         }
         assert!(text(Kind::Session, DEFAULT_SESSION).is_some());
     }

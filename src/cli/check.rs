@@ -9,7 +9,7 @@ use illuminator::lang::source::Source;
 use illuminator::presets::Kind;
 use illuminator::scene::Scene;
 use illuminator::workspace::files::{Location, kind_of, read_file};
-use illuminator::workspace::{Roster, Session, Values};
+use illuminator::workspace::{Library, Roster, Session, Values};
 use std::ffi::OsString;
 use std::path::Path;
 
@@ -30,6 +30,7 @@ enum KindName {
     Formula,
     Scene,
     Session,
+    Material,
 }
 
 /// Looks at all files, whatever is wrong with the first ones.
@@ -41,6 +42,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
             KindName::Formula => Kind::Formula,
             KindName::Scene => Kind::Scene,
             KindName::Session => Kind::Session,
+            KindName::Material => Kind::Material,
         });
         wrong |= !check(&location, given)?;
     }
@@ -59,7 +61,8 @@ fn check(location: &Location, given: Option<Kind>) -> Result<bool, Failure> {
     let (diagnostics, more_warnings, rest_is_sound) = match kind {
         Kind::Formula => (found(Formula::parse(&source), &source), 0, true),
         Kind::Scene => (found(Scene::parse(&source), &source), 0, true),
-        Kind::Session | Kind::Material => check_session(location, &source),
+        Kind::Session => check_session(location, &source),
+        Kind::Material => (found(Library::parse(&source), &source), 0, true),
     };
     let [errors, warnings] = count(&diagnostics);
     let warnings = warnings + more_warnings;
@@ -86,7 +89,10 @@ fn read(location: &Location, given: Option<Kind>) -> Result<(Kind, Source), Diag
             };
             // A formula or a scene with a slip in its first line may look like TOML. The parser of formulas says best what is wrong
             // with anything else.
-            let told = kind_of(source.text()).filter(|kind| *kind != Kind::Session || suffix.is_none());
+            let told = kind_of(source.text()).filter(|kind| match kind {
+                Kind::Formula | Kind::Scene => true,
+                Kind::Session | Kind::Material => suffix.is_none_or(|suffix| suffix == Kind::Session),
+            });
             Ok((told.or(suffix).unwrap_or(Kind::Formula), source))
         }
         Location::Preset(_) => {

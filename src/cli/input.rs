@@ -11,13 +11,17 @@ use illuminator::presets::{DEFAULT_SESSION, Kind};
 use illuminator::scene::Scene;
 use illuminator::trace::{View, usable_memory};
 use illuminator::workspace::files::{Location, kind_of};
+use illuminator::workspace::materials::{Place, data_folder};
 use illuminator::workspace::session::{Lacking, PictureSettings};
-use illuminator::workspace::{Assignment, OwnerId, Roster, Session, Values};
+use illuminator::workspace::{Assignment, OwnerId, Roster, Session, Shelf, Values};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Bytes that each parameter value takes while it is read, checked and kept.
 const BYTES_PER_NUMBER: u64 = 16;
+
+/// How a library of materials is used.
+const LIBRARIES: &str = "a formula names its material library with `#uses FILE;`, and `--material BODY=NAME` takes from it";
 
 /// What the engine works on.
 pub(super) struct Input {
@@ -46,9 +50,13 @@ pub(super) struct OpenSession {
 /// Reads a session; its paths are then relative to the working directory.
 pub(super) fn open_session(location: &Location) -> Result<OpenSession, Failure> {
     let source = location.read(Kind::Session).map_err(Failure::Input)?;
-    if let Some(kind @ (Kind::Formula | Kind::Scene)) = kind_of(source.text()) {
+    let other = kind_of(source.text()).filter(|kind| *kind != Kind::Session);
+    if let Some(kind) = other {
         let diagnostic = Diagnostic::error(format!("`{location}` looks like a {}, not a session", kind.noun()));
-        return Err(Failure::Input(diagnostic.help(format!("give it behind `--{}`", kind.noun()))));
+        return Err(Failure::Input(match kind {
+            Kind::Material => diagnostic.help(LIBRARIES),
+            Kind::Formula | Kind::Scene | Kind::Session => diagnostic.help(format!("give it behind `--{}`", kind.noun())),
+        }));
     }
     let mut session = accept(Session::parse(&source), &source)?;
     if let Location::File(path) = location {
@@ -79,9 +87,14 @@ fn open<T>(
     parse: fn(&Source) -> Result<(T, Diagnostics), Diagnostics>,
 ) -> Result<(Source, T), Failure> {
     let source = location.read(kind).map_err(Failure::Input)?;
-    if kind_of(source.text()) == Some(Kind::Session) && source.name().ends_with(".toml") {
-        let diagnostic = Diagnostic::error(format!("`{location}` looks like a session, not a {}", kind.noun()));
-        return Err(Failure::Input(diagnostic.help("give a session without an option in front of it")));
+    let hint = match kind_of(source.text()) {
+        Some(Kind::Session) => Some((Kind::Session, "give a session without an option in front of it")),
+        Some(Kind::Material) => Some((Kind::Material, LIBRARIES)),
+        Some(Kind::Formula | Kind::Scene) | None => None,
+    };
+    if let Some((found, hint)) = hint.filter(|_| source.name().ends_with(".toml")) {
+        let diagnostic = Diagnostic::error(format!("`{location}` looks like a {}, not a {}", found.noun(), kind.noun()));
+        return Err(Failure::Input(diagnostic.help(hint)));
     }
     let parsed = accept(parse(&source), &source)?;
     Ok((source, parsed))
@@ -110,17 +123,23 @@ pub(super) fn load(options: &InputOptions) -> Result<Input, Failure> {
         Location::File(path) => Some(path),
         Location::Preset(_) => None,
     });
-    let (formula_source, formula, scene) = open_both(&formula, &scene)?;
+    let formula_location = formula;
+    let (formula_source, formula, scene) = open_both(&formula_location, &scene)?;
     let numbers = Layout::new(&formula, scene.bodies.len(), scene.lights.len()).len() as u64;
     if numbers.saturating_mul(BYTES_PER_NUMBER) > options.machine.memory.unwrap_or_else(usable_memory) {
         let message =
             format!("{numbers} parameter values, those of all bodies and lights together, take more memory than may be used");
         return Err(Failure::Input(Diagnostic::error(message).help("`--memory SIZE` allows more")));
     }
-    let files = files.collect();
+    let shelf = match options.materials.as_slice() {
+        [] => None,
+        _ => Some(open_shelf(&formula, &formula_location, &formula_source)?),
+    };
+    let library = shelf.as_ref().and_then(|shelf| shelf.place().file()).map(Path::to_owned);
+    let files = files.chain(library).collect();
     let picture = picture_settings(options, session.as_ref().map(|open| open.session.picture).unwrap_or_default());
     let view = view(&picture)?;
-    let values = values(&formula, &scene, session.as_ref(), replaced, options)?;
+    let values = values(&formula, &scene, session.as_ref(), replaced, shelf.as_ref(), options)?;
     Ok(Input { formula_source, formula: Arc::new(formula), scene: Arc::new(scene), files, values, view, srgb: picture.srgb })
 }
 
@@ -136,10 +155,15 @@ fn values(
     scene: &Scene,
     session: Option<&OpenSession>,
     replaced: Replaced,
+    shelf: Option<&Shelf>,
     options: &InputOptions,
 ) -> Result<Values, Failure> {
     let roster = Roster::new(formula, scene);
-    let set = set_values(options, formula, &roster)?;
+    let mut set = match shelf {
+        Some(shelf) => material_values(options, shelf, &roster)?,
+        None => Vec::new(),
+    };
+    set.extend(set_values(options, formula, &roster)?);
     let kept = session.map_or_else(Vec::new, |open| session_values(open, &roster, replaced).0);
     let (values, warnings) = if replaced.formula || replaced.scene {
         let (mut values, mut warnings) = Values::keeping(formula, scene, &kept);
@@ -175,6 +199,62 @@ fn session_values(open: &OpenSession, roster: &Roster, replaced: Replaced) -> (V
     (assignments, warnings.len())
 }
 
+/// Reads the materials of a formula.
+fn open_shelf(formula: &Formula, location: &Location, source: &Source) -> Result<Shelf, Failure> {
+    let place = Place::of(formula.uses.as_deref(), Some(location), data_folder().as_deref()).map_err(|reason| {
+        // Where nothing is named, nothing can be marked.
+        match illuminator::lang::parser::parse(source).0.uses {
+            Some((_, span)) => {
+                explain(&reason.at(span, "").into(), source);
+                Failure::Reported
+            }
+            None => Failure::CommandLine(reason),
+        }
+    })?;
+    match Shelf::open(place) {
+        Ok((shelf, found)) => {
+            explain(&found.diagnostics, &found.source);
+            Ok(shelf)
+        }
+        Err(found) => {
+            explain(&found.diagnostics, &found.source);
+            Err(Failure::Reported)
+        }
+    }
+}
+
+/// The values of the materials that the command line gives to bodies.
+fn material_values(options: &InputOptions, shelf: &Shelf, roster: &Roster) -> Result<Vec<Assignment>, Failure> {
+    let mut assignments = Vec::new();
+    let mut failed = FirstToLast::default();
+    for choice in &options.materials {
+        match choice.resolve(shelf, roster) {
+            Ok((given, warnings)) => {
+                explain(&warnings, shelf.source_of(&choice.material));
+                assignments.extend(given);
+            }
+            Err(error) => failed.add(format!("--material {choice}: {error}")),
+        }
+    }
+    failed.end(assignments)
+}
+
+/// What is wrong with several options: all of it is said, the last as the reason for giving up.
+#[derive(Default)]
+struct FirstToLast(Option<Diagnostic>);
+
+impl FirstToLast {
+    fn add(&mut self, message: String) {
+        if let Some(earlier) = self.0.replace(Diagnostic::error(message)) {
+            say(&earlier);
+        }
+    }
+
+    fn end<T>(self, outcome: T) -> Result<T, Failure> {
+        self.0.map_or(Ok(outcome), |last| Err(Failure::CommandLine(last)))
+    }
+}
+
 /// The values that the command line gives.
 fn set_values(options: &InputOptions, formula: &Formula, roster: &Roster) -> Result<Vec<Assignment>, Failure> {
     let mut assignments = Vec::new();
@@ -182,20 +262,14 @@ fn set_values(options: &InputOptions, formula: &Formula, roster: &Roster) -> Res
         let parameter = formula.predefined(Predefined::Background);
         assignments.push(Assignment { owner: OwnerId::Global, parameter, value });
     }
-    let mut failed = None;
+    let mut failed = FirstToLast::default();
     for setting in &options.settings {
         match setting.resolve(roster) {
             Ok(resolved) => assignments.extend(resolved),
-            Err(error) => {
-                // All of them are said, the last one as the reason for giving up.
-                let failure = Failure::command_line(format!("--set {setting}: {error}"));
-                if let Some(Failure::CommandLine(earlier)) = failed.replace(failure) {
-                    say(&earlier);
-                }
-            }
+            Err(error) => failed.add(format!("--set {setting}: {error}")),
         }
     }
-    failed.map_or(Ok(assignments), Err)
+    failed.end(assignments)
 }
 
 /// A session's settings with what the command line says instead.

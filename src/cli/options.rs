@@ -5,6 +5,7 @@ use illuminator::lang::ast::Constant;
 use illuminator::trace::{MAX_DEPTH, MAX_SIDE};
 use illuminator::workspace::Setting;
 use illuminator::workspace::assignment::parse_value;
+use illuminator::workspace::materials::Choice;
 use std::ffi::OsString;
 
 /// What is looked at, and how.
@@ -18,6 +19,9 @@ pub(super) struct InputOptions {
     /// Scene file; values are kept where owner and name exist in it too
     #[arg(long, short, value_name = "FILE")]
     pub(super) scene: Option<OsString>,
+    /// Give a body a material of the library that the formula names, or *=NAME to all; values set by --set count over it
+    #[arg(long = "material", value_name = "BODY=NAME")]
+    pub(super) materials: Vec<Choice>,
     /// Set a value: ball.kd=0.3, key.IL=<1,0.9,0.8>, ka=0.1, *.kd=0.3 for all
     #[arg(long = "set", value_name = "OWNER.PARAM=VALUE")]
     pub(super) settings: Vec<Setting>,

@@ -2,7 +2,8 @@
 
 use crate::formula::ParameterId;
 use crate::lang::ast::Constant;
-use crate::lang::diagnostic::nearest;
+use crate::lang::diagnostic::{Diagnostic, nearest};
+use crate::lang::source::Span;
 use crate::lang::variables::Owner;
 use crate::workspace::owner::OwnerId;
 use crate::workspace::roster::Roster;
@@ -18,6 +19,35 @@ pub struct Assignment {
     pub parameter: ParameterId,
     /// The value; a scalar is the first component.
     pub value: [f32; 3],
+}
+
+impl Assignment {
+    /// What a file's value for a parameter of this name, which stands at `place` there, means for an owner.
+    ///
+    /// # Errors
+    /// The warning that there is no such parameter, or that it is of the other type.
+    pub(super) fn by_name(
+        roster: &Roster,
+        owner: OwnerId,
+        name: &str,
+        value: Constant,
+        place: Span,
+    ) -> Result<Assignment, Diagnostic> {
+        let known = roster.parameter_named(name).filter(|id| roster.parameter(*id).owner == owner.kind());
+        let Some(parameter) = known else {
+            let adjective = owner.kind().adjective();
+            return Err(Diagnostic::warning(format!("the formula has no {adjective} parameter `{name}`; its value is left out"))
+                .at(place, "not in the formula"));
+        };
+        let ty = roster.parameter(parameter).ty;
+        if ty != value.ty() {
+            let message = format!("`{name}` is {} in the formula; this value is left out", ty.with_article());
+            return Err(Diagnostic::warning(message).at(place, format!("{} here", value.ty().with_article())));
+        }
+        let mut numbers = [0.0; 3];
+        value.components().iter().zip(&mut numbers).for_each(|(from, to)| *to = *from);
+        Ok(Assignment { owner, parameter, value: numbers })
+    }
 }
 
 /// Whose parameter a setting means.
@@ -185,7 +215,7 @@ fn unknown_parameter(name: &str, owner: Option<OwnerId>, roster: &Roster) -> Set
 }
 
 /// The nearest of the known names; where none is near, all of them, if they are few.
-fn hint(name: &str, known: &[&str]) -> String {
+pub(super) fn hint(name: &str, known: &[&str]) -> String {
     /// More names than this say nothing in a message.
     const FEW: usize = 12;
     match nearest(name, known.iter().copied()) {

@@ -3,12 +3,33 @@
 use crate::lang::ast::Constant;
 use crate::lang::diagnostic::{Diagnostic, Diagnostics, nearest};
 use crate::lang::source::{Source, Span};
+use serde::Serialize;
 use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeInteger, DeTable, DeValue};
 
 /// The version of the files that are written, and the only one that is read.
 pub(super) const VERSION: i64 = 1;
+
+/// The key that says the version.
+pub(super) const VERSION_KEY: &str = "version";
+
+/// The value of a parameter as it is written.
+#[derive(Serialize)]
+#[serde(untagged)]
+pub(super) enum Number {
+    Scalar(f32),
+    Vector([f32; 3]),
+}
+
+impl From<Constant> for Number {
+    fn from(value: Constant) -> Self {
+        match value {
+            Constant::Scalar(number) => Number::Scalar(number),
+            Constant::Vector(numbers) => Number::Vector(numbers),
+        }
+    }
+}
 
 /// A key of a table with its value.
 pub(super) struct Entry<'t> {

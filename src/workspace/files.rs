@@ -73,7 +73,8 @@ impl fmt::Display for Location {
     }
 }
 
-fn unknown_preset(kind: Kind, name: &str) -> Diagnostic {
+/// The error that there is no built-in file of this kind and name, with the nearest.
+pub(super) fn unknown_preset(kind: Kind, name: &str) -> Diagnostic {
     let noun = kind.noun();
     let error = Diagnostic::error(format!("there is no built-in {noun} `{PRESET}{name}`"));
     if let Some(other) = Kind::ALL.into_iter().find(|other| presets::text(*other, name).is_some()) {
@@ -111,7 +112,7 @@ pub fn read_file(path: &Path, kind: Option<Kind>) -> Result<Source, Diagnostic> 
     }
     let too_large = |bytes: u64| {
         Diagnostic::error(format!("`{name}` is too large for a {noun}: {bytes} bytes or more"))
-            .help(format!("formulas, scenes and sessions are texts of at most {MAX_BYTES} bytes"))
+            .help(format!("formulas, scenes, sessions and material libraries are texts of at most {MAX_BYTES} bytes"))
     };
     if metadata.len() > MAX_BYTES as u64 {
         return Err(too_large(metadata.len()));
@@ -199,12 +200,30 @@ pub fn kind_of(text: &str) -> Option<Kind> {
     let (word, behind) = rest.split_at(end);
     match (word, behind.trim_start_matches([' ', '\t']).chars().next()) {
         // Only TOML has `[table]` at its beginning, or `key = value`, on one line.
-        ("", Some('[')) => Some(Kind::Session),
-        (key, Some('=')) if !key.is_empty() => Some(Kind::Session),
+        ("", Some('[')) => Some(kind_of_toml(rest)),
+        (key, Some('=')) if !key.is_empty() => Some(kind_of_toml(rest)),
         ("bodies" | "lights" | "camera", _) => Some(Kind::Scene),
         ("global" | "body_specific" | "light_specific" | "invariants" | "formula", _) => Some(Kind::Formula),
         _ => None,
     }
+}
+
+/// What a TOML text is by the first table or value in it: sessions have some of fixed names, libraries of materials only tables of
+/// any other. A text with neither may be both, and counts as a session.
+fn kind_of_toml(text: &str) -> Kind {
+    const TABLES: [&str; 3] = ["global", "bodies", "lights"];
+    for line in text.lines().map(str::trim_start) {
+        let is_table = line.starts_with('[');
+        let (key, value) = if is_table { (&line[1..], "") } else { line.split_once('=').unwrap_or((line, "")) };
+        let mut parts = key.split(['.', ']']).map(str::trim);
+        let first = parts.next().unwrap_or_default();
+        if first.is_empty() && !is_table || first.starts_with('#') || first == "version" {
+            continue;
+        }
+        let holds_values = is_table || value.trim_start().starts_with('{') || parts.next().is_some();
+        return if holds_values && !TABLES.contains(&first) { Kind::Material } else { Kind::Session };
+    }
+    Kind::Session
 }
 
 /// The path from `folder` to a file, where both exist.
@@ -291,6 +310,12 @@ mod tests {
         assert_eq!(kind_of("# a session\nformula = \"x\""), Some(Kind::Session));
         assert_eq!(kind_of("version = 1"), Some(Kind::Session));
         assert_eq!(kind_of("[global]"), Some(Kind::Session));
+        assert_eq!(kind_of("version = 1\n\n# values\n[bodies.ball]"), Some(Kind::Session));
+        assert_eq!(kind_of("version = 1\nshadows = true\n[gold]"), Some(Kind::Session));
+        assert_eq!(kind_of("\u{feff}# metals\nversion = 1\r\n\r\n# yellow\r\n[gold]"), Some(Kind::Material));
+        assert_eq!(kind_of("[\"red plastic\"]\nkd = 1"), Some(Kind::Material));
+        assert_eq!(kind_of("version = 1\ngold = { kr = 1 }"), Some(Kind::Material));
+        assert_eq!(kind_of("version = 1\ngold.kr = 1"), Some(Kind::Material));
         assert_eq!(kind_of("kd: scalar;"), None);
         assert_eq!(kind_of("// no end"), None);
         assert_eq!(kind_of("/* no end"), None);

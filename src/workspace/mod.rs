@@ -1,4 +1,4 @@
-//! What a user edits: parameter values, sessions and the files they name.
+//! What a user edits: parameter values, sessions, materials and the files they name.
 //!
 //! No window, no command line: both are served by these. Held are values by owner and parameter, settled so that ranges and
 //! invariants hold; how they reach a picture is the engine's business.
@@ -6,6 +6,7 @@
 pub mod assignment;
 mod document;
 pub mod files;
+pub mod materials;
 pub mod owner;
 pub mod roster;
 pub mod session;
@@ -13,6 +14,7 @@ pub mod values;
 pub mod warning;
 
 pub use assignment::{Assignment, Setting};
+pub use materials::{Library, Material, Shelf};
 pub use owner::{OwnerId, Owners};
 pub use roster::Roster;
 pub use session::Session;

@@ -143,7 +143,7 @@ impl Session {
         let mut assignments = Vec::new();
         for value in &self.values {
             match value.owner.find(roster) {
-                Some(owner) => match assignment(value, owner, roster) {
+                Some(owner) => match Assignment::by_name(roster, owner, &value.parameter, value.value, value.spans[1]) {
                     Ok(assignment) => assignments.push(assignment),
                     Err(warning) => leftovers.push(Leftover { lacking: Lacking::Parameter, warning }),
                 },
@@ -182,24 +182,6 @@ fn no_owner(value: &NamedValue) -> Diagnostic {
         OwnerName::Light(name) => format!("light `{name}`"),
     };
     Diagnostic::warning(format!("the scene has no {what}; its values are left out")).at(value.spans[0], "not in the scene")
-}
-
-fn assignment(value: &NamedValue, owner: OwnerId, roster: &Roster) -> Result<Assignment, Diagnostic> {
-    let name = &value.parameter;
-    let known = roster.parameter_named(name).filter(|id| roster.parameter(*id).owner == owner.kind());
-    let Some(parameter) = known else {
-        let adjective = owner.kind().adjective();
-        return Err(Diagnostic::warning(format!("the formula has no {adjective} parameter `{name}`; its value is left out"))
-            .at(value.spans[1], "not in the formula"));
-    };
-    let ty = roster.parameter(parameter).ty;
-    if ty != value.value.ty() {
-        let message = format!("`{name}` is {} in the formula; this value is left out", ty.with_article());
-        return Err(Diagnostic::warning(message).at(value.spans[1], format!("{} here", value.value.ty().with_article())));
-    }
-    let mut numbers = [0.0; 3];
-    value.value.components().iter().zip(&mut numbers).for_each(|(from, to)| *to = *from);
-    Ok(Assignment { owner, parameter, value: numbers })
 }
 
 #[cfg(test)]

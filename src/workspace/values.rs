@@ -157,6 +157,17 @@ impl Values {
         moved.into_iter().filter_map(|(id, _)| self.roster.places(owner, id)).flatten().collect()
     }
 
+    /// The value of a body's parameter as a material has it: what the user sees, but where opaque and matte bodies' weights of 0
+    /// would contradict the `=` invariants, which are solved without regard to them.
+    pub(super) fn as_material(&self, body: OwnerId, id: ParameterId) -> &[f32] {
+        let system = self.roster.system(body.kind());
+        let bound = system.is_locked(id) || system.moved_with(id).len() > 1;
+        match self.roster.places(body, id) {
+            Some(places) if bound => &self.settled[places],
+            _ => self.of(body, id),
+        }
+    }
+
     /// The settled value of a scalar; 0 where there is none.
     fn settled(&self, owner: OwnerId, id: ParameterId) -> f32 {
         self.roster.places(owner, id).map_or(0.0, |places| self.settled[places.start])

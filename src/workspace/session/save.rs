@@ -1,7 +1,6 @@
 //! A session as text.
 
-use crate::lang::ast::Constant;
-use crate::workspace::document::VERSION;
+use crate::workspace::document::{Number, VERSION};
 use crate::workspace::session::{OwnerName, Session};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -26,14 +25,6 @@ struct SessionFile<'s> {
 /// The values of one owner by the names of the parameters.
 type Group<'s> = BTreeMap<&'s str, Number>;
 
-/// One value.
-#[derive(Serialize)]
-#[serde(untagged)]
-enum Number {
-    Scalar(f32),
-    Vector([f32; 3]),
-}
-
 pub(super) fn to_toml(session: &Session, folder: &Path) -> Result<String, toml::ser::Error> {
     let mut file = SessionFile {
         version: VERSION,
@@ -54,11 +45,7 @@ pub(super) fn to_toml(session: &Session, folder: &Path) -> Result<String, toml::
             OwnerName::Body(name) => file.bodies.entry(name).or_default(),
             OwnerName::Light(name) => file.lights.entry(name).or_default(),
         };
-        let number = match value.value {
-            Constant::Scalar(number) => Number::Scalar(number),
-            Constant::Vector(numbers) => Number::Vector(numbers),
-        };
-        group.insert(&value.parameter, number);
+        group.insert(&value.parameter, value.value.into());
     }
     toml::to_string(&file)
 }

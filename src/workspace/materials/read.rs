@@ -1,0 +1,59 @@
+//! The text of a material library into names and numbers.
+
+use crate::lang::diagnostic::{Diagnostic, Diagnostics};
+use crate::lang::source::Source;
+use crate::workspace::document::{Entry, VERSION_KEY, check_version, entries, parse as parse_toml};
+use crate::workspace::materials::{Library, Material, NameError, Property};
+
+pub(super) fn parse(source: &Source) -> Result<(Library, Diagnostics), Diagnostics> {
+    let table = parse_toml(source)?;
+    let mut diagnostics = Diagnostics::new();
+    let mut library = Library::default();
+    let mut version = None;
+    for entry in entries(&table) {
+        if entry.key == VERSION_KEY {
+            version = Some(entry.value);
+        } else if let Some(material) = material(&entry, &mut diagnostics) {
+            // TOML has no table twice.
+            library.put(material);
+        }
+    }
+    check_version(version, &mut diagnostics);
+    diagnostics.sort();
+    if diagnostics.has_errors() { Err(diagnostics) } else { Ok((library, diagnostics)) }
+}
+
+/// The material that a key of the file names.
+fn material(entry: &Entry, diagnostics: &mut Diagnostics) -> Option<Material> {
+    let named = Material::new(entry.key).map_err(|error| {
+        let expected = match error {
+            NameError::Empty => "expected a name",
+            NameError::Reserved | NameError::Form => "not a name",
+        };
+        Diagnostic::error(error.to_string()).at(entry.key_span, expected)
+    });
+    let table = entry.value.table().map_err(|diagnostic| {
+        diagnostic.help(format!(
+            "a library holds one table a material; write `[{}]` on a line, then its values, such as `kr = 0.3`",
+            entry.key
+        ))
+    });
+    let (mut material, table) = match (named, table) {
+        (Ok(material), Ok(table)) => (material, table),
+        (named, table) => {
+            named.err().into_iter().chain(table.err()).for_each(|diagnostic| diagnostics.push(diagnostic));
+            return None;
+        }
+    };
+    for Entry { key, key_span, value } in entries(table) {
+        match value.constant() {
+            Ok(value) => material.properties.push(Property { parameter: key.to_owned(), value, span: key_span }),
+            Err(diagnostic) => diagnostics.push(diagnostic),
+        }
+    }
+    if entries(table).is_empty() {
+        let message = format!("the material `{}` has no values and changes nothing", entry.key);
+        diagnostics.push(Diagnostic::warning(message).at(entry.key_span, "expected values below it, such as `kr = 0.3`"));
+    }
+    Some(material)
+}

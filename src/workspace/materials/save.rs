@@ -1,0 +1,48 @@
+//! A material library as text and as file.
+
+use crate::workspace::document::{Number, VERSION, VERSION_KEY};
+use crate::workspace::files::replace_text;
+use crate::workspace::materials::{Library, Material};
+use serde::ser::{Serialize, SerializeMap, Serializer};
+use std::fs;
+use std::io;
+use std::path::Path;
+
+/// The file, in the order of the materials.
+struct LibraryFile<'l>(&'l Library);
+
+/// One table of it, in the order of the values.
+struct Table<'l>(&'l Material);
+
+impl Serialize for LibraryFile<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(1 + self.0.len()))?;
+        map.serialize_entry(VERSION_KEY, &VERSION)?;
+        for material in self.0.iter() {
+            map.serialize_entry(material.name(), &Table(material))?;
+        }
+        map.end()
+    }
+}
+
+impl Serialize for Table<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.0.properties.iter().map(|property| (&property.parameter, Number::from(property.value))))
+    }
+}
+
+pub(super) fn to_toml(library: &Library) -> Result<String, toml::ser::Error> {
+    toml::to_string(&LibraryFile(library))
+}
+
+pub(super) fn save(library: &Library, path: &Path) -> io::Result<()> {
+    let text = to_toml(library).map_err(io::Error::other)?;
+    // A file is replaced by another, which its own protection would not hinder.
+    if fs::metadata(path).is_ok_and(|metadata| metadata.permissions().readonly()) {
+        return Err(io::Error::new(io::ErrorKind::PermissionDenied, "the file is read-only"));
+    }
+    if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
+        fs::create_dir_all(folder)?;
+    }
+    replace_text(path, &text)
+}

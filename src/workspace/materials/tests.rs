@@ -1,0 +1,1 @@
+//! Libraries read, saved and met by formulas.
