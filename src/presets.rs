@@ -88,7 +88,8 @@ mod tests {
             Session::parse(&source).unwrap_or_else(|errors| panic!("{}", errors.render(&source, false)));
         }
         for source in sources(Kind::Material) {
-            let (library, warnings) = Library::parse(&source).unwrap_or_else(|errors| panic!("{}", errors.render(&source, false)));
+            let (library, warnings) =
+                Library::parse(&source).unwrap_or_else(|errors| panic!("{}", errors.render(&source, false)));
             assert!(warnings.is_empty() && library.len() >= 6, "{}", source.name());
         }
         assert!(text(Kind::Session, DEFAULT_SESSION).is_some());

@@ -3,6 +3,7 @@
 #![allow(clippy::expect_used, reason = "a test ends where what it needs is not there")]
 
 mod files;
+mod materials;
 mod messages;
 mod rays;
 
@@ -53,6 +54,9 @@ fn run(folder: &Path, arguments: &str) -> Output {
         .current_dir(folder)
         .args(arguments.split_whitespace())
         .env_remove("RUST_BACKTRACE")
+        // What the user who runs the tests has saved changes nothing, and stays.
+        .env("HOME", folder.join("home"))
+        .env("XDG_DATA_HOME", folder.join("home/data"))
         .output()
         .expect("the program runs")
 }

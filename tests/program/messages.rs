@@ -3,7 +3,7 @@
 use crate::{FORMULA, SCENE, folder, told, write};
 
 /// Checks against the stored text what several command lines lead to.
-fn check(name: &str, folder: &tempfile::TempDir, command_lines: &[&str]) {
+pub(crate) fn check(name: &str, folder: &tempfile::TempDir, command_lines: &[&str]) {
     let texts = command_lines.iter().map(|arguments| format!("$ illuminator {arguments}\n{}", told(folder.path(), arguments)));
     insta::assert_snapshot!(name, texts.collect::<Vec<_>>().join("\n"));
 }

@@ -5,6 +5,7 @@ mod agreement;
 mod diagnostics;
 mod house;
 mod inspection;
+mod materials;
 mod presets;
 mod reference;
 mod round_trip;

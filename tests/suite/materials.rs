@@ -1,0 +1,105 @@
+//! The built-in materials on the formulas that name them, and what people are told of libraries, as they see it.
+
+use illuminator::formula::Formula;
+use illuminator::lang::source::Source;
+use illuminator::presets::{self, Kind};
+use illuminator::scene::{BodyId, Scene};
+use illuminator::workspace::files::Location;
+use illuminator::workspace::materials::Place;
+use illuminator::workspace::{Library, Material, Shelf, Values};
+use std::collections::BTreeSet;
+
+const SCENE: &str = "bodies; ball: sphere, center <0,0,0>, radius 1; lights; key: point, <9,9,9>;
+    camera; position <0,0,9>; gaze <0,0,-1>; up <0,1,0>; fov 45;";
+
+/// The built-in formulas that name materials, each with what it names.
+fn formulas() -> impl Iterator<Item = (&'static str, Formula, String)> {
+    presets::names(Kind::Formula).filter_map(|name| {
+        let text = presets::text(Kind::Formula, name).expect("a built-in file");
+        let (formula, _) = Formula::parse(&Source::new(name, text)).expect("a sound formula");
+        let uses = formula.uses.clone()?;
+        Some((name, formula, uses))
+    })
+}
+
+fn scene() -> Scene {
+    Scene::parse(&Source::new("scene", SCENE)).expect("a sound scene").0
+}
+
+#[test]
+fn every_built_in_material_fits_its_formula() {
+    let data = tempfile::tempdir().expect("a temporary folder");
+    let mut used = BTreeSet::new();
+    for (name, formula, uses) in formulas() {
+        let location = Location::Preset(name.to_owned());
+        let place = Place::of(Some(&uses), Some(&location), Some(data.path())).expect("materials are on");
+        used.extend(place.built_in().map(str::to_owned));
+        let (shelf, _) = Shelf::open(place).expect("a sound library");
+        for material in shelf.library().iter() {
+            let mut values = Values::defaults(&formula, &scene());
+            let (assignments, left_out) = material.assignments(values.roster(), BodyId(0));
+            let warnings = values.assign(&assignments);
+            assert!(left_out.is_empty() && warnings.is_empty(), "{} of {name}: {left_out:?} {warnings:?}", material.name());
+            // It says every value, so that nothing of an earlier material stays.
+            let whole = Material::of_body(material.name(), &values, BodyId(0)).expect("a name");
+            let bare = |material: &Material| {
+                let mut named: Vec<_> = material
+                    .properties
+                    .iter()
+                    .map(|property| (property.parameter.clone(), property.value.components().to_vec()))
+                    .collect();
+                named.sort_by(|one, other| one.0.cmp(&other.0));
+                named
+            };
+            assert_eq!(bare(material), bare(&whole), "{} of {name}", material.name());
+        }
+    }
+    assert_eq!(used, presets::names(Kind::Material).map(str::to_owned).collect(), "every library belongs to a formula");
+}
+
+#[test]
+fn the_formula_of_the_thesis_has_a_library_of_the_users() {
+    let data = tempfile::tempdir().expect("a temporary folder");
+    let (_, formula, uses) = formulas().find(|(name, ..)| *name == "phong-thesis").expect("a built-in formula");
+    let location = Location::new("preset:phong-thesis");
+    let open = || {
+        let place = Place::of(Some(&uses), Some(&location), Some(data.path())).expect("materials are on");
+        Shelf::open(place).expect("nothing is wrong").0
+    };
+    let mut shelf = open();
+    assert!(shelf.library().is_empty());
+    let values = Values::defaults(&formula, &scene());
+    shelf.put(Material::of_body("plain", &values, BodyId(0)).expect("a name")).expect("the folder can be written to");
+    assert_eq!(open().library().len(), 1);
+    assert!(data.path().join("materials/PhongMaterial.txt").is_file());
+}
+
+/// Everything said of a library.
+fn said(text: &str) -> String {
+    let source = Source::new("materials.toml", text);
+    match Library::parse(&source) {
+        Ok((_, warnings)) => warnings.render(&source, false),
+        Err(errors) => errors.render(&source, false),
+    }
+}
+
+#[test]
+fn values_that_are_none_are_marked() {
+    insta::assert_snapshot!(said("version = 1\nshine = 3\n\n[gold]\nCd = [1, 0.8]\nkr = \"much\"\n\n[empty]\n"));
+}
+
+#[test]
+fn a_second_table_of_a_name_is_marked() {
+    insta::assert_snapshot!(said("version = 1\n\n[gold]\nkr = 0.3\n\n[gold]\nkr = 0.4\n"));
+}
+
+#[test]
+fn values_without_a_place_in_the_formula_are_marked() {
+    let text = "version = 1\n\n[gold]\nkr = 0.3\nshine = 40\nCd = 0.5\n";
+    let source = Source::new("materials.toml", text);
+    let (library, _) = Library::parse(&source).expect("a sound library");
+    let (formula, _) = Formula::parse(&Source::new("formula", "formula; = Cd;")).expect("a sound formula");
+    let values = Values::defaults(&formula, &scene());
+    let (_, left_out) = library.get("gold").expect("the one material").assignments(values.roster(), BodyId(0));
+    insta::assert_snapshot!(left_out.render(&source, false));
+}
