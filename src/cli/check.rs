@@ -1,6 +1,6 @@
 //! `illuminator check`: what is wrong with files.
 
-use crate::cli::input::{OpenSession, open_both, session_values_of};
+use crate::cli::input::{OpenSession, open_both, place_of, session_values_of};
 use crate::cli::report::{Failure, count, explain, print, say, warn};
 use clap::{Args, ValueEnum};
 use illuminator::formula::Formula;
@@ -59,7 +59,7 @@ fn check(location: &Location, given: Option<Kind>) -> Result<bool, Failure> {
         }
     };
     let (diagnostics, more_warnings, rest_is_sound) = match kind {
-        Kind::Formula => (found(Formula::parse(&source), &source), 0, true),
+        Kind::Formula => (check_formula(location, &source), 0, true),
         Kind::Scene => (found(Scene::parse(&source), &source), 0, true),
         Kind::Session => check_session(location, &source),
         Kind::Material => (found(Library::parse(&source), &source), 0, true),
@@ -110,6 +110,20 @@ fn found<T>(outcome: Result<(T, Diagnostics), Diagnostics>, source: &Source) -> 
             diagnostics
         }
     }
+}
+
+/// What is wrong with a formula, and whether the built-in library that it may name exists. A file may be made later.
+fn check_formula(location: &Location, source: &Source) -> Diagnostics {
+    let outcome = Formula::parse(source).map(|(formula, mut diagnostics)| {
+        if formula.uses.is_some()
+            && let Err(unknown) = place_of(&formula, location, source)
+        {
+            diagnostics.push(unknown);
+            diagnostics.sort();
+        }
+        (formula, diagnostics)
+    });
+    found(outcome, source)
 }
 
 /// What is wrong with a session's text, how many warnings were given of its values, and whether the files that it names are sound.

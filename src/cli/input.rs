@@ -5,6 +5,7 @@ use crate::cli::report::{Failure, accept, explain, say, warn};
 use illuminator::formula::Formula;
 use illuminator::formula::layout::Layout;
 use illuminator::lang::diagnostic::{Diagnostic, Diagnostics};
+use illuminator::lang::parser::parse;
 use illuminator::lang::source::Source;
 use illuminator::lang::variables::Predefined;
 use illuminator::presets::{DEFAULT_SESSION, Kind};
@@ -199,17 +200,22 @@ fn session_values(open: &OpenSession, roster: &Roster, replaced: Replaced) -> (V
     (assignments, warnings.len())
 }
 
+/// Where the materials of a formula are, or why there are none, marked in its text where it names a place.
+pub(super) fn place_of(formula: &Formula, location: &Location, source: &Source) -> Result<Place, Diagnostic> {
+    Place::of(formula.uses.as_deref(), Some(location), data_folder().as_deref()).map_err(|reason| match parse(source).0.uses {
+        Some((_, span)) => reason.at(span, "not known"),
+        None => reason,
+    })
+}
+
 /// Reads the materials of a formula.
 fn open_shelf(formula: &Formula, location: &Location, source: &Source) -> Result<Shelf, Failure> {
-    let place = Place::of(formula.uses.as_deref(), Some(location), data_folder().as_deref()).map_err(|reason| {
-        // Where nothing is named, nothing can be marked.
-        match illuminator::lang::parser::parse(source).0.uses {
-            Some((_, span)) => {
-                explain(&reason.at(span, "").into(), source);
-                Failure::Reported
-            }
-            None => Failure::CommandLine(reason),
+    let place = place_of(formula, location, source).map_err(|reason| {
+        if formula.uses.is_none() {
+            return Failure::CommandLine(reason);
         }
+        explain(&reason.into(), source);
+        Failure::Reported
     })?;
     match Shelf::open(place) {
         Ok((shelf, found)) => {

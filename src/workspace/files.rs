@@ -3,6 +3,8 @@
 use crate::lang::diagnostic::{Diagnostic, nearest};
 use crate::lang::source::{MAX_BYTES, Source};
 use crate::presets::{self, Kind};
+use crate::workspace::document::VERSION_KEY;
+use crate::workspace::session;
 use std::ffi::OsStr;
 use std::fmt;
 use std::fs::{self, File};
@@ -208,20 +210,21 @@ pub fn kind_of(text: &str) -> Option<Kind> {
     }
 }
 
-/// What a TOML text is by the first table or value in it: sessions have some of fixed names, libraries of materials only tables of
-/// any other. A text with neither may be both, and counts as a session.
+/// What a TOML text is by the first key in it that tells: sessions have some of fixed names, libraries of materials only tables of
+/// any other. A text without either counts as a session.
 fn kind_of_toml(text: &str) -> Kind {
     const TABLES: [&str; 3] = ["global", "bodies", "lights"];
-    for line in text.lines().map(str::trim_start) {
-        let is_table = line.starts_with('[');
-        let (key, value) = if is_table { (&line[1..], "") } else { line.split_once('=').unwrap_or((line, "")) };
+    for line in text.lines().map(str::trim_start).filter(|line| !line.starts_with('#')) {
+        let (is_table, line) = line.strip_prefix('[').map_or((false, line), |line| (true, line));
+        let (key, value) = if is_table { (line, "") } else { line.split_once('=').unwrap_or((line, "")) };
         let mut parts = key.split(['.', ']']).map(str::trim);
         let first = parts.next().unwrap_or_default();
-        if first.is_empty() && !is_table || first.starts_with('#') || first == "version" {
-            continue;
+        if is_table || value.trim_start().starts_with('{') || parts.next().is_some() {
+            return if TABLES.contains(&first) { Kind::Session } else { Kind::Material };
         }
-        let holds_values = is_table || value.trim_start().starts_with('{') || parts.next().is_some();
-        return if holds_values && !TABLES.contains(&first) { Kind::Material } else { Kind::Session };
+        if first != VERSION_KEY && session::KEYS.contains(&first) {
+            return Kind::Session;
+        }
     }
     Kind::Session
 }
@@ -316,6 +319,7 @@ mod tests {
         assert_eq!(kind_of("[\"red plastic\"]\nkd = 1"), Some(Kind::Material));
         assert_eq!(kind_of("version = 1\ngold = { kr = 1 }"), Some(Kind::Material));
         assert_eq!(kind_of("version = 1\ngold.kr = 1"), Some(Kind::Material));
+        assert_eq!(kind_of("version = 1\nshine = 1\n[gold]"), Some(Kind::Material));
         assert_eq!(kind_of("kd: scalar;"), None);
         assert_eq!(kind_of("// no end"), None);
         assert_eq!(kind_of("/* no end"), None);

@@ -11,11 +11,11 @@ mod save;
 mod shelf;
 
 use crate::lang::ast::Constant;
-use crate::lang::diagnostic::{Diagnostic, Diagnostics};
+use crate::lang::diagnostic::Diagnostics;
 use crate::lang::source::{Source, Span};
 use crate::lang::variables::Owner;
 use crate::scene::BodyId;
-use crate::workspace::assignment::Assignment;
+use crate::workspace::assignment::{Assignment, hint};
 use crate::workspace::document::VERSION_KEY;
 use crate::workspace::owner::OwnerId;
 use crate::workspace::roster::Roster;
@@ -193,13 +193,16 @@ impl Library {
     }
 }
 
-/// The diagnostic that there is no material of this name.
-fn unknown(name: &str, names: &[&str], place: &Place) -> Diagnostic {
-    Diagnostic::error(unknown_message(name, names, place))
-}
-
-fn unknown_message(name: &str, names: &[&str], place: &Place) -> String {
-    format!("there is no material `{name}` in {place}{}", crate::workspace::assignment::hint(name, names))
+/// That there is no material of this name among those at a place, with the nearest.
+fn unknown(name: &str, known: &Library, place: &Place) -> String {
+    let names: Vec<&str> = known.iter().map(Material::name).collect();
+    let missing = |path: &Path| !path.try_exists().unwrap_or(true);
+    let hint = match names.as_slice() {
+        [] if place.file().is_some_and(missing) => "; there is no such file yet".to_owned(),
+        [] => "; it holds none".to_owned(),
+        names => hint(name, names),
+    };
+    format!("there is no material `{name}` in {place}{hint}")
 }
 
 #[cfg(test)]

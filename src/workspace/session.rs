@@ -18,6 +18,8 @@ use std::collections::BTreeSet;
 use std::io;
 use std::path::Path;
 
+pub(super) use read::KEYS;
+
 /// What is shown, how, and with which values.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Session {

@@ -3,7 +3,7 @@
 use crate::lang::diagnostic::Diagnostics;
 use crate::lang::variables::Owner;
 use crate::workspace::assignment::{Assignment, hint};
-use crate::workspace::materials::{Shelf, unknown_message};
+use crate::workspace::materials::{Shelf, unknown};
 use crate::workspace::owner::OwnerId;
 use crate::workspace::roster::Roster;
 use std::fmt;
@@ -83,10 +83,8 @@ impl Choice {
                 }
             },
         };
-        let material = shelf.get(&self.material).ok_or_else(|| {
-            let names: Vec<&str> = shelf.library().iter().map(|material| material.name()).collect();
-            ChoiceError::Material(unknown_message(&self.material, &names, shelf.place()))
-        })?;
+        let unknown = || ChoiceError::Material(unknown(&self.material, shelf.library(), shelf.place()));
+        let material = shelf.get(&self.material).ok_or_else(unknown)?;
         let mut assignments = Vec::new();
         let mut warnings = Diagnostics::new();
         for body in bodies {

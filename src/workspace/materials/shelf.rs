@@ -106,12 +106,11 @@ impl Shelf {
     /// There is no such material, or it is built in; else as with [`put`](Self::put).
     pub fn remove(&mut self, name: &str) -> Result<(), Findings> {
         let built_in = self.built_in.library.get(name).is_some();
-        let names: Vec<String> = self.all.iter().map(|material| material.name().to_owned()).collect();
-        let place = self.place.clone();
+        let missing = unknown(name, &self.all, &self.place);
         self.change(|library| match library.remove(name) {
             Some(_) => Ok(()),
             None if built_in => Err(Diagnostic::error(format!("the material `{name}` is built in and cannot be deleted"))),
-            None => Err(unknown(name, &names.iter().map(String::as_str).collect::<Vec<_>>(), &place)),
+            None => Err(Diagnostic::error(missing)),
         })
     }
 

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::formula::Formula;
+use crate::lang::diagnostic::Diagnostic;
 use crate::scene::Scene;
 use crate::workspace::files::Location;
 use crate::workspace::warning::Warning;

@@ -7,7 +7,9 @@ use crate::workspace::document::{Entry, Value, check_version, entries, missing, 
 use crate::workspace::files::Location;
 use crate::workspace::session::{NamedValue, OwnerName, PictureSettings, Session};
 
-const KEYS: [&str; 11] = ["version", "formula", "scene", "size", "depth", "shadows", "ior", "srgb", "global", "bodies", "lights"];
+/// What may stand in a session, outside of tables.
+pub(in crate::workspace) const KEYS: [&str; 11] =
+    ["version", "formula", "scene", "size", "depth", "shadows", "ior", "srgb", "global", "bodies", "lights"];
 
 pub(super) fn parse(source: &Source) -> Result<(Session, Diagnostics), Diagnostics> {
     let table = parse_toml(source)?;
