@@ -34,7 +34,7 @@ struct Arguments {
 enum Command {
     /// Make a picture file
     Render(render::Options),
-    /// Look for mistakes in formulas, scenes and sessions
+    /// Look for mistakes in formulas, scenes, sessions and material libraries
     Check(check::Options),
     /// Compare the compiled code with the reference interpreter
     Verify(verify::Options),

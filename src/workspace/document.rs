@@ -52,12 +52,37 @@ pub(super) struct Value<'t> {
 pub(super) fn parse(source: &Source) -> Result<DeTable<'_>, Diagnostics> {
     let (table, errors) = DeTable::parse_recoverable(source.text());
     let mut diagnostics = Diagnostics::new();
+    // Up to where nothing more is said of what stands twice.
+    let mut said = 0;
     for error in errors {
         let place = error.span().unwrap_or(0..0);
+        if error.message() == DUPLICATE && !place.is_empty() {
+            if place.start >= said {
+                let key = source.slice(span(place.clone()));
+                let message = format!("a second `{key}`");
+                diagnostics.push(Diagnostic::error(message).at(span(place.clone()), "").help("each name may stand only once"));
+                said = end_of_table(source.text(), place.start);
+            }
+            continue;
+        }
         let diagnostic = Diagnostic::error(error.message().to_owned());
         diagnostics.push(diagnostic.at(span(place), "").help("this must be a TOML file (https://toml.io)"));
     }
     if diagnostics.is_empty() { Ok(table.into_inner()) } else { Err(diagnostics) }
+}
+
+/// What the library says of a name that stands twice.
+const DUPLICATE: &str = "duplicate key";
+
+/// Where the table ends whose head is in the line of this place; the place itself where that is no head. What is in a second table of a name
+/// seems to stand twice as well.
+fn end_of_table(text: &str, place: usize) -> usize {
+    let (before, behind) = text.split_at_checked(place).unwrap_or((text, ""));
+    let line = before.rsplit('\n').next().unwrap_or_default();
+    if !line.trim_start().starts_with('[') {
+        return place;
+    }
+    behind.find("\n[").map_or(text.len(), |length| place + length)
 }
 
 fn span(place: Range<usize>) -> Span {

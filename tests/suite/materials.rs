@@ -1,12 +1,14 @@
 //! The built-in materials on the formulas that name them, and what people are told of libraries, as they see it.
 
 use illuminator::formula::Formula;
-use illuminator::lang::source::Source;
+use illuminator::lang::ast::Constant;
+use illuminator::lang::source::{Source, Span};
 use illuminator::presets::{self, Kind};
 use illuminator::scene::{BodyId, Scene};
 use illuminator::workspace::files::Location;
-use illuminator::workspace::materials::Place;
+use illuminator::workspace::materials::{Place, Property};
 use illuminator::workspace::{Library, Material, Shelf, Values};
+use proptest::prelude::*;
 use std::collections::BTreeSet;
 
 const SCENE: &str = "bodies; ball: sphere, center <0,0,0>, radius 1; lights; key: point, <9,9,9>;
@@ -102,4 +104,60 @@ fn values_without_a_place_in_the_formula_are_marked() {
     let values = Values::defaults(&formula, &scene());
     let (_, left_out) = library.get("gold").expect("the one material").assignments(values.roster(), BodyId(0));
     insta::assert_snapshot!(left_out.render(&source, false));
+}
+
+/// Any material: names that nobody types, and all finite numbers.
+fn material() -> impl Strategy<Value = Material> {
+    let number = any::<f32>().prop_filter("finite", |x| x.is_finite());
+    let value = prop_oneof![
+        number.clone().prop_map(Constant::Scalar),
+        [number.clone(), number.clone(), number].prop_map(Constant::Vector)
+    ];
+    let values = proptest::collection::btree_map(prop_oneof!["[a-z]{1,3}", any::<String>()], value, 1..5);
+    let name = prop_oneof!["[a-z]{1,2}", any::<String>()];
+    (name, values).prop_filter_map("no name", |(name, values)| {
+        let mut material = Material::new(name).ok()?;
+        let property = |(parameter, value)| Property { parameter, value, span: Span::default() };
+        material.properties = values.into_iter().map(property).collect();
+        Some(material)
+    })
+}
+
+/// Names and values, bit by bit.
+fn bits(library: &Library) -> Vec<(String, Vec<(String, Vec<u32>)>)> {
+    let numbers = |value: &Constant| value.components().iter().map(|number| number.to_bits()).collect();
+    let values = |material: &Material| {
+        material.properties.iter().map(|property| (property.parameter.clone(), numbers(&property.value))).collect()
+    };
+    library.iter().map(|material| (material.name().to_owned(), values(material))).collect()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn saved_libraries_read_back_bit_for_bit(materials in proptest::collection::vec(material(), 0..5)) {
+        let mut library = Library::default();
+        for material in materials {
+            library.put(material);
+        }
+        let text = library.to_toml().expect("names and numbers");
+        let source = Source::new("saved", text.clone());
+        let (read, warnings) = Library::parse(&source).map_err(|errors| TestCaseError::fail(errors.render(&source, false)))?;
+        prop_assert!(warnings.is_empty());
+        prop_assert_eq!(bits(&read), bits(&library), "{}", text);
+    }
+
+    #[test]
+    fn damaged_libraries_are_told_of_or_read(cut in 0..400_usize, junk in "[\\[\\]={},\"#.\na-z0-9]{0,6}") {
+        let text = presets::text(Kind::Material, "phong").expect("a built-in file");
+        let (before, behind) = text.split_at(cut);
+        for text in [format!("{before}{junk}"), format!("{before}{junk}{behind}")] {
+            let source = Source::new("damaged", text);
+            match Library::parse(&source) {
+                Ok((_, said)) => prop_assert!(!said.has_errors()),
+                Err(said) => prop_assert!(said.has_errors() && !said.render(&source, false).is_empty()),
+            }
+        }
+    }
 }
