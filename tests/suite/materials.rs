@@ -123,13 +123,11 @@ fn material() -> impl Strategy<Value = Material> {
     })
 }
 
-/// Names and values, bit by bit.
-fn bits(library: &Library) -> Vec<(String, Vec<(String, Vec<u32>)>)> {
+/// Every value by material and parameter, bit by bit.
+fn bits(library: &Library) -> Vec<(&str, &str, Vec<u32>)> {
     let numbers = |value: &Constant| value.components().iter().map(|number| number.to_bits()).collect();
-    let values = |material: &Material| {
-        material.properties.iter().map(|property| (property.parameter.clone(), numbers(&property.value))).collect()
-    };
-    library.iter().map(|material| (material.name().to_owned(), values(material))).collect()
+    let values = library.iter().flat_map(|material| material.properties.iter().map(move |property| (material.name(), property)));
+    values.map(|(name, property)| (name, property.parameter.as_str(), numbers(&property.value))).collect()
 }
 
 proptest! {
