@@ -5,6 +5,7 @@ use crate::lang::diagnostic::{Diagnostic, Diagnostics, nearest};
 use crate::lang::source::{Source, Span};
 use serde::Serialize;
 use std::ops::Range;
+use std::ops::{Range, RangeInclusive};
 use toml::Spanned;
 use toml::de::{DeInteger, DeTable, DeValue};
 
@@ -147,6 +148,30 @@ impl<'t> Value<'t> {
         number.filter(|number: &f64| (*number as f32).is_finite()).ok_or_else(|| {
             Diagnostic::error("this number is too large, or none at all").at(self.span, "expected a finite number")
         })
+    }
+
+    /// The whole number of a range that is nearest to the value, with a warning where it is another.
+    pub(super) fn nearest_whole(self, range: RangeInclusive<i64>) -> Result<(i64, Option<Diagnostic>), Diagnostic> {
+        let (low, high) = (*range.start(), *range.end());
+        let expected = format!("a whole number from {low} to {high}");
+        let number = self.value.as_integer().ok_or_else(|| self.mismatch(&expected))?;
+        // What 64 bits cannot hold is beyond any range.
+        let beyond = if number.as_str().starts_with('-') { i64::MIN } else { i64::MAX };
+        let given = whole(number).unwrap_or(beyond);
+        let taken = given.clamp(low, high);
+        Ok((taken, (taken != given).then(|| self.outside(number.as_str(), &expected, taken.to_string()))))
+    }
+
+    /// The number of a range that is nearest to the value, with a warning where it is another.
+    pub(super) fn nearest_number(self, [low, high]: [f32; 2]) -> Result<(f32, Option<Diagnostic>), Diagnostic> {
+        let given = self.number()? as f32;
+        let taken = given.clamp(low, high);
+        let expected = format!("a number from {low} to {high}");
+        Ok((taken, (taken != given).then(|| self.outside(&given.to_string(), &expected, taken.to_string()))))
+    }
+
+    fn outside(self, given: &str, expected: &str, taken: String) -> Diagnostic {
+        Diagnostic::warning(format!("{given} is out of range; {taken} is taken")).at(self.span, format!("expected {expected}"))
     }
 
     /// The elements of a list of this length.

@@ -1,0 +1,225 @@
+//! The text of settings into numbers and choices, as far as it is sound.
+
+use crate::lang::ast::Constant;
+use crate::lang::diagnostic::{Diagnostic, Diagnostics, nearest};
+use crate::lang::source::Source;
+use crate::lang::types::Type;
+use crate::lang::variables::Predefined;
+use crate::trace::{MAX_DEPTH, MAX_SIDE};
+use crate::workspace::document::{Entry, Value, check_version, entries, parse as parse_toml, unknown_key};
+use crate::workspace::files::Location;
+use crate::workspace::settings::{PREDEFINED_RANGE, SCALES, Settings, Theme, WINDOW_SIDES, is_index};
+
+const KEYS: [&str; 8] = ["version", "shadows", "depth", "size", "ior", "startup", "defaults", "window"];
+const WINDOW_KEYS: [&str; 5] = ["theme", "scale", "apply_as_you_type", "log", "size"];
+
+/// What a text says.
+#[derive(Default)]
+pub(super) struct Found {
+    /// What is sound of it, with defaults for the rest.
+    pub(super) settings: Settings,
+    /// What means nothing here.
+    pub(super) others: Others,
+    /// What is wrong with it.
+    pub(super) diagnostics: Diagnostics,
+}
+
+/// Keys that mean nothing here, perhaps to another version of the program: they stay in the file.
+#[derive(Default)]
+pub(super) struct Others {
+    /// Those of the whole file.
+    pub(super) file: toml::Table,
+    /// Those among the defaults of parameters.
+    pub(super) defaults: toml::Table,
+    /// Those of the window.
+    pub(super) window: toml::Table,
+}
+
+pub(super) fn read(source: &Source) -> Found {
+    let mut found = Found::default();
+    let table = match parse_toml(source) {
+        Ok(table) => table,
+        Err(diagnostics) => return Found { diagnostics, ..found },
+    };
+    let entries = entries(&table);
+    let version = entries.iter().find(|entry| entry.key == "version").map(|entry| entry.value);
+    check_version(version, &mut found.diagnostics);
+    if version.is_some() && found.diagnostics.has_errors() {
+        // What keys mean in another version is not known.
+        return found;
+    }
+    for entry in entries {
+        found.entry(&entry);
+    }
+    found.others = others(source);
+    found.diagnostics.sort();
+    found
+}
+
+/// Everything of a text but what is known.
+fn others(source: &Source) -> Others {
+    let mut file: toml::Table = source.text().trim_start_matches('\u{feff}').parse().unwrap_or_default();
+    let mut rest_of = |key: &str, known: &dyn Fn(&str) -> bool| match file.remove(key) {
+        Some(toml::Value::Table(mut table)) => {
+            table.retain(|key, _| !known(key));
+            table
+        }
+        _ => toml::Table::new(),
+    };
+    let defaults = rest_of("defaults", &|key| Predefined::named(key).is_some());
+    let window = rest_of("window", &|key| WINDOW_KEYS.contains(&key));
+    file.retain(|key, _| !KEYS.contains(&key));
+    Others { file, defaults, window }
+}
+
+impl Found {
+    /// What was read, or nothing after reporting why.
+    fn take<T>(&mut self, outcome: Result<T, Diagnostic>) -> Option<T> {
+        outcome.map_err(|diagnostic| self.diagnostics.push(diagnostic)).ok()
+    }
+
+    /// The same for what may have been taken with a warning.
+    fn take_warned<T>(&mut self, outcome: Result<(T, Option<Diagnostic>), Diagnostic>) -> Option<T> {
+        let (taken, warning) = self.take(outcome)?;
+        warning.into_iter().for_each(|warning| self.diagnostics.push(warning));
+        Some(taken)
+    }
+
+    fn entry(&mut self, entry: &Entry) {
+        match entry.key {
+            "version" => {}
+            "shadows" => {
+                if let Some(shadows) = self.take(entry.value.truth()) {
+                    self.settings.shadows = shadows;
+                }
+            }
+            "depth" => {
+                if let Some(depth) = self.take_warned(entry.value.nearest_whole(1..=i64::from(MAX_DEPTH))) {
+                    self.settings.depth = depth as u32;
+                }
+            }
+            "size" => self.settings.size = self.sides(entry.value, [1, MAX_SIDE], self.settings.size),
+            "ior" => {
+                if let Some(index) = self.take(entry.value.number()) {
+                    self.index(entry.value, index);
+                }
+            }
+            "startup" => {
+                if let Some(startup) = self.take(startup(entry.value)) {
+                    self.settings.startup = startup;
+                }
+            }
+            "defaults" => {
+                for entry in self.table(entry.value) {
+                    self.predefined(&entry);
+                }
+            }
+            "window" => {
+                for entry in self.table(entry.value) {
+                    self.window(&entry);
+                }
+            }
+            _ => self.unknown(entry, &KEYS),
+        }
+    }
+
+    fn table<'t>(&mut self, value: Value<'t>) -> Vec<Entry<'t>> {
+        self.take(value.table()).map(entries).unwrap_or_default()
+    }
+
+    fn unknown(&mut self, entry: &Entry, known: &[&str]) {
+        self.diagnostics.push(unknown_key(entry, known).help("it stays in the file"));
+    }
+
+    fn sides(&mut self, value: Value, [low, high]: [u32; 2], before: [u32; 2]) -> [u32; 2] {
+        let mut sides = before;
+        let Some(values) = self.take(value.list::<2>("width and height, `[640, 480]`")) else { return sides };
+        for (value, side) in values.into_iter().zip(&mut sides) {
+            if let Some(taken) = self.take_warned(value.nearest_whole(i64::from(low)..=i64::from(high))) {
+                *side = taken as u32;
+            }
+        }
+        sides
+    }
+
+    fn index(&mut self, value: Value, index: f64) {
+        if is_index(index) {
+            self.settings.default_index = index;
+        } else {
+            // Of the numbers above 0 none is the nearest.
+            let usual = self.settings.default_index;
+            let message = format!("the refractive index {index} is not positive; {usual} is taken");
+            self.diagnostics.push(Diagnostic::warning(message).at(value.span, "expected more than 0"));
+        }
+    }
+
+    fn predefined(&mut self, entry: &Entry) {
+        let Some(parameter) = Predefined::named(entry.key) else {
+            let names: Vec<&str> = Predefined::ALL.iter().map(|parameter| parameter.name()).collect();
+            return self.unknown(entry, &names);
+        };
+        let Some(constant) = self.take(entry.value.constant()) else { return };
+        if constant.ty() != parameter.ty() {
+            let expected = if parameter.ty() == Type::Vector { "three numbers `[x, y, z]`" } else { "a number" };
+            let message = format!("`{}` is {}", entry.key, parameter.ty().with_article());
+            return self.diagnostics.push(Diagnostic::error(message).at(entry.value.span, format!("expected {expected}")));
+        }
+        let values = match constant {
+            Constant::Scalar(_) => vec![entry.value],
+            Constant::Vector(_) => self.take(entry.value.list::<3>("three numbers")).map(Vec::from).unwrap_or_default(),
+        };
+        let mut taken = [0.0; 3];
+        for (value, taken) in values.into_iter().zip(&mut taken) {
+            if let Some(number) = self.take_warned(value.nearest_number(PREDEFINED_RANGE)) {
+                *taken = number;
+            }
+        }
+        self.settings.defaults.set(parameter, taken);
+    }
+
+    fn window(&mut self, entry: &Entry) {
+        match entry.key {
+            "theme" => {
+                if let Some(theme) = self.take(theme(entry.value)) {
+                    self.settings.window.theme = theme;
+                }
+            }
+            "scale" => {
+                if let Some(scale) = self.take_warned(entry.value.nearest_number(SCALES)) {
+                    self.settings.window.scale = scale;
+                }
+            }
+            "apply_as_you_type" => {
+                if let Some(apply) = self.take(entry.value.truth()) {
+                    self.settings.window.apply_as_you_type = apply;
+                }
+            }
+            "log" => {
+                if let Some(log) = self.take(entry.value.truth()) {
+                    self.settings.window.log = log;
+                }
+            }
+            "size" => self.settings.window.size = self.sides(entry.value, WINDOW_SIDES, self.settings.window.size),
+            _ => self.unknown(entry, &WINDOW_KEYS),
+        }
+    }
+}
+
+fn startup(value: Value) -> Result<Location, Diagnostic> {
+    let text = value.text()?;
+    if text.trim().is_empty() {
+        return Err(Diagnostic::error("no session is named").at(value.span, "expected a path or `preset:NAME`"));
+    }
+    Ok(Location::new(text))
+}
+
+fn theme(value: Value) -> Result<Theme, Diagnostic> {
+    let text = value.text()?;
+    let names = Theme::ALL.map(Theme::name);
+    Theme::ALL.into_iter().find(|theme| theme.name() == text).ok_or_else(|| {
+        let hint = nearest(text, names).map(|near| format!("did you mean \"{near}\"?"));
+        Diagnostic::error(format!("there is no theme \"{text}\""))
+            .at(value.span, "expected \"system\", \"dark\" or \"light\"")
+            .help_if(hint)
+    })
+}

@@ -1,0 +1,97 @@
+//! Settings as text.
+
+use crate::lang::diagnostic::Diagnostic;
+use crate::lang::variables::Predefined;
+use crate::workspace::document::VERSION;
+use crate::workspace::files::Location;
+use crate::workspace::settings::read::Others;
+use crate::workspace::settings::{Defaults, Settings};
+use serde::{Serialize, Serializer};
+
+/// The file, key by key.
+#[derive(Serialize)]
+struct SettingsText<'s> {
+    version: i64,
+    shadows: bool,
+    depth: u32,
+    size: [u32; 2],
+    ior: f64,
+    startup: String,
+    #[serde(flatten)]
+    others: &'s toml::Table,
+    defaults: Group<'s>,
+    window: WindowText<'s>,
+}
+
+#[derive(Serialize)]
+struct WindowText<'s> {
+    theme: &'static str,
+    scale: f32,
+    apply_as_you_type: bool,
+    log: bool,
+    size: [u32; 2],
+    #[serde(flatten)]
+    others: &'s toml::Table,
+}
+
+/// The defaults of parameters, in the order of their table, and what stands beside them.
+struct Group<'s> {
+    defaults: &'s Defaults,
+    others: &'s toml::Table,
+}
+
+impl Serialize for Group<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let known = Predefined::ALL.iter().map(|parameter| {
+            let number = match self.defaults.of(*parameter) {
+                [number] => Number::Scalar(*number),
+                numbers => Number::Vector(numbers),
+            };
+            (parameter.name(), number)
+        });
+        let others = self.others.iter().map(|(key, value)| (key.as_str(), Number::Other(value)));
+        serializer.collect_map(known.chain(others))
+    }
+}
+
+#[derive(Serialize)]
+#[serde(untagged)]
+enum Number<'s> {
+    Scalar(f32),
+    Vector(&'s [f32]),
+    Other(&'s toml::Value),
+}
+
+pub(super) fn to_toml(settings: &Settings, others: &Others) -> Result<String, Diagnostic> {
+    let startup = startup(&settings.startup)?;
+    let Settings { shadows, depth, size, default_index, startup: _, defaults, window } = settings.within_ranges();
+    let text = SettingsText {
+        version: VERSION,
+        shadows,
+        depth,
+        size,
+        ior: default_index,
+        startup,
+        others: &others.file,
+        defaults: Group { defaults: &defaults, others: &others.defaults },
+        window: WindowText {
+            theme: window.theme.name(),
+            scale: window.scale,
+            apply_as_you_type: window.apply_as_you_type,
+            log: window.log,
+            size: window.size,
+            others: &others.window,
+        },
+    };
+    toml::to_string(&text).map_err(|error| Diagnostic::error(format!("cannot write the settings as TOML: {error}")))
+}
+
+/// The startup session as it is found from any folder.
+fn startup(location: &Location) -> Result<String, Diagnostic> {
+    let Location::File(path) = location else { return Ok(location.to_string()) };
+    let path = std::path::absolute(path).unwrap_or_else(|_| path.clone());
+    path.to_str().map(str::to_owned).ok_or_else(|| {
+        Diagnostic::error(format!("cannot keep the path of the startup session: `{}` is not UTF-8 text", path.display()))
+            .help("choose another startup session, or give this one another name")
+    })
+}
