@@ -27,6 +27,16 @@ impl Kind {
         }
     }
 
+    /// As files that tell kinds apart call it.
+    pub fn word(self) -> &'static str {
+        match self {
+            Kind::Formula => "formula",
+            Kind::Scene => "scene",
+            Kind::Session => "session",
+            Kind::Material => "material",
+        }
+    }
+
     fn table(self) -> &'static [(&'static str, &'static str)] {
         match self {
             Kind::Formula => FORMULAS,

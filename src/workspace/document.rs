@@ -183,6 +183,12 @@ impl<'t> Value<'t> {
             .map_err(|_| Diagnostic::error(format!("expected {expected}")).at(self.span, format!("{} elements", list.len())))
     }
 
+    /// The texts of a list of any length.
+    pub(super) fn texts(self) -> Result<Vec<&'t str>, Diagnostic> {
+        let list = self.value.as_array().ok_or_else(|| self.mismatch("a list of texts"))?;
+        list.iter().map(|value| spanned(value).text()).collect()
+    }
+
     /// The value of a parameter: a number, or a list of three.
     pub(super) fn constant(self) -> Result<Constant, Diagnostic> {
         if self.value.as_array().is_some() {

@@ -10,6 +10,7 @@ pub mod files;
 pub mod materials;
 pub mod folders;
 pub mod owner;
+pub mod recent;
 pub mod roster;
 pub mod session;
 pub mod settings;

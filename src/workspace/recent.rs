@@ -1,0 +1,270 @@
+//! Recent files: which formulas, scenes and sessions were opened or saved last, from one run to the next.
+//!
+//! Built-in files are not among them: they are always at hand.
+
+use crate::lang::diagnostic::{Diagnostic, Diagnostics, Severity};
+use crate::lang::source::Source;
+use crate::presets::Kind;
+use crate::workspace::document::{VERSION, check_version, entries, parse, unknown_key};
+use crate::workspace::files::{read_file, replace_text};
+use crate::workspace::folders::{Folders, cannot_keep, make_folder};
+use std::collections::BTreeMap;
+use std::fs;
+use std::io::{self, ErrorKind};
+use std::path::{Path, PathBuf};
+
+/// How many files of a kind are remembered.
+pub const MOST: usize = 10;
+
+/// The files of each kind, newest first.
+type Lists = BTreeMap<&'static str, Vec<PathBuf>>;
+
+/// The recent files.
+#[derive(Debug, Clone)]
+pub struct Recent {
+    path: PathBuf,
+    lists: Lists,
+    /// Whether the file cannot be written: then nothing in it is newer.
+    is_ours_alone: bool,
+}
+
+impl Recent {
+    /// What is remembered in these folders. Where that cannot be read, it begins anew, with a warning.
+    pub fn open(folders: &Folders) -> (Recent, Option<Diagnostic>) {
+        let path = folders.state.join("recent.toml");
+        let (lists, warning) = match read(&path) {
+            Ok(lists) => (lists.unwrap_or_default(), None),
+            Err(error) => {
+                let message = format!("the list of recent files begins anew: {}", error.message());
+                (Lists::new(), Some(Diagnostic::warning(message).help(format!("it was kept in `{}`", path.display()))))
+            }
+        };
+        (Recent { path, lists, is_ours_alone: false }, warning)
+    }
+
+    /// The files of a kind that are still there, newest first. They are looked for each time, so ask when a menu is opened, not
+    /// for every frame.
+    pub fn list(&self, kind: Kind) -> Vec<PathBuf> {
+        let files = self.lists.get(kind.word()).into_iter().flatten();
+        files.filter(|path| path.is_file()).cloned().collect()
+    }
+
+    /// Puts a file in front, and what other programs have put there meanwhile behind it.
+    ///
+    /// # Errors
+    /// The list cannot be written; then the file is remembered until the program ends.
+    pub fn add(&mut self, kind: Kind, path: &Path) -> Result<(), Diagnostic> {
+        let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        self.catch_up();
+        let list = self.lists.entry(kind.word()).or_default();
+        list.retain(|other| !is_same(other, &path));
+        list.insert(0, path);
+        list.truncate(MOST);
+        self.save()
+    }
+
+    /// Forgets all files of a kind.
+    ///
+    /// # Errors
+    /// The list cannot be written; then they are forgotten until the program ends.
+    pub fn clear(&mut self, kind: Kind) -> Result<(), Diagnostic> {
+        self.catch_up();
+        self.lists.remove(kind.word());
+        self.save()
+    }
+
+    /// Takes in what other programs have written, if anything can be.
+    fn catch_up(&mut self) {
+        let Ok(Some(theirs)) = read(&self.path) else { return };
+        if self.is_ours_alone {
+            return;
+        }
+        for (kind, mut list) in theirs {
+            let ours = self.lists.entry(kind).or_default();
+            // Those that the file has no place for.
+            list.extend(ours.drain(..).filter(|path| path.to_str().is_none()));
+            *ours = list;
+        }
+    }
+
+    fn save(&mut self) -> Result<(), Diagnostic> {
+        let outcome = self.write();
+        self.is_ours_alone = outcome.is_err();
+        outcome.map_err(|error| cannot_keep("the list of recent files", &self.path, &error))
+    }
+
+    fn write(&self) -> io::Result<()> {
+        let mut table = toml::Table::new();
+        table.insert("version".to_owned(), VERSION.into());
+        for (kind, list) in &self.lists {
+            // TOML has no place for other paths; they are remembered until the program ends.
+            let names: Vec<toml::Value> = list.iter().filter_map(|path| path.to_str()).map(Into::into).collect();
+            table.insert((*kind).to_owned(), names.into());
+        }
+        if let Some(folder) = self.path.parent() {
+            make_folder(folder)?;
+        }
+        replace_text(&self.path, &table.to_string())
+    }
+}
+
+/// Whether two paths lead to one file.
+fn is_same(one: &Path, other: &Path) -> bool {
+    one == other || matches!((one.canonicalize(), other.canonicalize()), (Ok(one), Ok(other)) if one == other)
+}
+
+/// What a file says; none where there is no file.
+fn read(path: &Path) -> Result<Option<Lists>, Diagnostic> {
+    let missing = fs::metadata(path).is_err_and(|error| error.kind() == ErrorKind::NotFound);
+    if missing {
+        return Ok(None);
+    }
+    let source = read_file(path, None)?;
+    // The first error says enough of a file that nobody types.
+    lists(&source).map(Some).map_err(|diagnostics| {
+        let error = diagnostics.into_iter().find(|diagnostic| diagnostic.severity() == Severity::Error);
+        error.unwrap_or_else(|| Diagnostic::error(format!("cannot read `{}`", path.display())))
+    })
+}
+
+fn lists(source: &Source) -> Result<Lists, Diagnostics> {
+    let table = parse(source)?;
+    let known: Vec<&str> = Kind::ALL.map(Kind::word).into_iter().chain(["version"]).collect();
+    let (mut lists, mut version, mut diagnostics) = (Lists::new(), None, Diagnostics::new());
+    for entry in entries(&table) {
+        match Kind::ALL.into_iter().find(|kind| kind.word() == entry.key) {
+            Some(kind) => match entry.value.texts() {
+                Ok(texts) => {
+                    let paths = texts.into_iter().map(PathBuf::from).filter(|path| path.is_absolute());
+                    lists.insert(kind.word(), paths.take(MOST).collect());
+                }
+                Err(diagnostic) => diagnostics.push(diagnostic),
+            },
+            None if entry.key == "version" => version = Some(entry.value),
+            None => diagnostics.push(unknown_key(&entry, &known)),
+        }
+    }
+    check_version(version, &mut diagnostics);
+    if diagnostics.has_errors() { Err(diagnostics) } else { Ok(lists) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn home() -> (tempfile::TempDir, Folders) {
+        let home = tempfile::tempdir().unwrap();
+        let folders = Folders::below(home.path());
+        (home, folders)
+    }
+
+    fn file(home: &tempfile::TempDir, name: &str) -> PathBuf {
+        let path = home.path().join(name);
+        fs::write(&path, "").unwrap();
+        path
+    }
+
+    #[test]
+    fn files_are_remembered_newest_first_once_and_ten_of_them() {
+        let (home, folders) = home();
+        let (mut recent, warning) = Recent::open(&folders);
+        assert_eq!(warning, None);
+        assert_eq!(recent.list(Kind::Formula), [""; 0].map(PathBuf::from));
+        let paths: Vec<PathBuf> = (0..12).map(|number| file(&home, &format!("{number}.formula"))).collect();
+        for path in &paths {
+            recent.add(Kind::Formula, path).unwrap();
+        }
+        recent.add(Kind::Formula, &paths[5]).unwrap();
+        recent.add(Kind::Formula, &home.path().join("state/../7.formula")).unwrap();
+        recent.add(Kind::Scene, &paths[0]).unwrap();
+        let (again, warning) = Recent::open(&folders);
+        assert_eq!(warning, None);
+        let numbers: Vec<String> =
+            again.list(Kind::Formula).iter().map(|path| path.file_stem().unwrap().to_string_lossy().into_owned()).collect();
+        assert_eq!(numbers, ["7", "5", "11", "10", "9", "8", "6", "4", "3", "2"]);
+        assert_eq!(again.list(Kind::Scene), [paths[0].clone()]);
+        assert_eq!(again.list(Kind::Session).len(), 0);
+        recent.clear(Kind::Formula).unwrap();
+        let (again, _) = Recent::open(&folders);
+        assert_eq!((again.list(Kind::Formula).len(), again.list(Kind::Scene).len()), (0, 1));
+    }
+
+    #[test]
+    fn what_is_gone_is_not_listed() {
+        let (home, folders) = home();
+        let (mut recent, _) = Recent::open(&folders);
+        let (one, other) = (file(&home, "one"), file(&home, "other"));
+        recent.add(Kind::Scene, &one).unwrap();
+        recent.add(Kind::Scene, &other).unwrap();
+        fs::remove_file(&other).unwrap();
+        assert_eq!(recent.list(Kind::Scene), [one]);
+    }
+
+    #[test]
+    fn paths_are_absolute() {
+        let (_home, folders) = home();
+        let (mut recent, _) = Recent::open(&folders);
+        recent.add(Kind::Formula, Path::new("Cargo.toml")).unwrap();
+        assert_eq!(recent.list(Kind::Formula), [std::path::absolute("Cargo.toml").unwrap()]);
+    }
+
+    #[test]
+    fn two_programs_share_one_list() {
+        let (home, folders) = home();
+        let (mut one, mut other) = (Recent::open(&folders).0, Recent::open(&folders).0);
+        let (first, second) = (file(&home, "first"), file(&home, "second"));
+        one.add(Kind::Session, &first).unwrap();
+        other.add(Kind::Session, &second).unwrap();
+        assert_eq!(other.list(Kind::Session), [second.clone(), first.clone()]);
+        one.clear(Kind::Formula).unwrap();
+        assert_eq!(one.list(Kind::Session), [second, first]);
+    }
+
+    #[test]
+    fn a_damaged_list_begins_anew() {
+        for damaged in
+            [b"formula = [".as_slice(), b"version = 1\nscene = 3", b"version = 1\nscene = [3]", b"version = 9", b"\xff"]
+        {
+            let (home, folders) = home();
+            fs::create_dir(&folders.state).unwrap();
+            fs::write(folders.state.join("recent.toml"), damaged).unwrap();
+            let (mut recent, warning) = Recent::open(&folders);
+            let warning = warning.unwrap();
+            assert!(warning.message().starts_with("the list of recent files begins anew: "), "{}", warning.message());
+            let path = file(&home, "one");
+            recent.add(Kind::Scene, &path).unwrap();
+            let (again, warning) = Recent::open(&folders);
+            assert_eq!((again.list(Kind::Scene), warning), (vec![path], None));
+        }
+    }
+
+    #[test]
+    fn a_list_that_cannot_be_written_lasts_until_the_end() {
+        let home = tempfile::tempdir().unwrap();
+        let path = file(&home, "state");
+        let (mut recent, warning) = Recent::open(&Folders::below(home.path()));
+        assert!(warning.is_some());
+        let error = recent.add(Kind::Scene, &path).unwrap_err();
+        assert!(error.message().starts_with("cannot keep the list of recent files in `"), "{}", error.message());
+        let other = file(&home, "other");
+        assert!(recent.add(Kind::Scene, &other).is_err());
+        assert_eq!(recent.list(Kind::Scene), [other, path]);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_path_that_is_no_text_lasts_until_the_end() {
+        use std::os::unix::ffi::OsStrExt;
+        let (home, folders) = home();
+        let (mut recent, _) = Recent::open(&folders);
+        let path = home.path().join(std::ffi::OsStr::from_bytes(b"a\xff"));
+        if fs::write(&path, "").is_err() {
+            return; // Not every file system takes such a name.
+        }
+        let usual = file(&home, "usual");
+        recent.add(Kind::Scene, &path).unwrap();
+        recent.add(Kind::Scene, &usual).unwrap();
+        assert_eq!(recent.list(Kind::Scene), [usual.clone(), path]);
+        assert_eq!(Recent::open(&folders).0.list(Kind::Scene), [usual]);
+    }
+}
