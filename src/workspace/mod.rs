@@ -6,6 +6,7 @@
 
 pub mod assignment;
 mod document;
+pub mod drafts;
 pub mod files;
 pub mod materials;
 pub mod folders;

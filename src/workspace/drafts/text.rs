@@ -1,0 +1,91 @@
+//! A draft as a file, and back.
+
+use crate::lang::diagnostic::{Diagnostic, Diagnostics, Severity};
+use crate::lang::source::Source;
+use crate::presets::Kind;
+use crate::workspace::document::{VERSION, Value, check_version, entries, missing, parse};
+use crate::workspace::drafts::Draft;
+use crate::workspace::files::{Location, reason};
+use serde::Serialize;
+use std::fs;
+use std::io;
+use std::path::Path;
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
+
+/// The file, key by key.
+#[derive(Serialize)]
+struct DraftText<'d> {
+    version: i64,
+    kind: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    location: Option<&'d str>,
+    /// Seconds since 1970.
+    time: u64,
+    text: &'d str,
+}
+
+pub(super) fn to_toml(draft: &Draft) -> io::Result<String> {
+    let location = draft.location.as_ref().and_then(|location| match location {
+        Location::Preset(_) => Some(location.to_string()),
+        // The text counts for more than where it came from, which TOML may have no place for.
+        Location::File(path) => path.to_str().map(str::to_owned),
+    });
+    let time = draft.time.duration_since(UNIX_EPOCH).unwrap_or_default().as_secs();
+    let text = DraftText { version: VERSION, kind: draft.kind.word(), location: location.as_deref(), time, text: &draft.text };
+    toml::to_string(&text).map_err(io::Error::other)
+}
+
+/// Reads a draft of any size.
+pub(super) fn read(path: &Path) -> Result<Draft, Diagnostic> {
+    let unreadable = |why: &str| {
+        Diagnostic::error(format!("cannot read the unsaved text in `{}`: {why}", path.display()))
+            .help("look at it with another program, or discard it")
+    };
+    let bytes = fs::read(path).map_err(|error| unreadable(&reason(&error)))?;
+    let text = String::from_utf8(bytes).map_err(|_| unreadable("it is not UTF-8 text"))?;
+    let source = Source::new(path.display().to_string(), text);
+    parse_draft(&source).map_err(|diagnostics| {
+        let error = diagnostics.iter().find(|diagnostic| diagnostic.severity() == Severity::Error);
+        unreadable(error.map_or("it is damaged", Diagnostic::message))
+    })
+}
+
+fn parse_draft(source: &Source) -> Result<Draft, Diagnostics> {
+    let table = parse(source)?;
+    let mut diagnostics = Diagnostics::new();
+    let [mut version, mut kind, mut location, mut time, mut text] = [None; 5];
+    for entry in entries(&table) {
+        match entry.key {
+            "version" => version = Some(entry.value),
+            "kind" => kind = Some(entry.value),
+            "location" => location = Some(entry.value),
+            "time" => time = Some(entry.value),
+            "text" => text = Some(entry.value),
+            // No loss: what a later version says beside the text.
+            _ => {}
+        }
+    }
+    check_version(version, &mut diagnostics);
+    let mut take = |value: Option<Value>, line: &str| {
+        let outcome =
+            value.ok_or_else(|| missing("the draft is not whole", line)).and_then(|value| value.text().map(str::to_owned));
+        outcome.map_err(|diagnostic| diagnostics.push(diagnostic)).ok()
+    };
+    let text = take(text, "text = \"formula; = Cd;\"");
+    let word = take(kind, "kind = \"formula\"");
+    let location = location.and_then(|location| take(Some(location), "")).map(Location::new);
+    let seconds = time.and_then(|time| time.whole(0..i64::MAX).ok()).unwrap_or_default();
+    let kind = word.and_then(|word| Kind::ALL.into_iter().find(|kind| kind.word() == word));
+    let time: Option<SystemTime> = UNIX_EPOCH.checked_add(Duration::from_secs(seconds.unsigned_abs()));
+    match (kind, text) {
+        (Some(kind), Some(text)) if !diagnostics.has_errors() => {
+            Ok(Draft { kind, location, text, time: time.unwrap_or(UNIX_EPOCH) })
+        }
+        _ => {
+            if !diagnostics.has_errors() {
+                diagnostics.push(missing("the draft does not say what it is", "kind = \"formula\""));
+            }
+            Err(diagnostics)
+        }
+    }
+}
