@@ -23,6 +23,5 @@ pub use materials::{Library, Material, Shelf};
 pub use owner::{OwnerId, Owners};
 pub use roster::Roster;
 pub use session::Session;
-pub use settings::Settings;
 pub use values::Values;
 pub use warning::Warning;
