@@ -7,6 +7,7 @@ use crate::lang::ast::{Constant, Declaration, FormulaFile, InvariantLine, MacroL
 use crate::lang::ast::{Expr, ExprId, ExprKind};
 use crate::lang::cursor::{Cursor, Placed, Reported};
 use crate::lang::diagnostic::{Diagnostic, Diagnostics, nearest};
+use crate::lang::keywords;
 use crate::lang::source::{Source, Span};
 use crate::lang::token::{Mark, TokenKind};
 use crate::lang::types::Type;
@@ -25,8 +26,8 @@ pub(super) struct Parser<'s> {
     pub(super) file: FormulaFile,
 }
 
-const SECTIONS: [&str; 5] = ["global", "body_specific", "light_specific", "invariants", "formula"];
-const ATTRIBUTES: [&str; 4] = ["constraint", "default", "slider", "color"];
+const SECTIONS: [&str; 5] = keywords::words(&keywords::FORMULA_SECTIONS);
+const ATTRIBUTES: [&str; 4] = keywords::words(&keywords::PARAMETER_ATTRIBUTES);
 
 impl Parser<'_> {
     fn file(&mut self) {
@@ -158,7 +159,7 @@ impl Parser<'_> {
         let ty = match self.cursor.word(0) {
             Some("scalar") => Type::Scalar,
             Some("vector") => Type::Vector,
-            _ => return Err(self.cursor.unknown_word("`scalar` or `vector`", &["scalar", "vector"])),
+            _ => return Err(self.cursor.unknown_word("`scalar` or `vector`", &keywords::words(&keywords::TYPES))),
         };
         self.cursor.advance();
         let mut declaration = Declaration { name, owner, ty, range: None, default: None, slider: false, colour: None };

@@ -1,4 +1,4 @@
-//! The reference of the formula language as text for a terminal, printed from the tables that the program itself works by.
+//! The reference of the formula language, as tables and as text for a terminal, made from what the program itself works by.
 
 use crate::lang::builtins::{Form, Operation};
 use crate::lang::printer::Binding;
@@ -8,6 +8,8 @@ use crate::lang::variables::{Owner, Predefined, Rate, Variable};
 
 /// Lines are at most so long, in characters.
 const WIDTH: usize = 100;
+/// The title of the table that rules of grouping follow.
+const OPERATORS: &str = "Operators, those that bind most tightly first";
 
 const HEAD: &str = "\
 The formula language
@@ -32,27 +34,55 @@ Comments are /* … */ and // … to the end of the line. Types: S scalar, V vec
 ";
 
 /// A line of a table: what is written, its types, where it comes from, what it means.
-struct Row {
-    form: String,
-    types: String,
-    origin: Origin,
-    doc: String,
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Row {
+    /// The name or mark by which it is known.
+    pub name: &'static str,
+    /// How it is written, operands and all.
+    pub form: String,
+    /// Operand types and result, or the type.
+    pub types: String,
+    /// Where it comes from.
+    pub origin: Origin,
+    /// What it means, in one line.
+    pub doc: String,
+}
+
+/// A table of the reference.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Table {
+    /// What is in it.
+    pub title: String,
+    /// Its lines.
+    pub rows: Vec<Row>,
+}
+
+/// The tables of the reference: operators, functions, variables, predefined parameters.
+pub fn tables() -> Vec<Table> {
+    let table = |title: &str, rows| Table { title: title.to_owned(), rows };
+    let variables = |rate| Variable::ALL.iter().filter(move |variable| variable.rate() == rate).map(variable).collect::<Vec<_>>();
+    let mut tables = vec![
+        table(OPERATORS, operators()),
+        table("Functions", functions()),
+        table("Variables of a hit", variables(Rate::Hit)),
+        table("Variables of a hit and the light at hand", variables(Rate::Record)),
+    ];
+    tables.extend(Owner::ALL.map(|owner| {
+        let rows = Predefined::ALL.iter().filter(|predefined| predefined.owner() == owner).map(predefined).collect();
+        table(&format!("Predefined {} parameters, each 0..1", owner.adjective()), rows)
+    }));
+    tables
 }
 
 /// The reference, in lines of at most 100 characters.
 pub fn reference() -> String {
     let mut text = HEAD.to_owned();
-    section(&mut text, "Operators, those that bind most tightly first", &operators());
-    text.push_str("\n  Power groups to the right, all others to the left: a-b-c is (a-b)-c, and Cd*N.L is (Cd*N).L.\n");
-    text.push_str("  Comparisons, &&, || and ! stand in the condition of `if` only.\n");
-    section(&mut text, "Functions", &functions());
-    let variables = |rate| Variable::ALL.iter().filter(move |variable| variable.rate() == rate).map(variable).collect::<Vec<_>>();
-    section(&mut text, "Variables of a hit", &variables(Rate::Hit));
-    section(&mut text, "Variables of a hit and the light at hand", &variables(Rate::Record));
-    for owner in Owner::ALL {
-        let title = format!("Predefined {} parameters, each 0..1", owner.adjective());
-        let rows: Vec<Row> = Predefined::ALL.iter().filter(|predefined| predefined.owner() == owner).map(predefined).collect();
-        section(&mut text, &title, &rows);
+    for table in tables() {
+        section(&mut text, &table.title, &table.rows);
+        if table.title == OPERATORS {
+            text.push_str("\n  Power groups to the right, all others to the left: a-b-c is (a-b)-c, and Cd*N.L is (Cd*N).L.\n");
+            text.push_str("  Comparisons, &&, || and ! stand in the condition of `if` only.\n");
+        }
     }
     text
 }
@@ -89,11 +119,16 @@ fn row(operation: Operation) -> Row {
         Form::Vector => format!("<{}>", names.join(", ")),
         Form::Conditional => format!("if({})", names.join(", ")),
     };
-    Row { form, types: operation.signature(), origin: operation.origin(), doc: operation.doc().to_owned() }
+    let name = match operation.form() {
+        Form::Vector => Mark::Less.spelling(),
+        form => form.spelling(),
+    };
+    Row { name, form, types: operation.signature(), origin: operation.origin(), doc: operation.doc().to_owned() }
 }
 
 fn variable(variable: &Variable) -> Row {
     Row {
+        name: variable.name(),
         form: variable.name().to_owned(),
         types: variable.ty().letter().to_string(),
         origin: variable.origin(),
@@ -105,6 +140,7 @@ fn predefined(predefined: &Predefined) -> Row {
     let numbers: Vec<String> = predefined.default().iter().map(f32::to_string).collect();
     let default = if numbers.len() == 1 { numbers.concat() } else { format!("<{}>", numbers.join(", ")) };
     Row {
+        name: predefined.name(),
         form: predefined.name().to_owned(),
         types: predefined.ty().letter().to_string(),
         origin: if predefined.usable_in_formulas() { Origin::Thesis } else { Origin::Added },

@@ -9,6 +9,7 @@ mod tests;
 
 use crate::lang::cursor::{Cursor, Placed, Reported};
 use crate::lang::diagnostic::{Diagnostic, Diagnostics, nearest};
+use crate::lang::keywords;
 use crate::lang::source::{Source, Span};
 use crate::lang::token::{Mark, TokenKind};
 use crate::lang::variables::RESERVED;
@@ -18,9 +19,9 @@ use glam::DVec3;
 use std::collections::HashMap;
 
 /// The sections in their order.
-const SECTIONS: [&str; 3] = ["bodies", "lights", "camera"];
-const SHAPES: [&str; 2] = ["sphere", "rectangle"];
-const ATTRIBUTES: [&str; 3] = ["refractive_index", "opaque", "matte"];
+const SECTIONS: [&str; 3] = keywords::words(&keywords::SCENE_SECTIONS);
+const SHAPES: [&str; 2] = keywords::words(&keywords::SHAPES);
+const ATTRIBUTES: [&str; 3] = keywords::words(&keywords::BODY_ATTRIBUTES);
 
 /// Reads a scene; see [`Scene::parse`].
 pub(super) fn parse(source: &Source) -> Result<(Scene, Diagnostics), Diagnostics> {

@@ -3,6 +3,7 @@
 use super::Parser;
 use crate::lang::cursor::{Placed, Reported};
 use crate::lang::diagnostic::{Diagnostic, nearest};
+use crate::lang::keywords;
 use crate::lang::source::Span;
 use crate::lang::token::{Mark, TokenKind};
 use crate::scene::print::{Number, Vector};
@@ -10,7 +11,7 @@ use crate::scene::{Camera, CameraError};
 use glam::DVec3;
 
 /// The clauses in their order.
-const CLAUSES: [&str; 4] = ["position", "gaze", "up", "fov"];
+const CLAUSES: [&str; 4] = keywords::words(&keywords::CAMERA_CLAUSES);
 
 /// The clauses read so far.
 #[derive(Default)]

@@ -1,0 +1,100 @@
+//! Every word of the two languages that is no name: heads of sections, types, attributes, shapes, clauses; defined once.
+//!
+//! They are words only in their places, which the parsers know. Here is how they are written and what they mean, for the parsers, and
+//! for whatever helps a user to write them.
+
+/// A word with a meaning of its own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Keyword {
+    /// How it is written.
+    pub word: &'static str,
+    /// What it means, in one line.
+    pub doc: &'static str,
+}
+
+/// The words of a table, in its order.
+pub const fn words<const N: usize>(table: &[Keyword; N]) -> [&'static str; N] {
+    let mut words = [""; N];
+    let mut at = 0;
+    while at < N {
+        words[at] = table[at].word;
+        at += 1;
+    }
+    words
+}
+
+macro_rules! keywords {
+    ($($(#[$doc:meta])* $table:ident [$count:literal] { $($word:literal $meaning:literal;)* })*) => {
+        $($(#[$doc])*
+        pub const $table: [Keyword; $count] = [$(Keyword { word: $word, doc: $meaning },)*];)*
+    };
+}
+
+keywords! {
+    /// The heads of the sections of a formula file.
+    FORMULA_SECTIONS [5] {
+        "global" "parameters of the whole scene";
+        "body_specific" "parameters of each body";
+        "light_specific" "parameters of each light";
+        "invariants" "sums of parameters of one section that are 1, or at most 1";
+        "formula" "macros `NAME = expression;` and last the colour `= expression;`";
+    }
+    /// The types of declared parameters.
+    TYPES [2] {
+        "scalar" "one number";
+        "vector" "three numbers: a direction, a point, a colour";
+    }
+    /// The attributes of declared parameters.
+    PARAMETER_ATTRIBUTES [4] {
+        "constraint" "bounds of the value, or of each component: `constraint 0..1`";
+        "default" "the value to begin with: `default 0.5`, `default <1, 0, 0>`";
+        "slider" "shows a slider";
+        "color" "shows a colour picker";
+    }
+    /// The heads of the sections of a scene file, in their order.
+    SCENE_SECTIONS [3] {
+        "bodies" "spheres and rectangles";
+        "lights" "point lights";
+        "camera" "position, gaze, up and fov";
+    }
+    /// The shapes of bodies.
+    SHAPES [2] {
+        "sphere" "`sphere, center <x, y, z>, radius R`";
+        "rectangle" "`rectangle, A, B, C`: three corners, clockwise as seen from the front";
+    }
+    /// What a sphere has.
+    SPHERE_CLAUSES [2] {
+        "center" "the centre of the sphere: `center <x, y, z>`";
+        "radius" "the radius of the sphere, greater than 0";
+    }
+    /// The attributes of bodies.
+    BODY_ATTRIBUTES [3] {
+        "refractive_index" "the refractive index of the body: `refractive_index 1.5`";
+        "opaque" "the body never refracts";
+        "matte" "the body never reflects";
+    }
+    /// The kinds of lights.
+    LIGHTS [1] {
+        "point" "a point light: `point, <x, y, z>`";
+    }
+    /// The clauses of the camera, in their order.
+    CAMERA_CLAUSES [4] {
+        "position" "where the camera is: `position <x, y, z>`";
+        "gaze" "the direction in which it looks: `gaze <x, y, z>`";
+        "up" "the direction that is up in the picture: `up <x, y, z>`";
+        "fov" "the vertical angle of view in degrees, between 0 and 180";
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lang::variables::{Owner, RESERVED};
+
+    #[test]
+    fn the_heads_of_sections_are_the_reserved_words() {
+        let heads: Vec<&str> = FORMULA_SECTIONS.iter().chain(&SCENE_SECTIONS).map(|keyword| keyword.word).collect();
+        assert_eq!(heads, RESERVED);
+        assert!(Owner::ALL.iter().all(|owner| heads.contains(&owner.section())));
+    }
+}
