@@ -79,3 +79,6 @@ pub struct FrameTimes {
     /// The version of the picture in it.
     pub picture: Option<u64>,
 }
+//! What is shown and what a click does is code that knows no window, so that tests drive it without one; only `window` does.
+
+pub mod editor;

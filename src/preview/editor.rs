@@ -1,0 +1,353 @@
+//! The editor of formulas and scenes: text in colours, marks where something is wrong, completion, search, undo.
+//!
+//! [`Document`] is what is edited; [`Editor`] is the widget for one of them at a time. Beside it stand [`problems_ui`] and [`reference_ui`].
+//! Nothing here opens files or windows. What the widget is made of: `words` and `completion` know the languages, `lines`, `history` and
+//! `commands` texts, `keys` the keyboard, `colouring`, `marks`, `list` and `palette` the looks, `find` the bar for searching.
+
+mod colouring;
+mod commands;
+mod completion;
+mod document;
+mod find;
+mod history;
+mod keys;
+mod lines;
+mod list;
+mod marks;
+mod palette;
+mod problems;
+mod reference;
+#[cfg(test)]
+mod tests;
+mod view;
+mod words;
+
+pub use document::Document;
+pub use keys::Command;
+pub use palette::Palette;
+pub use problems::problems_ui;
+pub use reference::reference_ui;
+pub use words::Class;
+
+use crate::lang::source::Span;
+use colouring::{Colouring, Laid};
+use egui::{Context, Event, FontId, Id, Key, TextStyle, Ui};
+use find::{Find, Wish};
+use history::{Edit, Selection};
+use keys::{Open, Queue};
+use lines::{fitting, floor};
+use list::List;
+use std::collections::HashMap;
+use std::sync::Arc;
+use std::time::Duration;
+
+/// A text that takes long to check is checked when so many seconds passed without a change.
+const CHECK_AFTER: f64 = 0.5;
+
+/// What an editor did in a frame.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct EditorResponse {
+    /// Whether the text was changed.
+    pub changed: bool,
+    /// Whether the text is to be taken for the picture: Ctrl+Enter was pressed.
+    pub apply: bool,
+    /// Whether the keyboard is the text's.
+    pub focused: bool,
+    /// Line and column of the cursor, counted from 1, the column in characters.
+    pub place: (usize, usize),
+}
+
+/// How the text is drawn, with the context to lay it out.
+#[derive(Clone, Copy)]
+struct Look<'a> {
+    context: &'a Context,
+    font: &'a FontId,
+    palette: &'a Palette,
+}
+
+/// The widget that edits a [`Document`]; each pane has one of its own, which may show one document after the other.
+#[derive(Default)]
+pub struct Editor {
+    colouring: Colouring,
+    queue: Queue,
+    list: List,
+    find: Find,
+    /// The document that was shown last, and what is selected in each.
+    shown: Option<u64>,
+    selections: HashMap<u64, Selection>,
+    selection: Selection,
+    /// Whether the widget does not know the selection yet.
+    moved: bool,
+    /// Whether the cursor is to be scrolled into view, in the middle.
+    reveal: bool,
+    wants_focus: bool,
+    /// What was asked for from outside since the last frame.
+    ordered: Vec<Order>,
+    changed_at: f64,
+}
+
+/// What was asked for from outside.
+enum Order {
+    Jump(Span),
+    Insert(String),
+    Command(Command),
+}
+
+impl Editor {
+    /// Selects a place of the document that is shown next, scrolls it into view and takes the keyboard.
+    pub fn jump_to(&mut self, span: Span) {
+        self.ordered.push(Order::Jump(span));
+    }
+
+    /// Puts a text in the place of what is selected, and takes the keyboard.
+    pub fn insert(&mut self, text: impl Into<String>) {
+        self.ordered.push(Order::Insert(text.into()));
+    }
+
+    /// Does what a key does: for menus and buttons.
+    pub fn order(&mut self, command: Command) {
+        self.ordered.push(Order::Command(command));
+    }
+
+    /// Takes the keyboard.
+    pub fn focus(&mut self) {
+        self.wants_focus = true;
+    }
+
+    /// The id of the widget of a document, for whoever asks for the keyboard's owner.
+    pub fn id_of(document: &Document) -> Id {
+        Id::unique(("editor of a document", document.id()))
+    }
+
+    /// Draws the editor into all the room there is, and handles what is typed and clicked.
+    pub fn ui(&mut self, ui: &mut Ui, document: &mut Document, palette: &Palette) -> EditorResponse {
+        let (context, font) = (ui.ctx().clone(), TextStyle::Monospace.resolve(ui.style()));
+        let look = Look { context: &context, font: &font, palette };
+        let id = Self::id_of(document);
+        let revision = document.revision();
+        let mut response = EditorResponse::default();
+        self.turn_to(document);
+        if self.find.is_open() {
+            self.find_ui(ui, document);
+        }
+        for order in std::mem::take(&mut self.ordered) {
+            match order {
+                Order::Jump(span) => self.show_range(document, span.range(), true),
+                Order::Insert(text) => self.replace_selected(document, text),
+                Order::Command(command) => self.run(look, document, command, &mut response),
+            }
+        }
+        if std::mem::take(&mut self.wants_focus) {
+            context.memory_mut(|memory| memory.request_focus(id));
+        }
+        let focused = context.memory(|memory| memory.has_focus(id));
+        let typed = if focused { self.before_typing(look, document, &mut response) } else { Vec::new() };
+        if !focused {
+            self.queue.clear();
+        }
+        self.text_ui(ui, look, document, &typed);
+        if focused {
+            while let Some(command) = self.queue.next_command(self.open()) {
+                self.run(look, document, command, &mut response);
+            }
+        }
+        response.changed = document.revision() != revision;
+        self.check(look, document, response.changed);
+        if response.changed || self.moved || self.reveal || !self.queue.is_empty() {
+            context.request_repaint();
+        }
+        response.focused = context.memory(|memory| memory.has_focus(id));
+        let laid = self.lay(look, document);
+        let (line, column) = laid.lines.place(&document.text, self.selection.head);
+        response.place = (line + 1, column + 1);
+        self.selections.insert(document.id(), self.selection);
+        response
+    }
+
+    /// Takes up a document where it was left.
+    fn turn_to(&mut self, document: &Document) {
+        if self.shown != Some(document.id()) {
+            self.shown = Some(document.id());
+            self.selection = self.selections.get(&document.id()).copied().unwrap_or_default();
+            (self.moved, self.reveal) = (true, true);
+            self.queue.clear();
+            self.list.close();
+        }
+        // Someone else may have changed the text.
+        let fit = |at: usize| floor(&document.text, at);
+        self.selection = Selection { anchor: fit(self.selection.anchor), head: fit(self.selection.head) };
+    }
+
+    fn open(&self) -> Open {
+        Open { list: self.list.is_open(), find: self.find.is_open() }
+    }
+
+    /// Does the commands that were typed first, and gives the widget what was typed up to the next.
+    fn before_typing(&mut self, look: Look<'_>, document: &mut Document, response: &mut EditorResponse) -> Vec<Event> {
+        look.context.input_mut(|input| self.queue.take_from(&mut input.events));
+        while let Some(command) = self.queue.next_command(self.open()) {
+            self.run(look, document, command, response);
+        }
+        let typed = self.queue.up_to_command(self.open());
+        look.context.input_mut(|input| input.events.extend(typed.iter().cloned()));
+        typed
+    }
+
+    /// Draws the bar for searching and does what it asks for.
+    fn find_ui(&mut self, ui: &mut Ui, document: &mut Document) {
+        let of = (document.id(), document.revision());
+        let wish = self.find.ui(ui, of, &document.text, self.selection.range());
+        let escaped = !ui.memory(|memory| memory.has_focus(Self::id_of(document)))
+            && ui.input_mut(|input| input.consume_key(egui::Modifiers::NONE, Key::Escape));
+        match wish {
+            Some(Wish::Show(range)) => self.show_range(document, range, false),
+            Some(Wish::Replace(range)) => {
+                let after = range.start + self.find.replacement().len();
+                let edit = Edit::replacing(&document.text, range, self.find.replacement());
+                self.edit(document, edit, Selection::cursor(after));
+                self.find.search(document.id(), document.revision(), &document.text);
+                if let Some(next) = self.find.next(after) {
+                    self.show_range(document, next, false);
+                }
+            }
+            Some(Wish::ReplaceAll) => {
+                let mut text = document.text.clone();
+                for range in self.find.found().iter().rev() {
+                    text.replace_range(range.clone(), self.find.replacement());
+                }
+                if let Some(edit) = Edit::between(&document.text, &text) {
+                    let after = Selection::cursor(edit.at);
+                    self.edit(document, edit, after);
+                }
+            }
+            Some(Wish::Close) => self.close_find(),
+            None if escaped => self.close_find(),
+            None => {}
+        }
+        self.find.search(document.id(), document.revision(), &document.text);
+    }
+
+    fn close_find(&mut self) {
+        self.find.close();
+        (self.wants_focus, self.moved) = (true, true);
+    }
+
+    /// Selects a range and scrolls it into view.
+    fn show_range(&mut self, document: &Document, range: std::ops::Range<usize>, focus: bool) {
+        let range = fitting(&document.text, range);
+        self.selection = Selection { anchor: range.start, head: range.end };
+        (self.moved, self.reveal) = (true, true);
+        self.wants_focus |= focus;
+        self.list.close();
+    }
+
+    /// Does an edit, as a step of its own.
+    fn edit(&mut self, document: &mut Document, edit: Edit, after: Selection) {
+        document.edit(edit, self.selection, after);
+        self.selection = after;
+        (self.moved, self.reveal) = (true, true);
+        self.list.close();
+    }
+
+    fn replace_selected(&mut self, document: &mut Document, text: String) {
+        let range = self.selection.range();
+        let after = Selection::cursor(range.start + text.len());
+        let edit = Edit::replacing(&document.text, range, text);
+        self.edit(document, edit, after);
+        self.wants_focus = true;
+    }
+
+    fn run(&mut self, look: Look<'_>, document: &mut Document, command: Command, response: &mut EditorResponse) {
+        let (text, selection) = (document.text.as_str(), self.selection);
+        let edit = match command {
+            Command::LineBreak => Some(commands::line_break(text, selection)),
+            Command::Indent => commands::indent(text, selection),
+            Command::Outdent => commands::outdent(text, selection),
+            Command::Comment => commands::toggle_comment(text, selection),
+            Command::Accept => self.list.chosen().map(|(word, candidate)| {
+                let after = Selection::cursor(word.start + candidate.insert.len());
+                (Edit::replacing(text, word, candidate.insert.as_str()), after)
+            }),
+            Command::Undo | Command::Redo => {
+                if let Some(selection) = if command == Command::Undo { document.undo() } else { document.redo() } {
+                    self.selection = selection;
+                    (self.moved, self.reveal) = (true, true);
+                    self.list.close();
+                }
+                None
+            }
+            Command::Apply => {
+                response.apply = true;
+                self.list.close();
+                None
+            }
+            Command::Find => {
+                let selected = &text[fitting(text, selection.range())];
+                self.find.open(selected);
+                None
+            }
+            Command::FindNext | Command::FindPrevious => {
+                if !self.find.is_open() {
+                    self.find.open("");
+                }
+                self.find.search(document.id(), document.revision(), text);
+                let next = command == Command::FindNext;
+                let place =
+                    if next { self.find.next(selection.range().end) } else { self.find.previous(selection.range().start) };
+                if let Some(place) = place {
+                    self.show_range(document, place, true);
+                }
+                None
+            }
+            Command::Complete => {
+                self.offer(look, document, true);
+                None
+            }
+            Command::ListUp | Command::ListDown => {
+                self.list.step(command == Command::ListDown);
+                None
+            }
+            Command::Dismiss => {
+                if self.list.is_open() {
+                    self.list.dismiss();
+                } else {
+                    self.close_find();
+                }
+                None
+            }
+        };
+        if let Some((edit, after)) = edit {
+            self.edit(document, edit, after);
+        }
+    }
+
+    /// Shows what may be written at the cursor, if anything.
+    fn offer(&mut self, look: Look<'_>, document: &Document, asked: bool) {
+        let laid = self.lay(look, document);
+        let cursor = self.selection.head;
+        let completion = completion::complete(document.kind(), &document.text, &laid.words, cursor);
+        self.list.offer(completion.filter(|_| self.selection.range().is_empty()), &document.text, asked);
+    }
+
+    /// Checks the text: at once, or after a pause where that would be felt.
+    fn check(&mut self, look: Look<'_>, document: &mut Document, changed: bool) {
+        let now = look.context.input(|input| input.time);
+        if changed {
+            self.changed_at = now;
+        }
+        if !document.is_checked() {
+            let waits = CHECK_AFTER - (now - self.changed_at);
+            if document.is_checked_at_once() || waits <= 0.0 {
+                document.check();
+                look.context.request_repaint();
+            } else {
+                look.context.request_repaint_after(Duration::from_secs_f64(waits));
+            }
+        }
+    }
+
+    /// The text as it is laid out now.
+    fn lay(&mut self, look: Look<'_>, document: &Document) -> Arc<Laid> {
+        self.colouring.lay(look.context, document.kind(), &document.text, look.font, look.palette)
+    }
+}

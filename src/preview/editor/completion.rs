@@ -1,0 +1,241 @@
+//! What may be written at a place: names and keywords that go on with what is typed there, from the language's tables and the text.
+//!
+//! Decides by the words before the place. No widgets.
+
+use super::words::{Class, Section, Words, scene_words, signatures};
+use crate::lang::builtins::{self, Form};
+use crate::lang::keywords::{self, Keyword};
+use crate::lang::token::{Mark, TokenKind};
+use crate::lang::types::Type;
+use crate::lang::variables::{Predefined, Variable};
+use crate::presets::Kind;
+use std::ops::Range;
+
+/// Something that may be written.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Candidate {
+    /// The name or keyword.
+    pub name: String,
+    /// What is written where it is chosen.
+    pub insert: String,
+    /// Operands and types.
+    pub types: String,
+    /// What it means.
+    pub doc: String,
+    /// What it is, for its colour.
+    pub class: Class,
+}
+
+/// What may be written at a place, best first.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Completion {
+    /// The bytes of the word that is there so far.
+    pub word: Range<usize>,
+    /// What may take its place.
+    pub candidates: Vec<Candidate>,
+}
+
+/// What may be written at a cursor; `None` where nothing is known that could.
+pub(super) fn complete(kind: Kind, text: &str, words: &Words, cursor: usize) -> Option<Completion> {
+    let word = word_before(text, cursor);
+    let typed = &text[word.clone()];
+    // Within a comment, a number or a path, nothing is to be completed; behind a finished one it is.
+    let inside = |class| matches!(class, Class::Comment | Class::Number | Class::Uses | Class::Unknown);
+    let in_comment = cursor > 0 && words.class_at(cursor - 1) == Class::Comment && !text[..cursor].ends_with("*/");
+    if in_comment || (!typed.is_empty() && inside(words.class_at(word.start))) || typed.starts_with(|c: char| c.is_ascii_digit())
+    {
+        return None;
+    }
+    let mut candidates = match kind {
+        Kind::Formula => in_formula(text, words, word.clone()),
+        Kind::Scene => in_scene(words, word.start),
+        Kind::Session | Kind::Material => Vec::new(),
+    };
+    candidates.retain(|candidate| rank(&candidate.name, typed).is_some());
+    candidates.sort_by_key(|candidate| rank(&candidate.name, typed));
+    let called = text[cursor..].trim_start_matches(' ').starts_with('(');
+    if called {
+        candidates.iter_mut().for_each(|candidate| candidate.insert.clone_from(&candidate.name));
+    }
+    (!candidates.is_empty()).then_some(Completion { word, candidates })
+}
+
+/// The bytes of the word that ends at a cursor.
+fn word_before(text: &str, cursor: usize) -> Range<usize> {
+    let letters = text[..cursor].bytes().rev().take_while(|byte| byte.is_ascii_alphanumeric() || *byte == b'_').count();
+    cursor - letters..cursor
+}
+
+/// How well a name goes on with what is typed, the least best; `None` where it does not.
+fn rank(name: &str, typed: &str) -> Option<usize> {
+    let (lower, small) = (name.to_lowercase(), typed.to_lowercase());
+    if name == typed {
+        Some(0)
+    } else if name.starts_with(typed) {
+        Some(1)
+    } else if lower.starts_with(&small) {
+        Some(2)
+    } else {
+        (small.len() > 1 && lower.contains(&small)).then_some(3)
+    }
+}
+
+fn in_formula(text: &str, words: &Words, word: Range<usize>) -> Vec<Candidate> {
+    let before = words.tokens.partition_point(|token| token.span.range().end <= word.start);
+    let last = before.checked_sub(1).map(|at| &words.tokens[at].kind);
+    let begins = matches!(last, None | Some(TokenKind::Mark(Mark::Semicolon) | TokenKind::Uses(..)));
+    let heads = || {
+        keywords::FORMULA_SECTIONS.iter().map(|keyword| Candidate { insert: format!("{};", keyword.word), ..meaning(keyword) })
+    };
+    match words.section(word.start) {
+        Section::Head => heads().collect(),
+        Section::Parameters(_) => match last {
+            Some(TokenKind::Mark(Mark::Colon)) => keywords::TYPES.iter().map(meaning).collect(),
+            Some(TokenKind::Mark(Mark::Comma)) => keywords::PARAMETER_ATTRIBUTES.iter().map(meaning).collect(),
+            _ if begins => heads().collect(),
+            _ => Vec::new(),
+        },
+        Section::Invariants => {
+            let sums = own(text, words, &word).filter(|candidate| candidate.class == Class::Parameter);
+            let given = Predefined::ALL.iter().filter(|one| one.ty() == Type::Scalar && one.usable_in_formulas()).map(predefined);
+            sums.chain(given).chain(heads().filter(|_| begins)).collect()
+        }
+        Section::Formula if begins => Vec::new(),
+        Section::Formula => expression(text, words, &word),
+        Section::Bodies | Section::Lights | Section::Camera => Vec::new(),
+    }
+}
+
+/// Everything that an expression may name, what the text declares first: it is nearest to hand, and its meaning wins.
+fn expression(text: &str, words: &Words, word: &Range<usize>) -> Vec<Candidate> {
+    let mut candidates: Vec<Candidate> = own(text, words, word).collect();
+    let variables = Variable::ALL.iter().map(|variable| Candidate {
+        name: variable.name().to_owned(),
+        insert: variable.name().to_owned(),
+        types: variable.ty().to_string(),
+        doc: variable.doc().to_owned(),
+        class: Class::Variable,
+    });
+    let given = Predefined::ALL.iter().filter(|one| one.usable_in_formulas()).map(predefined);
+    let functions = builtins::names().into_iter().filter_map(builtins::named).chain([Form::Conditional]).map(function);
+    candidates.extend(variables.chain(given).chain(functions));
+    let mut names = std::collections::HashSet::new();
+    candidates.retain(|candidate| names.insert(candidate.name.clone()));
+    candidates
+}
+
+/// The parameters and macros of the text, but for the one whose statement is being typed.
+fn own<'t>(text: &'t str, words: &'t Words, word: &Range<usize>) -> impl Iterator<Item = Candidate> + use<'t> {
+    let cursor = word.start;
+    words.declared.iter().filter(move |one| !one.statement.contains(&cursor)).map(|one| {
+        let statement = text[one.statement.clone()].split_whitespace().collect::<Vec<_>>().join(" ");
+        Candidate {
+            name: one.name.clone(),
+            insert: one.name.clone(),
+            types: one.ty.map_or_else(String::new, |ty| ty.to_string()),
+            doc: statement,
+            class: one.class,
+        }
+    })
+}
+
+fn predefined(predefined: &Predefined) -> Candidate {
+    Candidate {
+        name: predefined.name().to_owned(),
+        insert: predefined.name().to_owned(),
+        types: predefined.ty().to_string(),
+        doc: predefined.doc().to_owned(),
+        class: Class::Predefined,
+    }
+}
+
+fn function(form: Form) -> Candidate {
+    let name = form.spelling();
+    let call = match form {
+        Form::Function(_) | Form::Conditional => format!("{name}("),
+        Form::Constant(_) | Form::Prefix(_) | Form::Infix(_) | Form::Vector => name.to_owned(),
+    };
+    let class = if form == Form::Conditional { Class::Keyword } else { Class::Function };
+    let doc = form.overloads().next().map_or("", |operation| operation.doc());
+    Candidate { name: name.to_owned(), insert: call, types: signatures(form), doc: doc.to_owned(), class }
+}
+
+fn meaning(keyword: &Keyword) -> Candidate {
+    let word = keyword.word.to_owned();
+    Candidate { insert: word.clone(), name: word, types: String::new(), doc: keyword.doc.to_owned(), class: Class::Keyword }
+}
+
+fn in_scene(words: &Words, start: usize) -> Vec<Candidate> {
+    let before = words.tokens.partition_point(|token| token.span.range().end <= start);
+    let last = before.checked_sub(1).map(|at| &words.tokens[at].kind);
+    let heads =
+        keywords::SCENE_SECTIONS.iter().map(|keyword| Candidate { insert: format!("{};", keyword.word), ..meaning(keyword) });
+    let section = words.section(start);
+    let follow = |table: &[Keyword]| table.iter().map(meaning).collect::<Vec<_>>();
+    match (section, last) {
+        (Section::Bodies, Some(TokenKind::Mark(Mark::Colon))) => follow(&keywords::SHAPES),
+        (Section::Bodies, Some(TokenKind::Mark(Mark::Comma))) => {
+            scene_words(section).filter(|keyword| !keywords::SHAPES.contains(keyword)).map(meaning).collect()
+        }
+        (Section::Lights, Some(TokenKind::Mark(Mark::Colon))) => follow(&keywords::LIGHTS),
+        (_, None) => heads.collect(),
+        (Section::Camera, Some(TokenKind::Mark(Mark::Semicolon))) => follow(&keywords::CAMERA_CLAUSES),
+        (_, Some(TokenKind::Mark(Mark::Semicolon))) => heads.collect(),
+        _ => Vec::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The names that may be written at the `|`.
+    fn names(kind: Kind, marked: &str) -> Vec<String> {
+        let cursor = marked.find('|').unwrap();
+        let text = marked.replace('|', "");
+        let completion = complete(kind, &text, &Words::new(kind, &text), cursor);
+        completion.map_or_else(Vec::new, |completion| completion.candidates.into_iter().map(|one| one.name).collect())
+    }
+
+    fn in_formula(marked: &str) -> Vec<String> {
+        names(Kind::Formula, marked)
+    }
+
+    #[test]
+    fn expressions_name_what_the_text_and_the_language_have() {
+        let head = "body_specific;\nkd: scalar;\nformula;\nMINE = kd;\n";
+        assert_eq!(in_formula(&format!("{head}= sm|")), ["smoothstep"]);
+        assert_eq!(in_formula(&format!("{head}= k|"))[..5], ["kd", "kr", "kt", "ki", "ka"]);
+        assert_eq!(in_formula(&format!("{head}= mi|")), ["min", "mix", "MINE"]);
+        assert_eq!(in_formula(&format!("{head}= cd|"))[0], "Cd");
+        assert!(!in_formula(&format!("{head}= |")).is_empty());
+        assert_eq!(in_formula(&format!("{head}= backg|")), [""; 0]);
+        assert_eq!(in_formula("formula;\nMINE = MI|;")[0], "min");
+    }
+
+    #[test]
+    fn every_place_has_its_words() {
+        assert_eq!(in_formula("glo|"), ["global"]);
+        assert_eq!(in_formula("global; a: |"), ["scalar", "vector"]);
+        assert_eq!(in_formula("global; a: scalar, d|"), ["default"]);
+        assert_eq!(in_formula("global; a: scalar, default 1|"), [""; 0]);
+        assert_eq!(in_formula("global; a: scalar; invariants; a+k|")[..2], ["kr", "kt"]);
+        assert_eq!(in_formula("formula; = Cd; // c|"), [""; 0]);
+        assert_eq!(in_formula("/* a */ f|"), ["formula"]);
+        assert_eq!(names(Kind::Scene, "|"), ["bodies", "lights", "camera"]);
+        assert_eq!(names(Kind::Scene, "bodies; b: s|"), ["sphere"]);
+        assert_eq!(names(Kind::Scene, "bodies; b: sphere, ra|"), ["radius"]);
+        assert_eq!(names(Kind::Scene, "camera; |"), ["position", "gaze", "up", "fov"]);
+        assert_eq!(names(Kind::Session, "f|"), [""; 0]);
+    }
+
+    #[test]
+    fn functions_are_written_with_their_parenthesis_once() {
+        let insert = |text: &str, cursor| {
+            complete(Kind::Formula, text, &Words::new(Kind::Formula, text), cursor).unwrap().candidates[0].insert.clone()
+        };
+        assert_eq!(insert("formula; = max", 14), "max(");
+        assert_eq!(insert("formula; = max(0)", 14), "max");
+        assert_eq!(insert("formula; = p", 12), "pi");
+    }
+}

@@ -1,0 +1,254 @@
+//! A text that is edited: what it is, where it is kept, what was done to it and what is wrong with it.
+//!
+//! Reads and writes no files and knows no widgets. At hand a text has no byte order mark and `\n` between lines; as a file it has what
+//! it came with.
+
+use super::history::{Edit, History, Selection};
+use crate::formula::Formula;
+use crate::lang::diagnostic::{Diagnostic, Diagnostics, Severity};
+use crate::lang::source::Source;
+use crate::presets::Kind;
+use crate::scene::Scene;
+use crate::workspace::files::Location;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+const MARK: char = '\u{feff}';
+/// Texts up to so many bytes are checked at every change; it takes no longer than drawing them.
+const CHECKED_AT_ONCE: usize = 32 << 10;
+
+/// A text with its history and its diagnostics.
+#[derive(Debug)]
+pub struct Document {
+    id: u64,
+    kind: Kind,
+    location: Option<Location>,
+    pub(super) text: String,
+    saved: String,
+    marked: bool,
+    carriage_returns: bool,
+    revision: u64,
+    checked: Option<u64>,
+    diagnostics: Vec<Diagnostic>,
+    history: History,
+}
+
+impl Document {
+    /// A text that is not kept anywhere yet. It counts as saved until it is changed.
+    pub fn untitled(kind: Kind, text: &str) -> Self {
+        static NEXT: AtomicU64 = AtomicU64::new(0);
+        let marked = text.starts_with(MARK);
+        let text = text.strip_prefix(MARK).unwrap_or(text);
+        let carriage_returns = text.split_inclusive('\n').next().is_some_and(|line| line.ends_with("\r\n"));
+        let text = text.replace("\r\n", "\n");
+        let mut document = Self {
+            id: NEXT.fetch_add(1, Ordering::Relaxed),
+            kind,
+            location: None,
+            saved: text.clone(),
+            text,
+            marked,
+            carriage_returns,
+            revision: 0,
+            checked: None,
+            diagnostics: Vec::new(),
+            history: History::default(),
+        };
+        document.check();
+        document
+    }
+
+    /// A text as it was read from where it is kept.
+    pub fn opened(kind: Kind, location: Location, text: &str) -> Self {
+        let mut document = Self { location: Some(location), ..Self::untitled(kind, text) };
+        document.check();
+        document
+    }
+
+    /// A number that no other document of this run has.
+    pub fn id(&self) -> u64 {
+        self.id
+    }
+
+    /// What the text is.
+    pub fn kind(&self) -> Kind {
+        self.kind
+    }
+
+    /// Where it is kept; `None` where it never was.
+    pub fn location(&self) -> Option<&Location> {
+        self.location.as_ref()
+    }
+
+    /// The text, lines ending in `\n`.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// The text under its name, for parsers. Places in their diagnostics are places in [`text`](Self::text).
+    pub fn source(&self) -> Source {
+        Source::new(self.name(), self.text.clone())
+    }
+
+    /// The text as it belongs into a file: with the line ends and the byte order mark it came with.
+    pub fn file_text(&self) -> String {
+        let mark = if self.marked { String::from(MARK) } else { String::new() };
+        mark + &if self.carriage_returns { self.text.replace('\n', "\r\n") } else { self.text.clone() }
+    }
+
+    /// Whether something is changed that is not saved.
+    pub fn unsaved(&self) -> bool {
+        self.text != self.saved
+    }
+
+    /// Notes that the text as it is now is kept at a place.
+    pub fn note_saved(&mut self, location: Location) {
+        self.saved.clone_from(&self.text);
+        if self.location.as_ref() != Some(&location) {
+            self.location = Some(location);
+        }
+    }
+
+    /// The whole name: where the text is kept, or that it is kept nowhere.
+    pub fn name(&self) -> String {
+        match &self.location {
+            Some(location) => location.to_string(),
+            None => format!("untitled {}", self.kind.noun()),
+        }
+    }
+
+    /// What a tab shows: the name without folders, with a mark where something is not saved.
+    pub fn title(&self) -> String {
+        let name = match &self.location {
+            Some(Location::File(path)) => path.file_name().map(|name| name.to_string_lossy().into_owned()),
+            Some(Location::Preset(_)) | None => None,
+        };
+        let name = name.unwrap_or_else(|| self.name());
+        if self.unsaved() { format!("{name} •") } else { name }
+    }
+
+    /// A number that is another one after every change of the text.
+    pub fn revision(&self) -> u64 {
+        self.revision
+    }
+
+    /// Puts another text in the place of the whole, as one step that can be undone.
+    pub fn replace_text(&mut self, text: &str) {
+        let text = text.strip_prefix(MARK).unwrap_or(text).replace("\r\n", "\n");
+        if let Some(edit) = Edit::between(&self.text, &text) {
+            let after = Selection::cursor(edit.at);
+            self.edit(edit, after, after);
+        }
+    }
+
+    /// What is wrong with the text, if [`check`](Self::check) was called since it was changed last; else of the text before.
+    pub fn diagnostics(&self) -> &[Diagnostic] {
+        &self.diagnostics
+    }
+
+    /// Whether the diagnostics are those of the text as it is now.
+    pub fn is_checked(&self) -> bool {
+        self.checked == Some(self.revision)
+    }
+
+    /// Whether checking is so quick that it may be done at every change.
+    pub fn is_checked_at_once(&self) -> bool {
+        self.text.len() <= CHECKED_AT_ONCE
+    }
+
+    /// How many errors and how many warnings there are.
+    pub fn counts(&self) -> [usize; 2] {
+        [Severity::Error, Severity::Warning].map(|grave| self.diagnostics.iter().filter(|one| one.severity() == grave).count())
+    }
+
+    /// Checks the text by the rules of its language, where it changed since. Texts that are no formula and no scene are not checked.
+    pub fn check(&mut self) {
+        if self.is_checked() {
+            return;
+        }
+        let source = self.source();
+        let diagnostics = match self.kind {
+            Kind::Formula => Formula::parse(&source).map_or_else(|errors| errors, |(_, warnings)| warnings),
+            Kind::Scene => Scene::parse(&source).map_or_else(|errors| errors, |(_, warnings)| warnings),
+            Kind::Session | Kind::Material => Diagnostics::new(),
+        };
+        self.set_diagnostics(diagnostics);
+    }
+
+    /// Takes what was found wrong with the text as it is now.
+    pub fn set_diagnostics(&mut self, mut diagnostics: Diagnostics) {
+        diagnostics.sort();
+        self.diagnostics = diagnostics.into_iter().collect();
+        self.checked = Some(self.revision);
+    }
+
+    /// Whether there is a step to take back.
+    pub fn can_undo(&self) -> bool {
+        self.history.can_undo()
+    }
+
+    /// Whether there is a step to do again.
+    pub fn can_redo(&self) -> bool {
+        self.history.can_redo()
+    }
+
+    /// Takes the last step back; what is selected then.
+    pub(super) fn undo(&mut self) -> Option<Selection> {
+        let selection = self.history.undo(&mut self.text)?;
+        self.revision += 1;
+        Some(selection)
+    }
+
+    /// Does again what was taken back last; what is selected then.
+    pub(super) fn redo(&mut self) -> Option<Selection> {
+        let selection = self.history.redo(&mut self.text)?;
+        self.revision += 1;
+        Some(selection)
+    }
+
+    /// Does an edit, as a step of its own.
+    pub(super) fn edit(&mut self, edit: Edit, before: Selection, after: Selection) {
+        edit.apply(&mut self.text);
+        self.history.note(edit, before, after, None);
+        self.revision += 1;
+    }
+
+    /// Notes that the widget changed the text by itself at a time in seconds.
+    pub(super) fn note_typed(&mut self, edit: Edit, before: Selection, after: Selection, time: f64) {
+        self.history.note(edit, before, after, Some(time));
+        self.revision += 1;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::PathBuf;
+
+    #[test]
+    fn files_keep_their_line_ends_and_mark() {
+        for text in ["\u{feff}formula;\r\n= Cd;\r\n", "formula;\n= Cd;", "", "\r\n", "\n"] {
+            let document = Document::untitled(Kind::Formula, text);
+            assert_eq!(document.file_text(), text);
+            assert!(!document.text().contains(['\r', MARK]));
+        }
+    }
+
+    #[test]
+    fn the_title_says_what_is_not_saved() {
+        let location = Location::File(PathBuf::from("models/phong.formula"));
+        let mut document = Document::opened(Kind::Formula, location.clone(), "formula;\n= Cd;\n");
+        assert_eq!((document.title().as_str(), document.counts()), ("phong.formula", [0, 0]));
+        document.replace_text("formula;\n= kd;\n");
+        assert_eq!(document.title(), "phong.formula •");
+        assert!(!document.is_checked());
+        document.check();
+        assert_eq!(document.counts()[0], 1);
+        assert!(document.undo().is_some());
+        assert!(!document.unsaved(), "what is undone is as it was saved");
+        assert!(document.redo().is_some());
+        document.note_saved(location);
+        assert!(!document.unsaved());
+        assert_eq!(Document::untitled(Kind::Scene, "").title(), "untitled scene");
+        assert_eq!(Document::opened(Kind::Scene, Location::new("preset:glass"), "").title(), "preset:glass");
+    }
+}

@@ -1,0 +1,228 @@
+//! What was done to a text, so that it can be undone: edits, of which those that belong together are one step.
+//!
+//! Held are the pieces that changed, not whole texts. Moving the cursor is no step.
+
+use std::ops::Range;
+
+/// How long a pause, in seconds, parts what is typed into steps.
+const PAUSE: f64 = 1.5;
+/// How many bytes of removed and inserted text are kept at most; the oldest steps go first.
+const KEPT_BYTES: usize = 16 << 20;
+
+/// The selected text, in bytes: from where it was begun to where the cursor is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(super) struct Selection {
+    /// Where selecting began; where nothing is selected, the cursor.
+    pub anchor: usize,
+    /// The cursor.
+    pub head: usize,
+}
+
+impl Selection {
+    /// A cursor without a selection.
+    pub(super) fn cursor(at: usize) -> Self {
+        Self { anchor: at, head: at }
+    }
+
+    /// The selected bytes, in the order of the text.
+    pub(super) fn range(self) -> Range<usize> {
+        self.anchor.min(self.head)..self.anchor.max(self.head)
+    }
+}
+
+/// A piece of a text that another takes the place of.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Edit {
+    /// The byte with which it begins.
+    pub at: usize,
+    /// What was there.
+    pub removed: String,
+    /// What is there now.
+    pub inserted: String,
+}
+
+impl Edit {
+    /// The edit that puts `inserted` in the place of a range of `text`.
+    pub(super) fn replacing(text: &str, range: Range<usize>, inserted: impl Into<String>) -> Self {
+        Self { at: range.start, removed: text[range].to_owned(), inserted: inserted.into() }
+    }
+
+    /// The smallest edit that makes `new` of `old`; none where they are the same.
+    pub(super) fn between(old: &str, new: &str) -> Option<Self> {
+        if old == new {
+            return None;
+        }
+        let alike = |one: &[u8], other: &[u8]| one.iter().zip(other).take_while(|(one, other)| one == other).count();
+        let mut start = alike(old.as_bytes(), new.as_bytes());
+        while !old.is_char_boundary(start) || !new.is_char_boundary(start) {
+            start -= 1;
+        }
+        let (rest_old, rest_new) = (&old[start..], &new[start..]);
+        let backwards = rest_old.bytes().rev().zip(rest_new.bytes().rev());
+        let mut tail = backwards.take_while(|(one, other)| one == other).count();
+        while !rest_old.is_char_boundary(rest_old.len() - tail) || !rest_new.is_char_boundary(rest_new.len() - tail) {
+            tail -= 1;
+        }
+        let piece = |rest: &str| rest[..rest.len() - tail].to_owned();
+        Some(Self { at: start, removed: piece(rest_old), inserted: piece(rest_new) })
+    }
+
+    /// Does it to a text.
+    pub(super) fn apply(&self, text: &mut String) {
+        text.replace_range(self.at..self.at + self.removed.len(), &self.inserted);
+    }
+
+    /// The edit that undoes it.
+    #[must_use]
+    pub(super) fn reversed(&self) -> Self {
+        Self { at: self.at, removed: self.inserted.clone(), inserted: self.removed.clone() }
+    }
+
+    fn bytes(&self) -> usize {
+        self.removed.len() + self.inserted.len()
+    }
+}
+
+/// An edit with the selections before and after it.
+#[derive(Debug, Clone)]
+struct Step {
+    edit: Edit,
+    before: Selection,
+    after: Selection,
+    /// When it was last added to, in seconds; `None` once nothing may be added.
+    time: Option<f64>,
+}
+
+/// The steps that can be undone and done again.
+#[derive(Debug, Clone, Default)]
+pub(super) struct History {
+    done: Vec<Step>,
+    undone: Vec<Step>,
+}
+
+impl History {
+    /// Notes an edit that was done. What is typed on at the same place without a pause belongs to one step; `time` is in seconds, and
+    /// `None` keeps the edit a step of its own.
+    pub(super) fn note(&mut self, edit: Edit, before: Selection, after: Selection, time: Option<f64>) {
+        self.undone.clear();
+        if let (Some(last), Some(now)) = (self.done.last_mut(), time)
+            && last.time.is_some_and(|time| now - time < PAUSE)
+            && joined(&mut last.edit, &edit)
+        {
+            (last.after, last.time) = (after, time);
+            return;
+        }
+        self.done.push(Step { edit, before, after, time });
+        let mut kept = 0;
+        let fits = self.done.iter().rev().take_while(|step| {
+            kept += step.edit.bytes();
+            kept <= KEPT_BYTES
+        });
+        // The last step is kept however large.
+        let fits = fits.count().max(1);
+        self.done.drain(..self.done.len() - fits);
+    }
+
+    /// Takes the last step back, and says what is selected then; `None` where there is none.
+    pub(super) fn undo(&mut self, text: &mut String) -> Option<Selection> {
+        let mut step = self.done.pop()?;
+        step.time = None;
+        step.edit.reversed().apply(text);
+        let selection = step.before;
+        self.undone.push(step);
+        Some(selection)
+    }
+
+    /// Does again what was taken back last, and says what is selected then; `None` where nothing was.
+    pub(super) fn redo(&mut self, text: &mut String) -> Option<Selection> {
+        let step = self.undone.pop()?;
+        step.edit.apply(text);
+        let selection = step.after;
+        self.done.push(step);
+        Some(selection)
+    }
+
+    /// Whether there is a step to take back.
+    pub(super) fn can_undo(&self) -> bool {
+        !self.done.is_empty()
+    }
+
+    /// Whether there is a step to do again.
+    pub(super) fn can_redo(&self) -> bool {
+        !self.undone.is_empty()
+    }
+}
+
+/// Adds an edit to the one before it where it goes on with it: typing on within a line, or deleting on either way.
+fn joined(last: &mut Edit, next: &Edit) -> bool {
+    let typed = next.removed.is_empty() && !next.inserted.contains('\n') && next.at == last.at + last.inserted.len();
+    // A word begun after a blank is a step of its own.
+    let new_word = last.inserted.ends_with(char::is_whitespace) && !next.inserted.starts_with(char::is_whitespace);
+    if typed && !last.inserted.is_empty() && !new_word {
+        last.inserted.push_str(&next.inserted);
+        return true;
+    }
+    let deleted = next.inserted.is_empty() && last.inserted.is_empty();
+    if deleted && next.at + next.removed.len() == last.at {
+        last.removed.insert_str(0, &next.removed);
+        last.at = next.at;
+        return true;
+    }
+    if deleted && next.at == last.at {
+        last.removed.push_str(&next.removed);
+        return true;
+    }
+    false
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn typed(history: &mut History, text: &mut String, at: usize, inserted: &str, time: f64) {
+        let edit = Edit::replacing(text, at..at, inserted);
+        edit.apply(text);
+        history.note(edit, Selection::cursor(at), Selection::cursor(at + inserted.len()), Some(time));
+    }
+
+    #[test]
+    fn edits_between_texts_keep_characters_whole() {
+        for (old, new) in [("aččb", "ačďb"), ("", "😀"), ("😀", "😁"), ("abc", "abcabc"), ("aa", "a")] {
+            let edit = Edit::between(old, new).unwrap();
+            let mut text = old.to_owned();
+            edit.apply(&mut text);
+            assert_eq!(text, new);
+            edit.reversed().apply(&mut text);
+            assert_eq!(text, old);
+        }
+        assert_eq!(Edit::between("x", "x"), None);
+    }
+
+    #[test]
+    fn a_word_is_a_step_and_a_pause_parts_steps() {
+        let (mut history, mut text) = (History::default(), String::new());
+        for (at, letter) in ["k", "d", " ", "k", "s"].into_iter().enumerate() {
+            typed(&mut history, &mut text, at, letter, at as f64 * 0.1);
+        }
+        typed(&mut history, &mut text, 5, "x", 60.0);
+        for expected in ["kd ks", "kd ", ""] {
+            assert!(history.undo(&mut text).is_some());
+            assert_eq!(text, expected);
+        }
+        assert_eq!(history.undo(&mut text), None);
+        assert_eq!(history.redo(&mut text), Some(Selection::cursor(3)));
+        assert_eq!(text, "kd ");
+        typed(&mut history, &mut text, 0, "y", 61.0);
+        assert!(!history.can_redo() && history.can_undo());
+    }
+
+    #[test]
+    fn old_steps_go_where_they_take_too_much() {
+        let mut history = History::default();
+        for _ in 0..5 {
+            let edit = Edit::replacing("", 0..0, "x".repeat(KEPT_BYTES / 3));
+            history.note(edit, Selection::default(), Selection::default(), None);
+        }
+        assert_eq!(history.done.len(), 3);
+    }
+}

@@ -1,0 +1,77 @@
+//! The list of what is wrong in the documents at hand, with a way to each place.
+
+use super::document::Document;
+use super::marks::colour_of;
+use super::palette::Palette;
+use crate::lang::diagnostic::{Diagnostic, Severity};
+use crate::lang::source::Span;
+use egui::text::LayoutJob;
+use egui::{FontId, ScrollArea, TextFormat, TextStyle, Ui, vec2};
+
+/// Lists errors and warnings, errors first within each document, with file, line and column; the document (by its place in the slice)
+/// and the place of the one that was clicked.
+pub fn problems_ui(ui: &mut Ui, documents: &[&Document]) -> Option<(usize, Span)> {
+    let palette = Palette::suiting(ui.visuals());
+    let mut clicked = None;
+    if documents.iter().all(|document| document.diagnostics().is_empty()) {
+        ui.weak("No errors, no warnings.");
+        return None;
+    }
+    ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
+        ui.spacing_mut().item_spacing.y = 2.0;
+        for (at, document) in documents.iter().enumerate() {
+            let source = document.source();
+            for grave in [Severity::Error, Severity::Warning] {
+                for diagnostic in document.diagnostics().iter().filter(|diagnostic| diagnostic.severity() == grave) {
+                    let span = diagnostic.span().unwrap_or_default();
+                    let (line, column) = source.position(span.start);
+                    let place = format!("{}:{line}:{column}", document.title());
+                    let job = line_of(ui, &place, diagnostic, &palette);
+                    let width = ui.available_width();
+                    let button = egui::Button::new(job).frame_when_inactive(false).wrap().min_size(vec2(width, 0.0));
+                    if ui.add(button).clicked() {
+                        clicked = Some((at, span));
+                    }
+                }
+            }
+        }
+    });
+    clicked
+}
+
+/// What a line of the list says: severity, place and message, and dimmed what was expected or the likely mend.
+fn line_of(ui: &Ui, place: &str, diagnostic: &Diagnostic, palette: &Palette) -> LayoutJob {
+    let font: FontId = TextStyle::Body.resolve(ui.style());
+    let (strong, weak) = (ui.visuals().text_color(), ui.visuals().weak_text_color());
+    let mut job = LayoutJob::default();
+    let mut add = |text: &str, colour| job.append(text, 0.0, TextFormat::simple(font.clone(), colour));
+    let word = match diagnostic.severity() {
+        Severity::Error => "Error",
+        Severity::Warning => "Warning",
+    };
+    add(&format!("{word}  "), colour_of(diagnostic.severity(), palette));
+    add(&format!("{place}  "), weak);
+    add(diagnostic.message(), strong);
+    for text in details(diagnostic) {
+        add(&format!("\n      {text}"), weak);
+    }
+    job
+}
+
+/// What is said of a diagnostic beyond its message: what is said of the place, and the hints.
+pub(super) fn details(diagnostic: &Diagnostic) -> impl Iterator<Item = &str> {
+    let label = diagnostic.labels().first().map(|label| label.text.as_str()).filter(|text| !text.is_empty());
+    label.into_iter().chain(diagnostic.hints().iter().map(String::as_str))
+}
+
+/// A diagnostic as a hint beside the pointer shows it.
+pub(super) fn hover_ui(ui: &mut Ui, diagnostics: &[&Diagnostic]) {
+    let palette = Palette::suiting(ui.visuals());
+    ui.set_max_width(420.0);
+    for diagnostic in diagnostics {
+        ui.colored_label(colour_of(diagnostic.severity(), &palette), diagnostic.message());
+        for text in details(diagnostic) {
+            ui.weak(text);
+        }
+    }
+}

@@ -1,0 +1,411 @@
+//! What the words of a text are: keywords, names by whose they are, numbers, comments; and which names the text itself gives.
+//!
+//! Works on the words of the language's own lexer and by its tables, also on texts that are half typed and no parser would take. No
+//! colours, no widgets.
+
+use crate::lang::builtins::{self, Form, Operation};
+use crate::lang::keywords::{self, Keyword};
+use crate::lang::lexer::tokenize;
+use crate::lang::source::Source;
+use crate::lang::token::{Mark, Token, TokenKind};
+use crate::lang::types::Type;
+use crate::lang::variables::{Owner, Predefined, Variable};
+use crate::presets::Kind;
+use std::collections::HashMap;
+use std::ops::Range;
+
+/// What a piece of a text is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Class {
+    /// Punctuation, and names that nobody gave a meaning.
+    Plain,
+    /// A word of the language that is no name.
+    Keyword,
+    /// A function or constant of the language.
+    Function,
+    /// A variable of a hit.
+    Variable,
+    /// A predefined parameter.
+    Predefined,
+    /// A parameter that the text declares.
+    Parameter,
+    /// A macro, or the name of a body or light.
+    Named,
+    /// A number.
+    Number,
+    /// A comment.
+    Comment,
+    /// `#uses FILE;`
+    Uses,
+    /// Characters that are no word.
+    Unknown,
+}
+
+/// A part of a text with rules of its own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Section {
+    /// Before the head of any section.
+    Head,
+    /// Declarations of parameters.
+    Parameters(Owner),
+    /// Sums of parameters.
+    Invariants,
+    /// Macros and the last line.
+    Formula,
+    /// Bodies of a scene.
+    Bodies,
+    /// Lights of a scene.
+    Lights,
+    /// The camera of a scene.
+    Camera,
+}
+
+/// A name that the text gives: a parameter, a macro, a body or a light.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Declared {
+    /// The name.
+    pub name: String,
+    /// [`Class::Parameter`] or [`Class::Named`].
+    pub class: Class,
+    /// The type of a parameter.
+    pub ty: Option<Type>,
+    /// What gives it, up to the `;`.
+    pub statement: Range<usize>,
+}
+
+/// The words of a text, classified.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Words {
+    /// The words of the lexer, but for the end.
+    pub tokens: Vec<Token>,
+    /// Pieces that are not plain, in the order of the text, none over another.
+    pub pieces: Vec<(Range<usize>, Class)>,
+    /// The names that the text gives, in its order.
+    pub declared: Vec<Declared>,
+    /// Where each section begins.
+    sections: Vec<(usize, Section)>,
+}
+
+impl Words {
+    /// The words of a text. Texts other than formulas and scenes are plain.
+    pub(super) fn new(kind: Kind, text: &str) -> Self {
+        match kind {
+            Kind::Formula | Kind::Scene => {}
+            Kind::Session | Kind::Material => return Self::default(),
+        }
+        // A source is what the lexer takes; its name is for messages, which others report.
+        let (mut tokens, _) = tokenize(&Source::new("", text));
+        tokens.pop();
+        let mut reader = Reader { kind, tokens: &tokens, section: Section::Head, declared: Vec::new(), sections: Vec::new() };
+        let mut classes: Vec<Class> = (0..tokens.len()).map(|at| reader.class(at)).collect();
+        let Reader { declared, sections, .. } = reader;
+        // Names may be used above where they are given.
+        let own: HashMap<&str, Class> = declared.iter().rev().map(|declared| (declared.name.as_str(), declared.class)).collect();
+        for (class, token) in classes.iter_mut().zip(&tokens) {
+            if let (Class::Plain, TokenKind::Word(word)) = (*class, &token.kind) {
+                *class = own
+                    .get(word.as_str())
+                    .copied()
+                    .unwrap_or_else(|| if kind == Kind::Formula { known(word) } else { Class::Plain });
+            }
+        }
+        let mut pieces = Vec::new();
+        let mut before = 0;
+        for (token, class) in tokens.iter().zip(classes) {
+            let range = token.span.range();
+            between(text, before..range.start, &mut pieces);
+            before = range.end;
+            if class != Class::Plain {
+                pieces.push((range, class));
+            }
+        }
+        between(text, before..text.len(), &mut pieces);
+        Self { tokens, pieces, declared, sections }
+    }
+
+    /// The section in which a byte stands.
+    pub(super) fn section(&self, byte: usize) -> Section {
+        let behind = self.sections.partition_point(|(start, _)| *start <= byte);
+        behind.checked_sub(1).map_or(Section::Head, |last| self.sections[last].1)
+    }
+
+    /// What a byte is part of.
+    pub(super) fn class_at(&self, byte: usize) -> Class {
+        let at = self.pieces.partition_point(|(range, _)| range.end <= byte);
+        self.pieces.get(at).filter(|(range, _)| range.contains(&byte)).map_or(Class::Plain, |(_, class)| *class)
+    }
+
+    /// The parenthesis beside a cursor and the one that it belongs to, as places of bytes; the second is `None` where it has none.
+    pub(super) fn brackets(&self, cursor: usize) -> Option<(usize, Option<usize>)> {
+        let bracket = |token: &Token| matches!(token.kind, TokenKind::Mark(Mark::Open | Mark::Close));
+        let touches = |token: &&Token| token.span.range().end == cursor || token.span.range().start == cursor;
+        let near = self.tokens.partition_point(|token| token.span.range().end < cursor);
+        let (offset, first) =
+            self.tokens[near..].iter().take(2).enumerate().find(|(_, token)| bracket(token) && touches(token))?;
+        let at = near + offset;
+        let mut depth = 0_i64;
+        let mut matched = |token: &&Token| {
+            depth += match token.kind {
+                TokenKind::Mark(Mark::Open) => 1,
+                TokenKind::Mark(Mark::Close) => -1,
+                TokenKind::Number(_) | TokenKind::Word(_) | TokenKind::Uses(..) | TokenKind::Mark(_) => 0,
+                TokenKind::Unknown | TokenKind::End => 0,
+            };
+            depth == 0
+        };
+        let other = if first.kind == TokenKind::Mark(Mark::Open) {
+            self.tokens[at..].iter().find(&mut matched)
+        } else {
+            self.tokens[..=at].iter().rev().find(&mut matched)
+        };
+        Some((first.span.range().start, other.map(|token| token.span.range().start)))
+    }
+}
+
+/// What the language means by a name in an expression.
+fn known(word: &str) -> Class {
+    if word == Form::Conditional.spelling() {
+        Class::Keyword
+    } else if builtins::named(word).is_some() {
+        Class::Function
+    } else if Variable::named(word).is_some() {
+        Class::Variable
+    } else if Predefined::named(word).is_some() {
+        Class::Predefined
+    } else {
+        Class::Plain
+    }
+}
+
+/// Comments between two words. What follows a stray `#` on its line was most likely meant as one, and is marked as wrong.
+fn between(text: &str, gap: Range<usize>, pieces: &mut Vec<(Range<usize>, Class)>) {
+    let all = text[gap.clone()].trim_start_matches('\u{feff}');
+    let inner = all.trim();
+    if inner.is_empty() {
+        return;
+    }
+    let start = gap.end - all.trim_start().len();
+    let end = start + inner.len();
+    let unknown = if inner.starts_with('#') { inner.find('\n').unwrap_or(inner.len()) } else { 0 };
+    if unknown > 0 {
+        pieces.push((start..start + unknown, Class::Unknown));
+    }
+    if start + unknown < end {
+        pieces.push((start + unknown..end, Class::Comment));
+    }
+}
+
+/// Goes through the words from first to last and knows where it is.
+struct Reader<'t> {
+    kind: Kind,
+    tokens: &'t [Token],
+    section: Section,
+    declared: Vec<Declared>,
+    sections: Vec<(usize, Section)>,
+}
+
+impl Reader<'_> {
+    fn class(&mut self, at: usize) -> Class {
+        match &self.tokens[at].kind {
+            TokenKind::Word(word) if self.kind == Kind::Formula => self.formula_word(at, word),
+            TokenKind::Word(word) => self.scene_word(at, word),
+            TokenKind::Number(_) => Class::Number,
+            TokenKind::Uses(..) => Class::Uses,
+            TokenKind::Unknown => Class::Unknown,
+            TokenKind::Mark(_) | TokenKind::End => Class::Plain,
+        }
+    }
+
+    fn mark(&self, at: Option<usize>) -> Option<Mark> {
+        match self.tokens.get(at?)?.kind {
+            TokenKind::Mark(mark) => Some(mark),
+            TokenKind::Number(_) | TokenKind::Word(_) | TokenKind::Uses(..) | TokenKind::Unknown | TokenKind::End => None,
+        }
+    }
+
+    fn enter(&mut self, at: usize, section: Section) -> Class {
+        self.section = section;
+        self.sections.push((self.tokens[at].span.range().end, section));
+        Class::Keyword
+    }
+
+    /// Notes the name that a statement begins with.
+    fn declare(&mut self, at: usize, class: Class, ty: Option<Type>) -> Class {
+        let TokenKind::Word(name) = &self.tokens[at].kind else { return class };
+        let rest = &self.tokens[at..];
+        let last = rest.iter().find(|token| token.kind == TokenKind::Mark(Mark::Semicolon)).or(rest.last());
+        let statement = self.tokens[at].span.to(last.map_or(self.tokens[at].span, |token| token.span)).range();
+        self.declared.push(Declared { name: name.clone(), class, ty, statement });
+        class
+    }
+
+    fn formula_word(&mut self, at: usize, word: &str) -> Class {
+        let (before, behind) = (self.mark(at.checked_sub(1)), self.mark(Some(at + 1)));
+        if let Some(section) = formula_section(word) {
+            return self.enter(at, section);
+        }
+        match (self.section, before, behind) {
+            (Section::Parameters(_), Some(Mark::Colon), _) if is_in(&keywords::TYPES, word) => Class::Keyword,
+            (Section::Parameters(_), Some(Mark::Comma), _) if is_in(&keywords::PARAMETER_ATTRIBUTES, word) => Class::Keyword,
+            (Section::Parameters(_), _, Some(Mark::Colon)) => {
+                let ty = match self.tokens.get(at + 2).map(|token| &token.kind) {
+                    Some(TokenKind::Word(word)) => [Type::Scalar, Type::Vector].into_iter().find(|ty| ty.to_string() == *word),
+                    _ => None,
+                };
+                self.declare(at, Class::Parameter, ty)
+            }
+            (Section::Formula, Some(Mark::Semicolon), Some(Mark::Equal)) => self.declare(at, Class::Named, None),
+            _ => Class::Plain,
+        }
+    }
+
+    fn scene_word(&mut self, at: usize, word: &str) -> Class {
+        let behind = self.mark(Some(at + 1));
+        if behind == Some(Mark::Colon) {
+            return self.declare(at, Class::Named, None);
+        }
+        match scene_section(word) {
+            Some(section) => self.enter(at, section),
+            None if scene_words(self.section).any(|keyword| keyword.word == word) => Class::Keyword,
+            None => Class::Plain,
+        }
+    }
+}
+
+fn is_in(table: &[Keyword], word: &str) -> bool {
+    table.iter().any(|keyword| keyword.word == word)
+}
+
+/// The section of a formula file that a word heads.
+fn formula_section(word: &str) -> Option<Section> {
+    let owner = Owner::ALL.into_iter().find(|owner| owner.section() == word).map(Section::Parameters);
+    let others = [Section::Invariants, Section::Formula];
+    let rest = keywords::FORMULA_SECTIONS.iter().skip(Owner::ALL.len()).zip(others);
+    owner.or_else(|| rest.filter(|(keyword, _)| keyword.word == word).map(|(_, section)| section).next())
+}
+
+/// The section of a scene file that a word heads.
+fn scene_section(word: &str) -> Option<Section> {
+    let sections = [Section::Bodies, Section::Lights, Section::Camera];
+    keywords::SCENE_SECTIONS.iter().zip(sections).find(|(keyword, _)| keyword.word == word).map(|(_, section)| section)
+}
+
+/// The words that mean something in a section of a scene file.
+pub(super) fn scene_words(section: Section) -> impl Iterator<Item = &'static Keyword> {
+    let tables: [&[Keyword]; 3] = match section {
+        Section::Bodies => [&keywords::SHAPES, &keywords::SPHERE_CLAUSES, &keywords::BODY_ATTRIBUTES],
+        Section::Lights => [&keywords::LIGHTS, &[], &[]],
+        Section::Camera => [&keywords::CAMERA_CLAUSES, &[], &[]],
+        Section::Head | Section::Parameters(_) | Section::Invariants | Section::Formula => [&[], &[], &[]],
+    };
+    tables.into_iter().flatten()
+}
+
+/// The overloads of a function or constant, each as it is written, with its types.
+pub(super) fn signatures(form: Form) -> String {
+    let written = |operation: Operation| match form {
+        Form::Function(_) | Form::Conditional => format!("({})  {}", operation.operand_names().join(", "), operation.signature()),
+        Form::Constant(_) | Form::Prefix(_) | Form::Infix(_) | Form::Vector => operation.signature(),
+    };
+    form.overloads().map(written).collect::<Vec<_>>().join(";  ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::presets;
+
+    /// The pieces of a text, each with its class.
+    fn pieces(kind: Kind, text: &str) -> Vec<(&str, Class)> {
+        Words::new(kind, text).pieces.into_iter().map(|(range, class)| (&text[range], class)).collect()
+    }
+
+    #[test]
+    fn the_words_of_a_formula_have_their_classes() {
+        let text = "#uses m.txt; // č\nbody_specific;\nslider: scalar, constraint 0..1, slider;\nformula;\nM = mix(Cd, IL, N.L)*slider § x;\n= if(M < pi, M, scalar);";
+        let expected = [
+            ("#uses m.txt;", Class::Uses),
+            ("// č", Class::Comment),
+            ("body_specific", Class::Keyword),
+            ("slider", Class::Parameter),
+            ("scalar", Class::Keyword),
+            ("constraint", Class::Keyword),
+            ("0", Class::Number),
+            ("1", Class::Number),
+            ("slider", Class::Keyword),
+            ("formula", Class::Keyword),
+            ("M", Class::Named),
+            ("mix", Class::Function),
+            ("Cd", Class::Predefined),
+            ("IL", Class::Predefined),
+            ("N", Class::Variable),
+            ("L", Class::Variable),
+            ("slider", Class::Parameter),
+            ("§", Class::Unknown),
+            ("if", Class::Keyword),
+            ("M", Class::Named),
+            ("pi", Class::Function),
+            ("M", Class::Named),
+        ];
+        assert_eq!(pieces(Kind::Formula, text), expected);
+    }
+
+    #[test]
+    fn the_words_of_a_scene_have_their_classes() {
+        let text = "bodies;\nup: sphere, center <0, 1, 2>, radius 1, matte; /* 1\n2 */\nlights; camera; up <0,1,0>;";
+        let expected =
+            ["bodies", "up", "sphere", "center", "0", "1", "2", "radius", "1", "matte", "/* 1\n2 */", "lights", "camera", "up"];
+        let found = pieces(Kind::Scene, text);
+        assert_eq!(found.iter().map(|(word, _)| *word).take(14).collect::<Vec<_>>(), expected);
+        assert_eq!((found[1].1, found[13].1), (Class::Named, Class::Keyword));
+        assert!(Words::new(Kind::Session, text).pieces.is_empty());
+    }
+
+    #[test]
+    fn every_name_of_the_built_in_formulas_is_known() {
+        for name in presets::names(Kind::Formula) {
+            let text = presets::text(Kind::Formula, name).unwrap();
+            let words = Words::new(Kind::Formula, text);
+            for token in words.tokens.iter().filter(|token| matches!(token.kind, TokenKind::Word(_))) {
+                let class = words.class_at(token.span.range().start);
+                assert!(class != Class::Plain && class != Class::Unknown, "{:?} in {name} is {class:?}", token.kind);
+            }
+            assert_eq!(words.section(text.len()), Section::Formula);
+            assert!(words.pieces.windows(2).all(|pair| pair[0].0.end <= pair[1].0.start));
+        }
+        for name in presets::names(Kind::Scene) {
+            let words = Words::new(Kind::Scene, presets::text(Kind::Scene, name).unwrap());
+            for token in words.tokens.iter().filter(|token| matches!(token.kind, TokenKind::Word(_))) {
+                assert_ne!(words.class_at(token.span.range().start), Class::Plain, "{:?} in {name}", token.kind);
+            }
+        }
+    }
+
+    #[test]
+    fn what_stands_between_words_is_a_comment_or_wrong() {
+        assert_eq!(pieces(Kind::Formula, "\u{feff}// a\r\n"), [("// a", Class::Comment)]);
+        assert_eq!(pieces(Kind::Formula, "# old\n/* x"), [("# old", Class::Unknown), ("\n/* x", Class::Comment)]);
+        assert!(pieces(Kind::Formula, "").is_empty());
+    }
+
+    #[test]
+    fn brackets_are_matched_by_words_not_characters() {
+        let words = Words::new(Kind::Formula, "(a /* ( */ (b))");
+        assert_eq!(words.brackets(0), Some((0, Some(14))));
+        assert_eq!(words.brackets(15), Some((14, Some(0))));
+        assert_eq!(words.brackets(12), Some((11, Some(13))));
+        assert_eq!(words.brackets(2), None);
+        assert_eq!(Words::new(Kind::Formula, "((").brackets(2), Some((1, None)));
+    }
+
+    #[test]
+    fn names_are_declared_with_their_statements() {
+        let text = "global;\na: vector, color;\nb\nformula;\nM = a;\n= M;";
+        let words = Words::new(Kind::Formula, text);
+        let declared: Vec<_> =
+            words.declared.iter().map(|one| (one.name.as_str(), one.ty, &text[one.statement.clone()])).collect();
+        assert_eq!(declared, [("a", Some(Type::Vector), "a: vector, color;"), ("M", None, "M = a;")]);
+        assert_eq!(words.section(0), Section::Head);
+        assert_eq!(words.section(8), Section::Parameters(Owner::Global));
+    }
+}
