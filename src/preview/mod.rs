@@ -5,6 +5,7 @@
 
 use std::time::{Duration, Instant};
 
+pub mod editor;
 pub mod paint;
 pub mod renderer;
 pub mod window;

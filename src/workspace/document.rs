@@ -4,7 +4,6 @@ use crate::lang::ast::Constant;
 use crate::lang::diagnostic::{Diagnostic, Diagnostics, nearest};
 use crate::lang::source::{Source, Span};
 use serde::Serialize;
-use std::ops::Range;
 use std::ops::{Range, RangeInclusive};
 use toml::Spanned;
 use toml::de::{DeInteger, DeTable, DeValue};
