@@ -6,7 +6,7 @@
 use super::clipboard::Clipboard;
 use super::display::{Display, Pointer, Signal};
 use super::incoming::Incoming;
-use super::keys::{Keyboard, Strokes};
+use super::keys::{Keyboard, Stroke, Strokes};
 use super::polled::Polled;
 use super::{cursor, printable};
 use crate::preview::paint::{Frame, Painter, Region};
@@ -45,6 +45,9 @@ pub(super) struct Shell {
     painter: Painter,
     title: String,
     size: [usize; 2],
+    /// Whether minifb says that the window has the focus, whether keys came since it last lost it, and what the widgets were told.
+    active: bool,
+    typed: bool,
     focused: bool,
     hidden: bool,
     /// All pixels are to be handed over, whether they changed or not.
@@ -87,6 +90,8 @@ impl Shell {
             painter: Painter::new(),
             title,
             size: [0, 0],
+            active: false,
+            typed: false,
             focused: true,
             hidden: false,
             lost: true,
@@ -111,7 +116,7 @@ impl Shell {
         }
         let scale = sound(app.scale()) * self.context.zoom_factor();
         self.sort(signals, scale);
-        self.look(scale);
+        self.look();
         if self.next().is_some_and(|at| at <= Instant::now()) {
             return self.frame(app);
         }
@@ -144,7 +149,7 @@ impl Shell {
             self.news = Instant::now();
         }
         // Keys are heard of twice. Where the counts agree, it is known between which clicks they were typed.
-        let is_key = |stroke: &super::keys::Stroke| matches!(stroke, super::keys::Stroke::Key(..));
+        let is_key = |stroke: &Stroke| matches!(stroke, Stroke::Key(..));
         let known = strokes.iter().filter(|stroke| is_key(stroke)).count()
             == signals.iter().filter(|signal| **signal == Signal::Key).count();
         let mut strokes = strokes.into_iter().peekable();
@@ -181,7 +186,8 @@ impl Shell {
         }
     }
 
-    fn stroke(&mut self, stroke: super::keys::Stroke) {
+    fn stroke(&mut self, stroke: Stroke) {
+        self.typed = true;
         let mut told = Vec::new();
         self.keyboard.stroke(stroke, &mut self.clipboard, &mut told);
         told.into_iter().for_each(|event| self.incoming.push(event, Instant::now()));
@@ -208,23 +214,29 @@ impl Shell {
     }
 
     /// Notices what minifb knows without telling: size and focus.
-    fn look(&mut self, scale: f32) {
+    fn look(&mut self) {
         let (width, height) = self.window.get_size();
         if self.size != [width, height] {
             self.size = [width, height];
             self.lost = true;
             self.due = Some(Instant::now());
         }
-        if self.focused != self.window.is_active() {
-            self.focused = self.window.is_active();
+        let active = self.window.is_active();
+        if self.active && !active {
+            self.typed = false;
+        }
+        self.active = active;
+        // Without a window manager nobody gives the focus, but keys come all the same.
+        let focused = active || self.typed;
+        if self.focused != focused {
+            self.focused = focused;
             let mut told = Vec::new();
-            if !self.focused {
+            if !focused {
                 self.keyboard.release(&mut told);
             }
-            told.push(Event::WindowFocused(self.focused));
+            told.push(Event::WindowFocused(focused));
             told.into_iter().for_each(|event| self.incoming.push(event, Instant::now()));
         }
-        let _ = scale;
     }
 
     /// Shows a frame. False where the window is to close.
