@@ -33,7 +33,7 @@ pub(super) fn over(colour: u32, below: u32) -> u32 {
     let through = 255 - (colour >> 24);
     let add = |own: u32, below: u32| {
         let sum = own + scaled(below, through);
-        (sum | ((sum >> 8) & 0x0001_0001) * 0xff) & 0x00ff_00ff
+        (sum | (((sum >> 8) & 0x0001_0001) * 0xff)) & 0x00ff_00ff
     };
     let outer = add(colour & 0x00ff_00ff, below & 0x00ff_00ff);
     let middle = add((colour >> 8) & 0xff, (below >> 8) & 0xff);

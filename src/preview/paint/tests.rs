@@ -207,6 +207,45 @@ fn fewer_pixels_than_a_picture_says_are_none() {
     assert!(painter.pixels().iter().all(|pixel| *pixel == GROUND));
 }
 
+/// What egui makes of a few widgets.
+fn widgets(context: &egui::Context, painter: &mut Painter, scale: f32, typed: &str) -> Vec<ClippedPrimitive> {
+    let mut input =
+        egui::RawInput { screen_rect: Some(Rect::from_min_size(Pos2::ZERO, vec2(300.0, 200.0))), ..egui::RawInput::default() };
+    input.viewports.entry(egui::ViewportId::ROOT).or_default().native_pixels_per_point = Some(scale);
+    let mut output = context.run_ui(input, |ui| {
+        ui.label(typed);
+        let _ = ui.button("Apply formula");
+        ui.add(egui::Slider::new(&mut 0.5, 0.0..=1.0));
+    });
+    painter.update_textures(&mut output.textures_delta);
+    context.tessellate(output.shapes, output.pixels_per_point)
+}
+
+#[test]
+fn what_egui_makes_is_painted_at_any_scale_and_not_again_unless_it_is_another() {
+    for scale in [0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 3.0] {
+        let context = egui::Context::default();
+        let mut painter = Painter::new();
+        let size = [300.0, 200.0].map(|side: f32| (side * scale) as usize);
+        let mut paint = |typed: &str| {
+            let shown = widgets(&context, &mut painter, scale, typed);
+            let changed = painter.paint(&Frame { scale, ..frame(size, &shown) }).len();
+            (changed, painter.pixels().to_vec(), copies(&painter))
+        };
+        paint("kd = 1");
+        let (_, first, copied) = paint("kd = 1");
+        assert!(copied >= 15, "letters lie on pixels at {scale}: {copied}");
+        let (changed, second, _) = paint("kd = 1");
+        assert!(changed == 0 && first == second, "{scale}");
+        let (changed, third, _) = paint("kd = 2");
+        assert!(changed > 0 && first != third, "{scale}");
+    }
+}
+
+fn copies(painter: &Painter) -> usize {
+    painter.items.iter().filter(|item| matches!(item.content, Content::Copy { .. })).count()
+}
+
 /// Numbers that break arithmetic as well as common ones.
 fn number() -> impl Strategy<Value = f32> {
     prop_oneof![

@@ -40,24 +40,19 @@ impl Incoming {
         let mut portion = Portion::default();
         let [mut pressed, mut released] = [false, false];
         while let Some((event, at)) = self.waiting.pop_front() {
-            match &event {
-                Event::PointerMoved(_) if pressed || released => {
-                    self.waiting.push_front((event, at));
-                    break;
+            let is_movement = matches!(event, Event::PointerMoved(_));
+            let is_button = |down| matches!(event, Event::PointerButton { pressed, .. } if pressed == down);
+            if (is_movement && (pressed || released)) || (is_button(true) && released) {
+                self.waiting.push_front((event, at));
+                break;
+            }
+            pressed |= is_button(true);
+            released |= is_button(false);
+            if is_movement {
+                portion.motion.get_or_insert(at);
+                if let Some(Event::PointerMoved(_)) = portion.events.last() {
+                    portion.events.pop();
                 }
-                Event::PointerMoved(_) => {
-                    portion.motion.get_or_insert(at);
-                    if let Some(Event::PointerMoved(_)) = portion.events.last() {
-                        portion.events.pop();
-                    }
-                }
-                Event::PointerButton { pressed: true, .. } if released => {
-                    self.waiting.push_front((event, at));
-                    break;
-                }
-                Event::PointerButton { pressed: true, .. } => pressed = true,
-                Event::PointerButton { pressed: false, .. } => released = true,
-                _ => {}
             }
             portion.events.push(event);
         }
@@ -86,7 +81,7 @@ mod tests {
 
     #[test]
     fn every_click_is_seen_by_a_frame_of_its_own() {
-        let clicks = [button(true), button(false)].repeat(3);
+        let clicks = (0..6).map(|at| button(at % 2 == 0));
         assert_eq!(portions(clicks), vec![vec![button(true), button(false)]; 3]);
     }
 

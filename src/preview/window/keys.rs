@@ -124,13 +124,15 @@ enum Edit {
 /// What egui wants told by another name than that of the key.
 fn edit(key: Key, modifiers: Modifiers) -> Option<Edit> {
     let Modifiers { ctrl, shift, alt, .. } = modifiers;
-    match key {
-        Key::C | Key::Insert if ctrl && !alt && !shift => Some(Edit::Copy),
-        Key::X if ctrl && !alt && !shift => Some(Edit::Cut),
-        Key::V if ctrl && !alt => Some(Edit::Paste),
-        Key::Insert if shift && !ctrl => Some(Edit::Paste),
-        Key::Delete if shift && !ctrl => Some(Edit::Cut),
-        _ => None,
+    let [with_ctrl, with_shift] = [ctrl && !alt, shift && !ctrl && !alt];
+    if with_ctrl && !shift && [Key::C, Key::Insert].contains(&key) {
+        Some(Edit::Copy)
+    } else if (with_ctrl && !shift && key == Key::X) || (with_shift && key == Key::Delete) {
+        Some(Edit::Cut)
+    } else if (with_ctrl && key == Key::V) || (with_shift && key == Key::Insert) {
+        Some(Edit::Paste)
+    } else {
+        None
     }
 }
 
