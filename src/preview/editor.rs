@@ -116,7 +116,7 @@ impl Editor {
 
     /// The id of the widget of a document, for whoever asks for the keyboard's owner.
     pub fn id_of(document: &Document) -> Id {
-        Id::unique(("editor of a document", document.id()))
+        Id::new(("editor of a document", document.id()))
     }
 
     /// Draws the editor into all the room there is, and handles what is typed and clicked.

@@ -1,6 +1,6 @@
 //! The clipboard, as far as there is one: what cannot be read is empty, and what cannot be written is lost.
 
-use arboard::{ImageData, SetExtLinux};
+use arboard::ImageData;
 use egui::ColorImage;
 
 /// Opened when it is first asked for: most sessions never do.
@@ -23,13 +23,6 @@ impl Clipboard {
     pub(super) fn set_text(&mut self, text: String) {
         if let Some(clipboard) = self.open() {
             let _ = clipboard.set_text(text);
-        }
-    }
-
-    /// What is selected, for a click with the middle button elsewhere.
-    pub(super) fn set_selection(&mut self, text: String) {
-        if let Some(clipboard) = self.open() {
-            let _ = clipboard.set().clipboard(arboard::LinuxClipboardKind::Primary).text(text);
         }
     }
 

@@ -146,7 +146,8 @@ macro_rules! keys {
         match $given {
             $(Typed::$same => Some(Key::$same),)*
             $(Typed::$typed => Some(Key::$key),)*
-            // egui has no key for `*`, only the character.
+            // egui has no keys for these; of `*` there is the character.
+            Typed::Menu | Typed::Pause | Typed::NumLock | Typed::CapsLock | Typed::ScrollLock => None,
             Typed::NumPadAsterisk | Typed::Unknown | Typed::Count => None,
         }
     };
@@ -156,8 +157,7 @@ macro_rules! keys {
 fn known(key: Typed) -> Option<Key> {
     keys!(key,
         same: A B C D E F G H I J K L M N O P Q R S T U V W X Y Z F1 F2 F3 F4 F5 F6 F7 F8 F9 F10 F11 F12 F13 F14 F15
-            Backslash Comma Minus Period Semicolon Slash Backspace Delete End Enter Escape Home Insert Menu PageDown PageUp Pause Space Tab
-            NumLock CapsLock ScrollLock,
+            Backslash Comma Minus Period Semicolon Slash Backspace Delete End Enter Escape Home Insert PageDown PageUp Space Tab,
         other: Key0 Num0 Key1 Num1 Key2 Num2 Key3 Num3 Key4 Num4 Key5 Num5 Key6 Num6 Key7 Num7 Key8 Num8 Key9 Num9
             NumPad0 Num0 NumPad1 Num1 NumPad2 Num2 NumPad3 Num3 NumPad4 Num4 NumPad5 Num5 NumPad6 Num6 NumPad7 Num7 NumPad8 Num8 NumPad9 Num9
             NumPadDot Period NumPadSlash Slash NumPadMinus Minus NumPadPlus Plus NumPadEnter Enter

@@ -206,7 +206,6 @@ impl Shell {
                 unit: egui::MouseWheelUnit::Line,
                 delta: notches.into(),
                 phase: egui::TouchPhase::Move,
-                source: egui::MouseWheelSource::Wheel,
                 modifiers,
             },
         };
@@ -314,10 +313,9 @@ impl Shell {
         for command in output.platform_output.commands.drain(..) {
             match command {
                 OutputCommand::CopyText(text) => self.clipboard.set_text(text),
-                OutputCommand::TextSelectionSettled(text) if !text.is_empty() => self.clipboard.set_selection(text),
                 OutputCommand::CopyImage(image) => self.clipboard.set_image(&image),
                 // There is nothing in the workshop that leads to the web.
-                OutputCommand::TextSelectionSettled(_) | OutputCommand::OpenUrl(_) => {}
+                OutputCommand::OpenUrl(_) => {}
             }
         }
         self.window.set_cursor_style(cursor::style(output.platform_output.cursor_icon));
