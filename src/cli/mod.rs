@@ -11,6 +11,8 @@ mod hits;
 mod input;
 mod options;
 mod output;
+#[cfg(feature = "window")]
+mod preview;
 mod progress;
 mod render;
 mod report;
@@ -32,6 +34,9 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
+    /// Open the workshop window
+    #[cfg(feature = "window")]
+    Preview(preview::Options),
     /// Make a picture file
     Render(render::Options),
     /// Look for mistakes in formulas, scenes, sessions and material libraries
@@ -60,6 +65,8 @@ enum Status {
 /// Does what the command line says.
 pub(crate) fn run() -> ExitCode {
     let outcome = match Arguments::parse().command {
+        #[cfg(feature = "window")]
+        Command::Preview(options) => preview::run(&options),
         Command::Render(options) => render::run(&options),
         Command::Check(options) => check::run(&options),
         Command::Verify(options) => verify::run(&options),

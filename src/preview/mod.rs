@@ -5,6 +5,7 @@
 
 use std::time::{Duration, Instant};
 
+pub mod app;
 pub mod editor;
 pub mod paint;
 pub mod renderer;
@@ -80,6 +81,3 @@ pub struct FrameTimes {
     /// The version of the picture in it.
     pub picture: Option<u64>,
 }
-//! What is shown and what a click does is code that knows no window, so that tests drive it without one; only `window` does.
-
-pub mod editor;

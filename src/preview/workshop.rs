@@ -6,13 +6,14 @@
 mod history;
 mod opening;
 
-use crate::evaluate::Backend;
+use crate::evaluate::{Backend, Evaluator};
 use crate::formula::{Formula, ParameterId};
 use crate::lang::diagnostic::Diagnostics;
 use crate::lang::source::Source;
+use crate::picture::Transfer;
 use crate::preview::renderer::{Picture, Renderer, Subject};
 use crate::scene::Scene;
-use crate::trace::{View, ViewError};
+use crate::trace::{Budget, View, ViewError, trace, usable_memory};
 use crate::workspace::files::Location;
 use crate::workspace::session::PictureSettings;
 use crate::workspace::{OwnerId, Session, Values};
@@ -21,6 +22,7 @@ pub use opening::Opened;
 use std::io;
 use std::path::Path;
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 /// What is open.
 pub struct Workshop {
@@ -320,6 +322,22 @@ impl Workshop {
     /// The file cannot be written; what was there is unharmed.
     pub fn save_session(&self, path: &Path, formula: Location, scene: Location) -> io::Result<()> {
         self.session(formula, scene).save(path)
+    }
+
+    /// Saves the picture of the values as they are, in full size, in the format that the suffix names.
+    ///
+    /// # Errors
+    /// There is no such format, or the file cannot be written; the text is for people.
+    pub fn save_picture(&self, path: &Path) -> Result<(), String> {
+        let view = self.view().map_err(|error| error.to_string())?;
+        let budget = Budget { bytes: usable_memory(), ..Budget::UNLIMITED };
+        let hits = trace(&self.scene, &view, &budget, &|_| {}, &AtomicBool::new(false)).map_err(|error| error.to_string())?;
+        let evaluator =
+            Evaluator::new(&self.formula, &self.scene, &Arc::new(hits), self.backend).map_err(|error| error.to_string())?;
+        let mut frame = evaluator.frame(self.values.numbers());
+        frame.clean();
+        let transfer = if self.picture.srgb { Transfer::Srgb } else { Transfer::Linear };
+        crate::picture::save(path, &frame, transfer)
     }
 }
 

@@ -1,0 +1,19 @@
+//! `preview`: the workshop window.
+
+use crate::cli::report::Failure;
+use illuminator::preview::app::App;
+use illuminator::preview::window::{WindowOptions, run as show};
+use illuminator::workspace::files::Location;
+use std::ffi::OsString;
+
+#[derive(clap::Args, Default)]
+pub(super) struct Options {
+    /// Session file [default: the startup session of the settings]
+    session: Option<OsString>,
+}
+
+pub(super) fn run(options: &Options) -> Result<(), Failure> {
+    let location = options.session.as_ref().map(Location::new);
+    let mut app = App::new(location.as_ref()).map_err(Failure::input)?;
+    show(&mut app, WindowOptions::default()).map_err(|error| Failure::input(error.to_string()))
+}

@@ -1,0 +1,276 @@
+//! The workshop as it is seen: editors on the left, the picture in the middle, parameters on the right, the log below.
+//!
+//! Panels are rooms of their own; they draw, and say what is to be done as [`Command`]s, which menus and keys say too. What is done is the
+//! [workshop](super::workshop)'s business, and no window is known here: tests drive all of it without one.
+
+mod command;
+mod dialogs;
+mod files;
+mod log;
+mod menu;
+mod pane;
+mod parameters;
+mod status;
+mod theme;
+
+pub use command::Command;
+
+use crate::evaluate::Backend;
+use crate::lang::source::Span;
+use crate::presets::{DEFAULT_SESSION, Kind};
+use crate::preview::editor::{Document, Editor, Palette, problems_ui, reference_ui};
+use crate::preview::workshop::{Opened, Workshop};
+use crate::preview::{FrameTimes, PictureView, Shown};
+use crate::workspace::files::Location;
+use dialogs::Dialogs;
+use egui::{CentralPanel, Context, Frame, Panel, Ui};
+use log::Log;
+use pane::Pane;
+use parameters::Parameters;
+use std::io;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use theme::Theme;
+
+/// The two texts that are edited, in the order of their tabs.
+const TEXTS: [Kind; 2] = [Kind::Formula, Kind::Scene];
+
+/// The workshop with its panels.
+pub struct App {
+    workshop: Workshop,
+    documents: [Document; 2],
+    editor: Editor,
+    /// Which of the texts is seen.
+    tab: usize,
+    /// The file of the session, if it has one.
+    session: Option<Location>,
+    /// Values and settings as they were saved last, to know whether there is anything to save.
+    saved_session: crate::workspace::Session,
+    parameters: Parameters,
+    pane: Pane,
+    log: Log,
+    dialogs: Dialogs,
+    theme: Theme,
+    scale: f32,
+    panels: Panels,
+    query: String,
+    /// Wakes the window, once there is one.
+    context: Arc<OnceLock<Context>>,
+    times: Mutex<FrameTimes>,
+    closing: bool,
+}
+
+/// Which panels are seen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Panels {
+    texts: bool,
+    parameters: bool,
+    log: bool,
+    reference: bool,
+}
+
+impl App {
+    /// Opens a session, the default one where none is given.
+    ///
+    /// # Errors
+    /// What is wrong with the session or its files, as text with the places marked; or there are no threads.
+    pub fn new(session: Option<&Location>) -> Result<Self, String> {
+        let location = session.cloned().unwrap_or_else(|| Location::Preset(DEFAULT_SESSION.to_owned()));
+        let opened = Opened::session(&location)?;
+        let context: Arc<OnceLock<Context>> = Arc::default();
+        let wake = {
+            let context = Arc::clone(&context);
+            move || {
+                if let Some(context) = context.get() {
+                    context.request_repaint();
+                }
+            }
+        };
+        let workshop = Workshop::new(&opened, wake).map_err(|error: io::Error| format!("cannot start a thread: {error}"))?;
+        let documents = documents(&opened);
+        let saved_session = workshop.session(opened.formula_location.clone(), opened.scene_location.clone());
+        let mut app = Self {
+            workshop,
+            documents,
+            editor: Editor::default(),
+            tab: 0,
+            session: Some(location),
+            saved_session,
+            parameters: Parameters::default(),
+            pane: Pane::default(),
+            log: Log::default(),
+            dialogs: Dialogs::default(),
+            theme: Theme::default(),
+            scale: 1.0,
+            panels: Panels { texts: true, parameters: true, log: false, reference: false },
+            query: String::new(),
+            context,
+            times: Mutex::default(),
+            closing: false,
+        };
+        opened.warnings.iter().for_each(|warning| app.log.say(format!("warning: {warning}")));
+        Ok(app)
+    }
+
+    /// What is open.
+    pub fn workshop(&self) -> &Workshop {
+        &self.workshop
+    }
+
+    /// A text: 0 is the formula, 1 the scene.
+    pub fn document(&self, which: usize) -> Option<&Document> {
+        self.documents.get(which)
+    }
+
+    /// The lines of the log.
+    pub fn log(&self) -> impl Iterator<Item = &str> {
+        self.log.lines()
+    }
+
+    /// Draws everything, and does what was asked for.
+    pub fn draw(&mut self, ui: &mut Ui) {
+        self.workshop.refresh();
+        let events: Vec<_> = self.workshop.renderer().events().collect();
+        for event in events {
+            self.log.take(&event, &self.workshop);
+        }
+        let mut commands = command::pressed(ui);
+        Panel::top("menu").show(ui, |ui| menu::bar(self, ui, &mut commands));
+        Panel::bottom("status").show(ui, |ui| status::bar(self, ui, &mut commands));
+        if self.panels.log {
+            Panel::bottom("log").resizable(true).default_size(150.0).show(ui, |ui| self.log.ui(ui));
+        }
+        if self.panels.texts {
+            Panel::left("texts").resizable(true).default_size(400.0).size_range(220.0..=900.0).show(ui, |ui| {
+                self.texts_ui(ui, &mut commands);
+            });
+        }
+        if self.panels.parameters {
+            Panel::right("parameters").resizable(true).default_size(300.0).size_range(230.0..=520.0).show(ui, |ui| {
+                self.parameters.ui(ui, &mut self.workshop, self.pane.selected());
+            });
+        }
+        CentralPanel::default().frame(Frame::NONE).show(ui, |ui| {
+            if let Some(owner) = self.pane.ui(ui, &mut self.workshop, self.scale) {
+                self.parameters.select(owner);
+            }
+        });
+        self.dialogs.ui(ui.ctx(), &mut commands);
+        for command in commands {
+            self.perform(command);
+        }
+    }
+
+    /// Tabs, the text of one, and what is wrong with both.
+    fn texts_ui(&mut self, ui: &mut Ui, commands: &mut Vec<Command>) {
+        ui.horizontal(|ui| {
+            for (place, document) in self.documents.iter().enumerate() {
+                let hover = document.location().map_or_else(|| "not saved yet".to_owned(), ToString::to_string);
+                if ui.selectable_label(self.tab == place, document.title()).on_hover_text(hover).clicked() {
+                    self.tab = place;
+                }
+            }
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                let name = if self.tab == 0 { "Apply formula" } else { "Apply scene" };
+                if ui.button(name).on_hover_text("Ctrl+Enter: the picture follows the text").clicked() {
+                    commands.push(Command::Apply);
+                }
+            });
+        });
+        let [errors, warnings] = self.documents.iter().fold([0, 0], |[errors, warnings], document| {
+            let [more, others] = document.counts();
+            [errors + more, warnings + others]
+        });
+        let mut jump: Option<(usize, Span)> = None;
+        if errors + warnings > 0 {
+            Panel::bottom("problems").resizable(true).default_size(110.0).show(ui, |ui| {
+                jump = problems_ui(ui, &self.documents.each_ref());
+            });
+        }
+        if self.panels.reference {
+            Panel::bottom("reference").resizable(true).default_size(260.0).show(ui, |ui| {
+                if let Some(text) = reference_ui(ui, &mut self.query) {
+                    self.editor.insert(text);
+                }
+            });
+        }
+        if let Some((document, span)) = jump {
+            self.tab = document.min(self.documents.len() - 1);
+            self.editor.jump_to(span);
+        }
+        let palette = Palette::suiting(ui.visuals());
+        let response = self.editor.ui(ui, &mut self.documents[self.tab], &palette);
+        if response.apply {
+            commands.push(Command::Apply);
+        }
+    }
+
+    fn backend(&self) -> Backend {
+        self.workshop.backend()
+    }
+
+    /// Whether anything is not saved, of the texts or of the session.
+    pub fn is_unsaved(&self) -> bool {
+        self.documents.iter().any(Document::unsaved) || self.session_now() != self.saved_session
+    }
+
+    /// The session as it would be saved now.
+    fn session_now(&self) -> crate::workspace::Session {
+        let place = |which: usize| self.documents[which].location().cloned().unwrap_or_else(|| Location::new(""));
+        self.workshop.session(place(0), place(1))
+    }
+
+    /// What the last frame took.
+    pub fn times(&self) -> FrameTimes {
+        *self.times.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// The texts of what was opened.
+fn documents(opened: &Opened) -> [Document; 2] {
+    let formula = Document::opened(Kind::Formula, opened.formula_location.clone(), opened.formula_text.text());
+    let scene = Document::opened(Kind::Scene, opened.scene_location.clone(), opened.scene_text.text());
+    [formula, scene]
+}
+
+impl Shown for App {
+    fn started(&mut self, context: &Context) {
+        // The first context stays: there is one window.
+        let _ = self.context.set(context.clone());
+        theme::set_up(context, self.theme);
+    }
+
+    fn ui(&mut self, ui: &mut Ui) {
+        self.draw(ui);
+    }
+
+    fn picture(&mut self) -> Option<PictureView<'_>> {
+        self.pane.view(&self.workshop)
+    }
+
+    fn scale(&self) -> f32 {
+        self.scale
+    }
+
+    fn title(&self) -> String {
+        let name = match &self.session {
+            Some(location) => location.to_string(),
+            None => "new session".to_owned(),
+        };
+        let mark = if self.is_unsaved() { " •" } else { "" };
+        format!("{name}{mark} – Illuminator")
+    }
+
+    fn wants_close(&mut self) -> bool {
+        self.closing
+    }
+
+    fn closing(&mut self) {}
+
+    fn timed(&mut self, times: &FrameTimes) {
+        *self.times.lock().unwrap_or_else(PoisonError::into_inner) = *times;
+        self.log.note_frame(times);
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,102 @@
+//! What is asked for in a window of its own: files, what went wrong, and the list of shortcuts.
+
+use crate::presets::Kind;
+use crate::preview::app::Command;
+use crate::preview::app::command::shortcuts;
+use crate::workspace::files::Location;
+use egui::{Context, Grid, Modal};
+use egui_file_dialog::FileDialog;
+
+/// What a file is asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Purpose {
+    Open(Kind),
+    Save(Option<Kind>),
+}
+
+/// The dialogs.
+#[derive(Default)]
+pub(super) struct Dialogs {
+    file: Option<(FileDialog, Purpose)>,
+    /// A title, and a text.
+    message: Option<(String, String)>,
+    shortcuts: bool,
+}
+
+impl Dialogs {
+    /// Asks for a file to be opened.
+    pub(super) fn ask_to_open(&mut self, kind: Kind) {
+        let mut dialog = FileDialog::new().title(&format!("Open {}", kind.noun()));
+        dialog.pick_file();
+        self.file = Some((dialog, Purpose::Open(kind)));
+    }
+
+    /// Asks where to save something of this kind, or the picture.
+    pub(super) fn ask_to_save(&mut self, kind: Option<Kind>, name: &str) {
+        let title = format!("Save {}", kind.map_or("picture (.png, .bmp, .exr)", Kind::noun));
+        let mut dialog = FileDialog::new().title(&title).default_file_name(name);
+        dialog.save_file();
+        self.file = Some((dialog, Purpose::Save(kind)));
+    }
+
+    /// Tells something that must not be missed.
+    pub(super) fn tell(&mut self, title: impl Into<String>, text: impl Into<String>) {
+        self.message = Some((title.into(), text.into()));
+    }
+
+    /// Shows the shortcuts.
+    pub(super) fn show_shortcuts(&mut self) {
+        self.shortcuts = true;
+    }
+
+    /// What is told, if anything is.
+    #[cfg(test)]
+    pub(super) fn told(&self) -> Option<&str> {
+        self.message.as_ref().map(|(_, text)| text.as_str())
+    }
+
+    /// Draws whatever is open.
+    pub(super) fn ui(&mut self, context: &Context, commands: &mut Vec<Command>) {
+        if let Some((dialog, purpose)) = &mut self.file {
+            dialog.update(context);
+            if let Some(path) = dialog.take_picked() {
+                commands.push(match *purpose {
+                    Purpose::Open(kind) => Command::Open(kind, Location::File(path)),
+                    Purpose::Save(kind) => Command::SaveTo(kind, path),
+                });
+                self.file = None;
+            }
+        }
+        if let Some((title, text)) = &self.message {
+            let modal = Modal::new(egui::Id::new("message")).show(context, |ui| {
+                ui.set_max_width(640.0);
+                ui.heading(title);
+                ui.add_space(6.0);
+                ui.monospace(text);
+                ui.add_space(8.0);
+                ui.button("OK").clicked()
+            });
+            if modal.inner || modal.should_close() {
+                self.message = None;
+            }
+        }
+        if self.shortcuts {
+            let modal = Modal::new(egui::Id::new("shortcuts")).show(context, |ui| {
+                ui.heading("Shortcuts");
+                ui.add_space(6.0);
+                Grid::new("shortcuts").num_columns(2).spacing([24.0, 5.0]).show(ui, |ui| {
+                    for (shortcut, _, told) in shortcuts() {
+                        ui.monospace(ui.ctx().format_shortcut(&shortcut));
+                        ui.label(told);
+                        ui.end_row();
+                    }
+                });
+                ui.add_space(8.0);
+                ui.button("Close").clicked()
+            });
+            if modal.inner || modal.should_close() {
+                self.shortcuts = false;
+            }
+        }
+    }
+}

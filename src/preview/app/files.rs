@@ -1,0 +1,199 @@
+//! Doing what commands say: opening, saving, applying, and the rest.
+
+use crate::presets::Kind;
+use crate::preview::app::command::Panel;
+use crate::preview::app::{App, Command, documents, theme};
+use crate::preview::editor::Document;
+use crate::preview::workshop::Opened;
+use crate::workspace::files::{Location, replace_text};
+use std::path::{Path, PathBuf};
+
+/// What a new formula and a new scene begin with: something that works.
+const NEW_FORMULA: &str = "formula;\n= IL*Cd*max(0, N.L);\n";
+const NEW_SCENE: &str = "bodies;
+ball: sphere, center <0, 1, 0>, radius 1;
+floor: rectangle, <-8, 0, -8>, <8, 0, -8>, <8, 0, 8>;
+
+lights;
+key: point, <4, 6, 5>;
+
+camera;
+position <0, 2.2, 7>;
+gaze <0, -0.15, -1>;
+up <0, 1, 0>;
+fov 40;
+";
+
+impl App {
+    /// Does what was asked for.
+    pub fn perform(&mut self, command: Command) {
+        match command {
+            Command::New(kind) => self.begin(kind),
+            Command::AskToOpen(kind) => self.dialogs.ask_to_open(kind),
+            Command::Open(kind, location) => self.open(kind, location),
+            Command::Save => self.save(),
+            Command::AskToSave(kind) => {
+                let name = format!("new.{}", if kind == Kind::Session { "toml" } else { kind.noun() });
+                self.dialogs.ask_to_save(Some(kind), &name);
+            }
+            Command::SaveTo(Some(kind), path) => self.save_to(kind, path),
+            Command::SaveTo(None, path) => self.save_picture(&path),
+            Command::AskToSavePicture => self.dialogs.ask_to_save(None, "picture.png"),
+            Command::SaveSession => match self.session.clone() {
+                Some(Location::File(path)) => self.save_to(Kind::Session, path),
+                Some(Location::Preset(_)) | None => self.dialogs.ask_to_save(Some(Kind::Session), "new.toml"),
+            },
+            Command::Apply => self.apply(self.tab),
+            Command::Undo => {
+                self.workshop.undo();
+            }
+            Command::Redo => {
+                self.workshop.redo();
+            }
+            Command::Keep(place) => self.workshop.keep(place),
+            Command::GoBackTo(place) => self.workshop.go_back_to(place),
+            Command::Evaluate(backend) => self.workshop.set_backend(backend),
+            Command::Look(theme) => {
+                self.theme = theme;
+                if let Some(context) = self.context.get() {
+                    theme::set_up(context, theme);
+                }
+            }
+            Command::Scale(scale) => self.scale = scale.clamp(0.5, 3.0),
+            Command::Toggle(panel) => {
+                let panels = &mut self.panels;
+                let seen = match panel {
+                    Panel::Texts => &mut panels.texts,
+                    Panel::Parameters => &mut panels.parameters,
+                    Panel::Log => &mut panels.log,
+                    Panel::Reference => &mut panels.reference,
+                };
+                *seen = !*seen;
+                panels.texts |= panel == Panel::Reference && panels.reference;
+            }
+            Command::ShowShortcuts => self.dialogs.show_shortcuts(),
+            Command::Quit => self.closing = true,
+        }
+    }
+
+    fn begin(&mut self, kind: Kind) {
+        let (tab, text) = match kind {
+            Kind::Formula => (0, NEW_FORMULA),
+            Kind::Scene => (1, NEW_SCENE),
+            Kind::Session | Kind::Material => return,
+        };
+        self.documents[tab] = Document::untitled(kind, text);
+        self.tab = tab;
+        self.apply(tab);
+    }
+
+    fn open(&mut self, kind: Kind, location: Location) {
+        let tab = match kind {
+            Kind::Formula => 0,
+            Kind::Scene => 1,
+            Kind::Session | Kind::Material => return self.open_session(location),
+        };
+        match location.read(kind) {
+            Ok(source) => {
+                self.documents[tab] = Document::opened(kind, location, source.text());
+                self.tab = tab;
+                self.apply(tab);
+            }
+            Err(error) => self.dialogs.tell("Not opened", error.message()),
+        }
+    }
+
+    fn open_session(&mut self, location: Location) {
+        match Opened::session(&location) {
+            Ok(opened) => {
+                self.workshop.open(&opened);
+                self.documents = documents(&opened);
+                self.log.say(format!("opened {location}"));
+                opened.warnings.iter().for_each(|warning| self.log.say(format!("warning: {warning}")));
+                self.pane.follows = false;
+                self.session = Some(location);
+                self.saved_session = self.session_now();
+            }
+            Err(errors) => self.dialogs.tell(format!("{location} was not opened"), errors),
+        }
+    }
+
+    /// Applies a text; a wrong one changes nothing but its marks.
+    fn apply(&mut self, tab: usize) {
+        let Some(document) = self.documents.get_mut(tab) else { return };
+        document.check();
+        let source = document.source();
+        let start = std::time::Instant::now();
+        let applied = match tab {
+            0 => self.workshop.apply_formula(&source),
+            _ => self.workshop.apply_scene(&source),
+        };
+        let name = document.name();
+        match applied {
+            Ok(_) => self.log.say(format!("{name}: read in {}", super::log::milliseconds(start.elapsed()))),
+            Err(errors) => {
+                self.log.say(format!("{name}: {} errors; the picture stays as it was", errors.len()));
+                document.set_diagnostics(errors);
+            }
+        }
+    }
+
+    fn save(&mut self) {
+        let document = &self.documents[self.tab];
+        match document.location() {
+            Some(Location::File(path)) => {
+                let path = path.clone();
+                self.save_to(document.kind(), path);
+            }
+            Some(Location::Preset(_)) | None => self.perform(Command::AskToSave(document.kind())),
+        }
+    }
+
+    fn save_to(&mut self, kind: Kind, path: PathBuf) {
+        let tab = match kind {
+            Kind::Formula => Some(0),
+            Kind::Scene => Some(1),
+            Kind::Session | Kind::Material => None,
+        };
+        let saved = match tab {
+            Some(tab) => replace_text(&path, &self.documents[tab].file_text()),
+            None => self.save_session_to(&path),
+        };
+        match saved {
+            Ok(()) => {
+                self.log.say(format!("saved {}", path.display()));
+                let location = Location::File(path);
+                match tab {
+                    Some(tab) => self.documents[tab].note_saved(location),
+                    None => {
+                        self.session = Some(location);
+                        self.saved_session = self.session_now();
+                    }
+                }
+            }
+            Err(error) => self.dialogs.tell("Not saved", format!("{}: {error}\nWhat was there is unharmed.", path.display())),
+        }
+    }
+
+    fn save_session_to(&self, path: &Path) -> std::io::Result<()> {
+        let mut places = Vec::new();
+        for document in &self.documents {
+            match document.location() {
+                Some(location) => places.push(location.clone()),
+                None => {
+                    let message = format!("save the {} first: a session names its file", document.kind().noun());
+                    return Err(std::io::Error::other(message));
+                }
+            }
+        }
+        let [formula, scene] = [places.swap_remove(0), places.swap_remove(0)];
+        self.workshop.save_session(path, formula, scene)
+    }
+
+    fn save_picture(&mut self, path: &Path) {
+        match self.workshop.save_picture(path) {
+            Ok(()) => self.log.say(format!("saved {}", path.display())),
+            Err(error) => self.dialogs.tell("Not saved", error),
+        }
+    }
+}

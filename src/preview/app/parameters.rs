@@ -1,0 +1,256 @@
+//! Whose parameters there are, and the sliders of what is selected.
+
+use crate::formula::{Parameter, ParameterId};
+use crate::lang::types::Type;
+use crate::lang::variables::Owner;
+use crate::preview::workshop::Workshop;
+use crate::workspace::{OwnerId, Values};
+use egui::{Color32, DragValue, Response, ScrollArea, Slider, TextEdit, Ui};
+
+/// The panel.
+pub(super) struct Parameters {
+    selected: OwnerId,
+    search: String,
+}
+
+impl Default for Parameters {
+    fn default() -> Self {
+        Self { selected: OwnerId::Global, search: String::new() }
+    }
+}
+
+/// What was done with a value.
+enum Act {
+    /// It is held and was moved.
+    Drag([f32; 3]),
+    /// It was set.
+    Set([f32; 3]),
+    /// It was let go.
+    LetGo,
+    Copy,
+}
+
+impl Parameters {
+    /// Shows the parameters of an owner.
+    pub(super) fn select(&mut self, owner: OwnerId) {
+        self.selected = owner;
+        self.search.clear();
+    }
+
+    /// Draws the panel; `picked` is the body that was clicked in the picture last.
+    pub(super) fn ui(&mut self, ui: &mut Ui, workshop: &mut Workshop, picked: Option<OwnerId>) {
+        if !workshop.values().roster().owners().has(self.selected) {
+            self.selected = picked.filter(|owner| workshop.values().roster().owners().has(*owner)).unwrap_or(OwnerId::Global);
+        }
+        ui.add_space(4.0);
+        ui.horizontal(|ui| {
+            ui.add(TextEdit::singleline(&mut self.search).hint_text("Search: kd, floor, ball.h").desired_width(f32::INFINITY));
+        });
+        let share = (ui.available_height() * 0.32).max(90.0);
+        ScrollArea::vertical().id_salt("owners").max_height(share).auto_shrink(false).show(ui, |ui| {
+            self.owners_ui(ui, workshop.values());
+        });
+        ui.separator();
+        let wanted = self.wanted(workshop.values());
+        let mut acts = Vec::new();
+        ScrollArea::vertical().id_salt("values").auto_shrink(false).show(ui, |ui| {
+            if wanted.is_empty() {
+                ui.weak("Nothing is called so.");
+            }
+            let mut before = None;
+            for (owner, id) in wanted {
+                if before != Some(owner) {
+                    ui.add_space(2.0);
+                    ui.strong(owner_name(workshop.values(), owner));
+                    before = Some(owner);
+                }
+                if let Some(act) = value_ui(ui, workshop.values(), owner, id) {
+                    acts.push((owner, id, act));
+                }
+            }
+        });
+        for (owner, id, act) in acts {
+            match act {
+                Act::Drag(value) => workshop.drag(owner, id, value),
+                Act::Set(value) => workshop.set(owner, id, value),
+                Act::LetGo => workshop.let_go(),
+                Act::Copy => workshop.copy_to_all(owner, id),
+            }
+        }
+    }
+
+    fn owners_ui(&mut self, ui: &mut Ui, values: &Values) {
+        let owners = values.roster().owners();
+        for (kind, title) in [(Owner::Global, ""), (Owner::Light, "Lights"), (Owner::Body, "Bodies")] {
+            if !title.is_empty() {
+                ui.weak(title);
+            }
+            for owner in owners.of_kind(kind) {
+                let selected = self.selected == owner && self.search.is_empty();
+                if ui.selectable_label(selected, owner_name(values, owner)).clicked() {
+                    self.select(owner);
+                }
+            }
+        }
+    }
+
+    /// The parameters that are shown: those of what is selected, or what the search finds.
+    fn wanted(&self, values: &Values) -> Vec<(OwnerId, ParameterId)> {
+        let roster = values.roster();
+        let search = self.search.trim().to_lowercase();
+        if search.is_empty() {
+            return roster.parameters_of(self.selected.kind()).map(|id| (self.selected, id)).collect();
+        }
+        let all = values.iter().map(|(owner, id, _)| (owner, id));
+        all.filter(|(owner, id)| roster.label(*owner, *id).to_lowercase().contains(&search)).collect()
+    }
+}
+
+/// What an owner is called.
+fn owner_name(values: &Values, owner: OwnerId) -> &str {
+    values.roster().owners().name(owner).unwrap_or("Scene")
+}
+
+/// A value with its name.
+fn value_ui(ui: &mut Ui, values: &Values, owner: OwnerId, id: ParameterId) -> Option<Act> {
+    let parameter = values.roster().parameter(id);
+    let lock = values.lock_of(owner, id);
+    let mut value = [0.0; 3];
+    values.of(owner, id).iter().zip(&mut value).for_each(|(from, to)| *to = *from);
+    ui.push_id((owner, id), |ui| {
+        let mut act = None;
+        ui.horizontal(|ui| {
+            let name = name_ui(ui, &parameter.name).on_hover_text(explained(parameter, lock.as_deref()));
+            name.context_menu(|ui| {
+                if ui.button("Default").clicked() {
+                    act = Some(Act::Set(parameter.default));
+                }
+                if owner.kind() != Owner::Global && ui.button("Copy to all of its kind").clicked() {
+                    act = Some(Act::Copy);
+                }
+            });
+            if name.double_clicked() {
+                act = Some(Act::Set(parameter.default));
+            }
+            let edited = ui.add_enabled_ui(lock.is_none(), |ui| match parameter.ty {
+                Type::Vector => vector_ui(ui, parameter, value),
+                Type::Scalar | Type::Truth => scalar_ui(ui, parameter, value[0]).map(|(number, how)| ([number, 0.0, 0.0], how)),
+            });
+            act = match edited.inner {
+                Some((value, How::Held)) => Some(Act::Drag(value)),
+                Some((value, How::Set)) => Some(Act::Set(value)),
+                Some((_, How::LetGo)) => Some(Act::LetGo),
+                None => act.take(),
+            };
+        });
+        if let Some(lock) = lock {
+            ui.small(format!("locked: {lock}"));
+        }
+        act
+    })
+    .inner
+}
+
+/// A name in the column of names.
+fn name_ui(ui: &mut Ui, name: &str) -> Response {
+    let (rect, response) = ui.allocate_exact_size(egui::vec2(78.0, 20.0), egui::Sense::click());
+    let font = egui::TextStyle::Body.resolve(ui.style());
+    let colour = if response.hovered() { ui.visuals().strong_text_color() } else { ui.visuals().text_color() };
+    ui.painter_at(rect).text(rect.left_center(), egui::Align2::LEFT_CENTER, name, font, colour);
+    response
+}
+
+/// What a parameter is, for whoever points at it.
+fn explained(parameter: &Parameter, lock: Option<&str>) -> String {
+    let mut text = format!("{}: {}", parameter.name, parameter.ty);
+    if let Some([low, high]) = parameter.range {
+        text.push_str(&format!(", {low} to {high}"));
+    }
+    if let Some(predefined) = parameter.predefined {
+        text.push_str(&format!("\n{}", predefined.doc()));
+    }
+    match lock {
+        Some(lock) => text.push_str(&format!("\nLocked: {lock}")),
+        None => text.push_str("\nDouble-click: default. Right-click: more."),
+    }
+    text
+}
+
+/// How a value came to change.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum How {
+    Held,
+    Set,
+    LetGo,
+}
+
+/// What a widget did.
+fn how(response: &Response) -> Option<How> {
+    if response.drag_stopped() {
+        Some(How::LetGo)
+    } else if response.changed() {
+        Some(if response.dragged() { How::Held } else { How::Set })
+    } else {
+        None
+    }
+}
+
+/// A range over more than two decades is passed through by ratios.
+fn is_logarithmic([low, high]: [f32; 2]) -> bool {
+    low > 0.0 && high / low > 100.0
+}
+
+fn scalar_ui(ui: &mut Ui, parameter: &Parameter, mut number: f32) -> Option<(f32, How)> {
+    let mut done = None;
+    if let Some([low, high]) = parameter.range {
+        let slider = Slider::new(&mut number, low..=high).show_value(false).logarithmic(is_logarithmic([low, high]));
+        ui.spacing_mut().slider_width = (ui.available_width() - 74.0).max(60.0);
+        done = how(&ui.add(slider));
+    }
+    let entered = number_ui(ui, parameter, &mut number);
+    done.or(entered).map(|how| (number, how))
+}
+
+/// A number to be typed, or dragged.
+fn number_ui(ui: &mut Ui, parameter: &Parameter, number: &mut f32) -> Option<How> {
+    let speed = match parameter.range {
+        Some([low, high]) => f64::from(high - low) / 400.0,
+        None => f64::from(number.abs()).max(0.1) / 100.0,
+    };
+    let mut field = DragValue::new(number).speed(speed).max_decimals(4).update_while_editing(false);
+    if let Some([low, high]) = parameter.range {
+        field = field.range(low..=high);
+    }
+    how(&ui.add_sized([62.0, 20.0], field))
+}
+
+/// Three sliders, with a button for the colour that they are.
+fn vector_ui(ui: &mut Ui, parameter: &Parameter, value: [f32; 3]) -> Option<([f32; 3], How)> {
+    let mut done = None;
+    let mut edited = value;
+    ui.vertical(|ui| {
+        if parameter.colour || parameter.predefined.is_some() {
+            // As the picture shows it: without gamma.
+            let mut bytes = value.map(|component| (255.0 * component.clamp(0.0, 1.0)).round() as u8);
+            let response = ui.color_edit_button_srgb(&mut bytes);
+            if response.changed() {
+                edited = bytes.map(|byte| f32::from(byte) / 255.0);
+                done = Some(How::Set);
+            }
+        }
+        let marks = [Color32::from_rgb(226, 92, 92), Color32::from_rgb(96, 190, 104), Color32::from_rgb(96, 140, 232)];
+        for (place, (component, mark)) in edited.iter_mut().zip(marks).enumerate() {
+            ui.push_id(place, |ui| {
+                ui.horizontal(|ui| {
+                    let (rect, _) = ui.allocate_exact_size(egui::vec2(6.0, 20.0), egui::Sense::hover());
+                    ui.painter().rect_filled(rect.shrink2(egui::vec2(1.5, 4.0)), 1.0, mark);
+                    if let Some((number, how)) = scalar_ui(ui, parameter, *component) {
+                        *component = number;
+                        done = Some(how);
+                    }
+                });
+            });
+        }
+    });
+    done.map(|how| (edited, how))
+}

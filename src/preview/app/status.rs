@@ -1,0 +1,41 @@
+//! The line at the bottom: what is pointed at, how far tracing is, what the last picture took.
+
+use crate::evaluate::Backend;
+use crate::preview::app::pane::body_at;
+use crate::preview::app::{App, Command};
+use egui::{ProgressBar, Ui};
+
+/// Draws it.
+pub(super) fn bar(app: &App, ui: &mut Ui, commands: &mut Vec<Command>) {
+    ui.horizontal(|ui| {
+        let [width, height] = app.workshop.settings().size;
+        ui.label(format!("{width} × {height}"));
+        ui.separator();
+        let next = match app.backend() {
+            Backend::Jit => ("compiled", Backend::Interpreter),
+            Backend::Interpreter => ("interpreter", Backend::Jit),
+        };
+        let told =
+            "By what formulas are evaluated: machine code made for this formula, or the reference interpreter. Click to change.";
+        if ui.small_button(next.0).on_hover_text(told).clicked() {
+            commands.push(Command::Evaluate(next.1));
+        }
+        if let Some(time) = app.log.last_frame() {
+            ui.separator();
+            ui.label(format!("{time:.2} ms")).on_hover_text("What the last picture took to evaluate");
+        }
+        if let Some(bytes) = app.log.bytes_per_pixel() {
+            ui.separator();
+            ui.label(format!("{bytes:.0} B/px")).on_hover_text("Memory of hits and their static values, a pixel");
+        }
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            if let Some(progress) = app.workshop.renderer().progress() {
+                ui.add(ProgressBar::new(progress).desired_width(140.0).text("tracing"));
+            }
+            if let Some(pixel @ [x, y]) = app.pane.pointed() {
+                let name = body_at(&app.workshop, pixel).map(|body| app.workshop.scene().body(body).name.as_str());
+                ui.label(format!("({x}, {y})  {}", name.unwrap_or("background")));
+            }
+        });
+    });
+}

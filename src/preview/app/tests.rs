@@ -1,0 +1,90 @@
+//! The workshop driven without a window.
+
+use super::*;
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use std::time::Duration;
+
+fn harness() -> Harness<'static, App> {
+    let app = App::new(Some(&Location::Preset("studio".to_owned()))).expect("a built-in session");
+    let mut harness =
+        Harness::builder().with_size(egui::vec2(1100.0, 700.0)).build_ui_state(|ui, app: &mut App| app.draw(ui), app);
+    harness.state_mut().pane.follows = false;
+    let small = crate::workspace::session::PictureSettings { size: [64, 48], depth: 2, ..harness.state().workshop.settings() };
+    harness.state_mut().workshop.set_picture(small).expect("a size in range");
+    settle(&mut harness);
+    harness
+}
+
+/// Waits until the picture is that of the values.
+fn settle(harness: &mut Harness<'_, App>) -> Vec<u32> {
+    for _ in 0..30_000 {
+        harness.step();
+        if harness.state().workshop.is_up_to_date() {
+            return harness.state().workshop.shown().pixels.clone();
+        }
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    panic!("no picture came");
+}
+
+#[test]
+fn a_wrong_formula_is_marked_and_the_picture_stays_until_it_is_right() {
+    let mut harness = harness();
+    let first = settle(&mut harness);
+    harness.state_mut().documents[0].replace_text("formula;\n= IL*Cd*N.L;\n");
+    harness.get_by_label("Apply formula").click();
+    assert!(settle(&mut harness) == first);
+    harness.step();
+    assert!(harness.query_by_label_contains("the formula yields a scalar").is_some(), "the list says what is wrong");
+    harness.state_mut().documents[0].replace_text("formula;\n= IL*Cd*max(0, N.L);\n");
+    harness.get_by_label("Apply formula").click();
+    harness.step();
+    assert!(settle(&mut harness) != first);
+    assert!(harness.state().is_unsaved() && harness.state().title().contains('•'));
+}
+
+#[test]
+fn bodies_are_chosen_and_locked_values_say_why() {
+    let mut harness = harness();
+    harness.get_by_label("ball").click();
+    harness.step();
+    harness.step();
+    assert!(harness.query_all_by_label_contains("ball").count() >= 2, "the name of whose values are shown");
+    let text = "body_specific; kd: scalar, constraint 0..1, slider; ks: scalar, constraint 0..1, slider;
+        invariants; kd + ks = 1; formula; = kd*IL*Cd*max(0, N.L) + ks*IL;";
+    harness.state_mut().documents[0].replace_text(text);
+    harness.get_by_label("Apply formula").click();
+    settle(&mut harness);
+    harness.get_by_label("ball").click();
+    harness.step();
+    harness.step();
+    assert!(harness.query_by_label_contains("locked: ks").is_some());
+}
+
+#[test]
+fn sessions_and_texts_are_saved_and_come_back() {
+    let mut harness = harness();
+    let folder = tempfile::tempdir().expect("a folder");
+    let [session, formula] = ["my.toml", "my.formula"].map(|name| folder.path().join(name));
+    let app = harness.state_mut();
+    app.documents[0].replace_text("formula;\n= IL*Cd*max(0, N.L);\n");
+    app.perform(Command::Apply);
+    app.perform(Command::SaveTo(Some(Kind::Formula), formula.clone()));
+    app.perform(Command::SaveTo(Some(Kind::Session), session.clone()));
+    assert!(!app.is_unsaved(), "{:?}", app.dialogs.told());
+    let before = settle(&mut harness);
+    let app = harness.state_mut();
+    app.perform(Command::Open(Kind::Session, Location::Preset("glass".to_owned())));
+    app.perform(Command::Open(Kind::Session, Location::File(session.clone())));
+    assert_eq!(app.documents[0].text(), "formula;\n= IL*Cd*max(0, N.L);\n");
+    assert!(settle(&mut harness) == before);
+    let app = harness.state_mut();
+    app.perform(Command::Open(Kind::Session, Location::new("nowhere.toml")));
+    assert!(app.dialogs.told().is_some_and(|told| told.contains("nowhere.toml")));
+    app.perform(Command::SaveTo(Some(Kind::Session), folder.path().join("no/such/folder.toml")));
+    assert!(app.dialogs.told().is_some_and(|told| told.contains("unharmed")));
+    let picture = folder.path().join("picture.png");
+    app.perform(Command::SaveTo(None, picture.clone()));
+    assert!(std::fs::read(picture).is_ok_and(|bytes| bytes.starts_with(&[0x89, b'P', b'N', b'G'])));
+}
