@@ -26,10 +26,12 @@ use std::process::ExitCode;
 ///
 /// Wherever a file is asked for, `preset:NAME` names a built-in one.
 #[derive(Parser)]
-#[command(name = "illuminator", version, arg_required_else_help = true, max_term_width = 100)]
+#[command(name = "illuminator", version, max_term_width = 100)]
+#[cfg_attr(not(feature = "window"), command(arg_required_else_help = true))]
 struct Arguments {
+    /// Without one, the window opens.
     #[command(subcommand)]
-    command: Command,
+    command: Option<Command>,
 }
 
 #[derive(Subcommand)]
@@ -51,6 +53,16 @@ enum Command {
     HelpLanguage,
 }
 
+impl Default for Command {
+    fn default() -> Self {
+        #[cfg(feature = "window")]
+        return Command::Preview(preview::Options::default());
+        // The parser of arguments asks for one.
+        #[cfg(not(feature = "window"))]
+        Command::HelpLanguage
+    }
+}
+
 /// How the program ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Status {
@@ -64,7 +76,7 @@ enum Status {
 
 /// Does what the command line says.
 pub(crate) fn run() -> ExitCode {
-    let outcome = match Arguments::parse().command {
+    let outcome = match Arguments::parse().command.unwrap_or_default() {
         #[cfg(feature = "window")]
         Command::Preview(options) => preview::run(&options),
         Command::Render(options) => render::run(&options),

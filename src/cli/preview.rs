@@ -4,6 +4,7 @@ use crate::cli::report::Failure;
 use illuminator::preview::app::App;
 use illuminator::preview::window::{WindowOptions, run as show};
 use illuminator::workspace::files::Location;
+use illuminator::workspace::folders::Folders;
 use std::ffi::OsString;
 
 #[derive(clap::Args, Default)]
@@ -14,6 +15,8 @@ pub(super) struct Options {
 
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let location = options.session.as_ref().map(Location::new);
-    let mut app = App::new(location.as_ref()).map_err(Failure::input)?;
+    // Without a home nothing is remembered.
+    let folders = Folders::platform().ok();
+    let mut app = App::new(location.as_ref(), folders.as_ref()).map_err(Failure::input)?;
     show(&mut app, WindowOptions::default()).map_err(|error| Failure::input(error.to_string()))
 }

@@ -6,10 +6,13 @@
 mod command;
 mod dialogs;
 mod files;
+mod inspector;
 mod log;
+mod materials;
 mod menu;
 mod pane;
 mod parameters;
+mod remembered;
 mod status;
 mod theme;
 
@@ -22,11 +25,15 @@ use crate::preview::editor::{Document, Editor, Palette, problems_ui, reference_u
 use crate::preview::workshop::{Opened, Workshop};
 use crate::preview::{FrameTimes, PictureView, Shown};
 use crate::workspace::files::Location;
+use crate::workspace::folders::Folders;
 use dialogs::Dialogs;
 use egui::{CentralPanel, Context, Frame, Panel, Ui};
+use inspector::Inspecting;
 use log::Log;
+use materials::Materials;
 use pane::Pane;
 use parameters::Parameters;
+use remembered::Remembered;
 use std::io;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use theme::Theme;
@@ -49,6 +56,11 @@ pub struct App {
     pane: Pane,
     log: Log,
     dialogs: Dialogs,
+    inspecting: Inspecting,
+    materials: Materials,
+    remembered: Remembered,
+    /// When unsaved texts were kept last, in seconds of the widgets' clock.
+    kept_at: f64,
     theme: Theme,
     scale: f32,
     panels: Panels,
@@ -69,13 +81,26 @@ struct Panels {
 }
 
 impl App {
-    /// Opens a session, the default one where none is given.
+    /// Opens a session, the startup session of the settings where none is given. What is remembered from one time to the next is in `folders`.
     ///
     /// # Errors
     /// What is wrong with the session or its files, as text with the places marked; or there are no threads.
-    pub fn new(session: Option<&Location>) -> Result<Self, String> {
-        let location = session.cloned().unwrap_or_else(|| Location::Preset(DEFAULT_SESSION.to_owned()));
-        let opened = Opened::session(&location)?;
+    pub fn new(session: Option<&Location>, folders: Option<&Folders>) -> Result<Self, String> {
+        let (remembered, mut told) = Remembered::open(folders);
+        let startup = &remembered.settings.startup;
+        let (location, opened) = match session {
+            Some(location) => (location.clone(), Opened::session(location)?),
+            None => match Opened::session(startup) {
+                Ok(opened) => (startup.clone(), opened),
+                // A startup session that is gone must not keep the window from opening.
+                Err(errors) => {
+                    told.push(format!("the startup session was not opened: {errors}"));
+                    let built_in = Location::Preset(DEFAULT_SESSION.to_owned());
+                    let opened = Opened::session(&built_in)?;
+                    (built_in, opened)
+                }
+            },
+        };
         let context: Arc<OnceLock<Context>> = Arc::default();
         let wake = {
             let context = Arc::clone(&context);
@@ -99,15 +124,22 @@ impl App {
             pane: Pane::default(),
             log: Log::default(),
             dialogs: Dialogs::default(),
-            theme: Theme::default(),
-            scale: 1.0,
-            panels: Panels { texts: true, parameters: true, log: false, reference: false },
+            inspecting: Inspecting::default(),
+            materials: Materials::default(),
+            kept_at: 0.0,
+            theme: Theme::of(remembered.settings.window.theme),
+            scale: remembered.settings.window.scale,
+            panels: Panels { texts: true, parameters: true, log: remembered.settings.window.log, reference: false },
+            remembered,
             query: String::new(),
             context,
             times: Mutex::default(),
             closing: false,
         };
         opened.warnings.iter().for_each(|warning| app.log.say(format!("warning: {warning}")));
+        told.into_iter().for_each(|line| app.log.say(line));
+        app.dialogs.offer(app.remembered.left());
+        app.open_materials();
         Ok(app)
     }
 
@@ -146,7 +178,10 @@ impl App {
         }
         if self.panels.parameters {
             Panel::right("parameters").resizable(true).default_size(300.0).size_range(230.0..=520.0).show(ui, |ui| {
-                self.parameters.ui(ui, &mut self.workshop, self.pane.selected());
+                let told = self.parameters.ui(ui, &mut self.workshop, &mut self.materials, self.pane.selected());
+                if let Some(told) = told {
+                    self.dialogs.tell("The material was not saved", told);
+                }
             });
         }
         CentralPanel::default().frame(Frame::NONE).show(ui, |ui| {
@@ -154,9 +189,32 @@ impl App {
                 self.parameters.select(owner);
             }
         });
+        if self.inspecting.open
+            && let Some(pixel) = self.pane.clicked()
+        {
+            self.inspecting.look_into(&self.workshop, pixel);
+        }
+        self.inspecting.ui(ui.ctx(), &self.workshop);
         self.dialogs.ui(ui.ctx(), &mut commands);
         for command in commands {
             self.perform(command);
+        }
+        self.keep_texts(ui);
+    }
+
+    /// Keeps unsaved texts every few seconds: a crash costs no more than that.
+    fn keep_texts(&mut self, ui: &Ui) {
+        const EVERY: f64 = 2.0;
+        let now = ui.input(|input| input.time);
+        if now - self.kept_at >= EVERY {
+            self.kept_at = now;
+            self.keep_now();
+        }
+    }
+
+    fn keep_now(&mut self) {
+        if let Err(error) = self.remembered.keep(&self.documents) {
+            self.log.say(format!("unsaved text is not kept: {}", error.message()));
         }
     }
 
@@ -264,7 +322,9 @@ impl Shown for App {
         self.closing
     }
 
-    fn closing(&mut self) {}
+    fn closing(&mut self) {
+        self.keep_now();
+    }
 
     fn timed(&mut self, times: &FrameTimes) {
         *self.times.lock().unwrap_or_else(PoisonError::into_inner) = *times;

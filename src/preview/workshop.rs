@@ -147,6 +147,11 @@ impl Workshop {
         &self.shown
     }
 
+    /// The number of what is wanted: another one whenever values, formula, scene or view are.
+    pub fn stamp(&self) -> u64 {
+        self.asked
+    }
+
     /// Whether the picture is that of all values as they are now, in full.
     pub fn is_up_to_date(&self) -> bool {
         self.shown.values == self.asked && self.shown.is_full()

@@ -44,6 +44,10 @@ pub enum Command {
     Scale(f32),
     /// Show or hide a panel.
     Toggle(Panel),
+    /// Open the unsaved texts that a program left behind, or throw them away.
+    TakeLeft(bool),
+    /// Open the session that is open now at the next start.
+    StartWithThis,
     /// Show the shortcuts.
     ShowShortcuts,
     /// End the program.
@@ -61,6 +65,8 @@ pub enum Panel {
     Log,
     /// The reference of the language.
     Reference,
+    /// The pixel inspector.
+    Inspector,
 }
 
 /// Every shortcut: the key, what it does, and how that is said.
@@ -81,6 +87,7 @@ pub(super) fn shortcuts() -> Vec<(KeyboardShortcut, Command, &'static str)> {
         (plain(Key::F2), Command::Toggle(Panel::Reference), "Show or hide the reference of the language"),
         (plain(Key::F3), Command::Toggle(Panel::Texts), "Show or hide the texts"),
         (plain(Key::F4), Command::Toggle(Panel::Parameters), "Show or hide the parameters"),
+        (plain(Key::F5), Command::Toggle(Panel::Inspector), "Show or hide the pixel inspector"),
         (plain(Key::F12), Command::Toggle(Panel::Log), "Show or hide the log"),
         (command(Key::Q), Command::Quit, "Quit"),
     ]

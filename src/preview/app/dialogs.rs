@@ -21,6 +21,8 @@ pub(super) struct Dialogs {
     /// A title, and a text.
     message: Option<(String, String)>,
     shortcuts: bool,
+    /// How many unsaved texts are offered.
+    offered: usize,
 }
 
 impl Dialogs {
@@ -42,6 +44,11 @@ impl Dialogs {
     /// Tells something that must not be missed.
     pub(super) fn tell(&mut self, title: impl Into<String>, text: impl Into<String>) {
         self.message = Some((title.into(), text.into()));
+    }
+
+    /// Offers so many unsaved texts.
+    pub(super) fn offer(&mut self, texts: usize) {
+        self.offered = texts;
     }
 
     /// Shows the shortcuts.
@@ -79,6 +86,26 @@ impl Dialogs {
             if modal.inner || modal.should_close() {
                 self.message = None;
             }
+        }
+        if self.offered > 0 {
+            let texts = if self.offered == 1 { "a text".to_owned() } else { format!("{} texts", self.offered) };
+            Modal::new(egui::Id::new("offer")).show(context, |ui| {
+                ui.heading("Unsaved work");
+                ui.add_space(6.0);
+                ui.label(format!("Illuminator ended before {texts} could be saved."));
+                ui.add_space(8.0);
+                ui.horizontal(|ui| {
+                    for (name, take) in [("Open it again", true), ("Throw it away", false)] {
+                        if ui.button(name).clicked() {
+                            commands.push(Command::TakeLeft(take));
+                            self.offered = 0;
+                        }
+                    }
+                    if ui.button("Later").clicked() {
+                        self.offered = 0;
+                    }
+                });
+            });
         }
         if self.shortcuts {
             let modal = Modal::new(egui::Id::new("shortcuts")).show(context, |ui| {

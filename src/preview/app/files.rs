@@ -55,11 +55,33 @@ impl App {
             Command::Evaluate(backend) => self.workshop.set_backend(backend),
             Command::Look(theme) => {
                 self.theme = theme;
+                self.remembered.settings.window.theme = theme.setting();
+                self.save_settings();
                 if let Some(context) = self.context.get() {
                     theme::set_up(context, theme);
                 }
             }
-            Command::Scale(scale) => self.scale = scale.clamp(0.5, 3.0),
+            Command::Scale(scale) => {
+                self.remembered.settings.window.scale = scale;
+                self.remembered.settings = self.remembered.settings.within_ranges();
+                self.scale = self.remembered.settings.window.scale;
+                self.save_settings();
+            }
+            Command::TakeLeft(true) => self.take_left(),
+            Command::TakeLeft(false) => {
+                if let Err(error) = self.remembered.discard_left() {
+                    self.dialogs.tell("Not thrown away", error.message());
+                }
+            }
+            Command::StartWithThis => {
+                if let Some(location) = self.session.clone() {
+                    self.remembered.settings.startup = match location {
+                        Location::File(path) => Location::File(std::path::absolute(&path).unwrap_or(path)),
+                        Location::Preset(name) => Location::Preset(name),
+                    };
+                    self.save_settings();
+                }
+            }
             Command::Toggle(panel) => {
                 let panels = &mut self.panels;
                 let seen = match panel {
@@ -67,12 +89,50 @@ impl App {
                     Panel::Parameters => &mut panels.parameters,
                     Panel::Log => &mut panels.log,
                     Panel::Reference => &mut panels.reference,
+                    Panel::Inspector => &mut self.inspecting.open,
                 };
                 *seen = !*seen;
                 panels.texts |= panel == Panel::Reference && panels.reference;
+                if panel == Panel::Log {
+                    self.remembered.settings.window.log = panels.log;
+                    self.save_settings();
+                }
             }
             Command::ShowShortcuts => self.dialogs.show_shortcuts(),
             Command::Quit => self.closing = true,
+        }
+    }
+
+    fn save_settings(&mut self) {
+        if let Err(error) = self.remembered.save_settings() {
+            self.dialogs.tell("Settings were not saved", error.message());
+        }
+    }
+
+    fn note_recent(&mut self, kind: Kind, location: &Location) {
+        if let Location::File(path) = location
+            && let Err(error) = self.remembered.add_recent(kind, path)
+        {
+            self.log.say(error.message().to_owned());
+        }
+    }
+
+    /// Opens the texts that a program left behind, unsaved as they are.
+    fn take_left(&mut self) {
+        for draft in self.remembered.take_left() {
+            let tab = usize::from(draft.kind != Kind::Formula);
+            let mut document = match &draft.location {
+                // Beside the file as it is, so that it can be told what is not saved.
+                Some(location) => match location.read(draft.kind) {
+                    Ok(source) => Document::opened(draft.kind, location.clone(), source.text()),
+                    Err(_) => Document::untitled(draft.kind, ""),
+                },
+                None => Document::untitled(draft.kind, ""),
+            };
+            document.replace_text(&draft.text);
+            self.documents[tab] = document;
+            self.tab = tab;
+            self.apply(tab);
         }
     }
 
@@ -95,6 +155,7 @@ impl App {
         };
         match location.read(kind) {
             Ok(source) => {
+                self.note_recent(kind, &location);
                 self.documents[tab] = Document::opened(kind, location, source.text());
                 self.tab = tab;
                 self.apply(tab);
@@ -109,12 +170,22 @@ impl App {
                 self.workshop.open(&opened);
                 self.documents = documents(&opened);
                 self.log.say(format!("opened {location}"));
+                self.note_recent(Kind::Session, &location);
                 opened.warnings.iter().for_each(|warning| self.log.say(format!("warning: {warning}")));
                 self.pane.follows = false;
+                self.open_materials();
                 self.session = Some(location);
                 self.saved_session = self.session_now();
             }
             Err(errors) => self.dialogs.tell(format!("{location} was not opened"), errors),
+        }
+    }
+
+    /// Opens the library that the formula names.
+    pub(super) fn open_materials(&mut self) {
+        let (formula, place) = (self.workshop.formula(), self.documents[0].location());
+        if let Some(told) = self.materials.open(formula.uses.as_deref(), place, self.remembered.data()) {
+            self.log.say(told);
         }
     }
 
@@ -130,7 +201,10 @@ impl App {
         };
         let name = document.name();
         match applied {
-            Ok(_) => self.log.say(format!("{name}: read in {}", super::log::milliseconds(start.elapsed()))),
+            Ok(_) => {
+                self.log.say(format!("{name}: read in {}", super::log::milliseconds(start.elapsed())));
+                self.open_materials();
+            }
             Err(errors) => {
                 self.log.say(format!("{name}: {} errors; the picture stays as it was", errors.len()));
                 document.set_diagnostics(errors);
@@ -163,6 +237,7 @@ impl App {
             Ok(()) => {
                 self.log.say(format!("saved {}", path.display()));
                 let location = Location::File(path);
+                self.note_recent(kind, &location);
                 match tab {
                     Some(tab) => self.documents[tab].note_saved(location),
                     None => {

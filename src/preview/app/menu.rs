@@ -57,6 +57,19 @@ fn file(ui: &mut Ui, app: &App, commands: &mut Vec<Command>) {
             }
         });
     }
+    ui.menu_button("Recent", |ui| {
+        let mut none = true;
+        for kind in [Kind::Session, Kind::Formula, Kind::Scene] {
+            for path in app.remembered.recent(kind) {
+                none = false;
+                let name = path.display().to_string();
+                entry(ui, &name, Command::Open(kind, Location::File(path)), commands);
+            }
+        }
+        if none {
+            ui.weak("No files yet");
+        }
+    });
     ui.separator();
     let kind = TEXTS[app.tab];
     entry(ui, &format!("Save {}", kind.noun()), Command::Save, commands);
@@ -64,6 +77,7 @@ fn file(ui: &mut Ui, app: &App, commands: &mut Vec<Command>) {
     entry(ui, "Save session", Command::SaveSession, commands);
     entry(ui, "Save session as…", Command::AskToSave(Kind::Session), commands);
     entry(ui, "Save picture as…", Command::AskToSavePicture, commands);
+    entry(ui, "Start with this session", Command::StartWithThis, commands);
     ui.separator();
     entry(ui, "Quit", Command::Quit, commands);
 }
@@ -134,6 +148,7 @@ fn view(ui: &mut Ui, app: &mut App, commands: &mut Vec<Command>) {
         (Panel::Parameters, "Parameters", panels.parameters),
         (Panel::Log, "Log", panels.log),
         (Panel::Reference, "Reference of the language", panels.reference),
+        (Panel::Inspector, "Pixel inspector", app.inspecting.open),
     ] {
         let mut seen = seen;
         if ui.checkbox(&mut seen, name).changed() {

@@ -37,6 +37,7 @@ pub(super) struct Pane {
     size: ([u32; 2], f64),
     selected: Option<OwnerId>,
     pointed: Option<[u32; 2]>,
+    clicked: Option<[u32; 2]>,
     around: u32,
     /// Two pictures beside each other, of these versions and with that zoom.
     split: (Picture, [u64; 2]),
@@ -53,6 +54,7 @@ impl Default for Pane {
             size: ([0, 0], 0.0),
             selected: None,
             pointed: None,
+            clicked: None,
             around: 0,
             split: (Picture::default(), [0, 0]),
         }
@@ -68,6 +70,11 @@ impl Pane {
     /// The pixel of the picture that is pointed at.
     pub(super) fn pointed(&self) -> Option<[u32; 2]> {
         self.pointed
+    }
+
+    /// The pixel that was clicked in this frame.
+    pub(super) fn clicked(&self) -> Option<[u32; 2]> {
+        self.clicked
     }
 
     /// Lays the pane out in all the room there is; the body that was clicked.
@@ -98,10 +105,8 @@ impl Pane {
             self.zoom = if turned > 0.0 { (self.zoom * 2).min(16) } else { (self.zoom / 2).max(1) };
         }
         self.pointed = response.hover_pos().and_then(|at| self.pixel_at(at, workshop, scale));
-        if !response.clicked() {
-            return None;
-        }
-        let body = self.pointed.and_then(|pixel| body_at(workshop, pixel))?;
+        self.clicked = self.pointed.filter(|_| response.clicked());
+        let body = self.clicked.and_then(|pixel| body_at(workshop, pixel))?;
         self.selected = Some(OwnerId::Body(body));
         self.selected
     }

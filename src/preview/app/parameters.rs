@@ -3,6 +3,7 @@
 use crate::formula::{Parameter, ParameterId};
 use crate::lang::types::Type;
 use crate::lang::variables::Owner;
+use crate::preview::app::materials::Materials;
 use crate::preview::workshop::Workshop;
 use crate::workspace::{OwnerId, Values};
 use egui::{Color32, DragValue, Response, ScrollArea, Slider, TextEdit, Ui};
@@ -37,8 +38,14 @@ impl Parameters {
         self.search.clear();
     }
 
-    /// Draws the panel; `picked` is the body that was clicked in the picture last.
-    pub(super) fn ui(&mut self, ui: &mut Ui, workshop: &mut Workshop, picked: Option<OwnerId>) {
+    /// Draws the panel; `picked` is the body that was clicked in the picture last. What is to be told.
+    pub(super) fn ui(
+        &mut self,
+        ui: &mut Ui,
+        workshop: &mut Workshop,
+        materials: &mut Materials,
+        picked: Option<OwnerId>,
+    ) -> Option<String> {
         if !workshop.values().roster().owners().has(self.selected) {
             self.selected = picked.filter(|owner| workshop.values().roster().owners().has(*owner)).unwrap_or(OwnerId::Global);
         }
@@ -50,6 +57,8 @@ impl Parameters {
         ScrollArea::vertical().id_salt("owners").max_height(share).auto_shrink(false).show(ui, |ui| {
             self.owners_ui(ui, workshop.values());
         });
+        ui.separator();
+        let told = materials.ui(ui, workshop, self.selected);
         ui.separator();
         let wanted = self.wanted(workshop.values());
         let mut acts = Vec::new();
@@ -77,6 +86,7 @@ impl Parameters {
                 Act::Copy => workshop.copy_to_all(owner, id),
             }
         }
+        told
     }
 
     fn owners_ui(&mut self, ui: &mut Ui, values: &Values) {

@@ -6,7 +6,7 @@ use egui_kittest::kittest::Queryable;
 use std::time::Duration;
 
 fn harness() -> Harness<'static, App> {
-    let app = App::new(Some(&Location::Preset("studio".to_owned()))).expect("a built-in session");
+    let app = App::new(Some(&Location::Preset("studio".to_owned())), None).expect("a built-in session");
     let mut harness =
         Harness::builder().with_size(egui::vec2(1100.0, 700.0)).build_ui_state(|ui, app: &mut App| app.draw(ui), app);
     harness.state_mut().pane.follows = false;
@@ -47,7 +47,7 @@ fn a_wrong_formula_is_marked_and_the_picture_stays_until_it_is_right() {
 #[test]
 fn bodies_are_chosen_and_locked_values_say_why() {
     let mut harness = harness();
-    harness.get_by_label("ball").click();
+    harness.get_all_by_label("ball").next().expect("a body").click();
     harness.step();
     harness.step();
     assert!(harness.query_all_by_label_contains("ball").count() >= 2, "the name of whose values are shown");
@@ -56,7 +56,7 @@ fn bodies_are_chosen_and_locked_values_say_why() {
     harness.state_mut().documents[0].replace_text(text);
     harness.get_by_label("Apply formula").click();
     settle(&mut harness);
-    harness.get_by_label("ball").click();
+    harness.get_all_by_label("ball").next().expect("a body").click();
     harness.step();
     harness.step();
     assert!(harness.query_by_label_contains("locked: ks").is_some());

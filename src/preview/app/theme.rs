@@ -13,6 +13,19 @@ pub enum Theme {
 }
 
 impl Theme {
+    /// That of the settings.
+    pub(super) fn of(theme: crate::workspace::settings::Theme) -> Self {
+        if theme.is_dark(None) { Theme::Dark } else { Theme::Light }
+    }
+
+    /// As the settings have it.
+    pub(super) fn setting(self) -> crate::workspace::settings::Theme {
+        match self {
+            Theme::Dark => crate::workspace::settings::Theme::Dark,
+            Theme::Light => crate::workspace::settings::Theme::Light,
+        }
+    }
+
     /// Its name in the menu.
     pub(super) fn name(self) -> &'static str {
         match self {

@@ -1,0 +1,92 @@
+//! The row of materials: those of the formula's library, for the body that is selected.
+
+use crate::preview::workshop::Workshop;
+use crate::workspace::materials::{Findings, Material, Place, Shelf};
+use crate::workspace::{OwnerId, files::Location};
+use egui::{ComboBox, TextEdit, Ui};
+use std::path::Path;
+
+/// The library that is open.
+pub(super) struct Materials {
+    /// Or why there is none.
+    shelf: Result<Shelf, String>,
+    /// The material that was given to the body last.
+    chosen: String,
+    /// The name under which a material is going to be saved.
+    name: String,
+}
+
+impl Default for Materials {
+    fn default() -> Self {
+        Self { shelf: Err(String::new()), chosen: String::new(), name: String::new() }
+    }
+}
+
+impl Materials {
+    /// Opens the library that a formula names; what is to be said of it.
+    pub(super) fn open(&mut self, uses: Option<&str>, formula: Option<&Location>, data: Option<&Path>) -> Option<String> {
+        let said = |findings: &Findings| findings.render(false);
+        let place = Place::of(uses, formula, data).map_err(|reason| reason.message().to_owned());
+        let (shelf, told) = match place.map(Shelf::open) {
+            Ok(Ok((shelf, findings))) => (Ok(shelf), Some(said(&findings)).filter(|text| !text.is_empty())),
+            Ok(Err(findings)) => (Err(said(&findings)), Some(said(&findings))),
+            Err(reason) => (Err(reason), None),
+        };
+        self.shelf = shelf;
+        self.chosen.clear();
+        told
+    }
+
+    /// Draws the row; what is to be told.
+    pub(super) fn ui(&mut self, ui: &mut Ui, workshop: &mut Workshop, owner: OwnerId) -> Option<String> {
+        let shelf = match &mut self.shelf {
+            Ok(shelf) => shelf,
+            Err(reason) => {
+                ui.add_enabled_ui(false, |ui| ui.button("Materials are off")).response.on_disabled_hover_text(reason.as_str());
+                return None;
+            }
+        };
+        let OwnerId::Body(body) = owner else {
+            ui.add_enabled_ui(false, |ui| ui.button("Material")).response.on_disabled_hover_text("Choose a body first");
+            return None;
+        };
+        let mut told = None;
+        ui.horizontal(|ui| {
+            let mut wanted = None;
+            let title = if self.chosen.is_empty() { "Material" } else { &self.chosen };
+            ComboBox::from_id_salt("materials").selected_text(title).width(130.0).show_ui(ui, |ui| {
+                for material in shelf.library().iter() {
+                    if ui.selectable_label(material.name() == self.chosen, material.name()).clicked() {
+                        wanted = Some(material.name().to_owned());
+                    }
+                }
+            });
+            if let Some(material) = wanted.as_deref().and_then(|name| shelf.get(name)) {
+                let (given, _) = material.assignments(workshop.values().roster(), body);
+                workshop.change(|values| {
+                    values.assign(&given);
+                });
+                self.chosen = material.name().to_owned();
+                self.name.clone_from(&self.chosen);
+            }
+            let own = shelf.get(&self.chosen).is_some() && !shelf.is_built_in(&self.chosen);
+            let delete = ui.add_enabled(own, egui::Button::new("Delete"));
+            if delete.on_disabled_hover_text("Built-in materials stay").clicked() {
+                told = shelf.remove(&self.chosen).err().map(|findings| findings.render(false));
+                self.chosen.clear();
+            }
+        });
+        ui.horizontal(|ui| {
+            ui.add(TextEdit::singleline(&mut self.name).hint_text("name").desired_width(122.0));
+            let save = ui.add_enabled(!self.name.trim().is_empty(), egui::Button::new("Save material"));
+            if save.on_hover_text("Keep this body's values under this name").clicked() {
+                let kept = Material::of_body(self.name.trim(), workshop.values(), body).map_err(|error| error.to_string());
+                match kept.and_then(|material| shelf.put(material).map_err(|findings| findings.render(false))) {
+                    Ok(()) => self.name.trim().clone_into(&mut self.chosen),
+                    Err(message) => told = Some(message),
+                }
+            }
+        });
+        told
+    }
+}
