@@ -224,7 +224,7 @@ mod tests {
         assert_eq!(in_formula("/* a */ f|"), ["formula"]);
         assert_eq!(names(Kind::Scene, "|"), ["bodies", "lights", "camera"]);
         assert_eq!(names(Kind::Scene, "bodies; b: s|"), ["sphere"]);
-        assert_eq!(names(Kind::Scene, "bodies; b: sphere, ra|"), ["radius"]);
+        assert_eq!(names(Kind::Scene, "bodies; b: sphere, ra|")[0], "radius");
         assert_eq!(names(Kind::Scene, "camera; |"), ["position", "gaze", "up", "fov"]);
         assert_eq!(names(Kind::Session, "f|"), [""; 0]);
     }
@@ -236,6 +236,6 @@ mod tests {
         };
         assert_eq!(insert("formula; = max", 14), "max(");
         assert_eq!(insert("formula; = max(0)", 14), "max");
-        assert_eq!(insert("formula; = p", 12), "pi");
+        assert_eq!(insert("formula; = pi", 13), "pi");
     }
 }

@@ -110,10 +110,9 @@ impl List {
                         if response.clicked() {
                             clicked = Some(at);
                         }
-                        response.on_hover_text(if candidate.types.is_empty() {
-                            candidate.doc.clone()
-                        } else {
-                            format!("{} {}\n{}", candidate.name, candidate.types, candidate.doc)
+                        response.on_hover_ui(|ui| {
+                            ui.monospace(format!("{} {}", candidate.name, candidate.types));
+                            ui.label(&candidate.doc);
                         });
                     }
                 });
@@ -132,7 +131,9 @@ fn line(candidate: &Candidate, widest: usize, font: &FontId, palette: &Palette, 
     job.append(&(candidate.name.clone() + &gap), 0.0, TextFormat::simple(font.clone(), palette.of(candidate.class)));
     let small = FontId::proportional(font.size * 0.92);
     if !candidate.types.is_empty() {
-        job.append(&format!("{}   ", candidate.types), 0.0, TextFormat::simple(small.clone(), palette.plain));
+        // Not every font has the arrow of signatures.
+        let even = FontId::monospace(font.size * 0.92);
+        job.append(&format!("{}   ", candidate.types), 0.0, TextFormat::simple(even, palette.plain));
     }
     job.append(&candidate.doc, 0.0, TextFormat::simple(small, palette.comment));
     job.wrap = egui::text::TextWrapping::truncate_at_width(width - 16.0);

@@ -82,6 +82,8 @@ impl Editor {
             .layouter(&mut layouter)
             .show(ui);
         look.context.options_mut(|options| options.input_options.surrender_focus_on = surrender);
+        // Whoever reads the screen aloud, and tests, know it by its name.
+        look.context.accesskit_node_builder(id, |node| node.set_label(document.title()));
         let laid = self.lay(look, document);
         if let Some(range) = output.state.cursor.char_range().filter(|_| look.context.memory(|memory| memory.has_focus(id))) {
             let byte = |cursor: CCursor| laid.lines.byte_of(&document.text, cursor.index.0);
