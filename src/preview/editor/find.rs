@@ -120,7 +120,7 @@ impl Find {
     pub(super) fn ui(&mut self, ui: &mut Ui, document: (u64, u64), text: &str, selected: Range<usize>) -> Option<Wish> {
         let mut wish = None;
         ui.horizontal_wrapped(|ui| {
-            let width = (ui.available_width() * 0.3).clamp(60.0, 220.0);
+            let width = (ui.available_width() * 0.2).clamp(60.0, 220.0);
             let label = ui.label("Find");
             let field = ui.add(TextEdit::singleline(&mut self.sought).desired_width(width)).labelled_by(label.id);
             if std::mem::take(&mut self.wants_focus) {

@@ -3,10 +3,12 @@
 use super::completion::{Candidate, Completion};
 use super::palette::Palette;
 use egui::text::LayoutJob;
-use egui::{Align, Area, Context, FontId, Frame, Id, LayerId, Order, Pos2, ScrollArea, TextFormat, pos2, vec2};
+use egui::{Align, Area, Color32, Context, FontId, Frame, Id, LayerId, Order, Pos2, ScrollArea, TextFormat, pos2, vec2};
 
 /// How high and wide it may become, in points.
 const MOST: [f32; 2] = [220.0, 560.0];
+/// How high a line of it is at most, in points.
+const ROW: f32 = 24.0;
 
 /// The list with the one at hand.
 #[derive(Debug, Default)]
@@ -87,7 +89,8 @@ impl List {
         let below = screen.bottom() - bottom.y;
         let above = top.y - screen.top();
         let height = MOST[0].min(below.max(above) - 16.0);
-        let drops = below >= height + 16.0 || below >= above;
+        let needed = height.min(shown.candidates.len() as f32 * ROW) + 16.0;
+        let drops = below >= needed || below >= above;
         let (pivot, place) = if drops { (egui::Align2::LEFT_TOP, bottom) } else { (egui::Align2::LEFT_BOTTOM, top) };
         let width = MOST[1].min(screen.width() - 24.0);
         let widest = shown.candidates.iter().map(|candidate| candidate.name.chars().count()).max().unwrap_or(0);
@@ -101,7 +104,8 @@ impl List {
                 scroll.show(ui, |ui| {
                     ui.spacing_mut().item_spacing = vec2(0.0, 0.0);
                     for (at, candidate) in shown.candidates.iter().enumerate() {
-                        let job = line(candidate, widest, font, palette, width);
+                        let said = if at == self.chosen { palette.plain } else { palette.comment };
+                        let job = line(candidate, widest, font, (palette, said), width);
                         let button = egui::Button::selectable(at == self.chosen, job).min_size(vec2(ui.available_width(), 0.0));
                         let response = ui.add(button);
                         if at == self.chosen && self.moved {
@@ -125,7 +129,7 @@ impl List {
 }
 
 /// A line of the list: the name, and dimmed behind it what it means.
-fn line(candidate: &Candidate, widest: usize, font: &FontId, palette: &Palette, width: f32) -> LayoutJob {
+fn line(candidate: &Candidate, widest: usize, font: &FontId, (palette, said): (&Palette, Color32), width: f32) -> LayoutJob {
     let mut job = LayoutJob::default();
     let gap = " ".repeat((widest + 2).saturating_sub(candidate.name.chars().count()));
     job.append(&(candidate.name.clone() + &gap), 0.0, TextFormat::simple(font.clone(), palette.of(candidate.class)));
@@ -135,7 +139,7 @@ fn line(candidate: &Candidate, widest: usize, font: &FontId, palette: &Palette, 
         let even = FontId::monospace(font.size * 0.92);
         job.append(&format!("{}   ", candidate.types), 0.0, TextFormat::simple(even, palette.plain));
     }
-    job.append(&candidate.doc, 0.0, TextFormat::simple(small, palette.comment));
+    job.append(&candidate.doc, 0.0, TextFormat::simple(small, said));
     job.wrap = egui::text::TextWrapping::truncate_at_width(width - 16.0);
     job
 }

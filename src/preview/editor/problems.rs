@@ -17,7 +17,7 @@ pub fn problems_ui(ui: &mut Ui, documents: &[&Document]) -> Option<(usize, Span)
         ui.weak("No errors, no warnings.");
         return None;
     }
-    ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
+    ScrollArea::vertical().id_salt("problems").auto_shrink([false, false]).show(ui, |ui| {
         ui.spacing_mut().item_spacing.y = 2.0;
         for (at, document) in documents.iter().enumerate() {
             let source = document.source();
@@ -42,7 +42,7 @@ pub fn problems_ui(ui: &mut Ui, documents: &[&Document]) -> Option<(usize, Span)
 /// What a line of the list says: severity, place and message, and dimmed what was expected or the likely mend.
 fn line_of(ui: &Ui, place: &str, diagnostic: &Diagnostic, palette: &Palette) -> LayoutJob {
     let font: FontId = TextStyle::Body.resolve(ui.style());
-    let (strong, weak) = (ui.visuals().text_color(), ui.visuals().weak_text_color());
+    let (strong, dim) = (ui.visuals().strong_text_color(), ui.visuals().text_color());
     let mut job = LayoutJob::default();
     let mut add = |text: &str, colour| job.append(text, 0.0, TextFormat::simple(font.clone(), colour));
     let word = match diagnostic.severity() {
@@ -50,10 +50,10 @@ fn line_of(ui: &Ui, place: &str, diagnostic: &Diagnostic, palette: &Palette) -> 
         Severity::Warning => "Warning",
     };
     add(&format!("{word}  "), colour_of(diagnostic.severity(), palette));
-    add(&format!("{place}  "), weak);
+    add(&format!("{place}  "), dim);
     add(diagnostic.message(), strong);
     for text in details(diagnostic) {
-        add(&format!("\n      {text}"), weak);
+        add(&format!("\n      {text}"), dim);
     }
     job
 }
@@ -71,7 +71,7 @@ pub(super) fn hover_ui(ui: &mut Ui, diagnostics: &[&Diagnostic]) {
     for diagnostic in diagnostics {
         ui.colored_label(colour_of(diagnostic.severity(), &palette), diagnostic.message());
         for text in details(diagnostic) {
-            ui.weak(text);
+            ui.label(text);
         }
     }
 }

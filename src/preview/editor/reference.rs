@@ -16,7 +16,7 @@ pub fn reference_ui(ui: &mut Ui, query: &mut String) -> Option<String> {
     });
     let sought: Vec<String> = query.split_whitespace().map(str::to_lowercase).collect();
     let mut nothing = true;
-    ScrollArea::vertical().auto_shrink([false, false]).show(ui, |ui| {
+    ScrollArea::vertical().id_salt("reference").auto_shrink([false, false]).show(ui, |ui| {
         for table in all_tables() {
             let rows: Vec<&Row> = table.rows.iter().filter(|row| fits(row, &table.title, &sought)).collect();
             if rows.is_empty() {
@@ -86,7 +86,7 @@ fn row_ui(ui: &mut Ui, row: &Row, palette: &Palette) -> bool {
         if !row.types.is_empty() {
             ui.label(RichText::new(&row.types).monospace().color(palette.plain));
         }
-        ui.weak(&row.doc);
+        ui.label(&row.doc);
         if row.origin == Origin::Added {
             ui.label(RichText::new("[+]").small().color(palette.comment))
                 .on_hover_text("A formula may give this name another meaning");

@@ -331,6 +331,17 @@ fn times_of_a_large_text() {
         println!("frame {frame} {typed:?}: {drawn:?}, with meshes ({}) {:?}", meshes.len(), start.elapsed());
     }
     let start = std::time::Instant::now();
+    let words = words::Words::new(Kind::Formula, &text);
+    println!("words: {:?}", start.elapsed());
+    let start = std::time::Instant::now();
+    let at = text.rfind("DIFFUSE + ").unwrap() + 4;
+    println!(
+        "completion: {} in {:?}",
+        completion::complete(Kind::Formula, &text, &words, at).map_or(0, |one| one.candidates.len()),
+        start.elapsed()
+    );
+    let start = std::time::Instant::now();
+    desk.1.replace_text(&text);
     desk.1.check();
     println!("check: {:?}, {:?}", start.elapsed(), desk.1.counts());
 }

@@ -100,13 +100,13 @@ impl Words {
         let mut classes: Vec<Class> = (0..tokens.len()).map(|at| reader.class(at)).collect();
         let Reader { declared, sections, .. } = reader;
         // Names may be used above where they are given.
-        let own: HashMap<&str, Class> = declared.iter().rev().map(|declared| (declared.name.as_str(), declared.class)).collect();
+        let mut meanings: HashMap<&str, Class> =
+            declared.iter().rev().map(|declared| (declared.name.as_str(), declared.class)).collect();
         for (class, token) in classes.iter_mut().zip(&tokens) {
             if let (Class::Plain, TokenKind::Word(word)) = (*class, &token.kind) {
-                *class = own
-                    .get(word.as_str())
-                    .copied()
-                    .unwrap_or_else(|| if kind == Kind::Formula { known(word) } else { Class::Plain });
+                // Searching the tables for every word anew would take longer than all the rest.
+                let meaning = || if kind == Kind::Formula { known(word) } else { Class::Plain };
+                *class = *meanings.entry(word).or_insert_with(meaning);
             }
         }
         let mut pieces = Vec::new();
