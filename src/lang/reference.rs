@@ -119,10 +119,8 @@ fn row(operation: Operation) -> Row {
         Form::Vector => format!("<{}>", names.join(", ")),
         Form::Conditional => format!("if({})", names.join(", ")),
     };
-    let name = match operation.form() {
-        Form::Vector => Mark::Less.spelling(),
-        form => form.spelling(),
-    };
+    // A vector has no name; it begins with this mark.
+    let name = if operation.form() == Form::Vector { Mark::Less.spelling() } else { operation.form().spelling() };
     Row { name, form, types: operation.signature(), origin: operation.origin(), doc: operation.doc().to_owned() }
 }
 

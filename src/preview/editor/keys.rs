@@ -51,6 +51,7 @@ pub(super) struct Open {
 }
 
 /// The command that an event is, if it is one.
+#[expect(clippy::wildcard_enum_match_arm, reason = "there are a hundred keys, and a new one is no command")]
 pub(super) fn command(event: &Event, open: Open) -> Option<Command> {
     let Event::Key { key, pressed: true, modifiers, .. } = event else { return None };
     let control = modifiers.command || modifiers.ctrl;
