@@ -197,8 +197,8 @@ impl Editor {
     fn find_ui(&mut self, ui: &mut Ui, document: &mut Document) {
         let of = (document.id(), document.revision());
         let wish = self.find.ui(ui, of, &document.text, self.selection.range());
-        let escaped = !ui.memory(|memory| memory.has_focus(Self::id_of(document)))
-            && ui.input_mut(|input| input.consume_key(egui::Modifiers::NONE, Key::Escape));
+        // Only where Esc is nobody else's: a field of the bar gives the keyboard up by the very key.
+        let escaped = ui.memory(|memory| memory.focused().is_none()) && ui.input(|input| input.key_pressed(Key::Escape));
         match wish {
             Some(Wish::Show(range)) => self.show_range(document, range, false),
             Some(Wish::Replace(range)) => {
