@@ -194,7 +194,7 @@ impl App {
         {
             self.inspecting.look_into(&self.workshop, pixel);
         }
-        self.inspecting.ui(ui.ctx(), &self.workshop);
+        self.inspecting.ui(ui.ctx(), &self.workshop, self.pane.place());
         self.dialogs.ui(ui.ctx(), &mut commands);
         for command in commands {
             self.perform(command);

@@ -4,8 +4,14 @@ use crate::presets::Kind;
 use crate::preview::app::Command;
 use crate::preview::app::command::shortcuts;
 use crate::workspace::files::Location;
-use egui::{Context, Grid, Modal};
+use egui::{Context, Frame, Grid, Modal};
 use egui_file_dialog::FileDialog;
+
+/// A box over everything, with room at its edges.
+fn modal(context: &Context, name: &str) -> Modal {
+    let frame = Frame::popup(&context.global_style()).inner_margin(18.0);
+    Modal::new(egui::Id::new(name)).frame(frame)
+}
 
 /// What a file is asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -75,7 +81,7 @@ impl Dialogs {
             }
         }
         if let Some((title, text)) = &self.message {
-            let modal = Modal::new(egui::Id::new("message")).show(context, |ui| {
+            let modal = modal(context, "message").show(context, |ui| {
                 ui.set_max_width(640.0);
                 ui.heading(title);
                 ui.add_space(6.0);
@@ -89,7 +95,7 @@ impl Dialogs {
         }
         if self.offered > 0 {
             let texts = if self.offered == 1 { "a text".to_owned() } else { format!("{} texts", self.offered) };
-            Modal::new(egui::Id::new("offer")).show(context, |ui| {
+            modal(context, "offer").show(context, |ui| {
                 ui.heading("Unsaved work");
                 ui.add_space(6.0);
                 ui.label(format!("Illuminator ended before {texts} could be saved."));
@@ -108,7 +114,7 @@ impl Dialogs {
             });
         }
         if self.shortcuts {
-            let modal = Modal::new(egui::Id::new("shortcuts")).show(context, |ui| {
+            let modal = modal(context, "shortcuts").show(context, |ui| {
                 ui.heading("Shortcuts");
                 ui.add_space(6.0);
                 Grid::new("shortcuts").num_columns(2).spacing([24.0, 5.0]).show(ui, |ui| {

@@ -24,8 +24,8 @@ impl Inspecting {
         self.inspection = inspector.inspect(&view, pixel).map(|inspection| (inspection, workshop.stamp()));
     }
 
-    /// Draws it, of the values as they are now.
-    pub(super) fn ui(&mut self, context: &Context, workshop: &Workshop) {
+    /// Draws it, of the values as they are now; at first in a corner of the picture's pane.
+    pub(super) fn ui(&mut self, context: &Context, workshop: &Workshop, pane: Rect) {
         if !self.open {
             return;
         }
@@ -36,15 +36,13 @@ impl Inspecting {
             self.look_into(workshop, pixel);
         }
         let mut open = true;
-        Window::new("Pixel inspector").open(&mut open).default_size([480.0, 420.0]).resizable(true).show(
-            context,
-            |ui| match &self.inspection {
-                Some((inspection, _)) => tree_ui(ui, workshop, inspection),
-                None => {
-                    ui.label("Click a pixel of the picture to see its rays, what lights them, and the formula with its numbers.");
-                }
-            },
-        );
+        let window = Window::new("Pixel inspector").open(&mut open).default_size([480.0, 420.0]).resizable(true);
+        window.default_pos(pane.min + vec2(16.0, 16.0)).show(context, |ui| match &self.inspection {
+            Some((inspection, _)) => tree_ui(ui, workshop, inspection),
+            None => {
+                ui.label("Click a pixel of the picture to see its rays, what lights them, and the formula with its numbers.");
+            }
+        });
         self.open = open;
     }
 }

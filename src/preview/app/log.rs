@@ -125,9 +125,11 @@ impl Log {
             });
             ui.separator();
             ScrollArea::vertical().auto_shrink(false).stick_to_bottom(true).show(ui, |ui| {
-                for line in &self.lines {
-                    ui.monospace(line);
-                }
+                ui.vertical(|ui| {
+                    for line in &self.lines {
+                        ui.monospace(line);
+                    }
+                });
             });
         });
     }

@@ -72,6 +72,11 @@ impl Pane {
         self.pointed
     }
 
+    /// Where the pane is, in points.
+    pub(super) fn place(&self) -> Rect {
+        self.place
+    }
+
     /// The pixel that was clicked in this frame.
     pub(super) fn clicked(&self) -> Option<[u32; 2]> {
         self.clicked

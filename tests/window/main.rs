@@ -1,0 +1,143 @@
+//! The real window, on a screen of its own (Xvfb), driven by xdotool: what tests of the widgets cannot see.
+#![cfg(target_os = "linux")]
+#![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot go on has failed")]
+
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// A screen with the window on it.
+struct Screen {
+    display: String,
+    server: Child,
+    window: Child,
+    _home: tempfile::TempDir,
+}
+
+impl Screen {
+    fn new(session: &str) -> Self {
+        // Numbers that tests on this machine hardly have in use, one for each process.
+        let display = format!(":{}", 1000 + std::process::id() % 20_000);
+        let mut server = Command::new("Xvfb");
+        let server = server.args([&display, "-screen", "0", "1300x820x24"]).stdout(Stdio::null()).stderr(Stdio::null());
+        let server = server.spawn().expect("Xvfb, of Debian's package xvfb");
+        let home = tempfile::tempdir().expect("a folder");
+        let socket = format!("/tmp/.X11-unix/X{}", &display[1..]);
+        wait("the screen", || Path::new(&socket).exists());
+        let mut window = Command::new(env!("CARGO_BIN_EXE_illuminator"));
+        let window = window.args(["preview", session]).env("DISPLAY", &display).env("ILLUMINATOR_HOME", home.path());
+        let window = window.spawn().expect("the program");
+        let screen = Self { display, server, window, _home: home };
+        wait("the window", || screen.window_id().is_some());
+        screen
+    }
+
+    fn run(&self, program: &str, arguments: &[&str]) -> Vec<u8> {
+        let output = Command::new(program).args(arguments).env("DISPLAY", &self.display).output();
+        output.unwrap_or_else(|error| panic!("{program}: {error}")).stdout
+    }
+
+    fn window_id(&self) -> Option<String> {
+        let found = self.run("xdotool", &["search", "--name", "Illuminator"]);
+        let found = String::from_utf8_lossy(&found).lines().next().map(str::to_owned);
+        found.filter(|id| !id.is_empty())
+    }
+
+    /// The place of the window on the screen.
+    fn corner(&self) -> [i32; 2] {
+        let id = self.window_id().expect("a window");
+        let told = self.run("xdotool", &["getwindowgeometry", "--shell", &id]);
+        let told = String::from_utf8_lossy(&told).into_owned();
+        ["X=", "Y="].map(|name| {
+            let line = told.lines().find_map(|line| line.strip_prefix(name)).expect("a place");
+            line.parse().expect("a number")
+        })
+    }
+
+    fn title(&self) -> String {
+        let id = self.window_id().expect("a window");
+        String::from_utf8_lossy(&self.run("xdotool", &["getwindowname", &id])).trim().to_owned()
+    }
+
+    fn mouse(&self, at: [i32; 2]) {
+        let corner = self.corner();
+        let [x, y] = [0, 1].map(|axis| (corner[axis] + at[axis]).to_string());
+        self.run("xdotool", &["mousemove", &x, &y]);
+    }
+
+    /// The pixels of a part of the window: its place and size.
+    fn pixels(&self, [x, y]: [i32; 2], [width, height]: [i32; 2]) -> Vec<u8> {
+        let corner = self.corner();
+        let part = format!("{width}x{height}+{}+{}", corner[0] + x, corner[1] + y);
+        let picture = self.run("import", &["-window", "root", "-crop", &part, "-depth", "8", "rgb:-"]);
+        assert_eq!(picture.len(), (width * height * 3) as usize, "a screenshot, by ImageMagick");
+        picture
+    }
+}
+
+impl Drop for Screen {
+    fn drop(&mut self) {
+        for child in [&mut self.window, &mut self.server] {
+            let _ = child.kill();
+            let _ = child.wait();
+        }
+    }
+}
+
+/// Waits until something is so.
+fn wait(what: &str, mut is_so: impl FnMut() -> bool) {
+    let start = Instant::now();
+    while !is_so() {
+        assert!(start.elapsed() < Duration::from_secs(60), "{what} did not come");
+        std::thread::sleep(Duration::from_millis(50));
+    }
+}
+
+/// A part of the picture, between the panels.
+const PICTURE: ([i32; 2], [i32; 2]) = ([500, 200], [350, 400]);
+
+#[test]
+fn the_window_follows_the_mouse_and_the_keyboard() {
+    let mut screen = Screen::new("preset:studio");
+    // The picture comes: not one colour any more, and at rest.
+    let mut before = Vec::new();
+    wait("the picture", || {
+        let now = screen.pixels(PICTURE.0, PICTURE.1);
+        let colours = now.chunks_exact(3).collect::<std::collections::HashSet<&[u8]>>().len();
+        let rests = now == before;
+        before = now;
+        rests && colours > 100
+    });
+    // The slider of ka, the first of the scene's: dragged to its end it brightens all.
+    screen.mouse([1100, 368]);
+    screen.run("xdotool", &["mousedown", "1"]);
+    for x in (1100..1190).step_by(10) {
+        screen.mouse([x, 368]);
+    }
+    let sum = |pixels: &[u8]| pixels.iter().map(|byte| u64::from(*byte)).sum::<u64>();
+    wait("a brighter picture", || sum(&screen.pixels(PICTURE.0, PICTURE.1)) > sum(&before) * 11 / 10);
+    screen.run("xdotool", &["mouseup", "1"]);
+    assert!(!screen.title().is_empty());
+    // A wrong formula is marked at once, and the title says that it is not saved.
+    screen.mouse([200, 500]);
+    screen.run("xdotool", &["click", "1"]);
+    screen.run("xdotool", &["key", "ctrl+End"]);
+    screen.run("xdotool", &["type", "--delay", "20", "= N"]);
+    wait("the mark of unsaved text", || screen.title().contains('•'));
+    let marked =
+        |pixels: &[u8]| pixels.chunks_exact(3).filter(|pixel| pixel[0] > 200 && pixel[1] < 110 && pixel[2] < 110).count();
+    wait("a red mark beside the line", || marked(&screen.pixels([0, 60], [60, 600])) > 5);
+    // Quitting is clean although something is unsaved: the text is kept for the next start.
+    screen.run("xdotool", &["key", "ctrl+q"]);
+    let status = screen.window.wait().expect("an end");
+    assert!(status.success(), "{status}");
+}
+
+#[test]
+fn without_a_screen_one_line_says_what_works() {
+    let mut program = Command::new(env!("CARGO_BIN_EXE_illuminator"));
+    let output = program.env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY").output().expect("the program");
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{told}");
+    assert!(told.lines().count() == 1 && told.contains("render"), "{told}");
+}
