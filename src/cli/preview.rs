@@ -18,5 +18,6 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     // Without a home nothing is remembered.
     let folders = Folders::platform().ok();
     let mut app = App::new(location.as_ref(), folders.as_ref()).map_err(Failure::input)?;
-    show(&mut app, WindowOptions::default()).map_err(|error| Failure::input(error.to_string()))
+    let size = app.window_size();
+    show(&mut app, WindowOptions { size }).map_err(|error| Failure::input(error.to_string()))
 }

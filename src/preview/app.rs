@@ -161,6 +161,8 @@ impl App {
     /// Draws everything, and does what was asked for.
     pub fn draw(&mut self, ui: &mut Ui) {
         self.workshop.refresh();
+        let size = ui.ctx().content_rect().size() * self.scale;
+        self.remembered.settings.window.size = [size.x, size.y].map(|side| side.round() as u32);
         let events: Vec<_> = self.workshop.renderer().events().collect();
         for event in events {
             self.log.take(&event, &self.workshop);
@@ -257,9 +259,15 @@ impl App {
         }
         let palette = Palette::suiting(ui.visuals());
         let response = self.editor.ui(ui, &mut self.documents[self.tab], &palette);
-        if response.apply {
+        let sound = self.documents[self.tab].counts()[0] == 0;
+        if response.apply || response.changed && sound && self.remembered.settings.window.apply_as_you_type {
             commands.push(Command::Apply);
         }
+    }
+
+    /// How large the window begins: width and height in pixels of the screen.
+    pub fn window_size(&self) -> [usize; 2] {
+        self.remembered.settings.window.size.map(|side| side as usize)
     }
 
     fn backend(&self) -> Backend {
@@ -324,6 +332,9 @@ impl Shown for App {
 
     fn closing(&mut self) {
         self.keep_now();
+        self.remembered.settings = self.remembered.settings.within_ranges();
+        // There is nobody left to be told.
+        let _ = self.remembered.save_settings();
     }
 
     fn timed(&mut self, times: &FrameTimes) {

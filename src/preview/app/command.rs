@@ -28,6 +28,8 @@ pub enum Command {
     SaveSession,
     /// Take the text that is seen for the picture.
     Apply,
+    /// Apply texts while they are typed, whenever they are sound; or not.
+    ApplyAsYouType(bool),
     /// Undo the last change of a value.
     Undo,
     /// Do it again.

@@ -44,6 +44,10 @@ impl App {
                 Some(Location::Preset(_)) | None => self.dialogs.ask_to_save(Some(Kind::Session), "new.toml"),
             },
             Command::Apply => self.apply(self.tab),
+            Command::ApplyAsYouType(wanted) => {
+                self.remembered.settings.window.apply_as_you_type = wanted;
+                self.save_settings();
+            }
             Command::Undo => {
                 self.workshop.undo();
             }

@@ -31,6 +31,10 @@ pub(super) fn bar(app: &mut App, ui: &mut Ui, commands: &mut Vec<Command>) {
             entry_if(ui, redo, "Redo value change", Command::Redo, commands);
             ui.separator();
             entry(ui, "Apply text", Command::Apply, commands);
+            let mut typing = app.remembered.settings.window.apply_as_you_type;
+            if ui.checkbox(&mut typing, "Apply as you type").changed() {
+                commands.push(Command::ApplyAsYouType(typing));
+            }
         });
         ui.menu_button("Picture", |ui| picture(ui, app, commands));
         ui.menu_button("Compare", |ui| compare(ui, app, commands));

@@ -88,3 +88,44 @@ fn sessions_and_texts_are_saved_and_come_back() {
     app.perform(Command::SaveTo(None, picture.clone()));
     assert!(std::fs::read(picture).is_ok_and(|bytes| bytes.starts_with(&[0x89, b'P', b'N', b'G'])));
 }
+
+#[test]
+fn what_is_unsaved_is_offered_again_and_settings_last() {
+    let home = tempfile::tempdir().expect("a folder");
+    let folders = Folders::below(home.path());
+    let mut app = App::new(Some(&Location::Preset("studio".to_owned())), Some(&folders)).expect("a built-in session");
+    app.documents[0].replace_text("formula;\n= N;\n");
+    app.perform(Command::Look(Theme::Light));
+    app.perform(Command::ApplyAsYouType(true));
+    app.perform(Command::StartWithThis);
+    app.closing();
+    drop(app);
+    let mut app = App::new(None, Some(&folders)).expect("the startup session");
+    assert_eq!((app.theme, app.session.clone()), (Theme::Light, Some(Location::Preset("studio".to_owned()))));
+    assert!(app.remembered.settings.window.apply_as_you_type && app.remembered.left() == 1);
+    app.perform(Command::TakeLeft(true));
+    assert_eq!(app.documents[0].text(), "formula;\n= N;\n");
+    assert!(app.documents[0].unsaved() && app.remembered.left() == 0);
+}
+
+#[test]
+fn materials_are_given_to_bodies_and_undone() {
+    let mut harness = harness();
+    let before = settle(&mut harness);
+    harness.get_all_by_label("ball").next().expect("a body").click();
+    harness.run_steps(3);
+    let numbers = harness.state().workshop.values().numbers().to_vec();
+    let app = harness.state_mut();
+    let shelf =
+        crate::workspace::materials::Place::of(Some("preset:phong"), None, None).map(crate::workspace::materials::Shelf::open);
+    let (shelf, _) = shelf.expect("a place").expect("a library");
+    let (owner, gold) = (app.workshop.values().roster().owners().named("ball"), shelf.get("gold").expect("a material"));
+    let Some(crate::workspace::OwnerId::Body(body)) = owner else { panic!("a body") };
+    let (given, _) = gold.assignments(app.workshop.values().roster(), body);
+    app.workshop.change(|values| {
+        values.assign(&given);
+    });
+    assert!(settle(&mut harness) != before);
+    harness.state_mut().perform(Command::Undo);
+    assert!(settle(&mut harness) == before && harness.state().workshop.values().numbers() == numbers);
+}

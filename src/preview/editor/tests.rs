@@ -19,22 +19,21 @@ const FORMULA: &str = "formula;\nDIFFUSE = max(0, N.L)*Cd;\n= DIFFUSE;\n";
 fn desk(kind: Kind, text: &str) -> Harness<'static, Desk> {
     let editor = Editor { wants_focus: true, ..Editor::default() };
     let desk = Desk { editor, document: Document::untitled(kind, text), response: EditorResponse::default(), applied: 0 };
-    let mut harness =
-        Harness::builder().with_size(egui::vec2(700.0, 500.0)).with_step_dt(0.02).allow_missing_glyphs().build_ui_state(
-            |ui, desk: &mut Desk| {
-                let rect = ui.available_rect_before_wrap();
-                let upper = Rect::from_min_max(rect.min, egui::pos2(rect.right(), rect.bottom() - 150.0));
-                let mut inner = ui.new_child(egui::UiBuilder::new().max_rect(upper));
-                desk.response = desk.editor.ui(&mut inner, &mut desk.document, &Palette::DARK);
-                desk.applied += usize::from(desk.response.apply);
-                let lower = Rect::from_min_max(egui::pos2(rect.left(), upper.bottom()), rect.max);
-                let mut inner = ui.new_child(egui::UiBuilder::new().max_rect(lower));
-                if let Some((_, span)) = problems_ui(&mut inner, &[&desk.document]) {
-                    desk.editor.jump_to(span);
-                }
-            },
-            desk,
-        );
+    let mut harness = Harness::builder().with_size(egui::vec2(700.0, 500.0)).with_step_dt(0.02).build_ui_state(
+        |ui, desk: &mut Desk| {
+            let rect = ui.available_rect_before_wrap();
+            let upper = Rect::from_min_max(rect.min, egui::pos2(rect.right(), rect.bottom() - 150.0));
+            let mut inner = ui.new_child(egui::UiBuilder::new().max_rect(upper));
+            desk.response = desk.editor.ui(&mut inner, &mut desk.document, &Palette::DARK);
+            desk.applied += usize::from(desk.response.apply);
+            let lower = Rect::from_min_max(egui::pos2(rect.left(), upper.bottom()), rect.max);
+            let mut inner = ui.new_child(egui::UiBuilder::new().max_rect(lower));
+            if let Some((_, span)) = problems_ui(&mut inner, &[&desk.document]) {
+                desk.editor.jump_to(span);
+            }
+        },
+        desk,
+    );
     harness.run_steps(3);
     harness
 }

@@ -139,7 +139,7 @@ impl Artist {
         } else {
             match held {
                 Some(places) => {
-                    if !self.drag.as_ref().is_some_and(|(held, _)| *held == places) {
+                    if self.drag.as_ref().is_none_or(|(held, _)| *held != places) {
                         let drag = Drag::new(&ready, &places, numbers, DRAG_BYTES).map_err(|error| error.to_string())?;
                         self.drag = Some((places, drag));
                     }
