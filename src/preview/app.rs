@@ -12,6 +12,7 @@ mod materials;
 mod menu;
 mod pane;
 mod parameters;
+mod preferences;
 mod remembered;
 mod status;
 mod theme;
@@ -33,6 +34,7 @@ use log::Log;
 use materials::Materials;
 use pane::Pane;
 use parameters::Parameters;
+use preferences::Preferences;
 use remembered::Remembered;
 use std::io;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -56,6 +58,7 @@ pub struct App {
     pane: Pane,
     log: Log,
     dialogs: Dialogs,
+    preferences: Preferences,
     inspecting: Inspecting,
     materials: Materials,
     remembered: Remembered,
@@ -124,6 +127,7 @@ impl App {
             pane: Pane::default(),
             log: Log::default(),
             dialogs: Dialogs::default(),
+            preferences: Preferences::default(),
             inspecting: Inspecting::default(),
             materials: Materials::default(),
             kept_at: 0.0,
@@ -198,6 +202,9 @@ impl App {
         }
         self.inspecting.ui(ui.ctx(), &self.workshop, self.pane.place());
         self.dialogs.ui(ui.ctx(), &mut commands);
+        if let Some(settings) = self.preferences.ui(ui.ctx()) {
+            commands.push(Command::Settle(Box::new(settings)));
+        }
         for command in commands {
             self.perform(command);
         }
@@ -222,19 +229,17 @@ impl App {
 
     /// Tabs, the text of one, and what is wrong with both.
     fn texts_ui(&mut self, ui: &mut Ui, commands: &mut Vec<Command>) {
-        ui.horizontal(|ui| {
+        ui.horizontal_wrapped(|ui| {
             for (place, document) in self.documents.iter().enumerate() {
                 let hover = document.location().map_or_else(|| "not saved yet".to_owned(), ToString::to_string);
                 if ui.selectable_label(self.tab == place, document.title()).on_hover_text(hover).clicked() {
                     self.tab = place;
                 }
             }
-            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                let name = if self.tab == 0 { "Apply formula" } else { "Apply scene" };
-                if ui.button(name).on_hover_text("Ctrl+Enter: the picture follows the text").clicked() {
-                    commands.push(Command::Apply);
-                }
-            });
+            let name = if self.tab == 0 { "Apply formula" } else { "Apply scene" };
+            if ui.button(name).on_hover_text("Ctrl+Enter: the picture follows the text").clicked() {
+                commands.push(Command::Apply);
+            }
         });
         let [errors, warnings] = self.documents.iter().fold([0, 0], |[errors, warnings], document| {
             let [more, others] = document.counts();

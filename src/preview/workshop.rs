@@ -16,7 +16,7 @@ use crate::scene::Scene;
 use crate::trace::{Budget, View, ViewError, trace, usable_memory};
 use crate::workspace::files::Location;
 use crate::workspace::session::PictureSettings;
-use crate::workspace::{OwnerId, Session, Values};
+use crate::workspace::{Assignment, OwnerId, Roster, Session, Values};
 use history::History;
 pub use opening::Opened;
 use std::io;
@@ -80,6 +80,16 @@ impl Workshop {
         self.scene = Arc::clone(&opened.scene);
         self.values = opened.values.clone();
         self.picture = opened.picture;
+        self.history = History::default();
+        self.snapshots = [None, None];
+        self.show();
+    }
+
+    /// Begins a new session of the same formula and scene, with these settings and values.
+    pub fn begin_session(&mut self, picture: PictureSettings, initial: impl FnOnce(&Roster) -> Vec<Assignment>) {
+        let given = initial(&Roster::new(&self.formula, &self.scene));
+        self.values = Values::new(&self.formula, &self.scene, &given).0;
+        self.picture = if view(&picture).is_ok() { picture } else { self.picture };
         self.history = History::default();
         self.snapshots = [None, None];
         self.show();

@@ -4,6 +4,7 @@ use crate::evaluate::Backend;
 use crate::presets::Kind;
 use crate::preview::app::theme::Theme;
 use crate::workspace::files::Location;
+use crate::workspace::settings::Settings;
 use egui::{Key, KeyboardShortcut, Modifiers, Ui};
 use std::path::PathBuf;
 
@@ -24,6 +25,8 @@ pub enum Command {
     SaveTo(Option<Kind>, PathBuf),
     /// Ask where to save the picture.
     AskToSavePicture,
+    /// Copy the picture that is seen to the clipboard.
+    CopyPicture,
     /// Save the session where it is.
     SaveSession,
     /// Take the text that is seen for the picture.
@@ -50,6 +53,12 @@ pub enum Command {
     TakeLeft(bool),
     /// Open the session that is open now at the next start.
     StartWithThis,
+    /// Begin a new session: the same formula and scene, and values as the settings have them.
+    NewSession,
+    /// Ask for settings.
+    AskForSettings,
+    /// Keep these settings.
+    Settle(Box<Settings>),
     /// Show the shortcuts.
     ShowShortcuts,
     /// End the program.
@@ -83,6 +92,7 @@ pub(super) fn shortcuts() -> Vec<(KeyboardShortcut, Command, &'static str)> {
         (command(Key::O), Command::AskToOpen(Kind::Formula), "Open a formula"),
         (shifted(Key::O), Command::AskToOpen(Kind::Session), "Open a session"),
         (command(Key::E), Command::AskToSavePicture, "Save the picture"),
+        (shifted(Key::E), Command::CopyPicture, "Copy the picture to the clipboard"),
         (KeyboardShortcut::new(Modifiers::ALT, Key::Z), Command::Undo, "Undo a change of a value"),
         (KeyboardShortcut::new(Modifiers::ALT.plus(Modifiers::SHIFT), Key::Z), Command::Redo, "Do it again"),
         (plain(Key::F1), Command::ShowShortcuts, "Show these shortcuts"),

@@ -8,7 +8,7 @@ use egui::{Context, Frame, Grid, Modal};
 use egui_file_dialog::FileDialog;
 
 /// A box over everything, with room at its edges.
-fn modal(context: &Context, name: &str) -> Modal {
+pub(super) fn modal(context: &Context, name: &str) -> Modal {
     let frame = Frame::popup(&context.global_style()).inner_margin(18.0);
     Modal::new(egui::Id::new(name)).frame(frame)
 }

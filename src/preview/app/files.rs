@@ -39,6 +39,7 @@ impl App {
             Command::SaveTo(Some(kind), path) => self.save_to(kind, path),
             Command::SaveTo(None, path) => self.save_picture(&path),
             Command::AskToSavePicture => self.dialogs.ask_to_save(None, "picture.png"),
+            Command::CopyPicture => self.copy_picture(),
             Command::SaveSession => match self.session.clone() {
                 Some(Location::File(path)) => self.save_to(Kind::Session, path),
                 Some(Location::Preset(_)) | None => self.dialogs.ask_to_save(Some(Kind::Session), "new.toml"),
@@ -102,6 +103,12 @@ impl App {
                     self.save_settings();
                 }
             }
+            Command::NewSession => self.begin_session(),
+            Command::AskForSettings => self.preferences.open(&self.remembered.settings),
+            Command::Settle(settings) => {
+                self.remembered.settings = *settings;
+                self.save_settings();
+            }
             Command::ShowShortcuts => self.dialogs.show_shortcuts(),
             Command::Quit => self.closing = true,
         }
@@ -119,6 +126,14 @@ impl App {
         {
             self.log.say(error.message().to_owned());
         }
+    }
+
+    fn begin_session(&mut self) {
+        let settings = &self.remembered.settings;
+        self.workshop.begin_session(settings.picture(), |roster| settings.initial_values(roster));
+        self.pane.follows = false;
+        self.session = None;
+        self.saved_session = self.session_now();
     }
 
     /// Opens the texts that a program left behind, unsaved as they are.
@@ -267,6 +282,16 @@ impl App {
         }
         let [formula, scene] = [places.swap_remove(0), places.swap_remove(0)];
         self.workshop.save_session(path, formula, scene)
+    }
+
+    fn copy_picture(&mut self) {
+        let picture = self.pane.picture(&self.workshop);
+        let rgb: Vec<u8> = picture.pixels.iter().flat_map(|word| word.to_be_bytes().into_iter().skip(1)).collect();
+        let size = [picture.width as usize, picture.height as usize];
+        if let Some(context) = self.context.get() {
+            context.copy_image(egui::ColorImage::from_rgb(size, &rgb));
+            self.log.say(format!("copied {}×{}", size[0], size[1]));
+        }
     }
 
     fn save_picture(&mut self, path: &Path) {

@@ -50,6 +50,7 @@ fn file(ui: &mut Ui, app: &App, commands: &mut Vec<Command>) {
     for kind in TEXTS {
         entry(ui, &format!("New {}", kind.noun()), Command::New(kind), commands);
     }
+    entry(ui, "New session", Command::NewSession, commands);
     ui.separator();
     for kind in [Kind::Formula, Kind::Scene, Kind::Session] {
         entry(ui, &format!("Open {}…", kind.noun()), Command::AskToOpen(kind), commands);
@@ -81,7 +82,9 @@ fn file(ui: &mut Ui, app: &App, commands: &mut Vec<Command>) {
     entry(ui, "Save session", Command::SaveSession, commands);
     entry(ui, "Save session as…", Command::AskToSave(Kind::Session), commands);
     entry(ui, "Save picture as…", Command::AskToSavePicture, commands);
+    entry(ui, "Copy picture", Command::CopyPicture, commands);
     entry(ui, "Start with this session", Command::StartWithThis, commands);
+    entry(ui, "Settings…", Command::AskForSettings, commands);
     ui.separator();
     entry(ui, "Quit", Command::Quit, commands);
 }

@@ -147,7 +147,7 @@ impl Pane {
     }
 
     /// The picture that is seen.
-    fn picture<'p>(&'p self, workshop: &'p Workshop) -> &'p Picture {
+    pub(super) fn picture<'p>(&'p self, workshop: &'p Workshop) -> &'p Picture {
         match (self.seen, self.kept(workshop)) {
             (Seen::Kept(_), Some(kept)) => kept,
             (Seen::Split(_), Some(_)) => &self.split.0,

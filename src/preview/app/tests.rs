@@ -129,3 +129,23 @@ fn materials_are_given_to_bodies_and_undone() {
     harness.state_mut().perform(Command::Undo);
     assert!(settle(&mut harness) == before && harness.state().workshop.values().numbers() == numbers);
 }
+
+#[test]
+fn new_sessions_begin_as_the_settings_say() {
+    let mut harness = harness();
+    let app = harness.state_mut();
+    let mut settings = crate::workspace::settings::Settings { depth: 1, size: [40, 30], ..app.remembered.settings.clone() };
+    settings.defaults.set(crate::lang::variables::Predefined::Background, [0.25, 0.5, 0.75]);
+    app.perform(Command::Settle(Box::new(settings)));
+    app.perform(Command::NewSession);
+    assert_eq!((app.workshop.settings().depth, app.workshop.settings().size), (1, [40, 30]));
+    let background = app.workshop.formula().predefined(crate::lang::variables::Predefined::Background);
+    assert_eq!(app.workshop.values().global(background), [0.25, 0.5, 0.75]);
+    assert_eq!(settle(&mut harness).len(), 40 * 30);
+    // The dialog shows what is kept, and keeps nothing that is cancelled.
+    harness.state_mut().perform(Command::AskForSettings);
+    harness.run_steps(3);
+    harness.get_by_label("Cancel").click();
+    harness.run_steps(3);
+    assert!(harness.query_by_label("Cancel").is_none() && harness.state().remembered.settings.depth == 1);
+}
