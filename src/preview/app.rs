@@ -27,6 +27,7 @@ use crate::preview::workshop::{Opened, Workshop};
 use crate::preview::{FrameTimes, PictureView, Shown};
 use crate::workspace::files::Location;
 use crate::workspace::folders::Folders;
+use crate::workspace::session::PictureSettings;
 use dialogs::Dialogs;
 use egui::{CentralPanel, Context, Frame, Panel, Ui};
 use inspector::Inspecting;
@@ -37,7 +38,8 @@ use parameters::Parameters;
 use preferences::Preferences;
 use remembered::Remembered;
 use std::io;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, OnceLock};
+use std::time::Duration;
 use theme::Theme;
 
 /// The two texts that are edited, in the order of their tabs.
@@ -52,8 +54,7 @@ pub struct App {
     tab: usize,
     /// The file of the session, if it has one.
     session: Option<Location>,
-    /// Values and settings as they were saved last, to know whether there is anything to save.
-    saved_session: crate::workspace::Session,
+    saved: SavedSession,
     parameters: Parameters,
     pane: Pane,
     log: Log,
@@ -70,8 +71,24 @@ pub struct App {
     query: String,
     /// Wakes the window, once there is one.
     context: Arc<OnceLock<Context>>,
-    times: Mutex<FrameTimes>,
     closing: bool,
+}
+
+/// What a session file holds, as it was saved last: to know whether there is anything to save. It is asked in every frame.
+struct SavedSession {
+    numbers: Vec<f32>,
+    picture: PictureSettings,
+    places: [Option<Location>; 2],
+}
+
+impl SavedSession {
+    fn of(workshop: &Workshop, documents: &[Document; 2]) -> Self {
+        Self {
+            numbers: workshop.values().numbers().to_vec(),
+            picture: workshop.settings(),
+            places: documents.each_ref().map(|document| document.location().cloned()),
+        }
+    }
 }
 
 /// Which panels are seen.
@@ -115,14 +132,14 @@ impl App {
         };
         let workshop = Workshop::new(&opened, wake).map_err(|error: io::Error| format!("cannot start a thread: {error}"))?;
         let documents = documents(&opened);
-        let saved_session = workshop.session(opened.formula_location.clone(), opened.scene_location.clone());
+        let saved = SavedSession::of(&workshop, &documents);
         let mut app = Self {
             workshop,
             documents,
             editor: Editor::default(),
             tab: 0,
             session: Some(location),
-            saved_session,
+            saved,
             parameters: Parameters::default(),
             pane: Pane::default(),
             log: Log::default(),
@@ -137,7 +154,6 @@ impl App {
             remembered,
             query: String::new(),
             context,
-            times: Mutex::default(),
             closing: false,
         };
         opened.warnings.iter().for_each(|warning| app.log.say(format!("warning: {warning}")));
@@ -150,16 +166,6 @@ impl App {
     /// What is open.
     pub fn workshop(&self) -> &Workshop {
         &self.workshop
-    }
-
-    /// A text: 0 is the formula, 1 the scene.
-    pub fn document(&self, which: usize) -> Option<&Document> {
-        self.documents.get(which)
-    }
-
-    /// The lines of the log.
-    pub fn log(&self) -> impl Iterator<Item = &str> {
-        self.log.lines()
     }
 
     /// Draws everything, and does what was asked for.
@@ -218,6 +224,10 @@ impl App {
         if now - self.kept_at >= EVERY {
             self.kept_at = now;
             self.keep_now();
+        }
+        // Without anything to be seen there would be no further frame.
+        if self.remembered.is_behind(&self.documents) {
+            ui.ctx().request_repaint_after(Duration::from_secs_f64(EVERY));
         }
     }
 
@@ -281,18 +291,15 @@ impl App {
 
     /// Whether anything is not saved, of the texts or of the session.
     pub fn is_unsaved(&self) -> bool {
-        self.documents.iter().any(Document::unsaved) || self.session_now() != self.saved_session
+        let SavedSession { numbers, picture, places } = &self.saved;
+        let moved = self.documents.iter().zip(places).any(|(document, place)| document.location() != place.as_ref());
+        let other = *numbers != self.workshop.values().numbers() || *picture != self.workshop.settings();
+        moved || other || self.documents.iter().any(Document::unsaved)
     }
 
-    /// The session as it would be saved now.
-    fn session_now(&self) -> crate::workspace::Session {
-        let place = |which: usize| self.documents[which].location().cloned().unwrap_or_else(|| Location::new(""));
-        self.workshop.session(place(0), place(1))
-    }
-
-    /// What the last frame took.
-    pub fn times(&self) -> FrameTimes {
-        *self.times.lock().unwrap_or_else(PoisonError::into_inner)
+    /// Takes the session as it is for the one that is saved.
+    fn note_saved_session(&mut self) {
+        self.saved = SavedSession::of(&self.workshop, &self.documents);
     }
 }
 
@@ -343,7 +350,6 @@ impl Shown for App {
     }
 
     fn timed(&mut self, times: &FrameTimes) {
-        *self.times.lock().unwrap_or_else(PoisonError::into_inner) = *times;
         self.log.note_frame(times);
     }
 }

@@ -13,6 +13,8 @@ use std::path::PathBuf;
 pub enum Command {
     /// Begin a new text of this kind.
     New(Kind),
+    /// Do this although a text that is not saved is lost by it.
+    Surely(Box<Command>),
     /// Ask for a file of this kind, and open it.
     AskToOpen(Kind),
     /// Open a file of this kind.

@@ -29,6 +29,8 @@ pub(super) struct Dialogs {
     shortcuts: bool,
     /// How many unsaved texts are offered.
     offered: usize,
+    /// What is to be done if the user says so once more, and what is lost by it.
+    asked_back: Option<(Command, String)>,
 }
 
 impl Dialogs {
@@ -50,6 +52,11 @@ impl Dialogs {
     /// Tells something that must not be missed.
     pub(super) fn tell(&mut self, title: impl Into<String>, text: impl Into<String>) {
         self.message = Some((title.into(), text.into()));
+    }
+
+    /// Asks whether a command is meant although these texts are lost by it.
+    pub(super) fn ask_back(&mut self, lost: &[String], command: Command) {
+        self.asked_back = Some((command, lost.join(" and ")));
     }
 
     /// Offers so many unsaved texts.
@@ -91,6 +98,28 @@ impl Dialogs {
             });
             if modal.inner || modal.should_close() {
                 self.message = None;
+            }
+        }
+        if let Some((command, lost)) = &self.asked_back {
+            let mut answer = None;
+            let shown = modal(context, "ask back").show(context, |ui| {
+                ui.heading("Not saved");
+                ui.add_space(6.0);
+                ui.label(format!("What you changed in {lost} would be lost."));
+                ui.add_space(8.0);
+                ui.horizontal(|ui| {
+                    for (name, sure) in [("Cancel", false), ("Throw it away", true)] {
+                        if ui.button(name).clicked() {
+                            answer = Some(sure);
+                        }
+                    }
+                });
+            });
+            if answer == Some(true) {
+                commands.push(Command::Surely(Box::new(command.clone())));
+            }
+            if answer.is_some() || shown.should_close() {
+                self.asked_back = None;
             }
         }
         if self.offered > 0 {

@@ -25,9 +25,27 @@ fov 40;
 ";
 
 impl App {
-    /// Does what was asked for.
+    /// The texts that are not saved and that a command would put others in the place of.
+    fn lost_by(&self, command: &Command) -> Vec<String> {
+        let (Command::New(kind) | Command::Open(kind, _)) = command else { return Vec::new() };
+        let replaced: &[usize] = match kind {
+            Kind::Formula => &[0],
+            Kind::Scene => &[1],
+            Kind::Session | Kind::Material => &[0, 1],
+        };
+        let unsaved = replaced.iter().map(|tab| &self.documents[*tab]).filter(|document| document.unsaved());
+        unsaved.map(Document::name).collect()
+    }
+
+    /// Does what was asked for, after asking back where a text would be lost.
     pub fn perform(&mut self, command: Command) {
+        let lost = self.lost_by(&command);
+        if lost.is_empty() { self.perform_surely(command) } else { self.dialogs.ask_back(&lost, command) }
+    }
+
+    fn perform_surely(&mut self, command: Command) {
         match command {
+            Command::Surely(command) => self.perform_surely(*command),
             Command::New(kind) => self.begin(kind),
             Command::AskToOpen(kind) => self.dialogs.ask_to_open(kind),
             Command::Open(kind, location) => self.open(kind, location),
@@ -133,7 +151,7 @@ impl App {
         self.workshop.begin_session(settings.picture(), |roster| settings.initial_values(roster));
         self.pane.follows = false;
         self.session = None;
-        self.saved_session = self.session_now();
+        self.note_saved_session();
     }
 
     /// Opens the texts that a program left behind, unsaved as they are.
@@ -194,7 +212,7 @@ impl App {
                 self.pane.follows = false;
                 self.open_materials();
                 self.session = Some(location);
-                self.saved_session = self.session_now();
+                self.note_saved_session();
             }
             Err(errors) => self.dialogs.tell(format!("{location} was not opened"), errors),
         }
@@ -261,7 +279,7 @@ impl App {
                     Some(tab) => self.documents[tab].note_saved(location),
                     None => {
                         self.session = Some(location);
-                        self.saved_session = self.session_now();
+                        self.note_saved_session();
                     }
                 }
             }

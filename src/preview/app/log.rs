@@ -40,11 +40,6 @@ impl Log {
         self.lines.push_back(line);
     }
 
-    /// The lines, the oldest first.
-    pub(super) fn lines(&self) -> impl Iterator<Item = &str> {
-        self.lines.iter().map(String::as_str)
-    }
-
     /// Takes note of what happened in the background.
     pub(super) fn take(&mut self, event: &Event, workshop: &Workshop) {
         match event {

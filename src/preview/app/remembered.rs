@@ -74,7 +74,7 @@ impl Remembered {
     pub(super) fn keep(&mut self, documents: &[Document; 2]) -> Result<(), Diagnostic> {
         let Some(drafts) = &mut self.drafts else { return Ok(()) };
         for (editor, (document, kept)) in documents.iter().zip(&mut self.kept).enumerate() {
-            let wanted = document.unsaved().then(|| document.id() << 32 ^ document.revision());
+            let wanted = state(document);
             if wanted == *kept {
                 continue;
             }
@@ -87,6 +87,11 @@ impl Remembered {
             *kept = wanted;
         }
         Ok(())
+    }
+
+    /// Whether a text was changed since they were kept.
+    pub(super) fn is_behind(&self, documents: &[Document; 2]) -> bool {
+        self.drafts.is_some() && documents.iter().zip(&self.kept).any(|(document, kept)| state(document) != *kept)
     }
 
     /// How many unsaved texts of programs that are gone there are.
@@ -114,4 +119,9 @@ impl Remembered {
         let Some(drafts) = &self.drafts else { return Ok(()) };
         self.left.drain(..).try_for_each(|left| drafts.discard(&left))
     }
+}
+
+/// What is to be kept of a text: another number for each that is not saved.
+fn state(document: &Document) -> Option<u64> {
+    document.unsaved().then(|| document.id() << 32 ^ document.revision())
 }

@@ -77,6 +77,7 @@ fn sessions_and_texts_are_saved_and_come_back() {
     let app = harness.state_mut();
     app.perform(Command::Open(Kind::Session, Location::Preset("glass".to_owned())));
     app.perform(Command::Open(Kind::Session, Location::File(session.clone())));
+    assert!(!app.is_unsaved());
     assert_eq!(app.documents[0].text(), "formula;\n= IL*Cd*max(0, N.L);\n");
     assert!(settle(&mut harness) == before);
     let app = harness.state_mut();
@@ -148,4 +149,25 @@ fn new_sessions_begin_as_the_settings_say() {
     harness.get_by_label("Cancel").click();
     harness.run_steps(3);
     assert!(harness.query_by_label("Cancel").is_none() && harness.state().remembered.settings.depth == 1);
+}
+
+#[test]
+fn a_text_that_is_not_saved_is_not_lost_without_asking() {
+    let mut harness = harness();
+    harness.state_mut().documents[0].replace_text("formula;\n= IL;\n");
+    for command in [Command::New(Kind::Formula), Command::Open(Kind::Session, Location::Preset("glass".to_owned()))] {
+        harness.state_mut().perform(command);
+        harness.run_steps(3);
+        harness.get_by_label("Cancel").click();
+        harness.run_steps(3);
+        assert_eq!(harness.state().documents[0].text(), "formula;\n= IL;\n");
+    }
+    // The scene is as it was: nothing is lost by another one.
+    harness.state_mut().perform(Command::New(Kind::Scene));
+    assert!(harness.query_by_label("Throw it away").is_none());
+    harness.state_mut().perform(Command::New(Kind::Formula));
+    harness.run_steps(3);
+    harness.get_by_label("Throw it away").click();
+    harness.run_steps(3);
+    assert!(harness.state().documents[0].text().contains("max(0, N.L)"));
 }
