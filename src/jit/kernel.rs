@@ -287,6 +287,8 @@ impl Writer<'_, '_> {
         let round = self.builder.ins().iconst(I64, self.shape.round_bytes() as i64);
         let next = self.builder.ins().iadd(offset, round);
         self.builder.ins().jump(head, &[next.into()]);
+        // Behind the loop, so that nothing else stands between its instructions.
+        self.builder.set_cold_block(exit);
         self.builder.switch_to_block(exit);
     }
 

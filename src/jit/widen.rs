@@ -11,7 +11,7 @@
 use crate::jit::lanes::AHEAD;
 use iced_x86::{
     BlockEncoder, BlockEncoderOptions, Code, Decoder, DecoderOptions, Formatter, GasFormatter, IcedError, Instruction,
-    InstructionBlock, MemoryOperand, OpKind, Register,
+    InstructionBlock, InstructionInfoFactory, MemoryOperand, OpAccess, OpKind, Register,
 };
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap, HashSet};
@@ -238,15 +238,33 @@ impl Widening {
 /// Bytes of a line of the cache.
 const LINE: u64 = 64;
 
-/// The code with a prefetch for every line of the columns that it loads. Where something is stored too, that is scratch in the cache.
+/// The registers that are written in a loop.
+fn written_in_loops(code: &[Instruction]) -> HashSet<Register> {
+    let branches = code.iter().filter(|instruction| instruction.op_count() > 0 && instruction.op0_kind() == OpKind::NearBranch64);
+    let loops: Vec<_> = branches.map(|branch| branch.near_branch_target()..branch.ip()).collect();
+    let mut factory = InstructionInfoFactory::new();
+    let mut written = HashSet::new();
+    for instruction in code.iter().filter(|instruction| loops.iter().any(|own| own.contains(&instruction.ip()))) {
+        let used = factory.info(instruction).used_registers().iter();
+        let is_written =
+            |access| matches!(access, OpAccess::Write | OpAccess::ReadWrite | OpAccess::CondWrite | OpAccess::ReadCondWrite);
+        written.extend(used.filter(|used| is_written(used.access())).map(|used| used.register().full_register()));
+    }
+    written
+}
+
+/// The code with a prefetch for every line of the columns that it loads in a loop. Where something is stored too, that is scratch in the
+/// cache; and what is at the same place each time are uniform values.
 fn with_prefetches(code: Vec<Instruction>) -> Vec<Instruction> {
+    let moving = written_in_loops(&code);
     let indexed = |instruction: &Instruction| (instruction.memory_base(), instruction.memory_index());
     let is_store = |instruction: &Instruction| instruction.op_count() > 0 && instruction.op0_kind() == OpKind::Memory;
     let stored: HashSet<_> = code.iter().filter(|instruction| is_store(instruction)).map(indexed).collect();
     let is_column = |instruction: &Instruction| {
         let vector = instruction.op_count() > 1 && (instruction.op0_register().is_ymm() || instruction.op0_register().is_zmm());
         let loads = vector && (0..instruction.op_count()).any(|operand| instruction.op_kind(operand) == OpKind::Memory);
-        loads && instruction.memory_index() != Register::None && !stored.contains(&indexed(instruction))
+        let moves = [instruction.memory_base(), instruction.memory_index()].iter().any(|register| moving.contains(register));
+        loads && moves && instruction.memory_index() != Register::None && !stored.contains(&indexed(instruction))
     };
     let begins_line =
         |instruction: &Instruction| is_column(instruction) && instruction.memory_displacement64().is_multiple_of(LINE);
@@ -387,18 +405,22 @@ mod tests {
 
     #[test]
     fn streams_are_fetched_in_the_order_of_memory() {
-        // Three lines of two streams, in another order, and scratch that is stored to.
-        let at = |base, displacement| MemoryOperand::new(base, Register::R9, 1, displacement, 8, false, Register::None);
-        let load = |register, base, displacement| {
-            Instruction::with2(Code::VEX_Vmovups_xmm_xmmm128, register, at(base, displacement)).unwrap()
-        };
+        // Lines of two streams, in another order, scratch that is stored to, and what is at the same place in each round.
+        let at = |base, index, displacement| MemoryOperand::new(base, index, 1, displacement, 8, false, Register::None);
+        let read = |register, place| Instruction::with2(Code::VEX_Vmovups_xmm_xmmm128, register, place).unwrap();
+        let load = |register, base, displacement| read(register, at(base, Register::R9, displacement));
+        let store =
+            |base, register| Instruction::with2(Code::VEX_Vmovups_xmmm128_xmm, at(base, Register::R9, 0), register).unwrap();
         let instructions = [
             load(Register::XMM1, Register::RAX, 0x40),
             load(Register::XMM2, Register::RCX, 0x80),
             load(Register::XMM3, Register::RAX, 0),
             load(Register::XMM4, Register::RDX, 0),
-            Instruction::with2(Code::VEX_Vmovups_xmmm128_xmm, at(Register::RDX, 0), Register::XMM4).unwrap(),
+            store(Register::RDX, Register::XMM4),
+            read(Register::XMM6, at(Register::RSI, Register::R8, 0)),
             load(Register::XMM5, Register::RAX, 0xc0),
+            Instruction::with2(Code::Add_rm64_imm32, Register::R9, 0x100).unwrap(),
+            Instruction::with_branch(Code::Jne_rel32_64, BASE).unwrap(),
             Instruction::with(Code::Retnq),
         ];
         let wide = widen(&code(&instructions, &[]), 4).unwrap();
