@@ -11,7 +11,7 @@ use crate::formula::graph::{Node, NodeId};
 use crate::formula::layout::Layout;
 use crate::formula::{Formula, Parameter, ParameterId};
 use crate::jit::compile::Contributor;
-use crate::jit::{CompiledFormula, Kernel, Line, Splat};
+use crate::jit::{AHEAD, CompiledFormula, Kernel, Line, Splat};
 use crate::lang::scalars::flush;
 use crate::lang::variables::{Owner, Predefined};
 use crate::scene::Scene;
@@ -127,7 +127,9 @@ impl Compiled {
     /// Draws a tile into its part of a framebuffer.
     pub(super) fn draw_tile(&self, pass: &Pass, memory: &[f32], place: usize, workroom: &mut Workroom, pixels: &mut [u32]) {
         self.tile(pass, memory, place, workroom);
-        workroom.planes.quantise(pixels);
+        // Kernels have fetched what is just behind the tile's own.
+        let behind = self.columns.get(place + 1).and_then(|next| next.lines().get(AHEAD / size_of::<Line>()..));
+        workroom.planes.quantise(pixels, behind.unwrap_or_default());
     }
 
     pub(super) fn check_size(&self, framebuffer: &Framebuffer) {

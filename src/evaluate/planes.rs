@@ -66,14 +66,14 @@ impl Planes {
         self.arch.dispatch(Addition { planes, segments, sums: &sums[components], weight: weight.0 as f32 });
     }
 
-    /// Writes the tile's pixels.
-    pub(super) fn quantise(&self, pixels: &mut [u32]) {
+    /// Writes the tile's pixels. These lines are read next.
+    pub(super) fn quantise(&self, pixels: &mut [u32], coming: &[Line]) {
         let Some(code) = self.code else { return self.quantise_portably(0, pixels) };
         // Stores past the caches are of whole lines.
         let (head, lines, tail) = bytemuck::pod_align_to_mut::<u32, PixelLine>(pixels);
         let (first, last) = (head.len(), head.len() + lines.len() * LINE_HITS);
         self.quantise_portably(0, head);
-        code.write(&self.planes, PIXELS.start + first, lines);
+        code.write(&self.planes, PIXELS.start + first, lines, coming);
         self.quantise_portably(last, tail);
     }
 
@@ -100,8 +100,10 @@ fn add_tiny(planes: &mut PixelPlanes, segments: &[Segment], sums: &Sums, weight:
 
 // What is dispatched is a structure with a method that must be inlined: only so is it compiled for the vectors of this processor.
 
-/// So many pixels are coloured at a time.
-const LEAST: usize = PLANE_PIXELS - PIXELS.end;
+/// So many pixels are coloured at a time: where there are many regions, most have fewer.
+const LEAST: usize = LINE_HITS;
+// There is room for them behind the last pixel.
+const _: () = assert!(LEAST <= PLANE_PIXELS - PIXELS.end);
 
 /// Colours every region.
 struct Fill<'a> {
@@ -319,7 +321,7 @@ mod tests {
         }
         for (start, length) in [(0, 2000), (3, 1500), (5, 16), (1, 7), (0, 0)] {
             let mut pixels = vec![[0xdead_beef; 2000]; 2];
-            planes.quantise(&mut pixels[0][start..start + length]);
+            planes.quantise(&mut pixels[0][start..start + length], &[]);
             planes.quantise_portably(0, &mut pixels[1][start..start + length]);
             assert!(pixels[0] == pixels[1], "{length} pixels at {start}");
         }

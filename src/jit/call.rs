@@ -454,7 +454,7 @@ pub struct PixelCode {
 ///
 /// # Safety
 /// There is a line, and all are readable from `planes` on in three planes, and writable from `pixels` on. The processor has AVX-512.
-type Writing = unsafe extern "C" fn(planes: *const f32, pixels: *mut PixelLine, lines: usize);
+type Writing = unsafe extern "C" fn(planes: *const f32, pixels: *mut PixelLine, lines: usize, coming: *const Line);
 
 impl PixelCode {
     /// The code, made at its first use; none where the processor has no AVX-512.
@@ -493,11 +493,12 @@ impl PixelCode {
         Some(Self { adding_all, adding_one, writing, _memory: memory })
     }
 
-    /// Writes lines of pixels, `0x00RRGGBB`, from this place in the planes on. Clamped, NaN as 0, and rounded to the nearest of 0..=255.
+    /// Writes lines of pixels, `0x00RRGGBB`, from this place in the planes on. Clamped, NaN as 0, and rounded to the nearest of 0..=255. Meanwhile it
+    /// fetches as many lines of what is coming.
     ///
     /// # Panics
     /// Where there are not so many pixels in a plane.
-    pub fn write(&self, planes: &PixelPlanes, place: usize, pixels: &mut [PixelLine]) {
+    pub fn write(&self, planes: &PixelPlanes, place: usize, pixels: &mut [PixelLine], coming: &[Line]) {
         if pixels.is_empty() {
             return;
         }
@@ -505,11 +506,14 @@ impl PixelCode {
             pixels.len() <= PLANE_PIXELS / LINE_HITS && place + pixels.len() * LINE_HITS <= PLANE_PIXELS,
             "pixels of a plane"
         );
+        let first = (&raw const planes.0).cast::<f32>();
+        // Where nothing comes, what is in the cache already.
+        let coming = if coming.is_empty() { first.cast() } else { coming.as_ptr() };
         // SAFETY: there is a line; all lie within their plane, from `place` on, and green and blue a plane's length behind one another, since
         // the planes are an array (the pointer is made from that to the whole of it); `pixels` are as many, and aligned as their type says.
-        // The processor was asked.
+        // To fetch from where nothing is does nothing. The processor was asked.
         unsafe {
-            (self.writing)((&raw const planes.0).cast::<f32>().add(place), pixels.as_mut_ptr(), pixels.len());
+            (self.writing)(first.add(place), pixels.as_mut_ptr(), pixels.len(), coming);
         }
     }
 }

@@ -93,7 +93,7 @@ impl PixelCode {
     }
 
     /// Writes.
-    pub fn write(&self, _: &PixelPlanes, _: usize, _: &mut [PixelLine]) {
+    pub fn write(&self, _: &PixelPlanes, _: usize, _: &mut [PixelLine], _: &[Line]) {
         match *self {}
     }
 }

@@ -79,8 +79,9 @@ pub(super) fn adding_code(sums_stride: i64, plane_stride: i64, components: usize
     encoded(&code)
 }
 
-/// The code of `fn(planes, pixels, lines)`: pointers to the red of some pixels, whose green and blue lie so many bytes behind one another,
-/// and to as many lines of a framebuffer, aligned. Writes `0x00RRGGBB`: components clamped to 0..1, NaN as 0, times 255, rounded.
+/// The code of `fn(planes, pixels, lines, coming)`: pointers to the red of some pixels, whose green and blue lie so many bytes behind one another,
+/// and to as many lines of a framebuffer, aligned. Writes `0x00RRGGBB`: components clamped to 0..1, NaN as 0, times 255, rounded. Meanwhile it fetches
+/// as many lines from `coming` on, into the second cache: the first would lose them to the next tile's planes.
 pub(super) fn writing_code(plane_stride: i64) -> Result<Vec<u8>, IcedError> {
     use Register as R;
     let at = |base, displacement| MemoryOperand::new(base, R::None, 1, displacement, 8, false, R::None);
@@ -117,10 +118,11 @@ pub(super) fn writing_code(plane_stride: i64) -> Result<Vec<u8>, IcedError> {
     for vector in [R::ZMM2, R::ZMM3] {
         body.push(Instruction::with3(Code::EVEX_Vpord_zmm_k1z_zmm_zmmm512b32, R::ZMM1, R::ZMM1, vector)?);
     }
+    body.push(Instruction::with1(Code::Prefetcht1_m8, at(R::RCX, 0))?);
     body.push(Instruction::with2(Code::EVEX_Vmovntdq_m512_zmm, at(R::RSI, 0), R::ZMM1)?);
     body[0].set_ip(LOOP);
     code.extend(body);
-    for pointer in [R::RDI, R::RSI] {
+    for pointer in [R::RDI, R::RSI, R::RCX] {
         code.push(Instruction::with2(Code::Add_rm64_imm8, pointer, size_of::<Line>() as i32)?);
     }
     code.push(Instruction::with2(Code::Sub_rm64_imm8, R::RDX, 1)?);
