@@ -30,7 +30,7 @@ pub(super) fn trace_for(
     bytes: u64,
     progress: &(dyn Fn(f64) + Sync),
 ) -> Result<Arc<Hits>, Failure> {
-    let budget = Budget { bytes_per_pixel: BYTES_PER_PIXEL, ..evaluate::budget(bytes, formula) };
+    let budget = Budget { bytes_per_pixel: BYTES_PER_PIXEL, ..evaluate::budget(bytes, &formula.bindings) };
     trace::trace(&input.scene, view, &budget, progress, &AtomicBool::new(false)).map(Arc::new).map_err(failed)
 }
 

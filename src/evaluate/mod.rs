@@ -26,6 +26,7 @@ pub use interpreted::{Interpreted, Timing};
 
 use crate::bytecode::CodeTooLarge;
 use crate::formula::Formula;
+use crate::formula::binding::Bindings;
 use crate::jit::{CompileError, CompiledFormula};
 use crate::scene::Scene;
 use crate::trace::{Budget, Hits, Mismatch};
@@ -94,12 +95,12 @@ impl Evaluator {
 }
 
 /// A memory budget for tracing that leaves room for what the compiled backend keeps of each hit and record of this formula.
-pub fn budget(bytes: u64, formula: &CompiledFormula) -> Budget {
+pub fn budget(bytes: u64, bindings: &Bindings) -> Budget {
     let number = size_of::<f32>() as u64;
     Budget {
         bytes,
-        bytes_per_hit: number * formula.bindings.frontier.hits.len() as u64,
-        bytes_per_record: number * formula.bindings.frontier.records.len() as u64,
+        bytes_per_hit: number * bindings.frontier.hits.len() as u64,
+        bytes_per_record: number * bindings.frontier.records.len() as u64,
         bytes_per_pixel: 3 * number,
     }
 }

@@ -3,6 +3,7 @@
 //! Panels are rooms of their own; they draw, and say what is to be done as [`Command`]s, which menus and keys say too. What is done is the
 //! [workshop](super::workshop)'s business, and no window is known here: tests drive all of it without one.
 
+mod chores;
 mod command;
 mod dialogs;
 mod files;
@@ -28,6 +29,7 @@ use crate::preview::{FrameTimes, PictureView, Shown};
 use crate::workspace::files::Location;
 use crate::workspace::folders::Folders;
 use crate::workspace::session::PictureSettings;
+use chores::{Chores, Told};
 use dialogs::Dialogs;
 use egui::{CentralPanel, Context, Frame, Panel, Ui};
 use inspector::Inspecting;
@@ -59,6 +61,7 @@ pub struct App {
     pane: Pane,
     log: Log,
     dialogs: Dialogs,
+    chores: Chores,
     preferences: Preferences,
     inspecting: Inspecting,
     materials: Materials,
@@ -144,6 +147,7 @@ impl App {
             pane: Pane::default(),
             log: Log::default(),
             dialogs: Dialogs::default(),
+            chores: Chores::default(),
             preferences: Preferences::default(),
             inspecting: Inspecting::default(),
             materials: Materials::default(),
@@ -176,6 +180,9 @@ impl App {
         let events: Vec<_> = self.workshop.renderer().events().collect();
         for event in events {
             self.log.take(&event, &self.workshop);
+        }
+        for told in self.chores.told() {
+            self.hear(told);
         }
         let mut commands = command::pressed(ui);
         Panel::top("menu").show(ui, |ui| menu::bar(self, ui, &mut commands));
@@ -232,9 +239,36 @@ impl App {
     }
 
     fn keep_now(&mut self) {
-        if let Err(error) = self.remembered.keep(&self.documents) {
-            self.log.say(format!("unsaved text is not kept: {}", error.message()));
+        if let Some(keeping) = self.remembered.keeping(&self.documents) {
+            self.do_aside(move || {
+                keeping().err().map(|error| Told::Said(format!("unsaved text is not kept: {}", error.message())))
+            });
         }
+    }
+
+    /// Does something that takes its time beside the interface.
+    fn do_aside(&mut self, chore: impl FnOnce() -> Option<Told> + Send + 'static) {
+        let context = Arc::clone(&self.context);
+        let wake = move || {
+            if let Some(context) = context.get() {
+                context.request_repaint();
+            }
+        };
+        if let Some(told) = self.chores.add(chore, wake) {
+            self.hear(told);
+        }
+    }
+
+    fn hear(&mut self, told: Told) {
+        match told {
+            Told::Said(line) => self.log.say(line),
+            Told::Failed(title, text) => self.dialogs.tell(title, text),
+        }
+    }
+
+    /// Has every line of the log told to somebody else too.
+    pub fn repeat_log(&mut self, listener: impl FnMut(&str) + 'static) {
+        self.log.repeat(listener);
     }
 
     /// Tabs, the text of one, and what is wrong with both.
@@ -344,13 +378,14 @@ impl Shown for App {
 
     fn closing(&mut self) {
         self.keep_now();
+        self.chores.finish();
         self.remembered.settings = self.remembered.settings.within_ranges();
         // There is nobody left to be told.
         let _ = self.remembered.save_settings();
     }
 
     fn timed(&mut self, times: &FrameTimes) {
-        self.log.note_frame(times);
+        self.log.note_frame(times, &self.workshop);
     }
 }
 

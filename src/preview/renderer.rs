@@ -5,8 +5,9 @@
 
 mod drawing;
 
-use crate::evaluate::{Backend, Method};
+use crate::evaluate::{self, Backend, Method};
 use crate::formula::Formula;
+use crate::formula::binding::Bindings;
 use crate::scene::Scene;
 use crate::trace::{Budget, Counts, Hits, TraceError, View, trace};
 use drawing::Artist;
@@ -32,6 +33,15 @@ pub struct Subject {
 }
 
 impl Subject {
+    /// How much memory tracing may take: what is free, less what is going to be kept of each hit.
+    fn budget(&self) -> Budget {
+        let bytes = crate::trace::usable_memory();
+        match self.backend {
+            Backend::Jit => evaluate::budget(bytes, &Bindings::new(&self.formula)),
+            Backend::Interpreter => Budget { bytes, ..Budget::UNLIMITED },
+        }
+    }
+
     /// Whether the hits of one are those of the other.
     fn same_hits(&self, other: &Subject) -> bool {
         Arc::ptr_eq(&self.scene, &other.scene) && self.view == other.view
@@ -92,6 +102,8 @@ pub enum Event {
         /// How long it took.
         time: Duration,
     },
+    /// So many pixels of the picture at rest hold what is no number, and are black there.
+    Undefined(usize),
     /// There is no picture, and why.
     Failed(String),
 }
@@ -144,6 +156,8 @@ pub struct Renderer {
 
 /// Pictures of fewer pixels are traced at once, in milliseconds.
 const SMALL: u32 = 320 * 200;
+/// A picture that has not changed for so long is looked through for what is no number.
+const REST: Duration = Duration::from_millis(250);
 /// A coarse picture has one pixel in so many, along each side.
 const COARSE: u32 = 4;
 
@@ -212,6 +226,11 @@ impl Renderer {
         let old = std::mem::replace(before, newest);
         self.shared.spare.lock().unwrap_or_else(PoisonError::into_inner).push(old.pixels);
         true
+    }
+
+    /// The hits of what is shown, if they are all there already.
+    pub fn hits(&self, view: &View) -> Option<Arc<Hits>> {
+        self.shared.wanted().hits.as_ref().filter(|hits| hits.view == *view).map(Arc::clone)
     }
 
     /// What happened since it was asked last.
@@ -293,8 +312,7 @@ fn trace_stage(shared: &Shared, events: &Sender<Event>, subject: &Subject, view:
             (shared.wake)();
         }
     };
-    let budget = Budget { bytes: crate::trace::usable_memory(), ..Budget::UNLIMITED };
-    let hits = match trace(&subject.scene, &view, &budget, &progress, &shared.cancelled) {
+    let hits = match trace(&subject.scene, &view, &subject.budget(), &progress, &shared.cancelled) {
         Ok(hits) => Arc::new(hits),
         Err(TraceError::Cancelled) => return None,
         Err(error @ TraceError::Memory { .. }) => {
@@ -320,6 +338,8 @@ fn trace_stage(shared: &Shared, events: &Sender<Event>, subject: &Subject, view:
 fn draw_forever(shared: &Shared, events: &Sender<Event>) {
     let mut artist = Artist::default();
     let mut drawn: Option<(u64, Arc<Hits>)> = None;
+    // What is drawn and at rest, and was not looked through.
+    let mut unseen: Option<(Arc<Hits>, Vec<f32>)> = None;
     loop {
         let (subject, hits, numbers, held, stamp) = {
             let mut wanted = shared.wanted();
@@ -337,6 +357,20 @@ fn draw_forever(shared: &Shared, events: &Sender<Event>) {
                     drop(wanted);
                     artist.prepare();
                     wanted = shared.wanted();
+                } else if unseen.is_some() {
+                    let timeout;
+                    (wanted, timeout) = shared.changed.wait_timeout(wanted, REST).unwrap_or_else(PoisonError::into_inner);
+                    if timeout.timed_out()
+                        && let Some((hits, numbers)) = unseen.take()
+                    {
+                        drop(wanted);
+                        let undefined = artist.undefined(&hits, &numbers);
+                        let _ = events.send(Event::Undefined(undefined));
+                        if undefined > 0 {
+                            (shared.wake)();
+                        }
+                        wanted = shared.wanted();
+                    }
                 } else {
                     wanted = shared.wait(wanted);
                 }
@@ -345,9 +379,11 @@ fn draw_forever(shared: &Shared, events: &Sender<Event>) {
         let tell = |event: Event| {
             let _ = events.send(event);
         };
+        let rests = held.is_none() && subject.backend == Backend::Jit;
         let room = || shared.spare.lock().unwrap_or_else(PoisonError::into_inner).pop().unwrap_or_default();
         match artist.draw(&subject, &hits, &numbers, held, &tell, room) {
             Ok(mut picture) => {
+                unseen = (rests && picture.is_full()).then(|| (Arc::clone(&hits), numbers));
                 picture.version = shared.versions.fetch_add(1, Ordering::Relaxed) + 1;
                 picture.values = stamp;
                 let overtaken = shared.newest.lock().unwrap_or_else(PoisonError::into_inner).replace(picture);

@@ -5,24 +5,24 @@
 
 mod history;
 mod opening;
+mod portrait;
 
-use crate::evaluate::{Backend, Evaluator};
+use crate::evaluate::Backend;
 use crate::formula::{Formula, ParameterId};
 use crate::lang::diagnostic::Diagnostics;
 use crate::lang::source::Source;
-use crate::picture::Transfer;
 use crate::preview::renderer::{Picture, Renderer, Subject};
 use crate::scene::Scene;
-use crate::trace::{Budget, View, ViewError, trace, usable_memory};
+use crate::trace::{View, ViewError};
 use crate::workspace::files::Location;
 use crate::workspace::session::PictureSettings;
 use crate::workspace::{Assignment, OwnerId, Roster, Session, Values};
-use history::History;
+use history::{History, Moment};
 pub use opening::Opened;
+pub use portrait::Portrait;
 use std::io;
 use std::path::Path;
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 /// What is open.
 pub struct Workshop {
@@ -193,14 +193,13 @@ impl Workshop {
 
     fn arrive(&mut self, values: Values) {
         self.values = values;
-        self.history = History::default();
         self.show();
     }
 
     /// Holds a slider, or goes on holding it, and moves it.
     pub fn drag(&mut self, owner: OwnerId, id: ParameterId, value: [f32; 3]) {
         if self.held != Some((owner, id)) {
-            self.history.note(&self.values);
+            self.history.note(self.moment());
             self.held = Some((owner, id));
         }
         self.values.move_to(owner, id, value);
@@ -241,10 +240,10 @@ impl Workshop {
 
     /// Changes values, which can be undone.
     pub fn change(&mut self, change: impl FnOnce(&mut Values)) {
-        let before = self.values.clone();
+        let before = self.moment();
         change(&mut self.values);
-        if before != self.values {
-            self.history.note(&before);
+        if before.values != self.values {
+            self.history.note(before);
             self.held = None;
             self.asked = self.renderer.move_to(self.values.numbers(), None);
         }
@@ -252,22 +251,27 @@ impl Workshop {
 
     /// Undoes the last change of values; whether there was one.
     pub fn undo(&mut self) -> bool {
-        let found = self.history.undo(&mut self.values);
-        self.moved(found)
+        let other = self.history.undo(self.moment());
+        self.move_to(other)
     }
 
     /// Does what was undone again; whether there was anything.
     pub fn redo(&mut self) -> bool {
-        let found = self.history.redo(&mut self.values);
-        self.moved(found)
+        let other = self.history.redo(self.moment());
+        self.move_to(other)
     }
 
-    fn moved(&mut self, found: bool) -> bool {
-        if found {
-            self.held = None;
-            self.asked = self.renderer.move_to(self.values.numbers(), None);
-        }
-        found
+    /// Takes other values, which may have been of another formula or scene.
+    fn move_to(&mut self, other: Option<Moment>) -> bool {
+        let Some(other) = other else { return false };
+        self.values = other.values_for(&self.formula, &self.scene);
+        self.held = None;
+        self.asked = self.renderer.move_to(self.values.numbers(), None);
+        true
+    }
+
+    fn moment(&self) -> Moment {
+        Moment { values: self.values.clone(), formula: Arc::clone(&self.formula), scene: Arc::clone(&self.scene) }
     }
 
     /// Whether there is a change to be undone, and one to be done again.
@@ -320,6 +324,7 @@ impl Workshop {
         if Arc::ptr_eq(&snapshot.formula, &self.formula) && Arc::ptr_eq(&snapshot.scene, &self.scene) {
             self.change(|values| *values = snapshot.values);
         } else {
+            self.history.note(self.moment());
             self.formula = snapshot.formula;
             self.scene = snapshot.scene;
             self.arrive(snapshot.values);
@@ -339,20 +344,21 @@ impl Workshop {
         self.session(formula, scene).save(path)
     }
 
-    /// Saves the picture of the values as they are, in full size, in the format that the suffix names.
+    /// The picture of the values as they are, in full size, to be saved on some other thread.
     ///
     /// # Errors
-    /// There is no such format, or the file cannot be written; the text is for people.
-    pub fn save_picture(&self, path: &Path) -> Result<(), String> {
-        let view = self.view().map_err(|error| error.to_string())?;
-        let budget = Budget { bytes: usable_memory(), ..Budget::UNLIMITED };
-        let hits = trace(&self.scene, &view, &budget, &|_| {}, &AtomicBool::new(false)).map_err(|error| error.to_string())?;
-        let evaluator =
-            Evaluator::new(&self.formula, &self.scene, &Arc::new(hits), self.backend).map_err(|error| error.to_string())?;
-        let mut frame = evaluator.frame(self.values.numbers());
-        frame.clean();
-        let transfer = if self.picture.srgb { Transfer::Srgb } else { Transfer::Linear };
-        crate::picture::save(path, &frame, transfer)
+    /// A setting is out of range.
+    pub fn portrait(&self) -> Result<Portrait, ViewError> {
+        let view = self.view()?;
+        Ok(Portrait {
+            formula: Arc::clone(&self.formula),
+            scene: Arc::clone(&self.scene),
+            view,
+            hits: self.renderer.hits(&view),
+            backend: self.backend,
+            numbers: self.values.numbers().to_vec(),
+            srgb: self.picture.srgb,
+        })
     }
 }
 

@@ -1,6 +1,7 @@
 //! Doing what commands say: opening, saving, applying, and the rest.
 
 use crate::presets::Kind;
+use crate::preview::app::chores::Told;
 use crate::preview::app::command::Panel;
 use crate::preview::app::{App, Command, documents, theme};
 use crate::preview::editor::Document;
@@ -55,7 +56,7 @@ impl App {
                 self.dialogs.ask_to_save(Some(kind), &name);
             }
             Command::SaveTo(Some(kind), path) => self.save_to(kind, path),
-            Command::SaveTo(None, path) => self.save_picture(&path),
+            Command::SaveTo(None, path) => self.save_picture(path),
             Command::AskToSavePicture => self.dialogs.ask_to_save(None, "picture.png"),
             Command::CopyPicture => self.copy_picture(),
             Command::SaveSession => match self.session.clone() {
@@ -312,10 +313,21 @@ impl App {
         }
     }
 
-    fn save_picture(&mut self, path: &Path) {
-        match self.workshop.save_picture(path) {
-            Ok(()) => self.log.say(format!("saved {}", path.display())),
-            Err(error) => self.dialogs.tell("Not saved", error),
+    fn save_picture(&mut self, path: PathBuf) {
+        match self.workshop.portrait() {
+            Ok(portrait) => {
+                self.log.say(format!("saving {}", path.display()));
+                self.do_aside(move || {
+                    Some(match portrait.save(&path) {
+                        Ok(0) => Told::Said(format!("saved {}", path.display())),
+                        Ok(undefined) => {
+                            Told::Said(format!("saved {}; {}", path.display(), super::log::undefined_pixels(undefined)))
+                        }
+                        Err(error) => Told::Failed("Not saved".to_owned(), error),
+                    })
+                });
+            }
+            Err(error) => self.dialogs.tell("Not saved", error.to_string()),
         }
     }
 }

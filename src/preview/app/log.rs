@@ -6,7 +6,7 @@ use crate::preview::renderer::Event;
 use crate::preview::workshop::Workshop;
 use egui::{Color32, Pos2, Rect, ScrollArea, Sense, Stroke, Ui, pos2, vec2};
 use std::collections::VecDeque;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// So many lines, and frames, are kept.
 const LINES: usize = 500;
@@ -22,22 +22,45 @@ pub(super) struct Log {
     /// What the window did: milliseconds of layout, painting and present.
     window: [f32; 3],
     bytes_per_pixel: Option<f64>,
+    /// How many pixels were said to hold what is no number.
+    undefined: usize,
+    /// Who hears every line too.
+    listener: Option<Listener>,
 }
 
+type Listener = Box<dyn FnMut(&str)>;
+
 /// How a drag runs.
+#[derive(Default)]
 struct DragTimes {
     label: String,
     method: Option<Method>,
+    /// Milliseconds of its pictures.
     times: Vec<f32>,
+    /// The values that the pointer moved to and that are not on the screen, by their number, and when it moved.
+    awaited: VecDeque<(u64, Instant)>,
+    /// Milliseconds from a movement of the pointer to its picture on the screen.
+    delays: Vec<f32>,
+    /// Milliseconds of layout, painting and present of the frames that brought them.
+    window: [f32; 3],
 }
 
 impl Log {
     /// Adds a line.
     pub(super) fn say(&mut self, line: String) {
+        if let Some(listener) = &mut self.listener {
+            listener(&line);
+        }
         if self.lines.len() == LINES {
             self.lines.pop_front();
         }
         self.lines.push_back(line);
+    }
+
+    /// Has every line told to somebody else too, those that are there first.
+    pub(super) fn repeat(&mut self, mut listener: impl FnMut(&str) + 'static) {
+        self.lines.iter().for_each(|line| listener(line));
+        self.listener = Some(Box::new(listener));
     }
 
     /// Takes note of what happened in the background.
@@ -60,6 +83,11 @@ impl Log {
                 self.say(format!("ready in {}: {bytes_per_pixel:.1} bytes a pixel", milliseconds(*time)));
             }
             Event::Frame { method, time } => self.frame(*method, *time, workshop),
+            Event::Undefined(pixels) => {
+                if std::mem::replace(&mut self.undefined, *pixels) != *pixels && *pixels > 0 {
+                    self.say(format!("the picture has {}", undefined_pixels(*pixels)));
+                }
+            }
             Event::Failed(message) => self.say(format!("error: {message}")),
         }
     }
@@ -70,25 +98,45 @@ impl Log {
             self.frames.pop_front();
         }
         self.frames.push_back(time);
-        let label = workshop.held().map(|(owner, id)| workshop.values().roster().label(owner, id));
-        match (label, &mut self.drag) {
-            (Some(label), Some(drag)) if drag.label == label => {
-                drag.method = method.or(drag.method);
-                drag.times.push(time);
-            }
-            (Some(label), _) => {
-                self.end_drag();
-                self.drag = Some(DragTimes { label, method, times: vec![time] });
-            }
-            (None, _) => self.end_drag(),
+        if self.dragged(workshop)
+            && let Some(drag) = &mut self.drag
+        {
+            drag.method = method.or(drag.method);
+            drag.times.push(time);
         }
     }
 
+    /// Takes note of what is held. Whether anything is.
+    fn dragged(&mut self, workshop: &Workshop) -> bool {
+        let label = workshop.held().map(|(owner, id)| workshop.values().roster().label(owner, id));
+        if self.drag.as_ref().map(|drag| &drag.label) != label.as_ref() {
+            self.end_drag();
+            self.drag = label.map(|label| DragTimes { label, ..DragTimes::default() });
+        }
+        self.drag.is_some()
+    }
+
     fn end_drag(&mut self) {
-        let Some(DragTimes { label, method, times }) = self.drag.take() else { return };
-        let mean = times.iter().sum::<f32>() / times.len().max(1) as f32;
+        let Some(DragTimes { label, method, times, mut delays, window, .. }) = self.drag.take() else { return };
+        if times.is_empty() {
+            return;
+        }
+        let mean = times.iter().sum::<f32>() / times.len() as f32;
         let method = method.map_or("interpreter", Method::name);
-        self.say(format!("dragged {label}: {method}, {} frames, {mean:.2} ms a frame, {:.0} frames/s", times.len(), 1e3 / mean));
+        let frames = times.len();
+        self.say(format!("dragged {label}: {method}, {frames} frames, {mean:.2} ms a frame, {:.0} frames/s", 1e3 / mean));
+        if delays.is_empty() {
+            return;
+        }
+        delays.sort_by(f32::total_cmp);
+        // Not beyond the last.
+        let share = |part: f32| delays[((delays.len() - 1) as f32 * part).round() as usize];
+        let [layout, painting, present] = window.map(|sum| sum / delays.len() as f32);
+        self.say(format!(
+            "  from pointer to screen {:.1} ms, 99 % within {:.1} ms; layout {layout:.1}, painting {painting:.1}, present {present:.1} ms",
+            share(0.5),
+            share(0.99),
+        ));
     }
 
     /// The memory at rest, in bytes a pixel, as far as it is known.
@@ -102,9 +150,22 @@ impl Log {
     }
 
     /// Takes note of what the window did.
-    pub(super) fn note_frame(&mut self, times: &FrameTimes) {
+    pub(super) fn note_frame(&mut self, times: &FrameTimes, workshop: &Workshop) {
         let present = times.present.unwrap_or_default();
         self.window = [times.layout, times.painting, present].map(|time| time.as_secs_f32() * 1e3);
+        if !self.dragged(workshop) {
+            return;
+        }
+        let Some(drag) = &mut self.drag else { return };
+        if let Some(motion) = times.motion {
+            drag.awaited.push_back((workshop.stamp(), motion));
+        }
+        let (Some(_), Some(finished)) = (times.present, times.finished) else { return };
+        // All that came before is in the picture too; what it was itself waited longest.
+        while let Some((_, motion)) = drag.awaited.pop_front_if(|(stamp, _)| *stamp <= workshop.shown().values) {
+            drag.delays.push((finished - motion).as_secs_f32() * 1e3);
+            drag.window.iter_mut().zip(self.window).for_each(|(sum, time)| *sum += time);
+        }
     }
 
     /// Draws it.
@@ -147,6 +208,12 @@ impl Log {
         let font = egui::TextStyle::Small.resolve(ui.style());
         painter.text(rect.left_top(), egui::Align2::LEFT_TOP, format!(" {most:.1} ms"), font, ui.visuals().text_color());
     }
+}
+
+/// How it is said that some pixels hold what is no number.
+pub(super) fn undefined_pixels(count: usize) -> String {
+    let plural = if count == 1 { "pixel" } else { "pixels" };
+    format!("{} {plural} where the formula yields no number (NaN); black there", thousands(count as u64))
 }
 
 /// A time for people.

@@ -12,6 +12,9 @@ use egui::{Rect, Sense, Ui, vec2};
 /// A new size of the pane is taken over when it has not changed for so many seconds.
 const SETTLE: f64 = 0.2;
 
+/// So near, in points, the line between two pictures is taken.
+const NEAR: f32 = 6.0;
+
 /// What is seen in the pane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) enum Seen {
@@ -39,8 +42,11 @@ pub(super) struct Pane {
     pointed: Option<[u32; 2]>,
     clicked: Option<[u32; 2]>,
     around: u32,
-    /// Two pictures beside each other, of these versions and with that zoom.
-    split: (Picture, [u64; 2]),
+    /// Two pictures beside each other, of these versions, and how many columns are of the first.
+    split: (Picture, [u64; 2], usize),
+    /// Where the line between them is, 0..1, and whether it is being moved.
+    line: f32,
+    moves_line: bool,
 }
 
 impl Default for Pane {
@@ -56,7 +62,9 @@ impl Default for Pane {
             pointed: None,
             clicked: None,
             around: 0,
-            split: (Picture::default(), [0, 0]),
+            split: (Picture::default(), [0, 0], 0),
+            line: 0.5,
+            moves_line: false,
         }
     }
 }
@@ -89,20 +97,36 @@ impl Pane {
         self.place = rect;
         self.follow(ui, workshop, scale);
         if let (Seen::Split(place), Some(kept)) = (self.seen, self.kept(workshop)) {
-            let versions = [kept.version, workshop.shown().version];
-            if self.split.1 != versions {
-                self.split = (beside(kept, workshop.shown()), versions);
-                // Another number than any picture's own.
-                self.split.0.version = 1 << 40 | versions[1] << 1 | place as u64;
+            let (shown, versions) = (workshop.shown(), [kept.version, workshop.shown().version]);
+            let columns = (self.line * shown.width as f32).round() as usize;
+            if (self.split.1, self.split.2) != (versions, columns) {
+                self.split = (beside(kept, shown, columns), versions, columns);
+                // Another number than any picture's own: those have less than 40 bits, and there are two places and at most 2¹⁴ columns.
+                self.split.0.version = 1 << 63 | versions[1] << 16 | (columns as u64) << 1 | place as u64;
             }
         }
         self.settle_offset(workshop, scale);
-        if response.dragged() {
+        if let Some(at) = self.line_at(workshop, scale) {
+            let near = |at: Option<egui::Pos2>, line: f32| at.is_some_and(|at| (at.x - line).abs() < NEAR);
+            if response.drag_started() {
+                self.moves_line = near(ui.input(|input| input.pointer.press_origin()), at);
+            }
+            if self.moves_line || near(response.hover_pos(), at) {
+                ui.ctx().set_cursor_icon(egui::CursorIcon::ResizeHorizontal);
+            }
+        }
+        if response.dragged() && self.moves_line {
+            let width = self.picture(workshop).full_size[0] as f32 * self.zoom.max(1) as f32 / scale;
+            self.line = (self.line + response.drag_delta().x / width.max(1.0)).clamp(0.0, 1.0);
+            // What is drawn follows in the next frame.
+            ui.ctx().request_repaint();
+        } else if response.dragged() {
             let moved = response.drag_delta() * scale;
             self.offset[0] += moved.x.round() as i32;
             self.offset[1] += moved.y.round() as i32;
             self.settle_offset(workshop, scale);
         }
+        self.moves_line &= response.dragged();
         let turned = ui.input(|input| {
             if input.pointer.hover_pos().is_some_and(|at| rect.contains(at)) { input.smooth_scroll_delta().y } else { 0.0 }
         });
@@ -161,6 +185,13 @@ impl Pane {
         self.zoom * coarse
     }
 
+    /// Where the line between two pictures is on the screen, in points.
+    fn line_at(&self, workshop: &Workshop, scale: f32) -> Option<f32> {
+        let Seen::Split(_) = self.seen else { return None };
+        let width = (self.picture(workshop).full_size[0] * self.zoom) as f32;
+        self.kept(workshop).map(|_| self.place.left() + (self.offset[0] as f32 + self.line * width) / scale)
+    }
+
     /// Centres what is smaller than the pane, and keeps what is larger from leaving it.
     fn settle_offset(&mut self, workshop: &Workshop, scale: f32) {
         let picture = self.picture(workshop);
@@ -208,16 +239,17 @@ pub(super) fn body_at(workshop: &Workshop, [x, y]: [u32; 2]) -> Option<BodyId> {
     tree.nodes.first().map(|node| node.surface.body)
 }
 
-/// The left half of one picture and the right half of the other, with a line between.
-fn beside(one: &Picture, other: &Picture) -> Picture {
+/// So many columns of one picture and the rest of the other, with a line between.
+fn beside(one: &Picture, other: &Picture, columns: usize) -> Picture {
     let mut both = other.clone();
     if one.width != other.width || one.height != other.height {
         return both;
     }
-    let (width, middle) = (other.width as usize, other.width as usize / 2);
+    let width = other.width as usize;
+    let columns = columns.min(width);
     for (row, from) in both.pixels.chunks_exact_mut(width.max(1)).zip(one.pixels.chunks_exact(width.max(1))) {
-        row[..middle].copy_from_slice(&from[..middle]);
-        if let Some(pixel) = row.get_mut(middle) {
+        row[..columns].copy_from_slice(&from[..columns]);
+        if let Some(pixel) = row.get_mut(columns) {
             *pixel = 0x00ff_ffff;
         }
     }

@@ -8,6 +8,7 @@ use crate::workspace::folders::Folders;
 use crate::workspace::recent::Recent;
 use crate::workspace::settings::{Settings, SettingsFile};
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// What is remembered; nothing where there is no folder for it.
 #[derive(Default)]
@@ -15,7 +16,8 @@ pub(super) struct Remembered {
     pub(super) settings: Settings,
     file: Option<SettingsFile>,
     recent: Option<Recent>,
-    drafts: Option<Drafts>,
+    /// Written by whoever has the time for it.
+    drafts: Option<Arc<Mutex<Drafts>>>,
     /// The texts that are kept already, by their number of changes.
     kept: [Option<u64>; 2],
     left: Vec<LeftBehind>,
@@ -39,7 +41,7 @@ impl Remembered {
             settings: reading.settings,
             file: Some(file),
             recent: Some(recent),
-            drafts: Some(drafts),
+            drafts: Some(Arc::new(Mutex::new(drafts))),
             kept: [None, None],
             left,
             data: Some(folders.data.clone()),
@@ -70,23 +72,29 @@ impl Remembered {
         self.recent.as_mut().map_or(Ok(()), |recent| recent.add(kind, path))
     }
 
-    /// Keeps those texts that are not saved, and forgets those that are.
-    pub(super) fn keep(&mut self, documents: &[Document; 2]) -> Result<(), Diagnostic> {
-        let Some(drafts) = &mut self.drafts else { return Ok(()) };
+    /// What is to be done to keep those texts that are not saved, and to forget those that are; it takes its time. None where all is kept.
+    pub(super) fn keeping(
+        &mut self,
+        documents: &[Document; 2],
+    ) -> Option<impl FnOnce() -> Result<(), Diagnostic> + Send + use<>> {
+        let drafts = Arc::clone(self.drafts.as_ref()?);
+        let mut changed = Vec::new();
         for (editor, (document, kept)) in documents.iter().zip(&mut self.kept).enumerate() {
             let wanted = state(document);
-            if wanted == *kept {
-                continue;
+            if wanted != *kept {
+                *kept = wanted;
+                let text = wanted.map(|_| (document.kind(), document.location().cloned(), document.text().to_owned()));
+                // Two editors.
+                changed.push((editor as u32, text));
             }
-            // Two editors.
-            let editor = editor as u32;
-            match wanted {
-                Some(_) => drafts.keep(editor, document.kind(), document.location(), document.text())?,
-                None => drafts.remove(editor)?,
-            }
-            *kept = wanted;
         }
-        Ok(())
+        (!changed.is_empty()).then_some(move || {
+            let mut drafts = lock(&drafts);
+            changed.into_iter().try_for_each(|(editor, text)| match text {
+                Some((kind, location, text)) => drafts.keep(editor, kind, location.as_ref(), &text),
+                None => drafts.remove(editor),
+            })
+        })
     }
 
     /// Whether a text was changed since they were kept.
@@ -101,7 +109,8 @@ impl Remembered {
 
     /// Takes those texts over that can be read, and forgets the rest of them where they may go.
     pub(super) fn take_left(&mut self) -> Vec<Draft> {
-        let Some(drafts) = &mut self.drafts else { return Vec::new() };
+        let Some(drafts) = &self.drafts else { return Vec::new() };
+        let mut drafts = lock(drafts);
         let mut found = Vec::new();
         for left in self.left.drain(..) {
             let Ok(draft) = &left.draft else { continue };
@@ -117,8 +126,13 @@ impl Remembered {
     /// Forgets them.
     pub(super) fn discard_left(&mut self) -> Result<(), Diagnostic> {
         let Some(drafts) = &self.drafts else { return Ok(()) };
+        let drafts = lock(drafts);
         self.left.drain(..).try_for_each(|left| drafts.discard(&left))
     }
+}
+
+fn lock(drafts: &Mutex<Drafts>) -> MutexGuard<'_, Drafts> {
+    drafts.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// What is to be kept of a text: another number for each that is not saved.

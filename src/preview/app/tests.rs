@@ -87,6 +87,7 @@ fn sessions_and_texts_are_saved_and_come_back() {
     assert!(app.dialogs.told().is_some_and(|told| told.contains("unharmed")));
     let picture = folder.path().join("picture.png");
     app.perform(Command::SaveTo(None, picture.clone()));
+    app.chores.finish();
     assert!(std::fs::read(picture).is_ok_and(|bytes| bytes.starts_with(&[0x89, b'P', b'N', b'G'])));
 }
 

@@ -1,6 +1,6 @@
 //! The drawing of one picture: what is ready is used again, a held slider is a drag.
 
-use crate::evaluate::{Backend, Compiled, Drag, Framebuffer, Interpreted};
+use crate::evaluate::{Backend, Compiled, Drag, Framebuffer, Interpreted, Method};
 use crate::formula::Formula;
 use crate::jit::{CompiledFormula, KernelCache};
 use crate::picture::{Transfer, quantise};
@@ -21,20 +21,29 @@ pub(super) struct Artist {
     /// What is ready, and of which hits.
     ready: Option<(Arc<Hits>, Arc<Compiled>)>,
     interpreted: Option<(Arc<Formula>, Arc<Hits>, Interpreted)>,
-    drag: Option<(Vec<usize>, Drag)>,
+    /// The slider that is held; none where there are no kernels for it, and every picture is drawn in full.
+    drag: Option<(Vec<usize>, Option<Drag>)>,
     framebuffer: Option<Framebuffer>,
 }
 
 impl Artist {
     /// Whether a held slider needs more than there is.
     pub(super) fn has_more_to_prepare(&self) -> bool {
-        self.drag.as_ref().is_some_and(|(_, drag)| !drag.is_ready())
+        matches!(&self.drag, Some((_, Some(drag))) if !drag.is_ready())
     }
 
     /// Makes some of it.
     pub(super) fn prepare(&mut self) {
-        if let Some((_, drag)) = &mut self.drag {
+        if let Some((_, Some(drag))) = &mut self.drag {
             drag.prepare();
+        }
+    }
+
+    /// How many pixels of a picture that was drawn by compiled code hold what is no number: its words do not tell.
+    pub(super) fn undefined(&self, hits: &Arc<Hits>, numbers: &[f32]) -> usize {
+        match &self.ready {
+            Some((of, ready)) if Arc::ptr_eq(of, hits) => ready.frame(numbers).clean(),
+            Some(_) | None => 0,
         }
     }
 
@@ -56,7 +65,7 @@ impl Artist {
         match subject.backend {
             Backend::Interpreter => {
                 self.forget_compiled();
-                self.interpret(subject, hits, numbers, tell, &mut pixels)?;
+                self.interpret(subject, hits, numbers, held.is_some(), tell, &mut pixels)?;
             }
             Backend::Jit => {
                 self.interpreted = None;
@@ -77,6 +86,7 @@ impl Artist {
         subject: &Subject,
         hits: &Arc<Hits>,
         numbers: &[f32],
+        is_held: bool,
         tell: &dyn Fn(Event),
         pixels: &mut Vec<u32>,
     ) -> Result<(), String> {
@@ -87,9 +97,12 @@ impl Artist {
         }
         if let Some((.., interpreted)) = &self.interpreted {
             let start = Instant::now();
-            let (frame, _) = interpreted.frame(numbers);
+            let (mut frame, _) = interpreted.frame(numbers);
             words(&frame.linear, subject.srgb, pixels);
             tell(Event::Frame { method: None, time: start.elapsed() });
+            if !is_held {
+                tell(Event::Undefined(frame.clean()));
+            }
         }
         Ok(())
     }
@@ -140,12 +153,15 @@ impl Artist {
             match held {
                 Some(places) => {
                     if self.drag.as_ref().is_none_or(|(held, _)| *held != places) {
-                        let drag = Drag::new(&ready, &places, numbers, DRAG_BYTES).map_err(|error| error.to_string())?;
+                        let drag = Drag::new(&ready, &places, numbers, DRAG_BYTES).ok();
                         self.drag = Some((places, drag));
                     }
-                    if let Some((_, drag)) = &mut self.drag {
+                    if let Some((_, Some(drag))) = &mut self.drag {
                         drag.frame(numbers, &mut framebuffer);
                         method = Some(drag.method());
+                    } else {
+                        ready.draw(numbers, &mut framebuffer);
+                        method = Some(Method::General);
                     }
                 }
                 None => {

@@ -92,3 +92,24 @@ fn who_lets_go_while_tracing_does_not_wait() {
     std::thread::sleep(Duration::from_millis(50));
     drop(renderer);
 }
+
+#[test]
+fn pixels_without_a_number_are_counted_by_both_backends() {
+    let renderer = Renderer::new(|| {}).expect("threads");
+    let (mut subject, values) = subject(96, 64);
+    let (formula, _) = Formula::parse(&Source::new("new", "formula; = IL*Cd*sqrt(-1 - N.L);")).expect("a formula");
+    subject.formula = Arc::new(formula);
+    let values = values.carry_over(&subject.formula, &subject.scene).0;
+    let mut counts = Vec::new();
+    for backend in [Backend::Jit, Backend::Interpreter] {
+        subject.backend = backend;
+        let stamp = renderer.show(subject.clone(), values.numbers());
+        wait_for(&renderer, stamp);
+        let count = (0..5000).find_map(|_| {
+            std::thread::sleep(Duration::from_millis(1));
+            renderer.events().find_map(|event| if let Event::Undefined(count) = event { Some(count) } else { None })
+        });
+        counts.push(count.expect("a count"));
+    }
+    assert!(counts[0] > 100 && counts[0] == counts[1], "{counts:?}");
+}

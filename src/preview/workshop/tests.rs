@@ -67,6 +67,22 @@ fn a_failed_apply_leaves_everything_as_it_was() {
 }
 
 #[test]
+fn changes_are_undone_across_formulas_by_owner_and_name() {
+    let mut workshop = workshop();
+    let (owner, colour) = slider(&workshop, "ball.Cd");
+    let before = workshop.values().of(owner, colour).to_vec();
+    workshop.set(owner, colour, [0.25, 0.5, 0.75]);
+    workshop.apply_formula(&Source::new("new", "formula; = IL*Cd*max(0, N.L);")).expect("no mistake");
+    let (owner, colour) = slider(&workshop, "ball.Cd");
+    assert_eq!(workshop.values().of(owner, colour), [0.25, 0.5, 0.75]);
+    assert!(workshop.undo());
+    assert_eq!(workshop.values().of(owner, colour), before);
+    let undone = settle(&mut workshop);
+    assert!(workshop.redo() && settle(&mut workshop) != undone);
+    assert_eq!(workshop.values().of(owner, colour), [0.25, 0.5, 0.75]);
+}
+
+#[test]
 fn snapshots_bring_values_and_formulas_back() {
     let mut workshop = workshop();
     let first = settle(&mut workshop);

@@ -1,0 +1,77 @@
+//! What takes its time and leads to files: done one after the other on a thread of its own, so that the interface does not wait for disks.
+
+use std::sync::mpsc::{Receiver, Sender, channel};
+use std::thread::JoinHandle;
+
+/// Something to be done.
+type Chore = Box<dyn FnOnce() -> Option<Told> + Send>;
+
+/// What there is to say of something that was done.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Told {
+    /// For the log.
+    Said(String),
+    /// What must not be missed: a title, and a text.
+    Failed(String, String),
+}
+
+/// The thread, which begins with the first thing to do.
+#[derive(Default)]
+pub(super) struct Chores {
+    worker: Option<Worker>,
+}
+
+struct Worker {
+    chores: Sender<Chore>,
+    done: Receiver<Option<Told>>,
+    thread: JoinHandle<()>,
+}
+
+impl Worker {
+    fn new(wake: impl Fn() + Send + 'static) -> Option<Self> {
+        let (chores, incoming) = channel::<Chore>();
+        let (outgoing, done) = channel();
+        let thread = std::thread::Builder::new().name("chores".to_owned());
+        let work = move || {
+            for chore in incoming {
+                // Whoever listens is gone only when all ends.
+                let _ = outgoing.send(chore());
+                wake();
+            }
+        };
+        Some(Self { chores, done, thread: thread.spawn(work).ok()? })
+    }
+}
+
+impl Chores {
+    /// Does something when all before it is done; `wake` is called whenever something is done, where it is the first. At once where there is no thread.
+    pub(super) fn add(
+        &mut self,
+        chore: impl FnOnce() -> Option<Told> + Send + 'static,
+        wake: impl Fn() + Send + 'static,
+    ) -> Option<Told> {
+        if self.worker.is_none() {
+            self.worker = Worker::new(wake);
+        }
+        let Some(worker) = &self.worker else { return chore() };
+        match worker.chores.send(Box::new(chore)) {
+            Ok(()) => None,
+            // The thread is gone: so is what it would have said.
+            Err(refused) => refused.0(),
+        }
+    }
+
+    /// What there is to say of what was done since it was asked last.
+    pub(super) fn told(&self) -> Vec<Told> {
+        self.worker.iter().flat_map(|worker| worker.done.try_iter().flatten()).collect()
+    }
+
+    /// Waits until all is done.
+    pub(super) fn finish(&mut self) {
+        if let Some(Worker { chores, thread, .. }) = self.worker.take() {
+            drop(chores);
+            // One that panicked has said so.
+            let _ = thread.join();
+        }
+    }
+}
