@@ -356,6 +356,11 @@ impl Shown for App {
     }
 
     fn picture(&mut self) -> Option<PictureView<'_>> {
+        /// Pictures that take longer come in a later frame: the widgets do not wait.
+        const QUICK: Duration = Duration::from_millis(8);
+        if self.log.last_frame().is_some_and(|time| time < QUICK.as_secs_f32() * 1e3) {
+            self.workshop.refresh_while_held(QUICK);
+        }
         self.pane.view(&self.workshop)
     }
 

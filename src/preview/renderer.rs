@@ -128,6 +128,7 @@ struct Shared {
     changed: Condvar,
     /// The newest picture that was not taken yet, and buffers to be used again.
     newest: Mutex<Option<Picture>>,
+    arrived: Condvar,
     spare: Mutex<Vec<Vec<u32>>>,
     /// Ends tracing.
     cancelled: AtomicBool,
@@ -171,6 +172,7 @@ impl Renderer {
             wanted: Mutex::default(),
             changed: Condvar::new(),
             newest: Mutex::default(),
+            arrived: Condvar::new(),
             spare: Mutex::default(),
             cancelled: AtomicBool::new(false),
             progress: AtomicU32::new(1000),
@@ -217,6 +219,14 @@ impl Renderer {
         drop(wanted);
         self.shared.changed.notify_all();
         stamp
+    }
+
+    /// Waits until the picture of these values, by their number, or of later ones is there to be taken, but not longer than so.
+    pub fn wait_for(&self, values: u64, longest: Duration) {
+        let newest = self.shared.newest.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_missing = |newest: &mut Option<Picture>| newest.as_ref().is_none_or(|picture| picture.values < values);
+        // Either way it goes on.
+        drop(self.shared.arrived.wait_timeout_while(newest, longest, is_missing));
     }
 
     /// The newest picture, if there is one that was not taken yet; the one that it takes the place of is given back.
@@ -387,6 +397,7 @@ fn draw_forever(shared: &Shared, events: &Sender<Event>) {
                 picture.version = shared.versions.fetch_add(1, Ordering::Relaxed) + 1;
                 picture.values = stamp;
                 let overtaken = shared.newest.lock().unwrap_or_else(PoisonError::into_inner).replace(picture);
+                shared.arrived.notify_all();
                 if let Some(overtaken) = overtaken {
                     shared.spare.lock().unwrap_or_else(PoisonError::into_inner).push(overtaken.pixels);
                 }

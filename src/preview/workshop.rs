@@ -23,6 +23,7 @@ pub use portrait::Portrait;
 use std::io;
 use std::path::Path;
 use std::sync::Arc;
+use std::time::Duration;
 
 /// What is open.
 pub struct Workshop {
@@ -150,6 +151,15 @@ impl Workshop {
     /// Takes the newest picture, if there is one; whether there was.
     pub fn refresh(&mut self) -> bool {
         self.renderer.take(&mut self.shown)
+    }
+
+    /// Takes the picture of the values as they are, for which it waits a little while a slider is held: what the pointer did is then in the same
+    /// frame as its picture.
+    pub fn refresh_while_held(&mut self, longest: Duration) {
+        if self.held.is_some() && self.shown.values < self.asked {
+            self.renderer.wait_for(self.asked, longest);
+            self.refresh();
+        }
     }
 
     /// The picture that is shown.
