@@ -2,8 +2,10 @@
 #![cfg(target_os = "linux")]
 #![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot go on has failed")]
 
+use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 /// A screen with the window on it.
@@ -11,7 +13,9 @@ struct Screen {
     display: String,
     server: Child,
     window: Child,
-    _home: tempfile::TempDir,
+    /// What the window tells of its log.
+    log: Arc<Mutex<Vec<String>>>,
+    home: tempfile::TempDir,
 }
 
 impl Screen {
@@ -25,9 +29,16 @@ impl Screen {
         let socket = format!("/tmp/.X11-unix/X{}", &display[1..]);
         wait("the screen", || Path::new(&socket).exists());
         let mut window = Command::new(env!("CARGO_BIN_EXE_illuminator"));
-        let window = window.args(["preview", session]).env("DISPLAY", &display).env("ILLUMINATOR_HOME", home.path());
-        let window = window.spawn().expect("the program");
-        let screen = Self { display, server, window, _home: home };
+        let window = window.args(["preview", "--log", session]).env("DISPLAY", &display).env("ILLUMINATOR_HOME", home.path());
+        let mut window = window.current_dir(home.path()).stderr(Stdio::piped()).spawn().expect("the program");
+        let log = Arc::new(Mutex::new(Vec::new()));
+        let (told, lines) = (window.stderr.take().expect("a pipe"), Arc::clone(&log));
+        std::thread::spawn(move || {
+            for line in BufReader::new(told).lines().map_while(Result::ok) {
+                lines.lock().expect("lines").push(line);
+            }
+        });
+        let screen = Self { display, server, window, log, home };
         wait("the window", || screen.window_id().is_some());
         screen
     }
@@ -57,6 +68,11 @@ impl Screen {
     fn title(&self) -> String {
         let id = self.window_id().expect("a window");
         String::from_utf8_lossy(&self.run("xdotool", &["getwindowname", &id])).trim().to_owned()
+    }
+
+    /// How many lines of the log hold this.
+    fn told(&self, part: &str) -> usize {
+        self.log.lock().expect("lines").iter().filter(|line| line.contains(part)).count()
     }
 
     fn mouse(&self, at: [i32; 2]) {
@@ -118,6 +134,19 @@ fn the_window_follows_the_mouse_and_the_keyboard() {
     wait("a brighter picture", || sum(&screen.pixels(PICTURE.0, PICTURE.1)) > sum(&before) * 11 / 10);
     screen.run("xdotool", &["mouseup", "1"]);
     assert!(!screen.title().is_empty());
+    // Ten clicks on "Apply formula", faster than a hand: none is lost, none counts twice.
+    let applied = screen.told("read in");
+    screen.mouse([247, 34]);
+    screen.run("xdotool", &["click", "--repeat", "10", "--delay", "12", "1"]);
+    wait("ten clicks", || screen.told("read in") == applied + 10);
+    // The session is saved under a name that is typed.
+    screen.run("xdotool", &["key", "ctrl+shift+s"]);
+    std::thread::sleep(Duration::from_millis(500));
+    screen.run("xdotool", &["type", "--delay", "20", "brighter"]);
+    screen.run("xdotool", &["key", "Return"]);
+    let saved = screen.home.path().join("brighter.toml");
+    wait("a saved session", || std::fs::read_to_string(&saved).is_ok_and(|text| text.contains("ka =")));
+    wait("the name in the title", || screen.title().contains("brighter.toml"));
     // A wrong formula is marked at once, and the title says that it is not saved.
     screen.mouse([200, 500]);
     screen.run("xdotool", &["click", "1"]);

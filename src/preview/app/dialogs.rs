@@ -4,13 +4,18 @@ use crate::presets::Kind;
 use crate::preview::app::Command;
 use crate::preview::app::command::shortcuts;
 use crate::workspace::files::Location;
-use egui::{Context, Frame, Grid, Modal};
+use egui::{Align2, Context, Frame, Grid, Modal};
 use egui_file_dialog::FileDialog;
 
 /// A box over everything, with room at its edges.
 pub(super) fn modal(context: &Context, name: &str) -> Modal {
     let frame = Frame::popup(&context.global_style()).inner_margin(18.0);
     Modal::new(egui::Id::new(name)).frame(frame)
+}
+
+/// A dialog for files, in the middle.
+fn file_dialog(title: &str) -> FileDialog {
+    FileDialog::new().title(title).anchor(Align2::CENTER_CENTER, [0.0, 0.0])
 }
 
 /// What a file is asked for.
@@ -36,7 +41,7 @@ pub(super) struct Dialogs {
 impl Dialogs {
     /// Asks for a file to be opened.
     pub(super) fn ask_to_open(&mut self, kind: Kind) {
-        let mut dialog = FileDialog::new().title(&format!("Open {}", kind.noun()));
+        let mut dialog = file_dialog(&format!("Open {}", kind.noun()));
         dialog.pick_file();
         self.file = Some((dialog, Purpose::Open(kind)));
     }
@@ -44,7 +49,7 @@ impl Dialogs {
     /// Asks where to save something of this kind, or the picture.
     pub(super) fn ask_to_save(&mut self, kind: Option<Kind>, name: &str) {
         let title = format!("Save {}", kind.map_or("picture (.png, .bmp, .exr)", Kind::noun));
-        let mut dialog = FileDialog::new().title(&title).default_file_name(name);
+        let mut dialog = file_dialog(&title).default_file_name(name);
         dialog.save_file();
         self.file = Some((dialog, Purpose::Save(kind)));
     }
