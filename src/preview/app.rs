@@ -395,4 +395,6 @@ impl Shown for App {
 }
 
 #[cfg(test)]
+mod looks;
+#[cfg(test)]
 mod tests;

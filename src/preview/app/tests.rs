@@ -1,12 +1,19 @@
 //! The workshop driven without a window.
 
 use super::*;
+use egui::accesskit::Role;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
+use std::cell::RefCell;
+use std::rc::Rc;
 use std::time::Duration;
 
 fn harness() -> Harness<'static, App> {
-    let app = App::new(Some(&Location::Preset("studio".to_owned())), None).expect("a built-in session");
+    harness_in(None)
+}
+
+fn harness_in(folders: Option<&Folders>) -> Harness<'static, App> {
+    let app = App::new(Some(&Location::Preset("studio".to_owned())), folders).expect("a built-in session");
     let mut harness =
         Harness::builder().with_size(egui::vec2(1100.0, 700.0)).build_ui_state(|ui, app: &mut App| app.draw(ui), app);
     harness.state_mut().pane.follows = false;
@@ -130,6 +137,72 @@ fn materials_are_given_to_bodies_and_undone() {
     assert!(settle(&mut harness) != before);
     harness.state_mut().perform(Command::Undo);
     assert!(settle(&mut harness) == before && harness.state().workshop.values().numbers() == numbers);
+}
+
+#[test]
+fn a_slider_is_dragged_and_told_of_and_undone_by_keys() {
+    let mut harness = harness();
+    let before = settle(&mut harness);
+    let lines = Rc::new(RefCell::new(Vec::new()));
+    let told = Rc::clone(&lines);
+    harness.state_mut().repeat_log(move |line| told.borrow_mut().push(line.to_owned()));
+    let place = harness.get_all_by_role(Role::Slider).next().expect("the slider of ka").rect();
+    harness.drag_at(place.left_center() + egui::vec2(30.0, 0.0));
+    harness.run_steps(2);
+    for step in 0..10 {
+        harness.hover_at(place.left_center() + egui::vec2(30.0 + 8.0 * step as f32, 0.0));
+        harness.run_steps(1);
+        // As the window asks for it, with the picture of the values as they are.
+        harness.state_mut().picture();
+    }
+    assert!(harness.state().workshop.held().is_some());
+    let held = settle(&mut harness);
+    harness.drop_at(place.left_center() + egui::vec2(102.0, 0.0));
+    harness.run_steps(2);
+    assert!(harness.state().workshop.held().is_none());
+    assert!(settle(&mut harness) == held && held != before);
+    harness.run_steps(3);
+    assert!(lines.borrow().iter().any(|line| line.starts_with("dragged ka: images")), "{:?}", lines.borrow());
+    harness.key_press_modifiers(egui::Modifiers::ALT, egui::Key::Z);
+    harness.run_steps(2);
+    assert!(settle(&mut harness) == before);
+}
+
+#[test]
+fn a_material_is_saved_under_a_name_and_given_again() {
+    let home = tempfile::tempdir().expect("a folder");
+    let mut harness = harness_in(Some(&Folders::below(home.path())));
+    harness.get_all_by_label("ball").next().expect("a body").click();
+    harness.run_steps(3);
+    let kept = settle(&mut harness);
+    let beside = |node: &egui_kittest::Node<'_>| node.rect().left() > 790.0;
+    let field = harness.get_all_by_role(Role::TextInput).filter(beside).next_back().expect("the field for the name");
+    field.focus();
+    field.type_text("my own");
+    harness.run_steps(3);
+    harness.get_by_label("Save material").click();
+    harness.run_steps(3);
+    let app = harness.state_mut();
+    let ball = app.workshop.values().roster().owners().named("ball").expect("a body");
+    let kd = app.workshop.values().roster().parameter_named("kd").expect("a parameter");
+    app.workshop.set(ball, kd, [0.0; 3]);
+    assert!(settle(&mut harness) != kept);
+    // The list of materials, and in it the one of that name.
+    harness.get_by_role(Role::ComboBox).click();
+    harness.run_steps(3);
+    harness.get_by_label("my own").scroll_to_me();
+    harness.run_steps(20);
+    harness.get_by_label("my own").click();
+    harness.run_steps(3);
+    assert!(settle(&mut harness) == kept);
+    // It outlives the window.
+    drop(harness);
+    let mut harness = harness_in(Some(&Folders::below(home.path())));
+    harness.get_all_by_label("ball").next().expect("a body").click();
+    harness.run_steps(3);
+    harness.get_by_role(Role::ComboBox).click();
+    harness.run_steps(3);
+    assert!(harness.query_by_label("my own").is_some());
 }
 
 #[test]

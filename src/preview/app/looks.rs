@@ -1,0 +1,142 @@
+//! What the workshop looks like, by its own painter: against pictures that were looked at.
+//!
+//! Where a look is meant to be another, run these tests with `UPDATE_LOOKS=1`, and look at what that writes.
+
+use super::*;
+use egui_kittest::kittest::Queryable;
+use egui_kittest::{Harness, TestRenderer};
+use std::cell::RefCell;
+use std::path::PathBuf;
+use std::rc::Rc;
+
+use crate::preview::paint;
+
+const SIZE: [usize; 2] = [1000, 620];
+/// The status bar tells times.
+const LEFT_OUT: usize = 26;
+
+/// Hands textures to a painter.
+struct Textures(Rc<RefCell<paint::Painter>>);
+
+impl TestRenderer for Textures {
+    fn handle_delta(&mut self, delta: &mut egui::TexturesDelta) {
+        self.0.borrow_mut().update_textures(delta);
+    }
+}
+
+/// A workshop, with what paints it.
+struct Stage {
+    harness: Harness<'static, App>,
+    painter: Rc<RefCell<paint::Painter>>,
+}
+
+impl Stage {
+    fn new() -> Self {
+        let app = App::new(Some(&Location::Preset("studio".to_owned())), None).expect("a built-in session");
+        let painter = Rc::new(RefCell::new(paint::Painter::new()));
+        let [width, height] = SIZE.map(|side| side as f32);
+        let harness = Harness::builder().with_size(egui::vec2(width, height)).renderer(Textures(Rc::clone(&painter)));
+        let mut harness = harness.build_ui_state(|ui, app: &mut App| app.draw(ui), app);
+        let context = harness.ctx.clone();
+        harness.state_mut().started(&context);
+        harness.state_mut().pane.follows = false;
+        let picture = PictureSettings { size: [260, 180], ..harness.state().workshop.settings() };
+        harness.state_mut().workshop.set_picture(picture).expect("a size in range");
+        let mut stage = Self { harness, painter };
+        stage.settle();
+        stage
+    }
+
+    /// Waits until everything is as it will be.
+    fn settle(&mut self) {
+        for _ in 0..30_000 {
+            self.harness.step();
+            if self.harness.state().workshop.is_up_to_date() {
+                break;
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        self.harness.remove_cursor();
+        // Longer than anything fades.
+        self.harness.run_steps(40);
+        assert!(self.harness.state().workshop.is_up_to_date());
+    }
+
+    /// What is seen, as red, green and blue.
+    fn look(&mut self) -> image::RgbImage {
+        let context = self.harness.ctx.clone();
+        let output = self.harness.output();
+        let scale = output.pixels_per_point;
+        let ground = context.global_style().visuals.panel_fill;
+        let pane = self.harness.state().pane.place();
+        // The harness puts a ground under everything; in the window the picture lies there.
+        let covers = |shape: &egui::Shape| matches!(shape, egui::Shape::Rect(rect) if rect.fill == ground && rect.rect.contains_rect(pane));
+        let shapes = output.shapes.iter().filter(|clipped| !covers(&clipped.shape)).cloned().collect();
+        let widgets = context.tessellate(shapes, scale);
+        let background = ground.to_array();
+        let background = u32::from_be_bytes([0, background[0], background[1], background[2]]);
+        let picture = self.harness.state_mut().picture();
+        let mut painter = self.painter.borrow_mut();
+        painter.paint(&paint::Frame { size: SIZE, scale, background, widgets: &widgets, picture });
+        let [width, height] = SIZE.map(|side| side as u32);
+        let bytes = painter.pixels().iter().flat_map(|word| word.to_be_bytes().into_iter().skip(1)).collect();
+        image::RgbImage::from_raw(width, height, bytes).expect("as many bytes")
+    }
+
+    /// Holds it against the picture of this name.
+    fn is_as_in(&mut self, name: &str) {
+        let seen = self.look();
+        let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("src/preview/app/looks").join(name).with_extension("png");
+        if std::env::var_os("UPDATE_LOOKS").is_some() {
+            seen.save(&path).expect("a file that can be written");
+        }
+        let wanted = image::open(&path).expect("a picture").to_rgb8();
+        assert_eq!(wanted.dimensions(), seen.dimensions());
+        let compared = (SIZE[1] - LEFT_OUT) * SIZE[0];
+        // Processors differ in the last place of a number: by a step of a colour, and at edges by more.
+        let differs = |(a, b): &(&image::Rgb<u8>, &image::Rgb<u8>)| a.0.iter().zip(b.0).any(|(a, b)| a.abs_diff(b) > 8);
+        let differing = wanted.pixels().zip(seen.pixels()).take(compared).filter(differs).count();
+        if differing * 1000 > compared {
+            let kept = std::env::temp_dir().join(format!("{name}-seen.png"));
+            seen.save(&kept).expect("a file that can be written");
+            panic!("{name} looks different in {differing} pixels of {compared}: see {}", kept.display());
+        }
+    }
+}
+
+#[test]
+fn a_mistake_is_marked_and_listed() {
+    let mut stage = Stage::new();
+    stage.harness.state_mut().documents[0].replace_text("formula;\nDIFFUSE = IL*Cd*max(0, N.L);\n= DIFUSE + N.L;\n");
+    stage.harness.get_by_label("Apply formula").click();
+    stage.settle();
+    stage.is_as_in("mistake");
+}
+
+#[test]
+fn the_light_theme_is_chosen_in_the_menu_and_bodies_have_their_sliders() {
+    let mut stage = Stage::new();
+    stage.harness.get_by_label("View").click();
+    stage.harness.run_steps(5);
+    stage.harness.get_by_label("Light").click();
+    stage.harness.run_steps(5);
+    stage.harness.key_press(egui::Key::Escape);
+    stage.harness.get_all_by_label("ball").next().expect("a body").click();
+    stage.settle();
+    assert_eq!(stage.harness.state().theme, Theme::Light);
+    stage.is_as_in("light");
+}
+
+#[test]
+fn a_pixel_is_looked_into() {
+    let mut stage = Stage::new();
+    stage.harness.key_press(egui::Key::F5);
+    stage.harness.run_steps(5);
+    let place = stage.harness.state().pane.place();
+    let at = place.center() + egui::vec2(-40.0, 20.0);
+    stage.harness.drag_at(at);
+    stage.harness.run_steps(2);
+    stage.harness.drop_at(at);
+    stage.settle();
+    stage.is_as_in("inspector");
+}
