@@ -176,7 +176,7 @@ fn a_material_is_saved_under_a_name_and_given_again() {
     harness.run_steps(3);
     let kept = settle(&mut harness);
     let beside = |node: &egui_kittest::Node<'_>| node.rect().left() > 790.0;
-    let field = harness.get_all_by_role(Role::TextInput).filter(beside).next_back().expect("the field for the name");
+    let field = harness.get_all_by_role(Role::TextInput).rfind(beside).expect("the field for the name");
     field.focus();
     field.type_text("my own");
     harness.run_steps(3);
