@@ -244,7 +244,9 @@ impl App {
                 self.open_materials();
             }
             Err(errors) => {
-                self.log.say(format!("{name}: {} errors; the picture stays as it was", errors.len()));
+                let count = errors.len();
+                let mistakes = if count == 1 { "mistake" } else { "mistakes" };
+                self.log.say(format!("{name}: {count} {mistakes}; the picture stays as it was"));
                 document.set_diagnostics(errors);
             }
         }

@@ -2,7 +2,7 @@
 
 use crate::formula::{Parameter, ParameterId};
 use crate::lang::types::Type;
-use crate::lang::variables::Owner;
+use crate::lang::variables::{Owner, Predefined};
 use crate::preview::app::materials::Materials;
 use crate::preview::workshop::Workshop;
 use crate::workspace::{OwnerId, Values};
@@ -11,14 +11,19 @@ use egui::{Color32, DragValue, Response, ScrollArea, Slider, TextEdit, Ui};
 /// The panel.
 pub(super) struct Parameters {
     selected: OwnerId,
+    /// Of the scene, only what makes the ambient light.
+    ambient: bool,
     search: String,
 }
 
 impl Default for Parameters {
     fn default() -> Self {
-        Self { selected: OwnerId::Global, search: String::new() }
+        Self { selected: OwnerId::Global, ambient: false, search: String::new() }
     }
 }
+
+/// What makes the ambient light.
+const AMBIENT: [Predefined; 2] = [Predefined::Ambient, Predefined::AmbientColour];
 
 /// What was done with a value.
 enum Act {
@@ -35,6 +40,7 @@ impl Parameters {
     /// Shows the parameters of an owner.
     pub(super) fn select(&mut self, owner: OwnerId) {
         self.selected = owner;
+        self.ambient = false;
         self.search.clear();
     }
 
@@ -96,10 +102,14 @@ impl Parameters {
                 ui.weak(title);
             }
             for owner in owners.of_kind(kind) {
-                let selected = self.selected == owner && self.search.is_empty();
+                let selected = self.selected == owner && !self.ambient && self.search.is_empty();
                 if ui.selectable_label(selected, owner_name(values, owner)).clicked() {
                     self.select(owner);
                 }
+            }
+            if kind == Owner::Global && ui.selectable_label(self.ambient && self.search.is_empty(), "Ambient light").clicked() {
+                self.select(OwnerId::Global);
+                self.ambient = true;
             }
         }
     }
@@ -109,7 +119,9 @@ impl Parameters {
         let roster = values.roster();
         let search = self.search.trim().to_lowercase();
         if search.is_empty() {
-            return roster.parameters_of(self.selected.kind()).map(|id| (self.selected, id)).collect();
+            let is_ambient = |id: &ParameterId| roster.parameter(*id).predefined.is_some_and(|own| AMBIENT.contains(&own));
+            let own = roster.parameters_of(self.selected.kind()).filter(|id| !self.ambient || is_ambient(id));
+            return own.map(|id| (self.selected, id)).collect();
         }
         let all = values.iter().map(|(owner, id, _)| (owner, id));
         all.filter(|(owner, id)| roster.label(*owner, *id).to_lowercase().contains(&search)).collect()
@@ -164,6 +176,7 @@ fn value_ui(ui: &mut Ui, values: &Values, owner: OwnerId, id: ParameterId) -> Op
 /// A name in the column of names.
 fn name_ui(ui: &mut Ui, name: &str) -> Response {
     let (rect, response) = ui.allocate_exact_size(egui::vec2(78.0, 20.0), egui::Sense::click());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Label, true, name));
     let font = egui::TextStyle::Body.resolve(ui.style());
     let colour = if response.hovered() { ui.visuals().strong_text_color() } else { ui.visuals().text_color() };
     ui.painter_at(rect).text(rect.left_center(), egui::Align2::LEFT_CENTER, name, font, colour);

@@ -70,6 +70,18 @@ fn bodies_are_chosen_and_locked_values_say_why() {
 }
 
 #[test]
+fn ambient_light_has_an_entry_of_its_own_and_the_scene_has_all() {
+    let mut harness = harness();
+    assert!(["ka", "Ia", "background"].iter().all(|name| harness.query_by_label(name).is_some()));
+    harness.get_by_label("Ambient light").click();
+    harness.run_steps(3);
+    assert!(harness.query_by_label("ka").is_some() && harness.query_by_label("background").is_none());
+    harness.get_all_by_label("Scene").next().expect("an entry").click();
+    harness.run_steps(3);
+    assert!(harness.query_by_label("background").is_some());
+}
+
+#[test]
 fn sessions_and_texts_are_saved_and_come_back() {
     let mut harness = harness();
     let folder = tempfile::tempdir().expect("a folder");
