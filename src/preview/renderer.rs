@@ -33,18 +33,18 @@ pub struct Subject {
 }
 
 impl Subject {
-    /// How much memory tracing may take: what is free, less what is going to be kept of each hit.
-    fn budget(&self) -> Budget {
-        let bytes = crate::trace::usable_memory();
-        match self.backend {
-            Backend::Jit => evaluate::budget(bytes, &Bindings::new(&self.formula)),
-            Backend::Interpreter => Budget { bytes, ..Budget::UNLIMITED },
-        }
-    }
-
     /// Whether the hits of one are those of the other.
     fn same_hits(&self, other: &Subject) -> bool {
         Arc::ptr_eq(&self.scene, &other.scene) && self.view == other.view
+    }
+}
+
+/// How much memory tracing may take: what is free, less what is going to be kept of each hit.
+pub(super) fn tracing_budget(formula: &Formula, backend: Backend) -> Budget {
+    let bytes = crate::trace::usable_memory();
+    match backend {
+        Backend::Jit => evaluate::budget(bytes, &Bindings::new(formula)),
+        Backend::Interpreter => Budget { bytes, ..Budget::UNLIMITED },
     }
 }
 
@@ -322,7 +322,8 @@ fn trace_stage(shared: &Shared, events: &Sender<Event>, subject: &Subject, view:
             (shared.wake)();
         }
     };
-    let hits = match trace(&subject.scene, &view, &subject.budget(), &progress, &shared.cancelled) {
+    let budget = tracing_budget(&subject.formula, subject.backend);
+    let hits = match trace(&subject.scene, &view, &budget, &progress, &shared.cancelled) {
         Ok(hits) => Arc::new(hits),
         Err(TraceError::Cancelled) => return None,
         Err(error @ TraceError::Memory { .. }) => {

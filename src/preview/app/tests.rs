@@ -181,6 +181,37 @@ fn a_slider_is_dragged_and_told_of_and_undone_by_keys() {
 }
 
 #[test]
+fn a_snapshot_is_compared_with_the_picture_along_a_line_that_moves() {
+    let mut harness = harness();
+    let kept = settle(&mut harness);
+    harness.state_mut().perform(Command::Keep(0));
+    let workshop = &mut harness.state_mut().workshop;
+    let id = workshop.formula().predefined(crate::lang::variables::Predefined::Ambient);
+    workshop.set(crate::workspace::OwnerId::Global, id, [1.0; 3]);
+    let now = settle(&mut harness);
+    harness.state_mut().pane.seen = pane::Seen::Split(0);
+    harness.run_steps(2);
+    // How many columns of the last row, which is the floor's, are those of the snapshot.
+    let last = 64 * 47..64 * 48;
+    let columns = |harness: &Harness<'_, App>| {
+        let app = harness.state();
+        let row = &app.pane.picture(&app.workshop).pixels[last.clone()];
+        let (kept, now) = (&kept[last.clone()], &now[last.clone()]);
+        assert!(row[63] == now[63] && now.iter().zip(kept).all(|(now, kept)| now != kept));
+        row.iter().zip(kept).take_while(|(seen, kept)| seen == kept).count()
+    };
+    assert_eq!(columns(&harness), 32);
+    let line = harness.state().pane.place().center();
+    harness.drag_at(line);
+    harness.run_steps(2);
+    harness.hover_at(line + egui::vec2(16.0, 0.0));
+    harness.run_steps(2);
+    harness.drop_at(line + egui::vec2(16.0, 0.0));
+    harness.run_steps(2);
+    assert_eq!(columns(&harness), 48);
+}
+
+#[test]
 fn a_material_is_saved_under_a_name_and_given_again() {
     let home = tempfile::tempdir().expect("a folder");
     let mut harness = harness_in(Some(&Folders::below(home.path())));

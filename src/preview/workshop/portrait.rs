@@ -3,8 +3,9 @@
 use crate::evaluate::{Backend, Evaluator};
 use crate::formula::Formula;
 use crate::picture::{Transfer, save};
+use crate::preview::renderer::tracing_budget;
 use crate::scene::Scene;
-use crate::trace::{Budget, Hits, View, trace, usable_memory};
+use crate::trace::{Hits, View, trace};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -30,7 +31,7 @@ impl Portrait {
         let hits = match &self.hits {
             Some(hits) => Arc::clone(hits),
             None => {
-                let budget = Budget { bytes: usable_memory(), ..Budget::UNLIMITED };
+                let budget = tracing_budget(&self.formula, self.backend);
                 let traced = trace(&self.scene, &self.view, &budget, &|_| {}, &AtomicBool::new(false));
                 Arc::new(traced.map_err(|error| error.to_string())?)
             }
