@@ -72,6 +72,8 @@ pub struct App {
     scale: f32,
     panels: Panels,
     query: String,
+    /// Whether keys went to the text in the last frame.
+    typing: bool,
     /// Wakes the window, once there is one.
     context: Arc<OnceLock<Context>>,
     closing: bool,
@@ -157,6 +159,7 @@ impl App {
             panels: Panels { texts: true, parameters: true, log: remembered.settings.window.log, reference: false },
             remembered,
             query: String::new(),
+            typing: false,
             context,
             closing: false,
         };
@@ -184,7 +187,8 @@ impl App {
         for told in self.chores.told() {
             self.hear(told);
         }
-        let mut commands = command::pressed(ui);
+        let typing = std::mem::take(&mut self.typing) || ui.ctx().text_edit_focused();
+        let mut commands = command::pressed(ui, typing);
         Panel::top("menu").show(ui, |ui| menu::bar(self, ui, &mut commands));
         Panel::bottom("status").show(ui, |ui| status::bar(self, ui, &mut commands));
         if self.panels.log {
@@ -308,6 +312,7 @@ impl App {
         }
         let palette = Palette::suiting(ui.visuals());
         let response = self.editor.ui(ui, &mut self.documents[self.tab], &palette);
+        self.typing = response.focused;
         let sound = self.documents[self.tab].counts()[0] == 0;
         if response.apply || response.changed && sound && self.remembered.settings.window.apply_as_you_type {
             commands.push(Command::Apply);

@@ -95,7 +95,11 @@ pub(super) fn shortcuts() -> Vec<(KeyboardShortcut, Command, &'static str)> {
         (shifted(Key::O), Command::AskToOpen(Kind::Session), "Open a session"),
         (command(Key::E), Command::AskToSavePicture, "Save the picture"),
         (shifted(Key::E), Command::CopyPicture, "Copy the picture to the clipboard"),
-        (KeyboardShortcut::new(Modifiers::ALT, Key::Z), Command::Undo, "Undo a change of a value"),
+        (
+            KeyboardShortcut::new(Modifiers::ALT, Key::Z),
+            Command::Undo,
+            "Undo a change of a value; Ctrl+Z too, where no text is typed",
+        ),
         (KeyboardShortcut::new(Modifiers::ALT.plus(Modifiers::SHIFT), Key::Z), Command::Redo, "Do it again"),
         (plain(Key::F1), Command::ShowShortcuts, "Show these shortcuts"),
         (plain(Key::F2), Command::Toggle(Panel::Reference), "Show or hide the reference of the language"),
@@ -107,14 +111,24 @@ pub(super) fn shortcuts() -> Vec<(KeyboardShortcut, Command, &'static str)> {
     ]
 }
 
+/// What undoes and redoes where no text is typed, which has its own undo.
+fn beside_texts() -> [(KeyboardShortcut, Command); 3] {
+    let command = |key| KeyboardShortcut::new(Modifiers::COMMAND, key);
+    [
+        (KeyboardShortcut::new(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::Z), Command::Redo),
+        (command(Key::Y), Command::Redo),
+        (command(Key::Z), Command::Undo),
+    ]
+}
+
 /// The shortcut of a command, as people read it; empty where there is none.
 pub(super) fn shortcut_of(command: &Command, ui: &Ui) -> String {
     let found = shortcuts().into_iter().find(|(_, other, _)| other == command);
     found.map(|(shortcut, ..)| ui.ctx().format_shortcut(&shortcut)).unwrap_or_default()
 }
 
-/// The commands whose keys were pressed.
-pub(super) fn pressed(ui: &Ui) -> Vec<Command> {
+/// The commands whose keys were pressed, while a text is typed or not.
+pub(super) fn pressed(ui: &Ui, typing: bool) -> Vec<Command> {
     let mut all = shortcuts();
     // Those with more modifiers first: a shorter one would match too.
     all.sort_by_key(|(shortcut, ..)| std::cmp::Reverse(shortcut.modifiers.shift));
@@ -122,6 +136,11 @@ pub(super) fn pressed(ui: &Ui) -> Vec<Command> {
     ui.input_mut(|input| {
         for (shortcut, command, _) in all {
             if input.consume_shortcut(&shortcut) {
+                commands.push(command);
+            }
+        }
+        for (shortcut, command) in beside_texts() {
+            if !typing && input.consume_shortcut(&shortcut) {
                 commands.push(command);
             }
         }

@@ -178,6 +178,24 @@ fn a_slider_is_dragged_and_told_of_and_undone_by_keys() {
     harness.key_press_modifiers(egui::Modifiers::ALT, egui::Key::Z);
     harness.run_steps(2);
     assert!(settle(&mut harness) == before);
+    // Where no text is typed, the usual keys do it too.
+    harness.key_press_modifiers(egui::Modifiers::COMMAND | egui::Modifiers::SHIFT, egui::Key::Z);
+    harness.run_steps(2);
+    assert!(settle(&mut harness) == held);
+    harness.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::Z);
+    harness.run_steps(2);
+    assert!(settle(&mut harness) == before);
+    // In the text they undo what was typed.
+    harness.state_mut().editor.focus();
+    harness.run_steps(2);
+    let text = harness.state().documents[0].text().to_owned();
+    harness.event(egui::Event::Text("x".to_owned()));
+    harness.run_steps(2);
+    assert_ne!(harness.state().documents[0].text(), text);
+    harness.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::Z);
+    harness.run_steps(2);
+    assert_eq!(harness.state().documents[0].text(), text);
+    assert!(harness.state().workshop.can_undo_and_redo()[1]);
 }
 
 #[test]
