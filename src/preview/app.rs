@@ -332,7 +332,12 @@ impl App {
     pub fn is_unsaved(&self) -> bool {
         let SavedSession { numbers, picture, places } = &self.saved;
         let moved = self.documents.iter().zip(places).any(|(document, place)| document.location() != place.as_ref());
-        let other = *numbers != self.workshop.values().numbers() || *picture != self.workshop.settings();
+        let mut settings = self.workshop.settings();
+        if self.pane.follows {
+            // The window chose it.
+            settings.size = picture.size;
+        }
+        let other = *numbers != self.workshop.values().numbers() || *picture != settings;
         moved || other || self.documents.iter().any(Document::unsaved)
     }
 

@@ -124,6 +124,7 @@ fn the_window_follows_the_mouse_and_the_keyboard() {
         before = now;
         rests && colours > 100
     });
+    assert!(!screen.title().contains('•'), "nothing was changed yet");
     // The slider of ka, the first of the scene's: dragged to its end it brightens all.
     screen.mouse([1100, 368]);
     screen.run("xdotool", &["mousedown", "1"]);

@@ -6,6 +6,7 @@ use crate::jit::{CompiledFormula, KernelCache};
 use crate::picture::{Transfer, quantise};
 use crate::preview::renderer::{Event, Picture, Subject};
 use crate::trace::Hits;
+use rayon::prelude::*;
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -169,7 +170,7 @@ impl Artist {
                     ready.draw(numbers, &mut framebuffer);
                 }
             }
-            framebuffer.pixels.clone_into(pixels);
+            copy(&framebuffer.pixels, pixels);
         }
         self.framebuffer = Some(framebuffer);
         if is_new {
@@ -180,6 +181,13 @@ impl Artist {
         }
         Ok(())
     }
+}
+
+/// Copies pixels, on all threads of the current pool: of a large picture that takes longer than drawing what a slider changes.
+fn copy(from: &[u32], to: &mut Vec<u32>) {
+    const PART: usize = 1 << 16;
+    to.resize(from.len(), 0);
+    to.par_chunks_mut(PART).zip(from.par_chunks(PART)).for_each(|(to, from)| to.copy_from_slice(from));
 }
 
 /// Linear colours as words `0x00RRGGBB`.
