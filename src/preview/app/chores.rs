@@ -66,6 +66,20 @@ impl Chores {
         self.worker.iter().flat_map(|worker| worker.done.try_iter().flatten()).collect()
     }
 
+    /// Waits until all that there is now is done.
+    #[cfg(test)]
+    pub(super) fn wait(&self) {
+        let Some(worker) = &self.worker else { return };
+        let (done, told) = channel();
+        let last = move || {
+            let _ = done.send(());
+            None
+        };
+        if worker.chores.send(Box::new(last)).is_ok() {
+            let _ = told.recv();
+        }
+    }
+
     /// Waits until all is done.
     pub(super) fn finish(&mut self) {
         if let Some(Worker { chores, thread, .. }) = self.worker.take() {

@@ -42,8 +42,9 @@ pub(super) struct Pane {
     pointed: Option<[u32; 2]>,
     clicked: Option<[u32; 2]>,
     around: u32,
-    /// Two pictures beside each other, of these versions, and how many columns are of the first.
+    /// Two pictures beside each other, of these versions, and how many columns are of the first; and how many such there were.
     split: (Picture, [u64; 2], usize),
+    splits: u64,
     /// Where the line between them is, 0..1, and whether it is being moved.
     line: f32,
     moves_line: bool,
@@ -63,6 +64,7 @@ impl Default for Pane {
             clicked: None,
             around: 0,
             split: (Picture::default(), [0, 0], 0),
+            splits: 0,
             line: 0.5,
             moves_line: false,
         }
@@ -96,13 +98,14 @@ impl Pane {
         let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
         self.place = rect;
         self.follow(ui, workshop, scale);
-        if let (Seen::Split(place), Some(kept)) = (self.seen, self.kept(workshop)) {
+        if let (Seen::Split(_), Some(kept)) = (self.seen, self.kept(workshop)) {
             let (shown, versions) = (workshop.shown(), [kept.version, workshop.shown().version]);
             let columns = (self.line * shown.width as f32).round() as usize;
             if (self.split.1, self.split.2) != (versions, columns) {
                 self.split = (beside(kept, shown, columns), versions, columns);
-                // Another number than any picture's own: those have less than 40 bits, and there are two places and at most 2¹⁴ columns.
-                self.split.0.version = 1 << 63 | versions[1] << 16 | (columns as u64) << 1 | place as u64;
+                self.splits += 1;
+                // Another number than any picture's own.
+                self.split.0.version = 1 << 63 | self.splits;
             }
         }
         self.settle_offset(workshop, scale);

@@ -8,6 +8,7 @@ use crate::workspace::folders::Folders;
 use crate::workspace::recent::Recent;
 use crate::workspace::settings::{Settings, SettingsFile};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// What is remembered; nothing where there is no folder for it.
@@ -18,8 +19,10 @@ pub(super) struct Remembered {
     recent: Option<Recent>,
     /// Written by whoever has the time for it.
     drafts: Option<Arc<Mutex<Drafts>>>,
-    /// The texts that are kept already, by their number of changes.
+    /// The texts that are kept already, or are going to be, by their number of changes.
     kept: [Option<u64>; 2],
+    /// Whether they could not be kept.
+    failed: Arc<AtomicBool>,
     left: Vec<LeftBehind>,
     data: Option<PathBuf>,
 }
@@ -43,6 +46,7 @@ impl Remembered {
             recent: Some(recent),
             drafts: Some(Arc::new(Mutex::new(drafts))),
             kept: [None, None],
+            failed: Arc::default(),
             left,
             data: Some(folders.data.clone()),
         };
@@ -78,6 +82,11 @@ impl Remembered {
         documents: &[Document; 2],
     ) -> Option<impl FnOnce() -> Result<(), Diagnostic> + Send + use<>> {
         let drafts = Arc::clone(self.drafts.as_ref()?);
+        if self.failed.swap(false, Ordering::Relaxed) {
+            // Both are tried again.
+            self.kept = [Some(u64::MAX); 2];
+        }
+        let failed = Arc::clone(&self.failed);
         let mut changed = Vec::new();
         for (editor, (document, kept)) in documents.iter().zip(&mut self.kept).enumerate() {
             let wanted = state(document);
@@ -90,16 +99,19 @@ impl Remembered {
         }
         (!changed.is_empty()).then_some(move || {
             let mut drafts = lock(&drafts);
-            changed.into_iter().try_for_each(|(editor, text)| match text {
+            let kept = changed.into_iter().try_for_each(|(editor, text)| match text {
                 Some((kind, location, text)) => drafts.keep(editor, kind, location.as_ref(), &text),
                 None => drafts.remove(editor),
-            })
+            });
+            failed.store(kept.is_err(), Ordering::Relaxed);
+            kept
         })
     }
 
     /// Whether a text was changed since they were kept.
     pub(super) fn is_behind(&self, documents: &[Document; 2]) -> bool {
-        self.drafts.is_some() && documents.iter().zip(&self.kept).any(|(document, kept)| state(document) != *kept)
+        let moved = || documents.iter().zip(&self.kept).any(|(document, kept)| state(document) != *kept);
+        self.drafts.is_some() && (self.failed.load(Ordering::Relaxed) || moved())
     }
 
     /// How many unsaved texts of programs that are gone there are.

@@ -130,6 +130,35 @@ fn what_is_unsaved_is_offered_again_and_settings_last() {
 }
 
 #[test]
+fn texts_that_could_not_be_kept_are_kept_as_soon_as_that_is_possible() {
+    let home = tempfile::tempdir().expect("a folder");
+    let folders = Folders::below(home.path());
+    let mut app = App::new(Some(&Location::Preset("studio".to_owned())), Some(&folders)).expect("a built-in session");
+    let lines = Rc::new(RefCell::new(Vec::new()));
+    let told = Rc::clone(&lines);
+    app.repeat_log(move |line| told.borrow_mut().push(line.to_owned()));
+    // Something is in the way of the folder.
+    std::fs::create_dir_all(&folders.state).expect("a folder");
+    let place = folders.state.join("drafts");
+    std::fs::write(&place, "").expect("a file");
+    app.documents[0].replace_text("formula;\n= N;\n");
+    let keep = |app: &mut App| {
+        app.keep_now();
+        app.chores.wait();
+        app.chores.told().into_iter().for_each(|told| app.hear(told));
+    };
+    keep(&mut app);
+    assert!(lines.borrow().iter().any(|line| line.starts_with("unsaved text is not kept")), "{:?}", lines.borrow());
+    assert!(app.remembered.is_behind(&app.documents));
+    std::fs::remove_file(&place).expect("the file");
+    keep(&mut app);
+    assert!(!app.remembered.is_behind(&app.documents));
+    drop(app);
+    let app = App::new(None, Some(&folders)).expect("the startup session");
+    assert_eq!(app.remembered.left(), 1);
+}
+
+#[test]
 fn materials_are_given_to_bodies_and_undone() {
     let mut harness = harness();
     let before = settle(&mut harness);
