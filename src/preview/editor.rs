@@ -137,7 +137,8 @@ impl Editor {
                 Order::Command(command) => self.run(look, document, command, &mut response),
             }
         }
-        if std::mem::take(&mut self.wants_focus) {
+        let wants_focus = std::mem::take(&mut self.wants_focus);
+        if wants_focus {
             context.memory_mut(|memory| memory.request_focus(id));
         }
         let focused = context.memory(|memory| memory.has_focus(id));
@@ -146,6 +147,10 @@ impl Editor {
             self.queue.clear();
         }
         self.text_ui(ui, look, document, &typed);
+        if wants_focus {
+            // The click that led here, on a list beside the text, would take it away again.
+            context.memory_mut(|memory| memory.request_focus(id));
+        }
         if focused {
             while let Some(command) = self.queue.next_command(self.open()) {
                 self.run(look, document, command, &mut response);

@@ -18,6 +18,14 @@ fn file_dialog(title: &str) -> FileDialog {
     FileDialog::new().title(title).anchor(Align2::CENTER_CENTER, [0.0, 0.0])
 }
 
+/// Keys that a text knows beside those.
+const IN_TEXTS: [(&str, &str); 4] = [
+    ("Ctrl+F", "Find in the text, and replace"),
+    ("Ctrl+Space", "Complete the word"),
+    ("Ctrl+Z", "Undo in the text"),
+    ("Ctrl+Y", "Redo in the text"),
+];
+
 /// What a file is asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Purpose {
@@ -154,6 +162,11 @@ impl Dialogs {
                 Grid::new("shortcuts").num_columns(2).spacing([24.0, 5.0]).show(ui, |ui| {
                     for (shortcut, _, told) in shortcuts() {
                         ui.monospace(ui.ctx().format_shortcut(&shortcut));
+                        ui.label(told);
+                        ui.end_row();
+                    }
+                    for (keys, told) in IN_TEXTS {
+                        ui.monospace(keys);
                         ui.label(told);
                         ui.end_row();
                     }

@@ -150,7 +150,6 @@ impl App {
     fn begin_session(&mut self) {
         let settings = &self.remembered.settings;
         self.workshop.begin_session(settings.picture(), |roster| settings.initial_values(roster));
-        self.pane.follows = false;
         self.session = None;
         self.note_saved_session();
     }
@@ -210,7 +209,6 @@ impl App {
                 self.log.say(format!("opened {location}"));
                 self.note_recent(Kind::Session, &location);
                 opened.warnings.iter().for_each(|warning| self.log.say(format!("warning: {warning}")));
-                self.pane.follows = false;
                 self.open_materials();
                 self.session = Some(location);
                 self.note_saved_session();
@@ -283,10 +281,26 @@ impl App {
                     None => {
                         self.session = Some(location);
                         self.note_saved_session();
+                        self.warn_of_unsaved_texts();
                     }
                 }
             }
             Err(error) => self.dialogs.tell("Not saved", format!("{}: {error}\nWhat was there is unharmed.", path.display())),
+        }
+    }
+
+    /// A session names the files of its texts: what was changed and not saved there is not in it.
+    fn warn_of_unsaved_texts(&mut self) {
+        let unsaved: Vec<&str> =
+            self.documents.iter().filter(|document| document.unsaved()).map(|document| document.kind().noun()).collect();
+        if !unsaved.is_empty() {
+            let texts = unsaved.join(" and the ");
+            let told = format!(
+                "A session names the files of its formula and its scene. The {texts} has changes that are in no file yet: \
+                 save it as well (File, Save {0} as…), and then the session once more.",
+                unsaved[0]
+            );
+            self.dialogs.tell(format!("The session is saved, the {texts} is not"), told);
         }
     }
 

@@ -7,7 +7,8 @@ use crate::preview::app::pane::Seen;
 use crate::preview::app::theme::Theme;
 use crate::preview::app::{App, Command, TEXTS};
 use crate::workspace::files::Location;
-use egui::{Button, MenuBar, Ui};
+use egui::containers::menu::{MenuButton, MenuConfig};
+use egui::{Button, MenuBar, PopupCloseBehavior, Ui};
 
 /// An entry, with its shortcut.
 fn entry(ui: &mut Ui, name: &str, command: Command, commands: &mut Vec<Command>) {
@@ -18,7 +19,14 @@ fn entry_if(ui: &mut Ui, enabled: bool, name: &str, command: Command, commands: 
     let button = Button::new(name).shortcut_text(shortcut_of(&command, ui));
     if ui.add_enabled(enabled, button).clicked() {
         commands.push(command);
+        ui.close();
     }
+}
+
+/// A menu that stays open while something is set in it.
+fn staying(ui: &mut Ui, name: &str, content: impl FnOnce(&mut Ui)) {
+    let config = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
+    MenuButton::new(name).config(config).ui(ui, content);
 }
 
 /// Draws the bar.
@@ -36,9 +44,9 @@ pub(super) fn bar(app: &mut App, ui: &mut Ui, commands: &mut Vec<Command>) {
                 commands.push(Command::ApplyAsYouType(typing));
             }
         });
-        ui.menu_button("Picture", |ui| picture(ui, app, commands));
-        ui.menu_button("Compare", |ui| compare(ui, app, commands));
-        ui.menu_button("View", |ui| view(ui, app, commands));
+        staying(ui, "Picture", |ui| picture(ui, app, commands));
+        staying(ui, "Compare", |ui| compare(ui, app, commands));
+        staying(ui, "View", |ui| view(ui, app, commands));
         ui.menu_button("Help", |ui| {
             entry(ui, "Reference of the language", Command::Toggle(Panel::Reference), commands);
             entry(ui, "Shortcuts", Command::ShowShortcuts, commands);

@@ -130,11 +130,11 @@ impl Pane {
             self.settle_offset(workshop, scale);
         }
         self.moves_line &= response.dragged();
-        let turned = ui.input(|input| {
-            if input.pointer.hover_pos().is_some_and(|at| rect.contains(at)) { input.smooth_scroll_delta().y } else { 0.0 }
-        });
-        if turned.abs() > 10.0 {
-            self.zoom = if turned > 0.0 { (self.zoom * 2).min(16) } else { (self.zoom / 2).max(1) };
+        if let Some(at) = response.hover_pos() {
+            let notches = ui.input(|input| input.events.iter().map(notch).sum::<i32>());
+            let zoom = if notches > 0 { self.zoom << notches.min(4) } else { self.zoom >> notches.unsigned_abs().min(4) };
+            self.zoom_to(zoom.clamp(1, 16), (at - rect.min) * scale);
+            self.settle_offset(workshop, scale);
         }
         self.pointed = response.hover_pos().and_then(|at| self.pixel_at(at, workshop, scale));
         self.clicked = self.pointed.filter(|_| response.clicked());
@@ -188,6 +188,15 @@ impl Pane {
         self.zoom * coarse
     }
 
+    /// Zooms; what is in this place of the pane, in pixels of the screen, stays there.
+    fn zoom_to(&mut self, zoom: u32, place: egui::Vec2) {
+        let ratio = zoom as f32 / self.zoom.max(1) as f32;
+        for (offset, place) in self.offset.iter_mut().zip([place.x, place.y]) {
+            *offset = (place - (place - *offset as f32) * ratio).round() as i32;
+        }
+        self.zoom = zoom;
+    }
+
     /// Where the line between two pictures is on the screen, in points.
     fn line_at(&self, workshop: &Workshop, scale: f32) -> Option<f32> {
         let Seen::Split(_) = self.seen else { return None };
@@ -230,6 +239,12 @@ impl Pane {
             around: self.around,
         })
     }
+}
+
+/// How far an event turns the wheel: 1 is a notch away from the user.
+fn notch(event: &egui::Event) -> i32 {
+    let egui::Event::MouseWheel { delta, .. } = event else { return 0 };
+    i32::from(delta.y > 0.0) - i32::from(delta.y < 0.0)
 }
 
 /// The body that is seen in a pixel.

@@ -39,11 +39,17 @@ fn settle(harness: &mut Harness<'_, App>) -> Vec<u32> {
 fn a_wrong_formula_is_marked_and_the_picture_stays_until_it_is_right() {
     let mut harness = harness();
     let first = settle(&mut harness);
-    harness.state_mut().documents[0].replace_text("formula;\n= IL*Cd*N.L;\n");
+    harness.state_mut().documents[0].replace_text("formula;\n= N.L;\n");
     harness.get_by_label("Apply formula").click();
     assert!(settle(&mut harness) == first);
     harness.step();
     assert!(harness.query_by_label_contains("the formula yields a scalar").is_some(), "the list says what is wrong");
+    // A click on it leads there, and what is typed then goes there.
+    harness.get_by_label_contains("the formula yields a scalar").click();
+    harness.run_steps(3);
+    harness.event(egui::Event::Text("IL*Cd*".to_owned()));
+    harness.run_steps(3);
+    assert!(harness.state().documents[0].text().contains("IL*Cd*"), "{}", harness.state().documents[0].text());
     harness.state_mut().documents[0].replace_text("formula;\n= IL*Cd*max(0, N.L);\n");
     harness.get_by_label("Apply formula").click();
     harness.step();
@@ -256,6 +262,39 @@ fn a_snapshot_is_compared_with_the_picture_along_a_line_that_moves() {
     harness.drop_at(line + egui::vec2(16.0, 0.0));
     harness.run_steps(2);
     assert_eq!(columns(&harness), 48);
+}
+
+#[test]
+fn the_wheel_zooms_to_what_is_pointed_at() {
+    let mut harness = harness();
+    let large = PictureSettings { size: [900, 700], depth: 1, ..harness.state().workshop.settings() };
+    harness.state_mut().workshop.set_picture(large).expect("a size in range");
+    settle(&mut harness);
+    harness.hover_at(harness.state().pane.place().center() + egui::vec2(60.0, -40.0));
+    harness.run_steps(2);
+    let pointed = |harness: &Harness<'_, App>| harness.state().pane.pointed().expect("a pixel");
+    let before = pointed(&harness);
+    for (turned, zoom) in [(1.0, 2), (1.0, 4), (-1.0, 2), (1.0, 4)] {
+        let modifiers = egui::Modifiers::NONE;
+        let (unit, delta, phase) = (egui::MouseWheelUnit::Line, egui::vec2(0.0, turned), egui::TouchPhase::Move);
+        harness.event(egui::Event::MouseWheel { unit, delta, phase, modifiers });
+        harness.run_steps(3);
+        assert_eq!(harness.state().pane.zoom, zoom);
+        let after = pointed(&harness);
+        assert!(before.iter().zip(after).all(|(before, after)| before.abs_diff(after) <= 1), "{before:?} {after:?}");
+    }
+}
+
+#[test]
+fn a_session_is_saved_with_a_word_of_what_is_not_in_it() {
+    let mut harness = harness();
+    let folder = tempfile::tempdir().expect("a folder");
+    let app = harness.state_mut();
+    app.perform(Command::SaveTo(Some(Kind::Session), folder.path().join("one.toml")));
+    assert_eq!(app.dialogs.told(), None);
+    app.documents[0].replace_text("formula;\n= IL*Cd*max(0, N.L);\n");
+    app.perform(Command::SaveTo(Some(Kind::Session), folder.path().join("other.toml")));
+    assert!(app.dialogs.told().is_some_and(|told| told.contains("The formula has changes")), "{:?}", app.dialogs.told());
 }
 
 #[test]
