@@ -148,7 +148,9 @@ impl Artist {
         let frame_start = Instant::now();
         let mut method = None;
         if subject.srgb {
+            // The transfer needs numbers, which drags do not have: each picture is a whole one.
             self.drag = None;
+            method = held.is_some().then_some(Method::General);
             words(&ready.frame(numbers).linear, true, pixels);
         } else {
             match held {
