@@ -127,15 +127,8 @@ impl App {
             },
         };
         let context: Arc<OnceLock<Context>> = Arc::default();
-        let wake = {
-            let context = Arc::clone(&context);
-            move || {
-                if let Some(context) = context.get() {
-                    context.request_repaint();
-                }
-            }
-        };
-        let workshop = Workshop::new(&opened, wake).map_err(|error: io::Error| format!("cannot start a thread: {error}"))?;
+        let workshop =
+            Workshop::new(&opened, waker(&context)).map_err(|error: io::Error| format!("cannot start a thread: {error}"))?;
         let documents = documents(&opened);
         let saved = SavedSession::of(&workshop, &documents);
         let mut app = Self {
@@ -149,7 +142,7 @@ impl App {
             pane: Pane::default(),
             log: Log::default(),
             dialogs: Dialogs::default(),
-            chores: Chores::default(),
+            chores: Chores::new(waker(&context)),
             preferences: Preferences::default(),
             inspecting: Inspecting::default(),
             materials: Materials::default(),
@@ -252,13 +245,7 @@ impl App {
 
     /// Does something that takes its time beside the interface.
     fn do_aside(&mut self, chore: impl FnOnce() -> Option<Told> + Send + 'static) {
-        let context = Arc::clone(&self.context);
-        let wake = move || {
-            if let Some(context) = context.get() {
-                context.request_repaint();
-            }
-        };
-        if let Some(told) = self.chores.add(chore, wake) {
+        if let Some(told) = self.chores.add(chore) {
             self.hear(told);
         }
     }
@@ -344,6 +331,16 @@ impl App {
     /// Takes the session as it is for the one that is saved.
     fn note_saved_session(&mut self) {
         self.saved = SavedSession::of(&self.workshop, &self.documents);
+    }
+}
+
+/// Wakes the window, from any thread, once there is one.
+fn waker(context: &Arc<OnceLock<Context>>) -> impl Fn() + Send + Sync + use<> {
+    let context = Arc::clone(context);
+    move || {
+        if let Some(context) = context.get() {
+            context.request_repaint();
+        }
     }
 }
 

@@ -146,11 +146,7 @@ impl Editor {
         if !focused {
             self.queue.clear();
         }
-        self.text_ui(ui, look, document, &typed);
-        if wants_focus {
-            // The click that led here, on a list beside the text, would take it away again.
-            context.memory_mut(|memory| memory.request_focus(id));
-        }
+        self.text_ui(ui, look, document, &typed, wants_focus);
         if focused {
             while let Some(command) = self.queue.next_command(self.open()) {
                 self.run(look, document, command, &mut response);

@@ -1,5 +1,6 @@
 //! What takes its time and leads to files: done one after the other on a thread of its own, so that the interface does not wait for disks.
 
+use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::JoinHandle;
 
@@ -15,10 +16,13 @@ pub(super) enum Told {
     Failed(String, String),
 }
 
+/// Called whenever something is done.
+type Wake = Arc<dyn Fn() + Send + Sync>;
+
 /// The thread, which begins with the first thing to do.
-#[derive(Default)]
 pub(super) struct Chores {
     worker: Option<Worker>,
+    wake: Wake,
 }
 
 struct Worker {
@@ -28,7 +32,7 @@ struct Worker {
 }
 
 impl Worker {
-    fn new(wake: impl Fn() + Send + 'static) -> Option<Self> {
+    fn new(wake: Wake) -> Option<Self> {
         let (chores, incoming) = channel::<Chore>();
         let (outgoing, done) = channel();
         let thread = std::thread::Builder::new().name("chores".to_owned());
@@ -44,14 +48,15 @@ impl Worker {
 }
 
 impl Chores {
-    /// Does something when all before it is done; `wake` is called whenever something is done, where it is the first. At once where there is no thread.
-    pub(super) fn add(
-        &mut self,
-        chore: impl FnOnce() -> Option<Told> + Send + 'static,
-        wake: impl Fn() + Send + 'static,
-    ) -> Option<Told> {
+    /// `wake` is called, on the thread, whenever something is done.
+    pub(super) fn new(wake: impl Fn() + Send + Sync + 'static) -> Self {
+        Self { worker: None, wake: Arc::new(wake) }
+    }
+
+    /// Does something when all before it is done. Where there is no thread it is done at once, and there is this to say of it.
+    pub(super) fn add(&mut self, chore: impl FnOnce() -> Option<Told> + Send + 'static) -> Option<Told> {
         if self.worker.is_none() {
-            self.worker = Worker::new(wake);
+            self.worker = Worker::new(Arc::clone(&self.wake));
         }
         let Some(worker) = &self.worker else { return chore() };
         match worker.chores.send(Box::new(chore)) {

@@ -4,13 +4,17 @@ use crate::presets::Kind;
 use crate::preview::app::Command;
 use crate::preview::app::command::shortcuts;
 use crate::workspace::files::Location;
-use egui::{Align2, Context, Frame, Grid, Modal};
+use egui::{Align2, Context, Frame, Grid, Modal, ModalResponse, Ui};
 use egui_file_dialog::FileDialog;
 
-/// A box over everything, with room at its edges.
-pub(super) fn modal(context: &Context, name: &str) -> Modal {
+/// A box over everything, with room at its edges and a title.
+pub(super) fn modal<R>(context: &Context, title: &str, content: impl FnOnce(&mut Ui) -> R) -> ModalResponse<R> {
     let frame = Frame::popup(&context.global_style()).inner_margin(18.0);
-    Modal::new(egui::Id::new(name)).frame(frame)
+    Modal::new(egui::Id::new(("modal", title))).frame(frame).show(context, |ui| {
+        ui.heading(title);
+        ui.add_space(6.0);
+        content(ui)
+    })
 }
 
 /// A dialog for files, in the middle.
@@ -101,10 +105,8 @@ impl Dialogs {
             }
         }
         if let Some((title, text)) = &self.message {
-            let modal = modal(context, "message").show(context, |ui| {
+            let modal = modal(context, title, |ui| {
                 ui.set_max_width(640.0);
-                ui.heading(title);
-                ui.add_space(6.0);
                 ui.monospace(text);
                 ui.add_space(8.0);
                 ui.button("OK").clicked()
@@ -115,9 +117,7 @@ impl Dialogs {
         }
         if let Some((command, lost)) = &self.asked_back {
             let mut answer = None;
-            let shown = modal(context, "ask back").show(context, |ui| {
-                ui.heading("Not saved");
-                ui.add_space(6.0);
+            let shown = modal(context, "Not saved", |ui| {
                 ui.label(format!("What you changed in {lost} would be lost."));
                 ui.add_space(8.0);
                 ui.horizontal(|ui| {
@@ -137,9 +137,7 @@ impl Dialogs {
         }
         if self.offered > 0 {
             let texts = if self.offered == 1 { "a text".to_owned() } else { format!("{} texts", self.offered) };
-            modal(context, "offer").show(context, |ui| {
-                ui.heading("Unsaved work");
-                ui.add_space(6.0);
+            modal(context, "Unsaved work", |ui| {
                 ui.label(format!("Illuminator ended before {texts} could be saved."));
                 ui.add_space(8.0);
                 ui.horizontal(|ui| {
@@ -156,9 +154,7 @@ impl Dialogs {
             });
         }
         if self.shortcuts {
-            let modal = modal(context, "shortcuts").show(context, |ui| {
-                ui.heading("Shortcuts");
-                ui.add_space(6.0);
+            let modal = modal(context, "Shortcuts", |ui| {
                 Grid::new("shortcuts").num_columns(2).spacing([24.0, 5.0]).show(ui, |ui| {
                     for (shortcut, _, told) in shortcuts() {
                         ui.monospace(ui.ctx().format_shortcut(&shortcut));

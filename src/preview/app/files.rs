@@ -291,16 +291,15 @@ impl App {
 
     /// A session names the files of its texts: what was changed and not saved there is not in it.
     fn warn_of_unsaved_texts(&mut self) {
-        let unsaved: Vec<&str> =
-            self.documents.iter().filter(|document| document.unsaved()).map(|document| document.kind().noun()).collect();
-        if !unsaved.is_empty() {
-            let texts = unsaved.join(" and the ");
+        let unsaved = self.documents.iter().filter(|document| document.unsaved());
+        let texts: Vec<&str> = unsaved.map(|document| document.kind().noun()).collect();
+        if !texts.is_empty() {
             let told = format!(
-                "A session names the files of its formula and its scene. The {texts} has changes that are in no file yet: \
-                 save it as well (File, Save {0} as…), and then the session once more.",
-                unsaved[0]
+                "A session names the files of its texts. What you changed in the {} is in no file yet: save that too,\n\
+                 and then the session once more.",
+                texts.join(" and the ")
             );
-            self.dialogs.tell(format!("The session is saved, the {texts} is not"), told);
+            self.dialogs.tell("The session is saved without a changed text", told);
         }
     }
 

@@ -42,12 +42,20 @@ pub(super) struct Pane {
     pointed: Option<[u32; 2]>,
     clicked: Option<[u32; 2]>,
     around: u32,
-    /// Two pictures beside each other, of these versions, and how many columns are of the first; and how many such there were.
-    split: (Picture, [u64; 2], usize),
-    splits: u64,
+    split: Split,
     /// Where the line between them is, 0..1, and whether it is being moved.
     line: f32,
     moves_line: bool,
+}
+
+/// Two pictures beside each other.
+#[derive(Default)]
+struct Split {
+    picture: Picture,
+    /// Of these versions.
+    versions: [u64; 2],
+    /// How many columns are of the first.
+    columns: usize,
 }
 
 impl Default for Pane {
@@ -63,8 +71,7 @@ impl Default for Pane {
             pointed: None,
             clicked: None,
             around: 0,
-            split: (Picture::default(), [0, 0], 0),
-            splits: 0,
+            split: Split::default(),
             line: 0.5,
             moves_line: false,
         }
@@ -101,11 +108,10 @@ impl Pane {
         if let (Seen::Split(_), Some(kept)) = (self.seen, self.kept(workshop)) {
             let (shown, versions) = (workshop.shown(), [kept.version, workshop.shown().version]);
             let columns = (self.line * shown.width as f32).round() as usize;
-            if (self.split.1, self.split.2) != (versions, columns) {
-                self.split = (beside(kept, shown, columns), versions, columns);
-                self.splits += 1;
-                // Another number than any picture's own.
-                self.split.0.version = 1 << 63 | self.splits;
+            if (self.split.versions, self.split.columns) != (versions, columns) {
+                // Another number than any picture's own, and than that of the one before.
+                let version = 1 << 63 | (self.split.picture.version + 1);
+                self.split = Split { picture: Picture { version, ..beside(kept, shown, columns) }, versions, columns };
             }
         }
         self.settle_offset(workshop, scale);
@@ -132,9 +138,11 @@ impl Pane {
         self.moves_line &= response.dragged();
         if let Some(at) = response.hover_pos() {
             let notches = ui.input(|input| input.events.iter().map(notch).sum::<i32>());
-            let zoom = if notches > 0 { self.zoom << notches.min(4) } else { self.zoom >> notches.unsigned_abs().min(4) };
-            self.zoom_to(zoom.clamp(1, 16), (at - rect.min) * scale);
-            self.settle_offset(workshop, scale);
+            if notches != 0 {
+                let zoom = if notches > 0 { self.zoom << notches.min(4) } else { self.zoom >> notches.unsigned_abs().min(4) };
+                self.zoom_to(zoom.clamp(1, 16), (at - rect.min) * scale);
+                self.settle_offset(workshop, scale);
+            }
         }
         self.pointed = response.hover_pos().and_then(|at| self.pixel_at(at, workshop, scale));
         self.clicked = self.pointed.filter(|_| response.clicked());
@@ -177,7 +185,7 @@ impl Pane {
     pub(super) fn picture<'p>(&'p self, workshop: &'p Workshop) -> &'p Picture {
         match (self.seen, self.kept(workshop)) {
             (Seen::Kept(_), Some(kept)) => kept,
-            (Seen::Split(_), Some(_)) => &self.split.0,
+            (Seen::Split(_), Some(_)) => &self.split.picture,
             (Seen::Now | Seen::Kept(_) | Seen::Split(_), _) => workshop.shown(),
         }
     }

@@ -23,9 +23,8 @@ impl Preferences {
     /// Draws it; the settings that are to be kept from now on.
     pub(super) fn ui(&mut self, context: &Context) -> Option<Settings> {
         let edited = self.edited.as_mut()?;
-        let shown = modal(context, "settings").show(context, |ui| {
+        let shown = modal(context, "Settings", |ui| {
             ui.set_width(430.0);
-            ui.heading("Settings");
             ui.weak("What new sessions begin with. Sessions that are opened keep what they say.");
             ui.add_space(8.0);
             ScrollArea::vertical().max_height(460.0).show(ui, |ui| fields(ui, edited));

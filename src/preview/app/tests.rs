@@ -294,7 +294,7 @@ fn a_session_is_saved_with_a_word_of_what_is_not_in_it() {
     assert_eq!(app.dialogs.told(), None);
     app.documents[0].replace_text("formula;\n= IL*Cd*max(0, N.L);\n");
     app.perform(Command::SaveTo(Some(Kind::Session), folder.path().join("other.toml")));
-    assert!(app.dialogs.told().is_some_and(|told| told.contains("The formula has changes")), "{:?}", app.dialogs.told());
+    assert!(app.dialogs.told().is_some_and(|told| told.contains("in the formula is in no file yet")), "{:?}", app.dialogs.told());
 }
 
 #[test]

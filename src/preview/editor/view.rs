@@ -16,7 +16,7 @@ use std::sync::Arc;
 
 impl Editor {
     /// Draws gutter and text, lets the widget handle what was typed, and drops the list down.
-    pub(super) fn text_ui(&mut self, ui: &mut Ui, look: Look<'_>, document: &mut Document, typed: &[Event]) {
+    pub(super) fn text_ui(&mut self, ui: &mut Ui, look: Look<'_>, document: &mut Document, typed: &[Event], summoned: bool) {
         let room = ui.available_rect_before_wrap();
         ui.painter().rect_filled(room, 0.0, look.palette.background);
         let digit = look.context.fonts_mut(|fonts| fonts.glyph_width(look.font, '0'));
@@ -26,7 +26,7 @@ impl Editor {
         let mut inner = ui.new_child(UiBuilder::new().max_rect(room.with_min_x(gutter.right())).id_salt(("text", document.id())));
         let scroll = ScrollArea::both().id_salt(document.id()).auto_shrink([false, false]).animated(false);
         scroll.show(&mut inner, |ui| {
-            let (origin, hovered) = self.widget(ui, look, document, typed);
+            let (origin, hovered) = self.widget(ui, look, document, typed, summoned);
             self.draw(ui, look, document, (origin, hovered), gutter);
             let place = self.sheet(look, document, (origin, ui.clip_rect())).place(&document.text, self.selection.head);
             if std::mem::take(&mut self.reveal) {
@@ -50,7 +50,14 @@ impl Editor {
     }
 
     /// Draws the widget and takes over what it did; where its text begins on the screen, and its response.
-    fn widget(&mut self, ui: &mut Ui, look: Look<'_>, document: &mut Document, typed: &[Event]) -> (Pos2, Response) {
+    fn widget(
+        &mut self,
+        ui: &mut Ui,
+        look: Look<'_>,
+        document: &mut Document,
+        typed: &[Event],
+        summoned: bool,
+    ) -> (Pos2, Response) {
         let id = Self::id_of(document);
         let (kind, laid) = (document.kind(), self.lay(look, document));
         let margin = Margin { left: 4, right: 24, top: 2, bottom: 2 };
@@ -65,11 +72,11 @@ impl Editor {
         let mut layouter = |_: &Ui, text: &dyn egui::TextBuffer, _: f32| {
             Arc::clone(&colouring.lay(look.context, kind, text.as_str(), look.font, look.palette).galley)
         };
-        // A click into the list must not take the keyboard from the text.
+        // A click into the list must not take the keyboard from the text, nor one that gave it the keyboard.
         let on_list = self.list.is_open()
             && look.context.pointer_interact_pos().and_then(|at| look.context.layer_id_at(at)) == Some(List::layer(id));
         let surrender = look.context.options(|options| options.input_options.surrender_focus_on);
-        if on_list {
+        if on_list || summoned {
             look.context.options_mut(|options| options.input_options.surrender_focus_on = SurrenderFocusOn::Never);
         }
         let output = TextEdit::multiline(&mut document.text)

@@ -85,6 +85,24 @@ fn both_backends_show_the_same_and_a_transfer_brightens() {
 }
 
 #[test]
+fn who_waits_for_values_has_their_picture_then() {
+    let renderer = Renderer::new(|| {}).expect("threads");
+    let (small, mut values) = subject(240, 200);
+    let mut picture = Picture::default();
+    let mut stamp = renderer.show(small, values.numbers());
+    for step in 0..5 {
+        renderer.wait_for(stamp, Duration::from_secs(60));
+        assert!(renderer.take(&mut picture) && picture.values == stamp);
+        let roster = values.roster();
+        let (owner, id, _) = values.iter().find(|(owner, id, _)| roster.label(*owner, *id).ends_with(".kd")).expect("a slider");
+        values.move_to(owner, id, [0.1 * step as f32; 3]);
+        stamp = renderer.move_to(values.numbers(), Some(values.moved_places(owner, id)));
+    }
+    // Not longer than it was told.
+    renderer.wait_for(stamp + 1, Duration::from_millis(1));
+}
+
+#[test]
 fn who_lets_go_while_tracing_does_not_wait() {
     let renderer = Renderer::new(|| {}).expect("threads");
     let (huge, values) = subject(4000, 3000);

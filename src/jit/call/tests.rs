@@ -1,0 +1,88 @@
+//! Programs and kernels against each other, and what they refuse.
+
+use super::*;
+use crate::formula::Formula;
+use crate::formula::binding::Bindings;
+use crate::jit::kernel::Output;
+use crate::jit::lanes::Sums;
+use crate::lang::source::Source;
+use crate::presets::{self, Kind};
+use crate::segment::ROUND_LINES;
+
+/// What the contribution kernels of a formula yield on some numbers, compiled for at most so many blocks at a time.
+fn contributions(bindings: &Bindings, widest: usize) -> (usize, Vec<f32>) {
+    let mut target = target().unwrap();
+    target.widths.retain(|width| *width <= widest);
+    let frontier = &bindings.frontier;
+    let plan = |output| KernelPlan {
+        name: "contributions",
+        streams: [frontier.hits.clone(), frontier.records.clone(), Vec::new()],
+        uniforms: frontier.uniforms.clone(),
+        outputs: bindings.contribution.to_vec(),
+        output,
+        wide: true,
+        interleave: 4,
+    };
+    let kernels = generate_for(&target, &[plan(Output::FirstTerms), plan(Output::MoreTerms)], &bindings.graph, None).unwrap();
+    const LINES: usize = 3 * ROUND_LINES;
+    let number = |place: usize| 1.25 * ((place as f32 * 0.618_034).fract() - 0.3);
+    let line = |first: usize| Line(std::array::from_fn(|lane| number(first + lane)));
+    let stream = |columns: &usize| (0..LINES * columns).map(|place| line(16 * place + 1000 * columns)).collect();
+    let streams: [Vec<Line>; STREAMS] = kernels[0].streams.each_ref().map(stream);
+    let uniforms: Vec<Splat> = (0..kernels[0].uniforms).map(|place| Splat::new(number(7 * place).abs() * 3.0)).collect();
+    let mut outputs = vec![vec![Line::default(); LINES]; 3];
+    let mut planes: Vec<&mut [Line]> = outputs.iter_mut().map(Vec::as_mut_slice).collect();
+    // One stores, the other adds twice.
+    for kernel in [&kernels[0], &kernels[1], &kernels[1]] {
+        kernel.run(streams.each_ref().map(Vec::as_slice), &uniforms, &mut planes, LINES);
+    }
+    (kernels[0].shape.round(), outputs.iter().flatten().flat_map(|line| line.0).collect())
+}
+
+#[test]
+fn kernels_of_all_widths_compute_the_same() {
+    let every = "body_specific; a: scalar; b: scalar; formula;
+        = <sin(a*alpha) + asin(N.V) + tan(b*beta), exp(a*(N.L)) + log(b + dist) + atan2(a*alpha, beta), (a*dist)^(b*(N.L))>
+        + if(a*alpha < b, <1, floor(a*beta), 0>, V*sqrt(b*dist));";
+    let presets = presets::names(Kind::Formula).map(|name| presets::text(Kind::Formula, name).unwrap().to_owned());
+    for text in presets.chain([every.to_owned()]) {
+        let (formula, _) = Formula::parse(&Source::new("formula", text.clone())).unwrap();
+        let bindings = Bindings::new(&formula);
+        let (round, narrow) = contributions(&bindings, 1);
+        assert!(round <= 4 && narrow.iter().any(|x| *x != 0.0));
+        for width in target().unwrap().widths {
+            let (round, wide) = contributions(&bindings, width);
+            assert!(round.is_multiple_of(width), "as wide as there are registers for: {text}");
+            // Two to the power of a negative number may differ in the last place, see `vreduceps`.
+            let same = |(x, y): (&f32, &f32)| x == y || x.is_nan() && y.is_nan() || (x - y).abs() <= 2e-6 * x.abs().max(1.0);
+            let other = narrow.iter().zip(&wide).find(|pair| !same(*pair));
+            assert_eq!(other, None, "{width} blocks: {text}");
+        }
+    }
+}
+
+#[test]
+fn programs_run_on_nothing_that_is_too_short() {
+    let (formula, _) = Formula::parse(&Source::new("formula", presets::text(Kind::Formula, "phong").unwrap())).unwrap();
+    let compiled = crate::jit::CompiledFormula::new(&formula).unwrap();
+    let columns = compiled.bindings.frontier.records.len();
+    let kernel = &compiled.contributor.storing;
+    let mut program = Program::default();
+    program.contribute(kernel, [0..0, 4..4 + 4 * columns, 0..0], 2, 0..3, 8..12);
+    let added = program.add(1..3, 5, None, 0);
+    let lines = vec![Line::default(); 4 + 4 * columns];
+    let uniforms = vec![Splat::default(); 2 + compiled.contributor.uniform_kernel.outputs()];
+    let segments = vec![Segment::new(0, 0, 0); 3];
+    let weights = vec![0.0; 5 + CHUNK_HITS];
+    let (mut sums, mut planes) = (bytemuck::zeroed_box::<Sums>(), bytemuck::zeroed_box::<PixelPlanes>());
+    let mut run = |lines: &[Line], uniforms: &[Splat], segments: &[Segment], weights: &[f32]| {
+        let (sums, planes) = (&mut *sums, &mut *planes);
+        let mut operands = Operands { streams: [&[], lines, &[]], coming: &[], uniforms, segments, weights, sums, planes };
+        std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| program.run(0..program.len(), &mut operands))).is_ok()
+    };
+    assert!(run(&lines, &uniforms, &segments, &weights));
+    assert!(!run(&lines[1..], &uniforms, &segments, &weights) && !run(&lines, &uniforms[1..], &segments, &weights));
+    // Where no code adds, nothing reads these.
+    assert_eq!(run(&lines, &uniforms, &segments[1..], &weights), !added);
+    assert_eq!(run(&lines, &uniforms, &segments, &weights[1..]), !added);
+}
