@@ -62,6 +62,8 @@ pub mod bytecode;
 
 pub mod jit;
 
+mod transfer;
+
 pub mod evaluate;
 
 pub mod workspace;

@@ -1,9 +1,11 @@
 //! Pictures as files: from linear colours to bytes, and into PNG, BMP or OpenEXR.
 //!
-//! The 8-bit formats hold colours clamped to 0..1, without gamma as in the thesis (9.1.6) or with the sRGB transfer function.
+//! The 8-bit formats hold the bytes that a [`Transfer`] gives.
 //! OpenEXR holds the linear numbers themselves, unclamped.
 
 use crate::evaluate::Frame;
+pub use crate::transfer::Transfer;
+use crate::transfer::{Bytes, with_bytes};
 use crate::workspace::files::{reason, replace_file};
 use image::codecs::bmp::BmpEncoder;
 use image::codecs::openexr::OpenExrEncoder;
@@ -13,27 +15,6 @@ use rayon::prelude::*;
 use std::fs::File;
 use std::io::{self, BufWriter};
 use std::path::Path;
-
-/// How linear colours become those of an 8-bit picture.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Transfer {
-    /// As they are.
-    #[default]
-    Linear,
-    /// By the transfer function of sRGB (IEC 61966-2-1).
-    Srgb,
-}
-
-impl Transfer {
-    /// A component 0..1 as it is stored, 0..1.
-    fn encode(self, linear: f32) -> f32 {
-        match self {
-            Transfer::Linear => linear,
-            Transfer::Srgb if linear <= 0.003_130_8 => 12.92 * linear,
-            Transfer::Srgb => 1.055 * linear.powf(1.0 / 2.4) - 0.055,
-        }
-    }
-}
 
 /// The formats of picture files.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -68,9 +49,10 @@ impl Format {
 
 /// Colours as bytes, red, green and blue of each pixel: clamped to 0..1, NaN as 0, and rounded to the nearest of 0..=255.
 pub fn quantise(linear: &[[f32; 3]], transfer: Transfer) -> Vec<u8> {
-    // The cast takes NaN to 0.
-    let byte = |component: f32| (255.0 * transfer.encode(component.clamp(0.0, 1.0))).round() as u8;
-    linear.par_iter().flat_map_iter(|pixel| pixel.map(byte)).collect()
+    // No byte is larger than 255.
+    with_bytes!(transfer, bytes => {
+        linear.as_flattened().par_iter().map(|component| bytes.byte(*component) as u8).collect()
+    })
 }
 
 /// Writes a picture, whole or not at all, in the format of the path's suffix. The transfer is that of the 8-bit formats.

@@ -5,6 +5,7 @@ use illuminator::formula::Formula;
 use illuminator::jit::CompiledFormula;
 use illuminator::lang::source::Source;
 use illuminator::lang::variables::Owner;
+use illuminator::picture::Transfer;
 use illuminator::scene::Scene;
 use illuminator::trace::{Budget, Counts, Hits, LINE_HITS, View, trace};
 use illuminator::workspace::{OwnerId, Values};
@@ -112,7 +113,7 @@ impl Workload {
         let kernels = Arc::new(CompiledFormula::new(&formula).expect("a formula that can be compiled"));
         let compiled = Arc::new(Compiled::new(kernels, &formula, &scene, &hits).expect("hits of this scene"));
         let numbers = self.numbers(&formula, &scene);
-        let mut framebuffer = Framebuffer::black(width, height);
+        let mut framebuffer = Framebuffer::black(width, height, Transfer::Linear);
         let bodies = moved(&numbers, &all_places(&formula, &scene, &["kd", "h"]), [1.0, 0.999]);
         let places = places(&formula, &scene, "floor", "kd");
         let slider = moved(&numbers, &places, [1.0, 0.5]);

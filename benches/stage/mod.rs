@@ -5,6 +5,7 @@ use illuminator::evaluate::{Compiled, Drag, Framebuffer};
 use illuminator::formula::{Formula, ParameterId};
 use illuminator::jit::CompiledFormula;
 use illuminator::lang::variables::Owner;
+use illuminator::picture::Transfer;
 use illuminator::presets::Kind;
 use illuminator::scene::Scene;
 use illuminator::trace::{Budget, Hits, View, trace};
@@ -170,7 +171,7 @@ impl Stage {
     }
 
     fn framebuffer(&self) -> Framebuffer {
-        Framebuffer::black(self.script.view.width(), self.script.view.height())
+        Framebuffer::black(self.script.view.width(), self.script.view.height(), Transfer::Linear)
     }
 }
 

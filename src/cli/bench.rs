@@ -10,6 +10,7 @@ use illuminator::evaluate::{Compiled, Drag, Framebuffer, Interpreted};
 use illuminator::formula::ParameterId;
 use illuminator::jit::CompiledFormula;
 use illuminator::lang::types::Type;
+use illuminator::picture::Transfer;
 use illuminator::trace::Hits;
 use illuminator::workspace::{OwnerId, Values};
 use serde::Serialize;
@@ -147,7 +148,7 @@ fn measure(options: &Options, input: &Input, sliders: &[Slider]) -> Result<Repor
     let (trace_ms, hits) = time(traces, || engine::trace_for(&compiled, input, view, bytes, &|_| ()))?;
     progress.tell(0.2);
     let evaluator = Arc::new(engine::compiled_backend(&compiled, input, &hits)?);
-    let mut framebuffer = Framebuffer::black(view.width(), view.height());
+    let mut framebuffer = Framebuffer::black(view.width(), view.height(), Transfer::Linear);
     let numbers = input.values.numbers();
     let jit_ms = median(options.runs, |_| {
         let start = Instant::now();

@@ -8,6 +8,7 @@ use illuminator::lang::diagnostic::{Diagnostic, Diagnostics};
 use illuminator::lang::parser::parse;
 use illuminator::lang::source::Source;
 use illuminator::lang::variables::Predefined;
+use illuminator::picture::Transfer;
 use illuminator::presets::{DEFAULT_SESSION, Kind};
 use illuminator::scene::Scene;
 use illuminator::trace::{View, usable_memory};
@@ -38,8 +39,8 @@ pub(super) struct Input {
     pub(super) values: Values,
     /// Size, depth and the like.
     pub(super) view: View,
-    /// Whether the session wants the sRGB transfer function.
-    pub(super) srgb: bool,
+    /// How the session wants colours stored.
+    pub(super) transfer: Transfer,
 }
 
 /// A session that was read, with its text.
@@ -141,7 +142,15 @@ pub(super) fn load(options: &InputOptions) -> Result<Input, Failure> {
     let picture = picture_settings(options, session.as_ref().map(|open| open.session.picture).unwrap_or_default());
     let view = view(&picture)?;
     let values = values(&formula, &scene, session.as_ref(), replaced, shelf.as_ref(), options)?;
-    Ok(Input { formula_source, formula: Arc::new(formula), scene: Arc::new(scene), files, values, view, srgb: picture.srgb })
+    Ok(Input {
+        formula_source,
+        formula: Arc::new(formula),
+        scene: Arc::new(scene),
+        files,
+        values,
+        view,
+        transfer: picture.transfer(),
+    })
 }
 
 /// Which of a session's files the command line replaces.

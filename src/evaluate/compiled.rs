@@ -2,7 +2,7 @@
 
 use crate::evaluate::columns::Columns;
 use crate::evaluate::frame::Frame;
-use crate::evaluate::framebuffer::{Channels, Framebuffer};
+use crate::evaluate::framebuffer::{Channels, Framebuffer, Part};
 use crate::evaluate::pass::{Onto, Pass, Source, Workroom};
 use crate::evaluate::planes::Weight;
 use crate::evaluate::program::TileProgram;
@@ -119,17 +119,15 @@ impl Compiled {
     pub fn draw(&self, memory: &[f32], framebuffer: &mut Framebuffer) {
         self.check_size(framebuffer);
         let pass = self.whole(memory);
-        self.each_tile(framebuffer.pixels.par_chunks_mut(TILE_PIXELS as usize), |pixels, place, workroom| {
-            self.draw_tile(&pass, memory, place, workroom, pixels);
-        });
+        self.each_tile(framebuffer.parts(), |part, place, workroom| self.draw_tile(&pass, memory, place, workroom, part));
     }
 
     /// Draws a tile into its part of a framebuffer.
-    pub(super) fn draw_tile(&self, pass: &Pass, memory: &[f32], place: usize, workroom: &mut Workroom, pixels: &mut [u32]) {
+    pub(super) fn draw_tile(&self, pass: &Pass, memory: &[f32], place: usize, workroom: &mut Workroom, part: Part) {
         self.tile(pass, memory, place, workroom);
         // Kernels have fetched what is just behind the tile's own.
         let behind = self.columns.get(place + 1).and_then(|next| next.lines().get(AHEAD / size_of::<Line>()..));
-        workroom.planes.quantise(pixels, behind.unwrap_or_default());
+        workroom.planes.quantise(part, behind.unwrap_or_default());
     }
 
     pub(super) fn check_size(&self, framebuffer: &Framebuffer) {

@@ -3,10 +3,11 @@
 //! Hits stand side by side in lines, and those whose pixels are neighbours too make a [`Segment`]: what they add is added at once, by compiled
 //! code where the processor has masks, else in vectors of four. Which colours are added, and with what weight, is the caller's.
 
-use crate::evaluate::framebuffer::{self, Channels};
+use crate::evaluate::framebuffer::{self, Channels, Part};
 use crate::jit::lanes::PLANE_PIXELS;
 use crate::jit::{Line, PixelCode, PixelLine, PixelPlanes, Sums};
 use crate::trace::{CHUNK_LINES, LINE_HITS, MAX_DEPTH, Region, Segment, TILE_PIXELS, Tile};
+use crate::transfer::{Transfer, with_bytes};
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
@@ -67,19 +68,22 @@ impl Planes {
     }
 
     /// Writes the tile's pixels. These lines are read next.
-    pub(super) fn quantise(&self, pixels: &mut [u32], coming: &[Line]) {
-        let Some(code) = self.code else { return self.quantise_portably(0, pixels) };
+    pub(super) fn quantise(&self, part: Part, coming: &[Line]) {
+        let Part { pixels, transfer } = part;
+        let Some(code) = self.code.filter(|_| transfer == Transfer::Linear) else {
+            return self.quantise_portably(0, Part { pixels, transfer });
+        };
         // Stores past the caches are of whole lines.
         let (head, lines, tail) = bytemuck::pod_align_to_mut::<u32, PixelLine>(pixels);
         let (first, last) = (head.len(), head.len() + lines.len() * LINE_HITS);
-        self.quantise_portably(0, head);
+        self.quantise_portably(0, Part { pixels: head, transfer });
         code.write(&self.planes, PIXELS.start + first, lines, coming);
-        self.quantise_portably(last, tail);
+        self.quantise_portably(last, Part { pixels: tail, transfer });
     }
 
     /// Writes some pixels, from this one of the tile on, without compiled code.
-    fn quantise_portably(&self, first: usize, pixels: &mut [u32]) {
-        self.arch.dispatch(Quantise { planes: self.components().map(|plane| &plane[first..]), pixels });
+    fn quantise_portably(&self, first: usize, part: Part) {
+        self.arch.dispatch(Quantise { planes: self.components().map(|plane| &plane[first..]), part });
     }
 }
 
@@ -144,7 +148,7 @@ impl WithSimd for Fill<'_> {
 
 struct Quantise<'a> {
     planes: [&'a [f32]; 3],
-    pixels: &'a mut [u32],
+    part: Part<'a>,
 }
 
 impl WithSimd for Quantise<'_> {
@@ -152,7 +156,7 @@ impl WithSimd for Quantise<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        framebuffer::write(self.pixels, self.planes);
+        with_bytes!(self.part.transfer, bytes => framebuffer::write(self.part.pixels, self.planes, bytes));
     }
 }
 
@@ -319,10 +323,14 @@ mod tests {
             let part = planes.part_mut(component, 0..2000);
             part.iter_mut().enumerate().for_each(|(place, pixel)| *pixel = number(place + 31 * component));
         }
-        for (start, length) in [(0, 2000), (3, 1500), (5, 16), (1, 7), (0, 0)] {
-            let mut pixels = vec![[0xdead_beef; 2000]; 2];
-            planes.quantise(&mut pixels[0][start..start + length], &[]);
-            planes.quantise_portably(0, &mut pixels[1][start..start + length]);
+        let places = [(0, 2000), (3, 1500), (5, 16), (1, 7), (0, 0)];
+        for ((start, length), transfer) in
+            places.into_iter().flat_map(|place| [Transfer::Linear, Transfer::Srgb].map(|transfer| (place, transfer)))
+        {
+            let mut pixels = [[0xdead_beef; 2000]; 2];
+            let [part, portable] = pixels.each_mut().map(|pixels| Part { pixels: &mut pixels[start..start + length], transfer });
+            planes.quantise(part, &[]);
+            planes.quantise_portably(0, portable);
             assert!(pixels[0] == pixels[1], "{length} pixels at {start}");
         }
     }

@@ -8,6 +8,7 @@ mod drawing;
 use crate::evaluate::{self, Backend, Method};
 use crate::formula::Formula;
 use crate::formula::binding::Bindings;
+use crate::picture::Transfer;
 use crate::scene::Scene;
 use crate::trace::{Budget, Counts, Hits, TraceError, View, trace};
 use drawing::Artist;
@@ -28,8 +29,8 @@ pub struct Subject {
     pub view: View,
     /// By which backend.
     pub backend: Backend,
-    /// Whether the picture is shown with the sRGB transfer function.
-    pub srgb: bool,
+    /// How colours become bytes.
+    pub transfer: Transfer,
 }
 
 impl Subject {

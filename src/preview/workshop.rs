@@ -143,7 +143,7 @@ impl Workshop {
             scene: Arc::clone(&self.scene),
             view,
             backend: self.backend,
-            srgb: self.picture.srgb,
+            transfer: self.picture.transfer(),
         };
         self.asked = self.renderer.show(subject, self.values.numbers());
     }
@@ -367,7 +367,7 @@ impl Workshop {
             hits: self.renderer.hits(&view),
             backend: self.backend,
             numbers: self.values.numbers().to_vec(),
-            srgb: self.picture.srgb,
+            transfer: self.picture.transfer(),
         })
     }
 }

@@ -9,6 +9,7 @@ use crate::lang::ast::Constant;
 use crate::lang::diagnostic::{Diagnostic, Diagnostics};
 use crate::lang::source::{Source, Span};
 use crate::lang::variables::Owner;
+use crate::transfer::Transfer;
 use crate::workspace::assignment::Assignment;
 use crate::workspace::files::{Location, replace_text};
 use crate::workspace::owner::OwnerId;
@@ -46,6 +47,13 @@ pub struct PictureSettings {
     pub default_index: f64,
     /// Whether pictures are stored with the sRGB transfer function.
     pub srgb: bool,
+}
+
+impl PictureSettings {
+    /// How its colours become bytes.
+    pub fn transfer(&self) -> Transfer {
+        if self.srgb { Transfer::Srgb } else { Transfer::Linear }
+    }
 }
 
 impl Default for PictureSettings {

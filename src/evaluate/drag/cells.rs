@@ -3,6 +3,7 @@
 use crate::evaluate::framebuffer::{self, Channels};
 use crate::evaluate::planes::Planes;
 use crate::trace::Segment;
+use crate::transfer::Bytes;
 
 /// Pixels of a cell. A cell of a framebuffer is a cache line.
 pub(super) const CELL_PIXELS: usize = 16;
@@ -79,17 +80,31 @@ pub(super) struct Factor(pub(super) [f32; 3]);
 
 /// Writes cells one behind the other: for each, `numbers` holds the base, and behind it an image for each factor.
 #[inline(always)]
-pub(super) fn combine(numbers: &[f32], factors: &[Factor], channels: Channels, cells: &[u16], pixels: &mut [u32]) {
+pub(super) fn combine(
+    numbers: &[f32],
+    factors: &[Factor],
+    channels: Channels,
+    cells: &[u16],
+    pixels: &mut [u32],
+    bytes: impl Bytes,
+) {
     match factors {
         // Most cells have one image: then all is of known length.
-        [factor] => combine_images::<1>(numbers, &[*factor], channels, cells, pixels),
-        _ => combine_images::<0>(numbers, factors, channels, cells, pixels),
+        [factor] => combine_images::<1>(numbers, &[*factor], channels, cells, pixels, bytes),
+        _ => combine_images::<0>(numbers, factors, channels, cells, pixels, bytes),
     }
 }
 
 /// The same with `N` factors, or with any number of them where that is 0.
 #[inline(always)]
-fn combine_images<const N: usize>(numbers: &[f32], factors: &[Factor], channels: Channels, cells: &[u16], pixels: &mut [u32]) {
+fn combine_images<const N: usize>(
+    numbers: &[f32],
+    factors: &[Factor],
+    channels: Channels,
+    cells: &[u16],
+    pixels: &mut [u32],
+    bytes: impl Bytes,
+) {
     let factors = if N == 0 { factors } else { &factors[..N] };
     // A row for each component of the base and of every image.
     let (rows, _) = numbers.as_chunks::<CELL_PIXELS>();
@@ -103,7 +118,7 @@ fn combine_images<const N: usize>(numbers: &[f32], factors: &[Factor], channels:
                         add(&mut sums, &rows[3 * (image + 1) + component], factor[component]);
                     }
                     for (word, sum) in words.iter_mut().zip(sums) {
-                        *word = *word << 8 | framebuffer::byte(sum);
+                        *word = *word << 8 | bytes.byte(sum);
                     }
                 }
                 in_cell(pixels_of(pixels, *cell), |pixels| *pixels = words);
@@ -115,7 +130,7 @@ fn combine_images<const N: usize>(numbers: &[f32], factors: &[Factor], channels:
                 for (image, Factor(factor)) in factors.iter().enumerate() {
                     add(&mut sums, &rows[image + 1], factor[component]);
                 }
-                in_cell(pixels_of(pixels, *cell), |pixels| framebuffer::write_component(pixels, component, &sums));
+                in_cell(pixels_of(pixels, *cell), |pixels| framebuffer::write_component(pixels, component, &sums, bytes));
             }
         }
     }

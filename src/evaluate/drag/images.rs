@@ -1,8 +1,9 @@
 //! Images of a tile that a frame is a weighed sum of.
 
 use crate::evaluate::drag::cells::{self, CellSet, Factor};
-use crate::evaluate::framebuffer::Channels;
+use crate::evaluate::framebuffer::{Channels, Part};
 use crate::evaluate::planes::Planes;
+use crate::transfer::{Bytes, with_bytes};
 use pulp::{Simd, WithSimd};
 
 /// What an image is multiplied with: kr and kt of the body whose weights move, so many times, and the factors of a term (0: 1).
@@ -131,9 +132,9 @@ impl TileImages {
     }
 
     /// Writes all cells of the tile.
-    pub(super) fn draw(&self, factor: &impl Fn(Key) -> Factor, pixels: &mut [u32]) {
+    pub(super) fn draw(&self, factor: &impl Fn(Key) -> Factor, part: Part) {
         let factors: Vec<Factor> = self.keys.iter().map(|key| factor(*key)).collect();
-        pulp::Arch::new().dispatch(Drawing { images: self, factors: &factors, pixels });
+        pulp::Arch::new().dispatch(Drawing { images: self, factors: &factors, part });
     }
 }
 
@@ -141,7 +142,7 @@ impl TileImages {
 struct Drawing<'a> {
     images: &'a TileImages,
     factors: &'a [Factor],
-    pixels: &'a mut [u32],
+    part: Part<'a>,
 }
 
 impl WithSimd for Drawing<'_> {
@@ -149,17 +150,24 @@ impl WithSimd for Drawing<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Drawing { images, factors, pixels } = self;
-        let stride = cells::stride(images.channels);
+        let Part { pixels, transfer } = self.part;
+        with_bytes!(transfer, bytes => self.images.combine(self.factors, pixels, bytes));
+    }
+}
+
+impl TileImages {
+    #[inline(always)]
+    fn combine(&self, factors: &[Factor], pixels: &mut [u32], bytes: impl Bytes) {
+        let stride = cells::stride(self.channels);
         let mut own = Vec::new();
-        let (mut cells, mut numbers) = (&*images.cells, &*images.numbers);
-        for run in &images.runs {
+        let (mut cells, mut numbers) = (&*self.cells, &*self.numbers);
+        for run in &self.runs {
             own.clear();
             own.extend(run.images.iter().map(|image| factors[usize::from(*image)]));
             let length = stride * (1 + own.len());
             let (here, later) = cells.split_at(run.cells);
             let (own_numbers, behind) = numbers.split_at(length * run.cells);
-            cells::combine(own_numbers, &own, images.channels, here, pixels);
+            cells::combine(own_numbers, &own, self.channels, here, pixels, bytes);
             cells = later;
             numbers = behind;
         }

@@ -17,11 +17,12 @@ mod plan;
 
 use crate::evaluate::columns::Columns;
 use crate::evaluate::compiled::Compiled;
-use crate::evaluate::framebuffer::{self, Channels, Framebuffer};
+use crate::evaluate::framebuffer::{self, Channels, Framebuffer, Part};
 use crate::evaluate::pass::{Onto, Pass, Workroom};
 use crate::evaluate::program::TileProgram;
 use crate::jit::CompileError;
-use crate::trace::{TILE_PIXELS, Tile};
+use crate::trace::Tile;
+use crate::transfer::with_bytes;
 use images::{Image, Key, LARGEST_SUM, TileImages};
 use plan::{Passes, Plan, Step, Work};
 use pulp::{Simd, WithSimd};
@@ -145,7 +146,7 @@ impl Drag {
         !self.tiles.iter().any(|tile| matches!(tile, TileState::Waiting { .. }))
     }
 
-    /// Draws the picture of these numbers. The framebuffer is that of the last frame, unless this is the first: what cannot have changed
+    /// Draws the picture of these numbers. The framebuffer is that of the last frame, with its transfer, unless this is the first: what cannot have changed
     /// is not written. Numbers other than the moved ones may be others than before, but then all begins anew. All lie within the ranges
     /// of their parameters: how a formula is computed and taken apart is proved for these alone.
     ///
@@ -162,31 +163,31 @@ impl Drag {
         let factor = |key: Key| self.plan.factor(key, &factors);
         // Once all is made, tiles that are drawn the general way are rare.
         let whole = OnceLock::new();
-        let draw_anew = |place: usize, workroom: &mut Workroom, pixels: &mut [u32]| {
-            compiled.draw_tile(whole.get_or_init(|| compiled.whole(memory)), memory, place, workroom, pixels);
+        let draw_anew = |place: usize, workroom: &mut Workroom, part: Part| {
+            compiled.draw_tile(whole.get_or_init(|| compiled.whole(memory)), memory, place, workroom, part);
         };
         let live = self.plan.live_pass(compiled, memory);
         let (channels, drawn) = (self.plan.channels(), self.drawn);
-        let tiles = framebuffer.pixels.par_chunks_mut(TILE_PIXELS as usize).zip(&mut self.tiles);
-        compiled.each_tile(tiles, |(pixels, state), place, workroom| match state {
+        let tiles = framebuffer.parts().zip(&mut self.tiles);
+        compiled.each_tile(tiles, |(part, state), place, workroom| match state {
             TileState::Untouched if drawn => {}
             TileState::Images { images, right } => {
                 let accurate = images.is_accurate(&factor);
                 if drawn && accurate && *right {
-                    images.draw(&factor, pixels);
+                    images.draw(&factor, part);
                 } else {
-                    draw_anew(place, workroom, pixels);
+                    draw_anew(place, workroom, part);
                 }
                 *right = accurate;
             }
             TileState::Live(tile) if drawn => {
                 if let Some(live) = &live {
                     compiled.path_weights(&compiled.hits.tiles[place], memory, &mut workroom.weights);
-                    tile.draw(&compiled.hits.tiles[place], place, live, channels, workroom, pixels);
+                    tile.draw(&compiled.hits.tiles[place], place, live, channels, workroom, part);
                 }
             }
             TileState::Untouched | TileState::Live(_) | TileState::Waiting { .. } | TileState::General => {
-                draw_anew(place, workroom, pixels);
+                draw_anew(place, workroom, part);
             }
         });
         self.drawn = true;
@@ -332,14 +333,14 @@ impl Making<'_> {
 
 impl LiveTile {
     /// Adds what is live to what rests, and writes the cells. The workroom holds the weights of the tile's paths.
-    fn draw(&mut self, tile: &Tile, place: usize, live: &Pass, channels: Channels, workroom: &mut Workroom, pixels: &mut [u32]) {
+    fn draw(&mut self, tile: &Tile, place: usize, live: &Pass, channels: Channels, workroom: &mut Workroom, part: Part) {
         let stride = cells::stride(channels);
         for (cell, lanes) in self.cells.iter().zip(self.base.chunks_exact(stride)) {
             cells::restore(&mut workroom.planes, usize::from(*cell), channels, lanes);
         }
         live.add(tile, place, self.kept.as_ref(), Onto::WhatIsThere, workroom, &mut self.program);
         let planes = workroom.planes.components();
-        pulp::Arch::new().dispatch(Writing { cells: &self.cells, planes, channels, pixels });
+        pulp::Arch::new().dispatch(Writing { cells: &self.cells, planes, channels, part });
     }
 }
 
@@ -348,7 +349,7 @@ struct Writing<'a> {
     cells: &'a [u16],
     planes: [&'a [f32]; 3],
     channels: Channels,
-    pixels: &'a mut [u32],
+    part: Part<'a>,
 }
 
 impl WithSimd for Writing<'_> {
@@ -356,15 +357,16 @@ impl WithSimd for Writing<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        for cell in self.cells {
+        let Writing { cells, planes, channels, part: Part { pixels, transfer } } = self;
+        with_bytes!(transfer, bytes => for cell in cells {
             let start = usize::from(*cell) * cells::CELL_PIXELS;
-            let part = self.planes.map(|plane| &plane[start..start + cells::CELL_PIXELS]);
-            let pixels = cells::pixels_of(self.pixels, *cell);
-            match self.channels {
-                Channels::All => framebuffer::write(pixels, part),
-                Channels::One(component) => framebuffer::write_component(pixels, component, part[component]),
+            let linear = planes.map(|plane| &plane[start..start + cells::CELL_PIXELS]);
+            let pixels = cells::pixels_of(pixels, *cell);
+            match channels {
+                Channels::All => framebuffer::write(pixels, linear, bytes),
+                Channels::One(component) => framebuffer::write_component(pixels, component, linear[component], bytes),
             }
-        }
+        });
     }
 }
 

@@ -99,7 +99,7 @@ impl Artist {
         if let Some((.., interpreted)) = &self.interpreted {
             let start = Instant::now();
             let (mut frame, _) = interpreted.frame(numbers);
-            words(&frame.linear, subject.srgb, pixels);
+            words(&frame.linear, subject.transfer, pixels);
             tell(Event::Frame { method: None, time: start.elapsed() });
             if !is_held {
                 tell(Event::Undefined(frame.clean()));
@@ -140,40 +140,39 @@ impl Artist {
             }
         };
         let [width, height] = [hits.view.width(), hits.view.height()];
-        let fits = |framebuffer: &Framebuffer| (framebuffer.width, framebuffer.height) == (width, height);
+        let fits = |framebuffer: &Framebuffer| {
+            (framebuffer.width, framebuffer.height, framebuffer.transfer) == (width, height, subject.transfer)
+        };
         let mut framebuffer = match self.framebuffer.take() {
             Some(framebuffer) if fits(&framebuffer) => framebuffer,
-            Some(_) | None => Framebuffer::black(width, height),
+            Some(_) | None => {
+                // A drag goes on in its own framebuffer alone.
+                self.drag = None;
+                Framebuffer::black(width, height, subject.transfer)
+            }
         };
         let frame_start = Instant::now();
         let mut method = None;
-        if subject.srgb {
-            // The transfer needs numbers, which drags do not have: each picture is a whole one.
-            self.drag = None;
-            method = held.is_some().then_some(Method::General);
-            words(&ready.frame(numbers).linear, true, pixels);
-        } else {
-            match held {
-                Some(places) => {
-                    if self.drag.as_ref().is_none_or(|(held, _)| *held != places) {
-                        let drag = Drag::new(&ready, &places, numbers, DRAG_BYTES).ok();
-                        self.drag = Some((places, drag));
-                    }
-                    if let Some((_, Some(drag))) = &mut self.drag {
-                        drag.frame(numbers, &mut framebuffer);
-                        method = Some(drag.method());
-                    } else {
-                        ready.draw(numbers, &mut framebuffer);
-                        method = Some(Method::General);
-                    }
+        match held {
+            Some(places) => {
+                if self.drag.as_ref().is_none_or(|(held, _)| *held != places) {
+                    let drag = Drag::new(&ready, &places, numbers, DRAG_BYTES).ok();
+                    self.drag = Some((places, drag));
                 }
-                None => {
-                    self.drag = None;
+                if let Some((_, Some(drag))) = &mut self.drag {
+                    drag.frame(numbers, &mut framebuffer);
+                    method = Some(drag.method());
+                } else {
                     ready.draw(numbers, &mut framebuffer);
+                    method = Some(Method::General);
                 }
             }
-            copy(&framebuffer.pixels, pixels);
+            None => {
+                self.drag = None;
+                ready.draw(numbers, &mut framebuffer);
+            }
         }
+        copy(&framebuffer.pixels, pixels);
         self.framebuffer = Some(framebuffer);
         if is_new {
             let bytes_per_pixel = ready.bytes() as f64 / f64::from(width * height);
@@ -193,8 +192,8 @@ fn copy(from: &[u32], to: &mut Vec<u32>) {
 }
 
 /// Linear colours as words `0x00RRGGBB`.
-fn words(linear: &[[f32; 3]], srgb: bool, pixels: &mut Vec<u32>) {
-    let bytes = quantise(linear, if srgb { Transfer::Srgb } else { Transfer::Linear });
+fn words(linear: &[[f32; 3]], transfer: Transfer, pixels: &mut Vec<u32>) {
+    let bytes = quantise(linear, transfer);
     let word = |[red, green, blue]: &[u8; 3]| u32::from_be_bytes([0, *red, *green, *blue]);
     pixels.clear();
     pixels.extend(bytes.as_chunks::<3>().0.iter().map(word));

@@ -13,7 +13,18 @@ fn subject(width: u32, height: u32) -> (Subject, Values) {
     let (scene, _) = Scene::parse(&source(Kind::Scene, "studio")).expect("a scene");
     let values = Values::defaults(&formula, &scene);
     let view = View::new(width, height).expect("a size in range").with_depth(3).expect("a depth in range");
-    (Subject { formula: Arc::new(formula), scene: Arc::new(scene), view, backend: Backend::Jit, srgb: false }, values)
+    (
+        Subject { formula: Arc::new(formula), scene: Arc::new(scene), view, backend: Backend::Jit, transfer: Transfer::Linear },
+        values,
+    )
+}
+
+/// Moves a slider of a body; the places of its numbers.
+fn moved_kd(values: &mut Values, to: f32) -> Vec<usize> {
+    let roster = values.roster();
+    let (owner, id, _) = values.iter().find(|(owner, id, _)| roster.label(*owner, *id).ends_with(".kd")).expect("a slider");
+    values.move_to(owner, id, [to; 3]);
+    values.moved_places(owner, id)
 }
 
 /// Waits for a picture of these values with all its pixels.
@@ -35,7 +46,7 @@ fn expected(subject: &Subject, values: &Values) -> Vec<u32> {
     let hits = trace(&subject.scene, &subject.view, &Budget::UNLIMITED, &|_| {}, &AtomicBool::new(false)).expect("small enough");
     let compiled = Arc::new(CompiledFormula::new(&subject.formula).expect("a formula of ordinary size"));
     let compiled = Compiled::new(compiled, &subject.formula, &subject.scene, &Arc::new(hits)).expect("hits of the scene");
-    let mut framebuffer = Framebuffer::black(subject.view.width(), subject.view.height());
+    let mut framebuffer = Framebuffer::black(subject.view.width(), subject.view.height(), subject.transfer);
     compiled.draw(values.numbers(), &mut framebuffer);
     framebuffer.pixels
 }
@@ -47,13 +58,10 @@ fn the_newest_picture_comes_whatever_was_wanted_before() {
     let first = renderer.show(small.clone(), values.numbers());
     assert!(wait_for(&renderer, first).pixels == expected(&small, &values));
     // Many moves of a held slider: the last one is shown.
-    let roster = values.roster();
-    let (owner, id, _) = values.iter().find(|(owner, id, _)| roster.label(*owner, *id).ends_with(".kd")).expect("a slider");
-    let places = values.moved_places(owner, id);
     let mut last = first;
     for step in 0..50 {
-        values.move_to(owner, id, [0.02 * step as f32; 3]);
-        last = renderer.move_to(values.numbers(), Some(places.clone()));
+        let places = moved_kd(&mut values, 0.02 * step as f32);
+        last = renderer.move_to(values.numbers(), Some(places));
     }
     assert!(wait_for(&renderer, last).pixels == expected(&small, &values));
     // Another size while the last is still drawn: large enough to come coarsely first.
@@ -71,17 +79,26 @@ fn the_newest_picture_comes_whatever_was_wanted_before() {
 #[test]
 fn both_backends_show_the_same_and_a_transfer_brightens() {
     let renderer = Renderer::new(|| {}).expect("threads");
-    let (compiled, values) = subject(64, 48);
+    let (compiled, mut values) = subject(64, 48);
     let one = renderer.show(compiled.clone(), values.numbers());
     let one = wait_for(&renderer, one);
     let other = renderer.show(Subject { backend: Backend::Interpreter, ..compiled.clone() }, values.numbers());
     let other = wait_for(&renderer, other);
     let far = |(a, b): (&u32, &u32)| a.to_be_bytes().iter().zip(b.to_be_bytes()).any(|(a, b)| a.abs_diff(b) > 1);
     assert_eq!(one.pixels.iter().zip(&other.pixels).filter(|pair| far(*pair)).count(), 0);
-    let bright = renderer.show(Subject { srgb: true, ..compiled }, values.numbers());
+    let bright = renderer.show(Subject { transfer: Transfer::Srgb, ..compiled.clone() }, values.numbers());
     let bright = wait_for(&renderer, bright);
     let sum = |picture: &Picture| picture.pixels.iter().flat_map(|word| word.to_be_bytes()).map(u64::from).sum::<u64>();
     assert!(sum(&bright) > sum(&one));
+    // A slider is dragged from there on, and the transfer taken away while it is held.
+    let places = moved_kd(&mut values, 0.9);
+    let moved = renderer.move_to(values.numbers(), Some(places.clone()));
+    let srgb = Subject { transfer: Transfer::Srgb, ..compiled.clone() };
+    assert!(wait_for(&renderer, moved).pixels == expected(&srgb, &values));
+    renderer.show(compiled.clone(), values.numbers());
+    moved_kd(&mut values, 0.1);
+    let moved = renderer.move_to(values.numbers(), Some(places));
+    assert!(wait_for(&renderer, moved).pixels == expected(&compiled, &values));
 }
 
 #[test]
@@ -93,10 +110,8 @@ fn who_waits_for_values_has_their_picture_then() {
     for step in 0..5 {
         renderer.wait_for(stamp, Duration::from_secs(60));
         assert!(renderer.take(&mut picture) && picture.values == stamp);
-        let roster = values.roster();
-        let (owner, id, _) = values.iter().find(|(owner, id, _)| roster.label(*owner, *id).ends_with(".kd")).expect("a slider");
-        values.move_to(owner, id, [0.1 * step as f32; 3]);
-        stamp = renderer.move_to(values.numbers(), Some(values.moved_places(owner, id)));
+        let places = moved_kd(&mut values, 0.1 * step as f32);
+        stamp = renderer.move_to(values.numbers(), Some(places));
     }
     // Not longer than it was told.
     renderer.wait_for(stamp + 1, Duration::from_millis(1));

@@ -19,7 +19,7 @@ pub struct Portrait {
     pub(super) hits: Option<Arc<Hits>>,
     pub(super) backend: Backend,
     pub(super) numbers: Vec<f32>,
-    pub(super) srgb: bool,
+    pub(super) transfer: Transfer,
 }
 
 impl Portrait {
@@ -39,7 +39,7 @@ impl Portrait {
         let evaluator = Evaluator::new(&self.formula, &self.scene, &hits, self.backend).map_err(|error| error.to_string())?;
         let mut frame = evaluator.frame(&self.numbers);
         let undefined = frame.clean();
-        save(path, &frame, if self.srgb { Transfer::Srgb } else { Transfer::Linear })?;
+        save(path, &frame, self.transfer)?;
         Ok(undefined)
     }
 }

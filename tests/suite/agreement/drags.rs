@@ -5,12 +5,19 @@ use illuminator::evaluate::verify::TOLERANCE;
 use illuminator::evaluate::{Drag, Frame, Framebuffer, Method};
 use illuminator::formula::Parameter;
 use illuminator::lang::types::Type;
+use illuminator::picture::Transfer;
 use proptest::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// The byte of a component.
-fn byte(component: f32) -> u32 {
-    (component.clamp(0.0, 1.0) * 255.0).round() as u32
+/// The byte of a component; that of NaN is 0.
+fn byte(component: f32, transfer: Transfer) -> u32 {
+    let linear = f64::from(component.clamp(0.0, 1.0));
+    let stored = match transfer {
+        Transfer::Linear => linear,
+        Transfer::Srgb if linear <= 0.003_130_8 => 12.92 * linear,
+        Transfer::Srgb => 1.055 * linear.powf(1.0 / 2.4) - 0.055,
+    };
+    (stored * 255.0).round() as u32
 }
 
 /// How many components of a drawn picture are not those of a colour within the tolerance.
@@ -20,7 +27,8 @@ pub(super) fn wrong(drawn: &Framebuffer, frame: &Frame) -> usize {
         pixels.flat_map(|(word, colour)| (0..3).map(move |component| (word >> (16 - 8 * component) & 0xff, colour[component])));
     let is_wrong = |(found, exact): &(u32, f32)| {
         let slack = TOLERANCE * exact.abs().max(1.0);
-        let range = if exact.is_finite() { byte(exact - slack)..=byte(exact + slack) } else { byte(*exact)..=byte(*exact) };
+        let [low, high] = if exact.is_finite() { [exact - slack, exact + slack] } else { [*exact; 2] };
+        let range = byte(low, drawn.transfer)..=byte(high, drawn.transfer);
         !range.contains(found)
     };
     components.filter(is_wrong).count()
@@ -56,11 +64,11 @@ fn together(case: &Case, place: usize) -> Vec<usize> {
 static METHODS: [AtomicUsize; 3] = [const { AtomicUsize::new(0) }; 3];
 
 /// Drags numbers of one owner through `values`, before and after everything is prepared.
-fn drag(case: &Case, moved: &[usize], values: &[f32]) -> Result<Method, TestCaseError> {
+fn drag(case: &Case, moved: &[usize], values: &[f32], transfer: Transfer) -> Result<Method, TestCaseError> {
     let failed = |error: &dyn std::fmt::Display| TestCaseError::fail(error.to_string());
     let mut memory = case.memory.clone();
     let mut drag = Drag::new(&case.compiled, moved, &memory, usize::MAX).map_err(|error| failed(&error))?;
-    let mut drawn = Framebuffer::black(16, 12);
+    let mut drawn = Framebuffer::black(16, 12, transfer);
     for (turn, value) in values.iter().enumerate() {
         for place in moved {
             memory[*place] = parameter_at(case, *place).ok_or_else(|| failed(&"a parameter"))?.clamp(*value).0;
@@ -78,12 +86,13 @@ fn drag(case: &Case, moved: &[usize], values: &[f32]) -> Result<Method, TestCase
 
 #[test]
 fn random_drags_give_the_general_picture() {
-    let strategy = (ingredients(), any::<prop::sample::Index>(), any::<bool>(), proptest::collection::vec(number(), 4));
-    let outcome = runner(600).run(&strategy, |((scalar, vector, result, numbers), which, all, values)| {
+    let transfer = prop::sample::select(&[Transfer::Linear, Transfer::Srgb][..]);
+    let strategy = (ingredients(), any::<prop::sample::Index>(), any::<bool>(), proptest::collection::vec(number(), 4), transfer);
+    let outcome = runner(600).run(&strategy, |((scalar, vector, result, numbers), which, all, values, transfer)| {
         let case = Case::new([&scalar, &vector, &result], &numbers)?;
         let place = which.index(case.layout.len());
         let moved = if all { together(&case, place) } else { vec![place] };
-        let method = drag(&case, &moved, &values)?;
+        let method = drag(&case, &moved, &values, transfer)?;
         METHODS[method as usize].fetch_add(1, Ordering::Relaxed);
         Ok(())
     });

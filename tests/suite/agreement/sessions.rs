@@ -6,6 +6,7 @@ use illuminator::evaluate::{Compiled, Drag, Framebuffer, Interpreted, Method};
 use illuminator::formula::{Formula, ParameterId};
 use illuminator::jit::CompiledFormula;
 use illuminator::lang::source::Source;
+use illuminator::picture::Transfer;
 use illuminator::presets::{self, Kind};
 use illuminator::scene::Scene;
 use illuminator::trace::{Budget, View, trace};
@@ -85,7 +86,7 @@ impl Model {
 const PIXELS: usize = SIZE[0] as usize * SIZE[1] as usize;
 
 fn black() -> Framebuffer {
-    Framebuffer::black(SIZE[0], SIZE[1])
+    Framebuffer::black(SIZE[0], SIZE[1], Transfer::Linear)
 }
 
 #[test]
@@ -113,12 +114,13 @@ fn every_slider_takes_the_way_that_is_meant_for_it() {
     ];
     for (formula, sliders) in cases {
         let mut model = Model::preset(formula);
-        for (slider, method) in sliders {
-            let what = format!("{slider} of {formula}");
+        let transfers = [Transfer::Linear, Transfer::Srgb];
+        for ((slider, method), transfer) in sliders.iter().flat_map(|slider| transfers.map(|transfer| (slider, transfer))) {
+            let what = format!("{slider} of {formula}, {transfer:?}");
             let mut drag = model.drag(slider, usize::MAX);
             assert_eq!(drag.method(), *method, "{what}");
             assert!(!drag.is_ready(), "{what}");
-            let mut drawn = black();
+            let mut drawn = Framebuffer { transfer, ..black() };
             // Before it is ready, then on the way, then ready.
             for part in [0.2, 0.9, 0.5] {
                 model.move_to(slider, part);

@@ -1,0 +1,187 @@
+//! How linear components of colours become the bytes of a picture: clamped to 0..1, NaN as 0, and rounded to the nearest of 0..=255, as they are
+//! (thesis 9.1.6) or by the transfer function of sRGB. Files and windows take their bytes from here, so that both show the same.
+
+use std::sync::LazyLock;
+
+/// How linear colours become those of an 8-bit picture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Transfer {
+    /// As they are.
+    #[default]
+    Linear,
+    /// By the transfer function of sRGB (IEC 61966-2-1).
+    Srgb,
+}
+
+/// Makes bytes of components, for one transfer. Written so that a compiler makes vector code of a loop over them.
+pub(crate) trait Bytes: Copy {
+    /// The byte of a linear component, whatever that is.
+    fn byte(self, linear: f32) -> u32;
+}
+
+/// Bytes for [`Transfer::Linear`].
+#[derive(Clone, Copy)]
+pub(crate) struct LinearBytes;
+
+impl Bytes for LinearBytes {
+    #[inline(always)]
+    fn byte(self, linear: f32) -> u32 {
+        // NaN fails the first comparison.
+        let positive = if linear > 0.0 { linear } else { 0.0 };
+        let clamped = if positive < 1.0 { positive } else { 1.0 };
+        // Not a whole half: what lies just below a half must not be rounded up by the sum.
+        let rounded = (clamped * 255.0 + 0.5_f32.next_down()).floor();
+        // The whole numbers up to 2²³ are the last bits of 2²³ and more.
+        (rounded + 8_388_608.0).to_bits() & 0xff
+    }
+}
+
+/// Bytes for [`Transfer::Srgb`], without a power for each: the bits of positive numbers are in the order of the numbers, and the first of them say in which
+/// cell of a table a number lies. Cells are so narrow that the byte goes up in each at most once. An entry holds the byte that a cell begins with, and below it
+/// what the last bits of a number must be added to so that they carry into the byte exactly where that goes up.
+#[derive(Clone, Copy)]
+pub(crate) struct SrgbBytes(&'static [u32; ENTRIES]);
+
+/// So many bits of a number say where in its cell it is.
+const WITHIN: u32 = 16;
+
+/// Below, every byte is 0.
+const LEAST: f32 = 1.0 / 8192.0;
+
+/// The cell that a number from `LEAST` on lies in.
+const fn cell(number: f32) -> usize {
+    ((number.to_bits() - LEAST.to_bits()) >> WITHIN) as usize
+}
+
+const CELLS: usize = cell(1.0) + 1;
+
+/// Those of the table: the remainder of a division by a power of two needs no check.
+const ENTRIES: usize = CELLS.next_power_of_two();
+
+impl SrgbBytes {
+    /// With the table, made at its first use.
+    pub(crate) fn get() -> Self {
+        static TABLE: LazyLock<[u32; ENTRIES]> = LazyLock::new(table);
+        Self(&TABLE)
+    }
+}
+
+impl Bytes for SrgbBytes {
+    #[inline(always)]
+    fn byte(self, linear: f32) -> u32 {
+        // NaN fails the first comparison.
+        let above = if linear > LEAST { linear } else { LEAST };
+        let clamped = if above < 1.0 { above } else { 1.0 };
+        (self.0[cell(clamped) % ENTRIES] + (clamped.to_bits() & ((1 << WITHIN) - 1))) >> WITHIN
+    }
+}
+
+/// The transfer function of sRGB: a linear component 0..1 as it is stored, 0..1.
+fn encode(linear: f64) -> f64 {
+    if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
+}
+
+fn table() -> [u32; ENTRIES] {
+    let mut table = [0; ENTRIES];
+    // The numbers that bytes go up at, and behind the last none.
+    let mut steps = (1..=255).map(|byte| first_of(byte).to_bits()).peekable();
+    let mut byte = 0;
+    for (entry, start) in table[..CELLS].iter_mut().zip((LEAST.to_bits()..).step_by(1 << WITHIN)) {
+        while steps.next_if(|step| *step <= start).is_some() {
+            byte += 1;
+        }
+        let until_step = steps.peek().map_or(1 << WITHIN, |step| (step - start).min(1 << WITHIN));
+        *entry = (byte << WITHIN) + (1 << WITHIN) - until_step;
+    }
+    table
+}
+
+/// The smallest number whose byte it is.
+fn first_of(byte: u32) -> f32 {
+    let reaches = |bits: u32| 255.0 * encode(f64::from(f32::from_bits(bits))) >= f64::from(byte) - 0.5;
+    let (mut below, mut reached) = (0.0_f32.to_bits(), 1.0_f32.to_bits());
+    while reached - below > 1 {
+        let middle = below + (reached - below) / 2;
+        if reaches(middle) {
+            reached = middle;
+        } else {
+            below = middle;
+        }
+    }
+    f32::from_bits(reached)
+}
+
+/// Does something with the way that a transfer makes bytes: what is generic in it is compiled for each.
+macro_rules! with_bytes {
+    ($transfer:expr, $bytes:ident => $work:expr) => {
+        match $transfer {
+            $crate::transfer::Transfer::Linear => {
+                let $bytes = $crate::transfer::LinearBytes;
+                $work
+            }
+            $crate::transfer::Transfer::Srgb => {
+                let $bytes = $crate::transfer::SrgbBytes::get();
+                $work
+            }
+        }
+    };
+}
+pub(crate) use with_bytes;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Everything near these numbers, and what is no number between 0 and 1.
+    fn near(numbers: impl Iterator<Item = f32>) -> impl Iterator<Item = f32> {
+        let odd = [
+            0.0,
+            -0.0,
+            1.0,
+            -1.0,
+            2.0,
+            1e30,
+            -1e30,
+            f32::NAN,
+            -f32::NAN,
+            f32::INFINITY,
+            f32::NEG_INFINITY,
+            f32::MIN_POSITIVE,
+            1e-40,
+        ];
+        let around = |number: f32| [-2, -1, 0, 1, 2].map(|ulps| f32::from_bits((number.to_bits() as i32 + ulps) as u32));
+        numbers.flat_map(around).chain(odd)
+    }
+
+    #[test]
+    fn linear_bytes_are_rounded() {
+        for number in near((0..=255).map(|byte| (byte as f32 + 0.5) / 255.0)) {
+            let expected = u32::from((255.0 * number.clamp(0.0, 1.0)).round() as u8);
+            assert_eq!(LinearBytes.byte(number), expected, "{number:e}");
+        }
+    }
+
+    #[test]
+    fn bytes_of_srgb_are_those_of_its_curve() {
+        let bytes = SrgbBytes::get();
+        // The inverse of the curve, in the middle between two bytes; the ends of cells; numbers of every size.
+        let decode = |stored: f64| if stored <= 0.04045 { stored / 12.92 } else { ((stored + 0.055) / 1.055).powf(2.4) };
+        let middles = (0..255).map(|byte| decode((f64::from(byte) + 0.5) / 255.0) as f32);
+        let ends = (LEAST.to_bits()..=1.0_f32.to_bits()).step_by(1 << WITHIN).map(f32::from_bits);
+        let all = (1e-5_f32.to_bits()..1.5_f32.to_bits()).step_by(997).map(f32::from_bits);
+        let mut wrong = 0;
+        for number in near(middles.chain(ends).chain(all)) {
+            // The cast takes NaN to 0.
+            let exact = 255.0 * encode(f64::from(number.clamp(0.0, 1.0)));
+            assert_eq!(bytes.byte(number), u32::from(exact.round() as u8), "{number:e}");
+            wrong += usize::from(bytes.byte(number) != LinearBytes.byte(number));
+        }
+        assert!(wrong > 100_000, "the curve is no line");
+    }
+
+    #[test]
+    fn a_cell_holds_no_more_than_one_step() {
+        let cells: Vec<usize> = (1..=255).map(|byte| cell(first_of(byte))).collect();
+        assert!(first_of(1) > LEAST && cells.windows(2).all(|pair| pair[0] < pair[1]), "{cells:?}");
+    }
+}
