@@ -77,6 +77,10 @@ fn changes_are_undone_across_formulas_by_owner_and_name() {
     assert_eq!(workshop.values().of(owner, colour), [0.25, 0.5, 0.75]);
     assert!(workshop.undo());
     assert_eq!(workshop.values().of(owner, colour), before);
+    // Of what the formula has, and of nothing else.
+    let labels: Vec<String> =
+        workshop.values().iter().map(|(owner, id, _)| workshop.values().roster().label(owner, id)).collect();
+    assert!(labels.contains(&"ball.Cd".to_owned()) && !labels.contains(&"ball.kd".to_owned()), "{labels:?}");
     let undone = settle(&mut workshop);
     assert!(workshop.redo() && settle(&mut workshop) != undone);
     assert_eq!(workshop.values().of(owner, colour), [0.25, 0.5, 0.75]);
