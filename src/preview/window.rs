@@ -10,6 +10,7 @@ mod display;
 mod incoming;
 mod keys;
 mod polled;
+mod shared;
 mod turn;
 
 use crate::preview::Shown;

@@ -3,6 +3,7 @@
 //! Only one connection can hear of a window's clicks, and minifb's does. So a window that is nothing but an ear lies over it, as large as windows
 //! get; clicks go there, and keys, which nobody listens for there, go on to minifb's.
 
+use super::shared::{Canvas, SharedPixels};
 use crate::preview::paint::Region;
 use egui::{Modifiers, PointerButton};
 use std::sync::{Arc, mpsc::Sender};
@@ -11,8 +12,8 @@ use x11rb::connection::{Connection, RequestConnection};
 use x11rb::errors::{ConnectionError, ReplyOrIdError};
 use x11rb::protocol::Event;
 use x11rb::protocol::xproto::{
-    ChangeWindowAttributesAux, ConnectionExt, CreateGCAux, CreateWindowAux, EventMask, Gcontext, ImageFormat, ImageOrder,
-    KeyButMask, NotifyMode, WindowClass,
+    ChangeWindowAttributesAux, ConnectionExt, CreateGCAux, CreateWindowAux, EventMask, ImageFormat, ImageOrder, KeyButMask,
+    NotifyMode, WindowClass,
 };
 use x11rb::rust_connection::RustConnection;
 
@@ -50,10 +51,10 @@ pub(super) enum Pointer {
 /// The second connection.
 pub(super) struct Display {
     connection: Arc<RustConnection>,
-    window: u32,
     ear: u32,
-    pen: Gcontext,
-    depth: u8,
+    canvas: Canvas,
+    /// The way of pixels where the display shares memory.
+    shared: Option<SharedPixels>,
     /// Rows that are on their way, side by side.
     rows: Vec<u32>,
 }
@@ -95,11 +96,26 @@ impl Display {
         let attributes = CreateWindowAux::new().event_mask(of_ear);
         connection.create_window(0, ear, window, 0, 0, side, side, 0, WindowClass::INPUT_ONLY, 0, &attributes)?.check()?;
         connection.map_window(ear)?.check()?;
-        Ok(Some(Self { connection: Arc::new(connection), window, ear, pen, depth, rows: Vec::new() }))
+        let shared = SharedPixels::are_possible(&connection).then(SharedPixels::default);
+        let canvas = Canvas { window, pen, depth };
+        Ok(Some(Self { connection: Arc::new(connection), ear, canvas, shared, rows: Vec::new() }))
     }
 
     /// Hands over what changed of `pixels`, rows of `width`.
     pub(super) fn present(&mut self, pixels: &[u32], width: usize, changed: &[Region]) -> Result<(), ConnectionError> {
+        if let Some(shared) = &mut self.shared {
+            if shared.present(&self.connection, self.canvas, pixels, width, changed).is_ok() {
+                return Ok(());
+            }
+            // Where the connection itself is lost, so is the other way.
+            self.shared = None;
+        }
+        self.send(pixels, width, changed)
+    }
+
+    /// The same through the connection.
+    fn send(&mut self, pixels: &[u32], width: usize, changed: &[Region]) -> Result<(), ConnectionError> {
+        let Canvas { window, pen, depth } = self.canvas;
         // What goes with the pixels of a request takes less than this.
         let room = (self.connection.maximum_request_bytes().saturating_sub(64) / 4).max(1);
         for place in changed {
@@ -117,18 +133,7 @@ impl Display {
                 let [wide, high] = [right - left, last - first].map(|side| side as u16);
                 let [x, y] = [left, first].map(|at| at as i16);
                 let bytes = bytemuck::cast_slice(part);
-                self.connection.put_image(
-                    ImageFormat::Z_PIXMAP,
-                    self.window,
-                    self.pen,
-                    wide,
-                    high,
-                    x,
-                    y,
-                    0,
-                    self.depth,
-                    bytes,
-                )?;
+                self.connection.put_image(ImageFormat::Z_PIXMAP, window, pen, wide, high, x, y, 0, depth, bytes)?;
             }
         }
         self.connection.flush()
