@@ -408,6 +408,8 @@ fn draw_forever(shared: &Shared, events: &Sender<Event>) {
         }
         drawn = Some((stamp, hits));
         (shared.wake)();
+        // However soon the next picture is wanted: it would never come to that otherwise.
+        artist.prepare();
     }
 }
 

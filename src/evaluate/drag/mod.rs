@@ -8,7 +8,7 @@
 //!   that rests is kept.
 //! - **General**, where neither is possible, or is ready yet: the whole picture anew.
 //!
-//! What is kept is made tile by tile ([`Drag::prepare`], and with each frame), never more at a time than about a full evaluation. A tile of
+//! What is kept is made tile by tile ([`Drag::prepare`]), never more at a time than about a full evaluation: between frames, so that none waits for it. A tile of
 //! which images would be inaccurate, or that would exceed the budget, stays with the general way.
 
 mod cells;
@@ -191,7 +191,6 @@ impl Drag {
             }
         });
         self.drawn = true;
-        self.prepare();
     }
 
     /// Makes some more of what is kept, about as much work as a full evaluation is; whether all is made now.

@@ -13,6 +13,21 @@ use std::time::Instant;
 /// What a held slider may keep, in bytes.
 const DRAG_BYTES: usize = 1 << 30;
 
+/// A slider that is held.
+struct Held {
+    places: Vec<usize>,
+    drag: Readiness,
+}
+
+/// What pictures of a held slider are made with.
+enum Readiness {
+    /// Nothing yet. These are the numbers of its first picture, which did not wait for anything to be made.
+    First(Vec<f32>),
+    Made(Box<Drag>),
+    /// There are no kernels for it, and every picture is drawn in full.
+    Impossible,
+}
+
 /// Draws pictures.
 #[derive(Default)]
 pub(super) struct Artist {
@@ -22,21 +37,33 @@ pub(super) struct Artist {
     /// What is ready, and of which hits.
     ready: Option<(Arc<Hits>, Arc<Compiled>)>,
     interpreted: Option<(Arc<Formula>, Arc<Hits>, Interpreted)>,
-    /// The slider that is held; none where there are no kernels for it, and every picture is drawn in full.
-    drag: Option<(Vec<usize>, Option<Drag>)>,
+    /// The slider that is held.
+    held: Option<Held>,
     framebuffer: Option<Framebuffer>,
 }
 
 impl Artist {
     /// Whether a held slider needs more than there is.
     pub(super) fn has_more_to_prepare(&self) -> bool {
-        matches!(&self.drag, Some((_, Some(drag))) if !drag.is_ready())
+        match &self.held {
+            Some(Held { drag: Readiness::First(_), .. }) => self.ready.is_some(),
+            Some(Held { drag: Readiness::Made(drag), .. }) => !drag.is_ready(),
+            Some(Held { drag: Readiness::Impossible, .. }) | None => false,
+        }
     }
 
     /// Makes some of it.
     pub(super) fn prepare(&mut self) {
-        if let Some((_, Some(drag))) = &mut self.drag {
-            drag.prepare();
+        let (Some(Held { places, drag }), Some((_, ready))) = (&mut self.held, &self.ready) else { return };
+        match drag {
+            Readiness::First(numbers) => {
+                *drag = Drag::new(ready, places, numbers, DRAG_BYTES)
+                    .map_or(Readiness::Impossible, |drag| Readiness::Made(Box::new(drag)));
+            }
+            Readiness::Made(drag) => {
+                drag.prepare();
+            }
+            Readiness::Impossible => {}
         }
     }
 
@@ -78,7 +105,7 @@ impl Artist {
     }
 
     fn forget_compiled(&mut self) {
-        self.drag = None;
+        self.held = None;
         self.ready = None;
     }
 
@@ -147,31 +174,24 @@ impl Artist {
             Some(framebuffer) if fits(&framebuffer) => framebuffer,
             Some(_) | None => {
                 // A drag goes on in its own framebuffer alone.
-                self.drag = None;
+                self.held = None;
                 Framebuffer::black(width, height, subject.transfer)
             }
         };
         let frame_start = Instant::now();
-        let mut method = None;
-        match held {
-            Some(places) => {
-                if self.drag.as_ref().is_none_or(|(held, _)| *held != places) {
-                    let drag = Drag::new(&ready, &places, numbers, DRAG_BYTES).ok();
-                    self.drag = Some((places, drag));
-                }
-                if let Some((_, Some(drag))) = &mut self.drag {
-                    drag.frame(numbers, &mut framebuffer);
-                    method = Some(drag.method());
-                } else {
-                    ready.draw(numbers, &mut framebuffer);
-                    method = Some(Method::General);
-                }
-            }
-            None => {
-                self.drag = None;
-                ready.draw(numbers, &mut framebuffer);
-            }
+        if self.held.as_ref().map(|held| &held.places) != held.as_ref() {
+            self.held = held.map(|places| Held { places, drag: Readiness::First(numbers.to_vec()) });
         }
+        let method = match &mut self.held {
+            Some(Held { drag: Readiness::Made(drag), .. }) => {
+                drag.frame(numbers, &mut framebuffer);
+                Some(drag.method())
+            }
+            other => {
+                ready.draw(numbers, &mut framebuffer);
+                other.is_some().then_some(Method::General)
+            }
+        };
         copy(&framebuffer.pixels, pixels);
         self.framebuffer = Some(framebuffer);
         if is_new {

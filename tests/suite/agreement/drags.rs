@@ -78,6 +78,7 @@ fn drag(case: &Case, moved: &[usize], values: &[f32], transfer: Transfer) -> Res
             while !drag.prepare() {}
         }
         drag.frame(&memory, &mut drawn);
+        drag.prepare();
         let frame = case.compiled.frame(&memory);
         prop_assert_eq!(wrong(&drawn, &frame), 0, "{} by {:?}, moved {:?} to {}", &case.text, drag.method(), moved, value);
     }

@@ -80,6 +80,7 @@ impl Model {
     fn check(&self, drag: &mut Drag, drawn: &mut Framebuffer, what: &str) {
         drag.frame(self.values.numbers(), drawn);
         assert_eq!(wrong(drawn, &self.compiled.frame(self.values.numbers())), 0, "{what}");
+        drag.prepare();
     }
 }
 
