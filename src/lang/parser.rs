@@ -273,6 +273,9 @@ impl Parser<'_> {
     }
 
     fn formula(&mut self) {
+        // A name alone in its line, which makes a macro of what follows, if the last one has such.
+        let mut stray = None;
+        let mut failed = false;
         while !self.cursor.at_end() {
             if self.cursor.accept(Mark::Equal) {
                 match self.expression_statement() {
@@ -292,7 +295,10 @@ impl Parser<'_> {
                 }
                 return;
             }
+            let is_stray = self.cursor.sees_mark(1, Mark::Equal) && self.cursor.peek(1).begins_line;
+            stray = is_stray.then(|| self.cursor.span());
             if let Err(Reported) = self.macro_line() {
+                failed = true;
                 self.cursor.skip_statement();
                 if self.cursor.sees_section() {
                     self.cursor.expected("the formula's last line, `= expression;`");
@@ -300,12 +306,17 @@ impl Parser<'_> {
                 }
             }
         }
-        let span = self.cursor.previous_span();
-        self.cursor.report(
-            Diagnostic::error("the formula has no result")
-                .at(span, "the file ends here")
-                .help("the last line must be `= expression;`, the colour that the model yields"),
-        );
+        if failed {
+            // What was skipped may have been the result.
+            self.file.result = Some(self.missing());
+            return;
+        }
+        let error = Diagnostic::error("the formula has no result");
+        let error = match stray {
+            Some(name) => error.at(name, "this makes a macro of the line below").help("leave it out if that is the result"),
+            None => error.at(self.cursor.previous_span(), "the file ends here"),
+        };
+        self.cursor.report(error.help("the last line must be `= expression;`, the colour that the model yields"));
     }
 
     fn macro_line(&mut self) -> Result<(), Reported> {

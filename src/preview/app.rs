@@ -31,7 +31,7 @@ use crate::workspace::folders::Folders;
 use crate::workspace::session::PictureSettings;
 use chores::{Chores, Told};
 use dialogs::Dialogs;
-use egui::{CentralPanel, Context, Frame, Panel, Ui};
+use egui::{CentralPanel, Context, Frame, Id, Panel, Ui};
 use inspector::Inspecting;
 use log::Log;
 use materials::Materials;
@@ -43,6 +43,9 @@ use std::io;
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 use theme::Theme;
+
+/// A window of fewer points is narrow: panels as wide as in others would leave no picture.
+const NARROW: f32 = 860.0;
 
 /// The two texts that are edited, in the order of their tabs.
 const TEXTS: [Kind; 2] = [Kind::Formula, Kind::Scene];
@@ -187,18 +190,25 @@ impl App {
         if self.panels.log {
             Panel::bottom("log").resizable(true).default_size(150.0).show(ui, |ui| self.log.ui(ui));
         }
+        // A narrow window has panels of its own: what it squeezes is as it was when there is room again.
+        let narrow = ui.ctx().content_rect().width() < NARROW;
+        let named = |name: &str| Id::new((name, narrow));
+        let [of_texts, of_parameters] = if narrow { [260.0, 240.0] } else { [400.0, 300.0] };
         if self.panels.texts {
-            Panel::left("texts").resizable(true).default_size(400.0).size_range(220.0..=900.0).show(ui, |ui| {
+            Panel::left(named("texts")).resizable(true).default_size(of_texts).size_range(220.0..=900.0).show(ui, |ui| {
                 self.texts_ui(ui, &mut commands);
             });
         }
         if self.panels.parameters {
-            Panel::right("parameters").resizable(true).default_size(300.0).size_range(230.0..=520.0).show(ui, |ui| {
-                let told = self.parameters.ui(ui, &mut self.workshop, &mut self.materials, self.pane.selected());
-                if let Some(told) = told {
-                    self.dialogs.tell("The material was not saved", told);
-                }
-            });
+            Panel::right(named("parameters")).resizable(true).default_size(of_parameters).size_range(230.0..=520.0).show(
+                ui,
+                |ui| {
+                    let told = self.parameters.ui(ui, &mut self.workshop, &mut self.materials, self.pane.selected());
+                    if let Some(told) = told {
+                        self.dialogs.tell("The material was not saved", told);
+                    }
+                },
+            );
         }
         CentralPanel::default().frame(Frame::NONE).show(ui, |ui| {
             if let Some(owner) = self.pane.ui(ui, &mut self.workshop, self.scale) {

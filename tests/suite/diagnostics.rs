@@ -84,6 +84,9 @@ fn conditions_are_explained() {
 #[test]
 fn structure_that_is_wrong_is_explained() {
     insta::assert_snapshot!("no_result", said("formula;\nA = 1;\n"));
+    insta::assert_snapshot!("stray_word", said("formula;\nA = 1;\nstray\n= A*Cd;\n"));
+    // One mistake, not two: what is skipped is the result.
+    insta::assert_snapshot!("stray_words", said("formula;\nA = 1;\nstray words\n= A*Cd;\n"));
     insta::assert_snapshot!("empty", said(""));
     insta::assert_snapshot!("scene_given", said("bodies;\nlights;\n"));
     insta::assert_snapshot!("declaration_outside", said("kd: scalar;\nformula;\n= Cd;\n"));

@@ -14,11 +14,13 @@ pub(super) struct Materials {
     chosen: String,
     /// The name under which a material is going to be saved.
     name: String,
+    /// Whether the list was open in the last frame.
+    open: bool,
 }
 
 impl Default for Materials {
     fn default() -> Self {
-        Self { shelf: Err(String::new()), chosen: String::new(), name: String::new() }
+        Self { shelf: Err(String::new()), chosen: String::new(), name: String::new(), open: false }
     }
 }
 
@@ -54,20 +56,27 @@ impl Materials {
         ui.horizontal(|ui| {
             let mut wanted = None;
             let title = if self.chosen.is_empty() { "Material" } else { &self.chosen };
-            ComboBox::from_id_salt("materials").selected_text(title).width(130.0).show_ui(ui, |ui| {
+            let list = ComboBox::from_id_salt("materials").selected_text(title).width(130.0).show_ui(ui, |ui| {
                 for material in shelf.library().iter() {
-                    if ui.selectable_label(material.name() == self.chosen, material.name()).clicked() {
+                    let is_chosen = material.name() == self.chosen;
+                    let entry = ui.selectable_label(is_chosen, material.name());
+                    if is_chosen && !self.open {
+                        entry.scroll_to_me(Some(egui::Align::Center));
+                    }
+                    if entry.clicked() {
                         wanted = Some(material.name().to_owned());
                     }
                 }
             });
+            self.open = list.inner.is_some();
             if let Some(material) = wanted.as_deref().and_then(|name| shelf.get(name)) {
                 let (given, _) = material.assignments(workshop.values().roster(), body);
                 workshop.change(|values| {
                     values.assign(&given);
                 });
                 self.chosen = material.name().to_owned();
-                self.name.clone_from(&self.chosen);
+                // One of the user's own can be saved again; a built-in one stays as it is.
+                self.name = if shelf.is_built_in(&self.chosen) { String::new() } else { self.chosen.clone() };
             }
             let own = shelf.get(&self.chosen).is_some() && !shelf.is_built_in(&self.chosen);
             let delete = ui.add_enabled(own, egui::Button::new("Delete"));
@@ -77,7 +86,7 @@ impl Materials {
             }
         });
         ui.horizontal(|ui| {
-            ui.add(TextEdit::singleline(&mut self.name).hint_text("name").desired_width(122.0));
+            ui.add(TextEdit::singleline(&mut self.name).hint_text("new name").desired_width(122.0));
             let save = ui.add_enabled(!self.name.trim().is_empty(), egui::Button::new("Save material"));
             if save.on_hover_text("Keep this body's values under this name").clicked() {
                 let kept = Material::of_body(self.name.trim(), workshop.values(), body).map_err(|error| error.to_string());

@@ -14,11 +14,15 @@ pub(super) struct Parameters {
     /// Of the scene, only what makes the ambient light.
     ambient: bool,
     search: String,
+    /// Whether the list is yet to show what was selected elsewhere.
+    hidden: bool,
+    /// The value that was to be set where it cannot be, and why.
+    stopped: Option<(OwnerId, ParameterId, String)>,
 }
 
 impl Default for Parameters {
     fn default() -> Self {
-        Self { selected: OwnerId::Global, ambient: false, search: String::new() }
+        Self { selected: OwnerId::Global, ambient: false, search: String::new(), hidden: false, stopped: None }
     }
 }
 
@@ -42,6 +46,7 @@ impl Parameters {
         self.selected = owner;
         self.ambient = false;
         self.search.clear();
+        self.hidden = true;
     }
 
     /// Draws the panel; `picked` is the body that was clicked in the picture last. What is to be told.
@@ -82,17 +87,41 @@ impl Parameters {
                 if let Some(act) = value_ui(ui, workshop.values(), owner, id) {
                     acts.push((owner, id, act));
                 }
+                if let Some((_, _, reason)) = self.stopped.as_ref().filter(|(of, stopped, _)| (*of, *stopped) == (owner, id)) {
+                    ui.small(reason);
+                }
             }
         });
         for (owner, id, act) in acts {
             match act {
-                Act::Drag(value) => workshop.drag(owner, id, value),
-                Act::Set(value) => workshop.set(owner, id, value),
+                Act::Drag(value) => {
+                    workshop.drag(owner, id, value);
+                    self.note_stop(workshop.values(), owner, id, value);
+                }
+                Act::Set(value) => {
+                    workshop.set(owner, id, value);
+                    self.note_stop(workshop.values(), owner, id, value);
+                }
                 Act::LetGo => workshop.let_go(),
                 Act::Copy => workshop.copy_to_all(owner, id),
             }
         }
         told
+    }
+
+    /// Notes why a value is not what it was to be, if so.
+    fn note_stop(&mut self, values: &Values, owner: OwnerId, id: ParameterId, wanted: [f32; 3]) {
+        let taken = values.of(owner, id);
+        let is_near = |(taken, wanted): (&f32, &f32)| (taken - wanted).abs() <= 1e-4 * wanted.abs().max(1.0);
+        self.stopped = None;
+        if !taken.iter().zip(&wanted).all(is_near)
+            && let Some([low, high]) = values.range_of(owner, id)
+        {
+            let name = &values.roster().parameter(id).name;
+            let by = if Some([low, high]) == values.roster().parameter(id).range { "" } else { ", by invariants" };
+            let [low, high] = [low, high].map(|bound| (bound * 1e4).round() / 1e4);
+            self.stopped = Some((owner, id, format!("{name} is from {low} to {high} here{by}")));
+        }
     }
 
     fn owners_ui(&mut self, ui: &mut Ui, values: &Values) {
@@ -103,8 +132,13 @@ impl Parameters {
             }
             for owner in owners.of_kind(kind) {
                 let selected = self.selected == owner && !self.ambient && self.search.is_empty();
-                if ui.selectable_label(selected, owner_name(values, owner)).clicked() {
+                let entry = ui.selectable_label(selected, owner_name(values, owner));
+                if selected && std::mem::take(&mut self.hidden) {
+                    entry.scroll_to_me(None);
+                }
+                if entry.clicked() {
                     self.select(owner);
+                    self.hidden = false;
                 }
             }
             if kind == Owner::Global && ui.selectable_label(self.ambient && self.search.is_empty(), "Ambient light").clicked() {
@@ -240,10 +274,8 @@ fn number_ui(ui: &mut Ui, parameter: &Parameter, number: &mut f32) -> Option<How
         Some([low, high]) => f64::from(high - low) / 400.0,
         None => f64::from(number.abs()).max(0.1) / 100.0,
     };
-    let mut field = DragValue::new(number).speed(speed).max_decimals(4).update_while_editing(false);
-    if let Some([low, high]) = parameter.range {
-        field = field.range(low..=high);
-    }
+    // Without a range: what lies beyond is brought back, with a word, where values are.
+    let field = DragValue::new(number).speed(speed).max_decimals(4).update_while_editing(false);
     how(&ui.add_sized([62.0, 20.0], field))
 }
 

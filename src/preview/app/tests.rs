@@ -76,6 +76,35 @@ fn bodies_are_chosen_and_locked_values_say_why() {
 }
 
 #[test]
+fn a_number_that_cannot_be_is_brought_back_with_a_word() {
+    let mut harness = harness();
+    harness.get_all_by_label("ball").next().expect("a body").click();
+    harness.run_steps(3);
+    let enter = |harness: &mut Harness<'_, App>, number: &str| {
+        let beside = harness.get_by_label("kd").rect().center().y;
+        let is_beside = |field: &egui_kittest::Node<'_>| (field.rect().center().y - beside).abs() < 6.0;
+        harness.get_all_by_role(Role::SpinButton).find(is_beside).expect("a field beside its name").click();
+        harness.run_steps(3);
+        // Entering begins with the number that is there, selected.
+        harness.event(egui::Event::Text(number.to_owned()));
+        harness.key_press(egui::Key::Enter);
+        harness.run_steps(4);
+    };
+    let said = |harness: &Harness<'_, App>| {
+        let mut notes = harness.query_all_by_label_contains(" here");
+        notes.next().and_then(|note| note.value())
+    };
+    assert_eq!(said(&harness), None);
+    enter(&mut harness, "0.97");
+    let note = said(&harness).expect("a word");
+    assert!(note.starts_with("kd is from 0 to 0.") && note.ends_with(", by invariants"), "{note}");
+    enter(&mut harness, "0.25");
+    assert_eq!(said(&harness), None);
+    enter(&mut harness, "-3");
+    assert!(said(&harness).is_some());
+}
+
+#[test]
 fn ambient_light_has_an_entry_of_its_own_and_the_scene_has_all() {
     let mut harness = harness();
     assert!(["ka", "Ia", "background"].iter().all(|name| harness.query_by_label(name).is_some()));

@@ -8,6 +8,9 @@ use crate::lang::source::Span;
 use egui::text::LayoutJob;
 use egui::{FontId, ScrollArea, TextFormat, TextStyle, Ui, vec2};
 
+/// How far what is said beyond a message stands to the right, in points.
+const INDENT: f32 = 18.0;
+
 /// Lists errors and warnings, errors first within each document, with file, line and column; the document (by its place in the slice)
 /// and the place of the one that was clicked.
 pub fn problems_ui(ui: &mut Ui, documents: &[&Document]) -> Option<(usize, Span)> {
@@ -29,7 +32,16 @@ pub fn problems_ui(ui: &mut Ui, documents: &[&Document]) -> Option<(usize, Span)
                     let job = line_of(ui, &place, diagnostic, &palette);
                     let width = ui.available_width();
                     let button = egui::Button::new(job).frame_when_inactive(false).wrap().min_size(vec2(width, 0.0));
-                    if ui.add(button).clicked() {
+                    let mut is_clicked = ui.add(button).clicked();
+                    for text in details(diagnostic) {
+                        ui.horizontal_top(|ui| {
+                            ui.add_space(INDENT);
+                            let text = egui::RichText::new(text).color(ui.visuals().text_color());
+                            let label = egui::Label::new(text).wrap().selectable(false).sense(egui::Sense::click());
+                            is_clicked |= ui.add(label).clicked();
+                        });
+                    }
+                    if is_clicked {
                         clicked = Some((at, span));
                     }
                 }
@@ -39,7 +51,7 @@ pub fn problems_ui(ui: &mut Ui, documents: &[&Document]) -> Option<(usize, Span)
     clicked
 }
 
-/// What a line of the list says: severity, place and message, and dimmed what was expected or the likely mend.
+/// What the first line of a diagnostic says: severity, place and message.
 fn line_of(ui: &Ui, place: &str, diagnostic: &Diagnostic, palette: &Palette) -> LayoutJob {
     let font: FontId = TextStyle::Body.resolve(ui.style());
     let (strong, dim) = (ui.visuals().strong_text_color(), ui.visuals().text_color());
@@ -52,9 +64,6 @@ fn line_of(ui: &Ui, place: &str, diagnostic: &Diagnostic, palette: &Palette) -> 
     add(&format!("{word}  "), colour_of(diagnostic.severity(), palette));
     add(&format!("{place}  "), dim);
     add(diagnostic.message(), strong);
-    for text in details(diagnostic) {
-        add(&format!("\n      {text}"), dim);
-    }
     job
 }
 

@@ -103,7 +103,7 @@ fn what_is_wrong_is_listed_and_found_by_a_click() {
     let text = "// č😀\nformula;\nA = /* č */ unknwn;\n= č;\n";
     let mut harness = desk(Kind::Formula, text);
     assert_eq!(harness.state().document.counts()[0], 2);
-    harness.get_by_label_contains("unknwn").click();
+    harness.get_by_label_contains("`unknwn` is not known").click();
     harness.run_steps(4);
     let desk = harness.state();
     assert_eq!((desk.selected(), desk.response.place), ("unknwn", (3, 19)));
@@ -142,14 +142,14 @@ fn marks_are_where_the_errors_are() {
 #[test]
 fn the_message_is_shown_under_the_pointer() {
     let mut harness = desk(Kind::Formula, "formula;\n= unknwn;");
-    assert_eq!(harness.query_all_by_label_contains("unknwn").count(), 1);
+    assert_eq!(harness.query_all_by_label_contains("`unknwn` is not known").count(), 1);
     let place = egui::pos2(90.0, 24.0);
     for step in 0..40 {
         harness.hover_at(place + egui::vec2(step as f32 * 0.1, 0.0));
         harness.step();
     }
     harness.run_steps(60);
-    assert!(harness.query_all_by_label_contains("unknwn").count() > 1, "the hint beside the list");
+    assert!(harness.query_all_by_label_contains("`unknwn` is not known").count() > 1, "the hint beside the list");
 }
 
 #[test]
@@ -269,7 +269,7 @@ fn each_document_keeps_its_place_and_steps() {
 fn a_place_far_below_is_scrolled_into_view() {
     let text = format!("{}formula;\n= unknwn;", "// line\n".repeat(3000));
     let mut harness = desk(Kind::Formula, &text);
-    harness.get_by_label_contains("unknwn").click();
+    harness.get_by_label_contains("`unknwn` is not known").click();
     harness.run_steps(5);
     assert_eq!(harness.state().response.place, (3002, 9));
     let id = Editor::id_of(&harness.state().document);
