@@ -95,6 +95,8 @@ impl Dialogs {
     /// Draws whatever is open.
     pub(super) fn ui(&mut self, context: &Context, commands: &mut Vec<Command>) {
         if let Some((dialog, purpose)) = &mut self.file {
+            // Its field is black whatever the theme, and what is typed there would be dark in the light one.
+            dialog.config_mut().show_search = context.global_style().visuals.dark_mode;
             dialog.update(context);
             if let Some(path) = dialog.take_picked() {
                 commands.push(match *purpose {

@@ -295,7 +295,7 @@ impl App {
         let texts: Vec<&str> = unsaved.map(|document| document.kind().noun()).collect();
         if !texts.is_empty() {
             let told = format!(
-                "A session names the files of its texts. What you changed in the {} is in no file yet: save that too,\n\
+                "A session names the files of its texts. What you changed in the {} is in no file yet: save that too, \
                  and then the session once more.",
                 texts.join(" and the ")
             );

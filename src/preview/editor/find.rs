@@ -119,45 +119,50 @@ impl Find {
     /// Draws the bar. `selected` is what is selected in the text.
     pub(super) fn ui(&mut self, ui: &mut Ui, document: (u64, u64), text: &str, selected: Range<usize>) -> Option<Wish> {
         let mut wish = None;
-        ui.horizontal_wrapped(|ui| {
-            let width = (ui.available_width() * 0.2).clamp(60.0, 220.0);
-            let label = ui.label("Find");
-            let field = ui.add(TextEdit::singleline(&mut self.sought).desired_width(width)).labelled_by(label.id);
-            if std::mem::take(&mut self.wants_focus) {
-                field.request_focus();
-            }
-            let pressed = |ui: &Ui, modifiers| ui.input_mut(|input| input.consume_key(modifiers, Key::Enter));
-            let entered = field.has_focus() || field.lost_focus();
-            let back = entered && pressed(ui, Modifiers::SHIFT);
-            let onward = entered && pressed(ui, Modifiers::NONE);
-            self.search(document.0, document.1, text);
-            if field.changed() {
-                // While typing, from where the selection begins: it must not run ahead.
-                wish = self.next(selected.start).map(Wish::Show);
-            }
-            if back || onward {
-                field.request_focus();
-            }
-            let place = self.found.iter().position(|range| *range == selected);
-            ui.label(match (place, self.found.len()) {
-                (_, 0) if self.sought.is_empty() => String::new(),
-                (_, 0) => "none".to_owned(),
-                (Some(place), count) => format!("{} of {count}", place + 1),
-                (None, count) => count.to_string(),
-            });
-            if ui.small_button("Previous").on_hover_text("Shift+F3").clicked() || back {
-                wish = self.previous(selected.start).map(Wish::Show);
-            }
-            if ui.small_button("Next").on_hover_text("F3").clicked() || onward {
-                wish = self.next(selected.end).map(Wish::Show);
-            }
-            ui.toggle_value(&mut self.exact_case, "Aa").on_hover_text("Tell capitals from small letters");
-            ui.separator();
-            let label = ui.label("Replace by");
+        // Two rows of the same columns: what is sought, and what it becomes.
+        let width = (ui.available_width() * 0.3).clamp(60.0, 220.0);
+        let is_selected = ui
+            .horizontal(|ui| {
+                let label = name_ui(ui, "Find");
+                let field = ui.add(TextEdit::singleline(&mut self.sought).desired_width(width)).labelled_by(label.id);
+                if std::mem::take(&mut self.wants_focus) {
+                    field.request_focus();
+                }
+                let pressed = |ui: &Ui, modifiers| ui.input_mut(|input| input.consume_key(modifiers, Key::Enter));
+                let entered = field.has_focus() || field.lost_focus();
+                let back = entered && pressed(ui, Modifiers::SHIFT);
+                let onward = entered && pressed(ui, Modifiers::NONE);
+                self.search(document.0, document.1, text);
+                if field.changed() {
+                    // While typing, from where the selection begins: it must not run ahead.
+                    wish = self.next(selected.start).map(Wish::Show);
+                }
+                if back || onward {
+                    field.request_focus();
+                }
+                let place = self.found.iter().position(|range| *range == selected);
+                if ui.small_button("⏶").on_hover_text("The one before: Shift+F3").clicked() || back {
+                    wish = self.previous(selected.start).map(Wish::Show);
+                }
+                if ui.small_button("⏷").on_hover_text("The next: F3").clicked() || onward {
+                    wish = self.next(selected.end).map(Wish::Show);
+                }
+                ui.toggle_value(&mut self.exact_case, "Aa").on_hover_text("Tell capitals from small letters");
+                ui.label(match (place, self.found.len()) {
+                    (_, 0) if self.sought.is_empty() => String::new(),
+                    (_, 0) => "none".to_owned(),
+                    (Some(place), count) => format!("{} of {count}", place + 1),
+                    (None, count) => count.to_string(),
+                });
+                place.is_some()
+            })
+            .inner;
+        ui.horizontal(|ui| {
+            let label = name_ui(ui, "Replace by");
             ui.add(TextEdit::singleline(&mut self.replacement).desired_width(width)).labelled_by(label.id);
             if ui.add_enabled(!self.found.is_empty(), egui::Button::new("Replace").small()).clicked() {
                 let at = floor(text, selected.start);
-                wish = if place.is_some() { Some(Wish::Replace(selected)) } else { self.next(at).map(Wish::Show) };
+                wish = if is_selected { Some(Wish::Replace(selected)) } else { self.next(at).map(Wish::Show) };
             }
             if ui.add_enabled(!self.found.is_empty(), egui::Button::new("All").small()).clicked() {
                 wish = Some(Wish::ReplaceAll);
@@ -168,6 +173,16 @@ impl Find {
         });
         wish
     }
+}
+
+/// What a field is called, in a column of such.
+fn name_ui(ui: &mut Ui, name: &str) -> egui::Response {
+    let size = egui::vec2(68.0, ui.spacing().interact_size.y);
+    ui.allocate_ui_with_layout(size, egui::Layout::left_to_right(egui::Align::Center), |ui| {
+        ui.set_min_width(size.x);
+        ui.label(name)
+    })
+    .inner
 }
 
 #[cfg(test)]
