@@ -234,6 +234,7 @@ mod tests {
     use super::*;
     use crate::jit::{Operands, Program};
     use crate::trace::CHUNK_HITS;
+    use crate::transfer::Bytes;
 
     /// Segments of hits that follow each other, in these pixels.
     fn segments(runs: impl IntoIterator<Item = Range<usize>>) -> Vec<Segment> {
@@ -311,7 +312,7 @@ mod tests {
     }
 
     #[test]
-    fn pixels_are_written_alike_by_compiled_code() {
+    fn pixels_are_written_as_bytes_of_their_components() {
         // Everything near the middle between two bytes, and what is no number between 0 and 1, in turns; not at the beginning of a line.
         let odd = [-0.0, 1.0, -1.0, 2.0, 1e30, -1e30, f32::NAN, -f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MIN_POSITIVE];
         let number = |place: usize| match place % 7 {
@@ -324,14 +325,20 @@ mod tests {
             part.iter_mut().enumerate().for_each(|(place, pixel)| *pixel = number(place + 31 * component));
         }
         let places = [(0, 2000), (3, 1500), (5, 16), (1, 7), (0, 0)];
-        for ((start, length), transfer) in
-            places.into_iter().flat_map(|place| [Transfer::Linear, Transfer::Srgb].map(|transfer| (place, transfer)))
-        {
-            let mut pixels = [[0xdead_beef; 2000]; 2];
-            let [part, portable] = pixels.each_mut().map(|pixels| Part { pixels: &mut pixels[start..start + length], transfer });
-            planes.quantise(part, &[]);
-            planes.quantise_portably(0, portable);
-            assert!(pixels[0] == pixels[1], "{length} pixels at {start}");
+        let transfers = [Transfer::Linear, Transfer::Srgb];
+        for ((start, length), transfer) in places.into_iter().flat_map(|place| transfers.map(|transfer| (place, transfer))) {
+            let mut pixels = [0xdead_beef; 2000];
+            planes.quantise(Part { pixels: &mut pixels[start..start + length], transfer }, &[]);
+            for (place, pixel) in pixels.into_iter().enumerate() {
+                let is_written = (start..start + length).contains(&place);
+                let [red, green, blue] = if is_written { planes.colour(place - start) } else { [0.0; 3] };
+                let word = with_bytes!(transfer, bytes => bytes.byte(red) << 16 | bytes.byte(green) << 8 | bytes.byte(blue));
+                assert_eq!(
+                    pixel,
+                    if is_written { word } else { 0xdead_beef },
+                    "pixel {place} of {length} at {start}, {transfer:?}"
+                );
+            }
         }
     }
 

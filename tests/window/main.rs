@@ -5,6 +5,7 @@
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
@@ -20,11 +21,17 @@ struct Screen {
 
 impl Screen {
     fn new(session: &str) -> Self {
-        // Numbers that tests on this machine hardly have in use, one for each process.
-        let display = format!(":{}", 1000 + std::process::id() % 20_000);
+        Self::with(session, &[])
+    }
+
+    /// On a display that is told this too.
+    fn with(session: &str, told: &[&str]) -> Self {
+        // Numbers that tests on this machine hardly have in use, some for each process.
+        static SCREENS: AtomicU32 = AtomicU32::new(0);
+        let display = format!(":{}", 1000 + 4 * (std::process::id() % 5000) + SCREENS.fetch_add(1, Ordering::Relaxed));
         let mut server = Command::new("Xvfb");
-        let server = server.args([&display, "-screen", "0", "1300x820x24"]).stdout(Stdio::null()).stderr(Stdio::null());
-        let server = server.spawn().expect("Xvfb, of Debian's package xvfb");
+        let server = server.args([&display, "-screen", "0", "1300x820x24"]).args(told);
+        let server = server.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("Xvfb, of Debian's package xvfb");
         let home = tempfile::tempdir().expect("a folder");
         let socket = format!("/tmp/.X11-unix/X{}", &display[1..]);
         wait("the screen", || Path::new(&socket).exists());
@@ -89,6 +96,19 @@ impl Screen {
         assert_eq!(picture.len(), (width * height * 3) as usize, "a screenshot, by ImageMagick");
         picture
     }
+
+    /// The picture, once it has come: not of one colour any more, and at rest.
+    fn picture_at_rest(&self) -> Vec<u8> {
+        let mut before = Vec::new();
+        wait("the picture", || {
+            let now = self.pixels(PICTURE.0, PICTURE.1);
+            let colours = now.chunks_exact(3).collect::<std::collections::HashSet<&[u8]>>().len();
+            let rests = now == before;
+            before = now;
+            rests && colours > 100
+        });
+        before
+    }
 }
 
 impl Drop for Screen {
@@ -115,15 +135,7 @@ const PICTURE: ([i32; 2], [i32; 2]) = ([500, 200], [350, 400]);
 #[test]
 fn the_window_follows_the_mouse_and_the_keyboard() {
     let mut screen = Screen::new("preset:studio");
-    // The picture comes: not one colour any more, and at rest.
-    let mut before = Vec::new();
-    wait("the picture", || {
-        let now = screen.pixels(PICTURE.0, PICTURE.1);
-        let colours = now.chunks_exact(3).collect::<std::collections::HashSet<&[u8]>>().len();
-        let rests = now == before;
-        before = now;
-        rests && colours > 100
-    });
+    let before = screen.picture_at_rest();
     assert!(!screen.title().contains('•'), "nothing was changed yet");
     // The slider of ka, the first of the scene's: dragged to its end it brightens all.
     screen.mouse([1100, 368]);
@@ -161,6 +173,25 @@ fn the_window_follows_the_mouse_and_the_keyboard() {
     screen.run("xdotool", &["key", "ctrl+q"]);
     let status = screen.window.wait().expect("an end");
     assert!(status.success(), "{status}");
+}
+
+#[test]
+fn a_display_that_shares_no_memory_shows_the_same() {
+    let screens = [&[][..], &["-extension", "MIT-SHM"]].map(|told| Screen::with("preset:studio", told));
+    let shown = screens.each_ref().map(Screen::picture_at_rest);
+    assert!(shown[0] == shown[1]);
+    // Part of the window after part of it, as a slider is dragged.
+    let dragged = screens.each_ref().map(|screen| {
+        screen.mouse([1100, 368]);
+        screen.run("xdotool", &["mousedown", "1"]);
+        for x in (1100..1180).step_by(8) {
+            screen.mouse([x, 368]);
+        }
+        screen.run("xdotool", &["mouseup", "1"]);
+        wait("the end of the drag", || screen.told("dragged ka") > 0);
+        screen.picture_at_rest()
+    });
+    assert!(dragged[0] == dragged[1] && dragged[0] != shown[0]);
 }
 
 #[test]

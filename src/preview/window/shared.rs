@@ -87,8 +87,8 @@ impl SharedPixels {
         {
             connection.wait_for_reply(answer)?;
         }
-        // Regions do not lie over each other, but one may have been cut from a larger window.
-        let needed = size_of_val(pixels).max(changed.iter().map(|place| 4 * area(place)).sum());
+        // Regions do not lie over each other.
+        let needed = size_of_val(pixels);
         let segment = match slot {
             Some(segment) if segment.bytes >= needed => segment,
             Some(_) | None => {
