@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 /// Each room with those it may import. Data flows one way: text → syntax → formula → {bytecode, compiled code}; scene → hits →
 /// evaluation → picture; what a user edits sits on top, and the program above all.
-const ROOMS: [(&str, &[&str]); 12] = [
+const ROOMS: [(&str, &[&str]); 13] = [
     ("lang", &[]),
     ("formula", &["lang"]),
     ("scene", &["lang"]),
@@ -13,10 +13,11 @@ const ROOMS: [(&str, &[&str]); 12] = [
     ("trace", &["lang", "scene", "segment"]),
     ("bytecode", &["lang", "formula", "scene", "trace"]),
     ("jit", &["lang", "formula", "segment"]),
-    ("evaluate", &["lang", "formula", "scene", "trace", "bytecode", "jit"]),
-    ("picture", &["evaluate", "workspace"]),
+    ("transfer", &[]),
+    ("evaluate", &["lang", "formula", "scene", "trace", "bytecode", "jit", "transfer"]),
+    ("picture", &["evaluate", "transfer", "workspace"]),
     ("presets", &[]),
-    ("workspace", &["lang", "formula", "scene", "trace", "presets"]),
+    ("workspace", &["lang", "formula", "scene", "trace", "presets", "transfer"]),
     ("preview", &["lang", "formula", "scene", "trace", "bytecode", "jit", "evaluate", "picture", "presets", "workspace"]),
 ];
 

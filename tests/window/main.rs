@@ -3,9 +3,7 @@
 #![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot go on has failed")]
 
 use std::io::{BufRead, BufReader};
-use std::path::Path;
 use std::process::{Child, Command, Stdio};
-use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
@@ -26,15 +24,14 @@ impl Screen {
 
     /// On a display that is told this too.
     fn with(session: &str, told: &[&str]) -> Self {
-        // Numbers that tests on this machine hardly have in use, some for each process.
-        static SCREENS: AtomicU32 = AtomicU32::new(0);
-        let display = format!(":{}", 1000 + 4 * (std::process::id() % 5000) + SCREENS.fetch_add(1, Ordering::Relaxed));
+        // It takes a number that is free, and tells it when it can be connected to.
         let mut server = Command::new("Xvfb");
-        let server = server.args([&display, "-screen", "0", "1300x820x24"]).args(told);
-        let server = server.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("Xvfb, of Debian's package xvfb");
+        let server = server.args(["-displayfd", "1", "-screen", "0", "1300x820x24"]).args(told);
+        let mut server = server.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().expect("Xvfb, of Debian's package xvfb");
+        let mut number = String::new();
+        BufReader::new(server.stdout.take().expect("a pipe")).read_line(&mut number).expect("a number");
+        let display = format!(":{}", number.trim());
         let home = tempfile::tempdir().expect("a folder");
-        let socket = format!("/tmp/.X11-unix/X{}", &display[1..]);
-        wait("the screen", || Path::new(&socket).exists());
         let mut window = Command::new(env!("CARGO_BIN_EXE_illuminator"));
         let window = window.args(["preview", "--log", session]).env("DISPLAY", &display).env("ILLUMINATOR_HOME", home.path());
         let mut window = window.current_dir(home.path()).stderr(Stdio::piped()).spawn().expect("the program");
@@ -97,8 +94,16 @@ impl Screen {
         picture
     }
 
-    /// The picture, once it has come: not of one colour any more, and at rest.
+    /// Whether all pixels are traced, and a picture of them was evaluated.
+    fn is_traced_in_full(&self) -> bool {
+        let log = self.log.lock().expect("lines");
+        let mut after = log.iter().skip_while(|line| !line.starts_with("traced ") || line.starts_with("traced coarsely"));
+        after.any(|line| line.starts_with("ready in"))
+    }
+
+    /// The picture, once it has come: in full, not of one colour any more, and at rest.
     fn picture_at_rest(&self) -> Vec<u8> {
+        wait("all pixels", || self.is_traced_in_full());
         let mut before = Vec::new();
         wait("the picture", || {
             let now = self.pixels(PICTURE.0, PICTURE.1);
