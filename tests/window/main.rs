@@ -24,9 +24,9 @@ impl Screen {
 
     /// On a display that is told this too.
     fn with(session: &str, told: &[&str]) -> Self {
-        // It takes a number that is free, and tells it when it can be connected to.
+        // It takes a number that is free, and tells it when it can be connected to; and it goes on when nobody is connected for a moment.
         let mut server = Command::new("Xvfb");
-        let server = server.args(["-displayfd", "1", "-screen", "0", "1300x820x24"]).args(told);
+        let server = server.args(["-displayfd", "1", "-noreset", "-screen", "0", "1300x820x24"]).args(told);
         let mut server = server.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().expect("Xvfb, of Debian's package xvfb");
         let mut number = String::new();
         BufReader::new(server.stdout.take().expect("a pipe")).read_line(&mut number).expect("a number");

@@ -35,8 +35,8 @@ enum Act {
     Drag([f32; 3]),
     /// It was set.
     Set([f32; 3]),
-    /// It was let go.
-    LetGo,
+    /// It was let go, and may have moved a last time with that.
+    LetGo([f32; 3]),
     Copy,
 }
 
@@ -102,7 +102,13 @@ impl Parameters {
                     workshop.set(owner, id, value);
                     self.note_stop(workshop.values(), owner, id, value);
                 }
-                Act::LetGo => workshop.let_go(),
+                Act::LetGo(value) => {
+                    if workshop.values().of(owner, id).iter().zip(value).any(|(there, wanted)| *there != wanted) {
+                        workshop.drag(owner, id, value);
+                        self.note_stop(workshop.values(), owner, id, value);
+                    }
+                    workshop.let_go();
+                }
                 Act::Copy => workshop.copy_to_all(owner, id),
             }
         }
@@ -195,7 +201,7 @@ fn value_ui(ui: &mut Ui, values: &Values, owner: OwnerId, id: ParameterId) -> Op
             act = match edited.inner {
                 Some((value, How::Held)) => Some(Act::Drag(value)),
                 Some((value, How::Set)) => Some(Act::Set(value)),
-                Some((_, How::LetGo)) => Some(Act::LetGo),
+                Some((value, How::LetGo)) => Some(Act::LetGo(value)),
                 None => act.take(),
             };
         });

@@ -76,6 +76,39 @@ fn bodies_are_chosen_and_locked_values_say_why() {
 }
 
 #[test]
+fn the_last_movement_counts_though_the_slider_is_let_go_with_it() {
+    let mut harness = harness();
+    let place = harness.get_all_by_role(Role::Slider).next().expect("the slider of ka").rect();
+    let at = |x: f32| place.left_center() + egui::vec2(x, 0.0);
+    let button = |pos: egui::Pos2, pressed: bool| egui::Event::PointerButton {
+        pos,
+        button: egui::PointerButton::Primary,
+        pressed,
+        modifiers: egui::Modifiers::NONE,
+    };
+    let mut ended = Vec::new();
+    // In a frame of its own, and in that in which the button goes up.
+    for last in [vec![], vec![egui::Event::PointerMoved(at(90.0))]] {
+        harness.input_mut().events.extend([egui::Event::PointerMoved(at(30.0)), button(at(30.0), true)]);
+        harness.step();
+        harness.input_mut().events.push(egui::Event::PointerMoved(at(60.0)));
+        harness.step();
+        if last.is_empty() {
+            harness.input_mut().events.push(egui::Event::PointerMoved(at(90.0)));
+            harness.step();
+        }
+        harness.input_mut().events.extend(last);
+        harness.input_mut().events.push(button(at(90.0), false));
+        harness.step();
+        harness.step();
+        assert!(harness.state().workshop.held().is_none());
+        ended.push(harness.state().workshop.values().numbers().to_vec());
+    }
+    assert_eq!(ended[0], ended[1]);
+    assert!(harness.state_mut().workshop.undo() && harness.state_mut().workshop.undo());
+}
+
+#[test]
 fn a_number_that_cannot_be_is_brought_back_with_a_word() {
     let mut harness = harness();
     harness.get_all_by_label("ball").next().expect("a body").click();
