@@ -22,7 +22,7 @@ pub use command::Command;
 
 use crate::evaluate::Backend;
 use crate::lang::source::Span;
-use crate::presets::{DEFAULT_SESSION, Kind};
+use crate::presets::{self, DEFAULT_SESSION, Kind};
 use crate::preview::editor::{Document, Editor, Palette, problems_ui, reference_ui};
 use crate::preview::workshop::{Opened, Workshop};
 use crate::preview::{FrameTimes, PictureView, Shown};
@@ -38,8 +38,10 @@ use materials::Materials;
 use pane::Pane;
 use parameters::Parameters;
 use preferences::Preferences;
-use remembered::Remembered;
+use remembered::{Remembered, Unsaved};
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io;
+use std::path::Path;
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 use theme::Theme;
@@ -83,6 +85,7 @@ pub struct App {
 }
 
 /// What a session file holds, as it was saved last: to know whether there is anything to save. It is asked in every frame.
+#[derive(Default)]
 struct SavedSession {
     numbers: Vec<f32>,
     picture: PictureSettings,
@@ -161,7 +164,9 @@ impl App {
         };
         opened.warnings.iter().for_each(|warning| app.log.say(format!("warning: {warning}")));
         told.into_iter().for_each(|line| app.log.say(line));
-        app.dialogs.offer(app.remembered.left());
+        if app.remembered.left_is_work() {
+            app.dialogs.offer(app.remembered.left());
+        }
         app.open_materials();
         Ok(app)
     }
@@ -184,7 +189,8 @@ impl App {
             self.hear(told);
         }
         let typing = std::mem::take(&mut self.typing) || ui.ctx().text_edit_focused();
-        let mut commands = command::pressed(ui, typing);
+        // What waits for an answer is not passed by.
+        let mut commands = if self.dialogs.is_open() { Vec::new() } else { command::pressed(ui, typing) };
         Panel::top("menu").show(ui, |ui| menu::bar(self, ui, &mut commands));
         Panel::bottom("status").show(ui, |ui| status::bar(self, ui, &mut commands));
         if self.panels.log {
@@ -240,13 +246,20 @@ impl App {
             self.keep_now();
         }
         // Without anything to be seen there would be no further frame.
-        if self.remembered.is_behind(&self.documents) {
+        if self.remembered.is_behind(self.unsaved_states()) {
             ui.ctx().request_repaint_after(Duration::from_secs_f64(EVERY));
         }
     }
 
     fn keep_now(&mut self) {
-        if let Some(keeping) = self.remembered.keeping(&self.documents) {
+        let wanted = self.unsaved_states();
+        let Self { workshop, documents, session, remembered, .. } = self;
+        let unsaved = |place: usize| match documents.get(place) {
+            Some(text) => Unsaved { kind: text.kind(), location: text.location().cloned(), text: text.text().to_owned() },
+            None => Unsaved { kind: Kind::Session, location: session.clone(), text: session_text(workshop, documents) },
+        };
+        let keeping = remembered.keeping(wanted, &unsaved);
+        if let Some(keeping) = keeping {
             self.do_aside(move || {
                 keeping().err().map(|error| Told::Said(format!("unsaved text is not kept: {}", error.message())))
             });
@@ -327,6 +340,26 @@ impl App {
 
     /// Whether anything is not saved, of the texts or of the session.
     pub fn is_unsaved(&self) -> bool {
+        self.session_is_unsaved() || self.documents.iter().any(Document::unsaved)
+    }
+
+    /// Numbers that tell the unsaved states of formula, scene and session from others; none for what is saved.
+    fn unsaved_states(&self) -> [Option<u64>; 3] {
+        let of_text = |text: &Document| text.unsaved().then(|| text.id() << 32 ^ text.revision());
+        let [formula, scene] = self.documents.each_ref().map(of_text);
+        let session = self.session_is_unsaved().then(|| {
+            let mut hasher = DefaultHasher::new();
+            self.workshop.values().numbers().iter().for_each(|number| number.to_bits().hash(&mut hasher));
+            let PictureSettings { size, depth, shadows, default_index, srgb } = self.workshop.settings();
+            (size, depth, shadows, default_index.to_bits(), srgb).hash(&mut hasher);
+            self.documents.each_ref().map(|text| text.location().map(ToString::to_string)).hash(&mut hasher);
+            hasher.finish()
+        });
+        [formula, scene, session]
+    }
+
+    /// Whether values, settings or the files of the texts are others than the session's file has.
+    fn session_is_unsaved(&self) -> bool {
         let SavedSession { numbers, picture, places } = &self.saved;
         let moved = self.documents.iter().zip(places).any(|(document, place)| document.location() != place.as_ref());
         let mut settings = self.workshop.settings();
@@ -335,13 +368,25 @@ impl App {
             settings.size = picture.size;
         }
         let other = *numbers != self.workshop.values().numbers() || *picture != settings;
-        moved || other || self.documents.iter().any(Document::unsaved)
+        moved || other
     }
 
     /// Takes the session as it is for the one that is saved.
     fn note_saved_session(&mut self) {
         self.saved = SavedSession::of(&self.workshop, &self.documents);
     }
+}
+
+/// The session as it is, to be kept where no folder is its own. A text without a file has some built-in one in its place: what is kept of it
+/// comes instead.
+fn session_text(workshop: &Workshop, documents: &[Document; 2]) -> String {
+    let [formula, scene] = documents.each_ref().map(|document| match document.location() {
+        Some(Location::File(path)) => Location::File(std::path::absolute(path).unwrap_or_else(|_| path.clone())),
+        Some(Location::Preset(name)) => Location::Preset(name.clone()),
+        None => Location::Preset(presets::names(document.kind()).next().unwrap_or_default().to_owned()),
+    });
+    // What was made from values can be written.
+    workshop.session(formula, scene).to_toml(Path::new("/")).unwrap_or_default()
 }
 
 /// Wakes the window, from any thread, once there is one.

@@ -53,6 +53,8 @@ pub enum Command {
     Toggle(Panel),
     /// Open the unsaved texts that a program left behind, or throw them away.
     TakeLeft(bool),
+    /// Ask what to do with what was left unsaved.
+    AskForLeft,
     /// Open the session that is open now at the next start.
     StartWithThis,
     /// Begin a new session: the same formula and scene, and values as the settings have them.

@@ -4,8 +4,11 @@ use crate::presets::Kind;
 use crate::preview::app::Command;
 use crate::preview::app::command::shortcuts;
 use crate::workspace::files::Location;
-use egui::{Align2, Context, Frame, Grid, Modal, ModalResponse, Ui};
-use egui_file_dialog::FileDialog;
+use egui::{Align2, Context, Frame, Grid, Key, Modal, ModalResponse, Modifiers, ScrollArea, Ui};
+use egui_file_dialog::{DialogState, FileDialog};
+
+/// What a box needs of a window's height beside its content: title, button, edges.
+const AROUND: f32 = 150.0;
 
 /// A box over everything, with room at its edges and a title.
 pub(super) fn modal<R>(context: &Context, title: &str, content: impl FnOnce(&mut Ui) -> R) -> ModalResponse<R> {
@@ -44,8 +47,8 @@ pub(super) struct Dialogs {
     /// A title, and a text.
     message: Option<(String, String)>,
     shortcuts: bool,
-    /// How many unsaved texts are offered.
-    offered: usize,
+    /// What was left unsaved, and is offered.
+    offered: Vec<String>,
     /// What is to be done if the user says so once more, and what is lost by it.
     asked_back: Option<(Command, String)>,
 }
@@ -76,9 +79,9 @@ impl Dialogs {
         self.asked_back = Some((command, lost.join(" and ")));
     }
 
-    /// Offers so many unsaved texts.
-    pub(super) fn offer(&mut self, texts: usize) {
-        self.offered = texts;
+    /// Offers what was left unsaved.
+    pub(super) fn offer(&mut self, left: Vec<String>) {
+        self.offered = left;
     }
 
     /// Shows the shortcuts.
@@ -90,6 +93,15 @@ impl Dialogs {
     #[cfg(test)]
     pub(super) fn told(&self) -> Option<&str> {
         self.message.as_ref().map(|(_, text)| text.as_str())
+    }
+
+    /// Whether anything waits for an answer.
+    pub(super) fn is_open(&self) -> bool {
+        self.file.as_ref().is_some_and(|(dialog, _)| *dialog.state() == DialogState::Open)
+            || self.message.is_some()
+            || self.asked_back.is_some()
+            || !self.offered.is_empty()
+            || self.shortcuts
     }
 
     /// Draws whatever is open.
@@ -109,11 +121,17 @@ impl Dialogs {
         if let Some((title, text)) = &self.message {
             let modal = modal(context, title, |ui| {
                 ui.set_max_width(640.0);
-                ui.monospace(text);
+                // What marks places in a text stands below them.
+                if text.contains('│') {
+                    ui.monospace(text)
+                } else {
+                    ui.label(text)
+                };
                 ui.add_space(8.0);
                 ui.button("OK").clicked()
             });
-            if modal.inner || modal.should_close() {
+            let entered = context.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Enter));
+            if modal.inner || entered || modal.should_close() {
                 self.message = None;
             }
         }
@@ -137,37 +155,42 @@ impl Dialogs {
                 self.asked_back = None;
             }
         }
-        if self.offered > 0 {
-            let texts = if self.offered == 1 { "a text".to_owned() } else { format!("{} texts", self.offered) };
+        if !self.offered.is_empty() {
             modal(context, "Unsaved work", |ui| {
-                ui.label(format!("Illuminator ended before {texts} could be saved."));
+                ui.label("When Illuminator was closed last, this was not saved, and was kept:");
+                for left in &self.offered {
+                    ui.label(format!("   {left}"));
+                }
                 ui.add_space(8.0);
                 ui.horizontal(|ui| {
                     for (name, take) in [("Open it again", true), ("Throw it away", false)] {
                         if ui.button(name).clicked() {
                             commands.push(Command::TakeLeft(take));
-                            self.offered = 0;
+                            self.offered.clear();
                         }
                     }
                     if ui.button("Later").clicked() {
-                        self.offered = 0;
+                        self.offered.clear();
                     }
                 });
             });
         }
         if self.shortcuts {
             let modal = modal(context, "Shortcuts", |ui| {
-                Grid::new("shortcuts").num_columns(2).spacing([24.0, 5.0]).show(ui, |ui| {
-                    for (shortcut, _, told) in shortcuts() {
-                        ui.monospace(ui.ctx().format_shortcut(&shortcut));
-                        ui.label(told);
-                        ui.end_row();
-                    }
-                    for (keys, told) in IN_TEXTS {
-                        ui.monospace(keys);
-                        ui.label(told);
-                        ui.end_row();
-                    }
+                let room = (ui.ctx().content_rect().height() - AROUND).max(60.0);
+                ScrollArea::vertical().max_height(room).show(ui, |ui| {
+                    Grid::new("shortcuts").num_columns(2).spacing([24.0, 5.0]).show(ui, |ui| {
+                        for (shortcut, _, told) in shortcuts() {
+                            ui.monospace(ui.ctx().format_shortcut(&shortcut));
+                            ui.label(told);
+                            ui.end_row();
+                        }
+                        for (keys, told) in IN_TEXTS {
+                            ui.monospace(keys);
+                            ui.label(told);
+                            ui.end_row();
+                        }
+                    });
                 });
                 ui.add_space(8.0);
                 ui.button("Close").clicked()

@@ -1,11 +1,13 @@
 //! Doing what commands say: opening, saving, applying, and the rest.
 
+use crate::lang::source::Source;
 use crate::presets::Kind;
 use crate::preview::app::chores::Told;
 use crate::preview::app::command::Panel;
-use crate::preview::app::{App, Command, documents, theme};
+use crate::preview::app::{App, Command, SavedSession, documents, theme};
 use crate::preview::editor::Document;
 use crate::preview::workshop::Opened;
+use crate::workspace::drafts::Draft;
 use crate::workspace::files::{Location, replace_text};
 use std::path::{Path, PathBuf};
 
@@ -35,7 +37,12 @@ impl App {
             Kind::Session | Kind::Material => &[0, 1],
         };
         let unsaved = replaced.iter().map(|tab| &self.documents[*tab]).filter(|document| document.unsaved());
-        unsaved.map(Document::name).collect()
+        let mut lost: Vec<String> = unsaved.map(Document::name).collect();
+        // Values alone are no reason to ask: whoever looks through sessions moves sliders.
+        if !lost.is_empty() && *kind == Kind::Session && self.session_is_unsaved() {
+            lost.push("the values".to_owned());
+        }
+        lost
     }
 
     /// Does what was asked for, after asking back where a text would be lost.
@@ -91,6 +98,7 @@ impl App {
                 self.scale = self.remembered.settings.window.scale;
                 self.save_settings();
             }
+            Command::AskForLeft => self.dialogs.offer(self.remembered.left()),
             Command::TakeLeft(true) => self.take_left(),
             Command::TakeLeft(false) => {
                 if let Err(error) = self.remembered.discard_left() {
@@ -154,10 +162,18 @@ impl App {
         self.note_saved_session();
     }
 
-    /// Opens the texts that a program left behind, unsaved as they are.
+    /// Opens the texts and values that a program left behind, unsaved as they are.
     fn take_left(&mut self) {
-        for draft in self.remembered.take_left() {
-            let tab = usize::from(draft.kind != Kind::Formula);
+        let drafts = self.remembered.take_left();
+        if let Some(session) = drafts.iter().find(|draft| draft.kind == Kind::Session) {
+            self.take_session(session, &drafts);
+        }
+        for draft in drafts {
+            let tab = match draft.kind {
+                Kind::Formula => 0,
+                Kind::Scene => 1,
+                Kind::Session | Kind::Material => continue,
+            };
             let mut document = match &draft.location {
                 // Beside the file as it is, so that it can be told what is not saved.
                 Some(location) => match location.read(draft.kind) {
@@ -170,6 +186,26 @@ impl App {
             self.documents[tab] = document;
             self.tab = tab;
             self.apply(tab);
+        }
+    }
+
+    /// Opens the values that were left behind, of the texts that were left with them where these are right.
+    fn take_session(&mut self, draft: &Draft, texts: &[Draft]) {
+        let source = Source::new("the kept session", draft.text.as_str());
+        let kept = |kind: Kind| {
+            let text = texts.iter().find(|text| text.kind == kind)?;
+            Some(Source::new(format!("the kept {}", kind.noun()), text.text.as_str()))
+        };
+        let open = |texts: &dyn Fn(Kind) -> Option<Source>| Opened::session_of(&source, Path::new("/"), texts);
+        match open(&kept).or_else(|_| open(&|_| None)) {
+            Ok(opened) => {
+                self.workshop.open(&opened);
+                self.documents = documents(&opened);
+                self.open_materials();
+                self.session = draft.location.clone();
+                self.saved = SavedSession::default();
+            }
+            Err(errors) => self.dialogs.tell("The values that were kept cannot be opened", errors),
         }
     }
 

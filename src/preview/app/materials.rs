@@ -16,11 +16,13 @@ pub(super) struct Materials {
     name: String,
     /// Whether the list was open in the last frame.
     open: bool,
+    /// The owner that the row was drawn for last.
+    of: Option<OwnerId>,
 }
 
 impl Default for Materials {
     fn default() -> Self {
-        Self { shelf: Err(String::new()), chosen: String::new(), name: String::new(), open: false }
+        Self { shelf: Err(String::new()), chosen: String::new(), name: String::new(), open: false, of: None }
     }
 }
 
@@ -41,6 +43,11 @@ impl Materials {
 
     /// Draws the row; what is to be told.
     pub(super) fn ui(&mut self, ui: &mut Ui, workshop: &mut Workshop, owner: OwnerId) -> Option<String> {
+        if self.of.replace(owner) != Some(owner) {
+            // What was given to one is not that of another.
+            self.chosen.clear();
+            self.name.clear();
+        }
         let shelf = match &mut self.shelf {
             Ok(shelf) => shelf,
             Err(reason) => {
@@ -83,6 +90,7 @@ impl Materials {
             if delete.on_disabled_hover_text("Built-in materials stay").clicked() {
                 told = shelf.remove(&self.chosen).err().map(|findings| findings.render(false));
                 self.chosen.clear();
+                self.name.clear();
             }
         });
         ui.horizontal(|ui| {

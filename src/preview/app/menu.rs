@@ -8,7 +8,7 @@ use crate::preview::app::theme::Theme;
 use crate::preview::app::{App, Command, TEXTS};
 use crate::workspace::files::Location;
 use egui::containers::menu::{MenuButton, MenuConfig};
-use egui::{Button, MenuBar, PopupCloseBehavior, Ui};
+use egui::{Button, MenuBar, PopupCloseBehavior, ScrollArea, Ui};
 
 /// An entry, with its shortcut.
 fn entry(ui: &mut Ui, name: &str, command: Command, commands: &mut Vec<Command>) {
@@ -23,16 +23,25 @@ fn entry_if(ui: &mut Ui, enabled: bool, name: &str, command: Command, commands: 
     }
 }
 
+/// What a menu needs of a window's height beside its entries: the bar above, and its edges.
+const BESIDE: f32 = 70.0;
+
 /// A menu that stays open while something is set in it.
 fn staying(ui: &mut Ui, name: &str, content: impl FnOnce(&mut Ui)) {
     let config = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
-    MenuButton::new(name).config(config).ui(ui, content);
+    MenuButton::new(name).config(config).ui(ui, |ui| scrolled(ui, content));
+}
+
+/// What is longer than the window can be scrolled.
+fn scrolled(ui: &mut Ui, content: impl FnOnce(&mut Ui)) {
+    let room = (ui.ctx().content_rect().height() - BESIDE).max(60.0);
+    ScrollArea::vertical().max_height(room).show(ui, content);
 }
 
 /// Draws the bar.
 pub(super) fn bar(app: &mut App, ui: &mut Ui, commands: &mut Vec<Command>) {
     MenuBar::new().ui(ui, |ui| {
-        ui.menu_button("File", |ui| file(ui, app, commands));
+        ui.menu_button("File", |ui| scrolled(ui, |ui| file(ui, app, commands)));
         ui.menu_button("Edit", |ui| {
             let [undo, redo] = app.workshop.can_undo_and_redo();
             entry_if(ui, undo, "Undo value change", Command::Undo, commands);
@@ -94,6 +103,7 @@ fn file(ui: &mut Ui, app: &App, commands: &mut Vec<Command>) {
     entry(ui, "Start with this session", Command::StartWithThis, commands);
     entry(ui, "Settings…", Command::AskForSettings, commands);
     ui.separator();
+    entry_if(ui, !app.remembered.left().is_empty(), "Unsaved work of last time…", Command::AskForLeft, commands);
     entry(ui, "Quit", Command::Quit, commands);
 }
 

@@ -69,7 +69,8 @@ impl Parameters {
             self.owners_ui(ui, workshop.values());
         });
         ui.separator();
-        let told = materials.ui(ui, workshop, self.selected);
+        // Among what a search finds, none would know whose material it is.
+        let told = if self.search.trim().is_empty() { materials.ui(ui, workshop, self.selected) } else { None };
         ui.separator();
         let wanted = self.wanted(workshop.values());
         let mut acts = Vec::new();

@@ -1,12 +1,13 @@
-//! What outlives a window: settings, recent files, and texts that were not saved.
+//! What outlives a window: settings, recent files, and texts and values that were not saved.
 
 use crate::lang::diagnostic::Diagnostic;
 use crate::presets::Kind;
-use crate::preview::editor::Document;
 use crate::workspace::drafts::{Draft, Drafts, LeftBehind};
+use crate::workspace::files::Location;
 use crate::workspace::folders::Folders;
 use crate::workspace::recent::Recent;
 use crate::workspace::settings::{Settings, SettingsFile};
+use std::cmp::Reverse;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -19,8 +20,8 @@ pub(super) struct Remembered {
     recent: Option<Recent>,
     /// Written by whoever has the time for it.
     drafts: Option<Arc<Mutex<Drafts>>>,
-    /// The texts that are kept already, or are going to be, by their number of changes.
-    kept: [Option<u64>; 2],
+    /// What is kept already, or is going to be, of the texts and of the session: the number that tells what it is.
+    kept: [Option<u64>; 3],
     /// Whether they could not be kept.
     failed: Arc<AtomicBool>,
     left: Vec<LeftBehind>,
@@ -39,13 +40,14 @@ impl Remembered {
         told.extend(diagnostic.map(|diagnostic| diagnostic.message().to_owned()));
         let drafts = Drafts::new(folders);
         let (left, diagnostics) = drafts.left_behind();
+        let left = sorted_out(left, &drafts);
         told.extend(diagnostics.iter().map(|diagnostic| diagnostic.message().to_owned()));
         let remembered = Self {
             settings: reading.settings,
             file: Some(file),
             recent: Some(recent),
             drafts: Some(Arc::new(Mutex::new(drafts))),
-            kept: [None, None],
+            kept: [None; 3],
             failed: Arc::default(),
             left,
             data: Some(folders.data.clone()),
@@ -76,31 +78,31 @@ impl Remembered {
         self.recent.as_mut().map_or(Ok(()), |recent| recent.add(kind, path))
     }
 
-    /// What is to be done to keep those texts that are not saved, and to forget those that are; it takes its time. None where all is kept.
+    /// What is to be done to keep what is not saved, of formula, scene and session, and to forget what is; it takes its time. None where all
+    /// is kept. Each has a number that tells what it is, and none where it is saved.
     pub(super) fn keeping(
         &mut self,
-        documents: &[Document; 2],
+        wanted: [Option<u64>; 3],
+        unsaved: &dyn Fn(usize) -> Unsaved,
     ) -> Option<impl FnOnce() -> Result<(), Diagnostic> + Send + use<>> {
         let drafts = Arc::clone(self.drafts.as_ref()?);
         if self.failed.swap(false, Ordering::Relaxed) {
-            // Both are tried again.
-            self.kept = [Some(u64::MAX); 2];
+            // All are tried again.
+            self.kept = [Some(u64::MAX); 3];
         }
         let failed = Arc::clone(&self.failed);
         let mut changed = Vec::new();
-        for (editor, (document, kept)) in documents.iter().zip(&mut self.kept).enumerate() {
-            let wanted = state(document);
+        for (editor, (wanted, kept)) in wanted.into_iter().zip(&mut self.kept).enumerate() {
             if wanted != *kept {
                 *kept = wanted;
-                let text = wanted.map(|_| (document.kind(), document.location().cloned(), document.text().to_owned()));
-                // Two editors.
-                changed.push((editor as u32, text));
+                // There are three.
+                changed.push((editor as u32, wanted.map(|_| unsaved(editor))));
             }
         }
         (!changed.is_empty()).then_some(move || {
             let mut drafts = lock(&drafts);
             let kept = changed.into_iter().try_for_each(|(editor, text)| match text {
-                Some((kind, location, text)) => drafts.keep(editor, kind, location.as_ref(), &text),
+                Some(Unsaved { kind, location, text }) => drafts.keep(editor, kind, location.as_ref(), &text),
                 None => drafts.remove(editor),
             });
             failed.store(kept.is_err(), Ordering::Relaxed);
@@ -108,15 +110,27 @@ impl Remembered {
         })
     }
 
-    /// Whether a text was changed since they were kept.
-    pub(super) fn is_behind(&self, documents: &[Document; 2]) -> bool {
-        let moved = || documents.iter().zip(&self.kept).any(|(document, kept)| state(document) != *kept);
-        self.drafts.is_some() && (self.failed.load(Ordering::Relaxed) || moved())
+    /// Whether anything was changed since it was kept.
+    pub(super) fn is_behind(&self, wanted: [Option<u64>; 3]) -> bool {
+        self.drafts.is_some() && (self.failed.load(Ordering::Relaxed) || wanted != self.kept)
     }
 
-    /// How many unsaved texts of programs that are gone there are.
-    pub(super) fn left(&self) -> usize {
-        self.left.len()
+    /// What programs that are gone left unsaved, for people.
+    pub(super) fn left(&self) -> Vec<String> {
+        let name = |left: &LeftBehind| {
+            let Ok(draft) = &left.draft else { return "what cannot be read".to_owned() };
+            let what = if draft.kind == Kind::Session { "values of the session" } else { draft.kind.noun() };
+            match &draft.location {
+                Some(location) => format!("{what} {location}"),
+                None => format!("{what} without a file"),
+            }
+        };
+        self.left.iter().map(name).collect()
+    }
+
+    /// Whether there is more among it than values of a built-in session: those are tried and left, and nobody wants to be asked for them.
+    pub(super) fn left_is_work(&self) -> bool {
+        !self.left.iter().all(is_play)
     }
 
     /// Takes those texts over that can be read, and forgets the rest of them where they may go.
@@ -126,9 +140,11 @@ impl Remembered {
         let mut found = Vec::new();
         for left in self.left.drain(..) {
             let Ok(draft) = &left.draft else { continue };
-            let editor = u32::from(draft.kind != Kind::Formula);
+            let editor = place_of(draft.kind);
             // An older text of the same kind stays for the next time.
             if let Ok(draft) = drafts.take_over(&left, editor) {
+                // It is kept now, whatever it is going to be.
+                self.kept[editor as usize] = Some(u64::MAX);
                 found.push(draft);
             }
         }
@@ -147,7 +163,33 @@ fn lock(drafts: &Mutex<Drafts>) -> MutexGuard<'_, Drafts> {
     drafts.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// What is to be kept of a text: another number for each that is not saved.
-fn state(document: &Document) -> Option<u64> {
-    document.unsaved().then(|| document.id() << 32 ^ document.revision())
+/// Whether it is nothing but values of a built-in session.
+fn is_play(left: &LeftBehind) -> bool {
+    let built_in = |draft: &Draft| draft.kind == Kind::Session && matches!(draft.location, Some(Location::Preset(_)));
+    left.draft.as_ref().is_ok_and(built_in)
+}
+
+/// Formulas before scenes before sessions, the newest first. Of values of built-in sessions only the newest stay: they would become ever more.
+fn sorted_out(mut left: Vec<LeftBehind>, drafts: &Drafts) -> Vec<LeftBehind> {
+    left.sort_by_key(|left| left.draft.as_ref().ok().map(|draft| (place_of(draft.kind), Reverse(draft.time))));
+    let mut seen = false;
+    // Where one cannot be removed, it is there the next time too.
+    left.retain(|left| !is_play(left) || !std::mem::replace(&mut seen, true) || drafts.discard(left).is_err());
+    left
+}
+
+/// Which of the three a kind is.
+fn place_of(kind: Kind) -> u32 {
+    match kind {
+        Kind::Formula => 0,
+        Kind::Scene => 1,
+        Kind::Session | Kind::Material => 2,
+    }
+}
+
+/// What is to be kept of something that is not saved.
+pub(super) struct Unsaved {
+    pub(super) kind: Kind,
+    pub(super) location: Option<Location>,
+    pub(super) text: String,
 }

@@ -191,10 +191,49 @@ fn what_is_unsaved_is_offered_again_and_settings_last() {
     drop(app);
     let mut app = App::new(None, Some(&folders)).expect("the startup session");
     assert_eq!((app.theme, app.session.clone()), (Theme::Light, Some(Location::Preset("studio".to_owned()))));
-    assert!(app.remembered.settings.window.apply_as_you_type && app.remembered.left() == 1);
+    assert!(app.remembered.settings.window.apply_as_you_type && app.remembered.left().len() == 1);
     app.perform(Command::TakeLeft(true));
     assert_eq!(app.documents[0].text(), "formula;\n= N;\n");
-    assert!(app.documents[0].unsaved() && app.remembered.left() == 0);
+    assert!(app.documents[0].unsaved() && app.remembered.left().is_empty());
+}
+
+#[test]
+fn values_that_are_unsaved_are_offered_again_with_the_texts_that_they_are_of() {
+    let home = tempfile::tempdir().expect("a folder");
+    let folders = Folders::below(home.path());
+    let session = Location::Preset("studio".to_owned());
+    let mut app = App::new(Some(&session), Some(&folders)).expect("a built-in session");
+    // A parameter that only the unsaved text has, of a text without a file.
+    app.perform(Command::New(Kind::Formula));
+    app.documents[0].replace_text("body_specific; own: scalar, constraint 0..1; formula; = own*IL*Cd;");
+    app.perform(Command::Apply);
+    let label = |app: &App, wanted: &str| {
+        let values = app.workshop.values();
+        let mut all = values.iter();
+        all.find(|(owner, id, _)| values.roster().label(*owner, *id) == wanted).map(|(owner, id, _)| (owner, id)).expect(wanted)
+    };
+    let (owner, own) = label(&app, "ball.own");
+    app.workshop.set(owner, own, [0.625; 3]);
+    let (scene, ka) = label(&app, "ka");
+    app.workshop.set(scene, ka, [0.375; 3]);
+    let numbers = app.workshop.values().numbers().to_vec();
+    app.closing();
+    drop(app);
+    let mut app = App::new(None, Some(&folders)).expect("the startup session");
+    assert_eq!(app.remembered.left(), ["formula without a file", "values of the session preset:studio"]);
+    assert!(app.workshop.values().numbers() != numbers);
+    app.perform(Command::TakeLeft(true));
+    assert_eq!(app.workshop.values().numbers(), numbers);
+    assert_eq!((app.session.as_ref(), app.documents[1].location()), (Some(&session), Some(&session)));
+    assert!(app.is_unsaved() && app.remembered.left().is_empty());
+    // What is saved is not offered.
+    let path = home.path().join("own.formula");
+    app.perform(Command::SaveTo(Some(Kind::Formula), path));
+    app.perform(Command::SaveTo(Some(Kind::Session), home.path().join("own.toml")));
+    assert!(!app.is_unsaved());
+    app.closing();
+    drop(app);
+    assert!(App::new(None, Some(&folders)).expect("the startup session").remembered.left().is_empty());
 }
 
 #[test]
@@ -217,13 +256,13 @@ fn texts_that_could_not_be_kept_are_kept_as_soon_as_that_is_possible() {
     };
     keep(&mut app);
     assert!(lines.borrow().iter().any(|line| line.starts_with("unsaved text is not kept")), "{:?}", lines.borrow());
-    assert!(app.remembered.is_behind(&app.documents));
+    assert!(app.remembered.is_behind(app.unsaved_states()));
     std::fs::remove_file(&place).expect("the file");
     keep(&mut app);
-    assert!(!app.remembered.is_behind(&app.documents));
+    assert!(!app.remembered.is_behind(app.unsaved_states()));
     drop(app);
     let app = App::new(None, Some(&folders)).expect("the startup session");
-    assert_eq!(app.remembered.left(), 1);
+    assert_eq!(app.remembered.left().len(), 1);
 }
 
 #[test]
@@ -391,6 +430,7 @@ fn a_material_is_saved_under_a_name_and_given_again() {
     // It outlives the window.
     drop(harness);
     let mut harness = harness_in(Some(&Folders::below(home.path())));
+    assert!(harness.state().remembered.left().len() == 1 && !harness.state().remembered.left_is_work());
     harness.get_all_by_label("ball").next().expect("a body").click();
     harness.run_steps(3);
     harness.get_by_role(Role::ComboBox).click();

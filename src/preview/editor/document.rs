@@ -116,13 +116,18 @@ impl Document {
         }
     }
 
-    /// What a tab shows: the name without folders, with a mark where something is not saved.
-    pub fn title(&self) -> String {
+    /// The name without folders.
+    pub fn short_name(&self) -> String {
         let name = match &self.location {
             Some(Location::File(path)) => path.file_name().map(|name| name.to_string_lossy().into_owned()),
             Some(Location::Preset(_)) | None => None,
         };
-        let name = name.unwrap_or_else(|| self.name());
+        name.unwrap_or_else(|| self.name())
+    }
+
+    /// What a tab shows: the name without folders, with a mark where something is not saved.
+    pub fn title(&self) -> String {
+        let name = self.short_name();
         if self.unsaved() { format!("{name} •") } else { name }
     }
 

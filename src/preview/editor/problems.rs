@@ -28,7 +28,7 @@ pub fn problems_ui(ui: &mut Ui, documents: &[&Document]) -> Option<(usize, Span)
                 for diagnostic in document.diagnostics().iter().filter(|diagnostic| diagnostic.severity() == grave) {
                     let span = diagnostic.span().unwrap_or_default();
                     let (line, column) = source.position(span.start);
-                    let place = format!("{}:{line}:{column}", document.title());
+                    let place = format!("{}:{line}:{column}", document.short_name());
                     let job = line_of(ui, &place, diagnostic, &palette);
                     let width = ui.available_width();
                     let button = egui::Button::new(job).frame_when_inactive(false).wrap().min_size(vec2(width, 0.0));

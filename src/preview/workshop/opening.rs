@@ -40,16 +40,25 @@ impl Opened {
     /// # Errors
     /// What is wrong with any of the files, as text with the places marked.
     pub fn session(location: &Location) -> Result<Opened, String> {
-        let source = read(location, Kind::Session)?;
-        let (mut session, told) = checked(Session::parse(&source), &source)?;
-        if let Location::File(path) = location {
-            let folder = path.parent().unwrap_or(Path::new(""));
-            session.formula = session.formula.from_folder(folder);
-            session.scene = session.scene.from_folder(folder);
-        }
-        let formula_text = read(&session.formula, Kind::Formula)?;
+        let folder = match location {
+            Location::File(path) => path.parent().unwrap_or(Path::new("")),
+            Location::Preset(_) => Path::new(""),
+        };
+        Self::session_of(&read(location, Kind::Session)?, folder, |_| None)
+    }
+
+    /// Opens a session whose text this is, in `folder`, with other texts of its formula and its scene where there are any.
+    ///
+    /// # Errors
+    /// As for [`session`](Self::session).
+    pub fn session_of(source: &Source, folder: &Path, other: impl Fn(Kind) -> Option<Source>) -> Result<Opened, String> {
+        let (mut session, told) = checked(Session::parse(source), source)?;
+        session.formula = session.formula.from_folder(folder);
+        session.scene = session.scene.from_folder(folder);
+        let text_of = |location: &Location, kind| other(kind).map_or_else(|| read(location, kind), Ok);
+        let formula_text = text_of(&session.formula, Kind::Formula)?;
         let (formula, more) = checked(Formula::parse(&formula_text), &formula_text)?;
-        let scene_text = read(&session.scene, Kind::Scene)?;
+        let scene_text = text_of(&session.scene, Kind::Scene)?;
         let (scene, most) = checked(Scene::parse(&scene_text), &scene_text)?;
         let (given, leftovers) = session.assignments(&Roster::new(&formula, &scene));
         let (values, changed) = Values::new(&formula, &scene, &given);
