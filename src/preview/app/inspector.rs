@@ -86,9 +86,13 @@ fn ray_ui(ui: &mut Ui, workshop: &Workshop, inspection: &Inspection, index: usiz
         Edge::Reflected => "reflected",
         Edge::Refracted => "refracted",
     };
-    let title = format!("{name}   {way}, weight {}, adds {}", figures(ray.weight), colour_text(ray.contribution));
+    let leads_on = inspection.rays.iter().any(|child| child.parent == Some(index));
+    let title = format!("{name}   {way}, weight {}, adds {}", figures(ray.weight), colour_text(sum_below(inspection, index)));
     let title = if ray.weight == 0.0 { RichText::new(title).weak() } else { RichText::new(title) };
     CollapsingHeader::new(title).id_salt(index).default_open(ray.depth == 1).show(ui, |ui| {
+        if leads_on {
+            ui.weak(format!("of that itself {}, the rest by the rays that go on", colour_text(ray.contribution)));
+        }
         if let End::Hit(hit) = &ray.end {
             hit_ui(ui, workshop, hit);
         }
@@ -97,6 +101,17 @@ fn ray_ui(ui: &mut Ui, workshop: &Workshop, inspection: &Inspection, index: usiz
             ray_ui(ui, workshop, inspection, child);
         }
     });
+}
+
+/// What a ray adds to the pixel with all that go on from it.
+fn sum_below(inspection: &Inspection, index: usize) -> [f32; 3] {
+    let own = inspection.rays.get(index).map_or([0.0; 3], |ray| ray.contribution);
+    // Rays come after those that they go on from: the tree ends.
+    let children = (index + 1..inspection.rays.len()).filter(|child| inspection.rays[*child].parent == Some(index));
+    children.fold(own, |sum, child| {
+        let below = sum_below(inspection, child);
+        [0, 1, 2].map(|component| sum[component] + below[component])
+    })
 }
 
 fn hit_ui(ui: &mut Ui, workshop: &Workshop, hit: &InspectedHit) {

@@ -3,7 +3,7 @@
 use crate::evaluate::Backend;
 use crate::presets::{self, Kind};
 use crate::preview::app::command::{Panel, shortcut_of};
-use crate::preview::app::pane::Seen;
+use crate::preview::app::pane::{SNAPSHOTS, Seen};
 use crate::preview::app::theme::Theme;
 use crate::preview::app::{App, Command, TEXTS};
 use crate::workspace::files::Location;
@@ -150,14 +150,14 @@ fn picture(ui: &mut Ui, app: &mut App, commands: &mut Vec<Command>) {
 }
 
 fn compare(ui: &mut Ui, app: &mut App, commands: &mut Vec<Command>) {
-    for (place, name) in ["A", "B"].into_iter().enumerate() {
+    for (place, name) in SNAPSHOTS.into_iter().enumerate() {
         entry(ui, &format!("Keep as {name}"), Command::Keep(place), commands);
         let kept = app.workshop.kept(place).is_some();
         entry_if(ui, kept, &format!("Go back to {name}"), Command::GoBackTo(place), commands);
     }
     ui.separator();
     ui.radio_value(&mut app.pane.seen, Seen::Now, "Picture as it is now");
-    for (place, name) in ["A", "B"].into_iter().enumerate() {
+    for (place, name) in SNAPSHOTS.into_iter().enumerate() {
         let kept = app.workshop.kept(place).is_some();
         ui.add_enabled_ui(kept, |ui| {
             ui.radio_value(&mut app.pane.seen, Seen::Kept(place), name);

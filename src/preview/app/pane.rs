@@ -15,6 +15,9 @@ const SETTLE: f64 = 0.2;
 /// So near, in points, the line between two pictures is taken.
 const NEAR: f32 = 6.0;
 
+/// What snapshots are called.
+pub(super) const SNAPSHOTS: [&str; 2] = ["A", "B"];
+
 /// What is seen in the pane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) enum Seen {
@@ -136,6 +139,7 @@ impl Pane {
             self.settle_offset(workshop, scale);
         }
         self.moves_line &= response.dragged();
+        self.name_pictures(ui, workshop, scale);
         if let Some(at) = response.hover_pos() {
             let notches = ui.input(|input| input.events.iter().map(notch).sum::<i32>());
             if notches != 0 {
@@ -151,10 +155,36 @@ impl Pane {
         self.selected
     }
 
-    /// The picture takes the size of the pane, once that stays as it is.
+    /// Says which picture is seen, where it is not that of the sliders.
+    fn name_pictures(&self, ui: &Ui, workshop: &Workshop, scale: f32) {
+        let (Seen::Kept(place) | Seen::Split(place)) = self.seen else { return };
+        let Some(name) = SNAPSHOTS.get(place).filter(|_| workshop.kept(place).is_some()) else { return };
+        let painter = ui.painter_at(self.place);
+        let say = |at: egui::Pos2, align: egui::Align2, text: String| {
+            let font = egui::TextStyle::Body.resolve(ui.style());
+            let words = painter.layout_no_wrap(text, font, ui.visuals().strong_text_color());
+            let at = align.anchor_size(at, words.size() + vec2(12.0, 6.0));
+            painter.rect_filled(at, 4.0, ui.visuals().window_fill);
+            painter.galley(at.min + vec2(6.0, 3.0), words, ui.visuals().strong_text_color());
+        };
+        let (top, left, right) = (self.place.top() + 8.0, egui::Align2::LEFT_TOP, egui::Align2::RIGHT_TOP);
+        match self.line_at(workshop, scale) {
+            Some(line) => {
+                let line = line.clamp(self.place.left(), self.place.right());
+                say(egui::pos2(line - 8.0, top), right, (*name).to_owned());
+                say(egui::pos2(line + 8.0, top), left, "now".to_owned());
+            }
+            None => say(egui::pos2(self.place.left() + 8.0, top), left, format!("{name}, as it was kept")),
+        }
+    }
+
+    /// The picture takes the size of the pane, once that stays as it is; or that of the snapshot which it is beside.
     fn follow(&mut self, ui: &Ui, workshop: &mut Workshop, scale: f32) {
         let side = |length: f32| ((length * scale) as u32).clamp(16, MAX_SIDE);
-        let size = [side(self.place.width()), side(self.place.height())];
+        let size = match self.seen {
+            Seen::Split(place) if let Some(kept) = workshop.kept(place) => kept.picture.full_size,
+            Seen::Now | Seen::Kept(_) | Seen::Split(_) => [side(self.place.width()), side(self.place.height())],
+        };
         let now = ui.input(|input| input.time);
         if self.size.0 != size {
             // The first size is taken at once.

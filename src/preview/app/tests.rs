@@ -368,6 +368,29 @@ fn a_snapshot_is_compared_with_the_picture_along_a_line_that_moves() {
 }
 
 #[test]
+fn a_picture_beside_a_snapshot_has_its_size_whatever_the_pane_has() {
+    let mut harness = harness();
+    harness.state_mut().pane.follows = true;
+    let size = |harness: &mut Harness<'_, App>| {
+        // The pane's size is taken over after a while.
+        harness.run_steps(40);
+        settle(harness);
+        harness.state().workshop.settings().size
+    };
+    let wide = size(&mut harness);
+    harness.state_mut().perform(Command::Keep(0));
+    harness.state_mut().perform(Command::Toggle(command::Panel::Log));
+    let narrow = size(&mut harness);
+    assert!(narrow[1] < wide[1]);
+    harness.state_mut().pane.seen = pane::Seen::Split(0);
+    assert_eq!(size(&mut harness), wide);
+    let app = harness.state();
+    assert_eq!(app.pane.picture(&app.workshop).full_size, wide);
+    harness.state_mut().pane.seen = pane::Seen::Now;
+    assert_eq!(size(&mut harness), narrow);
+}
+
+#[test]
 fn the_wheel_zooms_to_what_is_pointed_at() {
     let mut harness = harness();
     let large = PictureSettings { size: [900, 700], depth: 1, ..harness.state().workshop.settings() };
