@@ -183,7 +183,7 @@ impl Renderer {
         let (sender, events) = channel();
         let mut renderer = Self { shared: Arc::clone(&shared), events, threads: Vec::new() };
         // Each works on threads of its own: a frame does not wait for tiles that are being traced.
-        for (name, work) in [("tracing", trace_forever as fn(&Shared, &Sender<Event>)), ("evaluation", draw_forever)] {
+        for (name, work) in [("tracing", trace_forever as fn(&Arc<Shared>, &Sender<Event>)), ("evaluation", draw_forever)] {
             let pool = rayon::ThreadPoolBuilder::new().thread_name(move |index| format!("{name} {index}")).build();
             let pool = pool.map_err(std::io::Error::other)?;
             let (shared, sender) = (Arc::clone(&shared), sender.clone());
@@ -269,7 +269,7 @@ impl Drop for Renderer {
 }
 
 /// Traces what is wanted, whenever that changes.
-fn trace_forever(shared: &Shared, events: &Sender<Event>) {
+fn trace_forever(shared: &Arc<Shared>, events: &Sender<Event>) {
     let mut traced: Option<Subject> = None;
     loop {
         let subject = {
@@ -347,7 +347,15 @@ fn trace_stage(shared: &Shared, events: &Sender<Event>, subject: &Subject, view:
 }
 
 /// Draws what is wanted, whenever that changes, and prepares what a held slider will need meanwhile.
-fn draw_forever(shared: &Shared, events: &Sender<Event>) {
+fn draw_forever(shared: &Arc<Shared>, events: &Sender<Event>) {
+    // Not between what is asked here and the waiting for an answer.
+    let again = || {
+        let shared = Arc::clone(shared);
+        move || {
+            drop(shared.wanted());
+            shared.changed.notify_all();
+        }
+    };
     let mut artist = Artist::default();
     let mut drawn: Option<(u64, Arc<Hits>)> = None;
     // What is drawn and at rest, and was not looked through.
@@ -367,7 +375,7 @@ fn draw_forever(shared: &Shared, events: &Sender<Event>) {
                 }
                 if artist.has_more_to_prepare() {
                     drop(wanted);
-                    artist.prepare();
+                    artist.prepare(again());
                     wanted = shared.wanted();
                 } else if unseen.is_some() {
                     let timeout;
@@ -409,7 +417,7 @@ fn draw_forever(shared: &Shared, events: &Sender<Event>) {
         drawn = Some((stamp, hits));
         (shared.wake)();
         // However soon the next picture is wanted: it would never come to that otherwise.
-        artist.prepare();
+        artist.prepare(again());
     }
 }
 

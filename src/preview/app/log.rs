@@ -37,6 +37,8 @@ struct DragTimes {
     method: Option<Method>,
     /// Milliseconds of its pictures.
     times: Vec<f32>,
+    /// The values of the last movement, by their number.
+    moved: Option<u64>,
     /// The values that the pointer moved to and that are not on the screen, by their number, and when it moved.
     awaited: VecDeque<(u64, Instant)>,
     /// Milliseconds from a movement of the pointer to its picture on the screen.
@@ -157,7 +159,10 @@ impl Log {
             return;
         }
         let Some(drag) = &mut self.drag else { return };
-        if let Some(motion) = times.motion {
+        // A movement that moved no value has no picture to wait for.
+        if let Some(motion) = times.motion
+            && drag.moved.replace(workshop.stamp()) != Some(workshop.stamp())
+        {
             drag.awaited.push_back((workshop.stamp(), motion));
         }
         let (Some(_), Some(finished)) = (times.present, times.finished) else { return };

@@ -8,6 +8,8 @@ use crate::preview::renderer::{Event, Picture, Subject};
 use crate::trace::Hits;
 use rayon::prelude::*;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::JoinHandle;
 use std::time::Instant;
 
 /// What a held slider may keep, in bytes.
@@ -21,8 +23,11 @@ struct Held {
 
 /// What pictures of a held slider are made with.
 enum Readiness {
-    /// Nothing yet. These are the numbers of its first picture, which did not wait for anything to be made.
+    /// Nothing yet. These are the numbers of its first picture.
     First(Vec<f32>),
+    /// Kernels are compiled beside the pictures, which are drawn in full meanwhile; nothing comes of it where they cannot be. The flag is set when
+    /// that is done, and the thread is about to end.
+    Making(JoinHandle<Option<Drag>>, Arc<AtomicBool>),
     Made(Box<Drag>),
     /// There are no kernels for it, and every picture is drawn in full.
     Impossible,
@@ -45,26 +50,41 @@ pub(super) struct Artist {
 impl Artist {
     /// Whether a held slider needs more than there is.
     pub(super) fn has_more_to_prepare(&self) -> bool {
-        match &self.held {
-            Some(Held { drag: Readiness::First(_), .. }) => self.ready.is_some(),
-            Some(Held { drag: Readiness::Made(drag), .. }) => !drag.is_ready(),
-            Some(Held { drag: Readiness::Impossible, .. }) | None => false,
+        match self.held.as_ref().map(|held| &held.drag) {
+            Some(Readiness::First(_)) => self.ready.is_some(),
+            Some(Readiness::Making(_, is_done)) => is_done.load(Ordering::Acquire),
+            Some(Readiness::Made(drag)) => !drag.is_ready(),
+            Some(Readiness::Impossible) | None => false,
         }
     }
 
-    /// Makes some of it.
-    pub(super) fn prepare(&mut self) {
+    /// Makes some of it. What takes longer is made by another thread, which calls `done` at its end.
+    pub(super) fn prepare(&mut self, done: impl FnOnce() + Send + 'static) {
         let (Some(Held { places, drag }), Some((_, ready))) = (&mut self.held, &self.ready) else { return };
-        match drag {
+        *drag = match std::mem::replace(drag, Readiness::Impossible) {
             Readiness::First(numbers) => {
-                *drag = Drag::new(ready, places, numbers, DRAG_BYTES)
-                    .map_or(Readiness::Impossible, |drag| Readiness::Made(Box::new(drag)));
+                let (ready, places) = (Arc::clone(ready), places.clone());
+                let is_done = Arc::new(AtomicBool::new(false));
+                let told = Arc::clone(&is_done);
+                let make = move || {
+                    let made = Drag::new(&ready, &places, &numbers, DRAG_BYTES).ok();
+                    told.store(true, Ordering::Release);
+                    done();
+                    made
+                };
+                let thread = std::thread::Builder::new().name("drag".into()).spawn(make);
+                thread.map_or(Readiness::Impossible, |thread| Readiness::Making(thread, is_done))
             }
-            Readiness::Made(drag) => {
+            Readiness::Making(thread, is_done) if is_done.load(Ordering::Acquire) => match thread.join() {
+                Ok(Some(drag)) => Readiness::Made(Box::new(drag)),
+                Ok(None) | Err(_) => Readiness::Impossible,
+            },
+            Readiness::Made(mut drag) => {
                 drag.prepare();
+                Readiness::Made(drag)
             }
-            Readiness::Impossible => {}
-        }
+            other @ (Readiness::Making(..) | Readiness::Impossible) => other,
+        };
     }
 
     /// How many pixels of a picture that was drawn by compiled code hold what is no number: its words do not tell.
