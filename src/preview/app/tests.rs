@@ -451,6 +451,7 @@ fn a_material_is_saved_under_a_name_and_given_again() {
     harness.run_steps(3);
     assert!(settle(&mut harness) == kept);
     // It outlives the window.
+    harness.state_mut().closing();
     drop(harness);
     let mut harness = harness_in(Some(&Folders::below(home.path())));
     assert!(harness.state().remembered.left().len() == 1 && !harness.state().remembered.left_is_work());
