@@ -178,7 +178,7 @@ impl Dialogs {
         if self.shortcuts {
             let modal = modal(context, "Shortcuts", |ui| {
                 let room = (ui.ctx().content_rect().height() - AROUND).max(60.0);
-                ScrollArea::vertical().max_height(room).show(ui, |ui| {
+                ScrollArea::vertical().max_height(room).min_scrolled_height(room).show(ui, |ui| {
                     Grid::new("shortcuts").num_columns(2).spacing([24.0, 5.0]).show(ui, |ui| {
                         for (shortcut, _, told) in shortcuts() {
                             ui.monospace(ui.ctx().format_shortcut(&shortcut));

@@ -35,7 +35,7 @@ fn staying(ui: &mut Ui, name: &str, content: impl FnOnce(&mut Ui)) {
 /// What is longer than the window can be scrolled.
 fn scrolled(ui: &mut Ui, content: impl FnOnce(&mut Ui)) {
     let room = (ui.ctx().content_rect().height() - BESIDE).max(60.0);
-    ScrollArea::vertical().max_height(room).show(ui, content);
+    ScrollArea::vertical().max_height(room).min_scrolled_height(room).show(ui, content);
 }
 
 /// Draws the bar.

@@ -138,6 +138,18 @@ fn a_number_that_cannot_be_is_brought_back_with_a_word() {
 }
 
 #[test]
+fn the_last_entry_of_a_menu_is_seen_at_once_where_there_is_room() {
+    let mut harness = harness();
+    harness.get_by_label("File").click();
+    harness.run_steps(3);
+    let quit = harness.get_by_label_contains("Quit").rect();
+    assert!(quit.bottom() < 640.0 && harness.get_by_label_contains("New session").rect().top() > 20.0, "{quit:?}");
+    harness.get_by_label_contains("Quit").click();
+    harness.run_steps(3);
+    assert!(harness.state().closing);
+}
+
+#[test]
 fn ambient_light_has_an_entry_of_its_own_and_the_scene_has_all() {
     let mut harness = harness();
     assert!(["ka", "Ia", "background"].iter().all(|name| harness.query_by_label(name).is_some()));
