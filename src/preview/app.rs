@@ -190,7 +190,8 @@ impl App {
         }
         let typing = std::mem::take(&mut self.typing) || ui.ctx().text_edit_focused();
         // What waits for an answer is not passed by.
-        let mut commands = if self.dialogs.is_open() { Vec::new() } else { command::pressed(ui, typing) };
+        let waits = self.dialogs.asks_for_file() || ui.memory(|memory| memory.top_modal_layer().is_some());
+        let mut commands = if waits { Vec::new() } else { command::pressed(ui, typing) };
         Panel::top("menu").show(ui, |ui| menu::bar(self, ui, &mut commands));
         Panel::bottom("status").show(ui, |ui| status::bar(self, ui, &mut commands));
         if self.panels.log {

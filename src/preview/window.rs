@@ -10,6 +10,7 @@ mod display;
 mod incoming;
 mod keys;
 mod polled;
+mod rows;
 mod shared;
 mod turn;
 

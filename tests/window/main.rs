@@ -184,6 +184,13 @@ fn the_window_follows_the_mouse_and_the_keyboard() {
 fn a_display_that_shares_no_memory_shows_the_same() {
     let screens = [&[][..], &["-extension", "MIT-SHM"]].map(|told| Screen::with("preset:studio", told));
     let shown = screens.each_ref().map(Screen::picture_at_rest);
+    // Files in memory, which pixels are shared by.
+    let shares = screens.each_ref().map(|screen| {
+        let files = std::fs::read_dir(format!("/proc/{}/fd", screen.window.id())).expect("open files");
+        let mut names = files.filter_map(|file| std::fs::read_link(file.ok()?.path()).ok());
+        names.any(|name| name.starts_with("/dev/shm"))
+    });
+    assert_eq!(shares, [true, false]);
     assert!(shown[0] == shown[1]);
     // Part of the window after part of it, as a slider is dragged.
     let dragged = screens.each_ref().map(|screen| {

@@ -147,7 +147,7 @@ impl Drag {
     }
 
     /// Draws the picture of these numbers. The framebuffer is that of the last frame, with its transfer, unless this is the first: what cannot have changed
-    /// is not written. Numbers other than the moved ones may be others than before, but then all begins anew. All lie within the ranges
+    /// is not written; [`prepare`](Self::prepare) makes what that takes. Numbers other than the moved ones may be others than before, but then all begins anew. All lie within the ranges
     /// of their parameters: how a formula is computed and taken apart is proved for these alone.
     ///
     /// # Panics

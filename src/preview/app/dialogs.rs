@@ -95,13 +95,9 @@ impl Dialogs {
         self.message.as_ref().map(|(_, text)| text.as_str())
     }
 
-    /// Whether anything waits for an answer.
-    pub(super) fn is_open(&self) -> bool {
+    /// Whether a file is asked for: that dialog is none of egui's modal ones.
+    pub(super) fn asks_for_file(&self) -> bool {
         self.file.as_ref().is_some_and(|(dialog, _)| *dialog.state() == DialogState::Open)
-            || self.message.is_some()
-            || self.asked_back.is_some()
-            || !self.offered.is_empty()
-            || self.shortcuts
     }
 
     /// Draws whatever is open.

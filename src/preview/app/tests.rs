@@ -150,6 +150,34 @@ fn the_last_entry_of_a_menu_is_seen_at_once_where_there_is_room() {
 }
 
 #[test]
+fn nothing_is_done_behind_a_dialog_and_enter_answers_a_message() {
+    let mut harness = harness();
+    let toggled = |harness: &mut Harness<'_, App>| {
+        let before = harness.state().panels.log;
+        harness.key_press(egui::Key::F12);
+        harness.run_steps(3);
+        harness.state().panels.log != before
+    };
+    assert!(toggled(&mut harness));
+    harness.state_mut().perform(Command::AskForSettings);
+    harness.run_steps(3);
+    assert!(!toggled(&mut harness), "behind the settings");
+    harness.get_by_label("Cancel").click();
+    harness.run_steps(3);
+    harness.state_mut().perform(Command::AskToOpen(Kind::Scene));
+    harness.run_steps(3);
+    assert!(!toggled(&mut harness), "behind the dialog for files");
+    harness.key_press(egui::Key::Escape);
+    harness.run_steps(3);
+    harness.state_mut().dialogs.tell("A title", "a text");
+    harness.run_steps(3);
+    assert!(!toggled(&mut harness), "behind a message");
+    harness.key_press(egui::Key::Enter);
+    harness.run_steps(3);
+    assert!(harness.state().dialogs.told().is_none() && toggled(&mut harness));
+}
+
+#[test]
 fn ambient_light_has_an_entry_of_its_own_and_the_scene_has_all() {
     let mut harness = harness();
     assert!(["ka", "Ia", "background"].iter().all(|name| harness.query_by_label(name).is_some()));

@@ -3,6 +3,7 @@
 //! Only one connection can hear of a window's clicks, and minifb's does. So a window that is nothing but an ear lies over it, as large as windows
 //! get; clicks go there, and keys, which nobody listens for there, go on to minifb's.
 
+use super::rows::Rows;
 use super::shared::{Canvas, SharedPixels};
 use crate::preview::paint::Region;
 use egui::{Modifiers, PointerButton};
@@ -55,8 +56,7 @@ pub(super) struct Display {
     canvas: Canvas,
     /// The way of pixels where the display shares memory.
     shared: Option<SharedPixels>,
-    /// Rows that are on their way, side by side.
-    rows: Vec<u32>,
+    rows: Rows,
 }
 
 impl Display {
@@ -98,7 +98,7 @@ impl Display {
         connection.map_window(ear)?.check()?;
         let shared = SharedPixels::are_possible(&connection).then(SharedPixels::default);
         let canvas = Canvas { window, pen, depth };
-        Ok(Some(Self { connection: Arc::new(connection), ear, canvas, shared, rows: Vec::new() }))
+        Ok(Some(Self { connection: Arc::new(connection), ear, canvas, shared, rows: Rows::default() }))
     }
 
     /// Hands over what changed of `pixels`, rows of `width`.
@@ -118,23 +118,15 @@ impl Display {
         let Canvas { window, pen, depth } = self.canvas;
         // What goes with the pixels of a request takes less than this.
         let room = (self.connection.maximum_request_bytes().saturating_sub(64) / 4).max(1);
+        let connection = &self.connection;
         for place in changed {
-            let [left, right, top, bottom] = [place.left, place.right, place.top, place.bottom].map(|at| at as usize);
-            let count = (room / (right - left).max(1)).max(1);
-            for first in (top..bottom).step_by(count) {
-                let last = (first + count).min(bottom);
-                let part = if right - left == width {
-                    &pixels[first * width..last * width]
-                } else {
-                    self.rows.clear();
-                    (first..last).for_each(|row| self.rows.extend_from_slice(&pixels[row * width + left..row * width + right]));
-                    &self.rows
-                };
-                let [wide, high] = [right - left, last - first].map(|side| side as u16);
-                let [x, y] = [left, first].map(|at| at as i16);
+            let wide = (place.right - place.left) as u16;
+            self.rows.each(pixels, width, place, room, |first, part| {
+                let high = (part.len() / usize::from(wide).max(1)) as u16;
+                let [x, y] = [place.left, first as i32].map(|at| at as i16);
                 let bytes = bytemuck::cast_slice(part);
-                self.connection.put_image(ImageFormat::Z_PIXMAP, window, pen, wide, high, x, y, 0, depth, bytes)?;
-            }
+                connection.put_image(ImageFormat::Z_PIXMAP, window, pen, wide, high, x, y, 0, depth, bytes).map(drop)
+            })?;
         }
         self.connection.flush()
     }

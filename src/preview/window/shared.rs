@@ -1,14 +1,13 @@
 //! Pixels on their way to the display through memory that it shares with the program (MIT-SHM), rather than through the connection to it: a file
 //! in memory, which is written to, and of which the display reads. Only a display on the same machine can do that.
 
+use super::rows::Rows;
 use crate::preview::paint::Region;
 use std::fs::File;
 use std::io;
 use std::os::fd::OwnedFd;
 use std::os::unix::fs::FileExt;
-use thiserror::Error;
 use x11rb::connection::{Connection, RequestConnection, SequenceNumber};
-use x11rb::errors::{ConnectionError, ReplyError, ReplyOrIdError};
 use x11rb::protocol::shm::{ConnectionExt as _, Seg};
 use x11rb::protocol::xproto::{ConnectionExt as _, Gcontext, ImageFormat};
 use x11rb::rust_connection::RustConnection;
@@ -16,21 +15,11 @@ use x11rb::rust_connection::RustConnection;
 /// Where a system keeps files in memory.
 const FOLDER: &str = "/dev/shm";
 
-/// Rows that are narrower than the window are put side by side, so many bytes at a time: they stay in a cache.
-const BLOCK: usize = 1 << 18;
+/// So many pixels are written at a time: they stay in a cache where they are first put side by side.
+const BLOCK: usize = 1 << 16;
 
-/// Why pixels cannot go this way.
-#[derive(Debug, Error)]
-pub(super) enum Refusal {
-    #[error(transparent)]
-    Connection(#[from] ConnectionError),
-    #[error(transparent)]
-    Reply(#[from] ReplyError),
-    #[error(transparent)]
-    Attaching(#[from] ReplyOrIdError),
-    #[error(transparent)]
-    Writing(#[from] io::Error),
-}
+/// Why pixels cannot go this way; another is taken then, whatever it is.
+type Refusal = Box<dyn std::error::Error>;
 
 /// What pixels are drawn on, and with what.
 #[derive(Debug, Clone, Copy)]
@@ -46,8 +35,7 @@ pub(super) struct Canvas {
 pub(super) struct SharedPixels {
     segments: [Option<Segment>; 2],
     next: usize,
-    /// Rows that are put side by side.
-    rows: Vec<u32>,
+    rows: Rows,
 }
 
 struct Segment {
@@ -100,21 +88,12 @@ impl SharedPixels {
         };
         let mut offset = 0;
         for place in changed {
-            let [left, right, top, bottom] = [place.left, place.right, place.top, place.bottom].map(|at| at as usize);
-            let wide = right - left;
-            if wide == width {
-                segment.write(&pixels[top * width..bottom * width], offset)?;
-            } else {
-                let count = (BLOCK / (4 * wide).max(1)).max(1);
-                for first in (top..bottom).step_by(count) {
-                    let last = (first + count).min(bottom);
-                    self.rows.clear();
-                    (first..last).for_each(|row| self.rows.extend_from_slice(&pixels[row * width + left..row * width + right]));
-                    segment.write(&self.rows, offset + 4 * (first - top) * wide)?;
-                }
-            }
+            let [left, top, wide, high] = [place.left, place.top, place.right - place.left, place.bottom - place.top];
+            self.rows.each(pixels, width, place, BLOCK, |first, part| {
+                segment.write(part, offset + 4 * (first - top as usize) * wide as usize)
+            })?;
             // No window is larger than the protocol's numbers, nor are its pixels.
-            let [wide, high] = [wide, bottom - top].map(|side| side as u16);
+            let [wide, high] = [wide, high].map(|side| side as u16);
             let [x, y] = [left, top].map(|at| at as i16);
             let Canvas { window, pen, depth } = canvas;
             let format = ImageFormat::Z_PIXMAP.into();
@@ -127,7 +106,7 @@ impl SharedPixels {
                 asked.check()?;
                 segment.proved = true;
             }
-            offset += 4 * area(place);
+            offset += 4 * usize::from(wide) * usize::from(high);
         }
         // Requests are done in turn: what answers this one has read the pixels.
         let asked = connection.get_input_focus()?;
@@ -137,10 +116,6 @@ impl SharedPixels {
         connection.flush()?;
         Ok(())
     }
-}
-
-fn area(place: &Region) -> usize {
-    (place.right - place.left) as usize * (place.bottom - place.top) as usize
 }
 
 impl Segment {
