@@ -277,6 +277,21 @@ fn values_that_are_unsaved_are_offered_again_with_the_texts_that_they_are_of() {
 }
 
 #[test]
+fn values_of_built_in_sessions_are_left_once_and_not_asked_for() {
+    let home = tempfile::tempdir().expect("a folder");
+    let folders = Folders::below(home.path());
+    for name in ["studio", "sunset"] {
+        let mut app = App::new(Some(&Location::Preset(name.to_owned())), Some(&folders)).expect("a built-in session");
+        let ambient = app.workshop.formula().predefined(crate::lang::variables::Predefined::Ambient);
+        app.workshop.set(crate::workspace::OwnerId::Global, ambient, [1.0; 3]);
+        app.closing();
+        drop(app);
+        let app = App::new(None, Some(&folders)).expect("the startup session");
+        assert!(app.remembered.left().len() == 1 && !app.remembered.left_is_work(), "{:?}", app.remembered.left());
+    }
+}
+
+#[test]
 fn texts_that_could_not_be_kept_are_kept_as_soon_as_that_is_possible() {
     let home = tempfile::tempdir().expect("a folder");
     let folders = Folders::below(home.path());
