@@ -7,8 +7,9 @@
 mod stage;
 
 use criterion::Criterion;
-use illuminator::evaluate::Interpreted;
+use illuminator::evaluate::Framebuffer;
 use illuminator::formula::Formula;
+use illuminator::picture::Transfer;
 use illuminator::presets::Kind;
 use illuminator::trace::Hits;
 use rayon::ThreadPool;
@@ -114,12 +115,13 @@ fn repeated<T: Send>(
 
 /// The reference interpreter, running programs without writing them; that is added up over threads.
 fn interpreted(criterion: &mut Criterion, name: &str, script: &Script, pool: &ThreadPool) {
-    let interpreted = Interpreted::new(&script.formula, &script.scene, script.view).expect("a formula with bytecode");
+    let interpreted = script.interpreter();
+    let view = script.subject.view;
+    let mut framebuffer = Framebuffer::black(view.width(), view.height(), Transfer::Linear);
     let mut turns = Turns::new(script.bodies_moved());
     criterion.bench_function(name, |bencher| {
         bencher.iter_custom(|times| {
-            let spent: Duration = (0..times).map(|_| pool.install(|| interpreted.frame(turns.turn()).1.evaluation)).sum();
-            spent / pool.current_num_threads() as u32
+            (0..times).map(|_| pool.install(|| interpreted.draw(turns.turn(), &mut framebuffer).time)).sum()
         });
     });
 }

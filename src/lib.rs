@@ -60,11 +60,17 @@ pub mod trace;
 
 pub mod bytecode;
 
+pub mod plan;
+
 pub mod jit;
 
 mod transfer;
 
 pub mod evaluate;
+
+pub mod backends;
+
+pub mod engine;
 
 pub mod workspace;
 

@@ -1,19 +1,19 @@
 //! A generated scene and formula, and what each stage costs with it.
 
-use illuminator::evaluate::{Compiled, Drag, Framebuffer, Method};
+use illuminator::engine::{Engine, Subject, Task};
+use illuminator::evaluate::{Drag, Evaluator, Framebuffer};
 use illuminator::formula::Formula;
-use illuminator::jit::CompiledFormula;
 use illuminator::lang::source::Source;
 use illuminator::lang::variables::Owner;
 use illuminator::picture::Transfer;
+use illuminator::plan::Method;
 use illuminator::scene::Scene;
-use illuminator::trace::{Budget, Counts, Hits, LINE_HITS, View, trace};
+use illuminator::trace::{Counts, LINE_HITS, View};
 use illuminator::workspace::{OwnerId, Values};
 use std::f64::consts::TAU;
 use std::fmt::Write;
 use std::hint::black_box;
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 /// In one round nothing is repeated after it has taken so long altogether,
@@ -54,11 +54,10 @@ pub(crate) struct Cost {
 
 /// Everything made ready, so that stages can be measured again and again.
 pub(crate) struct Stage {
-    formula: Formula,
-    scene: Scene,
-    view: View,
-    compiled: Arc<Compiled>,
-    dragged: Drag,
+    engine: Engine,
+    subject: Subject,
+    compiled: Arc<dyn Evaluator>,
+    dragged: Box<dyn Drag>,
     /// Arrays of numbers between which all bodies change, and such between which the slider does.
     bodies: [Vec<f32>; 2],
     slider: [Vec<f32>; 2],
@@ -109,15 +108,15 @@ impl Workload {
         let (scene, _) = Scene::parse(&Source::new("scene", self.scene())).expect("a sound scene");
         let [width, height] = self.size;
         let view = View::new(width, height).and_then(|view| view.with_depth(self.depth)).expect("settings within their ranges");
-        let hits = Arc::new(traced(&scene, &view));
-        let kernels = Arc::new(CompiledFormula::new(&formula).expect("a formula that can be compiled"));
-        let compiled = Arc::new(Compiled::new(kernels, &formula, &scene, &hits).expect("hits of this scene"));
         let numbers = self.numbers(&formula, &scene);
         let mut framebuffer = Framebuffer::black(width, height, Transfer::Linear);
         let bodies = moved(&numbers, &all_places(&formula, &scene, &["kd", "h"]), [1.0, 0.999]);
         let places = places(&formula, &scene, "floor", "kd");
         let slider = moved(&numbers, &places, [1.0, 0.5]);
-        let mut dragged = Drag::new(&compiled, &places, &slider[0], DRAG_BUDGET).expect("kernels for a slider");
+        let (engine, subject) = (Engine::default().with_memory(u64::MAX), Subject::new(formula, scene, view));
+        let hits = engine.trace(&subject, &Task::UNWATCHED).expect("a tracing that nobody ends");
+        let compiled = engine.prepare(&subject, &hits).expect("a formula that can be compiled");
+        let mut dragged = Arc::clone(&compiled).drag(&places, &slider[0], DRAG_BUDGET).expect("kernels for a slider");
         while !dragged.prepare() {}
         // The first frame is a whole one.
         dragged.frame(&slider[0], &mut framebuffer);
@@ -135,7 +134,7 @@ impl Workload {
             drag: f64::INFINITY,
             method: dragged.method(),
         };
-        Stage { formula, scene, view, compiled, dragged, bodies, slider, framebuffer, cost }
+        Stage { engine, subject, compiled, dragged, bodies, slider, framebuffer, cost }
     }
 
     /// Parameter numbers with which all rays count.
@@ -157,7 +156,7 @@ impl Workload {
 impl Stage {
     /// Measures every stage some times more, on the threads of the current pool; the shortest times stay.
     pub(crate) fn measure(&mut self) {
-        let Self { formula, scene, view, compiled, dragged, bodies, slider, framebuffer, cost } = self;
+        let Self { engine, subject, compiled, dragged, bodies, slider, framebuffer, cost } = self;
         let mut turn = 0;
         shorten(&mut cost.full, || {
             turn = 1 - turn;
@@ -167,13 +166,9 @@ impl Stage {
             turn = 1 - turn;
             dragged.frame(&slider[turn], framebuffer);
         });
-        shorten(&mut cost.compile, || drop(black_box(CompiledFormula::new(formula))));
-        shorten(&mut cost.trace, || drop(black_box(traced(scene, view))));
+        shorten(&mut cost.compile, || drop(black_box(Engine::default().compile(&subject.formula))));
+        shorten(&mut cost.trace, || drop(black_box(engine.trace(subject, &Task::UNWATCHED))));
     }
-}
-
-fn traced(scene: &Scene, view: &View) -> Hits {
-    trace(scene, view, &Budget::UNLIMITED, &|_| (), &AtomicBool::new(false)).expect("a tracing that nobody ends")
 }
 
 fn is_glass(row: u32, column: u32) -> bool {

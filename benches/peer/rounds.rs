@@ -3,7 +3,6 @@
 use crate::child::{Child, Variant};
 use crate::report::{Times, What};
 use crate::stage::{DRAG_BUDGET, Dragged, Full, Model, RED, Slider, Stage, Turns};
-use illuminator::evaluate::Interpreted;
 use rayon::ThreadPool;
 use std::cell::RefCell;
 use std::io::IsTerminal;
@@ -66,12 +65,11 @@ pub(crate) fn enter<'c>(
         all.push(own(what, detail, timed(pool, move || dragged.frame())));
     }
     let script = &stage.script;
-    let interpreted = Interpreted::new(&script.formula, &script.scene, script.view).map_err(|error| error.to_string())?;
-    let mut turns = Turns::new(script.bodies_moved());
+    let interpreter = script.interpreter();
+    let (mut turns, mut framebuffer) = (Turns::new(script.bodies_moved()), stage.framebuffer());
     let frame = move || {
-        let (_, timing) = pool.install(|| interpreted.frame(turns.turn()));
-        // Programs are written in between; what running them took is added up over threads.
-        Ok(timing.evaluation.as_secs_f64() * 1e3 / threads as f64)
+        let drawn = pool.install(|| interpreter.draw(turns.turn(), &mut framebuffer));
+        Ok(drawn.time.as_secs_f64() * 1e3)
     };
     all.push(own(What::Interpreter, String::new(), Box::new(frame)));
     for child in children.iter().filter(|child| child.borrow().threads == threads) {

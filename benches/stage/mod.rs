@@ -1,20 +1,20 @@
 //! What the benchmarks play on: the built-in session `glass` with one of two models, traced and compiled, and frames in which numbers
 //! really move. Nothing is measured here.
 
-use illuminator::evaluate::{Compiled, Drag, Framebuffer};
+use illuminator::backends::REFERENCE;
+use illuminator::engine::{Engine, Subject, Task};
+use illuminator::evaluate::{Drag, Evaluator, Framebuffer};
 use illuminator::formula::{Formula, ParameterId};
-use illuminator::jit::CompiledFormula;
 use illuminator::lang::variables::Owner;
 use illuminator::picture::Transfer;
 use illuminator::presets::Kind;
 use illuminator::scene::Scene;
-use illuminator::trace::{Budget, Hits, View, trace};
+use illuminator::trace::{Hits, View};
 use illuminator::workspace::files::Location;
 use illuminator::workspace::{OwnerId, Session, Values};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::fmt;
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 /// The built-in session that is measured.
 pub(crate) const SESSION: &str = "preset:glass";
@@ -76,9 +76,7 @@ impl fmt::Display for Slider {
 
 /// The session with a model, before anything is traced or compiled.
 pub(crate) struct Script {
-    pub(crate) formula: Arc<Formula>,
-    pub(crate) scene: Arc<Scene>,
-    pub(crate) view: View,
+    pub(crate) subject: Subject,
     pub(crate) values: Values,
 }
 
@@ -98,18 +96,26 @@ impl Script {
             .and_then(|view| view.with_default_index(picture.default_index))
             .map(|view| view.with_shadows(picture.shadows))
             .expect("settings within their ranges");
-        Self { formula: Arc::new(formula), scene: Arc::new(scene), view, values }
+        Self { subject: Subject::new(formula, scene, view), values }
     }
 
-    /// Compiles the formula.
-    pub(crate) fn compile(&self) -> CompiledFormula {
-        CompiledFormula::new(&self.formula).expect("a formula that can be compiled")
+    /// An engine that has compiled the formula.
+    pub(crate) fn compile(&self) -> Engine {
+        let engine = Engine::default().with_memory(u64::MAX);
+        engine.compile(&self.subject.formula).expect("a formula that can be compiled");
+        engine
     }
 
-    /// Traces the scene, on all threads of the current pool. What is found does not depend on the model.
+    /// Traces the scene, on all threads of the current pool. The hits do not depend on the model.
     pub(crate) fn trace(&self) -> Arc<Hits> {
-        let hits = trace(&self.scene, &self.view, &Budget::UNLIMITED, &|_| (), &AtomicBool::new(false));
-        Arc::new(hits.expect("a tracing that nobody ends"))
+        let engine = Engine::new(REFERENCE.make()).with_memory(u64::MAX);
+        engine.trace(&self.subject, &Task::UNWATCHED).expect("a tracing that nobody ends")
+    }
+
+    /// The reference interpreter.
+    pub(crate) fn interpreter(&self) -> Arc<dyn Evaluator> {
+        let engine = Engine::new(REFERENCE.make()).with_memory(u64::MAX);
+        engine.evaluator(&self.subject, &Task::UNWATCHED).expect("a formula with bytecode")
     }
 
     /// Two arrays of parameter numbers, between which every number of a body differs that the peers move.
@@ -160,18 +166,18 @@ impl Script {
 /// The session with a model, traced and compiled.
 pub(crate) struct Stage {
     pub(crate) script: Script,
-    pub(crate) compiled: Arc<Compiled>,
+    pub(crate) compiled: Arc<dyn Evaluator>,
 }
 
 impl Stage {
     pub(crate) fn new(script: Script, hits: &Arc<Hits>) -> Self {
-        let formula = Arc::new(script.compile());
-        let compiled = Compiled::new(formula, &script.formula, &script.scene, hits).expect("hits of this scene");
-        Self { script, compiled: Arc::new(compiled) }
+        let compiled = script.compile().prepare(&script.subject, hits).expect("hits of this scene");
+        Self { script, compiled }
     }
 
-    fn framebuffer(&self) -> Framebuffer {
-        Framebuffer::black(self.script.view.width(), self.script.view.height(), Transfer::Linear)
+    pub(crate) fn framebuffer(&self) -> Framebuffer {
+        let view = self.script.subject.view;
+        Framebuffer::black(view.width(), view.height(), Transfer::Linear)
     }
 }
 
@@ -195,7 +201,7 @@ impl Turns {
 
 /// Whole frames by compiled code, all bodies moved from each to the next.
 pub(crate) struct Full {
-    compiled: Arc<Compiled>,
+    compiled: Arc<dyn Evaluator>,
     turns: Turns,
     framebuffer: Framebuffer,
 }
@@ -213,7 +219,7 @@ impl Full {
 
 /// Frames while a slider is dragged to and fro, everything prepared.
 pub(crate) struct Dragged {
-    pub(crate) drag: Drag,
+    pub(crate) drag: Box<dyn Drag>,
     turns: Turns,
     framebuffer: Framebuffer,
 }
@@ -222,7 +228,7 @@ impl Dragged {
     /// Without a budget nothing is kept, and every tile that the slider reaches is drawn the general way.
     pub(crate) fn new(stage: &Stage, slider: Slider, budget: usize) -> Self {
         let (places, turns) = stage.script.slider_moved(slider);
-        let drag = Drag::new(&stage.compiled, &places, &turns[0], budget).expect("kernels for a slider");
+        let drag = Arc::clone(&stage.compiled).drag(&places, &turns[0], budget).expect("kernels for a slider");
         let mut dragged = Self { drag, turns: Turns::new(turns), framebuffer: stage.framebuffer() };
         while !dragged.drag.prepare() {}
         // The first frame is a whole one.

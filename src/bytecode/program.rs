@@ -3,8 +3,7 @@
 use crate::bytecode::compile::Code;
 use crate::bytecode::instruction::Instruction;
 use crate::bytecode::machine;
-use crate::formula::Formula;
-use crate::formula::layout::Layout;
+use crate::formula::equation::{Colour, Equation, REFLECTED, REFRACTED, Site, Term, index_of};
 use crate::lang::builtins::{Operation, Stack};
 use crate::lang::scalars::{Scalars, flush};
 use crate::lang::types::Type;
@@ -15,12 +14,10 @@ use crate::trace::{Child, HitVariables, LightVariables, Node, Tree, variable};
 /// What instantiation needs to know of a formula on a scene.
 #[derive(Debug, Clone, Copy)]
 pub struct Instantiation<'i> {
-    /// The formula, for its predefined parameters.
-    pub formula: &'i Formula,
-    /// Its code of type I.
+    /// The formula's code of type I.
     pub code: &'i Code,
     /// Where parameter numbers lie.
-    pub layout: Layout,
+    pub equation: Equation,
     /// The scene.
     pub scene: &'i Scene,
 }
@@ -67,7 +64,7 @@ impl Programs {
         let mut assembler = Assembler { instantiation, code: &mut self.code, height: 0, depth: self.depth };
         match tree.nodes.first() {
             Some(_) => assembler.tree(tree),
-            None => assembler.parameter(Predefined::Background, 0),
+            None => assembler.miss(),
         }
         self.depth = assembler.depth;
         self.ends.push(self.code.len());
@@ -149,10 +146,8 @@ impl Assembler<'_> {
 
     /// A reference to a predefined parameter of the owner of this index.
     fn parameter(&mut self, predefined: Predefined, index: usize) {
-        let Instantiation { formula, layout, .. } = self.instantiation;
-        let parameter = formula.parameter(formula.predefined(predefined));
-        let place = layout.place(parameter, index) as u32;
-        self.emit(match parameter.ty {
+        let place = self.instantiation.equation.place(predefined, index) as u32;
+        self.emit(match predefined.ty() {
             Type::Scalar | Type::Truth => Instruction::ScalarReference(place),
             Type::Vector => Instruction::VectorReference(place),
         });
@@ -173,13 +168,13 @@ impl Assembler<'_> {
                     let node = &tree.nodes[index];
                     self.local(node);
                     let body = node.surface.body.index();
-                    steps.push(Step::Child(Predefined::Refraction, node.refracted, body));
-                    steps.push(Step::Child(Predefined::Reflection, node.reflected, body));
+                    steps.push(Step::Child(REFRACTED, node.refracted, body));
+                    steps.push(Step::Child(REFLECTED, node.reflected, body));
                 }
                 Step::Child(_, Child::None, _) => {}
                 Step::Child(weight, Child::Miss, body) => {
                     self.parameter(weight, body);
-                    self.parameter(Predefined::Background, 0);
+                    self.miss();
                     self.emit(Instruction::Weigh);
                     self.emit(Instruction::Operation(Operation::AddVV));
                 }
@@ -201,32 +196,59 @@ impl Assembler<'_> {
         }
     }
 
-    /// What the lights and the ambient light add at a hit.
+    /// What the lights add at a hit, and what is added whatever the lights.
     fn local(&mut self, node: &Node) {
         let scene = self.instantiation.scene;
         let hit = HitVariables::of(scene, &node.surface);
-        for (count, light) in node.lights.iter().enumerate() {
+        let mut count = 0;
+        for light in &node.lights {
             let record = LightVariables::of(&node.surface, scene.light(*light));
-            self.parameter(Predefined::Intensity, light.index());
-            self.formula(node, *light, &hit, &record);
-            self.emit(Instruction::Weigh);
-            if count > 0 {
-                self.emit(Instruction::Operation(Operation::AddVV));
+            for term in Term::at(Site::LitRecord) {
+                let formula = |assembler: &mut Self| assembler.formula(node, *light, &hit, &record);
+                self.term(term, node.surface.body.index(), light.index(), &mut count, formula);
             }
         }
-        self.parameter(Predefined::Ambient, 0);
-        self.parameter(Predefined::BodyColour, node.surface.body.index());
-        self.parameter(Predefined::AmbientColour, 0);
-        self.emit(Instruction::Operation(Operation::MulVV));
-        self.emit(Instruction::Weigh);
-        if !node.lights.is_empty() {
+        for term in Term::at(Site::Hit) {
+            self.term(term, node.surface.body.index(), 0, &mut count, |_| {});
+        }
+    }
+
+    /// What a ray adds that left the scene.
+    fn miss(&mut self) {
+        let mut count = 0;
+        for term in Term::at(Site::Miss) {
+            self.term(term, 0, 0, &mut count, |_| {});
+        }
+    }
+
+    /// A term of equation (2), added to those before it, of which there are `count`.
+    fn term(&mut self, term: &Term, body: usize, light: usize, count: &mut usize, formula: impl FnOnce(&mut Self)) {
+        if let Some(weight) = term.weight {
+            self.parameter(weight, index_of(weight, body, light));
+        }
+        match term.colour {
+            Colour::Formula => formula(self),
+            Colour::Parameters(factors) => {
+                for (place, factor) in factors.iter().enumerate() {
+                    self.parameter(*factor, index_of(*factor, body, light));
+                    if place > 0 {
+                        self.emit(Instruction::Operation(Operation::MulVV));
+                    }
+                }
+            }
+        }
+        if term.weight.is_some() {
+            self.emit(Instruction::Weigh);
+        }
+        if *count > 0 {
             self.emit(Instruction::Operation(Operation::AddVV));
         }
+        *count += 1;
     }
 
     /// The user's formula with numbers for variables and references for parameters: type I into type II.
     fn formula(&mut self, node: &Node, light: LightId, hit: &HitVariables, record: &LightVariables) {
-        let Instantiation { code, layout, .. } = self.instantiation;
+        let Instantiation { code, equation, .. } = self.instantiation;
         for instruction in code.instructions() {
             let instance = match *instruction {
                 Instruction::Variable(symbol) => {
@@ -242,7 +264,7 @@ impl Assembler<'_> {
                         Owner::Body => node.surface.body.index(),
                         Owner::Light => light.index(),
                     };
-                    let place = (layout.row(owner, index) + slot as usize) as u32;
+                    let place = (equation.layout.row(owner, index) + slot as usize) as u32;
                     match ty {
                         Type::Scalar | Type::Truth => Instruction::ScalarReference(place),
                         Type::Vector => Instruction::VectorReference(place),

@@ -6,9 +6,10 @@ use crate::cli::options::InputOptions;
 use crate::cli::progress::Progress;
 use crate::cli::report::{Failure, print};
 use clap::Args;
-use illuminator::evaluate::{Compiled, Drag, Framebuffer, Interpreted};
+use illuminator::backends::{DEFAULT, REFERENCE};
+use illuminator::engine::{Engine, Subject, Task};
+use illuminator::evaluate::{Evaluator, Framebuffer};
 use illuminator::formula::ParameterId;
-use illuminator::jit::CompiledFormula;
 use illuminator::lang::types::Type;
 use illuminator::picture::Transfer;
 use illuminator::trace::Hits;
@@ -138,16 +139,19 @@ fn find(values: &Values, sliders: &[Slider], wanted: &str) -> Result<Slider, Fai
 
 fn measure(options: &Options, input: &Input, sliders: &[Slider]) -> Result<Report, Failure> {
     let view = &input.view;
-    let bytes = engine::memory_for(view, &options.input.machine)?;
+    let subject = engine::subject(input);
     let progress = Progress::new("measuring");
-    let (compile_ms, compiled) =
-        time(options.runs, || CompiledFormula::new(&input.formula).map_err(|e| Failure::input(e.to_string())))?;
-    let compiled = Arc::new(compiled);
+    let (compile_ms, engine) = time(options.runs, || {
+        // A new backend each time: one keeps what it compiled.
+        let engine = engine::engine(&DEFAULT, &options.input.machine);
+        engine.compile(&subject.formula).map_err(engine::failed)?;
+        Ok(engine)
+    })?;
     progress.tell(0.05);
     let traces = options.runs.min(MOST_TRACES);
-    let (trace_ms, hits) = time(traces, || engine::trace_for(&compiled, input, view, bytes, &|_| ()))?;
+    let (trace_ms, hits) = time(traces, || engine.trace(&subject, &Task::UNWATCHED).map_err(engine::failed))?;
     progress.tell(0.2);
-    let evaluator = Arc::new(engine::compiled_backend(&compiled, input, &hits)?);
+    let evaluator = engine.prepare(&subject, &hits).map_err(engine::failed)?;
     let mut framebuffer = Framebuffer::black(view.width(), view.height(), Transfer::Linear);
     let numbers = input.values.numbers();
     let jit_ms = median(options.runs, |_| {
@@ -165,7 +169,7 @@ fn measure(options: &Options, input: &Input, sliders: &[Slider]) -> Result<Repor
         .collect::<Result<Vec<_>, _>>()?;
     let jit_bytes = (evaluator.bytes() + size_of_val(&*framebuffer.pixels)) as f64;
     drop(evaluator);
-    let (interpreter_ms, interpreter_bytes) = interpreted(options.runs, &engine::interpreter(input, *view)?, numbers)?;
+    let (interpreter_ms, interpreter_bytes) = interpreted(options, &subject, numbers, &mut framebuffer)?;
     let counts = Hits::counts(&hits);
     let pixels = f64::from(view.pixels());
     Ok(Report {
@@ -185,13 +189,19 @@ fn measure(options: &Options, input: &Input, sliders: &[Slider]) -> Result<Repor
 }
 
 /// A frame by the interpreter: the time that running the programs takes, and their bytes.
-fn interpreted(runs: u32, interpreter: &Interpreted, numbers: &[f32]) -> Result<(f64, u64), Failure> {
+fn interpreted(
+    options: &Options,
+    subject: &Subject,
+    numbers: &[f32],
+    framebuffer: &mut Framebuffer,
+) -> Result<(f64, u64), Failure> {
+    let engine: Engine = engine::engine(&REFERENCE, &options.input.machine);
+    let evaluator = engine.evaluator(subject, &Task::UNWATCHED).map_err(engine::failed)?;
     let mut bytes = 0;
-    let ms = median(runs, |_| {
-        let (_, timing) = interpreter.frame(numbers);
-        bytes = timing.bytes;
-        // Programs are written in between; what running them took is added up over threads.
-        Ok(timing.evaluation / rayon::current_num_threads() as u32)
+    let ms = median(options.runs, |_| {
+        let drawn = evaluator.draw(numbers, framebuffer);
+        bytes = drawn.program_bytes;
+        Ok(drawn.time)
     })?;
     Ok((ms, bytes))
 }
@@ -200,7 +210,7 @@ fn interpreted(runs: u32, interpreter: &Interpreted, numbers: &[f32]) -> Result<
 fn drag(
     runs: u32,
     input: &Input,
-    evaluator: &Arc<Compiled>,
+    evaluator: &Arc<dyn Evaluator>,
     slider: &Slider,
     framebuffer: &mut Framebuffer,
 ) -> Result<DragReport, Failure> {
@@ -211,7 +221,8 @@ fn drag(
         moved = vec![first + component];
     }
     let start = Instant::now();
-    let mut drag = Drag::new(evaluator, &moved, values.numbers(), DRAG_BUDGET).map_err(|e| Failure::input(e.to_string()))?;
+    let drag = Arc::clone(evaluator).drag(&moved, values.numbers(), DRAG_BUDGET);
+    let mut drag = drag.map_err(|error| Failure::input(error.to_string()))?;
     while !drag.prepare() {}
     let prepare_ms = milliseconds(start.elapsed());
     drag.frame(values.numbers(), framebuffer);

@@ -1,17 +1,15 @@
-//! The engine's work as commands ask for it: on so many threads, within so much memory, with progress.
+//! The engine as commands ask for it: on a number of threads, within an amount of memory, with progress.
 
 use crate::cli::input::Input;
 use crate::cli::options::MachineOptions;
 use crate::cli::progress::Progress;
 use crate::cli::report::Failure;
-use illuminator::evaluate::{self, Backend, Compiled, Frame, Interpreted};
-use illuminator::jit::CompiledFormula;
-use illuminator::trace::{self, Budget, Hits, TraceError, View};
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
-
-/// Bytes of a pixel beside those of hits: two frames, and what a picture file is made from.
-const BYTES_PER_PIXEL: u64 = 40;
+use illuminator::backends::BackendChoice;
+use illuminator::backends::interpreter::Interpreted;
+use illuminator::engine::{Engine, EngineError, Subject, Task};
+use illuminator::evaluate::Frame;
+use illuminator::lang::diagnostic::Diagnostic;
+use illuminator::trace::View;
 
 /// Does some work on as many threads as the options say.
 pub(super) fn on_threads<T: Send>(options: &MachineOptions, work: impl FnOnce() -> T + Send) -> Result<T, Failure> {
@@ -22,74 +20,32 @@ pub(super) fn on_threads<T: Send>(options: &MachineOptions, work: impl FnOnce() 
     Ok(pool.install(work))
 }
 
-/// Traces the scene for a compiled formula.
-pub(super) fn trace_for(
-    formula: &CompiledFormula,
-    input: &Input,
-    view: &View,
-    bytes: u64,
-    progress: &(dyn Fn(f64) + Sync),
-) -> Result<Arc<Hits>, Failure> {
-    let budget = Budget { bytes_per_pixel: BYTES_PER_PIXEL, ..evaluate::budget(bytes, &formula.bindings) };
-    trace::trace(&input.scene, view, &budget, progress, &AtomicBool::new(false)).map(Arc::new).map_err(failed)
-}
-
-/// What may be used, after checking that the picture itself fits in.
-pub(super) fn memory_for(view: &View, options: &MachineOptions) -> Result<u64, Failure> {
-    let budget = options.memory.unwrap_or_else(trace::usable_memory);
-    let needed = u64::from(view.pixels()) * BYTES_PER_PIXEL;
-    if needed > budget { Err(failed(TraceError::Memory { needed, budget, pixels: view.pixels() })) } else { Ok(budget) }
-}
-
-fn failed(error: TraceError) -> Failure {
-    let message = error.to_string();
-    match error {
-        TraceError::Memory { .. } => {
-            Failure::Input(illuminator::lang::diagnostic::Diagnostic::error(message).help("`--memory SIZE` allows more"))
-        }
-        TraceError::Cancelled => Failure::input(message),
+/// An engine with this backend and the memory that the options give.
+pub(super) fn engine(backend: &BackendChoice, options: &MachineOptions) -> Engine {
+    let engine = Engine::new(backend.make());
+    match options.memory {
+        Some(bytes) => engine.with_memory(bytes),
+        None => engine,
     }
+}
+
+/// What the input shows.
+pub(super) fn subject(input: &Input) -> Subject {
+    Subject { formula: input.formula.clone(), scene: input.scene.clone(), view: input.view }
+}
+
+/// The failure that an error of the engine is.
+pub(super) fn failed(error: EngineError) -> Failure {
+    let diagnostic = Diagnostic::error(error.to_string());
+    Failure::Input(if error.is_memory() { diagnostic.help("`--memory SIZE` allows more") } else { diagnostic })
 }
 
 /// The picture, `samples` × `samples` rays a pixel averaged, NaN not yet cleaned out.
-pub(super) fn picture(input: &Input, samples: u32, backend: Backend, options: &MachineOptions) -> Result<Frame, Failure> {
-    let bytes = memory_for(&input.view, options)?;
-    let compiled = match backend {
-        Backend::Jit => Some(Arc::new(CompiledFormula::new(&input.formula).map_err(|error| Failure::input(error.to_string()))?)),
-        Backend::Interpreter => None,
-    };
+pub(super) fn picture(input: &Input, samples: u32, backend: &BackendChoice, options: &MachineOptions) -> Result<Frame, Failure> {
     let progress = Progress::new("tracing");
-    let mut sum: Option<Frame> = None;
-    let count = samples * samples;
-    for sample in 0..count {
-        let tell = |share: f64| progress.tell((f64::from(sample) + share) / f64::from(count));
-        let place = |step: u32| (f64::from(step) + 0.5) / f64::from(samples);
-        let view = input.view.with_offset([place(sample % samples), place(sample / samples)]);
-        let frame = match &compiled {
-            Some(compiled) => {
-                let hits = trace_for(compiled, input, &view, bytes, &tell)?;
-                compiled_backend(compiled, input, &hits)?.frame(input.values.numbers())
-            }
-            None => {
-                tell(0.0);
-                interpreter(input, view)?.frame(input.values.numbers()).0
-            }
-        };
-        sum = Some(match sum {
-            None if count == 1 => frame,
-            so_far => {
-                let mut so_far = so_far.unwrap_or_else(|| Frame::black(view.width(), view.height()));
-                so_far.add(&frame, 1.0 / count as f32);
-                so_far
-            }
-        });
-    }
-    sum.ok_or_else(|| Failure::command_line("a picture needs at least one sample"))
-}
-
-/// A compiled formula on traced hits.
-pub(super) fn compiled_backend(compiled: &Arc<CompiledFormula>, input: &Input, hits: &Arc<Hits>) -> Result<Compiled, Failure> {
-    Compiled::new(Arc::clone(compiled), &input.formula, &input.scene, hits).map_err(|error| Failure::input(error.to_string()))
+    let tell = |share: f64| progress.tell(share);
+    let picture = engine(backend, options).picture(&subject(input), input.values.numbers(), samples, &Task::watched(&tell));
+    picture.map_err(failed)
 }
 
 /// The reference interpreter on a view of the scene.

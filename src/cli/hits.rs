@@ -13,19 +13,18 @@ use crate::cli::options::MachineOptions;
 use crate::cli::output::check_folder;
 use crate::cli::progress::Progress;
 use crate::cli::report::Failure;
+use illuminator::backends::REFERENCE;
+use illuminator::engine::Task;
 use illuminator::lang::types::Type;
 use illuminator::lang::variables::{Rate, Variable};
 use illuminator::scene::LightId;
-use illuminator::trace::{
-    Budget, Edge, HitVariables, Hits, LightVariables, Optics, Surface, Tile, replay, trace, usable_memory, variable,
-};
+use illuminator::trace::{Edge, HitVariables, Hits, LightVariables, Optics, Surface, Tile, replay, variable};
 use illuminator::workspace::files::{reason, replace_file};
 use serde::Serialize;
 use std::collections::{BTreeMap, HashMap};
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 
 /// What names, types and counts the columns.
 const INDEX: &str = "index.json";
@@ -40,12 +39,12 @@ pub(super) fn dump(input: &Input, machine: &MachineOptions, folder: &Path) -> Re
         .map_err(|error| Failure::command_line(format!("cannot make the folder `{name}`: {}", reason(&error))))?;
     check_folder(folder)?;
     let progress = Progress::new("tracing");
-    let hits = engine::on_threads(machine, || {
-        let budget = Budget { bytes: machine.memory.unwrap_or_else(usable_memory), ..Budget::UNLIMITED };
-        trace(&input.scene, &input.view, &budget, &|share| progress.tell(share), &AtomicBool::new(false))
-    })?;
+    let tell = |share: f64| progress.tell(share);
+    // Whose evaluators keep nothing of hits.
+    let engine = engine::engine(&REFERENCE, machine);
+    let hits = engine::on_threads(machine, || engine.trace(&engine::subject(input), &Task::watched(&tell)))?;
     drop(progress);
-    let hits = hits.map_err(|error| Failure::input(error.to_string()))?;
+    let hits = hits.map_err(engine::failed)?;
     write(input, &hits, folder).map_err(|error| Failure::input(format!("cannot write to `{name}`: {}", reason(&error))))
 }
 

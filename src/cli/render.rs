@@ -5,8 +5,8 @@ use crate::cli::input::load;
 use crate::cli::options::InputOptions;
 use crate::cli::output::{check_distinct, check_picture};
 use crate::cli::report::{Failure, warn};
-use clap::{Args, ValueEnum};
-use illuminator::evaluate::Backend;
+use clap::Args;
+use illuminator::backends::{BackendChoice, CHOICES, DEFAULT, named};
 use illuminator::picture::{Format, Transfer, save};
 use std::path::PathBuf;
 
@@ -22,18 +22,11 @@ pub(super) struct Options {
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=16))]
     samples: u32,
     /// What evaluates the formula: compiled code, or the reference interpreter
-    #[arg(long, value_enum, default_value_t = BackendName::Jit)]
-    backend: BackendName,
+    #[arg(long, default_value = DEFAULT.name, value_parser = CHOICES.map(|choice| choice.name))]
+    backend: String,
     /// Picture file: .png, .bmp, or .exr for linear unclamped floats
     #[arg(long = "output", short, value_name = "OUT")]
     output: PathBuf,
-}
-
-/// The names of the backends.
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum BackendName {
-    Jit,
-    Interpreter,
 }
 
 /// Makes the picture.
@@ -44,10 +37,8 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     }
     let input = load(&options.input)?;
     check_distinct(&options.output, &input.files)?;
-    let backend = match options.backend {
-        BackendName::Jit => Backend::Jit,
-        BackendName::Interpreter => Backend::Interpreter,
-    };
+    // The parser of arguments lets only known names through.
+    let backend: &BackendChoice = named(&options.backend).unwrap_or(&DEFAULT);
     let machine = &options.input.machine;
     let mut frame = engine::on_threads(machine, || engine::picture(&input, options.samples, backend, machine))??;
     match frame.clean() {

@@ -6,9 +6,9 @@ use crate::cli::options::InputOptions;
 use crate::cli::progress::Progress;
 use crate::cli::report::{Failure, print};
 use clap::Args;
-use illuminator::evaluate::verify::{TOLERANCE, Verification, verify};
-use illuminator::jit::CompiledFormula;
-use std::sync::Arc;
+use illuminator::backends::DEFAULT;
+use illuminator::backends::verify::{TOLERANCE, Verification, verify};
+use illuminator::engine::Task;
 
 /// Options of `verify`.
 #[derive(Args, Debug)]
@@ -22,12 +22,11 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let input = load(&options.input)?;
     let machine = &options.input.machine;
     let verification = engine::on_threads(machine, || {
-        let bytes = engine::memory_for(&input.view, machine)?;
         let progress = Progress::new("tracing");
-        let compiled = Arc::new(CompiledFormula::new(&input.formula).map_err(|error| Failure::input(error.to_string()))?);
-        let hits = engine::trace_for(&compiled, &input, &input.view, bytes, &|share| progress.tell(share))?;
-        let compiled = engine::compiled_backend(&compiled, &input, &hits)?;
-        Ok(verify(&compiled, &engine::interpreter(&input, input.view)?, input.values.numbers()))
+        let tell = |share: f64| progress.tell(share);
+        let engine = engine::engine(&DEFAULT, machine);
+        let compiled = engine.evaluator(&engine::subject(&input), &Task::watched(&tell)).map_err(engine::failed)?;
+        Ok(verify(&*compiled, &engine::interpreter(&input, input.view)?, input.values.numbers()))
     })??;
     print(&describe(&verification, input.view.width()))?;
     if verification.passes() { Ok(()) } else { Err(Failure::Reported) }

@@ -1,9 +1,9 @@
 //! A picture as a window shows it: a word for each pixel.
 
+use crate::evaluate::Frame;
 use crate::trace::TILE_PIXELS;
-use crate::transfer::{Bytes, Transfer};
+use crate::transfer::{Bytes, Transfer, with_bytes};
 use rayon::prelude::*;
-use std::ops::Range;
 
 /// A picture of `width` × `height` pixels, row by row from the top left, each `0x00RRGGBB`: components clamped to 0..1, NaN as 0, and
 /// rounded to the nearest of 0..=255 by the transfer.
@@ -25,43 +25,37 @@ impl Framebuffer {
         Self { width, height, pixels: vec![0; width as usize * height as usize], transfer }
     }
 
+    /// Shows a picture of the same size.
+    ///
+    /// # Panics
+    /// Where the picture has another size.
+    pub fn set(&mut self, frame: &Frame) {
+        assert_eq!((self.width, self.height), (frame.width, frame.height), "a picture of the framebuffer's size");
+        with_bytes!(self.transfer, bytes => {
+            self.pixels.par_iter_mut().zip(&frame.linear).for_each(|(pixel, [red, green, blue])| {
+                *pixel = bytes.byte(*red) << 16 | bytes.byte(*green) << 8 | bytes.byte(*blue);
+            });
+        });
+    }
+
     /// The parts of it, in the order of tiles.
-    pub(super) fn parts(&mut self) -> impl IndexedParallelIterator<Item = Part<'_>> {
+    pub(crate) fn parts(&mut self) -> impl IndexedParallelIterator<Item = Part<'_>> {
         let transfer = self.transfer;
         self.pixels.par_chunks_mut(TILE_PIXELS as usize).map(move |pixels| Part { pixels, transfer })
     }
 }
 
-/// Which components of colours are worked out.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Channels {
-    /// Red, green and blue.
-    All,
-    /// One of them: 0 red, 1 green, 2 blue.
-    One(usize),
-}
-
-impl Channels {
-    /// The components.
-    pub(super) fn components(self) -> Range<usize> {
-        match self {
-            Channels::All => 0..3,
-            Channels::One(component) => component..component + 1,
-        }
-    }
-}
-
 /// A tile's part of a framebuffer.
-pub(super) struct Part<'f> {
+pub(crate) struct Part<'f> {
     /// The pixels, of which the last tile has fewer.
-    pub(super) pixels: &'f mut [u32],
+    pub(crate) pixels: &'f mut [u32],
     /// How components become bytes.
-    pub(super) transfer: Transfer,
+    pub(crate) transfer: Transfer,
 }
 
 /// Writes as many pixels as `into` has.
 #[inline(always)]
-pub(super) fn write(into: &mut [u32], [red, green, blue]: [&[f32]; 3], bytes: impl Bytes) {
+pub(crate) fn write(into: &mut [u32], [red, green, blue]: [&[f32]; 3], bytes: impl Bytes) {
     for (((pixel, red), green), blue) in into.iter_mut().zip(red).zip(green).zip(blue) {
         *pixel = bytes.byte(*red) << 16 | bytes.byte(*green) << 8 | bytes.byte(*blue);
     }
@@ -69,7 +63,7 @@ pub(super) fn write(into: &mut [u32], [red, green, blue]: [&[f32]; 3], bytes: im
 
 /// Writes one component of as many pixels as `into` has.
 #[inline(always)]
-pub(super) fn write_component(into: &mut [u32], component: usize, linear: &[f32], bytes: impl Bytes) {
+pub(crate) fn write_component(into: &mut [u32], component: usize, linear: &[f32], bytes: impl Bytes) {
     let shift = 16 - 8 * component as u32;
     for (pixel, linear) in into.iter_mut().zip(linear) {
         *pixel = *pixel & !(0xff << shift) | bytes.byte(*linear) << shift;

@@ -1,106 +1,120 @@
-//! Hits and parameter values into pictures: which kernel runs over which records, and how contributions add up to pixels.
+//! What a backend does: parameter numbers and the hits of a traced scene into pictures.
 //!
-//! A pixel is a flat sum over ray paths (equation (2) of the thesis multiplied out, see [`Tile`](crate::trace::Tile)). The compiled
-//! backend keeps the static values of every record in columns (`columns`) and, each frame, runs the contribution kernel
-//! over the groups whose path weight is not 0 (`compiled`; in which order, `program` keeps from frame to frame). The interpreter backend writes each pixel's program and runs it
-//! (`interpreted`). [`inspect`] tells how one pixel comes about. All take parameter numbers as one array in the order of [`Layout`](crate::formula::layout::Layout).
+//! A [`Backend`] makes an [`Evaluator`] of a formula on a traced scene; an evaluator makes pictures of parameter numbers, and a
+//! [`Drag`] makes them while a slider is held. The backends themselves are in [`backends`](crate::backends); what they share is here:
+//! [`Frame`] and [`Framebuffer`], and the weights of ray paths. [`inspect`] explains one pixel.
+//!
+//! Parameter numbers are one array in the order of [`Layout`](crate::formula::layout::Layout). Each number lies within the range of its
+//! parameter, where that has one, and none is NaN or infinite, as [`Parameter::clamp`](crate::formula::Parameter::clamp) leaves them:
+//! compiled code relies on that, and outside the ranges a picture may differ from the formula's.
 
-mod columns;
-mod compiled;
 mod drag;
 mod frame;
 mod framebuffer;
 pub mod inspect;
-mod interpreted;
-mod memory;
-mod pass;
-mod planes;
-mod program;
-pub mod verify;
+pub mod weights;
 
-pub use compiled::Compiled;
-pub use drag::{Drag, Method};
+pub use drag::{Drag, WholeFrames};
 pub use frame::Frame;
 pub use framebuffer::Framebuffer;
-pub use interpreted::{Interpreted, Timing};
+pub(crate) use framebuffer::{Part, write, write_component};
 
-use crate::bytecode::CodeTooLarge;
 use crate::formula::Formula;
-use crate::formula::binding::Bindings;
-use crate::jit::{CompileError, CompiledFormula};
 use crate::scene::Scene;
-use crate::trace::{Budget, Hits, Mismatch};
+use crate::trace::{Hits, Mismatch};
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 use thiserror::Error;
-
-/// How formulas are evaluated.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Backend {
-    /// By compiled code.
-    #[default]
-    Jit,
-    /// By the reference interpreter.
-    Interpreter,
-}
 
 /// Why a formula cannot be evaluated on a scene.
 #[derive(Debug, Error)]
 pub enum EvaluateError {
-    /// There is no compiled code.
-    #[error(transparent)]
-    Compile(#[from] CompileError),
-    /// There is no bytecode.
-    #[error(transparent)]
-    Code(#[from] CodeTooLarge),
-    /// The hits belong to another scene; an error of the caller.
+    /// The backend cannot take the formula, or does not run on this machine; why, for people.
+    #[error("{0}")]
+    Backend(String),
+    /// The hits belong to another scene or view; an error of the caller.
     #[error(transparent)]
     Hits(#[from] Mismatch),
 }
 
-/// A formula on a traced scene, ready to make pictures of parameter values.
-pub enum Evaluator {
-    /// By compiled code.
-    Compiled(Compiled),
-    /// By the reference interpreter.
-    Interpreted(Interpreted),
+/// The memory that an evaluator keeps for a formula, in bytes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Footprint {
+    /// For each hit.
+    pub per_hit: u64,
+    /// For each lit record: a pair of a hit and a light that reaches it.
+    pub per_record: u64,
+    /// For each pair of a body and a light of the scene.
+    pub per_pair: u64,
 }
 
-impl Evaluator {
-    /// Makes a formula ready on a traced scene: compiles it and works out the static values of all hits, or writes its bytecode.
-    ///
-    /// # Errors
-    /// The backend cannot take the formula, or `hits` are not of this scene.
-    pub fn new(formula: &Arc<Formula>, scene: &Arc<Scene>, hits: &Arc<Hits>, backend: Backend) -> Result<Self, EvaluateError> {
-        Ok(match backend {
-            Backend::Jit => {
-                let compiled = Arc::new(CompiledFormula::new(formula)?);
-                Evaluator::Compiled(Compiled::new(compiled, formula, scene, hits)?)
-            }
-            Backend::Interpreter => Evaluator::Interpreted(Interpreted::new(formula, scene, hits.view)?),
-        })
+/// A way to evaluate formulas.
+pub trait Backend: Send + Sync {
+    /// The name by which it is chosen.
+    fn name(&self) -> &'static str;
+
+    /// Whether evaluators read the stored hits. One that does not gets those of [`Hits::untraced`], and traces for itself.
+    fn reads_hits(&self) -> bool {
+        true
     }
 
-    /// The picture that these parameter numbers give, unclamped and linear. Each lies within the range of its parameter, where that has
-    /// one, and none is NaN or infinite, as [`Parameter::clamp`](crate::formula::Parameter::clamp) leaves them: compiled code relies on
-    /// that, and beyond it the picture may be another than the formula's.
+    /// Does what depends on the formula alone, so that [`prepare`](Self::prepare) need not; what evaluators of it will keep.
+    ///
+    /// # Errors
+    /// The backend cannot take the formula.
+    fn compile(&self, formula: &Arc<Formula>) -> Result<Footprint, EvaluateError>;
+
+    /// Makes a formula ready on a traced scene, on all threads of the current pool.
+    ///
+    /// # Errors
+    /// The backend cannot take the formula, or `hits` are not those of the scene.
+    fn prepare(&self, formula: &Arc<Formula>, scene: &Arc<Scene>, hits: &Arc<Hits>) -> Result<Arc<dyn Evaluator>, EvaluateError>;
+}
+
+/// A formula on a traced scene, ready to make pictures of parameter numbers.
+pub trait Evaluator: Send + Sync {
+    /// The picture of these parameter numbers, unclamped and linear.
     ///
     /// # Panics
     /// Where there are fewer numbers than the [`Layout`](crate::formula::layout::Layout) of formula and scene has.
-    pub fn frame(&self, memory: &[f32]) -> Frame {
-        match self {
-            Evaluator::Compiled(compiled) => compiled.frame(memory),
-            Evaluator::Interpreted(interpreted) => interpreted.frame(memory).0,
-        }
-    }
+    fn frame(&self, parameters: &[f32]) -> Frame;
+
+    /// Draws the same picture as a window shows it.
+    ///
+    /// # Panics
+    /// Where the framebuffer has another size than the view, or there are too few parameter numbers.
+    fn draw(&self, parameters: &[f32], framebuffer: &mut Framebuffer) -> Drawn;
+
+    /// Takes hold of numbers of one owner: `moved` are their places among `parameters`, which holds the values before the drag. At
+    /// most `budget` bytes are kept for it.
+    ///
+    /// # Errors
+    /// The backend cannot take the formula apart; pictures can still be drawn one by one.
+    ///
+    /// # Panics
+    /// Where there are too few parameter numbers.
+    fn drag(self: Arc<Self>, moved: &[usize], parameters: &[f32], budget: usize) -> Result<Box<dyn Drag>, EvaluateError>;
+
+    /// The memory at rest, in bytes: the stored hits, and what is kept of them.
+    fn bytes(&self) -> usize;
 }
 
-/// A memory budget for tracing that leaves room for what the compiled backend keeps of each hit and record of this formula.
-pub fn budget(bytes: u64, bindings: &Bindings) -> Budget {
-    let number = size_of::<f32>() as u64;
-    Budget {
-        bytes,
-        bytes_per_hit: number * bindings.frontier.hits.len() as u64,
-        bytes_per_record: number * bindings.frontier.records.len() as u64,
-        bytes_per_pixel: 3 * number,
+/// What drawing a picture came to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Drawn {
+    /// How long evaluation took. An interpreter does not count the writing of its programs.
+    pub time: Duration,
+    /// The bytes of programs that were written for this picture alone.
+    pub program_bytes: u64,
+    /// How many pixels hold NaN, where that is known.
+    pub undefined: Option<usize>,
+}
+
+impl Drawn {
+    /// Draws, and measures how long that takes.
+    pub fn timed(draw: impl FnOnce()) -> Self {
+        let start = Instant::now();
+        draw();
+        Self { time: start.elapsed(), ..Self::default() }
     }
 }

@@ -5,11 +5,12 @@
 //! values that dynamic code reads are the *frontier*: they alone are stored (Guenter, Knoblock, Ruf 1995, "Specializing
 //! Shaders").
 
+use crate::formula::equation::{Site, Term};
 use crate::formula::graph::{Graph, Node, NodeId};
 use crate::formula::rewrite::rewrite;
 use crate::formula::{Formula, ParameterId};
 use crate::lang::scalars::{Primitive, Recorder};
-use crate::lang::variables::{Predefined, Rate};
+use crate::lang::variables::Rate;
 
 /// When a value is known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -77,8 +78,11 @@ impl Bindings {
     /// Rewrites and analyses what a lit record of this formula contributes.
     pub fn new(formula: &Formula) -> Self {
         let mut graph = Graph::new(formula);
-        let intensity = graph.parameter(formula.predefined(Predefined::Intensity), 0);
-        let contribution = graph.result().map(|component| graph.record(Primitive::Mul, &[intensity, component]));
+        let mut contribution = graph.result();
+        for weight in Term::at(Site::LitRecord).filter_map(|term| term.weight) {
+            let weight = graph.parameter(formula.predefined(weight), 0);
+            contribution = contribution.map(|component| graph.record(Primitive::Mul, &[weight, component]));
+        }
         let (graph, contribution) = rewrite(&graph, contribution, formula);
         let mut times: Vec<BindingTime> = Vec::with_capacity(graph.len());
         for index in 0..graph.len() {

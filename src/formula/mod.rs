@@ -5,6 +5,7 @@
 
 pub mod binding;
 mod check;
+pub mod equation;
 pub mod graph;
 pub mod invariants;
 pub mod layout;

@@ -4,6 +4,7 @@ use crate::formula::Formula;
 use crate::formula::binding::Bindings;
 use crate::jit::compile::CompiledFormula;
 use crate::jit::target::CompileError;
+use crate::plan::FormulaPlan;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// So many formulas are kept, those that were wanted last.
@@ -26,12 +27,12 @@ impl KernelCache {
         let kept = || self.kept.lock().unwrap_or_else(PoisonError::into_inner);
         let known = {
             let mut kept = kept();
-            let place = kept.iter().position(|compiled| compiled.bindings.computes_the_same(&bindings));
+            let place = kept.iter().position(|compiled| compiled.plan.bindings.computes_the_same(&bindings));
             place.map(|place| kept.remove(place))
         };
         let compiled = match known {
             Some(compiled) => compiled,
-            None => Arc::new(CompiledFormula::compile(bindings, None)?),
+            None => Arc::new(CompiledFormula::compile(FormulaPlan::of(bindings), None)?),
         };
         let mut kept = kept();
         if kept.len() >= KEPT {

@@ -7,14 +7,15 @@
 
 use crate::formula::graph::Graph;
 use crate::jit::emit::PERLIN_OPERANDS;
-use crate::jit::kernel::{self, KernelPlan, Shape};
-use crate::jit::lanes::{Line, Operands, PLANE_PIXELS, PixelLine, PixelPlanes, STREAMS, Splat, Streams};
+use crate::jit::kernel::{self, KernelSpec, Shape};
+use crate::jit::lanes::{Line, Operands, PLANE_PIXELS, PixelLine, PixelPlanes, Splat, Streams};
 use crate::jit::pixels;
 use crate::jit::step::{Addition, Bases, OUTPUTS, Reading};
 use crate::jit::target::{CompileError, Listing, Target, target};
 use crate::jit::widen::{ALIGNMENT, disassembled, widen};
 use crate::lang::noise;
 use crate::lang::scalars::flush;
+use crate::plan::STREAMS;
 use crate::segment::{CHUNK_HITS, CHUNK_LINES, LINE_HITS, Segment};
 use cranelift_codegen::Context;
 use cranelift_codegen::control::ControlPlane;
@@ -63,14 +64,14 @@ impl Drop for CodeMemory {
 ///
 /// # Errors
 /// The processor is not supported, a plan does not read what it needs, or the code generator refuses (too large a function).
-pub(super) fn generate(plans: &[KernelPlan], graph: &Graph, listing: Option<&mut Listing>) -> Result<Vec<Kernel>, CompileError> {
-    generate_for(&target()?, plans, graph, listing)
+pub(super) fn generate(specs: &[KernelSpec], graph: &Graph, listing: Option<&mut Listing>) -> Result<Vec<Kernel>, CompileError> {
+    generate_for(&target()?, specs, graph, listing)
 }
 
 /// The same for a processor that this one can do the work of.
 fn generate_for(
     target: &Target,
-    plans: &[KernelPlan],
+    specs: &[KernelSpec],
     graph: &Graph,
     mut listing: Option<&mut Listing>,
 ) -> Result<Vec<Kernel>, CompileError> {
@@ -82,18 +83,19 @@ fn generate_for(
     let mut noise_signature = Signature::new(CallConv::SystemV);
     noise_signature.params.push(AbiParam::new(I64));
     let noise = module.declare_function("perlin", Linkage::Import, &noise_signature).map_err(failed)?;
-    let mut functions = Vec::with_capacity(plans.len());
-    for (index, plan) in plans.iter().enumerate() {
-        if plan.output_streams().len() > OUTPUTS {
-            return Err(CompileError::Generator(format!("the kernel of {} has too many outputs", plan.name)));
+    let mut functions = Vec::with_capacity(specs.len());
+    for (index, spec) in specs.iter().enumerate() {
+        let name = spec.plan.name;
+        if spec.output_streams().len() > OUTPUTS {
+            return Err(CompileError::Generator(format!("the kernel of {name} has too many outputs")));
         }
         let mut signature = Signature::new(CallConv::SystemV);
         signature.params.extend(kernel::parameters());
-        let id = module.declare_function(&format!("{}{index}", plan.name), Linkage::Local, &signature).map_err(failed)?;
-        let unread = || CompileError::Generator(format!("the kernel of {} does not read all that it needs", plan.name));
+        let id = module.declare_function(&format!("{name}{index}"), Linkage::Local, &signature).map_err(failed)?;
+        let unread = || CompileError::Generator(format!("the kernel of {name} does not read all that it needs"));
         let mut defined = None;
-        for shape in kernel::shapes(plan, graph, target) {
-            let schedule = plan.schedule(graph, shape).ok_or_else(unread)?;
+        for shape in kernel::shapes(spec, graph, target) {
+            let schedule = spec.schedule(graph, shape).ok_or_else(unread)?;
             let noisy = schedule.iter().any(|id| kernel::calls_perlin(graph, *id));
             if shape.blocks > 1 && noisy {
                 continue;
@@ -101,7 +103,7 @@ fn generate_for(
             let mut context = Context::new();
             context.func.signature = signature.clone();
             let callee = noisy.then(|| module.declare_func_in_func(noise, &mut context.func));
-            kernel::write(plan, &schedule, graph, &*target.isa, shape, callee, &mut context.func);
+            kernel::write(spec, &schedule, graph, &*target.isa, shape, callee, &mut context.func);
             context.set_disasm(listing.is_some());
             let clif = listing.is_some().then(|| context.func.display().to_string());
             let mut assembler = String::new();
@@ -120,8 +122,8 @@ fn generate_for(
                 assembler = code.unwrap_or_default();
             }
             if let (Some(listing), Some(clif)) = (&mut listing, clif) {
-                listing.clif.push_str(&format!("; {}\n{clif}\n", plan.name));
-                listing.asm.push_str(&format!("; {}\n{assembler}\n", plan.name));
+                listing.clif.push_str(&format!("; {name}\n{clif}\n"));
+                listing.asm.push_str(&format!("; {name}\n{assembler}\n"));
             }
             defined = Some(shape);
             break;
@@ -132,15 +134,15 @@ fn generate_for(
     let finished: Vec<(*const u8, Shape)> =
         functions.iter().map(|(id, shape)| (module.get_finalized_function(*id), *shape)).collect();
     let memory = Arc::new(memory);
-    let kernel = |(plan, (address, shape)): (&KernelPlan, (*const u8, Shape))| {
+    let kernel = |(spec, (address, shape)): (&KernelSpec, (*const u8, Shape))| {
         // SAFETY: at the address is the finished code of the function that was written just now with the parameters of `Entry`, none
         // of which is wider than a register; its memory lives as long as the kernel.
         let entry = unsafe { std::mem::transmute::<*const u8, Entry>(address) };
-        let streams = plan.streams.each_ref().map(Vec::len);
-        let (uniforms, outputs) = (plan.uniforms.len(), SmallVec::from_vec(plan.output_streams()));
+        let streams = spec.plan.streams.each_ref().map(Vec::len);
+        let (uniforms, outputs) = (spec.plan.uniforms.len(), SmallVec::from_vec(spec.output_streams()));
         Kernel { entry, streams, uniforms, outputs, shape, memory: Arc::clone(&memory) }
     };
-    Ok(plans.iter().zip(finished).map(kernel).collect())
+    Ok(specs.iter().zip(finished).map(kernel).collect())
 }
 
 /// A compiled kernel.

@@ -7,10 +7,11 @@
 
 use crate::formula::graph::{Graph, Node, NodeId};
 use crate::jit::emit::{Emitter, LANES_BYTES, PERLIN_OPERANDS};
-use crate::jit::lanes::{Line, STREAMS, Splat};
+use crate::jit::lanes::{Line, Splat};
 use crate::jit::step::{Bases, Reading};
 use crate::jit::target::Target;
 use crate::lang::scalars::{Primitive, Scalars};
+use crate::plan::{Domain, KernelPlan, STREAMS, Sink};
 use crate::segment::ROUND_LINES;
 use cranelift_codegen::ir::condcodes::IntCC;
 use cranelift_codegen::ir::types::{F32X4, I64};
@@ -22,39 +23,53 @@ use cranelift_frontend::{FunctionBuilder, FunctionBuilderContext};
 use std::collections::{HashMap, HashSet};
 use std::mem::offset_of;
 
-/// What a kernel computes, and from what.
-#[derive(Debug, Clone)]
-pub(super) struct KernelPlan {
-    /// For dumps and symbols.
-    pub(super) name: &'static str,
-    /// Nodes that are read from columns. A stream holds some columns line by line: the first line of each, then the second of each, so that
-    /// memory is read from front to back, however many columns there are.
-    pub(super) streams: [Vec<NodeId>; STREAMS],
-    /// Nodes that are the same for all records, in their order.
-    pub(super) uniforms: Vec<NodeId>,
-    /// Nodes that are written, in their order.
-    pub(super) outputs: Vec<NodeId>,
-    /// What becomes of them.
+/// A kernel of a plan, as it is compiled.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct KernelSpec<'p> {
+    pub(super) plan: &'p KernelPlan,
     pub(super) output: Output,
-    /// Whether there are enough records for more than four at a time to be worth their while.
-    pub(super) wide: bool,
-    /// How many steps are computed side by side at most, a power of two, so that their chains of dependent instructions overlap and constants are
-    /// loaded once for all of them.
-    pub(super) interleave: usize,
 }
 
-/// As many steps are computed side by side at most. Four hide most of the latency of a polynomial's chain of multiplications.
-pub(super) const MOST_STEPS: usize = ROUND_LINES;
-
-/// What becomes of the outputs of a kernel.
+/// How a kernel writes its outputs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Output {
-    /// They are stored, in one stream.
-    Values,
-    /// They are terms of sums, the first ones, and stored, each in a column of its own; products may be added up in one instruction.
-    FirstTerms,
-    /// They are terms of sums, and added to what is there.
-    MoreTerms,
+    /// It stores them, in one stream.
+    Columns,
+    /// They are terms of sums. It stores them, each in a column of its own; products may be added in one instruction.
+    OverwriteSums,
+    /// They are terms of sums. It adds them to what is there.
+    AddToSums,
+}
+
+/// At most this many steps are computed side by side. Four hide most of the latency of a polynomial's chain of multiplications.
+pub(super) const MOST_STEPS: usize = ROUND_LINES;
+
+impl<'p> KernelSpec<'p> {
+    /// The kernel of a plan that stores its outputs.
+    pub(super) fn overwriting(plan: &'p KernelPlan) -> Self {
+        let output = match plan.sink {
+            Sink::Columns => Output::Columns,
+            Sink::Sums => Output::OverwriteSums,
+        };
+        Self { plan, output }
+    }
+
+    /// The kernel of a plan that adds its outputs to sums; one that stores columns has none.
+    pub(super) fn adding(plan: &'p KernelPlan) -> Option<Self> {
+        (plan.sink == Sink::Sums).then_some(Self { plan, output: Output::AddToSums })
+    }
+
+    /// Whether there are enough records for wide vectors to be worth their while.
+    fn wide(&self) -> bool {
+        self.plan.domain != Domain::Pairs
+    }
+
+    /// The most steps that are computed side by side, a power of two, so that their chains of dependent instructions overlap and
+    /// constants are loaded once for all of them. Columns are stored one step at a time: they end with their last line, not with
+    /// a whole round.
+    fn interleave(&self) -> usize {
+        if self.output == Output::Columns { 1 } else { MOST_STEPS }
+    }
 }
 
 /// How a plan is written.
@@ -69,13 +84,13 @@ pub(super) struct Shape {
 }
 
 /// The shapes that a plan may be written in, the quickest first, the one that always works last.
-pub(super) fn shapes(plan: &KernelPlan, graph: &Graph, target: &Target) -> Vec<Shape> {
+pub(super) fn shapes(spec: &KernelSpec, graph: &Graph, target: &Target) -> Vec<Shape> {
     let fma = target.fma;
     let narrow = Shape { blocks: 1, interleave: 1, fma };
-    let few = plan.schedule(graph, narrow).is_some_and(|schedule| schedule.len() <= MANY_NODES);
-    let interleave = if few { plan.interleave } else { 1 };
+    let few = spec.schedule(graph, narrow).is_some_and(|schedule| schedule.len() <= MANY_NODES);
+    let interleave = if few { spec.interleave() } else { 1 };
     let mut shapes = Vec::new();
-    for blocks in target.widths.iter().copied().filter(|blocks| *blocks > 1 && plan.wide) {
+    for blocks in target.widths.iter().copied().filter(|blocks| *blocks > 1 && spec.wide()) {
         let halves = std::iter::successors(Some(interleave), |interleave| (*interleave > 1).then_some(interleave / 2));
         shapes.extend(halves.map(|interleave| Shape { blocks, interleave, fma }));
     }
@@ -123,39 +138,19 @@ struct Addend {
     other: Option<NodeId>,
 }
 
-impl KernelPlan {
-    /// The nodes that are read.
-    fn stored(&self) -> impl Iterator<Item = NodeId> {
-        self.streams.iter().flatten().chain(&self.uniforms).copied()
-    }
-
-    /// The nodes that the kernel must compute, operands before their users; where it reads a node it does not look behind it.
-    /// None where it would need a variable or parameter that it does not read.
+impl KernelSpec<'_> {
+    /// The nodes that the kernel must compute before its addends, operands before their users. `None` where it would need a
+    /// variable or parameter that it does not read.
     pub(super) fn schedule(&self, graph: &Graph, shape: Shape) -> Option<Vec<NodeId>> {
-        let mut seen = vec![false; graph.len()];
-        self.stored().for_each(|node| seen[node.0 as usize] = true);
-        let mut found = Vec::new();
         let addends = self.addends(graph, shape).into_iter().flatten();
-        let mut pending: Vec<NodeId> = addends.flat_map(|addend| [Some(addend.factor), addend.other]).flatten().collect();
-        while let Some(id) = pending.pop() {
-            if std::mem::replace(&mut seen[id.0 as usize], true) {
-                continue;
-            }
-            match graph.node(id) {
-                Node::Variable(..) | Node::Parameter(..) => return None,
-                node @ (Node::Constant(_) | Node::Apply(..)) => pending.extend_from_slice(node.operands()),
-            }
-            found.push(id);
-        }
-        found.sort_unstable();
-        Some(found)
+        self.plan.schedule(graph, addends.flat_map(|addend| [Some(addend.factor), addend.other]).flatten())
     }
 
     /// How many columns there are in each stream of outputs.
     pub(super) fn output_streams(&self) -> Vec<usize> {
         match self.output {
-            Output::Values => vec![self.outputs.len()],
-            Output::FirstTerms | Output::MoreTerms => vec![1; self.outputs.len()],
+            Output::Columns => vec![self.plan.outputs.len()],
+            Output::OverwriteSums | Output::AddToSums => vec![1; self.plan.outputs.len()],
         }
     }
 
@@ -165,7 +160,7 @@ impl KernelPlan {
         /// More addends than this are summed up before.
         const MOST: usize = 16;
         let mut users: HashMap<NodeId, usize> = HashMap::new();
-        let stored: HashSet<NodeId> = self.stored().collect();
+        let stored: HashSet<NodeId> = self.plan.inputs().collect();
         let parts = |id: NodeId| match graph.node(id) {
             Node::Apply(primitive @ (Primitive::Add | Primitive::Mul), operands) if !stored.contains(&id) => {
                 Some((primitive, operands[0], operands[1]))
@@ -183,16 +178,16 @@ impl KernelPlan {
             }
             leaves
         };
-        let taken: Vec<Vec<NodeId>> = self.outputs.iter().map(|root| leaves_of(*root)).collect();
+        let taken: Vec<Vec<NodeId>> = self.plan.outputs.iter().map(|root| leaves_of(*root)).collect();
         let plain = |id: NodeId| Addend { factor: id, other: None };
         let addend = |id: &NodeId| match parts(*id) {
             Some((Primitive::Mul, x, y)) if users[id] == 1 => Addend { factor: x, other: Some(y) },
             Some(_) | None => plain(*id),
         };
         let shared = |root: &NodeId| users[root] > 1;
-        let outputs = self.outputs.iter().zip(taken);
+        let outputs = self.plan.outputs.iter().zip(taken);
         outputs
-            .map(|(root, leaves)| match self.output != Output::Values && shape.fma && !shared(root) {
+            .map(|(root, leaves)| match self.output != Output::Columns && shape.fma && !shared(root) {
                 true => leaves.iter().map(addend).collect(),
                 false => vec![plain(*root)],
             })
@@ -214,9 +209,9 @@ pub(super) fn parameters() -> [AbiParam; 2] {
 /// there is enough to overlap within a step.
 const MANY_NODES: usize = 60;
 
-/// Writes the kernel, whose plan has this schedule, into an empty function with the [`parameters`]; `perlin` is there if it is called.
+/// Writes a kernel with this schedule into an empty function with the [`parameters`]; `perlin` is there if it is called.
 pub(super) fn write(
-    plan: &KernelPlan,
+    spec: &KernelSpec,
     schedule: &[NodeId],
     graph: &Graph,
     isa: &dyn TargetIsa,
@@ -243,17 +238,17 @@ pub(super) fn write(
     };
     let streams = std::array::from_fn(|index| {
         let own = index * size_of::<usize>();
-        let read = !plan.streams[index].is_empty();
+        let read = !spec.plan.streams[index].is_empty();
         read.then(|| pointer(offset_of!(Reading, streams) + own, offset_of!(Bases, streams) + own))
     });
-    let outputs = (0..plan.output_streams().len())
+    let outputs = (0..spec.output_streams().len())
         .map(|index| pointer(offset_of!(Reading, outputs) + index * size_of::<usize>(), offset_of!(Bases, outputs)))
         .collect();
     let uniforms = pointer(offset_of!(Reading, uniforms), offset_of!(Bases, uniforms));
     let rounds = word(&mut builder, reading, offset_of!(Reading, rounds));
     let shift = builder.ins().iconst(I64, i64::from(shape.round_bytes().trailing_zeros()));
     let end = builder.ins().ishl(rounds, shift);
-    let mut writer = Writer { plan, graph, schedule, builder, shape, perlin, streams, uniforms, outputs };
+    let mut writer = Writer { spec, graph, schedule, builder, shape, perlin, streams, uniforms, outputs };
     writer.counted_loop(end);
     writer.builder.ins().return_(&[]);
     writer.builder.seal_all_blocks();
@@ -261,7 +256,7 @@ pub(super) fn write(
 }
 
 struct Writer<'w, 'f> {
-    plan: &'w KernelPlan,
+    spec: &'w KernelSpec<'w>,
     graph: &'w Graph,
     schedule: &'w [NodeId],
     builder: FunctionBuilder<'f>,
@@ -295,7 +290,7 @@ impl Writer<'_, '_> {
     /// Computes the steps that begin at byte `offset` of a column, each node for all of them before the next node.
     fn body(&mut self, offset: Value, interleave: usize) {
         let flags = MemFlagsData::trusted();
-        let offsets = std::array::from_fn(|stream| self.offset_in(offset, self.plan.streams[stream].len()));
+        let offsets = std::array::from_fn(|stream| self.offset_in(offset, self.spec.plan.streams[stream].len()));
         let mut values: Vec<Vec<Value>> = vec![Vec::new(); self.graph.len()];
         for id in self.schedule {
             let node = self.graph.node(*id);
@@ -324,8 +319,8 @@ impl Writer<'_, '_> {
             self.interleave(&copies);
             values[id.0 as usize] = computed;
         }
-        let addends = self.plan.addends(self.graph, self.shape);
-        let width = if self.plan.output == Output::Values { addends.len() } else { 1 };
+        let addends = self.spec.addends(self.graph, self.shape);
+        let width = if self.spec.output == Output::Columns { addends.len() } else { 1 };
         let target = self.offset_in(offset, width);
         for (column, addends) in addends.iter().enumerate() {
             let pointer = self.outputs[column / width];
@@ -333,7 +328,7 @@ impl Writer<'_, '_> {
             let shape = self.shape;
             let place = |step| shape.place(step, width, column % width);
             let mut sums: Vec<Option<Value>> = vec![None; interleave];
-            if self.plan.output == Output::MoreTerms {
+            if self.spec.output == Output::AddToSums {
                 for (step, sum) in sums.iter_mut().enumerate() {
                     *sum = Some(self.builder.ins().load(F32X4, flags, address, place(step)));
                 }
@@ -409,7 +404,7 @@ impl Writer<'_, '_> {
             return;
         }
         let flags = MemFlagsData::trusted().with_readonly();
-        for (index, stream) in self.plan.streams.iter().enumerate() {
+        for (index, stream) in self.spec.plan.streams.iter().enumerate() {
             let Some(column) = stream.iter().position(|node| *node == id) else { continue };
             let Some(pointer) = self.streams[index] else { continue };
             let address = self.builder.ins().iadd(pointer, offsets[index]);
@@ -418,7 +413,7 @@ impl Writer<'_, '_> {
             values[id.0 as usize] = places.into_iter().map(load).collect();
             return;
         }
-        if let Some(uniform) = self.plan.uniforms.iter().position(|node| *node == id) {
+        if let Some(uniform) = self.spec.plan.uniforms.iter().position(|node| *node == id) {
             let place = (size_of::<Splat>() * uniform) as i32;
             let value = self.builder.ins().load(F32X4, flags, self.uniforms, place);
             values[id.0 as usize] = vec![value; interleave];

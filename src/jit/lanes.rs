@@ -1,5 +1,6 @@
 //! What compiled code reads and writes: columns, uniform values, and pixels.
 
+use crate::plan::STREAMS;
 use crate::segment::{CHUNK_LINES, LINE_HITS, Segment, TILE_PIXELS};
 
 /// A line of a column: the numbers of as many records as the widest kernels compute at a time, and a line of the cache.
@@ -13,9 +14,6 @@ impl Line {
     /// How many vectors of four.
     pub const BLOCKS: usize = Self::RECORDS / 4;
 }
-
-/// A kernel reads from so many streams at most.
-pub const STREAMS: usize = 3;
 
 /// What a kernel reads: each a stream of lines, in which some columns take turns: the first line of each, then the second of each, and so on.
 /// Those that it does not read may be empty.

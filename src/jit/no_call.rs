@@ -1,9 +1,10 @@
 //! In place of the room of calls where kernels cannot run: the same items, and no kernel.
 
 use crate::formula::graph::Graph;
-use crate::jit::kernel::KernelPlan;
-use crate::jit::lanes::{Line, Operands, PixelLine, PixelPlanes, STREAMS, Splat, Streams};
+use crate::jit::kernel::KernelSpec;
+use crate::jit::lanes::{Line, Operands, PixelLine, PixelPlanes, Splat, Streams};
 use crate::jit::target::{CompileError, Listing, target};
+use crate::plan::STREAMS;
 use std::ops::Range;
 
 /// A compiled kernel: there is none.
@@ -72,7 +73,7 @@ impl Program {
 
 /// Says that there is no compiled code for this processor.
 pub(super) fn generate(
-    _plans: &[KernelPlan],
+    _specs: &[KernelSpec],
     _graph: &Graph,
     _listing: Option<&mut Listing>,
 ) -> Result<Vec<Kernel>, CompileError> {

@@ -1,7 +1,7 @@
 //! What compiled code is called with: a step says where everything is that it works on, counted in bytes from the bases that a run gives. So
 //! steps that were put together once hold for every frame, wherever its values lie.
 
-use crate::jit::lanes::STREAMS;
+use crate::plan::STREAMS;
 
 /// A kernel writes so many streams at most.
 pub(super) const OUTPUTS: usize = 3;

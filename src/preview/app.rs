@@ -20,7 +20,7 @@ mod theme;
 
 pub use command::Command;
 
-use crate::evaluate::Backend;
+use crate::backends::BackendChoice;
 use crate::lang::source::Span;
 use crate::presets::{self, DEFAULT_SESSION, Kind};
 use crate::preview::editor::{Document, Editor, Palette, problems_ui, reference_ui};
@@ -335,7 +335,7 @@ impl App {
         self.remembered.settings.window.size.map(|side| side as usize)
     }
 
-    fn backend(&self) -> Backend {
+    fn backend(&self) -> BackendChoice {
         self.workshop.backend()
     }
 

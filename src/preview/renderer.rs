@@ -5,12 +5,10 @@
 
 mod drawing;
 
-use crate::evaluate::{self, Backend, Method};
-use crate::formula::Formula;
-use crate::formula::binding::Bindings;
+use crate::engine::{Engine, Subject, Task};
 use crate::picture::Transfer;
-use crate::scene::Scene;
-use crate::trace::{Budget, Counts, Hits, TraceError, View, trace};
+use crate::plan::Method;
+use crate::trace::{Counts, Hits, View};
 use drawing::Artist;
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -18,35 +16,15 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// What a picture is made of, beside values.
+/// What is shown, beside values.
 #[derive(Clone)]
-pub struct Subject {
-    /// The model.
-    pub formula: Arc<Formula>,
-    /// The scene.
-    pub scene: Arc<Scene>,
-    /// Size, depth and the like.
-    pub view: View,
-    /// By which backend.
-    pub backend: Backend,
+pub struct Scenery {
+    /// The formula on the scene, as seen by a view.
+    pub subject: Subject,
+    /// By which engine pictures are made.
+    pub engine: Engine,
     /// How colours become bytes.
     pub transfer: Transfer,
-}
-
-impl Subject {
-    /// Whether the hits of one are those of the other.
-    fn same_hits(&self, other: &Subject) -> bool {
-        Arc::ptr_eq(&self.scene, &other.scene) && self.view == other.view
-    }
-}
-
-/// How much memory tracing may take: what is free, less what is going to be kept of each hit.
-pub(super) fn tracing_budget(formula: &Formula, backend: Backend) -> Budget {
-    let bytes = crate::trace::usable_memory();
-    match backend {
-        Backend::Jit => evaluate::budget(bytes, &Bindings::new(formula)),
-        Backend::Interpreter => Budget { bytes, ..Budget::UNLIMITED },
-    }
 }
 
 /// A picture to be shown.
@@ -112,7 +90,7 @@ pub enum Event {
 /// What is wanted.
 #[derive(Default)]
 struct Wanted {
-    subject: Option<Subject>,
+    scenery: Option<Scenery>,
     numbers: Vec<f32>,
     /// Counts values and subjects.
     stamp: u64,
@@ -194,14 +172,14 @@ impl Renderer {
     }
 
     /// Shows something else, with these parameter numbers; the number of these values.
-    pub fn show(&self, subject: Subject, numbers: &[f32]) -> u64 {
+    pub fn show(&self, scenery: Scenery, numbers: &[f32]) -> u64 {
         let mut wanted = self.shared.wanted();
-        let kept = wanted.subject.as_ref().is_some_and(|before| before.same_hits(&subject));
+        let kept = wanted.scenery.as_ref().is_some_and(|before| before.subject.same_hits(&scenery.subject));
         if !kept {
             wanted.hits = None;
             self.shared.cancelled.store(true, Ordering::Relaxed);
         }
-        wanted.subject = Some(subject);
+        wanted.scenery = Some(scenery);
         wanted.held = None;
         self.set(wanted, numbers)
     }
@@ -272,26 +250,25 @@ impl Drop for Renderer {
 fn trace_forever(shared: &Arc<Shared>, events: &Sender<Event>) {
     let mut traced: Option<Subject> = None;
     loop {
-        let subject = {
+        let scenery = {
             let mut wanted = shared.wanted();
             loop {
                 if wanted.quit {
                     return;
                 }
-                match &wanted.subject {
-                    Some(subject) if !traced.as_ref().is_some_and(|traced| traced.same_hits(subject)) => break,
+                match &wanted.scenery {
+                    Some(scenery) if !traced.as_ref().is_some_and(|traced| traced.same_hits(&scenery.subject)) => break,
                     Some(_) | None => wanted = shared.wait(wanted),
                 }
             }
             // Whoever wants something else from now on says so again.
             shared.cancelled.store(false, Ordering::Relaxed);
-            wanted.subject.clone()
+            wanted.scenery.clone()
         };
-        let Some(subject) = subject else { continue };
-        traced = Some(subject.clone());
-        for view in stages(&subject.view) {
-            let full = view == subject.view;
-            if trace_stage(shared, events, &subject, view, full).is_none() {
+        let Some(scenery) = scenery else { continue };
+        traced = Some(scenery.subject.clone());
+        for view in stages(&scenery.subject.view) {
+            if trace_stage(shared, events, &scenery, view).is_none() {
                 break;
             }
         }
@@ -311,7 +288,7 @@ fn stages(view: &View) -> Vec<View> {
     first.into_iter().chain([*view]).collect()
 }
 
-fn trace_stage(shared: &Shared, events: &Sender<Event>, subject: &Subject, view: View, full: bool) -> Option<()> {
+fn trace_stage(shared: &Shared, events: &Sender<Event>, Scenery { subject, engine, .. }: &Scenery, view: View) -> Option<()> {
     let start = Instant::now();
     let told = AtomicU32::new(0);
     let progress = |share: f64| {
@@ -323,11 +300,11 @@ fn trace_stage(shared: &Shared, events: &Sender<Event>, subject: &Subject, view:
             (shared.wake)();
         }
     };
-    let budget = tracing_budget(&subject.formula, subject.backend);
-    let hits = match trace(&subject.scene, &view, &budget, &progress, &shared.cancelled) {
-        Ok(hits) => Arc::new(hits),
-        Err(TraceError::Cancelled) => return None,
-        Err(error @ TraceError::Memory { .. }) => {
+    let task = Task { progress: &progress, cancelled: &shared.cancelled };
+    let hits = match engine.trace(&Subject { view, ..subject.clone() }, &task) {
+        Ok(hits) => hits,
+        Err(error) if error.is_cancelled() => return None,
+        Err(error) => {
             // Whoever listens is gone only when all ends.
             let _ = events.send(Event::Failed(error.to_string()));
             (shared.wake)();
@@ -335,10 +312,10 @@ fn trace_stage(shared: &Shared, events: &Sender<Event>, subject: &Subject, view:
         }
     };
     let mut wanted = shared.wanted();
-    if !wanted.subject.as_ref().is_some_and(|wanted| wanted.same_hits(subject)) {
+    if !wanted.scenery.as_ref().is_some_and(|wanted| wanted.subject.same_hits(subject)) {
         return None;
     }
-    let size = [view.width(), view.height()];
+    let (size, full) = ([view.width(), view.height()], view == subject.view);
     let _ = events.send(Event::Traced { time: start.elapsed(), counts: hits.counts(), size, full });
     wanted.hits = Some(hits);
     drop(wanted);
@@ -361,16 +338,16 @@ fn draw_forever(shared: &Arc<Shared>, events: &Sender<Event>) {
     // What is drawn and at rest, and was not looked through.
     let mut unseen: Option<(Arc<Hits>, Vec<f32>)> = None;
     loop {
-        let (subject, hits, numbers, held, stamp) = {
+        let (scenery, hits, numbers, held, stamp) = {
             let mut wanted = shared.wanted();
             loop {
                 if wanted.quit {
                     return;
                 }
-                if let (Some(subject), Some(hits)) = (&wanted.subject, &wanted.hits) {
+                if let (Some(scenery), Some(hits)) = (&wanted.scenery, &wanted.hits) {
                     let done = |(stamp, of): &(u64, Arc<Hits>)| *stamp == wanted.stamp && Arc::ptr_eq(of, hits);
                     if !drawn.as_ref().is_some_and(done) {
-                        break (subject.clone(), Arc::clone(hits), wanted.numbers.clone(), wanted.held.clone(), wanted.stamp);
+                        break (scenery.clone(), Arc::clone(hits), wanted.numbers.clone(), wanted.held.clone(), wanted.stamp);
                     }
                 }
                 if artist.has_more_to_prepare() {
@@ -399,11 +376,14 @@ fn draw_forever(shared: &Arc<Shared>, events: &Sender<Event>) {
         let tell = |event: Event| {
             let _ = events.send(event);
         };
-        let rests = held.is_none() && subject.backend == Backend::Jit;
+        let rests = held.is_none();
         let room = || shared.spare.lock().unwrap_or_else(PoisonError::into_inner).pop().unwrap_or_default();
-        match artist.draw(&subject, &hits, &numbers, held, &tell, room) {
-            Ok(mut picture) => {
-                unseen = (rests && picture.is_full()).then(|| (Arc::clone(&hits), numbers));
+        match artist.draw(&scenery, &hits, &numbers, held, &tell, room) {
+            Ok((mut picture, undefined)) => {
+                if let Some(undefined) = undefined.filter(|_| rests) {
+                    tell(Event::Undefined(undefined));
+                }
+                unseen = (rests && picture.is_full() && undefined.is_none()).then(|| (Arc::clone(&hits), numbers));
                 picture.version = shared.versions.fetch_add(1, Ordering::Relaxed) + 1;
                 picture.values = stamp;
                 let overtaken = shared.newest.lock().unwrap_or_else(PoisonError::into_inner).replace(picture);
@@ -412,7 +392,7 @@ fn draw_forever(shared: &Arc<Shared>, events: &Sender<Event>) {
                     shared.spare.lock().unwrap_or_else(PoisonError::into_inner).push(overtaken.pixels);
                 }
             }
-            Err(message) => tell(Event::Failed(message)),
+            Err(error) => tell(Event::Failed(error.to_string())),
         }
         drawn = Some((stamp, hits));
         (shared.wake)();

@@ -7,11 +7,12 @@ mod history;
 mod opening;
 mod portrait;
 
-use crate::evaluate::Backend;
+use crate::backends::{BackendChoice, DEFAULT};
+use crate::engine::{Engine, Subject};
 use crate::formula::{Formula, ParameterId};
 use crate::lang::diagnostic::Diagnostics;
 use crate::lang::source::Source;
-use crate::preview::renderer::{Picture, Renderer, Subject};
+use crate::preview::renderer::{Picture, Renderer, Scenery};
 use crate::scene::Scene;
 use crate::trace::{View, ViewError};
 use crate::workspace::files::Location;
@@ -33,7 +34,9 @@ pub struct Workshop {
     values: Values,
     history: History,
     picture: PictureSettings,
-    backend: Backend,
+    backend: BackendChoice,
+    /// The engines that were used, each with what it compiled.
+    engines: Vec<Engine>,
     /// The slider that is held.
     held: Option<(OwnerId, ParameterId)>,
     shown: Picture,
@@ -65,7 +68,8 @@ impl Workshop {
             values: opened.values.clone(),
             history: History::default(),
             picture: opened.picture,
-            backend: Backend::Jit,
+            backend: DEFAULT,
+            engines: Vec::new(),
             held: None,
             shown: Picture::default(),
             asked: 0,
@@ -122,7 +126,7 @@ impl Workshop {
     }
 
     /// By what pictures are evaluated.
-    pub fn backend(&self) -> Backend {
+    pub fn backend(&self) -> BackendChoice {
         self.backend
     }
 
@@ -138,14 +142,23 @@ impl Workshop {
         self.held = None;
         // Settings are checked before they are taken.
         let Ok(view) = self.view() else { return };
-        let subject = Subject {
-            formula: Arc::clone(&self.formula),
-            scene: Arc::clone(&self.scene),
-            view,
-            backend: self.backend,
-            transfer: self.picture.transfer(),
-        };
-        self.asked = self.renderer.show(subject, self.values.numbers());
+        let scenery = Scenery { subject: self.subject(view), engine: self.engine(), transfer: self.picture.transfer() };
+        self.asked = self.renderer.show(scenery, self.values.numbers());
+    }
+
+    fn subject(&self, view: View) -> Subject {
+        Subject { formula: Arc::clone(&self.formula), scene: Arc::clone(&self.scene), view }
+    }
+
+    /// The engine of the backend that was chosen.
+    fn engine(&mut self) -> Engine {
+        let name = self.backend.name;
+        if let Some(engine) = self.engines.iter().find(|engine| engine.backend().name() == name) {
+            return engine.clone();
+        }
+        let engine = Engine::new(self.backend.make());
+        self.engines.push(engine.clone());
+        engine
     }
 
     /// Takes the newest picture, if there is one; whether there was.
@@ -303,7 +316,7 @@ impl Workshop {
     }
 
     /// Evaluates by another backend.
-    pub fn set_backend(&mut self, backend: Backend) {
+    pub fn set_backend(&mut self, backend: BackendChoice) {
         if backend != self.backend {
             self.backend = backend;
             self.show();
@@ -358,14 +371,12 @@ impl Workshop {
     ///
     /// # Errors
     /// A setting is out of range.
-    pub fn portrait(&self) -> Result<Portrait, ViewError> {
+    pub fn portrait(&mut self) -> Result<Portrait, ViewError> {
         let view = self.view()?;
         Ok(Portrait {
-            formula: Arc::clone(&self.formula),
-            scene: Arc::clone(&self.scene),
-            view,
+            subject: self.subject(view),
+            engine: self.engine(),
             hits: self.renderer.hits(&view),
-            backend: self.backend,
             numbers: self.values.numbers().to_vec(),
             transfer: self.picture.transfer(),
         })

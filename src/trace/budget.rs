@@ -22,6 +22,8 @@ const STORE_BYTES_PER_HIT: u64 = 8;
 pub struct Budget {
     /// The limit in bytes.
     pub bytes: u64,
+    /// What will be kept whatever the hits, in bytes.
+    pub fixed_bytes: u64,
     /// What will be kept for each record (pair of a hit and a light that reaches it), in bytes.
     pub bytes_per_record: u64,
     /// What will be kept for each hit besides, in bytes.
@@ -32,16 +34,17 @@ pub struct Budget {
 
 impl Budget {
     /// No limit.
-    pub const UNLIMITED: Budget = Budget { bytes: u64::MAX, bytes_per_record: 0, bytes_per_hit: 0, bytes_per_pixel: 0 };
+    pub const UNLIMITED: Budget =
+        Budget { bytes: u64::MAX, fixed_bytes: 0, bytes_per_record: 0, bytes_per_hit: 0, bytes_per_pixel: 0 };
 
     /// What hits and their records take beside the store.
     pub(super) fn columns(&self, hits: u64, records: u64) -> u64 {
         hits.saturating_mul(self.bytes_per_hit).saturating_add(records.saturating_mul(self.bytes_per_record))
     }
 
-    /// What the pixels take.
+    /// What the pixels take, and what is kept whatever the hits.
     pub(super) fn pixels(&self, pixels: u32) -> u64 {
-        u64::from(pixels).saturating_mul(self.bytes_per_pixel)
+        u64::from(pixels).saturating_mul(self.bytes_per_pixel).saturating_add(self.fixed_bytes)
     }
 }
 

@@ -227,6 +227,11 @@ pub struct Hits {
 }
 
 impl Hits {
+    /// No hits, for who needs only the view: as if nothing had been traced.
+    pub fn untraced(view: View) -> Self {
+        Self { view, tiles: Vec::new() }
+    }
+
     /// What is in the picture.
     pub fn counts(&self) -> Counts {
         self.tiles.iter().map(Tile::counts).fold(Counts::default(), Counts::add)

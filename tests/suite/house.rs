@@ -5,20 +5,26 @@ use std::path::{Path, PathBuf};
 
 /// Each room with those it may import. Data flows one way: text → syntax → formula → {bytecode, compiled code}; scene → hits →
 /// evaluation → picture; what a user edits sits on top, and the program above all.
-const ROOMS: [(&str, &[&str]); 13] = [
+const ROOMS: [(&str, &[&str]); 16] = [
     ("lang", &[]),
     ("formula", &["lang"]),
     ("scene", &["lang"]),
     ("segment", &[]),
     ("trace", &["lang", "scene", "segment"]),
     ("bytecode", &["lang", "formula", "scene", "trace"]),
-    ("jit", &["lang", "formula", "segment"]),
+    ("plan", &["lang", "formula"]),
+    ("jit", &["lang", "formula", "plan", "segment"]),
     ("transfer", &[]),
-    ("evaluate", &["lang", "formula", "scene", "trace", "bytecode", "jit", "transfer"]),
+    ("evaluate", &["lang", "formula", "scene", "trace", "plan", "transfer"]),
+    ("backends", &["lang", "formula", "scene", "trace", "bytecode", "plan", "jit", "transfer", "evaluate"]),
+    ("engine", &["formula", "scene", "trace", "evaluate", "backends"]),
     ("picture", &["evaluate", "transfer", "workspace"]),
     ("presets", &[]),
     ("workspace", &["lang", "formula", "scene", "trace", "presets", "transfer"]),
-    ("preview", &["lang", "formula", "scene", "trace", "bytecode", "jit", "evaluate", "picture", "presets", "workspace"]),
+    (
+        "preview",
+        &["lang", "formula", "scene", "trace", "plan", "evaluate", "backends", "engine", "picture", "presets", "workspace"],
+    ),
 ];
 
 /// What widgets are made with, and what windows, with where they may be named beside the program. Widgets know no window: tests drive them

@@ -1,8 +1,9 @@
 //! Pixels looked into are the interpreter's pixels, and their parts make up the whole.
 
-use illuminator::evaluate::Interpreted;
+use illuminator::backends::interpreter::Interpreted;
+use illuminator::backends::verify::TOLERANCE;
+use illuminator::evaluate::Evaluator;
 use illuminator::evaluate::inspect::{End, Inspector, Visibility};
-use illuminator::evaluate::verify::TOLERANCE;
 use illuminator::formula::Formula;
 use illuminator::lang::source::Source;
 use illuminator::presets::{self, Kind};
@@ -33,7 +34,7 @@ fn every_preset_adds_up_to_the_interpreters_pixel() {
         for (depth, shadows) in (1..=6).flat_map(|depth| [(depth, false), (depth, true)]) {
             let view = View::new(10, 5).and_then(|view| view.with_depth(depth)).expect("within range").with_shadows(shadows);
             let interpreted = Interpreted::new(&formula, &scene, view).expect("small code");
-            let (frame, _) = interpreted.frame(values.numbers());
+            let frame = interpreted.frame(values.numbers());
             for (place, expected) in frame.linear.iter().enumerate() {
                 let pixel = [place as u32 % 10, place as u32 / 10];
                 let what = format!("{name}, depth {depth}, shadows {shadows}, pixel {pixel:?}");

@@ -1,15 +1,15 @@
 //! The built-in formulas on the built-in scenes: both backends must agree on every one, whatever the values.
 
-use illuminator::evaluate::verify::verify;
-use illuminator::evaluate::{Backend, Evaluator};
+use illuminator::backends::interpreter::Interpreted;
+use illuminator::backends::verify::verify;
+use illuminator::engine::{Engine, Subject, Task};
 use illuminator::formula::Formula;
 use illuminator::lang::source::Source;
 use illuminator::presets::{self, Kind};
 use illuminator::scene::Scene;
-use illuminator::trace::{Budget, View, trace};
+use illuminator::trace::View;
 use illuminator::workspace::{Setting, Values};
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 fn source(kind: Kind, name: &str) -> Source {
     Source::new(name, presets::text(kind, name).expect("a built-in file"))
@@ -24,22 +24,18 @@ fn backends_agree_on_every_preset() {
         let (scene, _) = Scene::parse(&source(Kind::Scene, scene_name)).expect("a sound scene");
         let scene = Arc::new(scene);
         let view = View::new(96, 54).expect("a size in range");
-        let hits = Arc::new(trace(&scene, &view, &Budget::UNLIMITED, &|_| {}, &AtomicBool::new(false)).expect("small enough"));
         for formula_name in presets::names(Kind::Formula) {
             let (formula, _) = Formula::parse(&source(Kind::Formula, formula_name)).expect("a sound formula");
             let formula = Arc::new(formula);
-            let evaluator = |backend| Evaluator::new(&formula, &scene, &hits, backend).expect("both backends take the presets");
-            let (Evaluator::Compiled(compiled), Evaluator::Interpreted(interpreted)) =
-                (evaluator(Backend::Jit), evaluator(Backend::Interpreter))
-            else {
-                panic!("each backend makes its own evaluator");
-            };
+            let subject = Subject { formula: Arc::clone(&formula), scene: Arc::clone(&scene), view };
+            let compiled = Engine::default().evaluator(&subject, &Task::UNWATCHED).expect("compiled code takes the presets");
+            let interpreted = Interpreted::new(&formula, &scene, view).expect("the interpreter takes the presets");
             for settings in SETTINGS {
                 let mut values = Values::defaults(&formula, &scene);
                 let settings = settings.iter().map(|text| text.parse::<Setting>().expect("a setting"));
                 let given: Vec<_> = settings.flat_map(|setting| setting.resolve(values.roster()).expect("known names")).collect();
                 values.assign(&given);
-                let found = verify(&compiled, &interpreted, values.numbers());
+                let found = verify(&*compiled, &interpreted, values.numbers());
                 assert!(found.passes() && found.excused == 0, "{formula_name} on {scene_name}: {found:?}");
             }
         }

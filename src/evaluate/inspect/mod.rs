@@ -15,7 +15,7 @@ pub use figures::{Quantity, figures, vector_figures};
 pub use instance::{Instance, InstanceLine};
 pub use report::{Crossing, End, InspectedHit, InspectedLight, InspectedRay, Inspection, Onward, Visibility};
 
-use crate::formula::layout::Layout;
+use crate::formula::equation::{Equation, REFLECTED, REFRACTED, Site, weighed};
 use crate::formula::{Formula, ParameterId, Term};
 use crate::lang::builtins::Stack;
 use crate::lang::scalars::{Floats, Scalars, flush};
@@ -28,8 +28,8 @@ use crate::trace::{Child, Edge, HitVariables, LightVariables, Node, Optics, Tree
 pub struct Inspector<'i> {
     formula: &'i Formula,
     scene: &'i Scene,
-    layout: Layout,
-    numbers: &'i [f32],
+    equation: Equation,
+    parameters: &'i [f32],
 }
 
 /// A ray whose end is yet to be looked at.
@@ -47,11 +47,11 @@ impl<'i> Inspector<'i> {
     /// Looks into `formula` on `scene` with these parameter numbers, those of [`Evaluator::frame`](crate::evaluate::Evaluator::frame).
     ///
     /// # Panics
-    /// Where there are fewer numbers than the [`Layout`] of formula and scene has.
-    pub fn new(formula: &'i Formula, scene: &'i Scene, numbers: &'i [f32]) -> Self {
-        let layout = Layout::new(formula, scene.bodies.len(), scene.lights.len());
-        assert!(numbers.len() >= layout.len(), "as many parameter numbers as the formula and the scene have");
-        Self { formula, scene, layout, numbers }
+    /// Where there are fewer numbers than the [`Layout`](crate::formula::layout::Layout) of formula and scene has.
+    pub fn new(formula: &'i Formula, scene: &'i Scene, parameters: &'i [f32]) -> Self {
+        let equation = Equation::new(formula, scene.bodies.len(), scene.lights.len());
+        assert!(parameters.len() >= equation.layout.len(), "as many parameter numbers as the formula and the scene have");
+        Self { formula, scene, equation, parameters }
     }
 
     /// Follows the rays of a pixel, column and row from the top left; `None` outside the picture.
@@ -99,7 +99,7 @@ impl<'i> Inspector<'i> {
                 }
             }
             let (end, own) = match node {
-                None => (End::Background, self.predefined(Predefined::Background, 0)),
+                None => (End::Background, self.equation.sum(Site::Miss, self.parameters, 0)),
                 Some(node) => {
                     let hit = self.hit(optics, node);
                     let own = own(&hit);
@@ -109,8 +109,8 @@ impl<'i> Inspector<'i> {
             if let Some(Node { surface, reflected, refracted, .. }) = node {
                 let body = surface.body.index();
                 let children = [
-                    (Edge::Refracted, *refracted, optics.refracted(surface), Predefined::Refraction),
-                    (Edge::Reflected, *reflected, optics.reflected(surface), Predefined::Reflection),
+                    (Edge::Refracted, *refracted, optics.refracted(surface), REFRACTED),
+                    (Edge::Reflected, *reflected, optics.reflected(surface), REFLECTED),
                 ];
                 stack.extend(children.into_iter().filter_map(|(edge, child, beam, factor)| {
                     let factor = self.predefined(factor, body)[0];
@@ -136,12 +136,7 @@ impl<'i> Inspector<'i> {
             n12: optics.ratio(surface),
             angle: refracted.map(|beam| degrees(-surface.normal.dot(beam.ray.direction))),
         });
-        let ambient = {
-            let [colour, ambient] =
-                [self.predefined(Predefined::BodyColour, surface.body.index()), self.predefined(Predefined::AmbientColour, 0)];
-            let product = [0, 1, 2].map(|component| Floats.mul(colour[component], ambient[component]));
-            weighed(self.predefined(Predefined::Ambient, 0)[0], product)
-        };
+        let ambient = self.equation.sum(Site::Hit, self.parameters, surface.body.index());
         InspectedHit {
             surface: *surface,
             variables,
@@ -171,7 +166,7 @@ impl<'i> Inspector<'i> {
         };
         let variables = LightVariables::of(surface, self.scene.light(light));
         let local = self.values(surface.body, light, hit, &variables)[self.formula.result.0 as usize];
-        let intensity = self.predefined(Predefined::Intensity, light.index())[0];
+        let intensity = self.equation.light_weight(self.parameters, light.index());
         let contribution = if visibility == Visibility::Lit { weighed(intensity, local) } else { [0.0; 3] };
         let angle = degrees(surface.normal.dot(surface.toward(self.scene.light(light)).0));
         InspectedLight { light, visibility, angle, variables, intensity, local, contribution }
@@ -221,9 +216,9 @@ impl<'i> Inspector<'i> {
     /// The value of a parameter of the owner of this index; a scalar three times.
     fn parameter(&self, id: ParameterId, owner: usize) -> [f32; 3] {
         let parameter = self.formula.parameter(id);
-        let place = self.layout.place(parameter, owner);
+        let place = self.equation.layout.place(parameter, owner);
         let last = parameter.ty.slots() - 1;
-        [0, 1, 2].map(|component: usize| flush(self.numbers[place + component.min(last)]))
+        [0, 1, 2].map(|component: usize| flush(self.parameters[place + component.min(last)]))
     }
 }
 
@@ -235,11 +230,6 @@ fn own(hit: &InspectedHit) -> [f32; 3] {
 
 fn add(one: [f32; 3], other: [f32; 3]) -> [f32; 3] {
     [0, 1, 2].map(|component| Floats.add(one[component], other[component]))
-}
-
-/// A weight of 0 leaves nothing, of NaN and infinity neither.
-fn weighed(weight: f32, light: [f32; 3]) -> [f32; 3] {
-    light.map(|component| if weight == 0.0 { 0.0 } else { Floats.mul(weight, component) })
 }
 
 /// The angle of a cosine in degrees; rounding may take it beyond 1.

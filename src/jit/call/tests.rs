@@ -3,9 +3,9 @@
 use super::*;
 use crate::formula::Formula;
 use crate::formula::binding::Bindings;
-use crate::jit::kernel::Output;
 use crate::jit::lanes::Sums;
 use crate::lang::source::Source;
+use crate::plan::FormulaPlan;
 use crate::presets::{self, Kind};
 use crate::segment::ROUND_LINES;
 
@@ -13,17 +13,9 @@ use crate::segment::ROUND_LINES;
 fn contributions(bindings: &Bindings, widest: usize) -> (usize, Vec<f32>) {
     let mut target = target().unwrap();
     target.widths.retain(|width| *width <= widest);
-    let frontier = &bindings.frontier;
-    let plan = |output| KernelPlan {
-        name: "contributions",
-        streams: [frontier.hits.clone(), frontier.records.clone(), Vec::new()],
-        uniforms: frontier.uniforms.clone(),
-        outputs: bindings.contribution.to_vec(),
-        output,
-        wide: true,
-        interleave: 4,
-    };
-    let kernels = generate_for(&target, &[plan(Output::FirstTerms), plan(Output::MoreTerms)], &bindings.graph, None).unwrap();
+    let plan = FormulaPlan::of(bindings.clone()).contribution.records;
+    let specs = [KernelSpec::overwriting(&plan), KernelSpec::adding(&plan).unwrap()];
+    let kernels = generate_for(&target, &specs, &bindings.graph, None).unwrap();
     const LINES: usize = 3 * ROUND_LINES;
     let number = |place: usize| 1.25 * ((place as f32 * 0.618_034).fract() - 0.3);
     let line = |first: usize| Line(std::array::from_fn(|lane| number(first + lane)));
@@ -65,13 +57,13 @@ fn kernels_of_all_widths_compute_the_same() {
 fn programs_run_on_nothing_that_is_too_short() {
     let (formula, _) = Formula::parse(&Source::new("formula", presets::text(Kind::Formula, "phong").unwrap())).unwrap();
     let compiled = crate::jit::CompiledFormula::new(&formula).unwrap();
-    let columns = compiled.bindings.frontier.records.len();
-    let kernel = &compiled.contributor.storing;
+    let columns = compiled.plan.bindings.frontier.records.len();
+    let kernel = &compiled.contribution.overwrite;
     let mut program = Program::default();
     program.contribute(kernel, [0..0, 4..4 + 4 * columns, 0..0], 2, 0..3, 8..12);
     let added = program.add(1..3, 5, None, 0);
     let lines = vec![Line::default(); 4 + 4 * columns];
-    let uniforms = vec![Splat::default(); 2 + compiled.contributor.uniform_kernel.outputs()];
+    let uniforms = vec![Splat::default(); 2 + compiled.contribution.uniforms.outputs()];
     let segments = vec![Segment::new(0, 0, 0); 3];
     let weights = vec![0.0; 5 + CHUNK_HITS];
     let (mut sums, mut planes) = (bytemuck::zeroed_box::<Sums>(), bytemuck::zeroed_box::<PixelPlanes>());

@@ -1,6 +1,6 @@
 //! What can be done in the workshop, whoever asks for it: a menu, a key, a button, a dialog.
 
-use crate::evaluate::Backend;
+use crate::backends::BackendChoice;
 use crate::presets::Kind;
 use crate::preview::app::theme::Theme;
 use crate::workspace::files::Location;
@@ -44,7 +44,7 @@ pub enum Command {
     /// Go back to what is kept there.
     GoBackTo(usize),
     /// Evaluate by this backend.
-    Evaluate(Backend),
+    Evaluate(BackendChoice),
     /// Look like this.
     Look(Theme),
     /// Draw widgets so large, in pixels a point.

@@ -1,6 +1,6 @@
 //! What happened: times of compiling and tracing, what was found, how drags ran; and a strip of the last frames.
 
-use crate::evaluate::Method;
+use crate::plan::Method;
 use crate::preview::FrameTimes;
 use crate::preview::renderer::Event;
 use crate::preview::workshop::Workshop;

@@ -1,6 +1,6 @@
 //! The menus.
 
-use crate::evaluate::Backend;
+use crate::backends::CHOICES;
 use crate::presets::{self, Kind};
 use crate::preview::app::command::{Panel, shortcut_of};
 use crate::preview::app::pane::{SNAPSHOTS, Seen};
@@ -142,8 +142,8 @@ fn picture(ui: &mut Ui, app: &mut App, commands: &mut Vec<Command>) {
         }
     });
     ui.separator();
-    for (backend, name) in [(Backend::Jit, "Compiled code"), (Backend::Interpreter, "Reference interpreter")] {
-        if ui.radio(app.backend() == backend, name).clicked() {
+    for backend in CHOICES {
+        if ui.radio(app.backend() == backend, backend.title).clicked() {
             commands.push(Command::Evaluate(backend));
         }
     }

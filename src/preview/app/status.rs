@@ -1,6 +1,6 @@
 //! The line at the bottom: what is pointed at, how far tracing is, what the last picture took.
 
-use crate::evaluate::Backend;
+use crate::backends::CHOICES;
 use crate::preview::app::pane::body_at;
 use crate::preview::app::{App, Command};
 use egui::{ProgressBar, Ui};
@@ -11,14 +11,13 @@ pub(super) fn bar(app: &App, ui: &mut Ui, commands: &mut Vec<Command>) {
         let [width, height] = app.workshop.settings().size;
         ui.label(format!("{width} × {height}"));
         ui.separator();
-        let next = match app.backend() {
-            Backend::Jit => ("compiled", Backend::Interpreter),
-            Backend::Interpreter => ("interpreter", Backend::Jit),
-        };
+        let backend = app.backend();
+        let place = CHOICES.iter().position(|choice| *choice == backend).unwrap_or(0);
+        let next = CHOICES[(place + 1) % CHOICES.len()];
         let told =
             "By what formulas are evaluated: machine code made for this formula, or the reference interpreter. Click to change.";
-        if ui.small_button(next.0).on_hover_text(told).clicked() {
-            commands.push(Command::Evaluate(next.1));
+        if ui.small_button(backend.title).on_hover_text(told).clicked() {
+            commands.push(Command::Evaluate(next));
         }
         if let Some(time) = app.log.last_frame() {
             ui.separator();

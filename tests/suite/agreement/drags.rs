@@ -1,12 +1,14 @@
 //! Dragged sliders: whatever way a frame is made, it is the picture that the general kernel gives.
 
 use crate::agreement::formulas::{Case, ingredients, number, runner};
-use illuminator::evaluate::verify::TOLERANCE;
-use illuminator::evaluate::{Drag, Frame, Framebuffer, Method};
+use illuminator::backends::verify::TOLERANCE;
+use illuminator::evaluate::{Frame, Framebuffer};
 use illuminator::formula::Parameter;
 use illuminator::lang::types::Type;
 use illuminator::picture::Transfer;
+use illuminator::plan::Method;
 use proptest::prelude::*;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// The byte of a component; that of NaN is 0.
@@ -67,7 +69,8 @@ static METHODS: [AtomicUsize; 3] = [const { AtomicUsize::new(0) }; 3];
 fn drag(case: &Case, moved: &[usize], values: &[f32], transfer: Transfer) -> Result<Method, TestCaseError> {
     let failed = |error: &dyn std::fmt::Display| TestCaseError::fail(error.to_string());
     let mut memory = case.memory.clone();
-    let mut drag = Drag::new(&case.compiled, moved, &memory, usize::MAX).map_err(|error| failed(&error))?;
+    let drag = Arc::clone(&case.compiled).drag(moved, &memory, usize::MAX);
+    let mut drag = drag.map_err(|error| failed(&error))?;
     let mut drawn = Framebuffer::black(16, 12, transfer);
     for (turn, value) in values.iter().enumerate() {
         for place in moved {

@@ -1,7 +1,9 @@
 //! Random well-typed formulas, parameter values and scenes: compiled code must agree with the interpreter.
 
-use illuminator::evaluate::verify::verify;
-use illuminator::evaluate::{Backend, Compiled, Evaluator, Interpreted};
+use illuminator::backends::interpreter::Interpreted;
+use illuminator::backends::verify::verify;
+use illuminator::engine::{Engine, Subject, Task};
+use illuminator::evaluate::Evaluator;
 use illuminator::formula::Formula;
 use illuminator::formula::layout::Layout;
 use illuminator::lang::builtins::{Form, Operation};
@@ -9,12 +11,12 @@ use illuminator::lang::source::Source;
 use illuminator::lang::types::Type;
 use illuminator::lang::variables::Variable;
 use illuminator::scene::Scene;
-use illuminator::trace::{Budget, View, trace};
+use illuminator::trace::View;
 use proptest::prelude::*;
 use proptest::sample::select;
 use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Glass over a floor with a mirror behind, two lights; rays reflect, refract, are shadowed and leave the scene.
 const SCENE: &str = "
@@ -100,7 +102,7 @@ pub(super) struct Case {
     pub(super) text: String,
     pub(super) formula: Arc<Formula>,
     pub(super) layout: Layout,
-    pub(super) compiled: Arc<Compiled>,
+    pub(super) compiled: Arc<dyn Evaluator>,
     pub(super) interpreted: Interpreted,
     pub(super) memory: Vec<f32>,
 }
@@ -117,8 +119,10 @@ impl Case {
         let (scene, _) = Scene::parse(&Source::new("scene", SCENE)).map_err(|_| TestCaseError::fail("the scene is right"))?;
         let failed = |error: &dyn std::fmt::Display| TestCaseError::fail(error.to_string());
         let view = View::new(SIZE.0, SIZE.1).and_then(|view| view.with_depth(4)).map_err(|error| failed(&error))?;
-        let hits = trace(&scene, &view, &Budget::UNLIMITED, &|_| {}, &AtomicBool::new(false)).map_err(|error| failed(&error))?;
-        let (formula, scene, hits) = (Arc::new(formula), Arc::new(scene), Arc::new(hits));
+        let subject = Subject::new(formula, scene, view);
+        let compiled = Engine::default().evaluator(&subject, &Task::UNWATCHED).map_err(|error| failed(&error))?;
+        let Subject { formula, scene, .. } = subject;
+        let interpreted = Interpreted::new(&formula, &scene, view).map_err(|error| failed(&error))?;
         let layout = Layout::new(&formula, scene.bodies.len(), scene.lights.len());
         let mut memory: Vec<f32> = (0..layout.len()).map(|place| numbers[place % numbers.len()]).collect();
         for parameter in &formula.parameters {
@@ -127,13 +131,6 @@ impl Case {
                 memory[place..place + parameter.ty.slots()].iter_mut().for_each(|number| *number = parameter.clamp(*number).0);
             }
         }
-        let evaluator = |backend| Evaluator::new(&formula, &scene, &hits, backend).map_err(|error| failed(&error));
-        let (Evaluator::Compiled(compiled), Evaluator::Interpreted(interpreted)) =
-            (evaluator(Backend::Jit)?, evaluator(Backend::Interpreter)?)
-        else {
-            return Err(TestCaseError::fail("each backend makes its own evaluator"));
-        };
-        let compiled = Arc::new(compiled);
         Ok(Self { text, formula, layout, compiled, interpreted, memory })
     }
 }
@@ -164,7 +161,7 @@ pub(super) fn runner(cases: u32) -> TestRunner {
 }
 
 fn check(case: &Case) -> Result<(), TestCaseError> {
-    let found = verify(&case.compiled, &case.interpreted, &case.memory);
+    let found = verify(&*case.compiled, &case.interpreted, &case.memory);
     COMPARED.fetch_add(found.components, Ordering::Relaxed);
     EXCUSED.fetch_add(found.excused, Ordering::Relaxed);
     prop_assert_eq!(found.failed, 0, "{}\n{:?}", case.text, found);

@@ -142,7 +142,7 @@ fn run(kernel: &Kernel, input: &[Line], uniforms: &[Splat], terms: bool, cases: 
 /// The compiled results of many cases: each case is the operation's numbers, each result its components.
 pub(super) fn compiled(formula: &Formula, cases: &[Vec<f32>], from: Operands) -> Vec<[f32; 3]> {
     let compiled = CompiledFormula::new(formula).expect("this machine runs compiled code");
-    let bindings = &compiled.bindings;
+    let bindings = &compiled.plan.bindings;
     let number = |leaf: NodeId, case: usize| match bindings.graph.node(leaf) {
         // The intensity of the light, and the factor `one`, multiply what there is by 1.
         Node::Parameter(id, _) => {
@@ -157,8 +157,8 @@ pub(super) fn compiled(formula: &Formula, cases: &[Vec<f32>], from: Operands) ->
         }
         Node::Constant(_) | Node::Apply(..) => panic!("leaves are parameters and variables"),
     };
-    let leaves = stream(&compiled.contributor.uniform_leaves, cases.len(), number);
-    let uniforms = run(&compiled.contributor.uniform_kernel, &leaves, &[], false, cases.len());
+    let leaves = stream(&compiled.plan.contribution.uniforms.streams[0], cases.len(), number);
+    let uniforms = run(&compiled.contribution.uniforms, &leaves, &[], false, cases.len());
     let results = match from {
         Operands::Uniforms => uniforms,
         Operands::Columns => {
@@ -168,7 +168,7 @@ pub(super) fn compiled(formula: &Formula, cases: &[Vec<f32>], from: Operands) ->
             );
             let splat: Vec<Splat> = uniforms[0].iter().map(|number| Splat::new(*number)).collect();
             let input = stream(&bindings.frontier.hits, cases.len(), number);
-            let [stored, added] = [&compiled.contributor.storing, &compiled.contributor.adding]
+            let [stored, added] = [&compiled.contribution.overwrite, &compiled.contribution.add]
                 .map(|kernel| run(kernel, &input, &splat, true, cases.len()));
             let same = |(x, y): (&f32, &f32)| x == y || x.is_nan() && y.is_nan();
             assert!(stored.iter().flatten().zip(added.iter().flatten()).all(same), "stored, or added to 0");

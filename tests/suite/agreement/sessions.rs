@@ -1,18 +1,19 @@
 //! Dragged sliders of built-in models and scenes: the ways that frames are made, budgets, and numbers that change in between.
 
 use crate::agreement::drags::wrong;
-use illuminator::evaluate::verify::verify;
-use illuminator::evaluate::{Compiled, Drag, Framebuffer, Interpreted, Method};
+use illuminator::backends::interpreter::Interpreted;
+use illuminator::backends::verify::verify;
+use illuminator::engine::{Engine, Subject, Task};
+use illuminator::evaluate::{Drag, Evaluator, Framebuffer};
 use illuminator::formula::{Formula, ParameterId};
-use illuminator::jit::CompiledFormula;
 use illuminator::lang::source::Source;
 use illuminator::picture::Transfer;
+use illuminator::plan::Method;
 use illuminator::presets::{self, Kind};
 use illuminator::scene::Scene;
-use illuminator::trace::{Budget, View, trace};
+use illuminator::trace::View;
 use illuminator::workspace::{OwnerId, Session, Setting, Values};
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 /// Several tiles.
 const SIZE: [u32; 2] = [256, 144];
@@ -23,7 +24,7 @@ fn source(kind: Kind, name: &str) -> Source {
 
 /// A formula on the scene of the default session, with its values.
 struct Model {
-    compiled: Arc<Compiled>,
+    compiled: Arc<dyn Evaluator>,
     values: Values,
     /// How many hits stand in a group of another light too.
     scattered: u32,
@@ -39,23 +40,23 @@ impl Model {
         let (formula, _) = Formula::parse(formula).expect("a formula");
         let (scene, _) = Scene::parse(scene).expect("a scene");
         let view = View::new(SIZE[0], SIZE[1]).expect("a size in range");
-        let hits = trace(&scene, &view, &Budget::UNLIMITED, &|_| {}, &AtomicBool::new(false)).expect("small enough");
-        let scattered = hits.tiles.iter().map(|tile| tile.copies).sum();
         let (given, _) = session.assignments(Values::defaults(&formula, &scene).roster());
         let (values, _) = Values::new(&formula, &scene, &given);
-        let compiled = Arc::new(CompiledFormula::new(&formula).expect("a formula of ordinary size"));
-        let compiled = Compiled::new(compiled, &formula, &scene, &Arc::new(hits)).expect("hits of the scene");
-        Self { compiled: Arc::new(compiled), values, scattered }
+        let (engine, subject) = (Engine::default(), Subject::new(formula, scene, view));
+        let hits = engine.trace(&subject, &Task::UNWATCHED).expect("small enough");
+        let scattered = hits.tiles.iter().map(|tile| tile.copies).sum();
+        let compiled = engine.prepare(&subject, &hits).expect("a formula of ordinary size");
+        Self { compiled, values, scattered }
     }
 
     fn preset(formula: &str) -> Self {
         Self::new(&source(Kind::Formula, formula))
     }
 
-    fn drag(&self, slider: &str, budget: usize) -> Drag {
+    fn drag(&self, slider: &str, budget: usize) -> Box<dyn Drag> {
         let (owner, id) = self.slider(slider);
         let moved = self.values.moved_places(owner, id);
-        Drag::new(&self.compiled, &moved, self.values.numbers(), budget).expect("kernels of ordinary size")
+        Arc::clone(&self.compiled).drag(&moved, self.values.numbers(), budget).expect("kernels of ordinary size")
     }
 
     fn slider(&self, label: &str) -> (OwnerId, ParameterId) {
@@ -77,7 +78,7 @@ impl Model {
     }
 
     /// Draws a frame and holds it against that of the general kernel.
-    fn check(&self, drag: &mut Drag, drawn: &mut Framebuffer, what: &str) {
+    fn check(&self, drag: &mut Box<dyn Drag>, drawn: &mut Framebuffer, what: &str) {
         drag.frame(self.values.numbers(), drawn);
         assert_eq!(wrong(drawn, &self.compiled.frame(self.values.numbers())), 0, "{what}");
         drag.prepare();
@@ -218,7 +219,7 @@ fn many_lights_with_many_shadows_are_drawn_and_dragged() {
     let (parsed, _) = Scene::parse(&scene).expect("a scene");
     let interpreted = Interpreted::new(&Arc::new(formula), &Arc::new(parsed), View::new(SIZE[0], SIZE[1]).expect("a size"))
         .expect("small enough");
-    assert!(verify(&model.compiled, &interpreted, model.values.numbers()).passes());
+    assert!(verify(&*model.compiled, &interpreted, model.values.numbers()).passes());
     for slider in ["floor.kd", "floor.h", "b4.kr", "l3.ki"] {
         let mut drag = model.drag(slider, usize::MAX);
         while !drag.prepare() {}

@@ -1,24 +1,34 @@
 //! Images of a tile that a frame is a weighed sum of.
 
-use crate::evaluate::drag::cells::{self, CellSet, Factor};
-use crate::evaluate::framebuffer::{Channels, Part};
-use crate::evaluate::planes::Planes;
+use crate::backends::compiled::drag::cells::{self, CellSet, Factor};
+use crate::backends::compiled::planes::Planes;
+use crate::evaluate::Part;
+use crate::evaluate::weights::Powers;
+use crate::plan::{Channels, Factors};
 use crate::transfer::{Bytes, with_bytes};
 use pulp::{Simd, WithSimd};
 
-/// What an image is multiplied with: kr and kt of the body whose weights move, so many times, and the factors of a term (0: 1).
+/// What an image is multiplied with: powers of the moved kr and kt, and the factors of a term.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub(super) struct Key {
-    pub(super) reflections: u8,
-    pub(super) refractions: u8,
+    pub(super) powers: Powers,
+    /// 0 for the fixed image, whose factor is 1; the terms of the plan follow.
     pub(super) term: u8,
 }
 
 impl Key {
-    /// That of what does not move.
+    /// Whether it is that of what does not move.
     pub(super) fn is_base(self) -> bool {
         self == Key::default()
     }
+}
+
+/// The factor of an image.
+pub(super) fn factor_of(key: Key, factors: &Factors) -> Factor {
+    let Powers { reflections, refractions } = key.powers;
+    let weight = factors.kr.powi(reflections.into()) * factors.kt.powi(refractions.into());
+    let term = usize::from(key.term).checked_sub(1).map_or([1.0; 3], |term| factors.terms[term]);
+    Factor(term.map(|component| (weight * f64::from(component)) as f32))
 }
 
 /// The sum of magnitudes that may be added up: beyond, what cancels would leave rounding errors that could be seen.

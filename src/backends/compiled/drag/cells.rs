@@ -1,7 +1,8 @@
 //! Parts of a tile's planes, kept by cells of sixteen pixels: only where a drag can change anything.
 
-use crate::evaluate::framebuffer::{self, Channels};
-use crate::evaluate::planes::Planes;
+use crate::backends::compiled::planes::Planes;
+use crate::evaluate::write_component;
+use crate::plan::Channels;
 use crate::trace::Segment;
 use crate::transfer::Bytes;
 
@@ -130,7 +131,7 @@ fn combine_images<const N: usize>(
                 for (image, Factor(factor)) in factors.iter().enumerate() {
                     add(&mut sums, &rows[image + 1], factor[component]);
                 }
-                in_cell(pixels_of(pixels, *cell), |pixels| framebuffer::write_component(pixels, component, &sums, bytes));
+                in_cell(pixels_of(pixels, *cell), |pixels| write_component(pixels, component, &sums, bytes));
             }
         }
     }

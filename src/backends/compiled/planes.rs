@@ -3,10 +3,12 @@
 //! Hits stand side by side in lines, and those whose pixels are neighbours too make a [`Segment`]: what they add is added at once, by compiled
 //! code where the processor has masks, else in vectors of four. Which colours are added, and with what weight, is the caller's.
 
-use crate::evaluate::framebuffer::{self, Channels, Part};
+use crate::evaluate::weights::Weight;
+use crate::evaluate::{Part, write};
 use crate::jit::lanes::PLANE_PIXELS;
 use crate::jit::{Line, PixelCode, PixelLine, PixelPlanes, Sums};
-use crate::trace::{CHUNK_LINES, LINE_HITS, MAX_DEPTH, Region, Segment, TILE_PIXELS, Tile};
+use crate::plan::Channels;
+use crate::trace::{CHUNK_LINES, LINE_HITS, Region, Segment, TILE_PIXELS, Tile};
 use crate::transfer::{Transfer, with_bytes};
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
@@ -156,7 +158,7 @@ impl WithSimd for Quantise<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        with_bytes!(self.part.transfer, bytes => framebuffer::write(self.part.pixels, self.planes, bytes));
+        with_bytes!(self.part.transfer, bytes => write(self.part.pixels, self.planes, bytes));
     }
 }
 
@@ -199,34 +201,6 @@ fn add_lanes<const N: usize>(pixels: &mut [f32], sums: &[f32], weight: f32, lane
     let term = |lane: usize| f32::from_bits((weight * sums[lane]).to_bits() & live(lane));
     let after: [f32; N] = std::array::from_fn(|lane| pixels[lane] + term(lane));
     pixels.copy_from_slice(&after);
-}
-
-/// The weight of a path. Kept in `f64`: the product of weights that are not 0 is then never 0, and a term of infinite value stays so
-/// however small its weight.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Weight(pub(super) f64);
-
-// A factor other than 0 is at least 2⁻¹²⁶, and there is one for each depth below the first.
-const _: () = assert!((MAX_DEPTH - 1) * 126 <= 1022);
-
-impl Weight {
-    pub(super) fn is_zero(self) -> bool {
-        self.0 == 0.0
-    }
-
-    pub(super) fn is_tiny(self) -> bool {
-        self.0 < f64::from(f32::MIN_POSITIVE)
-    }
-
-    /// The weighed colour.
-    #[inline]
-    pub(super) fn of(self, colour: [f32; 3]) -> [f32; 3] {
-        if self.is_tiny() {
-            colour.map(|component| (self.0 * f64::from(component)) as f32)
-        } else {
-            colour.map(|component| self.0 as f32 * component)
-        }
-    }
 }
 
 #[cfg(test)]

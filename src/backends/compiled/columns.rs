@@ -4,8 +4,8 @@
 //! record frontier, in whole lines. They are cut in chunks of [`CHUNK_LINES`]. In a chunk, first comes a stream of the columns of hits, then one
 //! of the columns of records for each light; in a stream columns take turns line by line. Just so frames read them: from front to back.
 
-use crate::evaluate::memory::StreamMemory;
-use crate::evaluate::pass::Source;
+use crate::backends::compiled::memory::StreamMemory;
+use crate::backends::compiled::pass::Source;
 use crate::formula::graph::{Node, NodeId};
 use crate::jit::{AHEAD, CompiledFormula, Line, Splat, Streams};
 use crate::lang::scalars::flush;
@@ -100,7 +100,7 @@ impl Chunk {
 impl Columns {
     /// Works out the static values of all tiles.
     pub(super) fn of_tiles(compiled: &CompiledFormula, optics: &Optics, hits: &Hits) -> Result<Vec<Self>, Mismatch> {
-        let frontier = &compiled.bindings.frontier;
+        let frontier = &compiled.plan.bindings.frontier;
         // Where no light reaches, nothing is evaluated.
         let lit = |group: &Group| !group.lights.is_empty();
         let (hit_columns, record_columns) = (frontier.hits.len(), frontier.records.len());
@@ -116,8 +116,8 @@ impl Columns {
             rest = behind;
         }
         hits.tiles.par_iter().zip(&arrangements).zip(parts).try_for_each(|((tile, arrangement), lines)| {
-            let mut workroom = Workroom::new(compiled);
-            (0..tile.groups.len()).try_for_each(|index| fill(compiled, optics, tile, arrangement, index, lines, &mut workroom))
+            let mut leaves = LeafColumns::new(compiled);
+            (0..tile.groups.len()).try_for_each(|index| fill(compiled, optics, tile, arrangement, index, lines, &mut leaves))
         })?;
         let memory = Arc::new(memory);
         let mut end = 0;
@@ -132,7 +132,7 @@ impl Columns {
     /// Columns of what a source yields for each record of a tile, where it is active, from these static columns and uniform values.
     pub(super) fn kept(tile: &Tile, given: &Columns, source: &Source, uniforms: &[Splat]) -> Self {
         let is_active = |group: &Group, light: &LightId| source.active[source.pair(group.body, *light)];
-        let outputs = source.storing.outputs();
+        let outputs = source.overwrite.outputs();
         let arrangement = Arrangement::new(tile, 0, outputs, |group| group.lights.iter().any(|light| is_active(group, light)));
         let mut memory = StreamMemory::zeroed(arrangement.lines + Arrangement::spare(0, outputs));
         let lines = memory.lines_mut();
@@ -145,7 +145,7 @@ impl Columns {
                     let begin = start + light_place * length;
                     let uniforms = &uniforms[source.uniforms_of(source.pair(group.body, *light))];
                     let streams: Streams = [&given.lines()[part.hits()], &given.lines()[part.records(light_place)], &[]];
-                    source.storing.run(streams, uniforms, &mut [&mut lines[begin..begin + length]], chunk.lines);
+                    source.overwrite.run(streams, uniforms, &mut [&mut lines[begin..begin + length]], chunk.lines);
                 }
             }
         }
@@ -222,7 +222,7 @@ fn fill(
     arrangement: &Arrangement,
     index: usize,
     memory: &mut [Line],
-    workroom: &mut Workroom,
+    leaves: &mut LeafColumns,
 ) -> Result<(), Mismatch> {
     let (group, own) = (&tile.groups[index], &arrangement.groups[index]);
     let columns = arrangement.columns_of(own);
@@ -233,22 +233,22 @@ fn fill(
         // A tile has fewer than 2³² hits.
         let first = group.hits.start + (chunk.first * LINE_HITS) as u32;
         let end = (first + (chunk.lines * LINE_HITS) as u32).min(group.hits.end);
-        workroom.gather(optics, tile, group, first..end)?;
+        leaves.gather(optics, tile, group, first..end)?;
         let start = arrangement.chunk(own, &chunk);
         let part = &mut memory[start..start + columns * chunk.lines];
         let (hit_part, record_part) = part.split_at_mut(chunk.lines * arrangement.hit_columns);
-        compiled.hit_kernel.run([&workroom.hits, &[], &[]], &[], &mut [hit_part], chunk.lines);
-        for (light, records) in workroom.records.iter().enumerate().take(group.lights.len()) {
+        compiled.hits.run([&leaves.hits, &[], &[]], &[], &mut [hit_part], chunk.lines);
+        for (light, records) in leaves.records.iter().enumerate().take(group.lights.len()) {
             let length = chunk.lines * arrangement.record_columns;
             let part = &mut record_part[light * length..(light + 1) * length];
-            compiled.record_kernel.run([records, &[], &[]], &[], &mut [part], chunk.lines);
+            compiled.records.run([records, &[], &[]], &[], &mut [part], chunk.lines);
         }
     }
     Ok(())
 }
 
 /// The variables that static kernels read, for some hits at a time.
-struct Workroom {
+struct LeafColumns {
     hit_leaves: Vec<(Variable, usize)>,
     record_leaves: Vec<(Variable, usize)>,
     /// A stream with a column for each hit leaf, of as many hits as are worked out at a time: they stay in the first cache meanwhile.
@@ -257,17 +257,18 @@ struct Workroom {
     records: Vec<Vec<Line>>,
 }
 
-impl Workroom {
+impl LeafColumns {
     fn new(compiled: &CompiledFormula) -> Self {
         let variables = |leaves: &[NodeId]| -> Vec<(Variable, usize)> {
-            let variable = |leaf: &NodeId| match compiled.bindings.graph.node(*leaf) {
+            let variable = |leaf: &NodeId| match compiled.plan.bindings.graph.node(*leaf) {
                 Node::Variable(variable, component) => Some((variable, usize::from(component))),
                 Node::Constant(_) | Node::Parameter(..) | Node::Apply(..) => None,
             };
             // What is static is made of variables alone.
             leaves.iter().filter_map(variable).collect()
         };
-        let (hit_leaves, record_leaves) = (variables(&compiled.hit_leaves), variables(&compiled.record_leaves));
+        let (hit_leaves, record_leaves) =
+            (variables(&compiled.plan.hits.streams[0]), variables(&compiled.plan.records.streams[0]));
         let hits = vec![Line::default(); CHUNK_LINES * hit_leaves.len()];
         Self { hit_leaves, record_leaves, hits, records: Vec::new() }
     }

@@ -39,7 +39,7 @@ fn places(values: &Values, slider: &str) -> Vec<usize> {
 }
 
 /// How many steps are left, and what they cost.
-fn left(drag: &Drag) -> (usize, u64) {
+fn left(drag: &CompiledDrag) -> (usize, u64) {
     let of_tile = |state: &TileState| match state {
         TileState::Waiting { steps, done, .. } => (steps.len() - done, steps[*done..].iter().map(|step| step.cost).sum::<u64>()),
         TileState::Untouched | TileState::Images { .. } | TileState::Live(_) | TileState::General => (0, 0),
@@ -51,8 +51,8 @@ fn left(drag: &Drag) -> (usize, u64) {
 fn preparing_takes_no_more_at_a_time_than_a_full_evaluation() {
     let (compiled, values) = session();
     for slider in SLIDERS {
-        let mut drag = Drag::new(&compiled, &places(&values, slider), values.numbers(), usize::MAX).expect("kernels");
-        let full = drag.plan.full_cost(&compiled);
+        let mut drag = CompiledDrag::new(&compiled, &places(&values, slider), values.numbers(), usize::MAX).expect("kernels");
+        let full = full_cost(&compiled);
         let (all, total) = left(&drag);
         assert!(all > 0 && !drag.is_ready(), "{slider}");
         let mut calls = 0;
@@ -81,7 +81,7 @@ fn preparing_takes_no_more_at_a_time_than_a_full_evaluation() {
 fn nothing_is_kept_without_a_budget() {
     let (compiled, values) = session();
     for slider in SLIDERS {
-        let mut drag = Drag::new(&compiled, &places(&values, slider), values.numbers(), 0).expect("kernels");
+        let mut drag = CompiledDrag::new(&compiled, &places(&values, slider), values.numbers(), 0).expect("kernels");
         while !drag.prepare() {
             assert_eq!(drag.bytes(), 0, "{slider}");
         }
@@ -100,11 +100,11 @@ fn nothing_is_kept_without_a_budget() {
 fn what_is_counted_is_what_is_kept() {
     let (compiled, values) = session();
     for slider in SLIDERS {
-        let mut drag = Drag::new(&compiled, &places(&values, slider), values.numbers(), usize::MAX).expect("kernels");
+        let mut drag = CompiledDrag::new(&compiled, &places(&values, slider), values.numbers(), usize::MAX).expect("kernels");
         while !drag.prepare() {}
         let needed = drag.bytes();
         assert!(needed > 0, "{slider}");
-        let mut tight = Drag::new(&compiled, &places(&values, slider), values.numbers(), needed / 2).expect("kernels");
+        let mut tight = CompiledDrag::new(&compiled, &places(&values, slider), values.numbers(), needed / 2).expect("kernels");
         loop {
             let ready = tight.prepare();
             assert!(tight.bytes() <= needed / 2, "{slider}: {} bytes of {needed}", tight.bytes());

@@ -1,13 +1,14 @@
-//! Adding up a tile: what its hits contribute, with which values, and where that comes into the pixels.
+//! Adding up a tile: what its hits contribute, and with which weights.
 //!
-//! A [`Pass`] is one way to weigh the hits of a picture. A whole frame is one pass: every path with its weight, one source of
-//! light for all pairs of a body and a light. A part of the picture that a drag keeps (see [`drag`](super::drag)) is another.
+//! A [`Pass`] is one way to weight the hits of a picture. A whole frame is one pass: every path with its weight, and one source for all
+//! pairs of a body and a light. An image that a drag keeps (see [`drag`](super::drag)) is another.
 
-use crate::evaluate::columns::Columns;
-use crate::evaluate::framebuffer::Channels;
-use crate::evaluate::planes::{Planes, Weight};
-use crate::evaluate::program::{Ground, TileProgram};
+use crate::backends::compiled::columns::Columns;
+use crate::backends::compiled::planes::Planes;
+use crate::backends::compiled::program::{TileInputs, TileProgram};
+use crate::evaluate::weights::Weight;
 use crate::jit::{Kernel, Splat, Sums, fetch};
+use crate::plan::Channels;
 use crate::scene::{BodyId, LightId};
 use crate::trace::{CHUNK_HITS, Tile};
 use std::ops::Range;
@@ -15,9 +16,9 @@ use std::ops::Range;
 /// What lit records contribute: a kernel with what it reads beside the columns, for some pairs of a body and a light.
 pub(super) struct Source<'p> {
     /// Static columns → contributions, stored.
-    pub(super) storing: &'p Kernel,
+    pub(super) overwrite: &'p Kernel,
     /// The same, added to what is there.
-    pub(super) adding: &'p Kernel,
+    pub(super) add: &'p Kernel,
     /// What the kernels yield.
     pub(super) channels: Channels,
     /// Where the uniform values of its pairs of a body and a light begin, and how many a pair has.
@@ -49,25 +50,25 @@ pub(super) struct Pass<'p> {
     pub(super) uniforms: Vec<Splat>,
     /// The static columns of each tile.
     pub(super) columns: &'p [Columns],
-    /// For each body what its hits contribute wherever they are.
-    pub(super) ambient: Vec<[f32; 3]>,
-    /// What rays contribute that left the scene.
-    pub(super) background: [f32; 3],
-    /// What is computed; the others stay as they are.
+    /// What each hit of a body adds, whatever the lights: body by body.
+    pub(super) at_hits: Vec<[f32; 3]>,
+    /// What each ray adds that left the scene.
+    pub(super) at_misses: [f32; 3],
+    /// The components that are computed; the others stay as they are.
     pub(super) channels: Channels,
 }
 
-/// What a pass is added to.
+/// What happens to the pixels that are in the planes when a pass runs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Onto {
-    /// Nothing, whatever is in the planes.
-    Black,
-    /// What is in the planes.
-    WhatIsThere,
+pub(super) enum Accumulate {
+    /// The pass overwrites them.
+    Overwrite,
+    /// The pass adds to them.
+    Add,
 }
 
-/// Room for the work on a tile, used again for the next.
-pub(super) struct Workroom {
+/// Scratch memory for the work on a tile, used again for the next.
+pub(super) struct TileScratch {
     pub(super) planes: Planes,
     /// The weight of each path of the tile.
     pub(super) weights: Vec<Weight>,
@@ -75,14 +76,14 @@ pub(super) struct Workroom {
     sums: Box<Sums>,
     /// The weight of each span, and what is behind them.
     span_weights: Vec<f32>,
-    /// Room for what is done once.
+    /// The program of a pass that runs once.
     once: TileProgram,
-    /// What each path, and each set of them, adds to its pixels beside the contributions of lights; the fourth number is 0.
+    /// What each path, and each set of paths, adds to its pixels whatever the lights; the fourth number is 0.
     path_colours: Vec<[f32; 4]>,
     set_colours: Vec<[f32; 4]>,
 }
 
-impl Workroom {
+impl TileScratch {
     /// About how large one is.
     pub(super) const BYTES: usize = Planes::BYTES + size_of::<Sums>();
 
@@ -100,57 +101,58 @@ impl Workroom {
 }
 
 impl<'p> Pass<'p> {
-    /// Takes a source in, with its uniform values.
+    /// Adds a source with its uniform values.
     pub(super) fn push(&mut self, mut source: Source<'p>, mut uniforms: Vec<Splat>) {
         source.first_uniform = self.uniforms.len();
         self.uniforms.append(&mut uniforms);
         self.sources.push(source);
     }
 
-    /// Adds the pass to the planes of the workroom, whose weights are those of the tile's paths. `place` is the tile's; `kept` are
-    /// columns beside the static ones, if kernels read such. What is done is kept in `program`, that of the same tile in such passes.
-    pub(super) fn add(
+    /// Runs the pass over a tile, into the planes of the scratch, whose weights are those of the tile's paths. `place` is the place of the
+    /// tile; `kept` are columns of a drag, if kernels read any. `program` keeps the order of work of this tile in passes like this one.
+    pub(super) fn run(
         &self,
         tile: &Tile,
         place: usize,
         kept: Option<&Columns>,
-        onto: Onto,
-        workroom: &mut Workroom,
+        accumulate: Accumulate,
+        scratch: &mut TileScratch,
         program: &mut TileProgram,
     ) {
-        // All at once: one after the other, each would be waited for.
+        // All at once: one after the other, each list would be waited for.
         fetch(&tile.regions);
         fetch(&tile.spans);
         program.fetch();
-        self.everywhere(tile, onto, workroom);
-        let Workroom { planes, weights, sums, span_weights, .. } = workroom;
-        let ground = Ground { tile, place, kept, weights };
-        program.prepare(self, &ground);
+        self.fill_regions(tile, accumulate, scratch);
+        let TileScratch { planes, weights, sums, span_weights, .. } = scratch;
+        let inputs = TileInputs { tile, place, kept, weights };
+        program.prepare(self, &inputs);
         span_weights.clear();
         span_weights.extend(tile.spans.iter().map(|span| weights[span.path.index()].0 as f32));
         span_weights.resize(tile.spans.len() + CHUNK_HITS, 0.0);
-        program.run(self, &ground, span_weights, sums, planes);
+        program.run(self, &inputs, span_weights, sums, planes);
     }
 
-    /// The same where it is done only once.
-    pub(super) fn add_once(&self, tile: &Tile, place: usize, onto: Onto, workroom: &mut Workroom) {
-        let mut program = std::mem::take(&mut workroom.once);
+    /// The same for a pass that runs once over the tile: overwrites the planes.
+    pub(super) fn run_once(&self, tile: &Tile, place: usize, scratch: &mut TileScratch) {
+        let mut program = std::mem::take(&mut scratch.once);
         program.forget();
-        self.add(tile, place, None, onto, workroom, &mut program);
-        workroom.once = program;
+        self.run(tile, place, None, Accumulate::Overwrite, scratch, &mut program);
+        scratch.once = program;
     }
 
-    /// What rays add whatever their hits are like, ambient light and background: the same in each region.
-    fn everywhere(&self, tile: &Tile, onto: Onto, workroom: &mut Workroom) {
-        let add = match onto {
-            Onto::Black => false,
-            Onto::WhatIsThere if self.ambient.iter().all(|colour| *colour == [0.0; 3]) && self.background == [0.0; 3] => return,
-            Onto::WhatIsThere => true,
+    /// Adds what rays add whatever the lights: the same for all pixels of a region.
+    fn fill_regions(&self, tile: &Tile, accumulate: Accumulate, scratch: &mut TileScratch) {
+        let black = || self.at_hits.iter().all(|colour| *colour == [0.0; 3]) && self.at_misses == [0.0; 3];
+        let add = match accumulate {
+            Accumulate::Overwrite => false,
+            Accumulate::Add if black() => return,
+            Accumulate::Add => true,
         };
-        let Workroom { planes, weights, path_colours, set_colours, .. } = workroom;
+        let TileScratch { planes, weights, path_colours, set_colours, .. } = scratch;
         path_colours.clear();
         path_colours.extend(tile.paths.iter().zip(weights.iter()).map(|(path, weight)| {
-            let colour = path.body.map_or(self.background, |body| self.ambient[body.index()]);
+            let colour = path.body.map_or(self.at_misses, |body| self.at_hits[body.index()]);
             let [red, green, blue] = if weight.is_zero() { [0.0; 3] } else { weight.of(colour) };
             [red, green, blue, 0.0]
         }));

@@ -1,30 +1,31 @@
-//! The work on a tile put together: which kernels run over which records, and what is added to the pixels when.
+//! The order of work on a tile: which kernels run over which records, and when sums are added to the pixels.
 //!
-//! What a slider moves are values; what is done with them mostly stays, as long as the same lights shine and the same paths weigh something.
-//! So the order of work is kept from frame to frame, and put together anew only where it would be another. Where the values are is no part
-//! of it.
+//! A slider moves values; the order of work stays the same as long as the same lights are on and the same paths have a weight other than
+//! 0. So it is kept from frame to frame, and built again only where it would differ. It does not contain the addresses of values.
 
-use crate::evaluate::columns::{Columns, Part};
-use crate::evaluate::framebuffer::Channels;
-use crate::evaluate::pass::{Pass, Source};
-use crate::evaluate::planes::{Planes, Weight};
+use crate::backends::compiled::columns::{Columns, Part};
+use crate::backends::compiled::pass::{Pass, Source};
+use crate::backends::compiled::planes::Planes;
+use crate::evaluate::weights::Weight;
 use crate::jit::{Line, Operands, Program, Sums};
+use crate::plan::Channels;
 use crate::trace::{CHUNK_HITS, CHUNK_LINES, Group, LINE_HITS, ROUND_LINES, Span, Tile};
 use smallvec::SmallVec;
 use std::ops::Range;
 
-/// What is done for a tile in a pass.
+/// The order of work on a tile in a pass.
 #[derive(Default)]
 pub(super) struct TileProgram {
-    /// What compiled code does.
+    /// The steps of compiled code.
     steps: Program,
-    /// What is done without it, in order: each after so many of its steps.
+    /// The steps of portable code, in order: each runs after this many steps of compiled code.
     between: Vec<(usize, Portable)>,
-    /// For which pairs of a body and a light it is, source by source, and how much the paths weigh: there is none before the first frame.
-    made_for: Option<(Vec<bool>, Vec<Heft>)>,
+    /// What it was built for: which pairs of a body and a light are active, source by source, and the weight classes of the paths.
+    /// `None` before the first frame.
+    built_for: Option<(Vec<bool>, Vec<WeightClass>)>,
 }
 
-/// Work that is not compiled.
+/// A step that is not compiled.
 enum Portable {
     /// Clears these lines of the sums of a component.
     Clear(usize, Range<usize>),
@@ -32,89 +33,93 @@ enum Portable {
     Add(Range<usize>, Channels),
 }
 
-/// What the order of work depends on of a weight.
+/// What the order of work depends on in a path's weight.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Heft {
-    /// Nothing comes of it.
+enum WeightClass {
+    /// The path adds nothing.
     Zero,
-    /// Compiled code would take it as zero.
+    /// Too small for single precision: compiled code would take it for 0.
     Tiny,
     Ordinary,
 }
 
-impl Heft {
+impl WeightClass {
     fn of(weight: Weight) -> Self {
         match weight {
-            weight if weight.is_zero() => Heft::Zero,
-            weight if weight.is_tiny() => Heft::Tiny,
-            _ => Heft::Ordinary,
+            weight if weight.is_zero() => WeightClass::Zero,
+            weight if weight.is_tiny() => WeightClass::Tiny,
+            _ => WeightClass::Ordinary,
         }
     }
 }
 
-/// What the program of a tile works on beside its pass.
-pub(super) struct Ground<'g> {
-    pub(super) tile: &'g Tile,
-    /// The tile's place among the tiles.
+/// What the program of a tile works on, beside its pass.
+pub(super) struct TileInputs<'t> {
+    pub(super) tile: &'t Tile,
+    /// The place of the tile among the tiles.
     pub(super) place: usize,
-    /// Columns beside the static ones, if kernels read such.
-    pub(super) kept: Option<&'g Columns>,
+    /// Columns of a drag, if kernels read any.
+    pub(super) kept: Option<&'t Columns>,
     /// The weight of each path.
-    pub(super) weights: &'g [Weight],
+    pub(super) weights: &'t [Weight],
 }
 
 impl TileProgram {
     /// The memory that it takes, in bytes.
     pub(super) fn bytes(&self) -> usize {
-        let (active, hefts) = self.made_for.as_ref().map_or((0, 0), |(active, hefts)| (active.capacity(), hefts.capacity()));
-        self.steps.bytes() + self.between.capacity() * size_of::<(usize, Portable)>() + active + hefts * size_of::<Heft>()
+        let (active, classes) =
+            self.built_for.as_ref().map_or((0, 0), |(active, classes)| (active.capacity(), classes.capacity()));
+        self.steps.bytes()
+            + self.between.capacity() * size_of::<(usize, Portable)>()
+            + active
+            + classes * size_of::<WeightClass>()
     }
 
-    /// Makes it that of another pass, or of another tile.
+    /// Makes it be built again: for another pass, or another tile.
     pub(super) fn forget(&mut self) {
-        self.made_for = None;
+        self.built_for = None;
     }
 
-    /// Has what it is made of fetched.
+    /// Prefetches its steps.
     pub(super) fn fetch(&self) {
         self.steps.fetch();
     }
 
-    /// Makes it what is to be done now. Since it was made, or [forgot](Self::forget), pass and ground were of the same kind: nothing but values and
-    /// weights, and which pairs are active, may have changed.
-    pub(super) fn prepare(&mut self, pass: &Pass, ground: &Ground) {
+    /// Builds the order of work, if it is another than before. Between calls of [`forget`](Self::forget), only values, weights and
+    /// the set of active pairs may change.
+    pub(super) fn prepare(&mut self, pass: &Pass, inputs: &TileInputs) {
         let active = || pass.sources.iter().flat_map(|source| source.active.iter().copied());
-        let hefts = || ground.weights.iter().map(|weight| Heft::of(*weight));
-        let holds = |(made_active, made_hefts): &(Vec<bool>, Vec<Heft>)| {
-            active().eq(made_active.iter().copied()) && hefts().eq(made_hefts.iter().copied())
+        let classes = || inputs.weights.iter().map(|weight| WeightClass::of(*weight));
+        let holds = |(known_active, known_classes): &(Vec<bool>, Vec<WeightClass>)| {
+            active().eq(known_active.iter().copied()) && classes().eq(known_classes.iter().copied())
         };
-        if self.made_for.as_ref().is_some_and(holds) {
+        if self.built_for.as_ref().is_some_and(holds) {
             return;
         }
         self.steps.clear();
         self.between.clear();
-        let mut making = Making { pass, ground, program: self };
-        for (index, group) in ground.tile.groups.iter().enumerate() {
-            making.group(group, index);
+        let mut builder = ProgramBuilder { pass, inputs, program: self };
+        for (index, group) in inputs.tile.groups.iter().enumerate() {
+            builder.group(group, index);
         }
         self.steps.shrink();
         self.between.shrink_to_fit();
-        self.made_for = Some((active().collect(), hefts().collect()));
+        self.built_for = Some((active().collect(), classes().collect()));
     }
 
-    /// Does it. Each span has its weight in `weights`, behind which as many more are as a chunk has hits.
-    pub(super) fn run(&self, pass: &Pass, ground: &Ground, weights: &[f32], sums: &mut Sums, planes: &mut Planes) {
-        let columns = pass.columns[ground.place].lines();
-        let kept = ground.kept.map_or(&[][..], Columns::lines);
+    /// Does the work. `weights` holds the weight of each span, followed by as many more numbers as a chunk has hits.
+    pub(super) fn run(&self, pass: &Pass, inputs: &TileInputs, weights: &[f32], sums: &mut Sums, planes: &mut Planes) {
+        let columns = pass.columns[inputs.place].lines();
+        let kept = inputs.kept.map_or(&[][..], Columns::lines);
         let mut done = 0;
         let steps = |steps: Range<usize>, sums: &mut Sums, planes: &mut Planes| {
             self.steps.run(
                 steps,
                 &mut Operands {
                     streams: [columns, columns, kept],
-                    coming: if ground.kept.is_some() { kept } else { columns },
+                    coming: if inputs.kept.is_some() { kept } else { columns },
                     uniforms: &pass.uniforms,
-                    segments: &ground.tile.segments,
+                    segments: &inputs.tile.segments,
                     weights,
                     sums,
                     planes: planes.pixels_mut(),
@@ -127,8 +132,8 @@ impl TileProgram {
             match portable {
                 Portable::Clear(component, lines) => sums[*component][lines.clone()].fill(Line::default()),
                 Portable::Add(spans, channels) => {
-                    for span in &ground.tile.spans[spans.clone()] {
-                        planes.add(ground.tile.segments_of(span), sums, ground.weights[span.path.index()], *channels);
+                    for span in &inputs.tile.spans[spans.clone()] {
+                        planes.add(inputs.tile.segments_of(span), sums, inputs.weights[span.path.index()], *channels);
                     }
                 }
             }
@@ -137,15 +142,15 @@ impl TileProgram {
     }
 }
 
-/// Puts a program together.
-struct Making<'m, 'p> {
-    pass: &'m Pass<'p>,
-    ground: &'m Ground<'m>,
-    program: &'m mut TileProgram,
+/// Builds a program.
+struct ProgramBuilder<'b, 'p> {
+    pass: &'b Pass<'p>,
+    inputs: &'b TileInputs<'b>,
+    program: &'b mut TileProgram,
 }
 
 /// A light that contributes to a group, by a source.
-struct Shiner {
+struct ActiveLight {
     source: usize,
     /// Its place among the lights of the group.
     light: usize,
@@ -153,26 +158,30 @@ struct Shiner {
     uniforms: usize,
 }
 
-/// Those of a group, source by source.
-type Shiners = SmallVec<[Shiner; 8]>;
+/// The active lights of a group, source by source.
+type ActiveLights = SmallVec<[ActiveLight; 8]>;
 
-impl Making<'_, '_> {
+impl ProgramBuilder<'_, '_> {
     /// What the lights of a group add.
     fn group(&mut self, group: &Group, index: usize) {
-        let mut shiners = Shiners::new();
+        let mut active_lights = ActiveLights::new();
         for (number, source) in self.pass.sources.iter().enumerate() {
             for (light_place, light) in group.lights.iter().enumerate() {
                 let pair = source.pair(group.body, *light);
                 if source.active[pair] {
-                    shiners.push(Shiner { source: number, light: light_place, uniforms: source.uniforms_of(pair).start });
+                    active_lights.push(ActiveLight {
+                        source: number,
+                        light: light_place,
+                        uniforms: source.uniforms_of(pair).start,
+                    });
                 }
             }
         }
-        if shiners.is_empty() {
+        if active_lights.is_empty() {
             return;
         }
-        let heft = |span: &Span| Heft::of(self.ground.weights[span.path.index()]);
-        let mut rest = self.ground.tile.spans_of(group);
+        let class = |span: &Span| WeightClass::of(self.inputs.weights[span.path.index()]);
+        let mut rest = self.inputs.tile.spans_of(group);
         let mut number = group.spans.start as usize;
         while let Some(first) = rest.first() {
             // A chunk.
@@ -182,22 +191,22 @@ impl Making<'_, '_> {
             rest = behind;
             let weights = number;
             // Runs of spans whose weight is not 0 are computed together, and nothing of the others.
-            for run in chunk.chunk_by(|a, b| (heft(a) == Heft::Zero) == (heft(b) == Heft::Zero)) {
+            for run in chunk.chunk_by(|a, b| (class(a) == WeightClass::Zero) == (class(b) == WeightClass::Zero)) {
                 let spans = number..number + run.len();
                 number = spans.end;
                 let (Some(first), Some(last)) = (run.first(), run.last()) else { continue };
-                if heft(first) == Heft::Zero {
+                if class(first) == WeightClass::Zero {
                     continue;
                 }
                 let [begin, end] = [first.hits.start, last.hits.end].map(|hit| (hit - group.hits.start) as usize);
                 let lines = begin / LINE_HITS / ROUND_LINES * ROUND_LINES..end.div_ceil(LINE_HITS).next_multiple_of(ROUND_LINES);
-                let coming = self.lights(index, &shiners, lines);
+                let coming = self.lights(index, &active_lights, lines);
                 let segments = first.segments.start as usize..last.segments.end as usize;
                 let component = match self.pass.channels {
                     Channels::All => None,
                     Channels::One(component) => Some(component),
                 };
-                let tiny = run.iter().any(|span| heft(span) == Heft::Tiny);
+                let tiny = run.iter().any(|span| class(span) == WeightClass::Tiny);
                 if tiny || !self.program.steps.add(segments, weights, component, coming) {
                     self.portably(Portable::Add(spans, self.pass.channels));
                 }
@@ -207,21 +216,21 @@ impl Making<'_, '_> {
 
     /// The contributions of all lights of a group to these lines, whole rounds of one chunk, each to its own place in it. Where that is which is
     /// read after that.
-    fn lights(&mut self, index: usize, shiners: &Shiners, lines: Range<usize>) -> usize {
+    fn lights(&mut self, index: usize, active_lights: &ActiveLights, lines: Range<usize>) -> usize {
         let own = lines.start % CHUNK_LINES..lines.start % CHUNK_LINES + lines.len();
-        let part = self.pass.columns[self.ground.place].part(index, lines.clone());
-        let kept = self.ground.kept.map(|kept| kept.part(index, lines));
+        let part = self.pass.columns[self.inputs.place].part(index, lines.clone());
+        let kept = self.inputs.kept.map(|kept| kept.part(index, lines));
         // What the sums hold is of the chunk before.
         let mut stale = [true; 3];
-        for shiners in shiners.chunk_by(|a, b| a.source == b.source) {
-            let Source { storing, adding, channels, .. } = &self.pass.sources[shiners[0].source];
+        for active_lights in active_lights.chunk_by(|a, b| a.source == b.source) {
+            let Source { overwrite, add, channels, .. } = &self.pass.sources[active_lights[0].source];
             let components = channels.components();
             let mut store = stale[components.clone()].iter().all(|stale| *stale);
             if !store {
                 self.clear(&own, &mut stale, components.clone());
             }
-            for Shiner { light, uniforms, .. } in shiners {
-                let kernel = if std::mem::take(&mut store) { storing } else { adding };
+            for ActiveLight { light, uniforms, .. } in active_lights {
+                let kernel = if std::mem::take(&mut store) { overwrite } else { add };
                 let kept = kept.as_ref().map_or(0..0, |kept| kept.records(*light));
                 let streams = [part.hits(), part.records(*light), kept];
                 self.program.steps.contribute(kernel, streams, *uniforms, components.clone(), own.clone());

@@ -1,0 +1,369 @@
+//! Frames while a slider is held: only what it can change is computed, in the cheapest correct way.
+//!
+//! Pixels that no moved number reaches are not written again. For the others there are three ways:
+//!
+//! - **Images**, where the graph proves the picture to be a weighted sum of images that do not move: `Σ kr^i · kt^j · factor · image`. kr
+//!   and kt of a body are polynomials along paths; ki, colours and most weights enter the formula linearly.
+//! - **Specialised**, elsewhere: everything that does not move is one image, and a kernel computes the live part from columns that keep
+//!   every expensive value that does not move.
+//! - **General**, where neither is possible or ready yet: the whole picture again.
+//!
+//! What is kept is made tile by tile ([`prepare`](Drag::prepare)), each time about as much as a full evaluation takes, between frames, so that no
+//! frame waits for it. A tile whose images would be inaccurate, or that would exceed the budget, stays with the general way.
+
+mod cells;
+mod images;
+mod passes;
+mod reach;
+mod steps;
+
+use crate::backends::compiled::Compiled;
+use crate::backends::compiled::columns::Columns;
+use crate::backends::compiled::pass::{Accumulate, Pass, TileScratch};
+use crate::backends::compiled::program::TileProgram;
+use crate::evaluate::weights::{PathMonomials, path_weights};
+use crate::evaluate::{Drag, Framebuffer, Part, write, write_component};
+use crate::jit::CompileError;
+use crate::plan::{Channels, Method};
+use crate::trace::Tile;
+use crate::transfer::with_bytes;
+use images::{Image, Key, LARGEST_SUM, TileImages, factor_of};
+use passes::{DragKernels, Passes};
+use pulp::{Simd, WithSimd};
+use rayon::prelude::*;
+use reach::Reach;
+use std::sync::{Arc, OnceLock};
+use steps::{TileStep, Work, full_cost, steps_of};
+
+/// A slider that is held: frames in which only some numbers of one owner move.
+pub(super) struct CompiledDrag {
+    compiled: Arc<Compiled>,
+    kernels: DragKernels,
+    /// The parameter numbers that everything kept was made with, apart from those that move.
+    parameters: Vec<f32>,
+    tiles: Vec<TileState>,
+    /// Whether a whole picture has been drawn.
+    drawn: bool,
+    /// How many bytes may be kept, and are.
+    budget: usize,
+    bytes: usize,
+}
+
+/// What is kept of a tile.
+enum TileState {
+    /// Nothing that moves is seen in it.
+    Untouched,
+    /// The first `done` of the steps are made, with these images.
+    Waiting {
+        steps: Vec<TileStep>,
+        done: usize,
+        images: Vec<Image>,
+        kept: Option<Columns>,
+    },
+    Images {
+        images: TileImages,
+        /// Whether the pixels that they do not write are right: they are not after a picture that the images could not make, with
+        /// something infinite that is 0 in them.
+        right: bool,
+    },
+    Live(LiveTile),
+    /// It is drawn like in any picture.
+    General,
+}
+
+/// What is kept of a tile in which something is live: the cells, and what does not move in them.
+struct LiveTile {
+    cells: Vec<u16>,
+    base: Vec<f32>,
+    kept: Option<Columns>,
+    program: TileProgram,
+}
+
+impl CompiledDrag {
+    /// Takes hold of numbers of one owner: places in `parameters`, which holds the values before the drag. At most `budget` bytes are kept.
+    ///
+    /// # Errors
+    /// The kernels are beyond what the code generator takes.
+    ///
+    /// # Panics
+    /// Where there are fewer parameter numbers than the layout has.
+    pub(super) fn new(
+        compiled: &Arc<Compiled>,
+        moved: &[usize],
+        parameters: &[f32],
+        budget: usize,
+    ) -> Result<Self, CompileError> {
+        compiled.check_parameters(parameters);
+        let kernels = DragKernels::new(compiled, moved)?;
+        let mut drag = Self {
+            compiled: Arc::clone(compiled),
+            kernels,
+            parameters: Vec::new(),
+            tiles: Vec::new(),
+            drawn: false,
+            budget,
+            bytes: 0,
+        };
+        drag.restart(parameters);
+        Ok(drag)
+    }
+
+    /// Counts what is kept, and drops what exceeds the budget, from the last tile on.
+    fn settle(&mut self) {
+        self.bytes = 0;
+        for state in &mut self.tiles {
+            let bytes = state.bytes();
+            if self.bytes + bytes > self.budget {
+                *state = TileState::General;
+            } else {
+                self.bytes += bytes;
+            }
+        }
+    }
+
+    fn restart(&mut self, parameters: &[f32]) {
+        self.parameters = parameters.to_vec();
+        self.drawn = false;
+        let plan = &self.kernels.plan;
+        let state = |tile: &Tile| {
+            if plan.method == Method::General {
+                return TileState::General;
+            }
+            let steps = steps_of(plan, tile, parameters);
+            if steps.is_empty() {
+                TileState::Untouched
+            } else {
+                TileState::Waiting { steps, done: 0, images: Vec::new(), kept: None }
+            }
+        };
+        self.tiles = self.compiled.hits.tiles.par_iter().map(state).collect();
+        self.settle();
+    }
+
+    /// How many steps of each tile are made next: as many as cost about one full evaluation.
+    fn next_steps(&self) -> Vec<usize> {
+        let mut left = full_cost(&self.compiled);
+        let mut counts: Vec<usize> = vec![0; self.tiles.len()];
+        for (state, count) in self.tiles.iter().zip(&mut counts) {
+            let TileState::Waiting { steps, done, .. } = state else { continue };
+            for step in &steps[*done..] {
+                if step.cost > left {
+                    left = 0;
+                    break;
+                }
+                left -= step.cost;
+                *count += 1;
+            }
+            if left == 0 {
+                break;
+            }
+        }
+        // A step that costs more than everything that may be done is done alone.
+        if counts.iter().all(|count| *count == 0)
+            && let Some(place) = self.tiles.iter().position(|tile| matches!(tile, TileState::Waiting { .. }))
+        {
+            counts[place] = 1;
+        }
+        counts
+    }
+}
+
+impl Drag for CompiledDrag {
+    fn method(&self) -> Method {
+        self.kernels.plan.method
+    }
+
+    fn bytes(&self) -> usize {
+        self.bytes
+    }
+
+    fn pixels(&self) -> usize {
+        let of_tile = |(state, tile): (&TileState, &Tile)| match state {
+            TileState::Untouched => 0,
+            TileState::Waiting { .. } | TileState::General => tile.pixels.len(),
+            TileState::Images { images, .. } => images.pixels(),
+            TileState::Live(live) => live.cells.len() * cells::CELL_PIXELS,
+        };
+        self.tiles.iter().zip(&self.compiled.hits.tiles).map(of_tile).sum()
+    }
+
+    fn is_ready(&self) -> bool {
+        !self.tiles.iter().any(|tile| matches!(tile, TileState::Waiting { .. }))
+    }
+
+    fn frame(&mut self, parameters: &[f32], framebuffer: &mut Framebuffer) {
+        self.compiled.check_size(framebuffer);
+        self.compiled.check_parameters(parameters);
+        if !self.kernels.plan.same_fixed(&self.parameters, parameters) {
+            self.restart(parameters);
+        }
+        let compiled = &*self.compiled;
+        let plan = &self.kernels.plan;
+        let factors = plan.factors(parameters);
+        let factor = |key: Key| factor_of(key, &factors);
+        // Once everything is made, few tiles are drawn the general way.
+        let whole = OnceLock::new();
+        let draw_all = |place: usize, scratch: &mut TileScratch, part: Part| {
+            compiled.draw_tile(whole.get_or_init(|| compiled.whole(parameters)), parameters, place, scratch, part);
+        };
+        let live = self.kernels.live_pass(compiled, parameters);
+        let (channels, drawn) = (plan.channels, self.drawn);
+        let tiles = framebuffer.parts().zip(&mut self.tiles);
+        compiled.each_tile(tiles, |(part, state), place, scratch| match state {
+            TileState::Untouched if drawn => {}
+            TileState::Images { images, right } => {
+                let accurate = images.is_accurate(&factor);
+                if drawn && accurate && *right {
+                    images.draw(&factor, part);
+                } else {
+                    draw_all(place, scratch, part);
+                }
+                *right = accurate;
+            }
+            TileState::Live(tile) if drawn => {
+                if let Some(live) = &live {
+                    path_weights(&compiled.hits.tiles[place], &compiled.equation, parameters, &mut scratch.weights);
+                    tile.draw(&compiled.hits.tiles[place], place, live, channels, scratch, part);
+                }
+            }
+            TileState::Untouched | TileState::Live(_) | TileState::Waiting { .. } | TileState::General => {
+                draw_all(place, scratch, part);
+            }
+        });
+        self.drawn = true;
+    }
+
+    fn prepare(&mut self) -> bool {
+        if self.is_ready() {
+            return true;
+        }
+        let counts = self.next_steps();
+        if counts.iter().any(|count| *count > 0) {
+            let preparation = Preparation {
+                compiled: &self.compiled,
+                kernels: &self.kernels,
+                passes: self.kernels.passes(&self.compiled, &self.parameters),
+                parameters: &self.parameters,
+            };
+            self.compiled.each_tile(self.tiles.par_iter_mut().zip(counts), |(state, count), place, scratch| {
+                for _ in 0..count {
+                    preparation.advance(state, place, scratch);
+                }
+            });
+            self.settle();
+        }
+        self.is_ready()
+    }
+}
+
+impl TileState {
+    /// The memory that is kept, in bytes.
+    fn bytes(&self) -> usize {
+        match self {
+            TileState::Untouched | TileState::General => 0,
+            TileState::Waiting { images, kept, .. } => {
+                images.iter().map(Image::bytes).sum::<usize>() + kept.as_ref().map_or(0, Columns::bytes)
+            }
+            TileState::Images { images, .. } => images.bytes(),
+            TileState::Live(live) => {
+                let kept = live.kept.as_ref().map_or(0, Columns::bytes);
+                size_of_val(&*live.base) + size_of_val(&*live.cells) + kept + live.program.bytes()
+            }
+        }
+    }
+}
+
+/// Makes what is kept.
+struct Preparation<'p> {
+    compiled: &'p Compiled,
+    kernels: &'p DragKernels,
+    passes: Passes<'p>,
+    parameters: &'p [f32],
+}
+
+impl Preparation<'_> {
+    /// Does the next step for a tile.
+    fn advance(&self, state: &mut TileState, place: usize, scratch: &mut TileScratch) {
+        let TileState::Waiting { steps, done, images, kept } = state else { return };
+        let Some(step) = steps.get(*done) else { return };
+        *done += 1;
+        let (compiled, plan) = (self.compiled, &self.kernels.plan);
+        let tile = &compiled.hits.tiles[place];
+        let monomials = || PathMonomials::new(tile, &plan.equation, self.parameters, plan.weights);
+        match step.work {
+            Work::Columns => *kept = self.passes.columns(compiled, place),
+            Work::Image(key) => {
+                let touched = self.passes.make_image(plan, compiled, &monomials(), key, place, scratch);
+                images.push(Image::new(key, &scratch.planes, &touched, plan.channels));
+            }
+            Work::Base => {
+                let monomials = monomials();
+                self.passes.make_base(compiled, &monomials, place, scratch);
+                *state = match plan.method {
+                    Method::Images if images.is_empty() => TileState::General,
+                    Method::Images => {
+                        let images = TileImages::new(std::mem::take(images), &scratch.planes, plan.channels);
+                        TileState::Images { images, right: false }
+                    }
+                    Method::Specialised => {
+                        let reach = Reach { plan, has_fixed: plan.slider.fixed.is_some() };
+                        LiveTile::new(reach.live_cells(tile, &monomials), kept.take(), plan.channels, scratch)
+                            .map_or(TileState::General, TileState::Live)
+                    }
+                    Method::General => TileState::General,
+                };
+            }
+        }
+    }
+}
+
+impl LiveTile {
+    /// Keeps these cells of the planes; `None` where their numbers are so large that they may cancel against what is live.
+    fn new(cells: Vec<u16>, kept: Option<Columns>, channels: Channels, scratch: &TileScratch) -> Option<Self> {
+        let mut base = Vec::with_capacity(cells.len() * cells::stride(channels));
+        for cell in &cells {
+            cells::copy(&scratch.planes, usize::from(*cell), channels, &mut base);
+        }
+        (cells::largest(&base) <= LARGEST_SUM).then(|| Self { cells, base, kept, program: TileProgram::default() })
+    }
+
+    /// Adds what is live to what does not move, and writes the cells. The scratch holds the weights of the tile's paths.
+    fn draw(&mut self, tile: &Tile, place: usize, live: &Pass, channels: Channels, scratch: &mut TileScratch, part: Part) {
+        let stride = cells::stride(channels);
+        for (cell, lanes) in self.cells.iter().zip(self.base.chunks_exact(stride)) {
+            cells::restore(&mut scratch.planes, usize::from(*cell), channels, lanes);
+        }
+        live.run(tile, place, self.kept.as_ref(), Accumulate::Add, scratch, &mut self.program);
+        let planes = scratch.planes.components();
+        pulp::Arch::new().dispatch(Writing { cells: &self.cells, planes, channels, part });
+    }
+}
+
+/// Writes cells of the planes: what is inlined here is compiled for the vectors of this processor.
+struct Writing<'a> {
+    cells: &'a [u16],
+    planes: [&'a [f32]; 3],
+    channels: Channels,
+    part: Part<'a>,
+}
+
+impl WithSimd for Writing<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let Writing { cells, planes, channels, part: Part { pixels, transfer } } = self;
+        with_bytes!(transfer, bytes => for cell in cells {
+            let start = usize::from(*cell) * cells::CELL_PIXELS;
+            let linear = planes.map(|plane| &plane[start..start + cells::CELL_PIXELS]);
+            let pixels = cells::pixels_of(pixels, *cell);
+            match channels {
+                Channels::All => write(pixels, linear, bytes),
+                Channels::One(component) => write_component(pixels, component, linear[component], bytes),
+            }
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests;

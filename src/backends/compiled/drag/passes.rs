@@ -1,0 +1,179 @@
+//! The passes over the hits that make what a drag keeps, and the pass for the part that is live.
+
+use crate::backends::compiled::Compiled;
+use crate::backends::compiled::columns::Columns;
+use crate::backends::compiled::drag::cells::CellSet;
+use crate::backends::compiled::drag::images::Key;
+use crate::backends::compiled::drag::reach::{Reach, add_cells};
+use crate::backends::compiled::pass::{Pass, Source, TileScratch};
+use crate::evaluate::weights::{PathMonomials, Powers};
+use crate::formula::equation::Site;
+use crate::jit::compile::{CompiledSlider, Contribution};
+use crate::jit::{CompileError, Splat};
+use crate::lang::scalars::flush;
+use crate::lang::variables::Owner;
+use crate::plan::{Channels, ContributionPlan, DragPlan, ImageTerm, Method, ParameterSlot, moved_parameters};
+use std::sync::Arc;
+
+/// The plan of a drag, with the kernels for it.
+pub(super) struct DragKernels {
+    pub(super) plan: DragPlan,
+    pub(super) kernels: Arc<CompiledSlider>,
+    /// The parameter numbers that the uniform kernels of the contributions read.
+    moving_leaves: Vec<Vec<ParameterSlot>>,
+    fixed_leaves: Vec<ParameterSlot>,
+    column_leaves: Vec<ParameterSlot>,
+}
+
+/// The passes that make what is kept, for some parameter numbers.
+pub(super) struct Passes<'p> {
+    fixed: Pass<'p>,
+    terms: Vec<Pass<'p>>,
+    /// With its uniform values.
+    columns: Option<(Source<'p>, Vec<Splat>)>,
+}
+
+impl DragKernels {
+    /// Plans and compiles a drag of the numbers at these places.
+    ///
+    /// # Errors
+    /// The kernels are beyond what the code generator takes.
+    pub(super) fn new(compiled: &Compiled, moved: &[usize]) -> Result<Self, CompileError> {
+        let layout = &compiled.equation.layout;
+        let numbers = moved_parameters(layout, &compiled.parameters, moved);
+        let numbers: Vec<_> = numbers.into_iter().map(|(_, id, component)| (id, component)).collect();
+        let kernels = compiled.compiled.slider(&numbers)?;
+        let plan = DragPlan::new(&kernels.plan, &compiled.equation, &compiled.parameters, moved);
+        let graph = &kernels.plan.separation.bindings.graph;
+        let leaves = |plan: &ContributionPlan| plan.leaves(graph, &compiled.parameters);
+        let moving_leaves = kernels.plan.moving.iter().map(leaves).collect();
+        let [fixed_leaves, column_leaves] =
+            [&kernels.plan.fixed, &kernels.plan.columns].map(|plan| plan.as_ref().map(leaves).unwrap_or_default());
+        Ok(Self { plan, moving_leaves, fixed_leaves, column_leaves, kernels })
+    }
+
+    /// The passes that make what is kept.
+    pub(super) fn passes<'p>(&'p self, compiled: &'p Compiled, parameters: &[f32]) -> Passes<'p> {
+        let terms = self.plan.terms.iter().map(|term| self.term_pass(compiled, parameters, term)).collect();
+        let columns = self.kernels.columns.as_ref();
+        let columns = columns.map(|columns| self.moving_source(compiled, parameters, columns, &self.column_leaves));
+        Passes { fixed: self.fixed_pass(compiled, parameters), terms, columns }
+    }
+
+    /// Everything that does not move.
+    fn fixed_pass<'p>(&'p self, compiled: &'p Compiled, parameters: &[f32]) -> Pass<'p> {
+        let plan = &self.plan;
+        let mut pass = compiled.whole(parameters);
+        for (body, colour) in pass.at_hits.iter_mut().enumerate() {
+            *colour = plan.fixed(Site::Hit, parameters, body);
+        }
+        pass.at_misses = plan.fixed(Site::Miss, parameters, 0);
+        for source in &mut pass.sources {
+            source.active = compiled.active(parameters, |body, light| !plan.moves_pair(body, light));
+        }
+        if let Some(fixed) = &self.kernels.fixed {
+            let (mut source, uniforms) = compiled.source(parameters, fixed, &self.fixed_leaves, Channels::All);
+            source.active = compiled.active(parameters, |body, light| plan.moves_pair(body, light));
+            pass.push(source, uniforms);
+        }
+        pass.channels = plan.channels;
+        pass
+    }
+
+    /// The image of a term.
+    fn term_pass<'p>(&'p self, compiled: &'p Compiled, parameters: &[f32], term: &ImageTerm) -> Pass<'p> {
+        let plan = &self.plan;
+        let bodies = 0..compiled.equation.layout.owners(Owner::Body);
+        let at_hits = bodies.map(|body| plan.image_colour(term, Site::Hit, parameters, body)).collect();
+        let at_misses = plan.image_colour(term, Site::Miss, parameters, 0);
+        let mut pass = compiled.empty_pass(at_hits, at_misses, plan.channels);
+        if let Some(place) = term.contribution
+            && let Some(contribution) = self.kernels.moving.get(place)
+        {
+            let (source, uniforms) = self.moving_source(compiled, parameters, contribution, &self.moving_leaves[place]);
+            pass.push(source, uniforms);
+        }
+        pass
+    }
+
+    /// A contribution of the pairs that move. Where the weight of a light moves, its present value does not matter.
+    fn moving_source<'p>(
+        &self,
+        compiled: &'p Compiled,
+        parameters: &[f32],
+        contribution: &'p Contribution,
+        leaves: &[ParameterSlot],
+    ) -> (Source<'p>, Vec<Splat>) {
+        let plan = &self.plan;
+        let (mut source, uniforms) = compiled.source(parameters, contribution, leaves, plan.moving_channels());
+        let may_be_on =
+            |light: usize| plan.moves_light_weight(light) || flush(compiled.equation.light_weight(parameters, light)) != 0.0;
+        let lights = source.lights;
+        for (pair, active) in source.active.iter_mut().enumerate() {
+            let (body, light) = (pair / lights, pair % lights);
+            *active = may_be_on(light) && plan.moves_pair(body, light);
+        }
+        (source, uniforms)
+    }
+
+    /// What is live, for the parameter numbers of a frame.
+    pub(super) fn live_pass<'p>(&'p self, compiled: &'p Compiled, parameters: &[f32]) -> Option<Pass<'p>> {
+        let plan = &self.plan;
+        let (contribution, leaves) = match plan.method {
+            Method::Specialised => (self.kernels.moving.first()?, self.moving_leaves.first()?),
+            Method::Images | Method::General => return None,
+        };
+        let (mut source, uniforms) = compiled.source(parameters, contribution, leaves, plan.moving_channels());
+        source.active = compiled.active(parameters, |body, light| plan.moves_pair(body, light));
+        let bodies = 0..compiled.equation.layout.owners(Owner::Body);
+        let at_hits = bodies.map(|body| plan.moving(Site::Hit, parameters, body)).collect();
+        let mut pass = compiled.empty_pass(at_hits, [0.0; 3], plan.channels);
+        pass.push(source, uniforms);
+        Some(pass)
+    }
+}
+
+impl Passes<'_> {
+    /// Makes the image of this key in the planes of the scratch; the cells in which it may differ from 0.
+    pub(super) fn make_image(
+        &self,
+        plan: &DragPlan,
+        compiled: &Compiled,
+        monomials: &PathMonomials,
+        key: Key,
+        place: usize,
+        scratch: &mut TileScratch,
+    ) -> CellSet {
+        let tile = &compiled.hits.tiles[place];
+        monomials.of(key.powers, &mut scratch.weights);
+        let pass = match usize::from(key.term).checked_sub(1) {
+            Some(term) => &self.terms[term],
+            None => &self.fixed,
+        };
+        pass.run_once(tile, place, scratch);
+        let reach = Reach { plan, has_fixed: plan.slider.fixed.is_some() };
+        let mut touched = CellSet::none(tile.pixels.len());
+        for group in tile.groups.iter().filter(|group| reach.lights_of(group, key.term).is_some()) {
+            add_cells(tile, tile.spans_of(group), &scratch.weights, &mut touched);
+        }
+        if reach.has_misses(key.term) {
+            for span in tile.misses.iter().filter(|span| !scratch.weights[span.path.index()].is_zero()) {
+                touched.add(tile.miss_segments_of(span));
+            }
+        }
+        touched
+    }
+
+    /// Makes the image of everything that does not move in the planes of the scratch.
+    pub(super) fn make_base(&self, compiled: &Compiled, monomials: &PathMonomials, place: usize, scratch: &mut TileScratch) {
+        monomials.of(Powers::default(), &mut scratch.weights);
+        self.fixed.run_once(&compiled.hits.tiles[place], place, scratch);
+    }
+
+    /// The values that the live part reads from columns, for each record of a tile.
+    pub(super) fn columns(&self, compiled: &Compiled, place: usize) -> Option<Columns> {
+        let tile = &compiled.hits.tiles[place];
+        let columns = |(source, uniforms): &(Source, Vec<Splat>)| Columns::kept(tile, &compiled.columns[place], source, uniforms);
+        self.columns.as_ref().map(columns)
+    }
+}

@@ -1,0 +1,66 @@
+//! Which hits of a tile the images of a drag take in.
+
+use crate::backends::compiled::drag::cells::CellSet;
+use crate::evaluate::weights::{PathMonomials, Powers, Weight};
+use crate::formula::equation::{Site, TERMS};
+use crate::plan::DragPlan;
+use crate::trace::{Group, Span, Tile};
+
+/// What the images of a drag take in. Images are numbered: 0 is the fixed one, those of terms follow.
+#[derive(Clone, Copy)]
+pub(super) struct Reach<'r> {
+    pub(super) plan: &'r DragPlan,
+    /// Whether the contribution of a moved pair has a part that does not move.
+    pub(super) has_fixed: bool,
+}
+
+impl Reach<'_> {
+    /// How many lights of a group an image takes in; `None` where the group is not in it at all.
+    pub(super) fn lights_of(&self, group: &Group, image: u8) -> Option<usize> {
+        let body = group.body.index();
+        let moved = group.lights.iter().filter(|light| self.plan.moves_pair(body, light.index())).count();
+        let Some(term) = usize::from(image).checked_sub(1).map(|term| &self.plan.terms[term]) else {
+            return Some(group.lights.len() - if self.has_fixed { 0 } else { moved });
+        };
+        let lights = if term.contribution.is_some() { moved } else { 0 };
+        let at_hits = term
+            .moved_terms
+            .iter()
+            .map(|place| &self.plan.moved_terms[*place])
+            .any(|moved| TERMS[moved.term].site == Site::Hit && self.plan.moves_at(moved, body));
+        (lights > 0 || at_hits).then_some(lights)
+    }
+
+    /// Whether an image takes in rays that left the scene.
+    pub(super) fn has_misses(&self, image: u8) -> bool {
+        let of_misses = |place: &usize| TERMS[self.plan.moved_terms[*place].term].site == Site::Miss;
+        match usize::from(image).checked_sub(1) {
+            Some(term) => self.plan.terms[term].moved_terms.iter().any(of_misses),
+            None => !self.plan.moved_at(Site::Miss).any(|moved| moved.components == [true; 3]),
+        }
+    }
+
+    /// Whether anything that moves may be seen in a group of hits.
+    pub(super) fn moves_group(&self, group: &Group) -> bool {
+        let body = group.body.index();
+        self.plan.moves_hits(body) || group.lights.iter().any(|light| self.plan.moves_pair(body, light.index()))
+    }
+
+    /// The cells of a tile in which something is live.
+    pub(super) fn live_cells(&self, tile: &Tile, monomials: &PathMonomials) -> Vec<u16> {
+        let mut weights = Vec::new();
+        monomials.of(Powers::default(), &mut weights);
+        let mut cells = CellSet::none(tile.pixels.len());
+        for group in tile.groups.iter().filter(|group| self.moves_group(group)) {
+            add_cells(tile, tile.spans_of(group), &weights, &mut cells);
+        }
+        cells.cells()
+    }
+}
+
+/// Adds the cells of spans of hits whose weight is not 0.
+pub(super) fn add_cells(tile: &Tile, spans: &[Span], weights: &[Weight], cells: &mut CellSet) {
+    for span in spans.iter().filter(|span| !weights[span.path.index()].is_zero()) {
+        cells.add(tile.segments_of(span));
+    }
+}

@@ -1,0 +1,122 @@
+//! What has to be made for each tile before a drag is fast there, in steps of known cost.
+
+use crate::backends::compiled::Compiled;
+use crate::backends::compiled::drag::images::Key;
+use crate::backends::compiled::drag::reach::Reach;
+use crate::evaluate::weights::{PathMonomials, Powers, Weight};
+use crate::plan::{DragPlan, Method};
+use crate::trace::{Group, Span, Tile};
+use std::collections::BTreeSet;
+use std::ops::Range;
+
+/// If a tile needs more images than this, none are kept.
+const MOST_IMAGES: usize = 40;
+
+/// Something that is made for a tile before the drag is fast there.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Work {
+    /// Columns that the live part reads.
+    Columns,
+    /// An image.
+    Image(Key),
+    /// The image of everything that does not move. It is the last step.
+    Base,
+}
+
+/// A step of what is made for a tile.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct TileStep {
+    pub(super) work: Work,
+    /// About how long it takes. The unit is adding four hits to the pixels, about half of evaluating them for a light.
+    pub(super) cost: u64,
+}
+
+/// About what a full evaluation costs, in the unit of [`TileStep::cost`].
+pub(super) fn full_cost(compiled: &Compiled) -> u64 {
+    compiled.hits.tiles.iter().map(tile_cost).sum()
+}
+
+/// The steps for a tile; none where nothing that moves is seen in it.
+pub(super) fn steps_of(plan: &DragPlan, tile: &Tile, parameters: &[f32]) -> Vec<TileStep> {
+    let monomials = PathMonomials::new(tile, &plan.equation, parameters, plan.weights);
+    let reach = Reach { plan, has_fixed: plan.slider.fixed.is_some() };
+    let base = TileStep { work: Work::Base, cost: tile_cost(tile) };
+    match plan.method {
+        Method::Images => {
+            let mut steps = image_steps(&reach, tile, &monomials);
+            if steps.len() > MOST_IMAGES {
+                // A base without images means the general way.
+                return vec![TileStep { cost: 0, ..base }];
+            }
+            if !steps.is_empty() {
+                steps.push(base);
+            }
+            steps
+        }
+        Method::Specialised => {
+            let mut own = Vec::new();
+            monomials.of(Powers::default(), &mut own);
+            let moving = || tile.groups.iter().filter(|group| reach.moves_group(group));
+            if moving().all(|group| weighted_blocks(tile.spans_of(group), &own) == 0) {
+                return Vec::new();
+            }
+            let cost = moving().map(|group| group_cost(group.lights.len(), blocks(&group.hits))).sum();
+            let columns = plan.slider.columns.as_ref().map(|_| TileStep { work: Work::Columns, cost });
+            columns.into_iter().chain([base]).collect()
+        }
+        Method::General => Vec::new(),
+    }
+}
+
+/// The images of a tile that are not black, apart from the base.
+fn image_steps(reach: &Reach, tile: &Tile, monomials: &PathMonomials) -> Vec<TileStep> {
+    let all: BTreeSet<Powers> = monomials.powers.iter().copied().collect();
+    let (mut own, mut steps) = (Vec::new(), Vec::new());
+    for powers in all {
+        monomials.of(powers, &mut own);
+        let weighted: Vec<(&Group, usize)> = tile
+            .groups
+            .iter()
+            .map(|group| (group, weighted_blocks(tile.spans_of(group), &own)))
+            .filter(|(_, blocks)| *blocks > 0)
+            .collect();
+        let misses = weighted_blocks(&tile.misses, &own) as u64;
+        // There are far fewer terms than 256.
+        for term in 0..=reach.plan.terms.len() as u8 {
+            let key = Key { powers, term };
+            let of_group = |(group, blocks): &(&Group, usize)| Some(group_cost(reach.lights_of(group, term)?, *blocks));
+            let hits: u64 = weighted.iter().filter_map(of_group).sum();
+            let cost = hits + if reach.has_misses(term) { misses } else { 0 };
+            if cost > 0 && !key.is_base() {
+                steps.push(TileStep { work: Work::Image(key), cost: cost + pixels_cost(tile) });
+            }
+        }
+    }
+    steps
+}
+
+/// About what a full evaluation of a tile costs.
+fn tile_cost(tile: &Tile) -> u64 {
+    let groups: u64 = tile.groups.iter().map(|group| group_cost(group.lights.len(), blocks(&group.hits))).sum();
+    groups + tile.miss_segments.len() as u64 + pixels_cost(tile)
+}
+
+/// About how many blocks of four these hits take.
+fn blocks(hits: &Range<u32>) -> usize {
+    hits.len().div_ceil(4)
+}
+
+/// The blocks of spans whose weight is not 0.
+fn weighted_blocks(spans: &[Span], weights: &[Weight]) -> usize {
+    spans.iter().filter(|span| !weights[span.path.index()].is_zero()).map(|span| blocks(&span.hits)).sum()
+}
+
+/// The cost of some blocks of a group for some lights: to evaluate them, and to add them to pixels.
+fn group_cost(lights: usize, blocks: usize) -> u64 {
+    (blocks * (2 * lights + 1)) as u64
+}
+
+/// The cost of clearing and reading the pixels of a tile.
+fn pixels_cost(tile: &Tile) -> u64 {
+    tile.pixels.len() as u64 / 4
+}

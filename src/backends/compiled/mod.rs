@@ -1,0 +1,249 @@
+//! Evaluation by machine code.
+//!
+//! The static values of every record lie in columns (`columns`). A frame runs the contribution kernels over the groups whose path weight
+//! is not 0, and adds what they yield to the pixels (`pass`, `planes`); the order of that work is kept from frame to frame (`program`).
+//! [`drag`] makes the pictures of a slider that is held.
+
+mod columns;
+mod drag;
+mod memory;
+mod pass;
+mod planes;
+mod program;
+
+use crate::evaluate::weights::path_weights;
+use crate::evaluate::{Backend, Drawn, EvaluateError, Evaluator, Footprint, Frame, Framebuffer, Part};
+use crate::formula::equation::{Equation, Site};
+use crate::formula::{Formula, Parameter};
+use crate::jit::compile::Contribution;
+use crate::jit::{AHEAD, CompiledFormula, Kernel, KernelCache, Line, Splat};
+use crate::lang::scalars::flush;
+use crate::lang::variables::Owner;
+use crate::plan::{Channels, ParameterSlot};
+use crate::scene::Scene;
+use crate::trace::{Hits, Mismatch, Optics, TILE_PIXELS};
+use columns::Columns;
+use drag::CompiledDrag;
+use pass::{Accumulate, Pass, Source, TileScratch};
+use program::TileProgram;
+use rayon::prelude::*;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// The name of the backend.
+pub const NAME: &str = "jit";
+
+/// The backend: kernels of formulas that were wanted before are kept.
+#[derive(Default)]
+pub struct Jit {
+    kernels: KernelCache,
+}
+
+impl Backend for Jit {
+    fn name(&self) -> &'static str {
+        NAME
+    }
+
+    fn compile(&self, formula: &Arc<Formula>) -> Result<Footprint, EvaluateError> {
+        let compiled = self.kernels.compiled(formula)?;
+        let frontier = &compiled.plan.bindings.frontier;
+        let numbers = |count: usize| (size_of::<f32>() * count) as u64;
+        let per_pair = (size_of::<Splat>() * compiled.contribution.uniforms.outputs()) as u64;
+        Ok(Footprint { per_hit: numbers(frontier.hits.len()), per_record: numbers(frontier.records.len()), per_pair })
+    }
+
+    fn prepare(&self, formula: &Arc<Formula>, scene: &Arc<Scene>, hits: &Arc<Hits>) -> Result<Arc<dyn Evaluator>, EvaluateError> {
+        let compiled = self.kernels.compiled(formula)?;
+        Ok(Arc::new(Compiled::new(compiled, formula, scene, hits)?))
+    }
+}
+
+/// A compiled formula with the static values of all records of a traced scene.
+pub struct Compiled {
+    compiled: Arc<CompiledFormula>,
+    hits: Arc<Hits>,
+    columns: Vec<Columns>,
+    equation: Equation,
+    parameters: Vec<Parameter>,
+    /// The parameter numbers that the uniform kernel reads.
+    leaves: Vec<ParameterSlot>,
+    /// The order of work of each tile in a whole picture.
+    programs: Vec<Mutex<TileProgram>>,
+    /// Scratch of the threads, kept for the next frame.
+    scratch: Mutex<Vec<TileScratch>>,
+}
+
+impl Compiled {
+    /// Computes the static values of all records, on all threads of the current pool.
+    ///
+    /// # Errors
+    /// `hits` are not those of `scene`.
+    pub fn new(compiled: Arc<CompiledFormula>, formula: &Formula, scene: &Scene, hits: &Arc<Hits>) -> Result<Self, Mismatch> {
+        let optics = Optics::new(scene, &hits.view);
+        let columns = Columns::of_tiles(&compiled, &optics, hits)?;
+        let leaves = compiled.plan.contribution.leaves(&compiled.plan.bindings.graph, &formula.parameters);
+        Ok(Self {
+            compiled,
+            hits: Arc::clone(hits),
+            columns,
+            equation: Equation::new(formula, scene.bodies.len(), scene.lights.len()),
+            parameters: formula.parameters.clone(),
+            leaves,
+            programs: hits.tiles.iter().map(|_| Mutex::default()).collect(),
+            scratch: Mutex::default(),
+        })
+    }
+
+    /// Draws a tile into its part of a framebuffer.
+    fn draw_tile(&self, pass: &Pass, parameters: &[f32], place: usize, scratch: &mut TileScratch, part: Part) {
+        self.tile(pass, parameters, place, scratch);
+        // Kernels have prefetched the lines just after the tile's own.
+        let next = self.columns.get(place + 1).and_then(|next| next.lines().get(AHEAD / size_of::<Line>()..));
+        scratch.planes.quantise(part, next.unwrap_or_default());
+    }
+
+    fn check_size(&self, framebuffer: &Framebuffer) {
+        let view = self.hits.view;
+        assert_eq!((framebuffer.width, framebuffer.height), (view.width(), view.height()), "a framebuffer of the view's size");
+    }
+
+    fn check_parameters(&self, parameters: &[f32]) {
+        assert!(parameters.len() >= self.equation.layout.len(), "as many parameter numbers as the formula and the scene have");
+    }
+
+    /// Does some work for each tile, in parallel: on what belongs to the tile, with its place among the tiles, in some scratch.
+    fn each_tile<T: Send>(
+        &self,
+        work: impl IndexedParallelIterator<Item = T>,
+        each: impl Fn(T, usize, &mut TileScratch) + Sync + Send,
+    ) {
+        work.enumerate().for_each(|(place, own)| {
+            let pool = || self.scratch.lock().unwrap_or_else(PoisonError::into_inner);
+            let free = pool().pop();
+            let mut scratch = free.unwrap_or_else(TileScratch::new);
+            each(own, place, &mut scratch);
+            pool().push(scratch);
+        });
+    }
+
+    /// The pass of a whole picture.
+    fn whole(&self, parameters: &[f32]) -> Pass<'_> {
+        self.check_parameters(parameters);
+        let (source, uniforms) = self.source(parameters, &self.compiled.contribution, &self.leaves, Channels::All);
+        let bodies = 0..self.equation.layout.owners(Owner::Body);
+        let at_hits = bodies.map(|body| self.equation.sum(Site::Hit, parameters, body)).collect();
+        let mut pass = self.empty_pass(at_hits, self.equation.sum(Site::Miss, parameters, 0), Channels::All);
+        pass.push(source, uniforms);
+        pass
+    }
+
+    /// A pass without sources.
+    fn empty_pass(&self, at_hits: Vec<[f32; 3]>, at_misses: [f32; 3], channels: Channels) -> Pass<'_> {
+        Pass { sources: Vec::new(), uniforms: Vec::new(), columns: &self.columns, at_hits, at_misses, channels }
+    }
+
+    /// A contribution of all pairs of a body and a light whose light is not off, and its uniform values, computed from these leaves.
+    fn source<'c>(
+        &'c self,
+        parameters: &[f32],
+        contribution: &'c Contribution,
+        leaves: &[ParameterSlot],
+        channels: Channels,
+    ) -> (Source<'c>, Vec<Splat>) {
+        let source = Source {
+            overwrite: &contribution.overwrite,
+            add: &contribution.add,
+            channels,
+            first_uniform: 0,
+            uniform_count: contribution.uniforms.outputs(),
+            active: self.active(parameters, |_, _| true),
+            lights: self.equation.layout.owners(Owner::Light),
+        };
+        (source, self.uniforms(parameters, &contribution.uniforms, leaves))
+    }
+
+    /// Which of the wanted pairs contribute. A light of weight 0 adds exactly nothing, whatever the formula yields.
+    fn active(&self, parameters: &[f32], wanted: impl Fn(usize, usize) -> bool) -> Vec<bool> {
+        let [bodies, lights] = [Owner::Body, Owner::Light].map(|owner| self.equation.layout.owners(owner));
+        let is_on: Vec<bool> = (0..lights).map(|light| self.equation.light_weight(parameters, light) != 0.0).collect();
+        let pairs = (0..bodies).flat_map(|body| (0..lights).map(move |light| (body, light)));
+        pairs.map(|(body, light)| is_on[light] && wanted(body, light)).collect()
+    }
+
+    /// Adds a tile up from black.
+    fn tile(&self, pass: &Pass, parameters: &[f32], place: usize, scratch: &mut TileScratch) {
+        let tile = &self.hits.tiles[place];
+        path_weights(tile, &self.equation, parameters, &mut scratch.weights);
+        let mut program = self.programs[place].lock().unwrap_or_else(PoisonError::into_inner);
+        pass.run(tile, place, None, Accumulate::Overwrite, scratch, &mut program);
+    }
+
+    /// The uniform values of all pairs of a body and a light, pair by pair, by a kernel that reads these parameter numbers.
+    fn uniforms(&self, parameters: &[f32], kernel: &Kernel, leaves: &[ParameterSlot]) -> Vec<Splat> {
+        let layout = &self.equation.layout;
+        let [bodies, lights] = [Owner::Body, Owner::Light].map(|owner| layout.owners(owner));
+        let pairs = bodies * lights;
+        let lines = pairs.div_ceil(Line::RECORDS);
+        let mut inputs = vec![Line::default(); lines * leaves.len()];
+        for (column, leaf) in leaves.iter().enumerate() {
+            for pair in 0..pairs {
+                let index = match leaf.owner {
+                    Owner::Global => 0,
+                    Owner::Body => pair / lights,
+                    Owner::Light => pair % lights,
+                };
+                let number = flush(parameters[layout.row(leaf.owner, index) + leaf.slot]);
+                inputs[pair / Line::RECORDS * leaves.len() + column].0[pair % Line::RECORDS] = number;
+            }
+        }
+        let columns = kernel.outputs();
+        let mut outputs = vec![Line::default(); lines * columns];
+        kernel.run([&inputs, &[], &[]], &[], &mut [&mut outputs], lines);
+        let values = |pair: usize| {
+            let first = pair / Line::RECORDS * columns;
+            outputs[first..first + columns].iter().map(move |line| line.0[pair % Line::RECORDS])
+        };
+        (0..pairs).flat_map(values).map(Splat::new).collect()
+    }
+}
+
+impl Evaluator for Compiled {
+    fn frame(&self, parameters: &[f32]) -> Frame {
+        let view = self.hits.view;
+        let mut frame = Frame::black(view.width(), view.height());
+        let pass = self.whole(parameters);
+        self.each_tile(frame.linear.par_chunks_mut(TILE_PIXELS as usize), |pixels, place, scratch| {
+            self.tile(&pass, parameters, place, scratch);
+            for (index, pixel) in pixels.iter_mut().enumerate() {
+                *pixel = scratch.planes.colour(index);
+            }
+        });
+        frame
+    }
+
+    fn draw(&self, parameters: &[f32], framebuffer: &mut Framebuffer) -> Drawn {
+        self.check_size(framebuffer);
+        Drawn::timed(|| {
+            let pass = self.whole(parameters);
+            self.each_tile(framebuffer.parts(), |part, place, scratch| {
+                self.draw_tile(&pass, parameters, place, scratch, part);
+            });
+        })
+    }
+
+    fn drag(
+        self: Arc<Self>,
+        moved: &[usize],
+        parameters: &[f32],
+        budget: usize,
+    ) -> Result<Box<dyn crate::evaluate::Drag>, EvaluateError> {
+        Ok(Box::new(CompiledDrag::new(&self, moved, parameters, budget)?))
+    }
+
+    /// The hit store, the static columns, the order of work of each tile, and scratch. The last two are there after a frame.
+    fn bytes(&self) -> usize {
+        let scratch = self.scratch.lock().unwrap_or_else(PoisonError::into_inner).len();
+        let programs = self.programs.iter().map(|program| program.lock().unwrap_or_else(PoisonError::into_inner).bytes());
+        let columns = self.columns.iter().map(Columns::bytes);
+        self.hits.bytes() as usize + columns.chain(programs).sum::<usize>() + scratch * TileScratch::BYTES
+    }
+}

@@ -1,0 +1,148 @@
+//! Evaluation by the reference interpreter.
+
+use crate::bytecode::program::{Instantiation, MAX_PROGRAM_BYTES};
+use crate::bytecode::{Code, CodeTooLarge, Programs};
+use crate::evaluate::{Backend, Drag, Drawn, EvaluateError, Evaluator, Footprint, Frame, Framebuffer, WholeFrames};
+use crate::formula::Formula;
+use crate::formula::equation::Equation;
+use crate::lang::scalars::Floats;
+use crate::scene::Scene;
+use crate::trace::{Hits, Optics, View, ray_tree};
+use rayon::prelude::*;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// The name of the backend.
+pub const NAME: &str = "interpreter";
+
+/// A thread takes this many pixels at a time.
+const PIXELS: usize = 512;
+/// Programs of this many bytes are written before they are run. Programs of all pixels would take gigabytes on deep scenes.
+const BATCH_BYTES: usize = 1 << 20;
+
+/// The backend.
+pub struct Interpreter;
+
+impl Backend for Interpreter {
+    fn name(&self) -> &'static str {
+        NAME
+    }
+
+    /// It walks the tree of rays of each pixel itself.
+    fn reads_hits(&self) -> bool {
+        false
+    }
+
+    fn compile(&self, formula: &Arc<Formula>) -> Result<Footprint, EvaluateError> {
+        Code::new(formula)?;
+        Ok(Footprint::default())
+    }
+
+    fn prepare(&self, formula: &Arc<Formula>, scene: &Arc<Scene>, hits: &Arc<Hits>) -> Result<Arc<dyn Evaluator>, EvaluateError> {
+        Ok(Arc::new(Interpreted::new(formula, scene, hits.view)?))
+    }
+}
+
+/// A formula's bytecode on a scene.
+pub struct Interpreted {
+    scene: Arc<Scene>,
+    view: View,
+    code: Code,
+    equation: Equation,
+}
+
+/// What a frame by the interpreter took.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Timing {
+    /// Running the programs, not writing them, added up over threads.
+    pub evaluation: Duration,
+    /// The bytes of all programs.
+    pub bytes: u64,
+}
+
+impl Interpreted {
+    /// Writes a formula's bytecode.
+    ///
+    /// # Errors
+    /// It would be too large.
+    pub fn new(formula: &Arc<Formula>, scene: &Arc<Scene>, view: View) -> Result<Self, CodeTooLarge> {
+        let code = Code::new(formula)?;
+        let equation = Equation::new(formula, scene.bodies.len(), scene.lights.len());
+        if (Instantiation { code: &code, equation, scene }).largest(view.depth()) > MAX_PROGRAM_BYTES {
+            return Err(CodeTooLarge);
+        }
+        Ok(Self { scene: Arc::clone(scene), view, code, equation })
+    }
+
+    fn instantiation(&self) -> Instantiation<'_> {
+        Instantiation { code: &self.code, equation: self.equation, scene: &self.scene }
+    }
+
+    /// The program of a pixel, counted row by row from the top left.
+    pub fn program(&self, pixel: u32) -> Programs {
+        let mut programs = Programs::new();
+        programs.add(&self.instantiation(), &ray_tree(&Optics::new(&self.scene, &self.view), pixel));
+        programs
+    }
+
+    /// The picture of these parameter numbers, see [`Evaluator::frame`], and what it took.
+    pub fn timed_frame(&self, parameters: &[f32]) -> (Frame, Timing) {
+        assert!(parameters.len() >= self.equation.layout.len(), "as many parameter numbers as the formula and the scene have");
+        let mut frame = Frame::black(self.view.width(), self.view.height());
+        let chunks = frame.linear.par_chunks_mut(PIXELS).enumerate();
+        let timings = chunks.map(|(chunk, pixels)| self.chunk((chunk * PIXELS) as u32, pixels, parameters));
+        let timing = timings.reduce(Timing::default, |one, other| Timing {
+            evaluation: one.evaluation + other.evaluation,
+            bytes: one.bytes + other.bytes,
+        });
+        (frame, timing)
+    }
+
+    /// Writes and runs the programs of consecutive pixels, some at a time.
+    fn chunk(&self, first: u32, pixels: &mut [[f32; 3]], parameters: &[f32]) -> Timing {
+        let optics = Optics::new(&self.scene, &self.view);
+        let instantiation = self.instantiation();
+        let mut programs = Programs::new();
+        let mut timing = Timing::default();
+        let mut done = 0;
+        while done < pixels.len() {
+            programs.clear();
+            while done + programs.len() < pixels.len() && programs.bytes() < BATCH_BYTES {
+                let pixel = first + (done + programs.len()) as u32;
+                programs.add(&instantiation, &ray_tree(&optics, pixel));
+            }
+            let mut stack = programs.stack();
+            let start = Instant::now();
+            for (index, pixel) in pixels[done..done + programs.len()].iter_mut().enumerate() {
+                *pixel = programs.run(&mut Floats, index, parameters, &mut stack);
+            }
+            timing.evaluation += start.elapsed();
+            timing.bytes += programs.bytes() as u64;
+            done += programs.len();
+        }
+        timing
+    }
+}
+
+impl Evaluator for Interpreted {
+    fn frame(&self, parameters: &[f32]) -> Frame {
+        self.timed_frame(parameters).0
+    }
+
+    fn draw(&self, parameters: &[f32], framebuffer: &mut Framebuffer) -> Drawn {
+        let (mut frame, timing) = self.timed_frame(parameters);
+        framebuffer.set(&frame);
+        // What running the programs takes is added up over threads.
+        let time = timing.evaluation / rayon::current_num_threads() as u32;
+        Drawn { time, program_bytes: timing.bytes, undefined: Some(frame.clean()) }
+    }
+
+    fn drag(self: Arc<Self>, _: &[usize], _: &[f32], _: usize) -> Result<Box<dyn Drag>, EvaluateError> {
+        let pixels = self.view.pixels() as usize;
+        Ok(Box::new(WholeFrames::new(self, pixels)))
+    }
+
+    fn bytes(&self) -> usize {
+        self.code.bytes()
+    }
+}

@@ -1,0 +1,202 @@
+//! The engine: from a formula and a scene to pictures, in one place.
+//!
+//! ```text
+//! compile (formula) ─▶ trace (scene, view) ─▶ prepare ─▶ frames and drags
+//! ```
+//!
+//! An [`Engine`] owns this sequence, with its backend and its memory budget; long work tells its progress to a [`Task`] and can be
+//! cancelled through it. Which files a formula and a scene come from, and what the values of their parameters are, is not known here.
+
+use crate::evaluate::{Backend, EvaluateError, Evaluator, Footprint, Frame};
+use crate::formula::Formula;
+use crate::scene::Scene;
+use crate::trace::{Budget, Hits, TraceError, View, trace, usable_memory};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use thiserror::Error;
+
+/// Bytes of a pixel beside those of hits: two pictures of floats, a framebuffer, and what a picture file is made from.
+const BYTES_PER_PIXEL: u64 = 40;
+
+/// What a picture shows, beside parameter values.
+#[derive(Debug, Clone)]
+pub struct Subject {
+    /// The model.
+    pub formula: Arc<Formula>,
+    /// The scene.
+    pub scene: Arc<Scene>,
+    /// Size, depth and the like.
+    pub view: View,
+}
+
+impl Subject {
+    /// A formula on a scene, as seen by a view.
+    pub fn new(formula: Formula, scene: Scene, view: View) -> Self {
+        Self { formula: Arc::new(formula), scene: Arc::new(scene), view }
+    }
+
+    /// Whether the hits of one are those of the other.
+    pub fn same_hits(&self, other: &Subject) -> bool {
+        Arc::ptr_eq(&self.scene, &other.scene) && self.view == other.view
+    }
+}
+
+/// The progress of long work, and its cancellation.
+#[derive(Clone, Copy)]
+pub struct Task<'t> {
+    /// Is told the share that is done, 0..=1, now and then, from any thread.
+    pub progress: &'t (dyn Fn(f64) + Sync),
+    /// Ends the work soon once it is set.
+    pub cancelled: &'t AtomicBool,
+}
+
+static NEVER: AtomicBool = AtomicBool::new(false);
+
+impl Task<'static> {
+    /// Nobody watches, and nobody cancels.
+    pub const UNWATCHED: Task<'static> = Task { progress: &|_| (), cancelled: &NEVER };
+}
+
+impl<'t> Task<'t> {
+    /// Work that is watched, and not cancelled.
+    pub fn watched(progress: &'t (dyn Fn(f64) + Sync)) -> Self {
+        Self { progress, cancelled: &NEVER }
+    }
+}
+
+/// Why there is no picture.
+#[derive(Debug, Error)]
+pub enum EngineError {
+    /// The scene was not traced.
+    #[error(transparent)]
+    Trace(#[from] TraceError),
+    /// The formula cannot be evaluated.
+    #[error(transparent)]
+    Evaluate(#[from] EvaluateError),
+}
+
+impl EngineError {
+    /// Whether more memory would help.
+    pub fn is_memory(&self) -> bool {
+        matches!(self, EngineError::Trace(TraceError::Memory { .. }))
+    }
+
+    /// Whether the caller cancelled the work.
+    pub fn is_cancelled(&self) -> bool {
+        matches!(self, EngineError::Trace(TraceError::Cancelled))
+    }
+}
+
+/// Makes pictures of formulas on scenes, by one backend, within a memory budget.
+#[derive(Clone)]
+pub struct Engine {
+    backend: Arc<dyn Backend>,
+    memory: Option<u64>,
+}
+
+impl Default for Engine {
+    /// An engine with the default backend and the memory that is free.
+    fn default() -> Self {
+        Self::new(crate::backends::DEFAULT.make())
+    }
+}
+
+impl Engine {
+    /// An engine with this backend and the memory that is free.
+    pub fn new(backend: Arc<dyn Backend>) -> Self {
+        Self { backend, memory: None }
+    }
+
+    /// The same within this many bytes.
+    #[must_use]
+    pub fn with_memory(self, bytes: u64) -> Self {
+        Self { memory: Some(bytes), ..self }
+    }
+
+    /// The backend.
+    pub fn backend(&self) -> &dyn Backend {
+        &*self.backend
+    }
+
+    /// The memory that a picture may take, in bytes: what was given, or half of what is free now.
+    pub fn memory(&self) -> u64 {
+        self.memory.unwrap_or_else(usable_memory)
+    }
+
+    /// Does what depends on the formula alone. Formulas that were compiled before are kept by the backend.
+    ///
+    /// # Errors
+    /// The backend cannot take the formula.
+    pub fn compile(&self, formula: &Arc<Formula>) -> Result<(), EngineError> {
+        self.backend.compile(formula)?;
+        Ok(())
+    }
+
+    /// Traces the scene, within the memory that is left beside what evaluation of the formula will keep; on all threads of the current pool.
+    ///
+    /// # Errors
+    /// The picture needs more memory than it may take, the task was cancelled, or the backend cannot take the formula.
+    pub fn trace(&self, subject: &Subject, task: &Task) -> Result<Arc<Hits>, EngineError> {
+        let Footprint { per_hit, per_record, per_pair } = self.backend.compile(&subject.formula)?;
+        let pairs = subject.scene.bodies.len() as u64 * subject.scene.lights.len() as u64;
+        let budget = Budget {
+            bytes: self.memory(),
+            fixed_bytes: pairs.saturating_mul(per_pair),
+            bytes_per_hit: per_hit,
+            bytes_per_record: per_record,
+            bytes_per_pixel: BYTES_PER_PIXEL,
+        };
+        Ok(Arc::new(trace(&subject.scene, &subject.view, &budget, task.progress, task.cancelled)?))
+    }
+
+    /// Makes a formula ready on hits that were traced, whatever the formula they were traced for.
+    ///
+    /// # Errors
+    /// The backend cannot take the formula, or the hits are of another scene or view.
+    pub fn prepare(&self, subject: &Subject, hits: &Arc<Hits>) -> Result<Arc<dyn Evaluator>, EngineError> {
+        Ok(self.backend.prepare(&subject.formula, &subject.scene, hits)?)
+    }
+
+    /// Compiles, traces and prepares.
+    ///
+    /// # Errors
+    /// Any of them failed.
+    pub fn evaluator(&self, subject: &Subject, task: &Task) -> Result<Arc<dyn Evaluator>, EngineError> {
+        let hits = match self.backend.reads_hits() {
+            true => self.trace(subject, task)?,
+            false => {
+                self.check_pixels(&subject.view)?;
+                Arc::new(Hits::untraced(subject.view))
+            }
+        };
+        self.prepare(subject, &hits)
+    }
+
+    /// The picture of these parameter numbers: the mean of `samples` × `samples` rays a pixel. NaN is not cleaned out.
+    ///
+    /// # Errors
+    /// Any stage failed.
+    pub fn picture(&self, subject: &Subject, parameters: &[f32], samples: u32, task: &Task) -> Result<Frame, EngineError> {
+        let count = samples.max(1).pow(2);
+        let mut mean: Option<Frame> = None;
+        for sample in 0..count {
+            let place = |step: u32| (f64::from(step) + 0.5) / f64::from(samples.max(1));
+            let offset = [place(sample % samples.max(1)), place(sample / samples.max(1))];
+            let subject = Subject { view: subject.view.with_offset(offset), ..subject.clone() };
+            let progress = |share: f64| (task.progress)((f64::from(sample) + share) / f64::from(count));
+            let frame = self.evaluator(&subject, &Task { progress: &progress, ..*task })?.frame(parameters);
+            if count == 1 {
+                return Ok(frame);
+            }
+            let mean = mean.get_or_insert_with(|| Frame::black(frame.width, frame.height));
+            mean.add(&frame, 1.0 / count as f32);
+        }
+        Ok(mean.unwrap_or_else(|| Frame::black(subject.view.width(), subject.view.height())))
+    }
+
+    /// Checks that the picture itself fits the memory.
+    fn check_pixels(&self, view: &View) -> Result<(), EngineError> {
+        let (needed, budget) = (u64::from(view.pixels()) * BYTES_PER_PIXEL, self.memory());
+        if needed > budget { Err(TraceError::Memory { needed, budget, pixels: view.pixels() }.into()) } else { Ok(()) }
+    }
+}

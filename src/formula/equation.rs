@@ -1,0 +1,190 @@
+//! Equation (2) of the thesis (4.2.3) as data: the terms that a lit record, a hit, or a ray that leaves the scene adds to a pixel,
+//! and the weights of child rays.
+//!
+//! ```text
+//! E(hit) = Σ_lit lights ki · local  +  ka · Cd · Ia  +  kr · E(reflected)  +  kt · E(refracted),     E(miss) = background
+//! ```
+//!
+//! The interpreter, the compiled code, drags and the inspector all read this table. Which lights reach a hit is not decided here.
+
+use crate::formula::Formula;
+use crate::formula::layout::Layout;
+use crate::lang::scalars::{Floats, Scalars, flush};
+use crate::lang::variables::{Owner, Predefined};
+
+/// Where a term is added.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Site {
+    /// For each light that reaches a hit.
+    LitRecord,
+    /// At each hit, whatever the lights.
+    Hit,
+    /// Where a ray leaves the scene.
+    Miss,
+}
+
+/// The colour that a term weighs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Colour {
+    /// What the user's formula yields for a lit record.
+    Formula,
+    /// A product of vector parameters, one number for red, green and blue each.
+    Parameters(&'static [Predefined]),
+}
+
+/// A term: a product of a scalar weight and a colour. Where the weight is 0, the term is exactly 0, even if the colour is infinite
+/// or NaN.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Term {
+    /// Its name in reports.
+    pub name: &'static str,
+    /// Where it is added.
+    pub site: Site,
+    /// The scalar parameter that weighs it; `None`: 1.
+    pub weight: Option<Predefined>,
+    /// The colour.
+    pub colour: Colour,
+}
+
+/// The terms, in the order in which they are added up.
+pub const TERMS: [Term; 3] = [
+    Term { name: "local", site: Site::LitRecord, weight: Some(Predefined::Intensity), colour: Colour::Formula },
+    Term {
+        name: "ambient",
+        site: Site::Hit,
+        weight: Some(Predefined::Ambient),
+        colour: Colour::Parameters(&[Predefined::BodyColour, Predefined::AmbientColour]),
+    },
+    Term { name: "background", site: Site::Miss, weight: None, colour: Colour::Parameters(&[Predefined::Background]) },
+];
+
+/// The weight of the reflected ray of a hit, a parameter of the body.
+pub const REFLECTED: Predefined = Predefined::Reflection;
+/// The weight of the refracted ray of a hit, a parameter of the body.
+pub const REFRACTED: Predefined = Predefined::Refraction;
+
+impl Term {
+    /// The terms of a site, in their order.
+    pub fn at(site: Site) -> impl Iterator<Item = &'static Term> {
+        TERMS.iter().filter(move |term| term.site == site)
+    }
+
+    /// The parameters that the term is a product of: the weight first, then the colours. The formula is not among them.
+    pub fn factors(&self) -> impl Iterator<Item = Predefined> + use<> {
+        let colours = match self.colour {
+            Colour::Formula => &[],
+            Colour::Parameters(colours) => colours,
+        };
+        self.weight.into_iter().chain(colours.iter().copied())
+    }
+
+    /// The product of the weight and the colours, whose values `value` gives (a scalar's three times); of the formula's term the weight alone.
+    pub fn product(&self, value: impl Fn(Predefined) -> [f32; 3]) -> [f32; 3] {
+        let multiply = |a: [f32; 3], b: [f32; 3]| std::array::from_fn(|component| Floats.mul(a[component], b[component]));
+        let colour = match self.colour {
+            Colour::Formula => [1.0; 3],
+            Colour::Parameters(colours) => colours.iter().map(|colour| value(*colour)).reduce(multiply).unwrap_or([1.0; 3]),
+        };
+        self.weight.map_or(colour, |weight| weighed(value(weight)[0], colour))
+    }
+}
+
+/// A weighed colour; exactly 0 where the weight is 0.
+pub fn weighed(weight: f32, colour: [f32; 3]) -> [f32; 3] {
+    colour.map(|component| if weight == 0.0 { 0.0 } else { Floats.mul(weight, component) })
+}
+
+/// Where the numbers of the predefined parameters lie among the parameter numbers of a formula on a scene.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Equation {
+    /// Where the rows of owners lie.
+    pub layout: Layout,
+    /// The first slot of each predefined parameter in the row of its owner, in the order of the table.
+    slots: [usize; Predefined::ALL.len()],
+}
+
+impl Equation {
+    /// The equation of a formula on a scene with this many bodies and lights.
+    pub fn new(formula: &Formula, bodies: usize, lights: usize) -> Self {
+        let mut slots = [0; Predefined::ALL.len()];
+        for predefined in Predefined::ALL {
+            slots[*predefined as usize] = formula.parameter(formula.predefined(*predefined)).slot as usize;
+        }
+        Self { layout: Layout::new(formula, bodies, lights), slots }
+    }
+
+    /// The slot of a component of a predefined parameter in the row of its owner.
+    pub fn slot(&self, predefined: Predefined, component: usize) -> usize {
+        self.slots[predefined as usize] + component
+    }
+
+    /// The place of the first number of a predefined parameter, for the owner of this index (0 for globals).
+    pub fn place(&self, predefined: Predefined, index: usize) -> usize {
+        self.layout.row(predefined.owner(), index) + self.slot(predefined, 0)
+    }
+
+    /// The value of a predefined parameter for the owner of this index; a scalar's number three times.
+    pub fn value(&self, parameters: &[f32], predefined: Predefined, index: usize) -> [f32; 3] {
+        let place = self.place(predefined, index);
+        let last = predefined.ty().slots() - 1;
+        [0, 1, 2].map(|component: usize| flush(parameters[place + component.min(last)]))
+    }
+
+    /// The value of a term without the formula at a hit of a body; that of a miss does not depend on a body.
+    pub fn term(&self, term: &Term, parameters: &[f32], body: usize) -> [f32; 3] {
+        term.product(|factor| self.value(parameters, factor, index_of(factor, body, 0)))
+    }
+
+    /// The weight of a lit record's term for this light: where it is 0, the light adds nothing.
+    pub fn light_weight(&self, parameters: &[f32], light: usize) -> f32 {
+        let weights = Term::at(Site::LitRecord).filter_map(|term| term.weight);
+        weights.map(|weight| self.value(parameters, weight, index_of(weight, 0, light))[0]).fold(1.0, |a, b| a * b)
+    }
+
+    /// The sum of the terms of a site that are without the formula.
+    pub fn sum(&self, site: Site, parameters: &[f32], body: usize) -> [f32; 3] {
+        let terms = Term::at(site).map(|term| self.term(term, parameters, body));
+        terms.reduce(|a, b| std::array::from_fn(|component| Floats.add(a[component], b[component]))).unwrap_or_default()
+    }
+}
+
+/// The index of the owner of a parameter at a hit of this body, for this light.
+pub fn index_of(predefined: Predefined, body: usize, light: usize) -> usize {
+    match predefined.owner() {
+        Owner::Global => 0,
+        Owner::Body => body,
+        Owner::Light => light,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_weight_of_zero_leaves_nothing() {
+        let ambient = Term::at(Site::Hit).next().unwrap();
+        let value = |weight: f32| {
+            let known = [
+                (Predefined::Ambient, [weight; 3]),
+                (Predefined::BodyColour, [f32::INFINITY, 0.5, f32::NAN]),
+                (Predefined::AmbientColour, [1.0, 0.25, 1.0]),
+            ];
+            move |factor: Predefined| known.iter().find(|(known, _)| *known == factor).unwrap().1
+        };
+        assert_eq!(ambient.product(value(0.0)), [0.0; 3]);
+        let [red, green, blue] = ambient.product(value(2.0));
+        assert_eq!((red, green, blue.is_nan()), (f32::INFINITY, 0.25, true));
+    }
+
+    #[test]
+    fn every_parameter_of_the_equation_is_in_one_term_or_weighs_a_ray() {
+        let mut factors: Vec<Predefined> = TERMS.iter().flat_map(Term::factors).chain([REFLECTED, REFRACTED]).collect();
+        factors.sort_unstable();
+        // The colour of a light is the formula's to use.
+        let all: Vec<Predefined> = Predefined::ALL.iter().copied().filter(|one| *one != Predefined::LightColour).collect();
+        let mut all = all;
+        all.sort_unstable();
+        assert_eq!(factors, all);
+    }
+}

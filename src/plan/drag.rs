@@ -1,0 +1,304 @@
+//! What a picture is made of while a slider is held: which terms move, and how a picture follows from images that do not.
+
+use crate::formula::binding::Bindings;
+use crate::formula::equation::{Equation, REFLECTED, REFRACTED, Site, TERMS, Term, index_of};
+use crate::formula::graph::NodeId;
+use crate::formula::separation::Dependence;
+use crate::formula::{Parameter, ParameterId};
+use crate::lang::scalars::flush;
+use crate::lang::variables::{Owner, Predefined};
+use crate::plan::slider::{SliderPlan, moved_parameters};
+use std::collections::BTreeSet;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// How pictures of a drag are made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Method {
+    /// As weighted sums of images.
+    Images,
+    /// By a kernel for the part that moves, added to an image of the rest.
+    Specialised,
+    /// Like any picture.
+    General,
+}
+
+impl Method {
+    /// Its name in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Method::Images => "images",
+            Method::Specialised => "specialised",
+            Method::General => "general",
+        }
+    }
+}
+
+/// Which components of colours are computed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Channels {
+    /// Red, green and blue.
+    All,
+    /// One of them: 0 red, 1 green, 2 blue.
+    One(usize),
+}
+
+impl Channels {
+    /// The components.
+    pub fn components(self) -> Range<usize> {
+        match self {
+            Channels::All => 0..3,
+            Channels::One(component) => component..component + 1,
+        }
+    }
+}
+
+/// A term of equation (2) that moves without the formula.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct MovedTerm {
+    /// Its place in the table of terms.
+    pub term: usize,
+    /// The factor that moves.
+    pub factor: Predefined,
+    /// Which components of the term move.
+    pub components: [bool; 3],
+}
+
+/// What the images of a term are multiplied with, and what is in them.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ImageTerm {
+    /// The factor of each component, a node of the graph of [`DragPlan::bindings`]; `None` where the image has no such component.
+    pub factors: [Option<NodeId>; 3],
+    /// The contribution that is in the image: its place in [`SliderPlan::moving`].
+    pub contribution: Option<usize>,
+    /// The terms without the formula that are in the image, each without its moved factor: places in [`DragPlan::moved_terms`].
+    pub moved_terms: Vec<usize>,
+}
+
+/// How pictures follow from the numbers that a slider moves, on one scene.
+///
+/// With [`Method::Images`] a picture is `Σ_ij kr^i · kt^j · (fixed_ij + Σ_terms factor · image_ij)`, where kr and kt are those that
+/// move, if any, and the images of (i, j) hold the paths that have these powers in their weight. With [`Method::Specialised`] it is the
+/// fixed image and what the one contribution of [`SliderPlan::moving`] yields, with the moved terms added.
+#[derive(Debug, Clone)]
+pub struct DragPlan {
+    /// How pictures are made.
+    pub method: Method,
+    /// The components of colours that move.
+    pub channels: Channels,
+    /// The kernels.
+    pub slider: Arc<SliderPlan>,
+    /// Where the parameters of equation (2) lie.
+    pub equation: Equation,
+    /// The owner whose numbers move.
+    pub owner: (Owner, usize),
+    /// The places of the numbers that move, in order.
+    pub moved: Vec<usize>,
+    /// The graph that the factors of terms belong to.
+    pub bindings: Bindings,
+    /// The numbers that the leaves of factors stand for.
+    leaves: Vec<(NodeId, usize)>,
+    /// What a picture by images is a sum of, beside the fixed image.
+    pub terms: Vec<ImageTerm>,
+    /// The terms of equation (2) without the formula that move.
+    pub moved_terms: Vec<MovedTerm>,
+    /// The places of kr and kt, where they move.
+    pub weights: [Option<usize>; 2],
+}
+
+/// The factors of a picture: those of each image term, and the moved kr and kt (1 where they do not move).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Factors {
+    /// Red, green and blue of each term.
+    pub terms: Vec<[f32; 3]>,
+    /// The moved kr.
+    pub kr: f64,
+    /// The moved kt.
+    pub kt: f64,
+}
+
+impl DragPlan {
+    /// Plans a drag of the numbers at these places; `slider` is the plan for the [parameters](moved_parameters) that they belong to.
+    pub fn new(slider: &Arc<SliderPlan>, equation: &Equation, parameters: &[Parameter], moved: &[usize]) -> Self {
+        let layout = &equation.layout;
+        let owners: BTreeSet<(Owner, usize)> =
+            moved.iter().filter_map(|place| layout.owner_of(*place)).map(|(owner, index, _)| (owner, index)).collect();
+        let single = owners.len() == 1;
+        let owner = owners.into_iter().next().unwrap_or((Owner::Global, 0));
+        let mut bindings = slider.separation.bindings.clone();
+        let mut leaf = |(place, id, component): (usize, ParameterId, u8)| (bindings.parameter(id, component), place);
+        let leaves: Vec<(NodeId, usize)> = moved_parameters(layout, parameters, moved).into_iter().map(&mut leaf).collect();
+        let node_at = |place: usize| leaves.iter().find(|(_, moved)| *moved == place).map(|(node, _)| *node);
+        let found = moving_terms(equation, owner, node_at);
+        let weights = [REFLECTED, REFRACTED].map(|weight| {
+            let place = (owner.0 == weight.owner()).then(|| equation.place(weight, owner.1))?;
+            node_at(place).map(|_| place)
+        });
+        let live = matches!(slider.separation.dependence, Dependence::Live { .. });
+        let terms = if live { Vec::new() } else { image_terms(&slider.separation.dependence, &found) };
+        // No slider moves more than one owner, or two factors of one term. A part that is live has no powers of kr and kt, and is
+        // not seen where a ray leaves the scene.
+        let twice = found.windows(2).any(|pair| pair[0].0.term == pair[1].0.term);
+        let weights_move = weights.iter().any(Option::is_some);
+        let at_misses = found.iter().any(|(moved, _)| TERMS[moved.term].site == Site::Miss);
+        let method = match live {
+            _ if !single || twice || live && (weights_move || at_misses) => Method::General,
+            true => Method::Specialised,
+            false => Method::Images,
+        };
+        let mut channels: BTreeSet<usize> = slider.channels.iter().copied().collect();
+        channels.extend((0..3).filter(|channel| found.iter().any(|(moved, _)| moved.components[*channel])));
+        let channels = match channels.first() {
+            Some(channel) if channels.len() == 1 && !weights_move => Channels::One(*channel),
+            _ => Channels::All,
+        };
+        let mut moved = moved.to_vec();
+        moved.sort_unstable();
+        let moved_terms = found.into_iter().map(|(moved, _)| moved).collect();
+        let (slider, equation) = (Arc::clone(slider), *equation);
+        Self { method, channels, slider, equation, owner, moved, bindings, leaves, terms, moved_terms, weights }
+    }
+
+    /// Whether two arrays of parameter numbers differ only in numbers that move.
+    pub fn same_fixed(&self, one: &[f32], other: &[f32]) -> bool {
+        let fixed = |place: usize| self.moved.binary_search(&place).is_err();
+        one.len() == other.len()
+            && one.iter().zip(other).enumerate().all(|(place, (a, b))| a.to_bits() == b.to_bits() || !fixed(place))
+    }
+
+    /// Whether the formula moves for a pair of a body and a light.
+    pub fn moves_pair(&self, body: usize, light: usize) -> bool {
+        let (owner, index) = self.owner;
+        self.slider.separation.dependence != Dependence::None
+            && match owner {
+                Owner::Global => true,
+                Owner::Body => body == index,
+                Owner::Light => light == index,
+            }
+    }
+
+    /// Whether the weight of a light moves.
+    pub fn moves_light_weight(&self, light: usize) -> bool {
+        let mut weights = Term::at(Site::LitRecord).filter_map(|term| term.weight);
+        weights.any(|weight| self.moved.binary_search(&self.equation.place(weight, index_of(weight, 0, light))).is_ok())
+    }
+
+    /// Whether a term without the formula moves at the hits of a body.
+    pub fn moves_at(&self, moved: &MovedTerm, body: usize) -> bool {
+        moved.factor.owner() != Owner::Body || self.owner == (Owner::Body, body)
+    }
+
+    /// Whether any term without the formula moves at the hits of a body.
+    pub fn moves_hits(&self, body: usize) -> bool {
+        self.moved_at(Site::Hit).any(|moved| self.moves_at(moved, body))
+    }
+
+    /// The terms without the formula that move at a site.
+    pub fn moved_at(&self, site: Site) -> impl Iterator<Item = &MovedTerm> {
+        self.moved_terms.iter().filter(move |moved| TERMS[moved.term].site == site)
+    }
+
+    /// The components that the kernels of moving contributions compute.
+    pub fn moving_channels(&self) -> Channels {
+        match *self.slider.channels {
+            [channel] => Channels::One(channel),
+            _ => Channels::All,
+        }
+    }
+
+    /// The factors of the picture of these parameter numbers.
+    pub fn factors(&self, parameters: &[f32]) -> Factors {
+        let number = |place: usize| flush(parameters[place]);
+        let leaf = |id: NodeId| self.leaves.iter().find(|(node, _)| *node == id).map_or(0.0, |(_, place)| number(*place));
+        let wanted: Vec<NodeId> = self.terms.iter().flat_map(|term| term.factors).flatten().collect();
+        let mut values = self.bindings.graph.evaluate(&wanted, leaf).into_iter();
+        let terms = self.terms.iter().map(|term| term.factors.map(|factor| factor.map_or(0.0, |_| values.next().unwrap_or(0.0))));
+        let [kr, kt] = self.weights.map(|place| place.map_or(1.0, |place| f64::from(number(place))));
+        Factors { terms: terms.collect(), kr, kt }
+    }
+
+    /// What the terms of a site without the formula add at the hits of a body, as far as they do not move.
+    pub fn fixed(&self, site: Site, parameters: &[f32], body: usize) -> [f32; 3] {
+        let mut sum = [0.0; 3];
+        for (place, term) in TERMS.iter().enumerate().filter(|(_, term)| term.site == site) {
+            let moved = self.moved_terms.iter().find(|moved| moved.term == place && self.moves_at(moved, body));
+            let colour = self.equation.term(term, parameters, body);
+            add(&mut sum, colour, |component| moved.is_none_or(|moved| !moved.components[component]));
+        }
+        sum
+    }
+
+    /// What they add as far as they move.
+    pub fn moving(&self, site: Site, parameters: &[f32], body: usize) -> [f32; 3] {
+        let mut sum = [0.0; 3];
+        for moved in self.moved_at(site).filter(|moved| self.moves_at(moved, body)) {
+            let colour = self.equation.term(&TERMS[moved.term], parameters, body);
+            add(&mut sum, colour, |component| moved.components[component]);
+        }
+        sum
+    }
+
+    /// What an image term adds at the hits of a body, or at misses, beside its contribution: moved terms without their moved factor.
+    pub fn image_colour(&self, term: &ImageTerm, site: Site, parameters: &[f32], body: usize) -> [f32; 3] {
+        let mut sum = [0.0; 3];
+        let moved_terms = term.moved_terms.iter().map(|place| &self.moved_terms[*place]);
+        for moved in moved_terms.filter(|moved| TERMS[moved.term].site == site && self.moves_at(moved, body)) {
+            let value = |factor: Predefined| match factor == moved.factor {
+                true => [1.0; 3],
+                false => self.equation.value(parameters, factor, index_of(factor, body, 0)),
+            };
+            add(&mut sum, TERMS[moved.term].product(value), |component| moved.components[component]);
+        }
+        sum
+    }
+}
+
+/// Adds the wanted components of a colour.
+fn add(sum: &mut [f32; 3], colour: [f32; 3], wanted: impl Fn(usize) -> bool) {
+    for component in (0..3).filter(|component| wanted(*component)) {
+        sum[component] += colour[component];
+    }
+}
+
+/// The terms without the formula that move, with the nodes of their moved factors, in the order of the table.
+fn moving_terms(
+    equation: &Equation,
+    (owner, index): (Owner, usize),
+    node_at: impl Fn(usize) -> Option<NodeId>,
+) -> Vec<(MovedTerm, [Option<NodeId>; 3])> {
+    let mut found = Vec::new();
+    let is_plain = |term: &Term| term.site != Site::LitRecord;
+    for (place, term) in TERMS.iter().enumerate().filter(|(_, term)| is_plain(term)) {
+        for factor in term.factors().filter(|factor| factor.owner() == owner) {
+            let last = factor.ty().slots() - 1;
+            let first = equation.place(factor, index);
+            let nodes = [0, 1, 2].map(|component: usize| node_at(first + component.min(last)));
+            if nodes.iter().any(Option::is_some) {
+                found.push((MovedTerm { term: place, factor, components: nodes.map(|node| node.is_some()) }, nodes));
+            }
+        }
+    }
+    found
+}
+
+/// The terms of a picture by images: those of the contribution, and moved terms of equation (2), in the same image where their factors are the
+/// same.
+fn image_terms(dependence: &Dependence, found: &[(MovedTerm, [Option<NodeId>; 3])]) -> Vec<ImageTerm> {
+    let separable = match dependence {
+        Dependence::Separable(terms) => &terms[..],
+        Dependence::None | Dependence::Live { .. } => &[],
+    };
+    let term = |(place, term): (usize, &crate::formula::separation::Term)| ImageTerm {
+        factors: term.factors,
+        contribution: Some(place),
+        moved_terms: Vec::new(),
+    };
+    let mut terms: Vec<ImageTerm> = separable.iter().enumerate().map(term).collect();
+    for (place, (_, factors)) in found.iter().enumerate() {
+        match terms.iter_mut().find(|term| term.factors == *factors) {
+            Some(term) => term.moved_terms.push(place),
+            None => terms.push(ImageTerm { factors: *factors, contribution: None, moved_terms: vec![place] }),
+        }
+    }
+    terms
+}

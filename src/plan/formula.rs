@@ -1,0 +1,85 @@
+//! The kernels that evaluate a formula.
+
+use crate::formula::binding::{Bindings, Frontier};
+use crate::formula::graph::{Graph, Node, NodeId};
+use crate::formula::{Formula, Parameter};
+use crate::lang::variables::Owner;
+use crate::plan::kernel::{Domain, KernelPlan, Sink};
+
+/// The kernels that evaluate a formula, in the order in which they run.
+#[derive(Debug, Clone)]
+pub struct FormulaPlan {
+    /// The graph that all nodes belong to, with its binding times.
+    pub bindings: Bindings,
+    /// Variables of hits → the hit frontier, once after tracing.
+    pub hits: KernelPlan,
+    /// Variables of lit records → the record frontier, once after tracing.
+    pub records: KernelPlan,
+    /// Red, green and blue of what each lit record adds, every frame.
+    pub contribution: ContributionPlan,
+}
+
+/// How outputs are computed from columns and parameters in a frame: first what is uniform, then the records.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ContributionPlan {
+    /// Parameters of pairs of a body and a light → uniform values. Its stream of leaves are parameters.
+    pub uniforms: KernelPlan,
+    /// Columns of the hit frontier, of the record frontier and of a drag, and uniform values → outputs.
+    pub records: KernelPlan,
+}
+
+/// A number among the parameters of an owner of some kind.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct ParameterSlot {
+    /// The kind of owner.
+    pub owner: Owner,
+    /// The place in the row of the owner, see [`Layout`](crate::formula::layout::Layout).
+    pub slot: usize,
+}
+
+impl FormulaPlan {
+    /// Plans the evaluation of a formula.
+    pub fn new(formula: &Formula) -> Self {
+        Self::of(Bindings::new(formula))
+    }
+
+    /// Plans the evaluation of what is analysed already.
+    pub fn of(bindings: Bindings) -> Self {
+        let Frontier { hits, records, .. } = bindings.frontier.clone();
+        let stage = |name, domain, nodes: Vec<NodeId>| KernelPlan::stage(name, domain, bindings.leaves(&nodes), nodes);
+        let (hits, records) = (stage("hits", Domain::Hits, hits), stage("records", Domain::LitRecords, records));
+        let outputs = bindings.contribution.to_vec();
+        let contribution = ContributionPlan::new("contributions", &bindings, outputs, &[], Sink::Sums);
+        Self { bindings, hits, records, contribution }
+    }
+}
+
+impl ContributionPlan {
+    /// Plans the computation of `outputs`; `kept` are dynamic nodes that are read from columns of a drag.
+    pub(super) fn new(name: &'static str, bindings: &Bindings, outputs: Vec<NodeId>, kept: &[NodeId], sink: Sink) -> Self {
+        let Frontier { uniforms, .. } = bindings.frontier_of(&outputs, kept);
+        let leaves = bindings.leaves(&uniforms);
+        let records = KernelPlan {
+            name,
+            domain: Domain::LitRecords,
+            streams: [bindings.frontier.hits.clone(), bindings.frontier.records.clone(), kept.to_vec()],
+            uniforms: uniforms.clone(),
+            outputs,
+            sink,
+        };
+        Self { uniforms: KernelPlan::stage("uniforms", Domain::Pairs, leaves, uniforms), records }
+    }
+
+    /// The parameter numbers that the uniform values are computed from, in the order of the columns of their kernel. `graph` is the plan's.
+    pub fn leaves(&self, graph: &Graph, parameters: &[Parameter]) -> Vec<ParameterSlot> {
+        let slot = |leaf: &NodeId| match graph.node(*leaf) {
+            Node::Parameter(id, component) => {
+                let parameter = &parameters[id.0 as usize];
+                Some(ParameterSlot { owner: parameter.owner, slot: parameter.slot as usize + usize::from(component) })
+            }
+            Node::Constant(_) | Node::Variable(..) | Node::Apply(..) => None,
+        };
+        // Uniform values are computed from parameters alone.
+        self.uniforms.streams[0].iter().filter_map(slot).collect()
+    }
+}

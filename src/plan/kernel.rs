@@ -1,0 +1,78 @@
+//! One kernel: some nodes of a graph, computed for each record of its domain.
+
+use crate::formula::graph::{Graph, Node, NodeId};
+
+/// A kernel reads at most this many streams of columns: the hit frontier, the record frontier, and columns that a drag keeps.
+pub const STREAMS: usize = 3;
+
+/// What the records of a kernel are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Domain {
+    /// Hits.
+    Hits,
+    /// Lit records: pairs of a hit and a light that reaches it.
+    LitRecords,
+    /// Pairs of a body and a light: few, whatever the size of the picture.
+    Pairs,
+}
+
+/// Where the outputs of a kernel go.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Sink {
+    /// Each output is a column that is stored.
+    Columns,
+    /// Each output is one component of what a light adds to a hit: the sum over the lights is wanted.
+    Sums,
+}
+
+/// What a kernel computes, and from what.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct KernelPlan {
+    /// A name for listings.
+    pub name: &'static str,
+    /// What it is computed for.
+    pub domain: Domain,
+    /// Nodes that are read from columns, in the order of the columns of each stream: one value a record.
+    pub streams: [Vec<NodeId>; STREAMS],
+    /// Nodes that have one value for all records of a call, in the order in which they are given.
+    pub uniforms: Vec<NodeId>,
+    /// Nodes that are computed, in the order of the outputs.
+    pub outputs: Vec<NodeId>,
+    /// Where the outputs go.
+    pub sink: Sink,
+}
+
+impl KernelPlan {
+    /// The plan of a kernel that computes `outputs` from leaves, one column each, and stores them.
+    pub(super) fn stage(name: &'static str, domain: Domain, leaves: Vec<NodeId>, outputs: Vec<NodeId>) -> Self {
+        let streams = [leaves, Vec::new(), Vec::new()];
+        Self { name, domain, streams, uniforms: Vec::new(), outputs, sink: Sink::Columns }
+    }
+
+    /// The nodes that are read: from columns and from uniform values.
+    pub fn inputs(&self) -> impl Iterator<Item = NodeId> {
+        self.streams.iter().flatten().chain(&self.uniforms).copied()
+    }
+
+    /// The nodes to compute for `roots`, operands before their users; inputs are not among them. `None` where a variable or a
+    /// parameter is needed that is not an input.
+    pub fn schedule(&self, graph: &Graph, roots: impl IntoIterator<Item = NodeId>) -> Option<Vec<NodeId>> {
+        let mut seen = vec![false; graph.len()];
+        self.inputs().for_each(|node| seen[node.0 as usize] = true);
+        let mut found = Vec::new();
+        let mut pending: Vec<NodeId> = roots.into_iter().collect();
+        while let Some(id) = pending.pop() {
+            if std::mem::replace(&mut seen[id.0 as usize], true) {
+                continue;
+            }
+            match graph.node(id) {
+                Node::Variable(..) | Node::Parameter(..) => return None,
+                node @ (Node::Constant(_) | Node::Apply(..)) => pending.extend_from_slice(node.operands()),
+            }
+            found.push(id);
+        }
+        // Nodes are numbered operands first.
+        found.sort_unstable();
+        Some(found)
+    }
+}

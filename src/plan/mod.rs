@@ -1,0 +1,20 @@
+//! What is to be computed, as plain data: the kernels of a formula and of its drags, as nodes of a graph that are computed from
+//! columns and uniform values.
+//!
+//! A backend reads plans and decides how to run them. Nothing here knows of machine code, memory layouts or pixels.
+//!
+//! ```text
+//! formula::Bindings ─▶ FormulaPlan ────────────▶ a backend's kernels
+//!        └─ formula::Separation ─▶ SliderPlan ─▶ a backend's kernels for a slider
+//!                                       └─ DragPlan: what moves on a scene, and what each picture is a sum of
+//! ```
+
+mod drag;
+mod formula;
+mod kernel;
+mod slider;
+
+pub use drag::{Channels, DragPlan, Factors, ImageTerm, Method, MovedTerm};
+pub use formula::{ContributionPlan, FormulaPlan, ParameterSlot};
+pub use kernel::{Domain, KernelPlan, STREAMS, Sink};
+pub use slider::{Moved, SliderPlan, moved_parameters};
