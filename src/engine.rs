@@ -1,7 +1,7 @@
 //! The engine: from a formula and a scene to pictures, in one place.
 //!
 //! ```text
-//! compile (formula) ─▶ trace (scene, view) ─▶ prepare ─▶ frames and drags
+//! compile (formula) ─▶ trace (world, view) ─▶ prepare ─▶ frames and drags
 //! ```
 //!
 //! An [`Engine`] owns this sequence, with its backend and its memory budget; long work tells its progress to a [`Task`] and can be
@@ -11,6 +11,7 @@ use crate::evaluate::{Backend, EvaluateError, Evaluator, Footprint, Frame};
 use crate::formula::Formula;
 use crate::scene::Scene;
 use crate::trace::{Budget, Hits, TraceError, View, trace, usable_memory};
+use crate::world::World;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use thiserror::Error;
@@ -23,21 +24,21 @@ const BYTES_PER_PIXEL: u64 = 40;
 pub struct Subject {
     /// The model.
     pub formula: Arc<Formula>,
-    /// The scene.
-    pub scene: Arc<Scene>,
+    /// The scene, ready for rays.
+    pub world: Arc<World>,
     /// Size, depth and the like.
     pub view: View,
 }
 
 impl Subject {
-    /// A formula on a scene, as seen by a view.
+    /// A formula on a scene, as seen by a view. The world of the scene is built here.
     pub fn new(formula: Formula, scene: Scene, view: View) -> Self {
-        Self { formula: Arc::new(formula), scene: Arc::new(scene), view }
+        Self { formula: Arc::new(formula), world: Arc::new(World::new(scene)), view }
     }
 
     /// Whether the hits of one are those of the other.
     pub fn same_hits(&self, other: &Subject) -> bool {
-        Arc::ptr_eq(&self.scene, &other.scene) && self.view == other.view
+        Arc::ptr_eq(&self.world, &other.world) && self.view == other.view
     }
 }
 
@@ -138,7 +139,8 @@ impl Engine {
     /// The picture needs more memory than it may take, the task was cancelled, or the backend cannot take the formula.
     pub fn trace(&self, subject: &Subject, task: &Task) -> Result<Arc<Hits>, EngineError> {
         let Footprint { per_hit, per_record, per_pair } = self.backend.compile(&subject.formula)?;
-        let pairs = subject.scene.bodies.len() as u64 * subject.scene.lights.len() as u64;
+        let scene = subject.world.scene();
+        let pairs = scene.bodies.len() as u64 * scene.lights.len() as u64;
         let budget = Budget {
             bytes: self.memory(),
             fixed_bytes: pairs.saturating_mul(per_pair),
@@ -146,7 +148,7 @@ impl Engine {
             bytes_per_record: per_record,
             bytes_per_pixel: BYTES_PER_PIXEL,
         };
-        Ok(Arc::new(trace(&subject.scene, &subject.view, &budget, task.progress, task.cancelled)?))
+        Ok(Arc::new(trace(&subject.world, &subject.view, &budget, task.progress, task.cancelled)?))
     }
 
     /// Makes a formula ready on hits that were traced, whatever the formula they were traced for.
@@ -154,7 +156,7 @@ impl Engine {
     /// # Errors
     /// The backend cannot take the formula, or the hits are of another scene or view.
     pub fn prepare(&self, subject: &Subject, hits: &Arc<Hits>) -> Result<Arc<dyn Evaluator>, EngineError> {
-        Ok(self.backend.prepare(&subject.formula, &subject.scene, hits)?)
+        Ok(self.backend.prepare(&subject.formula, hits)?)
     }
 
     /// Compiles, traces and prepares.
@@ -166,7 +168,7 @@ impl Engine {
             true => self.trace(subject, task)?,
             false => {
                 self.check_pixels(&subject.view)?;
-                Arc::new(Hits::untraced(subject.view))
+                Arc::new(Hits::untraced(&subject.world, subject.view))
             }
         };
         self.prepare(subject, &hits)

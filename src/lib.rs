@@ -6,11 +6,11 @@
 //! again: by code that Cranelift compiled for many records at a time, or by a reference interpreter that proves it right.
 //!
 //! ```text
-//! formula text ─▶ lang ──▶ formula ─┬─▶ bytecode ──────────────┐
-//!                                   └─▶ jit ──────────┐        │
-//!   scene text ─▶ lang ──▶ scene ──▶ trace (hits) ──▶ evaluate ──▶ frame ──▶ picture
-//!                                                       ▲
-//!                      workspace: values, sessions ─────┘
+//! formula text ─▶ lang ──▶ formula ─┬─▶ bytecode ────────────────────────┐
+//!                                   └─▶ jit ────────────────────┐        │
+//!   scene text ─▶ lang ──▶ scene ──▶ world ──▶ trace (hits) ──▶ evaluate ──▶ frame ──▶ picture
+//!                                                                 ▲
+//!                                workspace: values, sessions ─────┘
 //! ```
 //!
 //! # Example
@@ -53,6 +53,8 @@ pub mod lang;
 pub mod formula;
 
 pub mod scene;
+
+pub mod world;
 
 mod segment;
 

@@ -6,8 +6,8 @@ use crate::evaluate::{Backend, Drag, Drawn, EvaluateError, Evaluator, Footprint,
 use crate::formula::Formula;
 use crate::formula::equation::Equation;
 use crate::lang::scalars::Floats;
-use crate::scene::Scene;
-use crate::trace::{Hits, Optics, View, ray_tree};
+use crate::trace::{Hits, Tracer, View, ray_tree};
+use crate::world::World;
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -38,14 +38,14 @@ impl Backend for Interpreter {
         Ok(Footprint::default())
     }
 
-    fn prepare(&self, formula: &Arc<Formula>, scene: &Arc<Scene>, hits: &Arc<Hits>) -> Result<Arc<dyn Evaluator>, EvaluateError> {
-        Ok(Arc::new(Interpreted::new(formula, scene, hits.view)?))
+    fn prepare(&self, formula: &Arc<Formula>, hits: &Arc<Hits>) -> Result<Arc<dyn Evaluator>, EvaluateError> {
+        Ok(Arc::new(Interpreted::new(formula, &hits.world, hits.view)?))
     }
 }
 
-/// A formula's bytecode on a scene.
+/// A formula's bytecode on a world.
 pub struct Interpreted {
-    scene: Arc<Scene>,
+    world: Arc<World>,
     view: View,
     code: Code,
     equation: Equation,
@@ -65,23 +65,24 @@ impl Interpreted {
     ///
     /// # Errors
     /// It would be too large.
-    pub fn new(formula: &Arc<Formula>, scene: &Arc<Scene>, view: View) -> Result<Self, CodeTooLarge> {
+    pub fn new(formula: &Arc<Formula>, world: &Arc<World>, view: View) -> Result<Self, CodeTooLarge> {
         let code = Code::new(formula)?;
+        let scene = world.scene();
         let equation = Equation::new(formula, scene.bodies.len(), scene.lights.len());
-        if (Instantiation { code: &code, equation, scene }).largest(view.depth()) > MAX_PROGRAM_BYTES {
+        if (Instantiation { code: &code, equation, world }).largest(view.depth()) > MAX_PROGRAM_BYTES {
             return Err(CodeTooLarge);
         }
-        Ok(Self { scene: Arc::clone(scene), view, code, equation })
+        Ok(Self { world: Arc::clone(world), view, code, equation })
     }
 
     fn instantiation(&self) -> Instantiation<'_> {
-        Instantiation { code: &self.code, equation: self.equation, scene: &self.scene }
+        Instantiation { code: &self.code, equation: self.equation, world: &self.world }
     }
 
     /// The program of a pixel, counted row by row from the top left.
     pub fn program(&self, pixel: u32) -> Programs {
         let mut programs = Programs::new();
-        programs.add(&self.instantiation(), &ray_tree(&Optics::new(&self.scene, &self.view), pixel));
+        programs.add(&self.instantiation(), &ray_tree(&Tracer::new(&self.world, &self.view), pixel));
         programs
     }
 
@@ -100,7 +101,7 @@ impl Interpreted {
 
     /// Writes and runs the programs of consecutive pixels, some at a time.
     fn chunk(&self, first: u32, pixels: &mut [[f32; 3]], parameters: &[f32]) -> Timing {
-        let optics = Optics::new(&self.scene, &self.view);
+        let tracer = Tracer::new(&self.world, &self.view);
         let instantiation = self.instantiation();
         let mut programs = Programs::new();
         let mut timing = Timing::default();
@@ -109,7 +110,7 @@ impl Interpreted {
             programs.clear();
             while done + programs.len() < pixels.len() && programs.bytes() < BATCH_BYTES {
                 let pixel = first + (done + programs.len()) as u32;
-                programs.add(&instantiation, &ray_tree(&optics, pixel));
+                programs.add(&instantiation, &ray_tree(&tracer, pixel));
             }
             let mut stack = programs.stack();
             let start = Instant::now();

@@ -236,16 +236,17 @@ mod tests {
         use crate::lang::source::Source;
         use crate::scene::Scene;
         use crate::trace::View;
+        use crate::world::World;
         use std::sync::Arc;
         let scene = "bodies; b: sphere, center <0,0,0>, radius 1; lights; l: point, <0,0,9>;
             camera; position <0,0,5>; gaze <0,0,-1>; up <0,1,0>; fov 10;";
         let (scene, _) = Scene::parse(&Source::new("scene", scene)).unwrap();
-        let scene = Arc::new(scene);
+        let world = Arc::new(World::new(scene));
         // ki, IL and the colours are 1, everything else 0.
         let excuses = |formula: &str, difference: f32| {
             let (formula, _) = Formula::parse(&Source::new("formula", format!("formula; = {formula};"))).unwrap();
             let formula = Arc::new(formula);
-            let interpreted = Interpreted::new(&formula, &scene, View::new(1, 1).unwrap()).unwrap();
+            let interpreted = Interpreted::new(&formula, &world, View::new(1, 1).unwrap()).unwrap();
             let layout = Layout::new(&formula, 1, 1);
             let mut memory = vec![0.0; layout.len()];
             memory[layout.row(crate::lang::variables::Owner::Light, 0)..].fill(1.0);

@@ -8,8 +8,9 @@ use crate::lang::builtins::{Operation, Stack};
 use crate::lang::scalars::{Scalars, flush};
 use crate::lang::types::Type;
 use crate::lang::variables::{Owner, Predefined};
-use crate::scene::{LightId, Scene};
+use crate::scene::LightId;
 use crate::trace::{Child, HitVariables, LightVariables, Node, Tree, variable};
+use crate::world::World;
 
 /// What instantiation needs to know of a formula on a scene.
 #[derive(Debug, Clone, Copy)]
@@ -18,8 +19,8 @@ pub struct Instantiation<'i> {
     pub code: &'i Code,
     /// Where parameter numbers lie.
     pub equation: Equation,
-    /// The scene.
-    pub scene: &'i Scene,
+    /// The world.
+    pub world: &'i World,
 }
 
 /// The most bytes that a pixel's program may take; far more than any model and scene worth looking at.
@@ -32,7 +33,7 @@ impl Instantiation<'_> {
         const LIGHT: u64 = 7;
         const HIT: u64 = 40;
         let hits = (1_u64 << depth) - 1;
-        hits * (self.scene.lights.len() as u64 * (self.code.instance_bytes() as u64 + LIGHT) + HIT)
+        hits * (self.world.scene().lights.len() as u64 * (self.code.instance_bytes() as u64 + LIGHT) + HIT)
     }
 }
 
@@ -62,9 +63,9 @@ impl Programs {
     /// Writes the program of a pixel, behind those there are.
     pub fn add(&mut self, instantiation: &Instantiation, tree: &Tree) {
         let mut assembler = Assembler { instantiation, code: &mut self.code, height: 0, depth: self.depth };
-        match tree.nodes.first() {
-            Some(_) => assembler.tree(tree),
-            None => assembler.miss(),
+        match tree.primary {
+            Child::Hit(_) => assembler.tree(tree),
+            Child::None | Child::Miss(_) => assembler.miss(),
         }
         self.depth = assembler.depth;
         self.ends.push(self.code.len());
@@ -167,12 +168,12 @@ impl Assembler<'_> {
                 Step::Node(index) => {
                     let node = &tree.nodes[index];
                     self.local(node);
-                    let body = node.surface.body.index();
+                    let body = node.hit.body.index();
                     steps.push(Step::Child(REFRACTED, node.refracted, body));
                     steps.push(Step::Child(REFLECTED, node.reflected, body));
                 }
                 Step::Child(_, Child::None, _) => {}
-                Step::Child(weight, Child::Miss, body) => {
+                Step::Child(weight, Child::Miss(_), body) => {
                     self.parameter(weight, body);
                     self.miss();
                     self.emit(Instruction::Weigh);
@@ -198,18 +199,18 @@ impl Assembler<'_> {
 
     /// What the lights add at a hit, and what is added whatever the lights.
     fn local(&mut self, node: &Node) {
-        let scene = self.instantiation.scene;
-        let hit = HitVariables::of(scene, &node.surface);
+        let world = self.instantiation.world;
+        let hit = HitVariables::new(world, &node.hit);
         let mut count = 0;
         for light in &node.lights {
-            let record = LightVariables::of(&node.surface, scene.light(*light));
+            let record = LightVariables::new(&node.hit, &world.emitter(*light).sample(&node.hit));
             for term in Term::at(Site::LitRecord) {
                 let formula = |assembler: &mut Self| assembler.formula(node, *light, &hit, &record);
-                self.term(term, node.surface.body.index(), light.index(), &mut count, formula);
+                self.term(term, node.hit.body.index(), light.index(), &mut count, formula);
             }
         }
         for term in Term::at(Site::Hit) {
-            self.term(term, node.surface.body.index(), 0, &mut count, |_| {});
+            self.term(term, node.hit.body.index(), 0, &mut count, |_| {});
         }
     }
 
@@ -261,7 +262,7 @@ impl Assembler<'_> {
                 Instruction::Parameter(owner, ty, slot) => {
                     let index = match owner {
                         Owner::Global => 0,
-                        Owner::Body => node.surface.body.index(),
+                        Owner::Body => node.hit.body.index(),
                         Owner::Light => light.index(),
                     };
                     let place = (equation.layout.row(owner, index) + slot as usize) as u32;

@@ -68,7 +68,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         Stage::Rays => {
             // Without the option the parser of arguments has ended the program.
             let pixel = options.pixel.ok_or_else(|| Failure::command_line("`--stage rays` needs `--pixel X,Y`"))?;
-            let inspector = Inspector::new(&input.formula, &input.scene, input.values.numbers());
+            let inspector = Inspector::new(&input.formula, &input.world, input.values.numbers());
             let inspection = inspector.inspect(&input.view, pixel).ok_or_else(|| outside(&input, pixel))?;
             print(&inspector.text(&inspection))
         }

@@ -31,7 +31,7 @@ pub(super) fn engine(backend: &BackendChoice, options: &MachineOptions) -> Engin
 
 /// What the input shows.
 pub(super) fn subject(input: &Input) -> Subject {
-    Subject { formula: input.formula.clone(), scene: input.scene.clone(), view: input.view }
+    Subject { formula: input.formula.clone(), world: input.world.clone(), view: input.view }
 }
 
 /// The failure that an error of the engine is.
@@ -50,5 +50,5 @@ pub(super) fn picture(input: &Input, samples: u32, backend: &BackendChoice, opti
 
 /// The reference interpreter on a view of the scene.
 pub(super) fn interpreter(input: &Input, view: View) -> Result<Interpreted, Failure> {
-    Interpreted::new(&input.formula, &input.scene, view).map_err(|error| Failure::input(error.to_string()))
+    Interpreted::new(&input.formula, &input.world, view).map_err(|error| Failure::input(error.to_string()))
 }

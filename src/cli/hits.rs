@@ -18,8 +18,9 @@ use illuminator::engine::Task;
 use illuminator::lang::types::Type;
 use illuminator::lang::variables::{Rate, Variable};
 use illuminator::scene::LightId;
-use illuminator::trace::{Edge, HitVariables, Hits, LightVariables, Optics, Surface, Tile, replay, variable};
+use illuminator::trace::{Edge, HitVariables, Hits, LightVariables, Tile, Tracer, replay, variable};
 use illuminator::workspace::files::{reason, replace_file};
+use illuminator::world::SurfaceHit;
 use serde::Serialize;
 use std::collections::{BTreeMap, HashMap};
 use std::fs::{self, File};
@@ -45,21 +46,21 @@ pub(super) fn dump(input: &Input, machine: &MachineOptions, folder: &Path) -> Re
     let hits = engine::on_threads(machine, || engine.trace(&engine::subject(input), &Task::watched(&tell)))?;
     drop(progress);
     let hits = hits.map_err(engine::failed)?;
-    write(input, &hits, folder).map_err(|error| Failure::input(format!("cannot write to `{name}`: {}", reason(&error))))
+    write(&hits, folder).map_err(|error| Failure::input(format!("cannot write to `{name}`: {}", reason(&error))))
 }
 
-fn write(input: &Input, hits: &Hits, folder: &Path) -> io::Result<()> {
+fn write(hits: &Hits, folder: &Path) -> io::Result<()> {
     // Without its index a folder is no dump: none is there while columns of another one are being overwritten.
     match fs::remove_file(folder.join(INDEX)) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
         Ok(()) | Err(_) => {}
     }
     let mut dump = Dump::new(folder)?;
-    let optics = Optics::new(&input.scene, &hits.view);
+    let tracer = Tracer::new(&hits.world, &hits.view);
     for tile in &hits.tiles {
-        dump.tile(input, &optics, tile)?;
+        dump.tile(&tracer, tile)?;
     }
-    let index = dump.finish(input, hits)?;
+    let index = dump.finish(hits)?;
     replace_file(&folder.join(INDEX), |writer| serde_json::to_writer_pretty(writer, &index).map_err(io::Error::from))
 }
 
@@ -188,7 +189,7 @@ impl Dump {
         })
     }
 
-    fn tile(&mut self, input: &Input, optics: &Optics, tile: &Tile) -> io::Result<()> {
+    fn tile(&mut self, tracer: &Tracer, tile: &Tile) -> io::Result<()> {
         let mut rows: Vec<u32> = Vec::with_capacity(tile.paths.len());
         for path in &tile.paths {
             // Parents come before their children.
@@ -202,17 +203,17 @@ impl Dump {
             rows.push(row);
         }
         // Hits that stand in several groups, with all their lights.
-        let mut scattered: BTreeMap<(u32, u32), (Surface, Vec<LightId>)> = BTreeMap::new();
+        let mut scattered: BTreeMap<(u32, u32), (SurfaceHit, Vec<LightId>)> = BTreeMap::new();
         for group in &tile.groups {
             for span in tile.spans_of(group) {
                 let path = rows[span.path.index()];
                 let mut outcome = Ok(());
-                replay(optics, tile, group, span.hits.clone(), |_, pixel, surface| {
+                replay(tracer, tile, group, span.hits.clone(), |_, pixel, surface| {
                     if group.scattered {
                         let (_, lights) = scattered.entry((path, pixel)).or_insert_with(|| (*surface, Vec::new()));
                         lights.extend(&group.lights);
                     } else if outcome.is_ok() {
-                        outcome = self.hit(input, &group.lights, surface, pixel, path);
+                        outcome = self.hit(tracer, &group.lights, surface, pixel, path);
                     }
                 })
                 .map_err(io::Error::other)?;
@@ -220,7 +221,7 @@ impl Dump {
             }
         }
         for ((path, pixel), (surface, lights)) in scattered {
-            self.hit(input, &lights, &surface, pixel, path)?;
+            self.hit(tracer, &lights, &surface, pixel, path)?;
         }
         for span in &tile.misses {
             for segment in tile.miss_segments_of(span) {
@@ -232,27 +233,28 @@ impl Dump {
         Ok(())
     }
 
-    fn hit(&mut self, input: &Input, lights: &[LightId], surface: &Surface, pixel: u32, path: u32) -> io::Result<()> {
-        let own = HitVariables::of(&input.scene, surface);
+    fn hit(&mut self, tracer: &Tracer, lights: &[LightId], surface: &SurfaceHit, pixel: u32, path: u32) -> io::Result<()> {
+        let own = HitVariables::new(tracer.world(), surface);
         let values = self.of_hit.iter().map(|symbol| (own.value(*symbol).unwrap_or_default(), symbol.ty()));
         let row = self.hits.add(&[pixel, surface.body.0, path], values)?;
         for light in lights {
-            let lit = LightVariables::of(surface, input.scene.light(*light));
+            let lit = LightVariables::new(surface, &tracer.world().emitter(*light).sample(surface));
             let values = self.of_record.iter().map(|symbol| (variable(*symbol, &own, &lit), symbol.ty()));
             self.records.add(&[row, light.0], values)?;
         }
         Ok(())
     }
 
-    fn finish(self, input: &Input, hits: &Hits) -> io::Result<Index> {
+    fn finish(self, hits: &Hits) -> io::Result<Index> {
         let tables = [self.hits, self.records, self.misses, self.paths];
+        let scene = hits.world.scene();
         Ok(Index {
             version: 1,
             byte_order: "little",
             width: hits.view.width(),
             height: hits.view.height(),
-            bodies: input.scene.bodies.iter().map(|body| body.name.clone()).collect(),
-            lights: input.scene.lights.iter().map(|light| light.name.clone()).collect(),
+            bodies: scene.bodies.iter().map(|body| body.name.clone()).collect(),
+            lights: scene.lights.iter().map(|light| light.name.clone()).collect(),
             edges: ["primary", "reflected", "refracted"],
             none: NONE,
             tables: tables.into_iter().map(Table::finish).collect::<io::Result<_>>()?,

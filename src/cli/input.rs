@@ -16,6 +16,7 @@ use illuminator::workspace::files::{Location, kind_of};
 use illuminator::workspace::materials::{Place, data_folder};
 use illuminator::workspace::session::{Lacking, PictureSettings};
 use illuminator::workspace::{Assignment, OwnerId, Roster, Session, Shelf, Values};
+use illuminator::world::World;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -31,8 +32,8 @@ pub(super) struct Input {
     pub(super) formula_source: Source,
     /// The formula.
     pub(super) formula: Arc<Formula>,
-    /// The scene.
-    pub(super) scene: Arc<Scene>,
+    /// The scene, ready for rays.
+    pub(super) world: Arc<World>,
     /// The files that were read.
     pub(super) files: Vec<PathBuf>,
     /// The values of all parameters.
@@ -145,7 +146,7 @@ pub(super) fn load(options: &InputOptions) -> Result<Input, Failure> {
     Ok(Input {
         formula_source,
         formula: Arc::new(formula),
-        scene: Arc::new(scene),
+        world: Arc::new(World::new(scene)),
         files,
         values,
         view,

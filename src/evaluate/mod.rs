@@ -20,7 +20,6 @@ pub use framebuffer::Framebuffer;
 pub(crate) use framebuffer::{Part, write, write_component};
 
 use crate::formula::Formula;
-use crate::scene::Scene;
 use crate::trace::{Hits, Mismatch};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -68,7 +67,7 @@ pub trait Backend: Send + Sync {
     ///
     /// # Errors
     /// The backend cannot take the formula, or `hits` are not those of the scene.
-    fn prepare(&self, formula: &Arc<Formula>, scene: &Arc<Scene>, hits: &Arc<Hits>) -> Result<Arc<dyn Evaluator>, EvaluateError>;
+    fn prepare(&self, formula: &Arc<Formula>, hits: &Arc<Hits>) -> Result<Arc<dyn Evaluator>, EvaluateError>;
 }
 
 /// A formula on a traced scene, ready to make pictures of parameter numbers.

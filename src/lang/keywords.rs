@@ -1,7 +1,7 @@
-//! Every word of the two languages that is no name: heads of sections, types, attributes, shapes, clauses; defined once.
+//! Words of the two languages that are not names: heads of sections, types, attributes, clauses of the camera; each defined once.
 //!
-//! They are words only in their places, which the parsers know. Here is how they are written and what they mean, for the parsers, and
-//! for whatever helps a user to write them.
+//! They are words only in their places, which the parsers know. Here is how they are written and what they mean, for the parsers and
+//! for whatever helps a user to write them. The words of shapes and lights are defined with these, in the room `scene`.
 
 /// A word with a meaning of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,29 +53,15 @@ keywords! {
     }
     /// The heads of the sections of a scene file, in their order.
     SCENE_SECTIONS [3] {
-        "bodies" "spheres and rectangles";
-        "lights" "point lights";
+        "bodies" "the bodies, each with its shape";
+        "lights" "the lights, each of some kind";
         "camera" "position, gaze, up and fov";
-    }
-    /// The shapes of bodies.
-    SHAPES [2] {
-        "sphere" "`sphere, center <x, y, z>, radius R`";
-        "rectangle" "`rectangle, A, B, C`: three corners, clockwise as seen from the front";
-    }
-    /// What a sphere has.
-    SPHERE_CLAUSES [2] {
-        "center" "the centre of the sphere: `center <x, y, z>`";
-        "radius" "the radius of the sphere, greater than 0";
     }
     /// The attributes of bodies.
     BODY_ATTRIBUTES [3] {
         "refractive_index" "the refractive index of the body: `refractive_index 1.5`";
         "opaque" "the body never refracts";
         "matte" "the body never reflects";
-    }
-    /// The kinds of lights.
-    LIGHTS [1] {
-        "point" "a point light: `point, <x, y, z>`";
     }
     /// The clauses of the camera, in their order.
     CAMERA_CLAUSES [4] {

@@ -18,6 +18,7 @@ use crate::trace::{View, ViewError};
 use crate::workspace::files::Location;
 use crate::workspace::session::PictureSettings;
 use crate::workspace::{Assignment, OwnerId, Roster, Session, Values};
+use crate::world::World;
 use history::{History, Moment};
 pub use opening::Opened;
 pub use portrait::Portrait;
@@ -30,7 +31,7 @@ use std::time::Duration;
 pub struct Workshop {
     renderer: Renderer,
     formula: Arc<Formula>,
-    scene: Arc<Scene>,
+    world: Arc<World>,
     values: Values,
     history: History,
     picture: PictureSettings,
@@ -52,7 +53,7 @@ pub struct Snapshot {
     pub picture: Picture,
     values: Values,
     formula: Arc<Formula>,
-    scene: Arc<Scene>,
+    world: Arc<World>,
 }
 
 impl Workshop {
@@ -64,7 +65,7 @@ impl Workshop {
         let mut workshop = Self {
             renderer: Renderer::new(wake)?,
             formula: Arc::clone(&opened.formula),
-            scene: Arc::clone(&opened.scene),
+            world: Arc::clone(&opened.world),
             values: opened.values.clone(),
             history: History::default(),
             picture: opened.picture,
@@ -82,7 +83,7 @@ impl Workshop {
     /// Shows something else that was opened.
     pub fn open(&mut self, opened: &Opened) {
         self.formula = Arc::clone(&opened.formula);
-        self.scene = Arc::clone(&opened.scene);
+        self.world = Arc::clone(&opened.world);
         self.values = opened.values.clone();
         self.picture = opened.picture;
         self.history = History::default();
@@ -92,8 +93,8 @@ impl Workshop {
 
     /// Begins a new session of the same formula and scene, with these settings and values.
     pub fn begin_session(&mut self, picture: PictureSettings, initial: impl FnOnce(&Roster) -> Vec<Assignment>) {
-        let given = initial(&Roster::new(&self.formula, &self.scene));
-        self.values = Values::new(&self.formula, &self.scene, &given).0;
+        let given = initial(&Roster::new(&self.formula, self.scene()));
+        self.values = Values::new(&self.formula, self.scene(), &given).0;
         self.picture = if view(&picture).is_ok() { picture } else { self.picture };
         self.history = History::default();
         self.snapshots = [None, None];
@@ -112,7 +113,12 @@ impl Workshop {
 
     /// The scene that is applied.
     pub fn scene(&self) -> &Arc<Scene> {
-        &self.scene
+        self.world.scene()
+    }
+
+    /// The scene that is applied, ready for rays.
+    pub fn world(&self) -> &Arc<World> {
+        &self.world
     }
 
     /// The values of all parameters.
@@ -147,7 +153,7 @@ impl Workshop {
     }
 
     fn subject(&self, view: View) -> Subject {
-        Subject { formula: Arc::clone(&self.formula), scene: Arc::clone(&self.scene), view }
+        Subject { formula: Arc::clone(&self.formula), world: Arc::clone(&self.world), view }
     }
 
     /// The engine of the backend that was chosen.
@@ -196,7 +202,7 @@ impl Workshop {
     /// All mistakes in the text.
     pub fn apply_formula(&mut self, source: &Source) -> Result<Diagnostics, Diagnostics> {
         let (formula, warnings) = Formula::parse(source)?;
-        let (values, _) = self.values.carry_over(&formula, &self.scene);
+        let (values, _) = self.values.carry_over(&formula, self.scene());
         self.formula = Arc::new(formula);
         self.arrive(values);
         Ok(warnings)
@@ -209,7 +215,7 @@ impl Workshop {
     pub fn apply_scene(&mut self, source: &Source) -> Result<Diagnostics, Diagnostics> {
         let (scene, warnings) = Scene::parse(source)?;
         let (values, _) = self.values.carry_over(&self.formula, &scene);
-        self.scene = Arc::new(scene);
+        self.world = Arc::new(World::new(scene));
         self.arrive(values);
         Ok(warnings)
     }
@@ -287,14 +293,14 @@ impl Workshop {
     /// Takes other values, which may have been of another formula or scene.
     fn move_to(&mut self, other: Option<Moment>) -> bool {
         let Some(other) = other else { return false };
-        self.values = other.values_for(&self.formula, &self.scene);
+        self.values = other.values_for(&self.formula, self.world.scene());
         self.held = None;
         self.asked = self.renderer.move_to(self.values.numbers(), None);
         true
     }
 
     fn moment(&self) -> Moment {
-        Moment { values: self.values.clone(), formula: Arc::clone(&self.formula), scene: Arc::clone(&self.scene) }
+        Moment { values: self.values.clone(), formula: Arc::clone(&self.formula), scene: Arc::clone(self.scene()) }
     }
 
     /// Whether there is a change to be undone, and one to be done again.
@@ -329,7 +335,7 @@ impl Workshop {
             picture: self.shown.clone(),
             values: self.values.clone(),
             formula: Arc::clone(&self.formula),
-            scene: Arc::clone(&self.scene),
+            world: Arc::clone(&self.world),
         };
         if let Some(kept) = self.snapshots.get_mut(place) {
             *kept = Some(snapshot);
@@ -344,12 +350,12 @@ impl Workshop {
     /// Goes back to the values, formula and scene that are kept in a place.
     pub fn go_back_to(&mut self, place: usize) {
         let Some(snapshot) = self.kept(place).cloned() else { return };
-        if Arc::ptr_eq(&snapshot.formula, &self.formula) && Arc::ptr_eq(&snapshot.scene, &self.scene) {
+        if Arc::ptr_eq(&snapshot.formula, &self.formula) && Arc::ptr_eq(&snapshot.world, &self.world) {
             self.change(|values| *values = snapshot.values);
         } else {
             self.history.note(self.moment());
             self.formula = snapshot.formula;
-            self.scene = snapshot.scene;
+            self.world = snapshot.world;
             self.arrive(snapshot.values);
         }
     }

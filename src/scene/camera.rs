@@ -2,7 +2,7 @@
 //!
 //! Pixels are not known here; see [`crate::trace::View`].
 
-use crate::scene::{MAX_COORDINATE, MIN_LENGTH};
+use crate::scene::{MIN_LENGTH, is_within_reach};
 use glam::DVec3;
 
 /// The sine of the least angle between gaze and up: below it, "up" does not say which way is up.
@@ -30,7 +30,7 @@ struct Frame {
 /// Why there is no such camera.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum CameraError {
-    /// The position, gaze or up is not a vector of numbers up to [`MAX_COORDINATE`].
+    /// The position, gaze or up is not a vector of numbers up to [`MAX_COORDINATE`](crate::scene::MAX_COORDINATE).
     #[error("a number of the camera is too large")]
     TooLarge,
     /// The gaze is no direction.
@@ -52,10 +52,9 @@ impl Camera {
     /// perpendicular), and the vertical angle of view `fov` in degrees, 0 < fov < 180.
     ///
     /// # Errors
-    /// Numbers beyond [`MAX_COORDINATE`], directions that are zero or parallel, and angles out of range.
+    /// Numbers beyond [`MAX_COORDINATE`](crate::scene::MAX_COORDINATE), directions that are zero or parallel, and angles out of range.
     pub fn new(position: DVec3, gaze: DVec3, up: DVec3, fov: f64) -> Result<Self, CameraError> {
-        let fits = |vector: DVec3| vector.is_finite() && vector.abs().max_element() <= MAX_COORDINATE;
-        if ![position, gaze, up].into_iter().all(fits) {
+        if ![position, gaze, up].into_iter().all(is_within_reach) {
             return Err(CameraError::TooLarge);
         }
         if gaze.length() < MIN_LENGTH {

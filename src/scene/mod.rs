@@ -1,16 +1,20 @@
-//! Scenes: bodies, point lights and a camera, as text and as geometry (thesis 3.2.6, 9.3).
+//! Scenes: bodies, lights and a camera, as a text declares them (thesis 3.2.6, 9.3).
 //!
-//! Holds what a scene *is*, how it is read from the scene language and printed in it, and where a ray meets one body.
-//! Which body a ray meets first, how it goes on from there and who is in shadow is not decided here but in [`crate::trace`];
-//! what the bodies look like is the formula's business.
+//! Holds what a scene *says*, how it is read from the scene language and printed in it. Each shape and each kind of light has a
+//! file of its own (`shape/sphere`, `light/point`) and a row in the table of its enumeration, see `syntax`. Where rays meet all
+//! this is computed in [`crate::world`]; what the bodies look like is the formula's business.
 
 mod camera;
+mod light;
 mod parser;
 mod print;
 mod shape;
+mod syntax;
 
 pub use camera::{Camera, CameraError};
-pub use shape::{Ray, Rectangle, Shape, ShapeError, Side, Sphere};
+pub use light::{Light, LightKind, PointLight};
+pub use shape::{Rectangle, RectangleError, Shape, Sphere, SphereError};
+pub use syntax::Syntax;
 
 use crate::lang::diagnostic::Diagnostics;
 use crate::lang::source::{Source, Span};
@@ -58,17 +62,6 @@ pub struct Body {
     pub opaque: bool,
     /// Never reflects: no reflected ray is traced from it.
     pub matte: bool,
-}
-
-/// A point light that shines in all directions.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Light {
-    /// Its name, unique among bodies and lights.
-    pub name: String,
-    /// Where the name stands in the text.
-    pub name_span: Span,
-    /// Its place in world coordinates.
-    pub position: DVec3,
 }
 
 /// A scene in right-handed world coordinates (thesis 9.3). It may have no bodies and no lights.
@@ -120,37 +113,9 @@ impl Scene {
         // As with bodies.
         (0..self.lights.len() as u32).map(LightId)
     }
-
-    /// The size of the scene: the diagonal of the bounding box of its bodies, in world units; 0 without bodies.
-    ///
-    /// Lights and camera are left out: it measures how finely the surfaces that rays start from must be told apart,
-    /// and a sun set far away does not make them coarser.
-    pub fn extent(&self) -> f64 {
-        self.bodies
-            .iter()
-            .map(|body| body.shape.bounds())
-            .reduce(|(low, high), (lower, higher)| (low.min(lower), high.max(higher)))
-            .map_or(0.0, |(low, high)| (high - low).length())
-    }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn scene(text: &str) -> Scene {
-        Scene::parse(&Source::new("t", text)).unwrap().0
-    }
-
-    #[test]
-    fn the_extent_is_that_of_the_bodies() {
-        let camera = "camera; position <9,9,9>; gaze <0,0,-1>; up <0,1,0>; fov 45;";
-        let one = scene(&format!("bodies; s: sphere, center <1,2,3>, radius 2; lights; l: point, <1e9,0,0>; {camera}"));
-        assert_eq!(one.extent(), 4.0 * 3f64.sqrt());
-        let two = scene(&format!(
-            "bodies; s: sphere, center <0,0,0>, radius 1; r: rectangle, <2,0,0>, <3,0,0>, <3,4,0>; lights; {camera}"
-        ));
-        assert_eq!(two.extent(), DVec3::new(4.0, 5.0, 2.0).length());
-        assert_eq!(scene(&format!("bodies; lights; {camera}")).extent(), 0.0);
-    }
+/// Whether a point is within the reach of scenes: no coordinate is beyond [`MAX_COORDINATE`], or NaN.
+fn is_within_reach(point: DVec3) -> bool {
+    point.is_finite() && point.abs().max_element() <= MAX_COORDINATE
 }

@@ -13,14 +13,14 @@ use crate::lang::keywords;
 use crate::lang::source::{Source, Span};
 use crate::lang::token::{Mark, TokenKind};
 use crate::lang::variables::RESERVED;
-use crate::scene::print::{Number, Vector};
-use crate::scene::{Body, Camera, Light, MAX_COORDINATE, MIN_LENGTH, Rectangle, Scene, Shape, ShapeError, Sphere};
+use crate::scene::print::Number;
+use crate::scene::syntax::Syntax;
+use crate::scene::{Body, Camera, Light, LightKind, MAX_COORDINATE, MIN_LENGTH, Scene, Shape};
 use glam::DVec3;
 use std::collections::HashMap;
 
 /// The sections in their order.
 const SECTIONS: [&str; 3] = keywords::words(&keywords::SCENE_SECTIONS);
-const SHAPES: [&str; 2] = keywords::words(&keywords::SHAPES);
 const ATTRIBUTES: [&str; 3] = keywords::words(&keywords::BODY_ATTRIBUTES);
 
 /// Reads a scene; see [`Scene::parse`].
@@ -43,8 +43,10 @@ pub(super) fn parse(source: &Source) -> Result<(Scene, Diagnostics), Diagnostics
     }
 }
 
-struct Parser {
-    cursor: Cursor,
+/// A place in the text of a scene, with what has been read so far. Shapes and lights read their own values, see
+/// [`Declaration`](crate::scene::syntax::Declaration).
+pub(super) struct Parser {
+    pub(super) cursor: Cursor,
     /// Every name so far, and where it was declared first.
     names: HashMap<String, Span>,
     /// Where each of [`SECTIONS`] was met first.
@@ -209,22 +211,9 @@ impl Parser {
     /// `NAME: SHAPE … { , ATTRIBUTE } ;`
     fn body(&mut self) -> Result<(), Reported> {
         let name = self.name("body")?;
-        let shape = match self.cursor.word(0) {
-            Some("sphere") => self.sphere()?,
-            Some("rectangle") => self.rectangle()?,
-            word => {
-                let hint = match word {
-                    Some("point") => Some("lights stand in the section `lights;`".to_owned()),
-                    Some(word) => nearest(word, SHAPES).map(|near| format!("did you mean `{near}`?")),
-                    None => None,
-                };
-                let message = format!("expected `sphere` or `rectangle`, found {}", self.cursor.kind(0).describe());
-                let diagnostic = Diagnostic::error(message).at(self.cursor.span(), "no shape of this name");
-                self.cursor.report(diagnostic.help_if(hint));
-                return Err(Reported);
-            }
-        };
-        let attributes = self.attributes()?;
+        let lights_belong = LightKind::SYNTAX.iter().map(|kind| (kind.keyword.word, "lights stand in the section `lights;`"));
+        let (kind, shape) = self.kind("shape", Shape::SYNTAX, lights_belong)?;
+        let attributes = self.attributes(kind)?;
         let attribute = self.cursor.word(0).filter(|word| ATTRIBUTES.contains(word)).map(str::to_owned);
         if let Some(attribute) = attribute {
             let diagnostic = Diagnostic::error(format!("expected `,` before `{attribute}`")).at(self.cursor.span(), "found this");
@@ -239,57 +228,32 @@ impl Parser {
         Ok(())
     }
 
-    /// `sphere, center V, radius S`; `None` where a value was out of range.
-    fn sphere(&mut self) -> Result<Option<Shape>, Reported> {
-        self.cursor.advance();
-        self.cursor.expect(Mark::Comma, "after `sphere`")?;
-        self.cursor.expect_word("center", "of the sphere")?;
-        let center = self.vector("the centre")?;
-        self.cursor.expect(Mark::Comma, "after the centre")?;
-        self.cursor.expect_word("radius", "of the sphere")?;
-        let radius = self.positive("the radius")?;
-        // Both values were judged where they stand.
-        Ok(Sphere::new(center.value, radius.unwrap_or(0.0)).ok().map(Shape::Sphere))
-    }
-
-    /// `rectangle, A, B, C`; `None` where a value was out of range.
-    fn rectangle(&mut self) -> Result<Option<Shape>, Reported> {
-        self.cursor.advance();
-        let mut corners = [Placed { value: DVec3::ZERO, span: self.cursor.span() }; 3];
-        for (corner, letter) in corners.iter_mut().zip(["A", "B", "C"]) {
-            self.cursor.expect(Mark::Comma, &format!("before corner {letter} of the rectangle"))?;
-            *corner = self.vector(&format!("corner {letter}"))?;
+    /// Reads a kind of shape or light and its values; `what` names it in messages. `elsewhere` are words of other sections, each
+    /// with a hint where it belongs. The value is `None` where it is out of range, which is reported.
+    fn kind<T>(
+        &mut self,
+        what: &str,
+        kinds: &'static [Syntax<T>],
+        mut elsewhere: impl Iterator<Item = (&'static str, &'static str)>,
+    ) -> Result<(&'static Syntax<T>, Option<T>), Reported> {
+        let word = self.cursor.word(0).unwrap_or_default();
+        if let Some(kind) = kinds.iter().find(|kind| kind.keyword.word == word) {
+            self.cursor.advance();
+            return Ok((kind, (kind.parse)(self)?));
         }
-        let [a, b, c] = corners.map(|corner| corner.value);
-        let span = corners[0].span.to(corners[2].span);
-        let diagnostic = match Rectangle::new(a, b, c) {
-            Ok(rectangle) => return Ok(Some(Shape::Rectangle(rectangle))),
-            Err(ShapeError::NoEdge(first, second)) => Diagnostic::error("an edge of the rectangle has no length")
-                .at(corners[second].span, "the same as the corner before")
-                .at(corners[first].span, "the corner before")
-                .help("give three corners in order, clockwise as seen from the front; the fourth follows"),
-            Err(ShapeError::Skewed(cosine)) => {
-                let angle = cosine.clamp(-1.0, 1.0).acos().to_degrees();
-                let edge = a - b;
-                let square = c - edge * ((c - b).dot(edge) / edge.length_squared());
-                let message =
-                    format!("the edges of the rectangle are not perpendicular: they are {:.3}° off", (angle - 90.0).abs());
-                let mark = format!("at B they meet at {angle:.3}°, cosine {cosine:.4}; up to 0.001 is taken");
-                let diagnostic = Diagnostic::error(message).at(span, mark);
-                // Corners on one line leave nothing to build the right corner from.
-                let mend = (square - b).length() > 1e-3 * (c - b).length();
-                diagnostic.help_if(mend.then(|| format!("with this A and B, C could be {}", Vector(square))))
-            }
-            // Coordinates were judged where they stand, and rectangles have no radius.
-            Err(ShapeError::TooFar | ShapeError::Radius) => return Ok(None),
+        let words = || kinds.iter().map(|kind| kind.keyword.word);
+        let hint = match elsewhere.find(|(other, _)| *other == word) {
+            Some((_, hint)) => Some(hint.to_owned()),
+            None => nearest(word, words()).map(|near| format!("did you mean `{near}`?")),
         };
-        self.cursor.report(diagnostic);
-        Ok(None)
+        let message = format!("expected {}, found {}", one_of(words()), self.cursor.kind(0).describe());
+        let diagnostic = Diagnostic::error(message).at(self.cursor.span(), format!("not a {what}"));
+        Err(self.cursor.report(diagnostic.help_if(hint)))
     }
 
     /// A vector of numbers up to [`MAX_COORDINATE`]; `what` names it in messages. A component beyond is reported, and NaN in the
     /// value, which no shape and no camera accepts: so it does not lead to further errors.
-    fn vector(&mut self, what: &str) -> Result<Placed<DVec3>, Reported> {
+    pub(super) fn vector(&mut self, what: &str) -> Result<Placed<DVec3>, Reported> {
         let vector = self.cursor.vector(what)?;
         let components = vector.value.map(|number| {
             if number.value.abs() <= MAX_COORDINATE {
@@ -304,7 +268,7 @@ impl Parser {
     }
 
     /// A number greater than 0; one that is not is reported and left out.
-    fn positive(&mut self, what: &str) -> Result<Option<f64>, Reported> {
+    pub(super) fn positive(&mut self, what: &str) -> Result<Option<f64>, Reported> {
         let number = self.cursor.number(what)?;
         if (MIN_LENGTH..=MAX_COORDINATE).contains(&number.value) {
             return Ok(Some(number.value));
@@ -320,25 +284,15 @@ impl Parser {
         Ok(None)
     }
 
-    /// `{ , ATTRIBUTE }`.
-    fn attributes(&mut self) -> Result<Attributes, Reported> {
+    /// `{ , ATTRIBUTE }` of a body whose shape is of this kind.
+    fn attributes(&mut self, shape: &Syntax<Shape>) -> Result<Attributes, Reported> {
         let mut attributes = Attributes::default();
         let mut seen: [Option<Span>; 3] = [None; 3];
         while self.cursor.accept(Mark::Comma) {
             let span = self.cursor.span();
             let word = self.cursor.word(0).unwrap_or_default().to_owned();
             let Some(attribute) = ATTRIBUTES.iter().position(|known| *known == word) else {
-                let message = format!("expected an attribute of the body, found {}", self.cursor.kind(0).describe());
-                let near = nearest(&word, ATTRIBUTES).map(|near| format!("did you mean `{near}`?"));
-                let diagnostic = Diagnostic::error(message).at(span, "no attribute of this name").help_if(near);
-                let form = match word.as_str() {
-                    "radius" | "center" => "a sphere is written `sphere, center <x, y, z>, radius R`, each once",
-                    "color" | "colour" | "kr" | "kt" | "kd" | "ks" => "values belong in a session, or are given by `--set`",
-                    "" if self.cursor.sees_mark(0, Mark::Less) => "a rectangle has three corners; the fourth follows from them",
-                    _ => "the attributes are `refractive_index NUMBER`, `opaque` and `matte`",
-                };
-                self.cursor.report(diagnostic.help(form));
-                return Err(Reported);
+                return Err(self.unknown_attribute(&word, shape));
             };
             if let Some(first) = seen[attribute] {
                 let diagnostic = Diagnostic::warning(format!("`{word}` is given twice")).at(span, "the last one holds");
@@ -360,24 +314,41 @@ impl Parser {
         Ok(attributes)
     }
 
-    /// `NAME: point, V;`
+    /// Reports that a word is no attribute of a body.
+    fn unknown_attribute(&mut self, word: &str, shape: &Syntax<Shape>) -> Reported {
+        let message = format!("expected an attribute of the body, found {}", self.cursor.kind(0).describe());
+        let near = nearest(word, ATTRIBUTES).map(|near| format!("did you mean `{near}`?"));
+        let diagnostic = Diagnostic::error(message).at(self.cursor.span(), "no attribute of this name").help_if(near);
+        let with_clause = std::iter::once(shape).chain(Shape::SYNTAX).find(|kind| kind.has_clause(word));
+        let form = match word {
+            _ if with_clause.is_some() => with_clause.map(Syntax::form),
+            "color" | "colour" | "kr" | "kt" | "kd" | "ks" => {
+                Some("values belong in a session, or are given by `--set`".to_owned())
+            }
+            "" if self.cursor.sees_mark(0, Mark::Less) => Some(shape.form()),
+            _ => Some("the attributes are `refractive_index NUMBER`, `opaque` and `matte`".to_owned()),
+        };
+        self.cursor.report(diagnostic.help_if(form))
+    }
+
+    /// `NAME: KIND … ;`
     fn light(&mut self) -> Result<(), Reported> {
         let name = self.name("light")?;
-        match self.cursor.word(0) {
-            Some(word) if SHAPES.contains(&word) => {
-                let diagnostic =
-                    Diagnostic::error(format!("expected `point`, found `{word}`")).at(self.cursor.span(), "not a light");
-                self.cursor.report(diagnostic.help("bodies stand in the section `bodies;`"));
-                return Err(Reported);
-            }
-            Some(_) | None => self.cursor.expect_word("point", "(the only kind of light)")?,
-        }
-        self.cursor.expect(Mark::Comma, "after `point`")?;
-        let position = self.vector("the position of the light")?;
+        let bodies_belong = Shape::SYNTAX.iter().map(|kind| (kind.keyword.word, "bodies stand in the section `bodies;`"));
+        let (_, kind) = self.kind("kind of light", LightKind::SYNTAX, bodies_belong)?;
         self.cursor.expect(Mark::Semicolon, "after the light")?;
-        self.lights.push(Light { name: name.value, name_span: name.span, position: position.value });
+        if let Some(kind) = kind {
+            self.lights.push(Light { name: name.value, name_span: name.span, kind });
+        }
         Ok(())
     }
+}
+
+/// Words as a choice: "`a`", "`a` or `b`", "`a`, `b` or `c`".
+fn one_of(words: impl Iterator<Item = &'static str>) -> String {
+    let mut words: Vec<String> = words.map(|word| format!("`{word}`")).collect();
+    let last = words.pop().unwrap_or_default();
+    if words.is_empty() { last } else { format!("{} or {last}", words.join(", ")) }
 }
 
 /// What the attributes of a body say.

@@ -1,7 +1,7 @@
 //! A scene as text of the scene language, in one canonical form: one declaration a line, every number as short as it can be
 //! while it still reads back exactly.
 
-use crate::scene::{Camera, Light, Scene, Shape};
+use crate::scene::{Camera, Light, Scene};
 use glam::DVec3;
 use std::fmt::{Display, Formatter, Result};
 
@@ -29,16 +29,7 @@ impl Display for Scene {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         writeln!(f, "bodies;")?;
         for body in &self.bodies {
-            write!(f, "{}: ", body.name)?;
-            match &body.shape {
-                Shape::Sphere(sphere) => {
-                    write!(f, "sphere, center {}, radius {}", Vector(sphere.center()), Number(sphere.radius()))?;
-                }
-                Shape::Rectangle(rectangle) => {
-                    let [a, b, c] = rectangle.corners();
-                    write!(f, "rectangle, {}, {}, {}", Vector(a), Vector(b), Vector(c))?;
-                }
-            }
+            write!(f, "{}: {}", body.name, body.shape)?;
             if let Some(index) = body.refractive_index {
                 write!(f, ", refractive_index {}", Number(index))?;
             }
@@ -49,8 +40,8 @@ impl Display for Scene {
             writeln!(f, ";")?;
         }
         writeln!(f, "lights;")?;
-        for Light { name, position, .. } in &self.lights {
-            writeln!(f, "{name}: point, {};", Vector(*position))?;
+        for Light { name, kind, .. } in &self.lights {
+            writeln!(f, "{name}: {kind};")?;
         }
         write!(f, "{}", self.camera)
     }

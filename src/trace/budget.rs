@@ -1,9 +1,9 @@
 //! How much memory a picture may take: what is allowed, what is foreseen before tracing, and what is counted meanwhile.
 
-use crate::scene::Scene;
-use crate::trace::optics::Optics;
-use crate::trace::walk::follow;
+use crate::trace::tracer::Tracer;
+use crate::trace::walk::{RayEnd, trace_pixel};
 use crate::trace::{TraceError, View};
+use crate::world::World;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
@@ -62,12 +62,12 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// Foresees the tracing of `scene` under `view`. The sample is the same every time and for any number of threads.
+    /// Foresees the tracing of `world` under `view`. The sample is the same every time and for any number of threads.
     ///
     /// # Errors
     /// [`TraceError::Cancelled`] once `cancelled` is set.
-    pub fn new(scene: &Scene, view: &View, cancelled: &AtomicBool) -> Result<Self, TraceError> {
-        let optics = Optics::new(scene, view);
+    pub fn new(world: &World, view: &View, cancelled: &AtomicBool) -> Result<Self, TraceError> {
+        let tracer = Tracer::new(world, view);
         let pixels = view.pixels();
         let samples = (pixels / SAMPLED_SHARE).clamp(FEWEST_SAMPLES, MOST_SAMPLES).min(pixels);
         let add = |a: [u64; 3], b: [u64; 3]| [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
@@ -78,12 +78,9 @@ impl Estimate {
                     return Err(TraceError::Cancelled);
                 }
                 let mut counts = [0; 3];
-                follow(&optics, place(sample, view), &mut Vec::new(), |_: Option<()>, _, surface| match surface {
-                    Some(surface) => {
-                        let lit = scene.light_ids().filter(|light| optics.reaches(*light, surface)).count() as u64;
-                        counts = add(counts, [1, lit, 0]);
-                    }
-                    None => counts = add(counts, [0, 0, 1]),
+                trace_pixel(&tracer, place(sample, view), &mut Vec::new(), |_: Option<()>, _, end| match end {
+                    RayEnd::Hit(hit) => counts = add(counts, [1, tracer.lights(hit).count() as u64, 0]),
+                    RayEnd::Miss(_) => counts = add(counts, [0, 0, 1]),
                 });
                 Ok(counts)
             })

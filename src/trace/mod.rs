@@ -1,24 +1,24 @@
 //! A scene traced once: which bodies the rays of every pixel hit, by which paths, and which lights reach them.
 //!
 //! This is the slow half of the thesis's idea (4.2: trace once, shade again and again). What is found here depends on the
-//! scene and the [`View`] alone, not on any formula or parameter:
+//! world and the [`View`] alone, not on any formula or parameter:
 //!
 //! ```text
-//! scene + view ──▶ walk: rays step by step ──▶ gather ──▶ store: Hits ──▶ replay: surfaces ──▶ variables
-//!                     └ optics: one step
+//! world + view ──▶ walk: rays step by step ──▶ gather ──▶ store: Hits ──▶ replay: surfaces ──▶ variables
+//!                     └ tracer: one ray
 //! ```
 //!
-//! Intersections are the [scene](crate::scene)'s; colours are not known here.
+//! Intersections are the [world](crate::world)'s; colours are not known here.
 
 mod budget;
 mod gather;
 mod lookup;
 mod memory;
-mod optics;
 mod replay;
 mod store;
 #[cfg(test)]
 mod tests;
+mod tracer;
 mod variables;
 mod view;
 mod walk;
@@ -27,20 +27,21 @@ pub use crate::segment::{CHUNK_HITS, CHUNK_LINES, LINE_HITS, ROUND_LINES, Segmen
 pub use budget::{Budget, Estimate};
 pub use lookup::variable;
 pub use memory::usable_memory;
-pub use optics::{Beam, Optics, Surface};
-pub use replay::{Mismatch, replay};
+pub use replay::{Mismatch, replay, replay_misses};
 pub use store::{Counts, Group, Hits, Path, PathId, PathSets, Region, Span, Tile};
+pub use tracer::Tracer;
 pub use variables::{HitVariables, LightVariables};
 pub use view::{MAX_DEPTH, MAX_SIDE, View, ViewError};
 pub use walk::{Child, Edge, Node, Tree, ray_tree};
 
-use crate::scene::Scene;
+use crate::world::World;
 use budget::Ledger;
 use gather::{BYTES_PER_ENTRY, Gatherer};
 use rayon::prelude::*;
 use std::ops::Range;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
-use walk::follow;
+use walk::{RayEnd, trace_pixel};
 
 /// Progress is told and memory is counted after so many pixels.
 const PACE: u32 = 64;
@@ -78,18 +79,19 @@ impl std::fmt::Display for Bytes {
     }
 }
 
-/// Traces `scene` under `view`, on all threads of the current rayon pool; the result does not depend on their number.
+/// Traces `world` under `view`, on all threads of the current rayon pool; the result does not depend on their number.
 ///
 /// `progress` is told the share that is done, 0..=1, now and then, from any thread. Setting `cancelled` ends the work soon.
 ///
 /// ```
-/// # use illuminator::{lang::source::Source, scene::Scene, trace::{Budget, View, trace}};
-/// # use std::sync::atomic::AtomicBool;
+/// # use illuminator::{lang::source::Source, scene::Scene, trace::{Budget, View, trace}, world::World};
+/// # use std::sync::{Arc, atomic::AtomicBool};
 /// let text = "bodies; ball: sphere, center <0, 0, -5>, radius 1; lights; key: point, <3, 4, 0>;
 ///             camera; position <0, 0, 0>; gaze <0, 0, -1>; up <0, 1, 0>; fov 45;";
 /// let (scene, _) = Scene::parse(&Source::new("ball", text)).map_err(|errors| errors.len()).unwrap();
+/// let world = Arc::new(World::new(scene));
 /// let view = View::new(64, 48)?;
-/// let hits = trace(&scene, &view, &Budget::UNLIMITED, &|_| {}, &AtomicBool::new(false))?;
+/// let hits = trace(&world, &view, &Budget::UNLIMITED, &|_| {}, &AtomicBool::new(false))?;
 /// assert!(hits.counts().hits > 0);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -97,14 +99,14 @@ impl std::fmt::Display for Bytes {
 /// # Errors
 /// [`TraceError::Memory`] where the picture needs more than `budget`, foreseen or found; [`TraceError::Cancelled`].
 pub fn trace(
-    scene: &Scene,
+    world: &Arc<World>,
     view: &View,
     budget: &Budget,
     progress: &(dyn Fn(f64) + Sync),
     cancelled: &AtomicBool,
 ) -> Result<Hits, TraceError> {
-    let ledger = Ledger::open(budget, Estimate::new(scene, view, cancelled)?)?;
-    let optics = Optics::new(scene, view);
+    let ledger = Ledger::open(budget, Estimate::new(world, view, cancelled)?)?;
+    let tracer = Tracer::new(world, view);
     let pixels = view.pixels();
     let done = AtomicU32::new(0);
     let pace = |traced: u32| -> Result<(), TraceError> {
@@ -116,19 +118,18 @@ pub fn trace(
         .into_par_iter()
         .map(|tile| {
             let start = tile * TILE_PIXELS;
-            trace_tile(&optics, start..(start + TILE_PIXELS).min(pixels), &ledger, &pace)
+            trace_tile(&tracer, start..(start + TILE_PIXELS).min(pixels), &ledger, &pace)
         })
         .collect::<Result<_, _>>()?;
-    Ok(Hits { view: *view, tiles })
+    Ok(Hits { world: Arc::clone(world), view: *view, tiles })
 }
 
 fn trace_tile(
-    optics: &Optics,
+    tracer: &Tracer,
     pixels: Range<u32>,
     ledger: &Ledger,
     pace: &(dyn Fn(u32) -> Result<(), TraceError> + Sync),
 ) -> Result<Tile, TraceError> {
-    let scene = optics.scene();
     let mut gatherer = Gatherer::default();
     let (mut stack, mut lights) = (Vec::new(), Vec::new());
     let mut entries = 0;
@@ -138,22 +139,22 @@ fn trace_tile(
         for pixel in chunk.clone() {
             // Tiles are small enough.
             let place = (pixel - pixels.start) as u16;
-            follow(optics, pixel, &mut stack, |parent, edge, surface| {
-                let path = gatherer.path(parent, edge, surface.map(|surface| surface.body));
-                match surface {
-                    Some(surface) => {
-                        lights.clear();
-                        lights.extend(scene.light_ids().filter(|light| optics.reaches(*light, surface)));
-                        gatherer.hit(path, &lights, place);
-                        hits += 1;
-                        records += lights.len() as u64;
-                    }
-                    None => {
-                        gatherer.miss(path, place);
-                        misses += 1;
-                    }
+            trace_pixel(tracer, pixel, &mut stack, |parent, edge, end| match end {
+                RayEnd::Hit(hit) => {
+                    let path = gatherer.path(parent, edge, Some(hit.body));
+                    lights.clear();
+                    lights.extend(tracer.lights(hit));
+                    gatherer.hit(path, &lights, place);
+                    hits += 1;
+                    records += lights.len() as u64;
+                    path
                 }
-                path
+                RayEnd::Miss(_) => {
+                    let path = gatherer.path(parent, edge, None);
+                    gatherer.miss(path, place);
+                    misses += 1;
+                    path
+                }
             });
             gatherer.finish_pixel();
         }

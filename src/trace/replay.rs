@@ -1,31 +1,33 @@
-//! The surfaces of hits, worked out again from the store alone.
+//! The rays of a pixel again, from the store alone.
 //!
 //! A stored hit knows its pixel and its path, that is the body at every step. Following them takes one intersection a step,
-//! with a body that is known; nothing is searched, and the numbers are those of the tracing, bit for bit. So another formula
-//! gets its variables without another tracing (thesis 4.2.1).
+//! with a known body; nothing is searched, and the numbers are those of the tracing, bit for bit. So another formula
+//! gets its variables without tracing again (thesis 4.2.1), and a ray that left the scene gets its direction.
 
 use crate::scene::BodyId;
-use crate::trace::optics::{Optics, Surface};
-use crate::trace::store::{Group, Tile};
+use crate::trace::store::{Group, Span, Tile};
+use crate::trace::tracer::Tracer;
 use crate::trace::walk::Edge;
+use crate::world::{Ray, SurfaceHit};
+use glam::DVec3;
 use std::ops::Range;
 
-/// The store does not belong to the scene or the view.
+/// The store does not belong to the world or the view.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("the stored hits are not those of this scene and view")]
 pub struct Mismatch;
 
-/// Hands each of `hits` (their numbers in the tile, those outside the group are passed over) to `each`, in order: its number, its pixel
-/// counted over the picture, and its surface.
+/// Passes each of `hits` (their numbers in the tile; those outside the group are skipped) to `visit`, in order: its number, its
+/// pixel counted over the picture, and its surface.
 ///
 /// # Errors
-/// [`Mismatch`] where a stored hit does not exist: `optics` are not those that were traced.
+/// [`Mismatch`] where a stored hit does not exist: the tracer's world and view are not those that were traced.
 pub fn replay(
-    optics: &Optics,
+    tracer: &Tracer,
     tile: &Tile,
     group: &Group,
     hits: Range<u32>,
-    mut each: impl FnMut(u32, u32, &Surface),
+    mut visit: impl FnMut(u32, u32, &SurfaceHit),
 ) -> Result<(), Mismatch> {
     let spans = tile.spans_of(group);
     let first = spans.partition_point(|span| span.hits.end <= hits.start);
@@ -37,8 +39,8 @@ pub fn replay(
             let end = begin + pixels.len() as u32;
             for hit in begin.max(hits.start)..end.min(hits.end) {
                 let pixel = tile.pixels.start + pixels.start as u32 + (hit - begin);
-                let surface = follow_steps(optics, pixel, &steps).ok_or(Mismatch)?;
-                each(hit, pixel, &surface);
+                let (_, surface) = last_ray(tracer, pixel, &steps).ok_or(Mismatch)?;
+                visit(hit, pixel, &surface.ok_or(Mismatch)?);
             }
             if end >= hits.end {
                 break;
@@ -49,18 +51,36 @@ pub fn replay(
     Ok(())
 }
 
-/// The surface at the end of a path that is known.
-fn follow_steps(optics: &Optics, pixel: u32, steps: &[(Edge, Option<BodyId>)]) -> Option<Surface> {
-    let mut last: Option<Surface> = None;
-    for (edge, body) in steps {
-        let beam = match edge {
-            Edge::Primary => optics.primary(pixel),
-            Edge::Reflected => optics.reflected(&last?)?,
-            Edge::Refracted => optics.refracted(&last?)?,
-        };
-        let body = (*body)?;
-        let distance = optics.meets(&beam, body)?;
-        last = Some(optics.surface(&beam, body, distance));
+/// Passes the misses of a span of the tile to `visit`, in order: the pixel counted over the picture, and the direction, of unit
+/// length, in which the ray left the scene.
+///
+/// # Errors
+/// [`Mismatch`] where a hit on the way does not exist: the tracer's world and view are not those that were traced.
+pub fn replay_misses(tracer: &Tracer, tile: &Tile, span: &Span, mut visit: impl FnMut(u32, DVec3)) -> Result<(), Mismatch> {
+    let steps = tile.steps(span.path);
+    for pixel in tile.miss_segments_of(span).iter().flat_map(|segment| segment.pixels()) {
+        let pixel = tile.pixels.start + pixel as u32;
+        let (ray, _) = last_ray(tracer, pixel, &steps).ok_or(Mismatch)?;
+        visit(pixel, ray.direction);
     }
-    last
+    Ok(())
+}
+
+/// The last ray of a known path, and the surface that it hits where the path ends on a body.
+fn last_ray(tracer: &Tracer, pixel: u32, steps: &[(Edge, Option<BodyId>)]) -> Option<(Ray, Option<SurfaceHit>)> {
+    let mut last = None;
+    let mut hit: Option<SurfaceHit> = None;
+    for (edge, body) in steps {
+        let ray = match edge {
+            Edge::Primary => tracer.primary(pixel),
+            Edge::Reflected => tracer.reflected(&hit?)?,
+            Edge::Refracted => tracer.refracted(&hit?)?,
+        };
+        hit = match body {
+            Some(body) => Some(tracer.hit_on(&ray, *body)?),
+            None => None,
+        };
+        last = Some(ray);
+    }
+    Some((last?, hit))
 }

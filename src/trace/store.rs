@@ -16,8 +16,10 @@ use crate::scene::{BodyId, LightId};
 use crate::segment::{Segment, TILE_PIXELS};
 use crate::trace::View;
 use crate::trace::walk::Edge;
+use crate::world::World;
 use smallvec::SmallVec;
 use std::ops::{Add, Range};
+use std::sync::Arc;
 
 /// A path by its place in its tile's list.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -218,8 +220,10 @@ impl Add for Counts {
 }
 
 /// The hits of a whole picture.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub struct Hits {
+    /// The world that was traced.
+    pub world: Arc<World>,
     /// The view that was traced.
     pub view: View,
     /// [`TILE_PIXELS`](crate::segment::TILE_PIXELS) pixels each, the last one what is left, in the order of pixels.
@@ -227,9 +231,9 @@ pub struct Hits {
 }
 
 impl Hits {
-    /// No hits, for who needs only the view: as if nothing had been traced.
-    pub fn untraced(view: View) -> Self {
-        Self { view, tiles: Vec::new() }
+    /// No hits, for evaluators that trace for themselves.
+    pub fn untraced(world: &Arc<World>, view: View) -> Self {
+        Self { world: Arc::clone(world), view, tiles: Vec::new() }
     }
 
     /// What is in the picture.
@@ -237,7 +241,7 @@ impl Hits {
         self.tiles.iter().map(Tile::counts).fold(Counts::default(), Counts::add)
     }
 
-    /// The memory it takes, in bytes.
+    /// The memory it takes, without the world, in bytes.
     pub fn bytes(&self) -> u64 {
         self.tiles.iter().map(Tile::bytes).sum()
     }

@@ -3,20 +3,25 @@
 
 use super::*;
 use crate::lang::source::Source;
-use crate::scene::{BodyId, Light, LightId, Scene};
+use crate::scene::{BodyId, Light, LightId, LightKind, PointLight, Scene};
 use std::collections::BTreeMap;
 use std::sync::Mutex;
 
 /// The scene that this text describes.
-pub(super) fn scene(text: &str) -> Scene {
+fn scene(text: &str) -> Scene {
     let source = Source::new("scene", text);
     Scene::parse(&source).unwrap_or_else(|errors| panic!("{}", errors.render(&source, false))).0
 }
 
+/// The world that this text describes.
+pub(super) fn world(text: &str) -> Arc<World> {
+    Arc::new(World::new(scene(text)))
+}
+
 /// A glass ball and a metal one on a floor before a mirror, two lamps; everything `scale` times as large.
-fn room(scale: f64) -> Scene {
+fn room(scale: f64) -> Arc<World> {
     let at = |x: f64, y: f64, z: f64| format!("<{:e}, {:e}, {:e}>", scale * x, scale * y, scale * z);
-    scene(&format!(
+    world(&format!(
         "bodies;
          glass: sphere, center {}, radius {:e}, refractive_index 1.52;
          metal: sphere, center {}, radius {:e}, opaque;
@@ -47,41 +52,36 @@ fn room(scale: f64) -> Scene {
 }
 
 /// The same room, with so many lamps more, around it.
-fn bright_room(lamps: u32) -> Scene {
-    let mut scene = room(1.0);
+fn bright_room(lamps: u32) -> Arc<World> {
+    let mut scene = Scene::clone(room(1.0).scene());
     for lamp in 0..lamps {
         let (z, x) = (1.3 + std::f64::consts::TAU * f64::from(lamp) / f64::from(lamps)).sin_cos();
-        let position = [5.0 * x, 4.0, 5.0 * z].into();
-        scene.lights.push(Light { name: format!("lamp{lamp}"), position, ..scene.lights[0].clone() });
+        let kind = LightKind::Point(PointLight::new([5.0 * x, 4.0, 5.0 * z].into()));
+        scene.lights.push(Light { name: format!("lamp{lamp}"), kind, ..scene.lights[0].clone() });
     }
-    scene
+    Arc::new(World::new(scene))
 }
 
 fn view(width: u32, height: u32, depth: u32) -> View {
     View::new(width, height).unwrap().with_depth(depth).unwrap()
 }
 
-fn traced(scene: &Scene, view: &View) -> Hits {
-    trace(scene, view, &Budget::UNLIMITED, &|_| {}, &AtomicBool::new(false)).unwrap()
+fn traced(world: &Arc<World>, view: &View) -> Hits {
+    trace(world, view, &Budget::UNLIMITED, &|_| {}, &AtomicBool::new(false)).unwrap()
 }
 
-/// The node of a tree at the end of a path, and whether the path leaves the scene from there.
-fn node_at(tree: &Tree, steps: &[(Edge, Option<BodyId>)]) -> (Option<usize>, bool) {
-    let mut at = if tree.nodes.is_empty() { Child::Miss } else { Child::Hit(0) };
-    let mut node: Option<usize> = None;
+/// The ray of a tree at the end of a path.
+fn child_at(tree: &Tree, steps: &[(Edge, Option<BodyId>)]) -> Child {
+    let mut at = tree.primary;
     for (edge, _) in steps {
-        at = match (edge, node) {
-            (Edge::Primary, _) | (_, None) => at,
-            (Edge::Reflected, Some(node)) => tree.nodes[node].reflected,
-            (Edge::Refracted, Some(node)) => tree.nodes[node].refracted,
+        at = match (edge, at) {
+            (Edge::Primary, primary) => primary,
+            (Edge::Reflected, Child::Hit(node)) => tree.nodes[node].reflected,
+            (Edge::Refracted, Child::Hit(node)) => tree.nodes[node].refracted,
+            (_, Child::None | Child::Miss(_)) => panic!("a path over a ray that does not exist"),
         };
-        match at {
-            Child::Hit(index) => node = Some(index),
-            Child::Miss => return (node, true),
-            Child::None => panic!("a path over a ray that does not exist"),
-        }
     }
-    (node, false)
+    at
 }
 
 /// The pixels of some segments, counted from the tile's first.
@@ -92,34 +92,34 @@ fn pixels_of(segments: &[Segment]) -> impl Iterator<Item = usize> {
 #[test]
 fn store_and_replay_are_what_the_trees_say_bit_for_bit() {
     let (room, bright) = (room(1.0), bright_room(10));
-    for (scene, view) in [
+    for (world, view) in [
         (&room, view(160, 120, 5)),
         (&room, view(40, 30, 9).with_offset([0.1, 0.8])),
         (&room, view(40, 30, 4).with_shadows(false)),
         (&bright, view(80, 60, 5)),
     ] {
-        let hits = traced(scene, &view);
+        let hits = traced(world, &view);
         let mut scattered: BTreeMap<(u32, usize), Vec<LightId>> = BTreeMap::new();
-        let optics = Optics::new(scene, &view);
-        let trees: Vec<Tree> = (0..view.pixels()).map(|pixel| ray_tree(&optics, pixel)).collect();
+        let tracer = Tracer::new(world, &view);
+        let trees: Vec<Tree> = (0..view.pixels()).map(|pixel| ray_tree(&tracer, pixel)).collect();
         let mut seen = 0;
         for tile in &hits.tiles {
             for group in &tile.groups {
                 let mut last = None;
-                replay(&optics, tile, group, group.hits.clone(), |hit, pixel, surface| {
+                replay(&tracer, tile, group, group.hits.clone(), |hit, pixel, surface| {
                     assert_eq!(hit, last.map_or(group.hits.start, |last: u32| last + 1));
                     last = Some(hit);
                     let span = tile.spans_of(group).iter().find(|span| span.hits.contains(&hit)).unwrap();
                     let place = pixels_of(tile.segments_of(span)).nth((hit - span.hits.start) as usize).unwrap();
                     assert_eq!(pixel as usize, tile.pixels.start as usize + place);
                     let tree = &trees[pixel as usize];
-                    let node = node_at(tree, &tile.steps(span.path)).0.unwrap();
+                    let Child::Hit(node) = child_at(tree, &tile.steps(span.path)) else { panic!("no hit") };
                     if group.scattered {
                         scattered.entry((pixel, node)).or_default().extend(&group.lights);
                     }
                     let node = &tree.nodes[node];
-                    assert_eq!(node.surface, *surface);
-                    assert_eq!(node.surface.body, group.body);
+                    assert_eq!(node.hit, *surface);
+                    assert_eq!(node.hit.body, group.body);
                     if !group.scattered {
                         assert_eq!(*node.lights, *group.lights);
                     }
@@ -128,22 +128,26 @@ fn store_and_replay_are_what_the_trees_say_bit_for_bit() {
                 .unwrap();
             }
             for span in &tile.misses {
-                for pixel in pixels_of(tile.miss_segments_of(span)) {
-                    let tree = &trees[tile.pixels.start as usize + pixel];
-                    assert!(node_at(tree, &tile.steps(span.path)).1);
-                }
+                let mut pixels = pixels_of(tile.miss_segments_of(span));
+                replay_misses(&tracer, tile, span, |pixel, direction| {
+                    assert_eq!(Some((pixel - tile.pixels.start) as usize), pixels.next());
+                    // The same bits, too: directions are compared, not points.
+                    assert_eq!(child_at(&trees[pixel as usize], &tile.steps(span.path)), Child::Miss(direction));
+                })
+                .unwrap();
+                assert_eq!(pixels.next(), None);
             }
         }
         let nodes: usize = trees.iter().map(|tree| tree.nodes.len()).sum();
         let misses = |tree: &Tree| {
             let children = tree.nodes.iter().flat_map(|node| [node.reflected, node.refracted]);
-            children.filter(|child| *child == Child::Miss).count() + usize::from(tree.nodes.is_empty())
+            children.chain([tree.primary]).filter(|child| matches!(child, Child::Miss(_))).count()
         };
         // Scattered hits are once in a group of each of their lights.
         for ((pixel, node), lights) in &scattered {
             assert_eq!(*trees[*pixel as usize].nodes[*node].lights, **lights);
         }
-        assert_eq!(scattered.is_empty(), scene.lights.len() < 10);
+        assert_eq!(scattered.is_empty(), world.scene().lights.len() < 10);
         let copies: u32 = hits.tiles.iter().map(|tile| tile.copies).sum();
         assert_eq!(copies as usize, scattered.values().map(|lights| lights.len() - 1).sum::<usize>());
         assert_eq!(seen, nodes + copies as usize);
@@ -156,14 +160,14 @@ fn store_and_replay_are_what_the_trees_say_bit_for_bit() {
 
 #[test]
 fn a_part_of_a_group_replays_as_in_the_whole() {
-    let (scene, view) = (room(1.0), view(80, 60, 5));
-    let hits = traced(&scene, &view);
-    let optics = Optics::new(&scene, &view);
+    let (world, view) = (room(1.0), view(80, 60, 5));
+    let hits = traced(&world, &view);
+    let tracer = Tracer::new(&world, &view);
     let tile = &hits.tiles[0];
     let group = tile.groups.iter().max_by_key(|group| group.spans.len()).unwrap();
     let collect = |range: Range<u32>| {
         let mut all = Vec::new();
-        replay(&optics, tile, group, range, |lane, _, surface| all.push((lane, *surface))).unwrap();
+        replay(&tracer, tile, group, range, |lane, _, surface| all.push((lane, *surface))).unwrap();
         all
     };
     let whole = collect(0..u32::MAX);
@@ -178,13 +182,16 @@ fn a_part_of_a_group_replays_as_in_the_whole() {
 
 #[test]
 fn a_store_of_another_scene_is_noticed() {
-    let (scene, view) = (room(1.0), view(40, 30, 3));
-    let hits = traced(&scene, &view);
-    let mut other = scene.clone();
+    let (world, view) = (room(1.0), view(40, 30, 3));
+    let hits = traced(&world, &view);
+    let mut other = Scene::clone(world.scene());
     other.camera =
         crate::scene::Camera::new([0.0, 100.0, 0.0].into(), [0.0, 1.0, 0.0].into(), [1.0, 0.0, 0.0].into(), 45.0).unwrap();
-    let optics = Optics::new(&other, &view);
-    assert_eq!(replay(&optics, &hits.tiles[0], &hits.tiles[0].groups[0], 0..u32::MAX, |_, _, _| {}), Err(Mismatch));
+    let other = World::new(other);
+    let (tracer, tile) = (Tracer::new(&other, &view), &hits.tiles[0]);
+    assert_eq!(replay(&tracer, tile, &tile.groups[0], 0..u32::MAX, |_, _, _| {}), Err(Mismatch));
+    let after_a_hit = tile.misses.iter().find(|span| tile.steps(span.path).len() > 1).unwrap();
+    assert_eq!(replay_misses(&tracer, tile, after_a_hit, |_, _| {}), Err(Mismatch));
 }
 
 #[test]
@@ -229,10 +236,10 @@ fn groups_and_spans_are_in_order_and_complete() {
 
 #[test]
 fn the_number_of_threads_does_not_matter() {
-    let (scene, view) = (room(1.0), view(256, 192, 5));
+    let (world, view) = (room(1.0), view(256, 192, 5));
     let with = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| (traced(&scene, &view), Estimate::new(&scene, &view, &AtomicBool::new(false)).unwrap()))
+        pool.install(|| (traced(&world, &view).tiles, Estimate::new(&world, &view, &AtomicBool::new(false)).unwrap()))
     };
     assert_eq!(with(1), with(2));
 }
@@ -241,9 +248,9 @@ fn the_number_of_threads_does_not_matter() {
 fn a_scene_looks_the_same_at_any_scale() {
     let view = view(64, 48, 7);
     let shape = |scale| -> Vec<(usize, usize)> {
-        let scene = room(scale);
-        let optics = Optics::new(&scene, &view);
-        let trees = (0..view.pixels()).map(|pixel| ray_tree(&optics, pixel));
+        let world = room(scale);
+        let tracer = Tracer::new(&world, &view);
+        let trees = (0..view.pixels()).map(|pixel| ray_tree(&tracer, pixel));
         trees.map(|tree| (tree.nodes.len(), tree.nodes.iter().map(|node| node.lights.len()).sum())).collect()
     };
     let unit = shape(1.0);
@@ -263,7 +270,7 @@ fn nothing_but_the_primary_rays_at_depth_one() {
 
 #[test]
 fn a_scene_without_bodies_is_all_background() {
-    let empty = scene("bodies; lights; camera; position <0,0,0>; gaze <0,0,-1>; up <0,1,0>; fov 45;");
+    let empty = world("bodies; lights; camera; position <0,0,0>; gaze <0,0,-1>; up <0,1,0>; fov 45;");
     let hits = traced(&empty, &view(10, 10, 5));
     assert_eq!(hits.counts(), Counts { hits: 0, records: 0, paths: 1, groups: 0, misses: 100 });
     assert_eq!(hits.tiles[0].paths, [Path { parent: None, edge: Edge::Primary, body: None }]);
@@ -271,7 +278,7 @@ fn a_scene_without_bodies_is_all_background() {
 
 #[test]
 fn hits_that_no_light_reaches_are_kept_for_the_ambient_light() {
-    let dark = scene(
+    let dark = world(
         "bodies; s: sphere, center <0,0,-5>, radius 1, opaque, matte; lights;
          camera; position <0,0,0>; gaze <0,0,-1>; up <0,1,0>; fov 10;",
     );
@@ -282,29 +289,29 @@ fn hits_that_no_light_reaches_are_kept_for_the_ambient_light() {
 
 #[test]
 fn the_estimate_is_near_the_truth() {
-    let (scene, view) = (room(1.0), view(320, 240, 5));
-    let estimate = Estimate::new(&scene, &view, &AtomicBool::new(false)).unwrap();
-    let counts = traced(&scene, &view).counts();
+    let (world, view) = (room(1.0), view(320, 240, 5));
+    let estimate = Estimate::new(&world, &view, &AtomicBool::new(false)).unwrap();
+    let counts = traced(&world, &view).counts();
     for (foreseen, found) in [(estimate.hits, counts.hits), (estimate.records, counts.records), (estimate.misses, counts.misses)]
     {
         assert!((foreseen as f64 / found as f64 - 1.0).abs() < 0.05, "{foreseen} for {found}");
     }
-    let tiny = Estimate::new(&scene, &self::view(1, 1, 5), &AtomicBool::new(false)).unwrap();
-    assert_eq!(tiny.hits, traced(&scene, &self::view(1, 1, 5)).counts().hits);
+    let tiny = Estimate::new(&world, &self::view(1, 1, 5), &AtomicBool::new(false)).unwrap();
+    assert_eq!(tiny.hits, traced(&world, &self::view(1, 1, 5)).counts().hits);
 }
 
 #[test]
 fn memory_beyond_the_budget_is_refused_beforehand_or_meanwhile() {
-    let (scene, view) = (room(1.0), view(320, 240, 5));
+    let (world, view) = (room(1.0), view(320, 240, 5));
     let budget = Budget { bytes: 1 << 20, fixed_bytes: 0, bytes_per_record: 64, bytes_per_hit: 16, bytes_per_pixel: 12 };
-    let refused = trace(&scene, &view, &budget, &|_| panic!("it was foreseen"), &AtomicBool::new(false));
+    let refused = trace(&world, &view, &budget, &|_| panic!("it was foreseen"), &AtomicBool::new(false));
     let Err(error @ TraceError::Memory { needed, budget: 1_048_576, pixels: 76_800 }) = refused else {
         panic!("{refused:?}");
     };
     assert!(needed > 10 << 20 && needed < 40 << 20, "{needed}");
     assert!(error.to_string().contains("1.0 MiB may be used"), "{error}");
     // The estimate leaves out the tables of a tile; the ledger does not.
-    let estimate = Estimate::new(&scene, &view, &AtomicBool::new(false)).unwrap();
+    let estimate = Estimate::new(&world, &view, &AtomicBool::new(false)).unwrap();
     let tight = Budget { bytes: estimate.hits * 2, fixed_bytes: 0, bytes_per_record: 0, bytes_per_hit: 0, bytes_per_pixel: 0 };
     let ledger = Ledger::open(&tight, Estimate { hits: 1, ..Estimate::default() }).unwrap();
     assert!(ledger.charge(1, 0, tight.bytes).is_ok());
@@ -313,14 +320,14 @@ fn memory_beyond_the_budget_is_refused_beforehand_or_meanwhile() {
 
 #[test]
 fn progress_reaches_the_end_and_cancelling_ends_the_work() {
-    let (scene, view) = (room(1.0), view(320, 240, 3));
+    let (world, view) = (room(1.0), view(320, 240, 3));
     let told = Mutex::new(Vec::new());
-    trace(&scene, &view, &Budget::UNLIMITED, &|share| told.lock().unwrap().push(share), &AtomicBool::new(false)).unwrap();
+    trace(&world, &view, &Budget::UNLIMITED, &|share| told.lock().unwrap().push(share), &AtomicBool::new(false)).unwrap();
     let told = told.into_inner().unwrap();
     assert_eq!(told.iter().copied().fold(0.0, f64::max), 1.0);
     assert!(told.iter().all(|share| (0.0..=1.0).contains(share)));
     let cancelled = AtomicBool::new(false);
     let stop = |_| cancelled.store(true, Ordering::Relaxed);
-    assert_eq!(trace(&scene, &view, &Budget::UNLIMITED, &stop, &cancelled), Err(TraceError::Cancelled));
-    assert_eq!(trace(&scene, &view, &Budget::UNLIMITED, &|_| {}, &cancelled), Err(TraceError::Cancelled));
+    assert_eq!(trace(&world, &view, &Budget::UNLIMITED, &stop, &cancelled).err(), Some(TraceError::Cancelled));
+    assert_eq!(trace(&world, &view, &Budget::UNLIMITED, &|_| {}, &cancelled).err(), Some(TraceError::Cancelled));
 }

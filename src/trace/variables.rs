@@ -1,7 +1,6 @@
 //! The variables that formulas read at a hit (thesis 9.2.3): worked out in f64, handed out as f32.
 
-use crate::scene::{Light, Scene};
-use crate::trace::optics::Surface;
+use crate::world::{LightSample, SurfaceHit, World};
 use glam::{DVec3, Vec3};
 
 /// The variables of a hit that are the same for every light. Directions are of unit length, angles in 0..π.
@@ -44,31 +43,32 @@ fn angle(a: DVec3, b: DVec3) -> f32 {
 }
 
 impl HitVariables {
-    /// The variables at a hit of that scene.
-    pub fn of(scene: &Scene, surface: &Surface) -> Self {
-        let tangent = scene.body(surface.body).shape.tangent(surface.front_normal());
+    /// The variables at a hit in that world.
+    pub fn new(world: &World, hit: &SurfaceHit) -> Self {
+        let (normal, tangent) = (hit.shading_normal, world.tangent(hit));
         Self {
-            normal: surface.normal.as_vec3(),
-            view: surface.view.as_vec3(),
-            point: surface.point.as_vec3(),
-            gamma: angle(surface.normal, surface.view),
+            normal: normal.as_vec3(),
+            view: hit.view.as_vec3(),
+            point: hit.point.as_vec3(),
+            gamma: angle(normal, hit.view),
             tangent: tangent.as_vec3(),
-            bitangent: surface.normal.cross(tangent).as_vec3(),
+            bitangent: normal.cross(tangent).as_vec3(),
         }
     }
 }
 
 impl LightVariables {
-    /// The variables at a hit for one light, whether it reaches the hit or not.
-    pub fn of(surface: &Surface, light: &Light) -> Self {
-        let (direction, distance) = surface.toward(light);
-        let mirrored = 2.0 * surface.normal.dot(direction) * surface.normal - direction;
-        let half = (direction + surface.view).try_normalize().unwrap_or(surface.normal);
+    /// The variables at a hit for one light, as the hit sees it, whether it reaches the hit or not.
+    pub fn new(hit: &SurfaceHit, sample: &LightSample) -> Self {
+        let LightSample { direction, distance } = *sample;
+        let normal = hit.shading_normal;
+        let mirrored = 2.0 * normal.dot(direction) * normal - direction;
+        let half = (direction + hit.view).try_normalize().unwrap_or(normal);
         Self {
             light: direction.as_vec3(),
             mirrored: mirrored.as_vec3(),
-            alpha: angle(surface.normal, direction),
-            beta: angle(mirrored, surface.view),
+            alpha: angle(normal, direction),
+            beta: angle(mirrored, hit.view),
             half: half.as_vec3(),
             distance: distance as f32,
         }
@@ -78,22 +78,33 @@ impl LightVariables {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lang::source::Span;
-    use crate::scene::{BodyId, Side};
-    use crate::trace::tests::scene;
+    use crate::scene::{BodyId, LightId};
+    use crate::trace::tests::world;
+    use crate::world::{PrimitiveId, Side};
 
-    fn light(position: [f64; 3]) -> Light {
-        Light { name: "l".into(), name_span: Span::default(), position: position.into() }
+    fn hit(side: Side) -> SurfaceHit {
+        SurfaceHit {
+            body: BodyId(0),
+            primitive: PrimitiveId::ONLY,
+            side,
+            point: DVec3::ZERO,
+            geometric_normal: DVec3::Z,
+            shading_normal: DVec3::Z,
+            view: DVec3::new(0.6, 0.0, 0.8),
+            distance: 1.0,
+        }
     }
 
-    fn surface(side: Side) -> Surface {
-        let view = DVec3::new(0.6, 0.0, 0.8);
-        Surface { body: BodyId(0), side, point: DVec3::ZERO, normal: DVec3::Z, view, distance: 1.0 }
+    fn of_light_at(position: &str) -> LightVariables {
+        let world =
+            world(&format!("bodies; lights; l: point, {position}; camera; position <0,0,5>; gaze <0,0,-1>; up <0,1,0>; fov 45;"));
+        let hit = hit(Side::Front);
+        LightVariables::new(&hit, &world.emitter(LightId(0)).sample(&hit))
     }
 
     #[test]
     fn directions_and_angles_at_a_known_place() {
-        let variables = LightVariables::of(&surface(Side::Front), &light([-6.0, 0.0, 8.0]));
+        let variables = of_light_at("<-6, 0, 8>");
         assert_eq!(variables.light, Vec3::new(-0.6, 0.0, 0.8));
         assert!(variables.mirrored.abs_diff_eq(Vec3::new(0.6, 0.0, 0.8), 1e-7));
         assert!((variables.alpha - 0.8f32.acos()).abs() < 1e-6);
@@ -104,22 +115,22 @@ mod tests {
 
     #[test]
     fn the_degenerate_cases_are_finite() {
-        let opposite = LightVariables::of(&surface(Side::Front), &light([-0.6, 0.0, -0.8]));
+        let opposite = of_light_at("<-0.6, 0, -0.8>");
         assert_eq!(opposite.half, Vec3::Z);
-        let within = LightVariables::of(&surface(Side::Front), &light([0.0; 3]));
+        let within = of_light_at("<0, 0, 0>");
         assert_eq!((within.light, within.alpha, within.distance), (Vec3::Z, 0.0, 0.0));
     }
 
     #[test]
     fn tangents_go_with_the_front_and_bitangents_with_the_side() {
-        let scene = scene(
+        let world = world(
             "bodies; s: sphere, center <0,0,0>, radius 1; lights;
              camera; position <0,0,5>; gaze <0,0,-1>; up <0,1,0>; fov 45;",
         );
-        let outside = HitVariables::of(&scene, &surface(Side::Front));
+        let outside = HitVariables::new(&world, &hit(Side::Front));
         assert_eq!((outside.tangent, outside.bitangent), (Vec3::X, Vec3::Y));
         assert!((outside.gamma - 0.8f32.acos()).abs() < 1e-6);
-        let inside = HitVariables::of(&scene, &surface(Side::Back));
+        let inside = HitVariables::new(&world, &hit(Side::Back));
         assert_eq!((inside.tangent, inside.bitangent), (Vec3::NEG_X, Vec3::NEG_Y));
     }
 }

@@ -1,7 +1,8 @@
 //! What is asked of the tracing of one scene: picture size, depth, shadows, default index of refraction; and the primary
 //! ray of each pixel (thesis 3.2.1, 8.4).
 
-use crate::scene::{Camera, Ray};
+use crate::scene::Camera;
+use crate::world::Ray;
 
 /// The largest width and height in pixels; a picture's pixels so always fit 32 bits.
 pub const MAX_SIDE: u32 = 32_768;
@@ -122,7 +123,7 @@ impl View {
         let column = f64::from(pixel % self.width) + self.offset[0];
         let row = f64::from(pixel / self.width) + self.offset[1];
         let (x, y) = ((2.0 * column - width) / height, (height - 2.0 * row) / height);
-        Ray { origin: camera.position(), direction: camera.direction(x, y) }
+        Ray { origin: camera.position(), direction: camera.direction(x, y), leaves: None }
     }
 }
 

@@ -1,11 +1,13 @@
-//! The tree of rays of one pixel (thesis 3.2.2, 3.2.3): the one place that says which rays follow which, and the tree
-//! itself for who wants to see a pixel's whole.
+//! The tree of rays of one pixel (thesis 3.2.2, 3.2.3): the one place that decides which rays follow which, and the tree
+//! itself for those who want to see a whole pixel.
 //!
-//! All children are followed whatever their weight, which may be changed later (thesis 6.2.1), but for those that the scene
-//! rules out (matte, opaque) or that do not exist (total reflection, depth). Nothing here recurses.
+//! All children are traced whatever their weight, which may be changed later (thesis 6.2.1), except those that the scene
+//! rules out (matte, opaque) or that do not exist (total reflection, maximum depth). Nothing here recurses.
 
 use crate::scene::LightId;
-use crate::trace::optics::{Beam, Optics, Surface};
+use crate::trace::tracer::Tracer;
+use crate::world::{Ray, SurfaceHit};
+use glam::DVec3;
 
 /// How a ray came to be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -18,48 +20,56 @@ pub enum Edge {
     Refracted,
 }
 
-/// A ray that is yet to be followed; `T` is what the caller knows of the hit it comes from.
+/// Where a ray ends.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum RayEnd<'r> {
+    /// On a surface.
+    Hit(&'r SurfaceHit),
+    /// Nowhere: it leaves the scene in this direction, of unit length.
+    Miss(DVec3),
+}
+
+/// A ray that is yet to be traced; `T` is what the caller knows of the hit it comes from.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Pending<T> {
-    beam: Beam,
+    ray: Ray,
     from: Option<T>,
     edge: Edge,
     depth: u32,
 }
 
-/// Follows all rays of a pixel, parents before their children and the reflected child's whole tree before the refracted.
+/// Traces all rays of a pixel, parents before their children and the reflected child's whole tree before the refracted.
 ///
-/// `arrive` is told where each ray came from, how, and what it hit, `None` if it left the scene; what it returns is handed to
-/// it as the origin of the ray's children. `stack` is scratch that is empty before and after.
-pub(super) fn follow<T: Copy>(
-    optics: &Optics,
+/// `visit` learns where each ray came from, how, and where it ended. What it returns is passed to it as the origin of the
+/// ray's children. `stack` is scratch memory, empty before and after.
+pub(super) fn trace_pixel<T: Copy>(
+    tracer: &Tracer,
     pixel: u32,
     stack: &mut Vec<Pending<T>>,
-    mut arrive: impl FnMut(Option<T>, Edge, Option<&Surface>) -> T,
+    mut visit: impl FnMut(Option<T>, Edge, RayEnd) -> T,
 ) {
-    stack.push(Pending { beam: optics.primary(pixel), from: None, edge: Edge::Primary, depth: 1 });
-    while let Some(Pending { beam, from, edge, depth }) = stack.pop() {
-        let Some((body, distance)) = optics.nearest(&beam) else {
-            arrive(from, edge, None);
+    stack.push(Pending { ray: tracer.primary(pixel), from: None, edge: Edge::Primary, depth: 1 });
+    while let Some(Pending { ray, from, edge, depth }) = stack.pop() {
+        let Some(hit) = tracer.hit(&ray) else {
+            visit(from, edge, RayEnd::Miss(ray.direction));
             continue;
         };
-        let surface = optics.surface(&beam, body, distance);
-        let from = Some(arrive(from, edge, Some(&surface)));
-        if depth < optics.view().depth() {
-            let children = [(Edge::Refracted, optics.refracted(&surface)), (Edge::Reflected, optics.reflected(&surface))];
-            let pending = |(edge, beam): (Edge, Option<Beam>)| Some(Pending { beam: beam?, from, edge, depth: depth + 1 });
+        let from = Some(visit(from, edge, RayEnd::Hit(&hit)));
+        if depth < tracer.view().depth() {
+            let children = [(Edge::Refracted, tracer.refracted(&hit)), (Edge::Reflected, tracer.reflected(&hit))];
+            let pending = |(edge, ray): (Edge, Option<Ray>)| Some(Pending { ray: ray?, from, edge, depth: depth + 1 });
             stack.extend(children.into_iter().filter_map(pending));
         }
     }
 }
 
-/// What became of a child ray.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// What became of a ray.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Child {
     /// There is none: the depth is reached, the surface has none, or it is totally reflected. It adds nothing.
     None,
-    /// It left the scene, and has the colour of the background.
-    Miss,
+    /// It left the scene in this direction, of unit length.
+    Miss(DVec3),
     /// It hit something: the index of the node.
     Hit(usize),
 }
@@ -67,8 +77,8 @@ pub enum Child {
 /// A hit in the tree of a pixel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Node {
-    /// Where.
-    pub surface: Surface,
+    /// The surface.
+    pub hit: SurfaceHit,
     /// The lights that reach it, in the order of declaration.
     pub lights: Vec<LightId>,
     /// The reflected ray.
@@ -77,29 +87,32 @@ pub struct Node {
     pub refracted: Child,
 }
 
-/// The hits of one pixel's rays, parents before children; without any where the primary ray left the scene.
-#[derive(Debug, Clone, PartialEq, Default)]
+/// All rays of one pixel.
+#[derive(Debug, Clone, PartialEq)]
 pub struct Tree {
-    /// The hits; the primary ray's is the first.
+    /// The primary ray.
+    pub primary: Child,
+    /// The hits, parents before children.
     pub nodes: Vec<Node>,
 }
 
 /// Traces one pixel.
-pub fn ray_tree(optics: &Optics, pixel: u32) -> Tree {
-    let mut tree = Tree::default();
-    follow(optics, pixel, &mut Vec::new(), |from: Option<usize>, edge, surface| {
+pub fn ray_tree(tracer: &Tracer, pixel: u32) -> Tree {
+    let mut tree = Tree { primary: Child::None, nodes: Vec::new() };
+    trace_pixel(tracer, pixel, &mut Vec::new(), |from: Option<usize>, edge, end| {
         let index = tree.nodes.len();
-        let child = if surface.is_some() { Child::Hit(index) } else { Child::Miss };
-        if let Some(parent) = from.and_then(|from| tree.nodes.get_mut(from)) {
-            match edge {
-                Edge::Primary => {}
-                Edge::Reflected => parent.reflected = child,
-                Edge::Refracted => parent.refracted = child,
+        let child = match end {
+            RayEnd::Hit(hit) => {
+                let lights = tracer.lights(hit).collect();
+                tree.nodes.push(Node { hit: *hit, lights, reflected: Child::None, refracted: Child::None });
+                Child::Hit(index)
             }
-        }
-        if let Some(surface) = surface {
-            let lights = optics.scene().light_ids().filter(|light| optics.reaches(*light, surface)).collect();
-            tree.nodes.push(Node { surface: *surface, lights, reflected: Child::None, refracted: Child::None });
+            RayEnd::Miss(direction) => Child::Miss(direction),
+        };
+        match (from.and_then(|from| tree.nodes.get_mut(from)), edge) {
+            (Some(parent), Edge::Reflected) => parent.reflected = child,
+            (Some(parent), Edge::Refracted) => parent.refracted = child,
+            (_, Edge::Primary) | (None, Edge::Reflected | Edge::Refracted) => tree.primary = child,
         }
         index
     });

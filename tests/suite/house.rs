@@ -3,27 +3,41 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Each room with those it may import. Data flows one way: text → syntax → formula → {bytecode, compiled code}; scene → hits →
+/// Each room with those it may import. Data flows one way: text → syntax → formula → {bytecode, compiled code}; scene → world → hits →
 /// evaluation → picture; what a user edits sits on top, and the program above all.
-const ROOMS: [(&str, &[&str]); 16] = [
+const ROOMS: [(&str, &[&str]); 17] = [
     ("lang", &[]),
     ("formula", &["lang"]),
     ("scene", &["lang"]),
+    ("world", &["scene"]),
     ("segment", &[]),
-    ("trace", &["lang", "scene", "segment"]),
-    ("bytecode", &["lang", "formula", "scene", "trace"]),
+    ("trace", &["lang", "scene", "world", "segment"]),
+    ("bytecode", &["lang", "formula", "scene", "world", "trace"]),
     ("plan", &["lang", "formula"]),
     ("jit", &["lang", "formula", "plan", "segment"]),
     ("transfer", &[]),
-    ("evaluate", &["lang", "formula", "scene", "trace", "plan", "transfer"]),
-    ("backends", &["lang", "formula", "scene", "trace", "bytecode", "plan", "jit", "transfer", "evaluate"]),
-    ("engine", &["formula", "scene", "trace", "evaluate", "backends"]),
+    ("evaluate", &["lang", "formula", "scene", "world", "trace", "plan", "transfer"]),
+    ("backends", &["lang", "formula", "scene", "world", "trace", "bytecode", "plan", "jit", "transfer", "evaluate"]),
+    ("engine", &["formula", "scene", "world", "trace", "evaluate", "backends"]),
     ("picture", &["evaluate", "transfer", "workspace"]),
     ("presets", &[]),
     ("workspace", &["lang", "formula", "scene", "trace", "presets", "transfer"]),
     (
         "preview",
-        &["lang", "formula", "scene", "trace", "plan", "evaluate", "backends", "engine", "picture", "presets", "workspace"],
+        &[
+            "lang",
+            "formula",
+            "scene",
+            "world",
+            "trace",
+            "plan",
+            "evaluate",
+            "backends",
+            "engine",
+            "picture",
+            "presets",
+            "workspace",
+        ],
     ),
 ];
 

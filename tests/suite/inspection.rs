@@ -11,6 +11,7 @@ use illuminator::scene::Scene;
 use illuminator::trace::View;
 use illuminator::workspace::files::Location;
 use illuminator::workspace::{Session, Values};
+use illuminator::world::World;
 use std::sync::Arc;
 
 fn read(location: &Location, kind: Kind) -> Source {
@@ -29,11 +30,11 @@ fn every_preset_adds_up_to_the_interpreters_pixel() {
         let (scene, _) = Scene::parse(&read(&session.scene, Kind::Scene)).expect("a scene");
         let (given, _) = session.assignments(Values::defaults(&formula, &scene).roster());
         let (values, _) = Values::new(&formula, &scene, &given);
-        let (formula, scene) = (Arc::new(formula), Arc::new(scene));
-        let inspector = Inspector::new(&formula, &scene, values.numbers());
+        let (formula, world) = (Arc::new(formula), Arc::new(World::new(scene)));
+        let inspector = Inspector::new(&formula, &world, values.numbers());
         for (depth, shadows) in (1..=6).flat_map(|depth| [(depth, false), (depth, true)]) {
             let view = View::new(10, 5).and_then(|view| view.with_depth(depth)).expect("within range").with_shadows(shadows);
-            let interpreted = Interpreted::new(&formula, &scene, view).expect("small code");
+            let interpreted = Interpreted::new(&formula, &world, view).expect("small code");
             let frame = interpreted.frame(values.numbers());
             for (place, expected) in frame.linear.iter().enumerate() {
                 let pixel = [place as u32 % 10, place as u32 / 10];
@@ -47,7 +48,7 @@ fn every_preset_adds_up_to_the_interpreters_pixel() {
                 }
                 for ray in &inspection.rays {
                     let End::Hit(hit) = &ray.end else { continue };
-                    assert_eq!(hit.lights.len(), scene.lights.len(), "{what}");
+                    assert_eq!(hit.lights.len(), world.scene().lights.len(), "{what}");
                     for light in &hit.lights {
                         let lit = light.visibility == Visibility::Lit;
                         assert!(lit || shadows && light.contribution == [0.0; 3], "{what}: {light:?}");

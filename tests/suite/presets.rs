@@ -9,6 +9,7 @@ use illuminator::presets::{self, Kind};
 use illuminator::scene::Scene;
 use illuminator::trace::View;
 use illuminator::workspace::{Setting, Values};
+use illuminator::world::World;
 use std::sync::Arc;
 
 fn source(kind: Kind, name: &str) -> Source {
@@ -22,16 +23,16 @@ const SETTINGS: [&[&str]; 2] = [&[], &["*.kr=0.3", "*.kt=0.5", "*.ki=0.7", "back
 fn backends_agree_on_every_preset() {
     for scene_name in presets::names(Kind::Scene) {
         let (scene, _) = Scene::parse(&source(Kind::Scene, scene_name)).expect("a sound scene");
-        let scene = Arc::new(scene);
+        let world = Arc::new(World::new(scene));
         let view = View::new(96, 54).expect("a size in range");
         for formula_name in presets::names(Kind::Formula) {
             let (formula, _) = Formula::parse(&source(Kind::Formula, formula_name)).expect("a sound formula");
             let formula = Arc::new(formula);
-            let subject = Subject { formula: Arc::clone(&formula), scene: Arc::clone(&scene), view };
+            let subject = Subject { formula: Arc::clone(&formula), world: Arc::clone(&world), view };
             let compiled = Engine::default().evaluator(&subject, &Task::UNWATCHED).expect("compiled code takes the presets");
-            let interpreted = Interpreted::new(&formula, &scene, view).expect("the interpreter takes the presets");
+            let interpreted = Interpreted::new(&formula, &world, view).expect("the interpreter takes the presets");
             for settings in SETTINGS {
-                let mut values = Values::defaults(&formula, &scene);
+                let mut values = Values::defaults(&formula, world.scene());
                 let settings = settings.iter().map(|text| text.parse::<Setting>().expect("a setting"));
                 let given: Vec<_> = settings.flat_map(|setting| setting.resolve(values.roster()).expect("known names")).collect();
                 values.assign(&given);

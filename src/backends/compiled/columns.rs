@@ -12,7 +12,7 @@ use crate::lang::scalars::flush;
 use crate::lang::variables::Variable;
 use crate::scene::LightId;
 use crate::trace::{
-    CHUNK_LINES, Group, HitVariables, Hits, LINE_HITS, LightVariables, Mismatch, Optics, ROUND_LINES, Tile, replay, variable,
+    CHUNK_LINES, Group, HitVariables, Hits, LINE_HITS, LightVariables, Mismatch, ROUND_LINES, Tile, Tracer, replay, variable,
 };
 use rayon::prelude::*;
 use std::ops::Range;
@@ -99,7 +99,8 @@ impl Chunk {
 
 impl Columns {
     /// Works out the static values of all tiles.
-    pub(super) fn of_tiles(compiled: &CompiledFormula, optics: &Optics, hits: &Hits) -> Result<Vec<Self>, Mismatch> {
+    pub(super) fn of_tiles(compiled: &CompiledFormula, hits: &Hits) -> Result<Vec<Self>, Mismatch> {
+        let tracer = Tracer::new(&hits.world, &hits.view);
         let frontier = &compiled.plan.bindings.frontier;
         // Where no light reaches, nothing is evaluated.
         let lit = |group: &Group| !group.lights.is_empty();
@@ -117,7 +118,7 @@ impl Columns {
         }
         hits.tiles.par_iter().zip(&arrangements).zip(parts).try_for_each(|((tile, arrangement), lines)| {
             let mut leaves = LeafColumns::new(compiled);
-            (0..tile.groups.len()).try_for_each(|index| fill(compiled, optics, tile, arrangement, index, lines, &mut leaves))
+            (0..tile.groups.len()).try_for_each(|index| fill(compiled, &tracer, tile, arrangement, index, lines, &mut leaves))
         })?;
         let memory = Arc::new(memory);
         let mut end = 0;
@@ -217,7 +218,7 @@ impl Part {
 /// Fills the columns of a group in the memory of its tile.
 fn fill(
     compiled: &CompiledFormula,
-    optics: &Optics,
+    tracer: &Tracer,
     tile: &Tile,
     arrangement: &Arrangement,
     index: usize,
@@ -233,7 +234,7 @@ fn fill(
         // A tile has fewer than 2³² hits.
         let first = group.hits.start + (chunk.first * LINE_HITS) as u32;
         let end = (first + (chunk.lines * LINE_HITS) as u32).min(group.hits.end);
-        leaves.gather(optics, tile, group, first..end)?;
+        leaves.gather(tracer, tile, group, first..end)?;
         let start = arrangement.chunk(own, &chunk);
         let part = &mut memory[start..start + columns * chunk.lines];
         let (hit_part, record_part) = part.split_at_mut(chunk.lines * arrangement.hit_columns);
@@ -275,20 +276,20 @@ impl LeafColumns {
 
     /// Works out the variables of these hits for all lights of the group. Lanes beyond keep what was there: it is read, but nothing
     /// comes of it.
-    fn gather(&mut self, optics: &Optics, tile: &Tile, group: &Group, hits: Range<u32>) -> Result<(), Mismatch> {
-        let scene = optics.scene();
+    fn gather(&mut self, tracer: &Tracer, tile: &Tile, group: &Group, hits: Range<u32>) -> Result<(), Mismatch> {
+        let world = tracer.world();
         while self.records.len() < group.lights.len() {
             self.records.push(vec![Line::default(); CHUNK_LINES * self.record_leaves.len()]);
         }
         let first = hits.start;
-        replay(optics, tile, group, hits, |hit, _, surface| {
+        replay(tracer, tile, group, hits, |hit, _, surface| {
             let place = (hit - first) as usize;
-            let own = HitVariables::of(scene, surface);
+            let own = HitVariables::new(world, surface);
             let put = |stream: &mut [Line], columns: usize, column: usize, value: f32| {
                 stream[place / Line::RECORDS * columns + column].0[place % Line::RECORDS] = flush(value);
             };
             for (light, stream) in group.lights.iter().zip(&mut self.records) {
-                let record = LightVariables::of(surface, scene.light(*light));
+                let record = LightVariables::new(surface, &world.emitter(*light).sample(surface));
                 for (column, (symbol, component)) in self.record_leaves.iter().enumerate() {
                     put(stream, self.record_leaves.len(), column, variable(*symbol, &own, &record)[*component]);
                 }

@@ -20,8 +20,7 @@ use crate::jit::{AHEAD, CompiledFormula, Kernel, KernelCache, Line, Splat};
 use crate::lang::scalars::flush;
 use crate::lang::variables::Owner;
 use crate::plan::{Channels, ParameterSlot};
-use crate::scene::Scene;
-use crate::trace::{Hits, Mismatch, Optics, TILE_PIXELS};
+use crate::trace::{Hits, Mismatch, TILE_PIXELS};
 use columns::Columns;
 use drag::CompiledDrag;
 use pass::{Accumulate, Pass, Source, TileScratch};
@@ -51,9 +50,9 @@ impl Backend for Jit {
         Ok(Footprint { per_hit: numbers(frontier.hits.len()), per_record: numbers(frontier.records.len()), per_pair })
     }
 
-    fn prepare(&self, formula: &Arc<Formula>, scene: &Arc<Scene>, hits: &Arc<Hits>) -> Result<Arc<dyn Evaluator>, EvaluateError> {
+    fn prepare(&self, formula: &Arc<Formula>, hits: &Arc<Hits>) -> Result<Arc<dyn Evaluator>, EvaluateError> {
         let compiled = self.kernels.compiled(formula)?;
-        Ok(Arc::new(Compiled::new(compiled, formula, scene, hits)?))
+        Ok(Arc::new(Compiled::new(compiled, formula, hits)?))
     }
 }
 
@@ -76,10 +75,10 @@ impl Compiled {
     /// Computes the static values of all records, on all threads of the current pool.
     ///
     /// # Errors
-    /// `hits` are not those of `scene`.
-    pub fn new(compiled: Arc<CompiledFormula>, formula: &Formula, scene: &Scene, hits: &Arc<Hits>) -> Result<Self, Mismatch> {
-        let optics = Optics::new(scene, &hits.view);
-        let columns = Columns::of_tiles(&compiled, &optics, hits)?;
+    /// The tiles of `hits` are not those of its world and view.
+    pub fn new(compiled: Arc<CompiledFormula>, formula: &Formula, hits: &Arc<Hits>) -> Result<Self, Mismatch> {
+        let scene = hits.world.scene();
+        let columns = Columns::of_tiles(&compiled, hits)?;
         let leaves = compiled.plan.contribution.leaves(&compiled.plan.bindings.graph, &formula.parameters);
         Ok(Self {
             compiled,

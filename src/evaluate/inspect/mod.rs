@@ -20,14 +20,15 @@ use crate::formula::{Formula, ParameterId, Term};
 use crate::lang::builtins::Stack;
 use crate::lang::scalars::{Floats, Scalars, flush};
 use crate::lang::variables::{Owner, Predefined};
-use crate::scene::{BodyId, LightId, Ray, Scene, Side};
-use crate::trace::{Child, Edge, HitVariables, LightVariables, Node, Optics, Tree, View, ray_tree, variable};
+use crate::scene::{BodyId, LightId};
+use crate::trace::{Child, Edge, HitVariables, LightVariables, Node, Tracer, Tree, View, ray_tree, variable};
+use crate::world::{Intersection, Ray, Side, World};
 
 /// A formula on a scene with the values of its parameters, to be looked into.
 #[derive(Debug, Clone, Copy)]
 pub struct Inspector<'i> {
     formula: &'i Formula,
-    scene: &'i Scene,
+    world: &'i World,
     equation: Equation,
     parameters: &'i [f32],
 }
@@ -44,14 +45,15 @@ struct Pending {
 }
 
 impl<'i> Inspector<'i> {
-    /// Looks into `formula` on `scene` with these parameter numbers, those of [`Evaluator::frame`](crate::evaluate::Evaluator::frame).
+    /// Looks into `formula` in `world` with these parameter numbers, those of [`Evaluator::frame`](crate::evaluate::Evaluator::frame).
     ///
     /// # Panics
     /// Where there are fewer numbers than the [`Layout`](crate::formula::layout::Layout) of formula and scene has.
-    pub fn new(formula: &'i Formula, scene: &'i Scene, parameters: &'i [f32]) -> Self {
+    pub fn new(formula: &'i Formula, world: &'i World, parameters: &'i [f32]) -> Self {
+        let scene = world.scene();
         let equation = Equation::new(formula, scene.bodies.len(), scene.lights.len());
         assert!(parameters.len() >= equation.layout.len(), "as many parameter numbers as the formula and the scene have");
-        Self { formula, scene, equation, parameters }
+        Self { formula, world, equation, parameters }
     }
 
     /// Follows the rays of a pixel, column and row from the top left; `None` outside the picture.
@@ -61,8 +63,8 @@ impl<'i> Inspector<'i> {
             return None;
         }
         let place = row * view.width() + column;
-        let optics = Optics::new(self.scene, view);
-        let mut rays = self.follow(&optics, place, &ray_tree(&optics, place));
+        let tracer = Tracer::new(self.world, view);
+        let mut rays = self.follow(&tracer, place, &ray_tree(&tracer, place));
         // Children come after their parents.
         for index in (0..rays.len()).rev() {
             rays[index].total = self.brought(&rays, index);
@@ -79,15 +81,14 @@ impl<'i> Inspector<'i> {
     }
 
     /// All rays with what is found at their ends, but not yet what their children bring.
-    fn follow(&self, optics: &Optics, pixel: u32, tree: &Tree) -> Vec<InspectedRay> {
+    fn follow(&self, tracer: &Tracer, pixel: u32, tree: &Tree) -> Vec<InspectedRay> {
         let mut rays: Vec<InspectedRay> = Vec::new();
-        let child = if tree.nodes.is_empty() { Child::Miss } else { Child::Hit(0) };
-        let ray = optics.primary(pixel).ray;
+        let (child, ray) = (tree.primary, tracer.primary(pixel));
         let mut stack = vec![Pending { child, edge: Edge::Primary, parent: None, depth: 1, ray, factor: 1.0, weight: 1.0 }];
         while let Some(Pending { child, edge, parent, depth, ray, factor, weight }) = stack.pop() {
             let node = match child {
                 Child::None => continue,
-                Child::Miss => None,
+                Child::Miss(_) => None,
                 Child::Hit(index) => tree.nodes.get(index),
             };
             let index = rays.len();
@@ -101,20 +102,20 @@ impl<'i> Inspector<'i> {
             let (end, own) = match node {
                 None => (End::Background, self.equation.sum(Site::Miss, self.parameters, 0)),
                 Some(node) => {
-                    let hit = self.hit(optics, node);
+                    let hit = self.hit(tracer, node);
                     let own = own(&hit);
                     (End::Hit(Box::new(hit)), own)
                 }
             };
-            if let Some(Node { surface, reflected, refracted, .. }) = node {
-                let body = surface.body.index();
+            if let Some(Node { hit, reflected, refracted, .. }) = node {
+                let body = hit.body.index();
                 let children = [
-                    (Edge::Refracted, *refracted, optics.refracted(surface), REFRACTED),
-                    (Edge::Reflected, *reflected, optics.reflected(surface), REFLECTED),
+                    (Edge::Refracted, *refracted, tracer.refracted(hit), REFRACTED),
+                    (Edge::Reflected, *reflected, tracer.reflected(hit), REFLECTED),
                 ];
-                stack.extend(children.into_iter().filter_map(|(edge, child, beam, factor)| {
+                stack.extend(children.into_iter().filter_map(|(edge, child, ray, factor)| {
                     let factor = self.predefined(factor, body)[0];
-                    let (ray, weight) = (beam?.ray, weight * f64::from(factor));
+                    let (ray, weight) = (ray?, weight * f64::from(factor));
                     Some(Pending { child, edge, parent: Some(index), depth: depth + 1, ray, factor, weight })
                 }));
             }
@@ -126,24 +127,24 @@ impl<'i> Inspector<'i> {
     }
 
     /// A hit with its lights; what becomes of child rays is told when they are followed.
-    fn hit(&self, optics: &Optics, node: &Node) -> InspectedHit {
-        let surface = &node.surface;
-        let body = self.scene.body(surface.body);
-        let variables = HitVariables::of(self.scene, surface);
-        let refracted = optics.refracted(surface);
+    fn hit(&self, tracer: &Tracer, node: &Node) -> InspectedHit {
+        let surface = &node.hit;
+        let body = self.world.scene().body(surface.body);
+        let variables = HitVariables::new(self.world, surface);
+        let refracted = tracer.refracted(surface);
         let crossing = (!body.opaque).then(|| Crossing {
             entering: surface.side == Side::Front,
-            n12: optics.ratio(surface),
-            angle: refracted.map(|beam| degrees(-surface.normal.dot(beam.ray.direction))),
+            n12: tracer.relative_index(surface),
+            angle: refracted.map(|ray| degrees(-surface.shading_normal.dot(ray.direction))),
         });
         let ambient = self.equation.sum(Site::Hit, self.parameters, surface.body.index());
         InspectedHit {
             surface: *surface,
             variables,
-            incidence: degrees(surface.normal.dot(surface.view)),
+            incidence: degrees(surface.shading_normal.dot(surface.view)),
             crossing,
             ambient,
-            lights: self.scene.light_ids().map(|light| self.light(optics, node, &variables, light)).collect(),
+            lights: self.world.scene().light_ids().map(|light| self.light(tracer, node, &variables, light)).collect(),
             reflected: if body.matte { Onward::Matte } else { Onward::Depth },
             refracted: match refracted {
                 _ if body.opaque => Onward::Opaque,
@@ -153,22 +154,23 @@ impl<'i> Inspector<'i> {
         }
     }
 
-    fn light(&self, optics: &Optics, node: &Node, hit: &HitVariables, light: LightId) -> InspectedLight {
-        let surface = &node.surface;
+    fn light(&self, tracer: &Tracer, node: &Node, hit: &HitVariables, light: LightId) -> InspectedLight {
+        let surface = &node.hit;
         let visibility = if node.lights.contains(&light) {
             Visibility::Lit
-        } else if optics.faces(light, surface) {
-            let mut between: Vec<(BodyId, f64)> = optics.obstacles(light, surface).collect();
-            between.sort_by(|one, other| one.1.total_cmp(&other.1));
-            Visibility::Shadowed(between.into_iter().map(|(body, _)| body).collect())
+        } else if tracer.faces(light, surface) {
+            let mut occluders: Vec<Intersection> = tracer.occluders(light, surface).collect();
+            occluders.sort_by(|one, other| one.distance.total_cmp(&other.distance));
+            Visibility::Shadowed(occluders.into_iter().map(|occluder| occluder.body).collect())
         } else {
             Visibility::Away
         };
-        let variables = LightVariables::of(surface, self.scene.light(light));
+        let sample = self.world.emitter(light).sample(surface);
+        let variables = LightVariables::new(surface, &sample);
         let local = self.values(surface.body, light, hit, &variables)[self.formula.result.0 as usize];
         let intensity = self.equation.light_weight(self.parameters, light.index());
         let contribution = if visibility == Visibility::Lit { weighed(intensity, local) } else { [0.0; 3] };
-        let angle = degrees(surface.normal.dot(surface.toward(self.scene.light(light)).0));
+        let angle = degrees(surface.shading_normal.dot(sample.direction));
         InspectedLight { light, visibility, angle, variables, intensity, local, contribution }
     }
 

@@ -1,7 +1,8 @@
 //! What an inspection finds, as plain data: the tree of a pixel's rays with everything that is known of each.
 
-use crate::scene::{BodyId, LightId, Ray};
-use crate::trace::{Edge, HitVariables, LightVariables, Surface};
+use crate::scene::{BodyId, LightId};
+use crate::trace::{Edge, HitVariables, LightVariables};
+use crate::world::{Ray, SurfaceHit};
 
 /// How the colour of one pixel comes about.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,7 +53,7 @@ pub enum End {
 #[derive(Debug, Clone, PartialEq)]
 pub struct InspectedHit {
     /// Which body, where, from which side, how far from the ray's start (f64, world units).
-    pub surface: Surface,
+    pub surface: SurfaceHit,
     /// The variables that formulas read here.
     pub variables: HitVariables,
     /// The angle between the ray and the normal in degrees, 0..90.

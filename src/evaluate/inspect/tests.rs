@@ -2,12 +2,13 @@
 
 use super::*;
 use crate::lang::source::Source;
+use crate::scene::Scene;
 use crate::workspace::{Setting, Values};
 
 /// A formula on a scene with values, looked into at the one pixel of a picture.
 struct Bench {
     formula: Formula,
-    scene: Scene,
+    world: World,
     values: Values,
     view: View,
 }
@@ -24,11 +25,11 @@ impl Bench {
             .flat_map(|text| text.parse::<Setting>().expect("a setting").resolve(values.roster()).expect("known names"))
             .collect();
         assert_eq!(values.assign(&given), []);
-        Self { formula, scene, values, view: View::new(1, 1).expect("a size") }
+        Self { formula, world: World::new(scene), values, view: View::new(1, 1).expect("a size") }
     }
 
     fn inspector(&self) -> Inspector<'_> {
-        Inspector::new(&self.formula, &self.scene, self.values.numbers())
+        Inspector::new(&self.formula, &self.world, self.values.numbers())
     }
 
     fn inspect(&self) -> Inspection {

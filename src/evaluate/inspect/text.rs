@@ -7,8 +7,8 @@ use crate::evaluate::inspect::{
     Crossing, End, InspectedHit, InspectedLight, InspectedRay, Inspection, Inspector, Onward, Visibility,
 };
 use crate::lang::variables::Predefined;
-use crate::scene::Side;
 use crate::trace::Edge;
+use crate::world::Side;
 use glam::DVec3;
 
 /// What is equal is written on one line up to this length in characters, without its indentation; else one below the other.
@@ -96,11 +96,11 @@ impl Writer<'_> {
         };
         self.line(&format!(
             "hits the {side} of `{}` at {}, distance {}, {} from the normal {}",
-            self.inspector.scene.body(surface.body).name,
+            self.inspector.world.scene().body(surface.body).name,
             vector(surface.point),
             figures(surface.distance),
             angle(hit.incidence),
-            vector(surface.normal),
+            vector(surface.shading_normal),
         ));
         hit.lights.iter().for_each(|light| self.light(hit, light));
         let body_colour = self.inspector.predefined(Predefined::BodyColour, surface.body.index());
@@ -115,7 +115,7 @@ impl Writer<'_> {
     }
 
     fn light(&mut self, hit: &InspectedHit, light: &InspectedLight) {
-        let scene = self.inspector.scene;
+        let scene = self.inspector.world.scene();
         let name = &scene.light(light.light).name;
         let place = format!("{} from the normal, distance {}", angle(light.angle), scalar(light.variables.distance));
         match &light.visibility {

@@ -20,7 +20,7 @@ impl Inspecting {
     /// Looks into a pixel.
     pub(super) fn look_into(&mut self, workshop: &Workshop, pixel: [u32; 2]) {
         let Ok(view) = workshop.view() else { return };
-        let inspector = Inspector::new(workshop.formula(), workshop.scene(), workshop.values().numbers());
+        let inspector = Inspector::new(workshop.formula(), workshop.world(), workshop.values().numbers());
         self.inspection = inspector.inspect(&view, pixel).map(|inspection| (inspection, workshop.stamp()));
     }
 
@@ -156,7 +156,7 @@ fn light_ui(ui: &mut Ui, workshop: &Workshop, hit: &InspectedHit, light: &Inspec
     };
     let title = format!("light {name}, {}°: {state}", figures(light.angle));
     CollapsingHeader::new(title).id_salt(("light", light.light)).show(ui, |ui| {
-        let inspector = Inspector::new(workshop.formula(), scene, workshop.values().numbers());
+        let inspector = Inspector::new(workshop.formula(), workshop.world(), workshop.values().numbers());
         let Some(instance) = inspector.instance(hit, light.light) else { return };
         for line in &instance.lines {
             let name = line.name.as_deref().unwrap_or("");

@@ -5,7 +5,7 @@ use crate::preview::app::theme::Theme;
 use crate::preview::renderer::Picture;
 use crate::preview::workshop::Workshop;
 use crate::scene::BodyId;
-use crate::trace::{MAX_SIDE, Optics, ray_tree};
+use crate::trace::{MAX_SIDE, Tracer};
 use crate::workspace::OwnerId;
 use egui::{Rect, Sense, Ui, vec2};
 
@@ -287,12 +287,12 @@ fn notch(event: &egui::Event) -> i32 {
 
 /// The body that is seen in a pixel.
 pub(super) fn body_at(workshop: &Workshop, [x, y]: [u32; 2]) -> Option<BodyId> {
-    let view = workshop.view().ok()?.with_depth(1).ok()?;
+    let view = workshop.view().ok()?;
     if x >= view.width() || y >= view.height() {
         return None;
     }
-    let tree = ray_tree(&Optics::new(workshop.scene(), &view), y * view.width() + x);
-    tree.nodes.first().map(|node| node.surface.body)
+    let tracer = Tracer::new(workshop.world(), &view);
+    tracer.hit(&tracer.primary(y * view.width() + x)).map(|hit| hit.body)
 }
 
 /// So many columns of one picture and the rest of the other, with a line between.

@@ -9,6 +9,7 @@ use crate::lang::token::{Mark, TokenKind};
 use crate::lang::types::Type;
 use crate::lang::variables::{Predefined, Variable};
 use crate::presets::Kind;
+use crate::scene::{LightKind, Shape};
 use std::ops::Range;
 
 /// Something that may be written.
@@ -171,15 +172,21 @@ fn in_scene(words: &Words, start: usize) -> Vec<Candidate> {
     let heads =
         keywords::SCENE_SECTIONS.iter().map(|keyword| Candidate { insert: format!("{};", keyword.word), ..meaning(keyword) });
     let section = words.section(start);
-    let follow = |table: &[Keyword]| table.iter().map(meaning).collect::<Vec<_>>();
     match (section, last) {
-        (Section::Bodies, Some(TokenKind::Mark(Mark::Colon))) => follow(&keywords::SHAPES),
-        (Section::Bodies, Some(TokenKind::Mark(Mark::Comma))) => {
-            scene_words(section).filter(|keyword| !keywords::SHAPES.contains(keyword)).map(meaning).collect()
+        (Section::Bodies, Some(TokenKind::Mark(Mark::Colon))) => {
+            Shape::SYNTAX.iter().map(|syntax| meaning(&syntax.keyword)).collect()
         }
-        (Section::Lights, Some(TokenKind::Mark(Mark::Colon))) => follow(&keywords::LIGHTS),
+        (Section::Lights, Some(TokenKind::Mark(Mark::Colon))) => {
+            LightKind::SYNTAX.iter().map(|syntax| meaning(&syntax.keyword)).collect()
+        }
+        (Section::Bodies | Section::Lights, Some(TokenKind::Mark(Mark::Comma))) => {
+            let shapes = Shape::SYNTAX.iter().map(|syntax| syntax.keyword.word);
+            let begins: Vec<&str> = shapes.chain(LightKind::SYNTAX.iter().map(|syntax| syntax.keyword.word)).collect();
+            let words = scene_words(section).into_iter();
+            words.filter(|keyword| !begins.contains(&keyword.word)).map(meaning).collect()
+        }
         (_, None) => heads.collect(),
-        (Section::Camera, Some(TokenKind::Mark(Mark::Semicolon))) => follow(&keywords::CAMERA_CLAUSES),
+        (Section::Camera, Some(TokenKind::Mark(Mark::Semicolon))) => keywords::CAMERA_CLAUSES.iter().map(meaning).collect(),
         (_, Some(TokenKind::Mark(Mark::Semicolon))) => heads.collect(),
         _ => Vec::new(),
     }

@@ -11,7 +11,8 @@ use crate::lang::token::{Mark, Token, TokenKind};
 use crate::lang::types::Type;
 use crate::lang::variables::{Owner, Predefined, Variable};
 use crate::presets::Kind;
-use std::collections::HashMap;
+use crate::scene::{LightKind, Shape, Syntax};
+use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
 /// What a piece of a text is.
@@ -266,7 +267,7 @@ impl Reader<'_> {
         }
         match scene_section(word) {
             Some(section) => self.enter(at, section),
-            None if scene_words(self.section).any(|keyword| keyword.word == word) => Class::Keyword,
+            None if scene_words(self.section).iter().any(|keyword| keyword.word == word) => Class::Keyword,
             None => Class::Plain,
         }
     }
@@ -290,15 +291,17 @@ fn scene_section(word: &str) -> Option<Section> {
     keywords::SCENE_SECTIONS.iter().zip(sections).find(|(keyword, _)| keyword.word == word).map(|(_, section)| section)
 }
 
-/// The words that mean something in a section of a scene file.
-pub(super) fn scene_words(section: Section) -> impl Iterator<Item = &'static Keyword> {
-    let tables: [&[Keyword]; 3] = match section {
-        Section::Bodies => [&keywords::SHAPES, &keywords::SPHERE_CLAUSES, &keywords::BODY_ATTRIBUTES],
-        Section::Lights => [&keywords::LIGHTS, &[], &[]],
-        Section::Camera => [&keywords::CAMERA_CLAUSES, &[], &[]],
-        Section::Head | Section::Parameters(_) | Section::Invariants | Section::Formula => [&[], &[], &[]],
+/// The words that mean something in a section of a scene file, each once.
+pub(super) fn scene_words(section: Section) -> Vec<&'static Keyword> {
+    let mut words: Vec<&Keyword> = match section {
+        Section::Bodies => Shape::SYNTAX.iter().flat_map(Syntax::words).chain(&keywords::BODY_ATTRIBUTES).collect(),
+        Section::Lights => LightKind::SYNTAX.iter().flat_map(Syntax::words).collect(),
+        Section::Camera => keywords::CAMERA_CLAUSES.iter().collect(),
+        Section::Head | Section::Parameters(_) | Section::Invariants | Section::Formula => Vec::new(),
     };
-    tables.into_iter().flatten()
+    let mut seen = HashSet::new();
+    words.retain(|keyword| seen.insert(keyword.word));
+    words
 }
 
 /// The overloads of a function or constant, each as it is written, with its types.

@@ -129,7 +129,7 @@ fn pixels_without_a_number_are_counted_by_both_backends() {
     let (mut wanted, values) = scenery(96, 64);
     let (formula, _) = Formula::parse(&Source::new("new", "formula; = IL*Cd*sqrt(-1 - N.L);")).expect("a formula");
     wanted.subject.formula = Arc::new(formula);
-    let values = values.carry_over(&wanted.subject.formula, &wanted.subject.scene).0;
+    let values = values.carry_over(&wanted.subject.formula, wanted.subject.world.scene()).0;
     let mut counts = Vec::new();
     for backend in CHOICES {
         wanted.engine = Engine::new(backend.make());

@@ -8,6 +8,7 @@ use crate::scene::Scene;
 use crate::workspace::files::Location;
 use crate::workspace::session::PictureSettings;
 use crate::workspace::{Roster, Session, Values};
+use crate::world::World;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -24,8 +25,8 @@ pub struct Opened {
     pub scene_location: Location,
     /// Its text.
     pub scene_text: Source,
-    /// The scene.
-    pub scene: Arc<Scene>,
+    /// The scene, ready for rays.
+    pub world: Arc<World>,
     /// The values.
     pub values: Values,
     /// Size, depth and the like.
@@ -71,7 +72,7 @@ impl Opened {
             formula: Arc::new(formula),
             scene_location: session.scene,
             scene_text,
-            scene: Arc::new(scene),
+            world: Arc::new(World::new(scene)),
             values,
             picture: session.picture,
             warnings,

@@ -101,7 +101,7 @@ fov 180;
     the centre has more than three components
     a component of the centre is too large
     `matte` is given twice
-    expected `point` (the only kind of light), found `lamp`
+    expected `point`, found `lamp`
     the name `ball` is already taken
     the camera's `gaze` and `up` are parallel
     the camera's `fov` must be greater than 0 and less than 180

@@ -121,8 +121,9 @@ impl Case {
         let view = View::new(SIZE.0, SIZE.1).and_then(|view| view.with_depth(4)).map_err(|error| failed(&error))?;
         let subject = Subject::new(formula, scene, view);
         let compiled = Engine::default().evaluator(&subject, &Task::UNWATCHED).map_err(|error| failed(&error))?;
-        let Subject { formula, scene, .. } = subject;
-        let interpreted = Interpreted::new(&formula, &scene, view).map_err(|error| failed(&error))?;
+        let Subject { formula, world, .. } = subject;
+        let scene = world.scene();
+        let interpreted = Interpreted::new(&formula, &world, view).map_err(|error| failed(&error))?;
         let layout = Layout::new(&formula, scene.bodies.len(), scene.lights.len());
         let mut memory: Vec<f32> = (0..layout.len()).map(|place| numbers[place % numbers.len()]).collect();
         for parameter in &formula.parameters {

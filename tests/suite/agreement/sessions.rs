@@ -13,6 +13,7 @@ use illuminator::presets::{self, Kind};
 use illuminator::scene::Scene;
 use illuminator::trace::View;
 use illuminator::workspace::{OwnerId, Session, Setting, Values};
+use illuminator::world::World;
 use std::sync::Arc;
 
 /// Several tiles.
@@ -217,8 +218,8 @@ fn many_lights_with_many_shadows_are_drawn_and_dragged() {
     model.set("*.kr=0.3");
     let (formula, _) = Formula::parse(&source(Kind::Formula, "phong")).expect("a formula");
     let (parsed, _) = Scene::parse(&scene).expect("a scene");
-    let interpreted = Interpreted::new(&Arc::new(formula), &Arc::new(parsed), View::new(SIZE[0], SIZE[1]).expect("a size"))
-        .expect("small enough");
+    let (world, view) = (Arc::new(World::new(parsed)), View::new(SIZE[0], SIZE[1]).expect("a size"));
+    let interpreted = Interpreted::new(&Arc::new(formula), &world, view).expect("small enough");
     assert!(verify(&*model.compiled, &interpreted, model.values.numbers()).passes());
     for slider in ["floor.kd", "floor.h", "b4.kr", "l3.ki"] {
         let mut drag = model.drag(slider, usize::MAX);

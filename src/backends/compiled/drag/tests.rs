@@ -8,6 +8,7 @@ use crate::presets::{self, Kind};
 use crate::scene::Scene;
 use crate::trace::{Budget, View, trace};
 use crate::workspace::{Session, Values};
+use crate::world::World;
 use std::sync::atomic::AtomicBool;
 
 /// Some sliders of the default session: images of kinds, and what needs a kernel.
@@ -23,11 +24,12 @@ fn session() -> (Arc<Compiled>, Values) {
     let (formula, _) = Formula::parse(&source(Kind::Formula, "phong")).expect("a formula");
     let (scene, _) = Scene::parse(&source(Kind::Scene, "crystals")).expect("a scene");
     let view = View::new(256, 144).expect("a size in range");
-    let hits = Arc::new(trace(&scene, &view, &Budget::UNLIMITED, &|_| {}, &AtomicBool::new(false)).expect("small enough"));
-    let (given, _) = session.assignments(Values::defaults(&formula, &scene).roster());
-    let (values, _) = Values::new(&formula, &scene, &given);
+    let world = Arc::new(World::new(scene));
+    let hits = Arc::new(trace(&world, &view, &Budget::UNLIMITED, &|_| {}, &AtomicBool::new(false)).expect("small enough"));
+    let (given, _) = session.assignments(Values::defaults(&formula, world.scene()).roster());
+    let (values, _) = Values::new(&formula, world.scene(), &given);
     let compiled = Arc::new(CompiledFormula::new(&formula).expect("a formula of ordinary size"));
-    (Arc::new(Compiled::new(compiled, &formula, &scene, &hits).expect("hits of the scene")), values)
+    (Arc::new(Compiled::new(compiled, &formula, &hits).expect("hits of the scene")), values)
 }
 
 /// The places of the numbers that a slider moves.

@@ -1,22 +1,24 @@
 //! Closed forms: where light goes by the laws of reflection and refraction, worked out by hand.
 
 use super::*;
-use crate::trace::tests::scene;
+use crate::trace::tests::world;
 use crate::trace::{Child, LightVariables, Tree, ray_tree};
+use glam::DVec3;
+use std::sync::Arc;
 
 /// The tree of the one ray from `from` towards `to`.
-fn aim(bodies: &str, lights: &str, from: DVec3, to: DVec3) -> (Scene, Tree) {
-    let scene = look(bodies, lights, from, to);
+fn aim(bodies: &str, lights: &str, from: DVec3, to: DVec3) -> (Arc<World>, Tree) {
+    let world = look(bodies, lights, from, to);
     let view = View::new(1, 1).unwrap().with_depth(6).unwrap();
-    let tree = ray_tree(&Optics::new(&scene, &view), 0);
-    (scene, tree)
+    let tree = ray_tree(&Tracer::new(&world, &view), 0);
+    (world, tree)
 }
 
-fn look(bodies: &str, lights: &str, from: DVec3, to: DVec3) -> Scene {
+fn look(bodies: &str, lights: &str, from: DVec3, to: DVec3) -> Arc<World> {
     let gaze = to - from;
     let up = gaze.any_orthogonal_vector();
     let vector = |v: DVec3| format!("<{}, {}, {}>", v.x, v.y, v.z);
-    scene(&format!(
+    world(&format!(
         "bodies; {bodies} lights; {lights} camera; position {}; gaze {}; up {}; fov 30;",
         vector(from),
         vector(gaze),
@@ -27,7 +29,7 @@ fn look(bodies: &str, lights: &str, from: DVec3, to: DVec3) -> Scene {
 fn hit(child: Child) -> usize {
     match child {
         Child::Hit(index) => index,
-        Child::None | Child::Miss => panic!("it should hit"),
+        Child::None | Child::Miss(_) => panic!("it should hit"),
     }
 }
 
@@ -39,14 +41,14 @@ fn near(a: DVec3, b: DVec3) {
 fn the_highlight_of_a_sphere_lies_on_the_bisector() {
     let (camera, light) = (DVec3::new(0.0, 0.0, 7.0), DVec3::new(7.0 * 0.6, 0.0, 7.0 * 0.8));
     let top = (camera + light).normalize() * 2.0;
-    let (scene, tree) = aim("s: sphere, center <0,0,0>, radius 2;", "l: point, <4.2, 0, 5.6>;", camera, top);
+    let (world, tree) = aim("s: sphere, center <0,0,0>, radius 2;", "l: point, <4.2, 0, 5.6>;", camera, top);
     let node = &tree.nodes[0];
-    near(node.surface.point, top);
-    near(node.surface.normal, top / 2.0);
+    near(node.hit.point, top);
+    near(node.hit.shading_normal, top / 2.0);
     assert_eq!(node.lights, [LightId(0)]);
-    let variables = LightVariables::of(&node.surface, &scene.lights[0]);
+    let variables = LightVariables::new(&node.hit, &world.emitter(LightId(0)).sample(&node.hit));
     assert!(variables.beta < 1e-6);
-    assert!((variables.half.as_dvec3() - node.surface.normal).length() < 1e-6);
+    assert!((variables.half.as_dvec3() - node.hit.shading_normal).length() < 1e-6);
     assert!((f64::from(variables.distance) - light.distance(top)).abs() < 1e-6);
 }
 
@@ -57,18 +59,18 @@ fn a_glass_sphere_bends_by_snells_law_at_entry_and_exit() {
                   screen: rectangle, <-9,-9,-5>, <-9,9,-5>, <9,9,-5>, opaque, matte;";
     let (_, tree) = aim(bodies, "", DVec3::new(offset, 0.0, 5.0), DVec3::new(offset, 0.0, 0.0));
     let entry = &tree.nodes[0];
-    near(entry.surface.point, DVec3::new(0.6, 0.0, 0.8));
+    near(entry.hit.point, DVec3::new(0.6, 0.0, 0.8));
     let inside = &tree.nodes[hit(entry.refracted)];
     let (outer, inner) = (offset.asin(), (offset / index).asin());
     // The chord has the length 2 cos θt and meets the sphere at θt again.
-    assert_eq!(inside.surface.side, Side::Back);
-    assert!((inside.surface.distance - 2.0 * inner.cos()).abs() < 1e-12);
-    assert!((inside.surface.normal.dot(inside.surface.view) - inner.cos()).abs() < 1e-12);
+    assert_eq!(inside.hit.side, Side::Back);
+    assert!((inside.hit.distance - 2.0 * inner.cos()).abs() < 1e-12);
+    assert!((inside.hit.shading_normal.dot(inside.hit.view) - inner.cos()).abs() < 1e-12);
     // Having left, the ray is turned by 2(θi − θt) altogether, towards the axis.
     let screen = &tree.nodes[hit(inside.refracted)];
-    assert_eq!(screen.surface.body, BodyId(1));
+    assert_eq!(screen.hit.body, BodyId(1));
     let turn = 2.0 * (outer - inner);
-    near(-screen.surface.view, DVec3::new(-turn.sin(), 0.0, -turn.cos()));
+    near(-screen.hit.view, DVec3::new(-turn.sin(), 0.0, -turn.cos()));
     assert_eq!((screen.reflected, screen.refracted), (Child::None, Child::None));
 }
 
@@ -82,14 +84,14 @@ fn a_parallel_slab_shifts_a_ray_and_keeps_its_direction() {
     let direction = DVec3::new(angle.sin(), 0.0, -angle.cos());
     let (_, tree) = aim(bodies, "", -3.0 * direction, DVec3::ZERO);
     let upper = &tree.nodes[0];
-    near(upper.surface.point, DVec3::ZERO);
+    near(upper.hit.point, DVec3::ZERO);
     let lower = &tree.nodes[hit(upper.refracted)];
-    assert_eq!((lower.surface.body, lower.surface.side), (BodyId(1), Side::Back));
+    assert_eq!((lower.hit.body, lower.hit.side), (BodyId(1), Side::Back));
     let screen = &tree.nodes[hit(lower.refracted)];
-    near(-screen.surface.view, direction);
+    near(-screen.hit.view, direction);
     let inner = (angle.sin() / 1.6).asin();
     let shift = 0.5 * (angle - inner).sin() / inner.cos();
-    let point = screen.surface.point;
+    let point = screen.hit.point;
     assert!(((point - point.dot(direction) * direction).length() - shift).abs() < 1e-12);
 }
 
@@ -102,9 +104,11 @@ fn beyond_the_critical_angle_there_is_no_refracted_ray() {
     };
     let critical = (1.0f64 / 1.5).asin();
     assert_eq!(refracted(critical + 1e-9, -1.0), Child::None);
-    assert_eq!(refracted(critical - 1e-9, -1.0), Child::Miss);
-    // From the front there is always one.
-    assert_eq!(refracted(1.57, 1.0), Child::Miss);
+    assert!(matches!(refracted(critical - 1e-9, -1.0), Child::Miss(_)));
+    // From the front there is always one, and its direction is kept.
+    let Child::Miss(direction) = refracted(1.57, 1.0) else { panic!("it is refracted") };
+    let sine = 1.57f64.sin() / 1.5;
+    near(direction, DVec3::new(sine, 0.0, -(1.0 - sine * sine).sqrt()));
 }
 
 #[test]
@@ -115,9 +119,9 @@ fn a_mirror_shows_its_image_as_far_behind() {
     let (_, tree) = aim(bodies, "", camera, image);
     let mirror = &tree.nodes[0];
     let ball = &tree.nodes[hit(mirror.reflected)];
-    assert_eq!(ball.surface.body, BodyId(1));
-    near(ball.surface.normal, ball.surface.view);
-    let way = mirror.surface.distance + ball.surface.distance;
+    assert_eq!(ball.hit.body, BodyId(1));
+    near(ball.hit.shading_normal, ball.hit.view);
+    let way = mirror.hit.distance + ball.hit.distance;
     assert!((way - (camera.distance(image) - 0.25)).abs() < 1e-12);
     assert_eq!(mirror.refracted, Child::None);
 }
@@ -130,7 +134,7 @@ fn the_shadow_of_a_ball_ends_where_the_tangents_meet_the_floor() {
     let edge = 6.0 * (0.5f64 / 4.0).asin().tan();
     for (place, lit) in [(edge * (1.0 - 1e-9), false), (edge * (1.0 + 1e-9), true), (0.0, false)] {
         let (_, tree) = aim(bodies, "l: point, <0,6,0>;", DVec3::new(5.0, 1.0, 0.5), DVec3::new(place, 0.0, 0.0));
-        assert_eq!(tree.nodes[0].surface.body, BodyId(0));
+        assert_eq!(tree.nodes[0].hit.body, BodyId(0));
         assert_eq!(!tree.nodes[0].lights.is_empty(), lit, "at {place}");
     }
 }
@@ -139,9 +143,9 @@ fn the_shadow_of_a_ball_ends_where_the_tangents_meet_the_floor() {
 fn a_body_shades_itself_and_what_faces_away_is_dark() {
     let bodies = "s: sphere, center <0,0,0>, radius 1;";
     let reached = |lights: &str, shadows| {
-        let scene = look(bodies, lights, DVec3::new(0.0, 0.0, 5.0), DVec3::ZERO);
+        let world = look(bodies, lights, DVec3::new(0.0, 0.0, 5.0), DVec3::ZERO);
         let view = View::new(1, 1).unwrap().with_shadows(shadows);
-        ray_tree(&Optics::new(&scene, &view), 0).nodes[1].lights.clone()
+        ray_tree(&Tracer::new(&world, &view), 0).nodes[1].lights.clone()
     };
     // The second node is the inside of the far wall, by refraction or reflection of the first.
     assert_eq!(reached("l: point, <0,0,0.5>;", true), [LightId(0)]);
@@ -171,7 +175,7 @@ fn at_equal_distance_the_first_declared_is_hit() {
         for step in 0..20 {
             let (_, tree) = aim(&bodies, "l: point, <-3,4,5>;", DVec3::new(-3.0, 0.4, 1.0), target(step));
             assert!(!tree.nodes.is_empty());
-            assert!(tree.nodes.iter().all(|node| node.surface.body == BodyId(0)), "{bodies}");
+            assert!(tree.nodes.iter().all(|node| node.hit.body == BodyId(0)), "{bodies}");
         }
     }
 }
@@ -181,5 +185,5 @@ fn coincident_surfaces_count_once() {
     let bodies = "s: sphere, center <0,0,0>, radius 1; t: sphere, center <0,0,0>, radius 1;";
     let (_, tree) = aim(bodies, "l: point, <0,0.5,5>;", DVec3::new(0.0, 0.1, 5.0), DVec3::ZERO);
     assert_eq!(tree.nodes[0].lights, [LightId(0)]);
-    assert_eq!(tree.nodes[0].reflected, Child::Miss);
+    assert!(matches!(tree.nodes[0].reflected, Child::Miss(_)));
 }

@@ -1,0 +1,27 @@
+//! Lights, as a scene declares them. In which direction a hit sees them is computed in [`crate::world`].
+
+mod point;
+
+pub use point::PointLight;
+
+use crate::lang::source::Span;
+use crate::scene::syntax::declarations;
+
+/// A light: it has a name, and so parameters of its own, and emits by its kind.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Light {
+    /// Its name, unique among bodies and lights.
+    pub name: String,
+    /// Where the name stands in the text.
+    pub name_span: Span,
+    /// How it emits light.
+    pub kind: LightKind,
+}
+
+declarations! {
+    /// How a light emits.
+    LightKind {
+        /// From a point, in all directions.
+        Point(PointLight),
+    }
+}

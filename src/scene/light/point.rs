@@ -1,0 +1,46 @@
+//! Point lights: `point, <x, y, z>`.
+
+use crate::lang::cursor::Reported;
+use crate::lang::keywords::Keyword;
+use crate::lang::token::Mark;
+use crate::scene::parser::Parser;
+use crate::scene::print::Vector;
+use crate::scene::syntax::Declaration;
+use glam::DVec3;
+use std::fmt::{Display, Formatter, Result as FmtResult};
+
+/// A point that shines in all directions.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PointLight {
+    position: DVec3,
+}
+
+impl PointLight {
+    /// A light at this place, in world coordinates.
+    pub fn new(position: DVec3) -> Self {
+        Self { position }
+    }
+
+    /// Its place in world coordinates.
+    pub fn position(&self) -> DVec3 {
+        self.position
+    }
+}
+
+impl Declaration for PointLight {
+    const KEYWORD: Keyword = Keyword { word: "point", doc: "`point, <x, y, z>`: a light in one point" };
+    const CLAUSES: &'static [Keyword] = &[];
+
+    fn parse(parser: &mut Parser) -> Result<Option<Self>, Reported> {
+        parser.cursor.expect(Mark::Comma, "after `point`")?;
+        let position = parser.vector("the position of the light")?;
+        // A component out of range is reported where it stands.
+        Ok(position.value.is_finite().then(|| Self::new(position.value)))
+    }
+}
+
+impl Display for PointLight {
+    fn fmt(&self, f: &mut Formatter<'_>) -> FmtResult {
+        write!(f, "point, {}", Vector(self.position))
+    }
+}

@@ -1,0 +1,116 @@
+//! One ray: where a pixel's ray starts, what a ray hits, which lights reach the hit, and where its reflected and refracted
+//! rays go (thesis 3.2.1 to 3.2.5). All in f64.
+//!
+//! How rays follow one another is decided in [`super::walk`], what formulas see of a hit in [`super::variables`].
+
+#[cfg(test)]
+mod tests;
+
+use crate::scene::{BodyId, LightId};
+use crate::trace::View;
+use crate::world::{Intersection, LightSample, Ray, Side, SurfaceHit, World};
+
+/// Traces single rays in a world under a view. It is cheap to make.
+#[derive(Debug, Clone, Copy)]
+pub struct Tracer<'w> {
+    world: &'w World,
+    view: &'w View,
+}
+
+impl<'w> Tracer<'w> {
+    /// Traces rays in `world` as `view` asks for them.
+    pub fn new(world: &'w World, view: &'w View) -> Self {
+        Self { world, view }
+    }
+
+    /// The world.
+    pub fn world(&self) -> &'w World {
+        self.world
+    }
+
+    /// The view.
+    pub fn view(&self) -> &'w View {
+        self.view
+    }
+
+    /// The primary ray of a pixel, counted row by row from the top left.
+    pub fn primary(&self, pixel: u32) -> Ray {
+        self.view.primary_ray(&self.world.scene().camera, pixel)
+    }
+
+    /// The surface that the ray hits first; `None` where it leaves the scene.
+    pub fn hit(&self, ray: &Ray) -> Option<SurfaceHit> {
+        self.world.nearest(ray).map(|intersection| self.world.surface_hit(ray, &intersection))
+    }
+
+    /// The surface of this body where the ray meets it, whatever else is in between.
+    pub fn hit_on(&self, ray: &Ray, body: BodyId) -> Option<SurfaceHit> {
+        self.world.intersect(ray, body).map(|intersection| self.world.surface_hit(ray, &intersection))
+    }
+
+    /// Whether the light reaches the hit: always without shadow rays; with them, if the hit [faces](SurfaceHit::faces) the light
+    /// and no body, this one and transparent ones too, lies strictly between (thesis 3.2.1).
+    pub fn reaches(&self, light: LightId, hit: &SurfaceHit) -> bool {
+        if !self.view.shadows() {
+            return true;
+        }
+        let sample = self.world.emitter(light).sample(hit);
+        hit.faces(sample.direction) && self.between(hit, &sample).next().is_none()
+    }
+
+    /// The lights that reach the hit, in the order of declaration.
+    pub fn lights(&self, hit: &SurfaceHit) -> impl Iterator<Item = LightId> {
+        self.world.scene().light_ids().filter(move |light| self.reaches(*light, hit))
+    }
+
+    /// Whether the light is on the side of the surface from which the ray came.
+    pub fn faces(&self, light: LightId, hit: &SurfaceHit) -> bool {
+        hit.faces(self.world.emitter(light).sample(hit).direction)
+    }
+
+    /// What lies strictly between a hit and a light that it faces, in the order of declaration of the bodies; distances
+    /// are from the hit. It does not matter whether shadow rays are on.
+    pub fn occluders(&self, light: LightId, hit: &SurfaceHit) -> impl Iterator<Item = Intersection> {
+        self.between(hit, &self.world.emitter(light).sample(hit))
+    }
+
+    fn between(&self, hit: &SurfaceHit, sample: &LightSample) -> impl Iterator<Item = Intersection> + use<'w> {
+        self.world.occluders(hit.ray(sample.direction, hit.side), sample.distance)
+    }
+
+    /// The reflected ray, 2(N·V)N − V (thesis 3.2.4); none from a matte body.
+    pub fn reflected(&self, hit: &SurfaceHit) -> Option<Ray> {
+        if self.world.scene().body(hit.body).matte {
+            return None;
+        }
+        let normal = hit.shading_normal;
+        let direction = 2.0 * normal.dot(hit.view) * normal - hit.view;
+        Some(hit.ray(direction.normalize(), hit.side))
+    }
+
+    /// The refracted ray by Snell's law (thesis 3.2.5); none beyond the critical angle, and none into an opaque body.
+    pub fn refracted(&self, hit: &SurfaceHit) -> Option<Ray> {
+        if self.world.scene().body(hit.body).opaque {
+            return None;
+        }
+        let normal = hit.shading_normal;
+        let ratio = self.relative_index(hit);
+        let cosine = normal.dot(hit.view);
+        let square = 1.0 - ratio * ratio * (1.0 - cosine * cosine);
+        if square < 0.0 {
+            return None;
+        }
+        let direction = (ratio * cosine - square.sqrt()) * normal - ratio * hit.view;
+        Some(hit.ray(direction.normalize(), hit.side.opposite()))
+    }
+
+    /// n₁/n₂ for the ray that met this surface, whether it is refracted or not: on the front it goes from index 1 into the
+    /// body, on the back the reverse.
+    pub fn relative_index(&self, hit: &SurfaceHit) -> f64 {
+        let index = self.world.scene().body(hit.body).refractive_index.unwrap_or(self.view.default_index());
+        match hit.side {
+            Side::Front => 1.0 / index,
+            Side::Back => index,
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! The kinds of emitters: where a hit sees the light of each, and the table of all.
+
+mod point;
+
+use crate::scene::{LightId, LightKind};
+use crate::world::SurfaceHit;
+use glam::DVec3;
+use point::Point;
+
+/// What a kind of emitter answers. Each kind implements it in a file of its own.
+trait Emit {
+    /// Where its light comes from as a hit sees it.
+    fn sample(&self, hit: &SurfaceHit) -> LightSample;
+}
+
+/// Where light comes from as a hit sees it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LightSample {
+    /// The direction from the hit to the light, of unit length.
+    pub direction: DVec3,
+    /// The distance in world units, at least 0.
+    pub distance: f64,
+}
+
+/// What emits the light of a [`Light`](crate::scene::Light). The light owns the parameters, its emitter the geometry.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Emitter {
+    light: LightId,
+    source: Source,
+}
+
+impl Emitter {
+    /// The emitter of a light.
+    pub(super) fn new(light: LightId, kind: &LightKind) -> Self {
+        Self { light, source: Source::new(kind) }
+    }
+
+    /// The light that owns it.
+    pub fn light(&self) -> LightId {
+        self.light
+    }
+
+    /// Where its light comes from as a hit sees it, whatever lies between.
+    #[inline]
+    pub fn sample(&self, hit: &SurfaceHit) -> LightSample {
+        self.source.sample(hit)
+    }
+}
+
+/// Declares [`Source`] from the kinds of emitters. Each has the name of the [`LightKind`] that it is built from.
+macro_rules! sources {
+    ($($kind:ident)*) => {
+        #[derive(Debug, Clone, PartialEq)]
+        enum Source {
+            $($kind($kind),)*
+        }
+
+        impl Source {
+            fn new(kind: &LightKind) -> Self {
+                match kind {
+                    $(LightKind::$kind(light) => Source::$kind($kind::new(light)),)*
+                }
+            }
+        }
+
+        impl Emit for Source {
+            #[inline]
+            fn sample(&self, hit: &SurfaceHit) -> LightSample {
+                match self {
+                    $(Source::$kind(source) => source.sample(hit),)*
+                }
+            }
+        }
+    };
+}
+
+sources! {
+    Point
+}

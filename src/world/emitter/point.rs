@@ -1,0 +1,28 @@
+//! Points that emit light in all directions.
+
+use super::{Emit, LightSample};
+use crate::scene;
+use crate::world::SurfaceHit;
+use glam::DVec3;
+
+/// A point of light.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Point {
+    position: DVec3,
+}
+
+impl Point {
+    /// The emitter of a point light.
+    pub(super) fn new(light: &scene::PointLight) -> Self {
+        Self { position: light.position() }
+    }
+}
+
+impl Emit for Point {
+    /// A light in the very point of the hit is taken to be in the direction of the normal.
+    #[inline]
+    fn sample(&self, hit: &SurfaceHit) -> LightSample {
+        let way = self.position - hit.point;
+        LightSample { direction: way.try_normalize().unwrap_or(hit.shading_normal), distance: way.length() }
+    }
+}

@@ -1,0 +1,69 @@
+//! Where a ray meets a surface: first cheaply, then with all that tracing and formulas need of it.
+
+use crate::scene::BodyId;
+use crate::world::{Departure, Ray, Side};
+use glam::DVec3;
+
+/// A part of the surface of one body, counted from 0. Spheres and rectangles have one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct PrimitiveId(pub u32);
+
+impl PrimitiveId {
+    /// The only part of a surface that has no others.
+    pub const ONLY: PrimitiveId = PrimitiveId(0);
+}
+
+/// That a ray meets a body, and where.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Intersection {
+    /// The body.
+    pub body: BodyId,
+    /// The part of its surface.
+    pub primitive: PrimitiveId,
+    /// The distance from the origin of the ray in world units, greater than 0.
+    pub distance: f64,
+}
+
+/// The surface where a ray met it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SurfaceHit {
+    /// The body.
+    pub body: BodyId,
+    /// The part of its surface.
+    pub primitive: PrimitiveId,
+    /// The side of the surface that was met.
+    pub side: Side,
+    /// The point, in world coordinates.
+    pub point: DVec3,
+    /// The normal of the surface itself, of unit length, turned to the side from which the ray came:
+    /// `geometric_normal` · `view` ≥ 0.
+    pub geometric_normal: DVec3,
+    /// The normal to shade with, turned to the same side. It differs from the geometric one where a smooth surface
+    /// is approximated by flat parts.
+    pub shading_normal: DVec3,
+    /// The direction to where the ray came from, of unit length.
+    pub view: DVec3,
+    /// The distance that the ray travelled, in world units.
+    pub distance: f64,
+}
+
+impl SurfaceHit {
+    /// The geometric normal on the front of the surface: outwards on closed bodies.
+    pub fn front_normal(&self) -> DVec3 {
+        match self.side {
+            Side::Front => self.geometric_normal,
+            Side::Back => -self.geometric_normal,
+        }
+    }
+
+    /// Whether light from this direction falls on the side from which the ray came, by both normals.
+    pub fn faces(&self, direction: DVec3) -> bool {
+        self.geometric_normal.dot(direction) > 0.0 && self.shading_normal.dot(direction) > 0.0
+    }
+
+    /// The ray that leaves the surface here in this direction (of unit length) to this side.
+    pub fn ray(&self, direction: DVec3, side: Side) -> Ray {
+        let leaves = Departure { body: self.body, primitive: self.primitive, side };
+        Ray { origin: self.point, direction, leaves: Some(leaves) }
+    }
+}

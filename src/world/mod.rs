@@ -1,0 +1,211 @@
+//! What rays meet: the surfaces of bodies and the emitters of lights, built once from a scene and shared by all who trace.
+//!
+//! 1. A [`Scene`] says what a text declares; a [`World`] answers rays: what a ray hits first, what lies between two points,
+//!    in which direction a hit sees a light. All of it in f64 and world coordinates.
+//! 2. Each kind of surface has a file of its own with its intersection (`sphere`, `rectangle`), and one row in `surface`.
+//!    Each kind of emitter has a file of its own (`emitter/point`), and one row in `emitter`.
+//! 3. An [`Intersection`] is cheap: which body, which part of it, how far. A [`SurfaceHit`] is what tracing needs of it.
+//!    Tangents and surface coordinates are computed on demand, because few formulas read them.
+//! 4. A ray that leaves a surface is not moved away from it by a small distance. It knows the surface that it leaves and to
+//!    which side, so the root at its origin is left out of the solution. This works alike at any scale.
+//!
+//! How rays follow one another is decided in [`crate::trace`].
+
+mod bounds;
+mod emitter;
+mod hit;
+mod ray;
+mod rectangle;
+mod sphere;
+mod surface;
+
+pub use emitter::{Emitter, LightSample};
+pub use hit::{Intersection, PrimitiveId, SurfaceHit};
+pub use ray::{Departure, Ray, Side};
+
+use crate::scene::{BodyId, LightId, Scene};
+use bounds::Bounds;
+use glam::DVec3;
+use std::sync::Arc;
+use surface::{Geometry, Surface};
+
+/// The tolerance as a share of the extent, see [`World::tolerance`].
+const TOLERANCE: f64 = 1e-9;
+
+/// A scene made ready for rays. Building it is the expensive part; everything else borrows it.
+#[derive(Debug)]
+pub struct World {
+    scene: Arc<Scene>,
+    /// The surface of each body, by its id.
+    surfaces: Vec<Surface>,
+    /// The emitter of each light, by its id.
+    emitters: Vec<Emitter>,
+    extent: f64,
+    tolerance: f64,
+}
+
+impl World {
+    /// Builds the world of a scene.
+    pub fn new(scene: impl Into<Arc<Scene>>) -> Self {
+        let scene = scene.into();
+        let surfaces: Vec<Surface> = scene.bodies.iter().map(|body| Surface::new(&body.shape)).collect();
+        let emitters = scene.light_ids().map(|light| Emitter::new(light, &scene.light(light).kind)).collect();
+        let bounds = surfaces.iter().map(Geometry::bounds).reduce(Bounds::union);
+        let extent = bounds.map_or(0.0, |bounds| bounds.diagonal());
+        Self { scene, surfaces, emitters, extent, tolerance: TOLERANCE * extent }
+    }
+
+    /// The scene that it was built from: names, materials' constants, the camera.
+    pub fn scene(&self) -> &Arc<Scene> {
+        &self.scene
+    }
+
+    /// The diagonal of the bounding box of all bodies, in world units; 0 without bodies.
+    ///
+    /// Lights and camera are left out: the extent measures how finely surfaces must be told apart, and a sun set far away
+    /// does not make them coarser.
+    pub fn extent(&self) -> f64 {
+        self.extent
+    }
+
+    /// The distance in world units within which two surfaces count as one: a ray that leaves one does not meet the other, and
+    /// of two that a ray meets the one declared first is hit.
+    pub fn tolerance(&self) -> f64 {
+        self.tolerance
+    }
+
+    /// The emitter of a light.
+    ///
+    /// # Panics
+    /// If the id is another scene's, and this one has fewer lights.
+    pub fn emitter(&self, light: LightId) -> &Emitter {
+        &self.emitters[light.index()]
+    }
+
+    /// Where the ray meets this body, whatever else is in between.
+    ///
+    /// # Panics
+    /// If the id is another scene's, and this one has fewer bodies.
+    pub fn intersect(&self, ray: &Ray, body: BodyId) -> Option<Intersection> {
+        let surface = &self.surfaces[body.index()];
+        let met = match ray.leaves {
+            Some(departure) if departure.body == body => surface.intersect_again(ray, departure, self.tolerance),
+            Some(_) | None => surface.intersect(ray, self.tolerance),
+        };
+        met.map(|met| Intersection { body, primitive: met.primitive, distance: met.distance })
+    }
+
+    /// What the ray meets first; of several surfaces at equal distance the one declared first.
+    pub fn nearest(&self, ray: &Ray) -> Option<Intersection> {
+        let met = self.scene.body_ids().filter_map(|body| self.intersect(ray, body));
+        // Distances that are equal but for rounding are equal: otherwise coincident surfaces would show in patches.
+        met.reduce(|best, next| if next.distance < best.distance - self.tolerance { next } else { best })
+    }
+
+    /// The bodies that the ray meets before `distance` (in world units), in the order of declaration.
+    ///
+    /// Surfaces within the tolerance of the end do not count: a lamp may be fixed to a body without being buried in it.
+    pub fn occluders(&self, ray: Ray, distance: f64) -> impl Iterator<Item = Intersection> {
+        let met = self.scene.body_ids().filter_map(move |body| self.intersect(&ray, body));
+        met.filter(move |met| met.distance < distance - self.tolerance)
+    }
+
+    /// The surface where the ray meets it.
+    pub fn surface_hit(&self, ray: &Ray, at: &Intersection) -> SurfaceHit {
+        let front = self.surfaces[at.body.index()].project(ray.at(at.distance), at.primitive, ray.direction);
+        let side = if front.geometric_normal.dot(ray.direction) <= 0.0 { Side::Front } else { Side::Back };
+        let turned = |normal: DVec3| if side == Side::Front { normal } else { -normal };
+        SurfaceHit {
+            body: at.body,
+            primitive: at.primitive,
+            side,
+            point: front.point,
+            geometric_normal: turned(front.geometric_normal),
+            shading_normal: turned(front.shading_normal),
+            view: -ray.direction,
+            distance: at.distance,
+        }
+    }
+
+    /// The tangent at a hit, of unit length: the direction in which u grows, see [`coordinates`](Self::coordinates).
+    ///
+    /// On a rectangle it is the direction from A to B, on a sphere normalize(<0,1,0> × outward normal), or <1,0,0> at the poles.
+    /// It does not depend on the side that was hit.
+    pub fn tangent(&self, hit: &SurfaceHit) -> DVec3 {
+        self.surfaces[hit.body.index()].tangent(hit)
+    }
+
+    /// The surface coordinates (u, v) of a hit, each 0..1.
+    ///
+    /// On a rectangle u grows from A to B and v from B to C. On a sphere u is the longitude / 2π, from +z towards +x about
+    /// the y axis (0 at the poles), and v is the angle from the south pole (−y) / π. Seen from outside, with +y upwards, u grows
+    /// to the right and v upwards.
+    pub fn coordinates(&self, hit: &SurfaceHit) -> [f64; 2] {
+        self.surfaces[hit.body.index()].coordinates(hit)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lang::source::Source;
+
+    fn world(bodies: &str) -> World {
+        let text = format!(
+            "bodies; {bodies} lights; sun: point, <1e9,0,0>; camera; position <9,9,9>; gaze <0,0,-1>; up <0,1,0>; fov 45;"
+        );
+        World::new(Scene::parse(&Source::new("scene", text)).unwrap().0)
+    }
+
+    fn ray(origin: [f64; 3], direction: [f64; 3]) -> Ray {
+        Ray { origin: origin.into(), direction: DVec3::from(direction).normalize(), leaves: None }
+    }
+
+    #[test]
+    fn the_extent_is_that_of_the_bodies() {
+        assert_eq!(world("s: sphere, center <1,2,3>, radius 2;").extent(), 4.0 * 3f64.sqrt());
+        let two = world("s: sphere, center <0,0,0>, radius 1; r: rectangle, <2,0,0>, <3,0,0>, <3,4,0>;");
+        assert_eq!(two.extent(), DVec3::new(4.0, 5.0, 2.0).length());
+        assert_eq!(world("").extent(), 0.0);
+    }
+
+    #[test]
+    fn the_surface_turns_to_where_the_ray_came_from() {
+        let world = world("s: sphere, center <0,0,0>, radius 2; r: rectangle, <-1,-1,-5>, <-1,1,-5>, <1,1,-5>;");
+        let hit = |ray: Ray| world.surface_hit(&ray, &world.nearest(&ray).unwrap());
+        let outside = hit(ray([0.0, 0.0, 5.0], [0.0, 0.0, -1.0]));
+        assert_eq!((outside.body, outside.side, outside.point), (BodyId(0), Side::Front, DVec3::new(0.0, 0.0, 2.0)));
+        assert_eq!((outside.geometric_normal, outside.shading_normal), (DVec3::Z, DVec3::Z));
+        assert_eq!((outside.front_normal(), outside.distance, outside.view), (DVec3::Z, 3.0, DVec3::Z));
+        let inside = hit(ray([0.0, 0.0, 0.0], [0.0, 0.0, 1.0]));
+        assert_eq!((inside.side, inside.geometric_normal, inside.front_normal()), (Side::Back, -DVec3::Z, DVec3::Z));
+        assert_eq!(world.tangent(&inside), DVec3::X);
+        let behind = hit(ray([0.5, 0.25, -9.0], [0.0, 0.0, 1.0]));
+        assert_eq!((behind.body, behind.side, behind.shading_normal), (BodyId(1), Side::Back, -DVec3::Z));
+        // A is (−1, −1), B (−1, 1), C (1, 1).
+        assert_eq!((world.coordinates(&behind), world.tangent(&behind)), ([0.625, 0.75], DVec3::Y));
+    }
+
+    #[test]
+    fn a_light_is_seen_only_where_both_normals_face_it() {
+        let world = world("s: sphere, center <0,0,0>, radius 1;");
+        let ray = ray([0.0, 0.0, 5.0], [0.0, 0.0, -1.0]);
+        let flat = world.surface_hit(&ray, &world.nearest(&ray).unwrap());
+        let bent = SurfaceHit { shading_normal: DVec3::new(0.6, 0.0, 0.8), ..flat };
+        let (both, geometric, shading) =
+            (DVec3::Z, DVec3::new(-0.9, 0.0, 0.1).normalize(), DVec3::new(0.9, 0.0, -0.1).normalize());
+        assert!(bent.faces(both) && !bent.faces(geometric) && !bent.faces(shading));
+        assert!(flat.faces(geometric) && !flat.faces(shading));
+    }
+
+    #[test]
+    fn occluders_end_short_of_the_light() {
+        let world = world("near: sphere, center <0,0,-4>, radius 1; far: sphere, center <0,0,-8>, radius 1;");
+        let ray = ray([0.0; 3], [0.0, 0.0, -1.0]);
+        let before = |distance: f64| world.occluders(ray, distance).map(|met| met.body.0).collect::<Vec<_>>();
+        assert_eq!(before(20.0), [0, 1]);
+        assert_eq!(before(7.0), [0]);
+        assert_eq!(before(7.0 + 2.0 * world.tolerance()), [0, 1]);
+        assert!(before(3.0).is_empty());
+    }
+}

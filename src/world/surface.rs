@@ -1,0 +1,116 @@
+//! The kinds of surfaces: what each of them must answer, and the table of all.
+
+use crate::scene::Shape;
+use crate::world::bounds::Bounds;
+use crate::world::rectangle::Rectangle;
+use crate::world::sphere::Sphere;
+use crate::world::{Departure, PrimitiveId, Ray, SurfaceHit};
+use glam::DVec3;
+
+/// What a surface answers. Each kind implements it in a file of its own.
+pub(super) trait Geometry {
+    /// The box around it.
+    fn bounds(&self) -> Bounds;
+
+    /// Where a ray from elsewhere first meets the surface, at a distance greater than 0.
+    ///
+    /// A surface within `tolerance` (in world units, ≥ 0) of the origin is not met: it coincides with the surface that the
+    /// ray comes from.
+    fn intersect(&self, ray: &Ray, tolerance: f64) -> Option<Meeting>;
+
+    /// Where a ray that starts on this very surface meets it again. The root at the origin is left out analytically.
+    fn intersect_again(&self, ray: &Ray, from: Departure, tolerance: f64) -> Option<Meeting>;
+
+    /// The point of the surface nearest to `point`, which is on it but for rounding, with its front normals.
+    /// `direction`, that of the ray that found it, decides where rounding leaves nothing else to go by.
+    fn project(&self, point: DVec3, primitive: PrimitiveId, direction: DVec3) -> FrontPoint;
+
+    /// The tangent at a hit, see [`World::tangent`](super::World::tangent).
+    fn tangent(&self, hit: &SurfaceHit) -> DVec3;
+
+    /// The surface coordinates of a hit, see [`World::coordinates`](super::World::coordinates).
+    fn coordinates(&self, hit: &SurfaceHit) -> [f64; 2];
+}
+
+/// Where a ray meets a surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Meeting {
+    /// The part of the surface.
+    pub(super) primitive: PrimitiveId,
+    /// The distance from the origin of the ray in world units, greater than 0.
+    pub(super) distance: f64,
+}
+
+/// A point of a surface with its normals on the front, of unit length.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct FrontPoint {
+    pub(super) point: DVec3,
+    pub(super) geometric_normal: DVec3,
+    pub(super) shading_normal: DVec3,
+}
+
+/// Declares [`Surface`] from the kinds of surfaces. Each has the name of the [`Shape`] that it is built from.
+macro_rules! surfaces {
+    ($($kind:ident)*) => {
+        /// The surface of a body.
+        #[derive(Debug, Clone, PartialEq)]
+        pub(super) enum Surface {
+            $($kind($kind),)*
+        }
+
+        impl Surface {
+            /// The surface of a shape.
+            pub(super) fn new(shape: &Shape) -> Self {
+                match shape {
+                    $(Shape::$kind(shape) => Surface::$kind($kind::new(shape)),)*
+                }
+            }
+        }
+
+        impl Geometry for Surface {
+            fn bounds(&self) -> Bounds {
+                match self {
+                    $(Surface::$kind(surface) => surface.bounds(),)*
+                }
+            }
+
+            #[inline]
+            fn intersect(&self, ray: &Ray, tolerance: f64) -> Option<Meeting> {
+                match self {
+                    $(Surface::$kind(surface) => surface.intersect(ray, tolerance),)*
+                }
+            }
+
+            #[inline]
+            fn intersect_again(&self, ray: &Ray, from: Departure, tolerance: f64) -> Option<Meeting> {
+                match self {
+                    $(Surface::$kind(surface) => surface.intersect_again(ray, from, tolerance),)*
+                }
+            }
+
+            #[inline]
+            fn project(&self, point: DVec3, primitive: PrimitiveId, direction: DVec3) -> FrontPoint {
+                match self {
+                    $(Surface::$kind(surface) => surface.project(point, primitive, direction),)*
+                }
+            }
+
+            fn tangent(&self, hit: &SurfaceHit) -> DVec3 {
+                match self {
+                    $(Surface::$kind(surface) => surface.tangent(hit),)*
+                }
+            }
+
+            fn coordinates(&self, hit: &SurfaceHit) -> [f64; 2] {
+                match self {
+                    $(Surface::$kind(surface) => surface.coordinates(hit),)*
+                }
+            }
+        }
+    };
+}
+
+surfaces! {
+    Sphere
+    Rectangle
+}
