@@ -1,27 +1,27 @@
-//! The pinhole camera: where it stands, where it looks, and the frame of directions that follows (thesis 9.3.1).
+//! The pinhole camera: its position, its direction, and the image plane that follows from them (thesis 9.3.1).
 //!
-//! Pixels are not known here; see [`crate::trace::View`].
+//! Pixels are not known here, see [`crate::trace::View`].
 
 use crate::scene::{MIN_LENGTH, is_within_reach};
 use glam::DVec3;
 
-/// The sine of the least angle between gaze and up: below it, "up" does not say which way is up.
-const LEAST_SINE: f64 = 1e-9;
+/// The sine of the smallest angle between gaze and up. Below it, `up` does not define a direction in the image.
+const MIN_SINE: f64 = 1e-9;
 
-/// A camera. It cannot be built with a frame that does not exist.
+/// A camera. It always has an image plane: other values are refused.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Camera {
     position: DVec3,
     gaze: DVec3,
     up: DVec3,
     fov: f64,
-    frame: Frame,
+    plane: ImagePlane,
 }
 
-/// The image plane: `forward` leads from the camera to its middle, one unit away; `right` and `above` lead from there to the
-/// right, and to its upper edge.
+/// The image plane. `forward` leads from the camera to its middle, one unit away. From there `above` leads to its upper edge, and
+/// `right`, which has the same length, to the right.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Frame {
+struct ImagePlane {
     forward: DVec3,
     right: DVec3,
     above: DVec3,
@@ -33,10 +33,10 @@ pub enum CameraError {
     /// The position, gaze or up is not a vector of numbers up to [`MAX_COORDINATE`](crate::scene::MAX_COORDINATE).
     #[error("a number of the camera is too large")]
     TooLarge,
-    /// The gaze is no direction.
+    /// The gaze is zero, or too short to be a direction.
     #[error("the gaze of the camera is zero")]
     NoGaze,
-    /// The up vector is no direction.
+    /// The up vector is zero, or too short to be a direction.
     #[error("the up vector of the camera is zero")]
     NoUp,
     /// Gaze and up are parallel.
@@ -48,8 +48,8 @@ pub enum CameraError {
 }
 
 impl Camera {
-    /// A camera at `position` that looks along `gaze`, with `up` upwards in the picture (of any length, not necessarily
-    /// perpendicular), and the vertical angle of view `fov` in degrees, 0 < fov < 180.
+    /// A camera at `position` that looks along `gaze`, with the vertical angle of view `fov` in degrees, 0 < fov < 180. `up` points
+    /// upwards in the picture. It may have any length, and need not be perpendicular to the gaze.
     ///
     /// # Errors
     /// Numbers beyond [`MAX_COORDINATE`](crate::scene::MAX_COORDINATE), directions that are zero or parallel, and angles out of range.
@@ -68,26 +68,26 @@ impl Camera {
         }
         let forward = gaze.normalize();
         let across = forward.cross(up.normalize());
-        if across.length() < LEAST_SINE {
+        if across.length() < MIN_SINE {
             return Err(CameraError::Parallel);
         }
         let right = across.normalize();
         let half = (fov.to_radians() / 2.0).tan();
-        let frame = Frame { forward, right: half * right, above: half * right.cross(forward) };
-        Ok(Self { position, gaze, up, fov, frame })
+        let plane = ImagePlane { forward, right: half * right, above: half * right.cross(forward) };
+        Ok(Self { position, gaze, up, fov, plane })
     }
 
-    /// Where it stands.
+    /// Its position in world coordinates.
     pub fn position(&self) -> DVec3 {
         self.position
     }
 
-    /// Where it looks, as given.
+    /// The direction in which it looks, as given.
     pub fn gaze(&self) -> DVec3 {
         self.gaze
     }
 
-    /// What is up in the picture, as given.
+    /// The direction that is up in the picture, as given.
     pub fn up(&self) -> DVec3 {
         self.up
     }
@@ -100,7 +100,7 @@ impl Camera {
     /// The unit direction to the point (`x`, `y`) of the image plane: (0, 0) is the middle of the picture, `y` is 1 at its
     /// upper edge, and `x` grows to the right in the same unit.
     pub fn direction(&self, x: f64, y: f64) -> DVec3 {
-        (self.frame.forward + x * self.frame.right + y * self.frame.above).normalize()
+        (self.plane.forward + x * self.plane.right + y * self.plane.above).normalize()
     }
 }
 
@@ -109,7 +109,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_frame_is_right_handed() {
+    fn the_image_plane_is_right_handed() {
         let camera = Camera::new(DVec3::ZERO, -3.0 * DVec3::Z, DVec3::new(0.0, 2.0, 1.0), 90.0).unwrap();
         assert!(camera.direction(0.0, 0.0).abs_diff_eq(-DVec3::Z, 1e-15));
         assert!(camera.direction(1.0, 0.0).abs_diff_eq(DVec3::new(1.0, 0.0, -1.0).normalize(), 1e-15));
@@ -117,7 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn cameras_without_a_frame_are_refused() {
+    fn cameras_without_an_image_plane_are_refused() {
         let new = |gaze, up, fov| Camera::new(DVec3::ZERO, gaze, up, fov).err();
         assert_eq!(new(DVec3::ZERO, DVec3::Y, 45.0), Some(CameraError::NoGaze));
         assert_eq!(new(DVec3::X, DVec3::ZERO, 45.0), Some(CameraError::NoUp));

@@ -20,16 +20,16 @@ use crate::lang::diagnostic::Diagnostics;
 use crate::lang::source::{Source, Span};
 use glam::DVec3;
 
-/// The largest coordinate and length of a scene: far below where squares and cubes of such numbers overflow.
+/// The largest coordinate and length of a scene. Squares and cubes of such numbers are far from overflow.
 pub const MAX_COORDINATE: f64 = 1e30;
-/// The smallest radius, edge and length of a direction: far above where their squares vanish.
+/// The smallest radius, edge and length of a direction. Squares of such numbers are far from underflow.
 pub const MIN_LENGTH: f64 = 1e-30;
 
-/// A body by its place in the scene's list of bodies, from 0 in the order of declaration.
+/// A body, by its index in the list of bodies of the scene: from 0, in the order of declaration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct BodyId(pub u32);
 
-/// A light by its place in the scene's list of lights, from 0 in the order of declaration.
+/// A light, by its index in the list of lights of the scene: from 0, in the order of declaration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct LightId(pub u32);
 
@@ -47,7 +47,7 @@ impl LightId {
     }
 }
 
-/// A body: its shape and what of its surface decides where rays go (thesis 9.3.1). Colours are not part of it.
+/// A body: its shape, and the properties that decide where rays go (thesis 9.3.1). Colours are not part of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Body {
     /// Its name, unique among bodies and lights.
@@ -56,7 +56,7 @@ pub struct Body {
     pub name_span: Span,
     /// Its shape.
     pub shape: Shape,
-    /// Its index of refraction, greater than 0; `None`: the default index that is given when the scene is traced.
+    /// Its index of refraction, greater than 0; `None`: the default index of the view under which the scene is traced.
     pub refractive_index: Option<f64>,
     /// Never refracts: no refracted ray is traced from it.
     pub opaque: bool,
@@ -66,22 +66,22 @@ pub struct Body {
 
 /// A scene in right-handed world coordinates (thesis 9.3). It may have no bodies and no lights.
 ///
-/// Printed, it is a text of the scene language that reads back as the same scene, number by number.
+/// `Display` prints it in the scene language. The text reads back as the same scene, number by number.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
     /// The bodies in the order of declaration; a [`BodyId`] is an index into it.
     pub bodies: Vec<Body>,
     /// The lights in the order of declaration; a [`LightId`] is an index into it.
     pub lights: Vec<Light>,
-    /// From where the scene is seen.
+    /// The camera.
     pub camera: Camera,
 }
 
 impl Scene {
-    /// Reads a scene; with it come the warnings.
+    /// Parses a scene, and returns it with the warnings.
     ///
     /// # Errors
-    /// Every independent error of the text, and the warnings among them, in the order of their places.
+    /// Every independent error of the text, together with the warnings, in the order of their places.
     pub fn parse(source: &Source) -> Result<(Scene, Diagnostics), Diagnostics> {
         parser::parse(source)
     }
@@ -104,13 +104,13 @@ impl Scene {
 
     /// The ids of all bodies, in the order of declaration.
     pub fn body_ids(&self) -> impl Iterator<Item = BodyId> + use<> {
-        // A text of a few megabytes, the most that is read, cannot declare 2³² bodies.
+        // Texts have at most a few megabytes, which cannot declare 2³² bodies.
         (0..self.bodies.len() as u32).map(BodyId)
     }
 
     /// The ids of all lights, in the order of declaration.
     pub fn light_ids(&self) -> impl Iterator<Item = LightId> + use<> {
-        // As with bodies.
+        // As for bodies.
         (0..self.lights.len() as u32).map(LightId)
     }
 }

@@ -1,7 +1,8 @@
-//! Scene text into a scene: sections, bodies, lights (thesis 9.3.1). The camera's clauses are read in `parser/camera.rs`.
+//! Parses the text of a scene: sections, bodies, lights (thesis 9.3.1). The clauses of the camera are parsed in `parser/camera.rs`,
+//! the values of shapes and lights where these are defined.
 //!
-//! Recursive descent without recursion: the language is flat. After an error the rest of the declaration is passed over, so
-//! that every declaration is judged on its own; a value out of range loses only that value.
+//! The language is flat, so nothing recurses. After an error the parser skips the rest of the declaration, so every declaration
+//! is checked on its own. A value out of range is reported, and parsing continues behind it.
 
 mod camera;
 #[cfg(test)]
@@ -23,7 +24,7 @@ use std::collections::HashMap;
 const SECTIONS: [&str; 3] = keywords::words(&keywords::SCENE_SECTIONS);
 const ATTRIBUTES: [&str; 3] = keywords::words(&keywords::BODY_ATTRIBUTES);
 
-/// Reads a scene; see [`Scene::parse`].
+/// Parses a scene, see [`Scene::parse`].
 pub(super) fn parse(source: &Source) -> Result<(Scene, Diagnostics), Diagnostics> {
     let mut parser = Parser {
         cursor: Cursor::new(source),
@@ -43,13 +44,13 @@ pub(super) fn parse(source: &Source) -> Result<(Scene, Diagnostics), Diagnostics
     }
 }
 
-/// A place in the text of a scene, with what has been read so far. Shapes and lights read their own values, see
+/// A place in the text of a scene, with what has been parsed so far. Shapes and lights parse their own values, see
 /// [`Declaration`](crate::scene::syntax::Declaration).
 pub(super) struct Parser {
     pub(super) cursor: Cursor,
-    /// Every name so far, and where it was declared first.
+    /// Every name so far, and where it is declared first.
     names: HashMap<String, Span>,
-    /// Where each of [`SECTIONS`] was met first.
+    /// Where each of [`SECTIONS`] begins first.
     seen: [Option<Span>; 3],
     bodies: Vec<Body>,
     lights: Vec<Light>,
@@ -73,7 +74,7 @@ impl Parser {
             let found = self.cursor.kind(0).describe();
             let diagnostic = Diagnostic::error(format!("expected `bodies;`, found {found}"));
             self.cursor.report(diagnostic.at(self.cursor.span(), "a scene begins with `bodies;`"));
-            // What looks like a body is read as one, as if only the header were missing.
+            // What looks like a body is parsed as one, as if only the header were missing.
             if self.cursor.sees_mark(1, Mark::Colon) {
                 self.seen[0] = Some(self.cursor.span());
                 self.entries(Parser::body);
@@ -108,7 +109,7 @@ impl Parser {
         uses || (section && self.cursor.sees_mark(1, Mark::Semicolon))
     }
 
-    /// The section whose header is next, also where its name is misspelt or its `;` left out.
+    /// The section whose header is next, even where its name is misspelt or its `;` is missing.
     fn header(&self) -> Option<usize> {
         let word = self.cursor.word(0)?;
         let exact = SECTIONS.iter().position(|name| *name == word);
@@ -131,7 +132,7 @@ impl Parser {
             self.cursor.report(diagnostic.help(format!("did you mean `{name};`?")));
         }
         self.cursor.advance();
-        // Reported where it is missing; the section's contents are read all the same.
+        // A missing `;` is reported. The contents of the section are parsed all the same.
         let _ = self.cursor.expect(Mark::Semicolon, &format!("after `{name}`"));
         if let Some(first) = self.seen[section] {
             let diagnostic = Diagnostic::error(format!("the section `{name};` stands twice")).at(span, "the second time");
@@ -152,7 +153,7 @@ impl Parser {
         }
     }
 
-    /// Declarations up to the next header or the end.
+    /// Parses declarations up to the next header or the end.
     fn entries(&mut self, entry: fn(&mut Parser) -> Result<(), Reported>) {
         while *self.cursor.kind(0) != TokenKind::End && self.header().is_none() {
             let start = self.cursor.position();
@@ -165,7 +166,7 @@ impl Parser {
         }
     }
 
-    /// Passes over the rest of a declaration: up to its `;`, or to where the next one begins if the `;` was forgotten.
+    /// Skips the rest of a declaration: up to its `;`, or to the beginning of the next one where the `;` is missing.
     fn skip(&mut self) {
         while *self.cursor.kind(0) != TokenKind::End {
             if self.cursor.accept(Mark::Semicolon) {
@@ -184,7 +185,7 @@ impl Parser {
         }
     }
 
-    /// The name of a body or light and the `:` after it. A name that may not be taken is reported and read on from.
+    /// Parses the name of a body or light and the `:` after it. A name that is not allowed is reported, and parsing continues.
     fn name(&mut self, what: &str) -> Result<Placed<String>, Reported> {
         let span = self.cursor.span();
         let Some(name) = self.cursor.word(0).map(str::to_owned) else {
@@ -208,7 +209,7 @@ impl Parser {
         Ok(Placed { value: name, span })
     }
 
-    /// `NAME: SHAPE … { , ATTRIBUTE } ;`
+    /// Parses `NAME: SHAPE … { , ATTRIBUTE } ;`.
     fn body(&mut self) -> Result<(), Reported> {
         let name = self.name("body")?;
         let lights_belong = LightKind::SYNTAX.iter().map(|kind| (kind.keyword.word, "lights stand in the section `lights;`"));
@@ -228,7 +229,7 @@ impl Parser {
         Ok(())
     }
 
-    /// Reads a kind of shape or light and its values; `what` names it in messages. `elsewhere` are words of other sections, each
+    /// Parses a kind of shape or light and its values; `what` names it in messages. `elsewhere` are words of other sections, each
     /// with a hint where it belongs. The value is `None` where it is out of range, which is reported.
     fn kind<T>(
         &mut self,
@@ -251,8 +252,8 @@ impl Parser {
         Err(self.cursor.report(diagnostic.help_if(hint)))
     }
 
-    /// A vector of numbers up to [`MAX_COORDINATE`]; `what` names it in messages. A component beyond is reported, and NaN in the
-    /// value, which no shape and no camera accepts: so it does not lead to further errors.
+    /// Parses a vector of numbers up to [`MAX_COORDINATE`]; `what` names it in messages. A larger component is reported and becomes
+    /// NaN, which no shape and no camera accepts without a further error.
     pub(super) fn vector(&mut self, what: &str) -> Result<Placed<DVec3>, Reported> {
         let vector = self.cursor.vector(what)?;
         let components = vector.value.map(|number| {
@@ -267,7 +268,7 @@ impl Parser {
         Ok(Placed { value: DVec3::from(components), span: vector.span })
     }
 
-    /// A number greater than 0; one that is not is reported and left out.
+    /// Parses a number within [`MIN_LENGTH`]..[`MAX_COORDINATE`]; any other is reported, and gives `None`.
     pub(super) fn positive(&mut self, what: &str) -> Result<Option<f64>, Reported> {
         let number = self.cursor.number(what)?;
         if (MIN_LENGTH..=MAX_COORDINATE).contains(&number.value) {
@@ -284,7 +285,7 @@ impl Parser {
         Ok(None)
     }
 
-    /// `{ , ATTRIBUTE }` of a body whose shape is of this kind.
+    /// Parses `{ , ATTRIBUTE }` of a body with a shape of this kind.
     fn attributes(&mut self, shape: &Syntax<Shape>) -> Result<Attributes, Reported> {
         let mut attributes = Attributes::default();
         let mut seen: [Option<Span>; 3] = [None; 3];
@@ -331,7 +332,7 @@ impl Parser {
         self.cursor.report(diagnostic.help_if(form))
     }
 
-    /// `NAME: KIND … ;`
+    /// Parses `NAME: KIND … ;`.
     fn light(&mut self) -> Result<(), Reported> {
         let name = self.name("light")?;
         let bodies_belong = Shape::SYNTAX.iter().map(|kind| (kind.keyword.word, "bodies stand in the section `bodies;`"));
@@ -351,7 +352,7 @@ fn one_of(words: impl Iterator<Item = &'static str>) -> String {
     if words.is_empty() { last } else { format!("{} or {last}", words.join(", ")) }
 }
 
-/// What the attributes of a body say.
+/// The attributes of a body.
 #[derive(Debug, Default)]
 struct Attributes {
     refractive_index: Option<f64>,

@@ -1,5 +1,5 @@
-//! A scene as text of the scene language, in one canonical form: one declaration a line, every number as short as it can be
-//! while it still reads back exactly.
+//! A scene as text of the scene language, in one canonical form: one declaration a line, every number in the shortest form that
+//! reads back exactly.
 
 use crate::scene::{Camera, Light, Scene};
 use glam::DVec3;
@@ -11,7 +11,7 @@ pub(super) struct Number(pub(super) f64);
 impl Display for Number {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         let size = self.0.abs();
-        // Both forms are the shortest that read back exactly; the exponent spares rows of zeros.
+        // Both forms are the shortest that read back exactly. The exponent avoids rows of zeros.
         if size != 0.0 && !(1e-5..1e16).contains(&size) { write!(f, "{:e}", self.0) } else { write!(f, "{}", self.0) }
     }
 }
@@ -98,7 +98,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn a_printed_scene_reads_back_as_it_was(
+        fn a_printed_scene_reads_back_unchanged(
             bodies in (body(0), body(1), body(2)),
             lights in proptest::collection::vec(vector(), 0..3),
             position in vector(),
@@ -111,7 +111,7 @@ mod tests {
             text.push_str(&format!("camera;\nposition {};\ngaze <0.3, 1, -2>;\nup <0, 1, 0>;\nfov {};\n", Vector(position), fov));
             let scene = Scene::parse(&Source::new("t", text.clone())).unwrap().0;
             prop_assert_eq!(&scene.to_string(), &text);
-            // The text being canonical, even the places of names agree.
+            // The text is canonical, so even the places of the names agree.
             prop_assert_eq!(Scene::parse(&Source::new("t", scene.to_string())).unwrap().0, scene);
         }
     }

@@ -1,4 +1,4 @@
-//! How much memory a picture may take: what is allowed, what is foreseen before tracing, and what is counted meanwhile.
+//! How much memory a picture may take: what is allowed, what is estimated before tracing, and what is counted meanwhile.
 
 use crate::trace::tracer::Tracer;
 use crate::trace::walk::{RayEnd, trace_pixel};
@@ -7,14 +7,14 @@ use crate::world::World;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-/// One pixel in so many is sampled for an estimate,
-const SAMPLED_SHARE: u32 = 64;
-/// but at least so many (or all there are), and
-const FEWEST_SAMPLES: u32 = 512;
-/// at most so many.
-const MOST_SAMPLES: u32 = 20_000;
-/// What the store takes for a hit or a miss in an estimate: at most six bytes for the pixel, the rest a share of paths and spans,
-/// which large scenes keep below it.
+/// An estimate samples one pixel in this many,
+const PIXELS_PER_SAMPLE: u32 = 64;
+/// but at least this many pixels (or all, where there are fewer), and
+const MIN_SAMPLES: u32 = 512;
+/// at most this many.
+const MAX_SAMPLES: u32 = 20_000;
+/// What the store is estimated to take for a hit or a miss, in bytes: at most six for its pixel, the rest for its share of paths
+/// and spans. Large scenes stay below it.
 const STORE_BYTES_PER_HIT: u64 = 8;
 
 /// The memory that a picture may take, and what its evaluation will add to the store of hits.
@@ -22,9 +22,9 @@ const STORE_BYTES_PER_HIT: u64 = 8;
 pub struct Budget {
     /// The limit in bytes.
     pub bytes: u64,
-    /// What will be kept whatever the hits, in bytes.
+    /// What will be kept regardless of the hits, in bytes.
     pub fixed_bytes: u64,
-    /// What will be kept for each record (pair of a hit and a light that reaches it), in bytes.
+    /// What will be kept for each record (a pair of a hit and a light that reaches it), in bytes.
     pub bytes_per_record: u64,
     /// What will be kept for each hit besides, in bytes.
     pub bytes_per_hit: u64,
@@ -37,18 +37,18 @@ impl Budget {
     pub const UNLIMITED: Budget =
         Budget { bytes: u64::MAX, fixed_bytes: 0, bytes_per_record: 0, bytes_per_hit: 0, bytes_per_pixel: 0 };
 
-    /// What hits and their records take beside the store.
+    /// The bytes that hits and their records take beside the store.
     pub(super) fn columns(&self, hits: u64, records: u64) -> u64 {
         hits.saturating_mul(self.bytes_per_hit).saturating_add(records.saturating_mul(self.bytes_per_record))
     }
 
-    /// What the pixels take, and what is kept whatever the hits.
+    /// The bytes that pixels take, and what is kept regardless of the hits.
     pub(super) fn pixels(&self, pixels: u32) -> u64 {
         u64::from(pixels).saturating_mul(self.bytes_per_pixel).saturating_add(self.fixed_bytes)
     }
 }
 
-/// What tracing a picture will come to, foreseen from a sample of its pixels.
+/// How much tracing a picture will find, estimated from a sample of its pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Estimate {
     /// Hits.
@@ -62,14 +62,14 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// Foresees the tracing of `world` under `view`. The sample is the same every time and for any number of threads.
+    /// Estimates the tracing of `world` under `view`. The sample is the same every time and for any number of threads.
     ///
     /// # Errors
     /// [`TraceError::Cancelled`] once `cancelled` is set.
     pub fn new(world: &World, view: &View, cancelled: &AtomicBool) -> Result<Self, TraceError> {
         let tracer = Tracer::new(world, view);
         let pixels = view.pixels();
-        let samples = (pixels / SAMPLED_SHARE).clamp(FEWEST_SAMPLES, MOST_SAMPLES).min(pixels);
+        let samples = (pixels / PIXELS_PER_SAMPLE).clamp(MIN_SAMPLES, MAX_SAMPLES).min(pixels);
         let add = |a: [u64; 3], b: [u64; 3]| [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
         let sampled = (0..samples)
             .into_par_iter()
@@ -78,7 +78,7 @@ impl Estimate {
                     return Err(TraceError::Cancelled);
                 }
                 let mut counts = [0; 3];
-                trace_pixel(&tracer, place(sample, view), &mut Vec::new(), |_: Option<()>, _, end| match end {
+                trace_pixel(&tracer, sampled_pixel(sample, view), &mut Vec::new(), |_: Option<()>, _, end| match end {
                     RayEnd::Hit(hit) => counts = add(counts, [1, tracer.lights(hit).count() as u64, 0]),
                     RayEnd::Miss(_) => counts = add(counts, [0, 0, 1]),
                 });
@@ -90,52 +90,52 @@ impl Estimate {
         Ok(Self { hits, records, misses, pixels })
     }
 
-    /// The bytes that the store and what `budget` adds to it will take.
+    /// The bytes that the store will take, with what `budget` adds to it.
     pub fn bytes(&self, budget: &Budget) -> u64 {
         let store = (self.hits.saturating_add(self.misses)).saturating_mul(STORE_BYTES_PER_HIT);
         store.saturating_add(budget.columns(self.hits, self.records)).saturating_add(budget.pixels(self.pixels))
     }
 }
 
-/// The pixel of a sample: the points of the R₂ sequence (Roberts 2018) spread evenly, however few there are, and do not
-/// fall into step with rows and columns.
-fn place(sample: u32, view: &View) -> u32 {
+/// The pixel of a sample. The points of the R₂ sequence (Roberts 2018) are spread evenly, however few there are, and do not
+/// align with rows and columns.
+fn sampled_pixel(sample: u32, view: &View) -> u32 {
     let along = |ratio: f64, side: u32| ((0.5 + f64::from(sample) * ratio).fract() * f64::from(side)) as u32;
     let row = along(0.569_840_290_998_053_2, view.height()).min(view.height() - 1);
     let column = along(0.754_877_666_246_692_7, view.width()).min(view.width() - 1);
     row * view.width() + column
 }
 
-/// Counts the memory of a picture while it is traced, by several threads. It only grows, so that whether it overflows
-/// does not depend on their order.
-pub(super) struct Ledger<'b> {
+/// Counts the memory of a picture while several threads trace it. The count only grows, so the order of the threads does not
+/// decide whether it exceeds the budget.
+pub(super) struct MemoryMeter<'b> {
     budget: &'b Budget,
     estimate: Estimate,
     used: AtomicU64,
 }
 
-impl<'b> Ledger<'b> {
-    /// Opens the ledger with what the pixels take.
+impl<'b> MemoryMeter<'b> {
+    /// Starts with what the pixels take.
     ///
     /// # Errors
-    /// [`TraceError::Memory`] where the estimate is beyond the budget.
-    pub(super) fn open(budget: &'b Budget, estimate: Estimate) -> Result<Self, TraceError> {
-        let ledger = Self { budget, estimate, used: AtomicU64::new(budget.pixels(estimate.pixels)) };
-        if estimate.bytes(budget) > budget.bytes { Err(ledger.overflow()) } else { Ok(ledger) }
+    /// [`TraceError::Memory`] where the estimate exceeds the budget.
+    pub(super) fn start(budget: &'b Budget, estimate: Estimate) -> Result<Self, TraceError> {
+        let meter = Self { budget, estimate, used: AtomicU64::new(budget.pixels(estimate.pixels)) };
+        if estimate.bytes(budget) > budget.bytes { Err(meter.exceeded()) } else { Ok(meter) }
     }
 
-    /// Adds what hits, records and bytes of the store take.
+    /// Adds what these hits, records and bytes of the store take.
     ///
     /// # Errors
-    /// [`TraceError::Memory`] where the sum is beyond the budget.
-    pub(super) fn charge(&self, hits: u64, records: u64, store: u64) -> Result<(), TraceError> {
+    /// [`TraceError::Memory`] where the sum exceeds the budget.
+    pub(super) fn add(&self, hits: u64, records: u64, store: u64) -> Result<(), TraceError> {
         let bytes = self.budget.columns(hits, records).saturating_add(store);
         let before = self.used.fetch_add(bytes, Ordering::Relaxed);
-        if before.saturating_add(bytes) > self.budget.bytes { Err(self.overflow()) } else { Ok(()) }
+        if before.saturating_add(bytes) > self.budget.bytes { Err(self.exceeded()) } else { Ok(()) }
     }
 
-    fn overflow(&self) -> TraceError {
-        // Where it is the count that overflows, the estimate fell short; what is needed is then more than there is.
+    fn exceeded(&self) -> TraceError {
+        // Where the count exceeds the budget, the estimate was too low: more is needed than is allowed.
         let needed = self.estimate.bytes(self.budget).max(self.budget.bytes.saturating_add(1));
         TraceError::Memory { needed, budget: self.budget.bytes, pixels: self.estimate.pixels }
     }

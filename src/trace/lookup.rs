@@ -1,10 +1,10 @@
-//! Variables by the names of the language: which number of a hit each of them is.
+//! The variables of the language: which number of a hit each of them is.
 
 use crate::lang::variables::Variable;
 use crate::trace::{HitVariables, LightVariables};
 
 impl HitVariables {
-    /// The value of a variable that belongs to the hit, a scalar three times; none for those that belong to a light too.
+    /// The value of a variable of the hit, a scalar three times; `None` for a variable that depends on the light too.
     pub fn value(&self, variable: Variable) -> Option<[f32; 3]> {
         Some(match variable {
             Variable::Normal => self.normal.to_array(),
@@ -23,7 +23,7 @@ impl HitVariables {
     }
 }
 
-/// The value of a variable at a hit for a light, a scalar three times.
+/// The value of any variable at a hit for a light, a scalar three times.
 pub fn variable(variable: Variable, hit: &HitVariables, light: &LightVariables) -> [f32; 3] {
     match variable {
         Variable::ToLight => light.light.to_array(),

@@ -1,11 +1,11 @@
-//! How much memory this machine has to spare for a picture.
+//! How much memory a picture may take on this machine.
 
 use sysinfo::System;
 
-/// What may be used where nothing is known of the machine.
+/// The limit where nothing is known of the machine, in bytes.
 const FALLBACK: u64 = 1 << 30;
 
-/// The bytes that a picture may take where nobody says otherwise: half of what is free now, limits of control groups heeded.
+/// The default limit for a picture in bytes: half of what is free now, within the limits of control groups.
 pub fn usable_memory() -> u64 {
     match available() {
         0 => FALLBACK,
@@ -13,7 +13,7 @@ pub fn usable_memory() -> u64 {
     }
 }
 
-/// Bytes that are free; 0 where that is not known.
+/// The bytes that are free; 0 where that is not known.
 fn available() -> u64 {
     let mut system = System::new();
     system.refresh_memory();

@@ -1,17 +1,17 @@
-//! A scene traced once: which bodies the rays of every pixel hit, by which paths, and which lights reach them.
+//! Tracing: which bodies the rays of every pixel hit, by which paths, and which lights reach the hits.
 //!
-//! This is the slow half of the thesis's idea (4.2: trace once, shade again and again). What is found here depends on the
-//! world and the [`View`] alone, not on any formula or parameter:
+//! This is the slow half of the thesis's idea (4.2: trace once, shade again and again). The result depends on the
+//! world and the [`View`] alone, not on a formula or a parameter:
 //!
 //! ```text
-//! world + view ──▶ walk: rays step by step ──▶ gather ──▶ store: Hits ──▶ replay: surfaces ──▶ variables
+//! world + view ──▶ walk: rays step by step ──▶ builder ──▶ store: Hits ──▶ replay: surfaces ──▶ variables
 //!                     └ tracer: one ray
 //! ```
 //!
-//! Intersections are the [world](crate::world)'s; colours are not known here.
+//! Intersections are computed by the [world](crate::world). Colours are not known here.
 
 mod budget;
-mod gather;
+mod builder;
 mod lookup;
 mod memory;
 mod replay;
@@ -35,21 +35,21 @@ pub use view::{MAX_DEPTH, MAX_SIDE, View, ViewError};
 pub use walk::{Child, Edge, Node, Tree, ray_tree};
 
 use crate::world::World;
-use budget::Ledger;
-use gather::{BYTES_PER_ENTRY, Gatherer};
+use budget::MemoryMeter;
+use builder::{BYTES_PER_ENTRY, TileBuilder};
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use walk::{RayEnd, trace_pixel};
 
-/// Progress is told and memory is counted after so many pixels.
-const PACE: u32 = 64;
+/// After this many pixels, progress is reported and memory is counted.
+const PIXELS_PER_STEP: u32 = 64;
 
 /// Why a scene was not traced.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum TraceError {
-    /// The picture would take more memory than it may.
+    /// The picture would take more memory than allowed.
     #[error(
         "a picture of {pixels} pixels of this scene takes about {} of memory, and {} may be used; make it smaller, lower the depth, \
          or mark bodies `opaque` or `matte`",
@@ -57,19 +57,19 @@ pub enum TraceError {
         Bytes(*budget)
     )]
     Memory {
-        /// What is needed, as far as is known, in bytes.
+        /// What is needed, as far as known, in bytes.
         needed: u64,
         /// What is allowed, in bytes.
         budget: u64,
         /// The pixels of the picture.
         pixels: u32,
     },
-    /// The caller asked for it.
+    /// The caller cancelled it.
     #[error("tracing was cancelled")]
     Cancelled,
 }
 
-/// An amount of memory as people read it.
+/// An amount of memory, written for people.
 struct Bytes(u64);
 
 impl std::fmt::Display for Bytes {
@@ -81,7 +81,7 @@ impl std::fmt::Display for Bytes {
 
 /// Traces `world` under `view`, on all threads of the current rayon pool; the result does not depend on their number.
 ///
-/// `progress` is told the share that is done, 0..=1, now and then, from any thread. Setting `cancelled` ends the work soon.
+/// `progress` receives the share that is done, 0..=1, from time to time, on any thread. Setting `cancelled` ends the work soon.
 ///
 /// ```
 /// # use illuminator::{lang::source::Source, scene::Scene, trace::{Budget, View, trace}, world::World};
@@ -97,7 +97,7 @@ impl std::fmt::Display for Bytes {
 /// ```
 ///
 /// # Errors
-/// [`TraceError::Memory`] where the picture needs more than `budget`, foreseen or found; [`TraceError::Cancelled`].
+/// [`TraceError::Memory`] where the picture needs more than `budget`, by the estimate or by the count; [`TraceError::Cancelled`].
 pub fn trace(
     world: &Arc<World>,
     view: &View,
@@ -105,11 +105,11 @@ pub fn trace(
     progress: &(dyn Fn(f64) + Sync),
     cancelled: &AtomicBool,
 ) -> Result<Hits, TraceError> {
-    let ledger = Ledger::open(budget, Estimate::new(world, view, cancelled)?)?;
+    let meter = MemoryMeter::start(budget, Estimate::new(world, view, cancelled)?)?;
     let tracer = Tracer::new(world, view);
     let pixels = view.pixels();
     let done = AtomicU32::new(0);
-    let pace = |traced: u32| -> Result<(), TraceError> {
+    let step = |traced: u32| -> Result<(), TraceError> {
         let done = done.fetch_add(traced, Ordering::Relaxed) + traced;
         progress(f64::from(done) / f64::from(pixels));
         if cancelled.load(Ordering::Relaxed) { Err(TraceError::Cancelled) } else { Ok(()) }
@@ -118,7 +118,7 @@ pub fn trace(
         .into_par_iter()
         .map(|tile| {
             let start = tile * TILE_PIXELS;
-            trace_tile(&tracer, start..(start + TILE_PIXELS).min(pixels), &ledger, &pace)
+            trace_tile(&tracer, start..(start + TILE_PIXELS).min(pixels), &meter, &step)
         })
         .collect::<Result<_, _>>()?;
     Ok(Hits { world: Arc::clone(world), view: *view, tiles })
@@ -127,45 +127,45 @@ pub fn trace(
 fn trace_tile(
     tracer: &Tracer,
     pixels: Range<u32>,
-    ledger: &Ledger,
-    pace: &(dyn Fn(u32) -> Result<(), TraceError> + Sync),
+    meter: &MemoryMeter,
+    step: &(dyn Fn(u32) -> Result<(), TraceError> + Sync),
 ) -> Result<Tile, TraceError> {
-    let mut gatherer = Gatherer::default();
+    let mut builder = TileBuilder::default();
     let (mut stack, mut lights) = (Vec::new(), Vec::new());
     let mut entries = 0;
-    for chunk in pixels.clone().step_by(PACE as usize) {
-        let chunk = chunk..(chunk + PACE).min(pixels.end);
+    for chunk in pixels.clone().step_by(PIXELS_PER_STEP as usize) {
+        let chunk = chunk..(chunk + PIXELS_PER_STEP).min(pixels.end);
         let (mut hits, mut misses, mut records) = (0, 0, 0);
         for pixel in chunk.clone() {
             // Tiles are small enough.
             let place = (pixel - pixels.start) as u16;
             trace_pixel(tracer, pixel, &mut stack, |parent, edge, end| match end {
                 RayEnd::Hit(hit) => {
-                    let path = gatherer.path(parent, edge, Some(hit.body));
+                    let path = builder.path(parent, edge, Some(hit.body));
                     lights.clear();
                     lights.extend(tracer.lights(hit));
-                    gatherer.hit(path, &lights, place);
+                    builder.hit(path, &lights, place);
                     hits += 1;
                     records += lights.len() as u64;
                     path
                 }
                 RayEnd::Miss(_) => {
-                    let path = gatherer.path(parent, edge, None);
-                    gatherer.miss(path, place);
+                    let path = builder.path(parent, edge, None);
+                    builder.miss(path, place);
                     misses += 1;
                     path
                 }
             });
-            gatherer.finish_pixel();
+            builder.finish_pixel();
         }
-        // The tables are counted whole although little of them remains when the tile is finished: the sum must not depend on
-        // which tiles are under way at a time.
-        let grown = gatherer.entries() - std::mem::replace(&mut entries, gatherer.entries());
-        ledger.charge(hits, records, (hits + misses) * size_of::<Segment>() as u64 + grown * BYTES_PER_ENTRY)?;
-        pace(chunk.end - chunk.start)?;
+        // The tables are counted in full although little of them remains when the tile is finished: the sum must not depend on
+        // which tiles are being traced at the same time.
+        let grown = builder.entries() - std::mem::replace(&mut entries, builder.entries());
+        meter.add(hits, records, (hits + misses) * size_of::<Segment>() as u64 + grown * BYTES_PER_ENTRY)?;
+        step(chunk.end - chunk.start)?;
     }
-    let tile = gatherer.tile(pixels);
-    // What is kept of lit hits is kept in whole lines, and of hits in several groups in each.
+    let tile = builder.tile(pixels);
+    // What is kept of lit hits is kept in whole lines, and once for each group that a hit is in.
     let lit = tile.groups.iter().filter(|group| !group.lights.is_empty());
     let beyond = lit.map(|group| {
         let beyond = group.hits.len().next_multiple_of(LINE_HITS) - group.hits.len();
@@ -173,6 +173,6 @@ fn trace_tile(
     });
     let [hits, records] = beyond.fold([0, 0], |sum, beyond| [sum[0] + beyond[0], sum[1] + beyond[1]]);
     let copies = u64::from(tile.copies);
-    ledger.charge(hits + copies, records, copies * size_of::<Segment>() as u64)?;
+    meter.add(hits + copies, records, copies * size_of::<Segment>() as u64)?;
     Ok(tile)
 }

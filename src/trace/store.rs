@@ -1,16 +1,18 @@
-//! The hits of a picture, kept compactly: not the surfaces (see [`super::replay`] for those) but which pixels' rays came by
-//! which path to which body, and which lights reach them.
+//! The compact store of a picture's hits: which pixels have a hit at the end of which path, and which lights reach it.
 //!
-//! The colour of a pixel is linear in its rays' colours, so the tree of rays flattens into a sum over its paths:
+//! Surfaces are not stored, see [`super::replay`].
+//!
+//! The colour of a pixel is linear in the colours of its rays, so the tree of rays flattens into a sum over its paths:
 //!
 //! ```text
 //! E(pixel) = Σ_hits weight(path) · [ Σ_lit lights ki·local + ka·Cd·Ia ]  +  Σ_misses weight(path) · background
 //! ```
 //!
 //! where weight(path) is the product of kr or kt of the bodies along it: equation (2) of thesis 4.2.3, multiplied out.
-//! Within a [`Group`] the body and the lights are the same, within a [`Span`] the weight too. Rays of neighbouring pixels mostly go
-//! the same way, so the pixels of a span are stored as [`Segment`]s: what is computed for the hits of one, side by side, is added to
-//! neighbouring pixels at once.
+//!
+//! All hits of a [`Group`] share the body and the lights; all of a [`Span`] share the weight, too. Rays of neighbouring pixels mostly
+//! go the same way, so the pixels of a span are stored as [`Segment`]s: what is computed for the hits of a segment, side by side, is
+//! added to neighbouring pixels at once.
 
 use crate::scene::{BodyId, LightId};
 use crate::segment::{Segment, TILE_PIXELS};
@@ -21,7 +23,7 @@ use smallvec::SmallVec;
 use std::ops::{Add, Range};
 use std::sync::Arc;
 
-/// A path by its place in its tile's list.
+/// A path, by its place in the list of its tile.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct PathId(pub u32);
 
@@ -32,10 +34,10 @@ impl PathId {
     }
 }
 
-/// The way of a ray from the camera: its last step, and where that began.
+/// The way of a ray from the camera: its last step, and the path before it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Path {
-    /// The path to the hit from which the last ray comes; `None`: from the camera. Its id is the lower one.
+    /// The path to the hit from which the last ray comes, with a lower id; `None`: it comes from the camera.
     pub parent: Option<PathId>,
     /// How the last ray came to be.
     pub edge: Edge,
@@ -43,38 +45,38 @@ pub struct Path {
     pub body: Option<BodyId>,
 }
 
-/// Consecutive hits, or misses, of one path, in the order of their pixels. Hits are of one chunk: [`CHUNK_HITS`](crate::segment::CHUNK_HITS) of
-/// their group.
+/// Consecutive hits, or misses, of one path, in the order of their pixels. The hits lie in one chunk of their group, which is
+/// [`CHUNK_HITS`](crate::segment::CHUNK_HITS) hits.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Span {
     /// The path.
     pub path: PathId,
-    /// Their numbers: hits of a tile, and misses by themselves, are counted in the order of groups, spans and pixels.
+    /// Their numbers. The hits of a tile are counted in the order of groups, spans and pixels; misses are counted separately.
     pub hits: Range<u32>,
-    /// Their pixels: indices into [`Tile::segments`], of misses into [`Tile::miss_segments`].
+    /// Their pixels: indices into [`Tile::segments`], for misses into [`Tile::miss_segments`].
     pub segments: Range<u32>,
 }
 
-/// The hits of a tile on one body that exactly these lights reach. Where many lights cast many shadows, few hits have the same ones: such hits
-/// are *scattered*, they stand in a group for each of their lights.
+/// The hits of a tile on one body that exactly these lights reach. Where many lights cast many shadows, few hits share their
+/// lights. Such hits are *scattered*: they are in one group for each of their lights.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Group {
     /// The body.
     pub body: BodyId,
-    /// The lights, in the order of declaration; none where only the ambient light reaches.
+    /// The lights, in the order of declaration; empty where only the ambient light reaches.
     pub lights: SmallVec<[LightId; 6]>,
-    /// Whether its hits are scattered: the one light is not the only one that reaches them.
+    /// Whether its hits are scattered: the one light of the group is not the only one that reaches them.
     pub scattered: bool,
     /// The numbers of its hits.
     pub hits: Range<u32>,
-    /// The same hits path by path, in the order of path ids: indices into [`Tile::spans`]. In a path a pixel occurs at most once.
+    /// The same hits path by path, in the order of path ids: indices into [`Tile::spans`]. A pixel occurs at most once in a path.
     pub spans: Range<u32>,
 }
 
-// A region counts pixels, and a tile the sets of their paths, in sixteen bits.
+// A region counts pixels in sixteen bits, and a tile the sets of their paths.
 const _: () = assert!(TILE_PIXELS < 1 << 16);
 
-/// Consecutive pixels whose rays went the same ways.
+/// Consecutive pixels whose rays took the same paths.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Region {
     /// How many pixels.
@@ -83,7 +85,7 @@ pub struct Region {
     pub set: u16,
 }
 
-/// Lists of paths, one behind the other.
+/// Lists of paths, one after the other.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct PathSets {
     pub(super) paths: Vec<PathId>,
@@ -112,15 +114,15 @@ impl PathSets {
 /// The hits of some consecutive pixels.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Tile {
-    /// The pixels, counted row by row from the left upper corner of the picture.
+    /// The pixels, counted row by row from the top left of the picture.
     pub pixels: Range<u32>,
-    /// Every path that a ray of these pixels took, parents before children, in the order in which they were met first.
+    /// Every path that a ray of these pixels took, parents before children, in the order of their first rays.
     pub paths: Vec<Path>,
     /// The groups, ordered by body, by lights, and by whether they are scattered.
     pub groups: Vec<Group>,
-    /// How many hits stand in groups beside another one of their lights.
+    /// How many copies of hits there are: a hit that is scattered over n groups has n − 1.
     pub copies: u32,
-    /// The spans of all groups. All that a frame reads on its way stands in few long lists: it comes from memory, mostly.
+    /// The spans of all groups. A frame reads this data mostly from memory, so it is kept in few long lists.
     pub spans: Vec<Span>,
     /// The pixels of all hits, span by span.
     pub segments: Vec<Segment>,
@@ -128,14 +130,15 @@ pub struct Tile {
     pub misses: Vec<Span>,
     /// The pixels of all such rays, span by span.
     pub miss_segments: Vec<Segment>,
-    /// All pixels in order, by the paths of their rays: what a ray adds wherever it ended, such as the ambient light, is the same in a region.
+    /// All pixels in order, by the paths of their rays. What a ray adds regardless of its end point, such as the ambient light, is the
+    /// same for all pixels of a region.
     pub regions: Vec<Region>,
     /// The paths of the rays of each region.
     pub path_sets: PathSets,
 }
 
 impl Tile {
-    /// The steps of a path from the camera on; the last one's body is where it ends.
+    /// The steps of a path from the camera on. The body of the last one is where the path ends.
     pub fn steps(&self, path: PathId) -> Vec<(Edge, Option<BodyId>)> {
         let chain = std::iter::successors(self.paths.get(path.index()), |path| self.paths.get(path.parent?.index()));
         let mut steps: Vec<_> = chain.map(|path| (path.edge, path.body)).collect();
@@ -167,7 +170,7 @@ impl Tile {
         &self.miss_segments[span.segments.start as usize..span.segments.end as usize]
     }
 
-    /// What is in the tile.
+    /// How much is in the tile.
     pub fn counts(&self) -> Counts {
         let lit = |group: &Group| group.hits.len() as u64 * group.lights.len() as u64;
         Counts {
@@ -179,7 +182,7 @@ impl Tile {
         }
     }
 
-    /// The memory it takes, in bytes.
+    /// The memory that it takes, in bytes.
     pub fn bytes(&self) -> u64 {
         let spilled = self.groups.iter().filter(|group| group.lights.spilled()).map(|group| size_of_val(&*group.lights));
         let lists =
@@ -190,14 +193,14 @@ impl Tile {
     }
 }
 
-/// How much there is of everything.
+/// How many of each there are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Counts {
     /// Hits.
     pub hits: u64,
     /// Records: pairs of a hit and a light that reaches it.
     pub records: u64,
-    /// Paths; one that occurs in several tiles counts in each.
+    /// Paths; one that occurs in several tiles is counted in each.
     pub paths: u64,
     /// Groups, counted likewise.
     pub groups: u64,
@@ -226,7 +229,7 @@ pub struct Hits {
     pub world: Arc<World>,
     /// The view that was traced.
     pub view: View,
-    /// [`TILE_PIXELS`](crate::segment::TILE_PIXELS) pixels each, the last one what is left, in the order of pixels.
+    /// [`TILE_PIXELS`](crate::segment::TILE_PIXELS) pixels each, in the order of pixels; the last one has the rest.
     pub tiles: Vec<Tile>,
 }
 
@@ -236,12 +239,12 @@ impl Hits {
         Self { world: Arc::clone(world), view, tiles: Vec::new() }
     }
 
-    /// What is in the picture.
+    /// How much is in the picture.
     pub fn counts(&self) -> Counts {
         self.tiles.iter().map(Tile::counts).fold(Counts::default(), Counts::add)
     }
 
-    /// The memory it takes, without the world, in bytes.
+    /// The memory that it takes, in bytes, without the world.
     pub fn bytes(&self) -> u64 {
         self.tiles.iter().map(Tile::bytes).sum()
     }

@@ -310,12 +310,12 @@ fn memory_beyond_the_budget_is_refused_beforehand_or_meanwhile() {
     };
     assert!(needed > 10 << 20 && needed < 40 << 20, "{needed}");
     assert!(error.to_string().contains("1.0 MiB may be used"), "{error}");
-    // The estimate leaves out the tables of a tile; the ledger does not.
+    // The estimate leaves out the tables of a tile; the meter does not.
     let estimate = Estimate::new(&world, &view, &AtomicBool::new(false)).unwrap();
     let tight = Budget { bytes: estimate.hits * 2, fixed_bytes: 0, bytes_per_record: 0, bytes_per_hit: 0, bytes_per_pixel: 0 };
-    let ledger = Ledger::open(&tight, Estimate { hits: 1, ..Estimate::default() }).unwrap();
-    assert!(ledger.charge(1, 0, tight.bytes).is_ok());
-    assert!(matches!(ledger.charge(1, 0, 1), Err(TraceError::Memory { .. })));
+    let meter = MemoryMeter::start(&tight, Estimate { hits: 1, ..Estimate::default() }).unwrap();
+    assert!(meter.add(1, 0, tight.bytes).is_ok());
+    assert!(matches!(meter.add(1, 0, 1), Err(TraceError::Memory { .. })));
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! The variables that formulas read at a hit (thesis 9.2.3): worked out in f64, handed out as f32.
+//! The variables that formulas read at a hit (thesis 9.2.3): computed in f64, passed on as f32.
 
 use crate::world::{LightSample, SurfaceHit, World};
 use glam::{DVec3, Vec3};
@@ -6,9 +6,9 @@ use glam::{DVec3, Vec3};
 /// The variables of a hit that are the same for every light. Directions are of unit length, angles in 0..π.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HitVariables {
-    /// `N`: the normal, turned to where the ray came from.
+    /// `N`: the shading normal, turned to where the ray came from.
     pub normal: Vec3,
-    /// `V`: to where the ray came from.
+    /// `V`: the direction to where the ray came from.
     pub view: Vec3,
     /// `point`: the hit in world coordinates.
     pub point: Vec3,
@@ -23,7 +23,7 @@ pub struct HitVariables {
 /// The variables of a hit that differ from light to light. Directions are of unit length, angles in 0..π.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LightVariables {
-    /// `L`: to the light; N for a light in the very point.
+    /// `L`: the direction to the light; N for a light in this very point.
     pub light: Vec3,
     /// `R`: L mirrored about N.
     pub mirrored: Vec3,
@@ -31,7 +31,7 @@ pub struct LightVariables {
     pub alpha: f32,
     /// `beta`: the angle between R and V.
     pub beta: f32,
-    /// `H`: half-way between L and V; N where these are opposite, so that it is finite always.
+    /// `H`: halfway between L and V; N where these are opposite, so that it is always finite.
     pub half: Vec3,
     /// `dist`: the distance from the light in world units.
     pub distance: f32,

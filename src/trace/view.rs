@@ -1,15 +1,15 @@
-//! What is asked of the tracing of one scene: picture size, depth, shadows, default index of refraction; and the primary
-//! ray of each pixel (thesis 3.2.1, 8.4).
+//! The settings of tracing: picture size, depth, shadows, default index of refraction; and the primary ray of each pixel
+//! (thesis 3.2.1, 8.4).
 
 use crate::scene::Camera;
 use crate::world::Ray;
 
-/// The largest width and height in pixels; a picture's pixels so always fit 32 bits.
+/// The largest width and height in pixels. The number of pixels always fits 32 bits.
 pub const MAX_SIDE: u32 = 32_768;
-/// The greatest depth of the tree of rays.
+/// The largest depth of the tree of rays.
 pub const MAX_DEPTH: u32 = 9;
 
-/// How a scene is looked at. It cannot be built with values out of range.
+/// How a scene is traced. It cannot be built with values out of range.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct View {
     width: u32,
@@ -20,7 +20,7 @@ pub struct View {
     offset: [f64; 2],
 }
 
-/// Why a scene cannot be looked at like this.
+/// Why there is no such view.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum ViewError {
     /// Width or height is 0 or beyond [`MAX_SIDE`].
@@ -74,8 +74,8 @@ impl View {
         }
     }
 
-    /// The same with rays through the point (x, y) of each pixel, 0..1 from its left upper corner; several views with
-    /// several offsets make the samples of a smoothed picture. Values outside are clamped.
+    /// The same with rays through the point (x, y) of each pixel, 0..1 from its top left corner. Views with different
+    /// offsets are the samples of a smooth picture. Values outside 0..1 are clamped.
     #[must_use]
     pub fn with_offset(self, offset: [f64; 2]) -> Self {
         Self { offset: offset.map(|place| if place.is_nan() { 0.5 } else { place.clamp(0.0, 1.0) }), ..self }
@@ -96,7 +96,7 @@ impl View {
         self.width * self.height
     }
 
-    /// The greatest depth of a hit; that of the primary ray is 1.
+    /// The largest depth of a hit; that of the primary ray is 1.
     pub fn depth(&self) -> u32 {
         self.depth
     }
@@ -111,13 +111,13 @@ impl View {
         self.default_index
     }
 
-    /// Where in a pixel the ray goes through.
+    /// The point of each pixel through which the ray goes, 0..1 from its top left corner.
     pub fn offset(&self) -> [f64; 2] {
         self.offset
     }
 
-    /// The primary ray of a pixel, counted row by row from the left upper corner. Pixels are square, and the camera's angle
-    /// of view spans the height of the picture.
+    /// The primary ray of a pixel, counted row by row from the top left. Pixels are square, and the camera's angle of view spans
+    /// the height of the picture.
     pub fn primary_ray(&self, camera: &Camera, pixel: u32) -> Ray {
         let (width, height) = (f64::from(self.width), f64::from(self.height));
         let column = f64::from(pixel % self.width) + self.offset[0];

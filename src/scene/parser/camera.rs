@@ -1,4 +1,4 @@
-//! The clauses of the camera: position, gaze, up, fov (thesis 9.3.1).
+//! Parses the clauses of the camera: position, gaze, up, fov (thesis 9.3.1).
 
 use super::Parser;
 use crate::lang::cursor::{Placed, Reported};
@@ -13,10 +13,10 @@ use glam::DVec3;
 /// The clauses in their order.
 const CLAUSES: [&str; 4] = keywords::words(&keywords::CAMERA_CLAUSES);
 
-/// The clauses read so far.
+/// The clauses parsed so far.
 #[derive(Default)]
 struct Clauses {
-    /// Where each of [`CLAUSES`] was met first.
+    /// Where each of [`CLAUSES`] stands first.
     seen: [Option<Span>; 4],
     /// Position, gaze and up.
     vectors: [Option<Placed<DVec3>>; 3],
@@ -24,14 +24,14 @@ struct Clauses {
 }
 
 impl Parser {
-    /// Everything behind `camera;`, whose place is `header`.
+    /// Parses everything behind `camera;`, whose place is `header`.
     pub(super) fn camera_section(&mut self, header: Span) {
         let mut clauses = Clauses::default();
         while *self.cursor.kind(0) != TokenKind::End && self.header().is_none() {
             let complete = clauses.seen.iter().all(Option::is_some);
             let known = self.cursor.word(0).is_some_and(|word| CLAUSES.contains(&word));
             if complete && !known {
-                // What follows the camera is reported once, by the caller.
+                // The caller reports what follows the camera, once.
                 break;
             }
             let start = self.cursor.position();
@@ -50,12 +50,12 @@ impl Parser {
             let form = "a camera is `position <x,y,z>; gaze <x,y,z>; up <x,y,z>; fov DEGREES;`";
             self.cursor.report(diagnostic.help(form));
         }
-        if let (Some(camera), None) = (self.frame(&clauses), &self.camera) {
+        if let (Some(camera), None) = (self.camera_of(&clauses), &self.camera) {
             self.camera = Some(camera);
         }
     }
 
-    /// `NAME VALUE;`
+    /// Parses `NAME VALUE;`.
     fn clause(&mut self, clauses: &mut Clauses) -> Result<(), Reported> {
         let span = self.cursor.span();
         let word = self.cursor.word(0).unwrap_or_default().to_owned();
@@ -64,7 +64,7 @@ impl Parser {
             let message = format!("expected `{expected}` of the camera, found {}", self.cursor.kind(0).describe());
             let near = nearest(&word, CLAUSES).map(|near| format!("did you mean `{near}`?"));
             self.cursor.report(Diagnostic::error(message).at(span, "found this").help_if(near));
-            // A misspelt clause counts as met: that it is missing would be a second error for one slip.
+            // A misspelt clause counts as present: that it is missing would be a second error for one mistake.
             if let Some(near) = nearest(&word, CLAUSES).and_then(|near| CLAUSES.iter().position(|name| *name == near)) {
                 clauses.seen[near].get_or_insert(span);
             }
@@ -87,7 +87,7 @@ impl Parser {
                 self.cursor.report(diagnostic.at(place, "leave this out"));
             }
         }
-        // Of a clause that is given twice the first is judged.
+        // The first of two equal clauses counts.
         if let Some(slot) = clauses.vectors.get_mut(clause) {
             let vector = self.vector(&format!("the camera's {word}"))?;
             slot.get_or_insert(vector);
@@ -98,7 +98,7 @@ impl Parser {
         self.cursor.expect(Mark::Semicolon, &format!("after the camera's `{word}`"))
     }
 
-    /// Passes over the rest of a clause: up to its `;`, or to the next one if the `;` was forgotten.
+    /// Skips the rest of a clause: up to its `;`, or to the next clause where the `;` is missing.
     fn skip_clause(&mut self) {
         while *self.cursor.kind(0) != TokenKind::End && !self.cursor.accept(Mark::Semicolon) {
             if self.header().is_some() || self.cursor.word(0).is_some_and(|word| CLAUSES.contains(&word)) {
@@ -108,8 +108,8 @@ impl Parser {
         }
     }
 
-    /// The camera of these clauses; what is wrong with their values is reported.
-    fn frame(&mut self, clauses: &Clauses) -> Option<Camera> {
+    /// The camera of these clauses. What is wrong with their values is reported.
+    fn camera_of(&mut self, clauses: &Clauses) -> Option<Camera> {
         let [position, gaze, up] = clauses.vectors;
         let wrong_fov = clauses.fov.filter(|fov| !(fov.value > 0.0 && fov.value < 180.0));
         if let Some(fov) = wrong_fov {
@@ -124,7 +124,7 @@ impl Parser {
                 self.cursor.report(diagnostic.at(vector.span, "this is no direction"));
             }
         }
-        // Each value is judged even where another is missing or wrong: beside values that cannot be wrong.
+        // Each value is checked even where another is missing or wrong: harmless values take the place of those.
         let value = |given: Option<Placed<DVec3>>, default| given.map_or(default, |given| given.value);
         let sound_fov = clauses.fov.filter(|_| wrong_fov.is_none()).map(|fov| fov.value);
         let complete = sound_fov.is_some() && clauses.vectors.iter().all(Option::is_some);
@@ -133,7 +133,7 @@ impl Parser {
             Ok(camera) => return complete.then_some(camera),
             Err(CameraError::Parallel) => {
                 if let (Some(gaze), Some(up)) = (gaze, up) {
-                    // The axis least along the gaze is never parallel to it.
+                    // One of these axes is not parallel to the gaze.
                     let axis = [DVec3::Y, DVec3::Z].into_iter().find(|axis| axis.cross(gaze.value.normalize()).length() > 0.1);
                     let diagnostic = Diagnostic::error("the camera's `gaze` and `up` are parallel").at(up.span, "this direction");
                     let diagnostic = diagnostic.at(gaze.span, "is also this one, or the opposite of it");
@@ -141,7 +141,7 @@ impl Parser {
                 }
             }
             Err(error @ (CameraError::NoGaze | CameraError::NoUp)) if !zero => {
-                // Not zero, but too short to tell from it.
+                // It is not zero, but too short.
                 let span = if error == CameraError::NoGaze { gaze } else { up }.map(|vector| vector.span)?;
                 self.cursor.report(Diagnostic::error("this direction is too short").at(span, "its length vanishes"));
             }

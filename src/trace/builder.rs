@@ -1,7 +1,7 @@
-//! Gathers the hits of a tile, as they are traced, into groups and spans.
+//! Builds a tile of the store: sorts the hits of its pixels, as they are traced, into groups and spans.
 //!
-//! Pixels come in order and every path ends at most once in a pixel, so one list of pixels a (path, light set) is sorted as
-//! it grows; only the lists are sorted in the end.
+//! Pixels come in order, and a path ends at most once in a pixel. So the list of pixels of each (path, light set) is sorted as it
+//! grows, and only the lists themselves are sorted at the end.
 
 use crate::scene::{BodyId, LightId};
 use crate::segment::{CHUNK_HITS, Segment};
@@ -11,33 +11,33 @@ use smallvec::SmallVec;
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
-/// About what a path, a light set or a list of pixels takes in the tables of the gatherer, hits aside, in bytes; a quarter of
-/// it is what remains in the store.
+/// About what a path, a light set or a list of pixels takes in the tables of the builder, hits aside, in bytes. A quarter of
+/// it remains in the store.
 pub(super) const BYTES_PER_ENTRY: u64 = 64;
 
 /// The hits of a tile so far.
 #[derive(Default)]
-pub(super) struct Gatherer {
+pub(super) struct TileBuilder {
     paths: Vec<Path>,
     path_ids: HashMap<Path, PathId>,
     light_sets: HashMap<Vec<LightId>, u32>,
     /// The pixels of the hits that came by a path and are reached by a light set.
     hits: HashMap<(PathId, u32), Vec<u16>>,
     misses: HashMap<PathId, Vec<u16>>,
-    /// The paths of the pixel at hand.
+    /// The paths of the current pixel.
     pixel: Vec<PathId>,
     regions: Vec<Region>,
     path_sets: PathSets,
     path_set_ids: HashMap<Vec<PathId>, u16>,
 }
 
-impl Gatherer {
-    /// Ends a pixel: all its rays have come.
+impl TileBuilder {
+    /// Ends a pixel, after all its rays.
     pub(super) fn finish_pixel(&mut self) {
         let set = match self.path_set_ids.get(&self.pixel) {
             Some(set) => *set,
             None => {
-                // No more of them than pixels.
+                // There are no more of them than pixels.
                 let set = self.path_sets.len() as u16;
                 self.path_sets.paths.extend_from_slice(&self.pixel);
                 self.path_sets.ends.push(self.path_sets.paths.len() as u32);
@@ -52,7 +52,7 @@ impl Gatherer {
         }
     }
 
-    /// The path that goes on from `parent` along `edge` to `body`, or out of the scene.
+    /// The path that continues `parent` along `edge` to `body`, or out of the scene.
     pub(super) fn path(&mut self, parent: Option<PathId>, edge: Edge, body: Option<BodyId>) -> PathId {
         let path = Path { parent, edge, body };
         *self.path_ids.entry(path).or_insert_with(|| {
@@ -68,7 +68,7 @@ impl Gatherer {
         let set = match self.light_sets.get(lights) {
             Some(set) => *set,
             None => {
-                // No more of them than hits.
+                // There are no more of them than hits.
                 let set = self.light_sets.len() as u32;
                 self.light_sets.insert(lights.to_vec(), set);
                 set
@@ -95,31 +95,9 @@ impl Gatherer {
     pub(super) fn tile(self, pixels: Range<u32>) -> Tile {
         let mut sets: Vec<(Vec<LightId>, u32)> = self.light_sets.into_iter().collect();
         sets.sort_unstable_by_key(|(_, set)| *set);
-        let (lists, copies) = buckets(self.hits, &sets, &self.paths);
+        let (lists, copies) = hit_lists(self.hits, &sets, &self.paths);
         let (mut all, mut spans) = (Pixels::default(), Vec::new());
-        let groups = lists
-            .chunk_by(|a, b| a.group() == b.group())
-            .map(|group| {
-                let start = all.begin_group();
-                let first = spans.len() as u32;
-                let mut in_chunk = 0;
-                for list in group {
-                    let mut rest = &*list.pixels;
-                    while !rest.is_empty() {
-                        let (here, later) = rest.split_at(rest.len().min(all.left_in_chunk()));
-                        if all.left_in_chunk() == CHUNK_HITS {
-                            in_chunk = 0;
-                        }
-                        spans.push(all.span(list.path, here, in_chunk));
-                        in_chunk += 1;
-                        rest = later;
-                    }
-                }
-                let (hits, own) = (start..all.hits, first..spans.len() as u32);
-                let Bucket { body, lights, scattered, .. } = &group[0];
-                Group { body: *body, lights: lights.clone(), scattered: *scattered, hits, spans: own }
-            })
-            .collect();
+        let groups = lists.chunk_by(|a, b| a.group() == b.group()).map(|lists| group(lists, &mut all, &mut spans)).collect();
         let mut missed: Vec<(PathId, Vec<u16>)> = self.misses.into_iter().collect();
         missed.sort_unstable_by_key(|(path, _)| *path);
         let mut all_missed = Pixels::default();
@@ -137,8 +115,30 @@ impl Gatherer {
     }
 }
 
-/// The hits of one path on a body that are reached by one light set; or scattered ones that are reached by one light, among others.
-struct Bucket {
+/// The group of these lists, which share body and lights, behind the hits and spans so far. There is at least one list.
+fn group(lists: &[HitList], all: &mut Pixels, spans: &mut Vec<Span>) -> Group {
+    let start = all.begin_group();
+    let first = spans.len() as u32;
+    let mut in_chunk = 0;
+    for list in lists {
+        let mut rest = &*list.pixels;
+        while !rest.is_empty() {
+            let (here, later) = rest.split_at(rest.len().min(all.left_in_chunk()));
+            if all.left_in_chunk() == CHUNK_HITS {
+                in_chunk = 0;
+            }
+            spans.push(all.span(list.path, here, in_chunk));
+            in_chunk += 1;
+            rest = later;
+        }
+    }
+    let HitList { body, lights, scattered, .. } = &lists[0];
+    let (hits, spans) = (start..all.hits, first..spans.len() as u32);
+    Group { body: *body, lights: lights.clone(), scattered: *scattered, hits, spans }
+}
+
+/// The hits of one path on a body that one light set reaches; or scattered ones that one light reaches, among others.
+struct HitList {
     body: BodyId,
     lights: SmallVec<[LightId; 6]>,
     scattered: bool,
@@ -146,63 +146,63 @@ struct Bucket {
     pixels: Vec<u16>,
 }
 
-impl Bucket {
+impl HitList {
     /// What the hits of a group share.
     fn group(&self) -> (BodyId, &[LightId], bool) {
         (self.body, &self.lights, self.scattered)
     }
 }
 
-/// Groups of fewer hits may be scattered. To begin with a light of a group costs as much as some thirty hits; to add to pixels for each light by
-/// itself costs the less, the longer the groups are that become of it.
-const FEW: usize = 24;
-/// They are, if so many times fewer pairs of a group and a light come of it.
-const FEWER: usize = 4;
+/// Groups of fewer hits may be scattered. Starting with a light of a group costs as much as about thirty hits. Adding to pixels
+/// for each light separately costs less, the longer the groups are that result.
+const SMALL_GROUP: usize = 24;
+/// They are scattered if that leaves at most one in this many pairs of a group and a light.
+const MIN_REDUCTION: usize = 4;
 
-/// The hits by what groups and spans share, in the order of these; and how many are in several groups, each counted as often as it is too many.
-fn buckets(hits: HashMap<(PathId, u32), Vec<u16>>, sets: &[(Vec<LightId>, u32)], paths: &[Path]) -> (Vec<Bucket>, u32) {
+/// The hits by what groups and spans share, in the order of these; and how many copies there are of hits that are in several groups.
+fn hit_lists(hits: HashMap<(PathId, u32), Vec<u16>>, sets: &[(Vec<LightId>, u32)], paths: &[Path]) -> (Vec<HitList>, u32) {
     let body_of = |path: PathId| paths.get(path.index()).and_then(|path| path.body);
     let lights_of = |set: u32| sets.get(set as usize).map_or(&[][..], |(lights, _)| lights);
-    let mut amounts: HashMap<(BodyId, u32), usize> = HashMap::new();
+    let mut sizes: HashMap<(BodyId, u32), usize> = HashMap::new();
     for ((path, set), pixels) in &hits {
         if let Some(body) = body_of(*path) {
-            *amounts.entry((body, *set)).or_default() += pixels.len();
+            *sizes.entry((body, *set)).or_default() += pixels.len();
         }
     }
-    let is_small = |body: BodyId, set: u32| lights_of(set).len() > 1 && amounts[&(body, set)] < FEW;
-    // Of small groups of each body the pairs with their lights, and these.
+    let is_small = |body: BodyId, set: u32| lights_of(set).len() > 1 && sizes[&(body, set)] < SMALL_GROUP;
+    // For each body: the pairs of a small group and a light, and the lights.
     let mut small: HashMap<BodyId, (usize, HashSet<LightId>)> = HashMap::new();
-    for (body, set) in amounts.keys().filter(|(body, set)| is_small(*body, *set)) {
+    for (body, set) in sizes.keys().filter(|(body, set)| is_small(*body, *set)) {
         let (pairs, lights) = small.entry(*body).or_default();
         *pairs += lights_of(*set).len();
         lights.extend(lights_of(*set));
     }
-    let is_scattered = |body| small.get(&body).is_some_and(|(pairs, lights)| *pairs >= FEWER * lights.len());
-    let mut buckets = Vec::with_capacity(hits.len());
+    let is_scattered = |body| small.get(&body).is_some_and(|(pairs, lights)| *pairs >= MIN_REDUCTION * lights.len());
+    let mut lists = Vec::with_capacity(hits.len());
     let mut scattered: HashMap<(BodyId, LightId, PathId), Vec<u16>> = HashMap::new();
     let mut copies = 0;
     for ((path, set), pixels) in hits {
         let Some(body) = body_of(path) else { continue };
         let lights = lights_of(set);
         if is_small(body, set) && is_scattered(body) {
-            // As many as there are records, of which there are fewer than 2³².
+            // No more than records, of which there are fewer than 2³².
             copies += (pixels.len() * (lights.len() - 1)) as u32;
             for light in lights {
                 scattered.entry((body, *light, path)).or_default().extend_from_slice(&pixels);
             }
         } else {
-            buckets.push(Bucket { body, lights: lights.into(), scattered: false, path, pixels });
+            lists.push(HitList { body, lights: lights.into(), scattered: false, path, pixels });
         }
     }
     for ((body, light, path), mut pixels) in scattered {
         pixels.sort_unstable();
-        buckets.push(Bucket { body, lights: [light].as_slice().into(), scattered: true, path, pixels });
+        lists.push(HitList { body, lights: [light].as_slice().into(), scattered: true, path, pixels });
     }
-    buckets.sort_unstable_by(|a, b| (a.group(), a.path).cmp(&(b.group(), b.path)));
-    (buckets, copies)
+    lists.sort_unstable_by(|a, b| (a.group(), a.path).cmp(&(b.group(), b.path)));
+    (lists, copies)
 }
 
-/// The pixels of hits, or misses, one behind the other.
+/// The pixels of hits, or of misses, one after the other.
 #[derive(Default)]
 struct Pixels {
     segments: Vec<Segment>,
@@ -212,18 +212,18 @@ struct Pixels {
 }
 
 impl Pixels {
-    /// Begins a group, in lines of its own; the number of its first hit.
+    /// Begins a group, in lines of its own, and returns the number of its first hit.
     fn begin_group(&mut self) -> u32 {
         self.group = self.hits;
         self.hits
     }
 
-    /// How many hits of the group the present chunk still takes.
+    /// How many hits of the group still fit the current chunk.
     fn left_in_chunk(&self) -> usize {
         CHUNK_HITS - (self.hits - self.group) as usize % CHUNK_HITS
     }
 
-    /// Adds the pixels of a path, in segments of their own, to those before; the span has this number in its chunk.
+    /// Adds the pixels of a path, in segments of their own, behind those so far. `in_chunk` is the number of the span in its chunk.
     fn span(&mut self, path: PathId, pixels: &[u16], in_chunk: usize) -> Span {
         let (start, first) = (self.segments.len(), self.hits);
         for pixel in pixels {
