@@ -8,6 +8,7 @@ mod stage;
 
 use criterion::Criterion;
 use illuminator::evaluate::Framebuffer;
+use illuminator::files::Readable;
 use illuminator::formula::Formula;
 use illuminator::picture::Transfer;
 use illuminator::presets::Kind;
@@ -47,7 +48,7 @@ fn main() {
 
 /// From text to formula, and from formula to machine code.
 fn texts(criterion: &mut Criterion, model: Model) {
-    let text = model.location().read(Kind::Formula).expect("a built-in file");
+    let text = model.location().read(Kind::Formula, Readable::Regular).expect("a built-in file");
     let script = Script::new(model, SIZES[0]);
     criterion.bench_function(&format!("parse/{}", model.name()), |bencher| {
         bencher.iter(|| Formula::parse(black_box(&text)));

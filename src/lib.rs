@@ -48,6 +48,8 @@
 //!
 //! Nothing here knows of windows, terminals or command lines; the program `illuminator` is built on top.
 
+pub mod files;
+
 pub mod lang;
 
 pub mod formula;

@@ -4,9 +4,9 @@
 //! OpenEXR holds the linear numbers themselves, unclamped.
 
 use crate::evaluate::Frame;
+use crate::files::{reason, replace_file};
 pub use crate::transfer::Transfer;
 use crate::transfer::{Bytes, with_bytes};
-use crate::workspace::files::{reason, replace_file};
 use image::codecs::bmp::BmpEncoder;
 use image::codecs::openexr::OpenExrEncoder;
 use image::codecs::png::PngEncoder;

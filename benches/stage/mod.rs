@@ -4,6 +4,7 @@
 use illuminator::backends::REFERENCE;
 use illuminator::engine::{Engine, Subject, Task};
 use illuminator::evaluate::{Drag, Evaluator, Framebuffer};
+use illuminator::files::Readable;
 use illuminator::formula::{Formula, ParameterId};
 use illuminator::lang::variables::Owner;
 use illuminator::picture::Transfer;
@@ -83,7 +84,7 @@ pub(crate) struct Script {
 impl Script {
     /// Reads the session; its values are kept, as far as the model has such parameters.
     pub(crate) fn new(model: Model, [width, height]: [u32; 2]) -> Self {
-        let read = |location: &Location, kind| location.read(kind).expect("a built-in file");
+        let read = |location: &Location, kind| location.read(kind, Readable::Regular).expect("a built-in file");
         let session = read(&Location::new(SESSION), Kind::Session);
         let (session, _) = Session::parse(&session).expect("a sound session");
         let (scene, _) = Scene::parse(&read(&session.scene, Kind::Scene)).expect("a sound scene");

@@ -3,6 +3,7 @@
 use crate::cli::input::{OpenSession, open_both, place_of, session_values_of};
 use crate::cli::report::{Failure, count, explain, print, say, warn};
 use clap::{Args, ValueEnum};
+use illuminator::files::Readable;
 use illuminator::formula::Formula;
 use illuminator::lang::diagnostic::{Diagnostic, Diagnostics};
 use illuminator::lang::source::Source;
@@ -76,11 +77,11 @@ fn check(location: &Location, given: Option<Kind>) -> Result<bool, Failure> {
 /// The text, and what it is. A built-in file is looked for among all kinds.
 fn read(location: &Location, given: Option<Kind>) -> Result<(Kind, Source), Diagnostic> {
     if let Some(kind) = given {
-        return Ok((kind, location.read(kind)?));
+        return Ok((kind, location.read(kind, Readable::RegularOrPipe)?));
     }
     match location {
         Location::File(path) => {
-            let source = read_file(path, None)?;
+            let source = read_file(path, None, Readable::RegularOrPipe)?;
             let suffix = match path.extension().and_then(|suffix| suffix.to_str()) {
                 Some("formula") => Some(Kind::Formula),
                 Some("scene") => Some(Kind::Scene),
@@ -96,8 +97,8 @@ fn read(location: &Location, given: Option<Kind>) -> Result<(Kind, Source), Diag
             Ok((told.or(suffix).unwrap_or(Kind::Formula), source))
         }
         Location::Preset(_) => {
-            let found = Kind::ALL.into_iter().find_map(|kind| Some((kind, location.read(kind).ok()?)));
-            found.map_or_else(|| location.read(Kind::Formula).map(|source| (Kind::Formula, source)), Ok)
+            let found = Kind::ALL.into_iter().find_map(|kind| Some((kind, location.read(kind, Readable::RegularOrPipe).ok()?)));
+            found.map_or_else(|| location.read(Kind::Formula, Readable::RegularOrPipe).map(|source| (Kind::Formula, source)), Ok)
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use crate::cli::options::{Colour, InputOptions};
 use crate::cli::report::{Failure, accept, explain, say, warn};
+use illuminator::files::Readable;
 use illuminator::formula::Formula;
 use illuminator::formula::layout::Layout;
 use illuminator::lang::diagnostic::{Diagnostic, Diagnostics};
@@ -52,7 +53,7 @@ pub(super) struct OpenSession {
 
 /// Reads a session; its paths are then relative to the working directory.
 pub(super) fn open_session(location: &Location) -> Result<OpenSession, Failure> {
-    let source = location.read(Kind::Session).map_err(Failure::Input)?;
+    let source = location.read(Kind::Session, Readable::RegularOrPipe).map_err(Failure::Input)?;
     let other = kind_of(source.text()).filter(|kind| *kind != Kind::Session);
     if let Some(kind) = other {
         let diagnostic = Diagnostic::error(format!("`{location}` looks like a {}, not a session", kind.noun()));
@@ -89,7 +90,7 @@ fn open<T>(
     kind: Kind,
     parse: fn(&Source) -> Result<(T, Diagnostics), Diagnostics>,
 ) -> Result<(Source, T), Failure> {
-    let source = location.read(kind).map_err(Failure::Input)?;
+    let source = location.read(kind, Readable::RegularOrPipe).map_err(Failure::Input)?;
     let hint = match kind_of(source.text()) {
         Some(Kind::Session) => Some((Kind::Session, "give a session without an option in front of it")),
         Some(Kind::Material) => Some((Kind::Material, LIBRARIES)),
@@ -227,7 +228,7 @@ fn open_shelf(formula: &Formula, location: &Location, source: &Source) -> Result
         explain(&reason.into(), source);
         Failure::Reported
     })?;
-    match Shelf::open(place) {
+    match Shelf::open(place, Readable::RegularOrPipe) {
         Ok((shelf, found)) => {
             explain(&found.diagnostics, &found.source);
             Ok(shelf)

@@ -1,9 +1,9 @@
 //! Where results go: looked at before any work is done.
 
 use crate::cli::report::Failure;
+use illuminator::files::{follow_links, reason};
 use illuminator::lang::diagnostic::Diagnostic;
 use illuminator::picture::Format;
-use illuminator::workspace::files::reason;
 use std::path::{Path, PathBuf};
 
 /// Checks that a picture can be written to this path.
@@ -32,7 +32,9 @@ pub(super) fn check_picture(path: &Path) -> Result<Format, Failure> {
         }
         Ok(_) | Err(_) => {}
     }
-    check_folder(path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new(".")))?;
+    // A symbolic link may name a file that does not exist yet.
+    let target = follow_links(path).map_err(|error| Failure::input(format!("cannot write `{name}`: {}", reason(&error))))?;
+    check_folder(target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new(".")))?;
     Ok(format)
 }
 

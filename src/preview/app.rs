@@ -21,6 +21,7 @@ mod theme;
 pub use command::Command;
 
 use crate::backends::BackendChoice;
+use crate::files::Readable;
 use crate::lang::source::Span;
 use crate::presets::{self, DEFAULT_SESSION, Kind};
 use crate::preview::editor::{Document, Editor, Palette, problems_ui, reference_ui};
@@ -120,14 +121,14 @@ impl App {
         let (remembered, mut told) = Remembered::open(folders);
         let startup = &remembered.settings.startup;
         let (location, opened) = match session {
-            Some(location) => (location.clone(), Opened::session(location)?),
-            None => match Opened::session(startup) {
+            Some(location) => (location.clone(), Opened::session(location, Readable::RegularOrPipe)?),
+            None => match Opened::session(startup, Readable::Regular) {
                 Ok(opened) => (startup.clone(), opened),
                 // A startup session that is gone must not keep the window from opening.
                 Err(errors) => {
                     told.push(format!("the startup session was not opened: {errors}"));
                     let built_in = Location::Preset(DEFAULT_SESSION.to_owned());
-                    let opened = Opened::session(&built_in)?;
+                    let opened = Opened::session(&built_in, Readable::Regular)?;
                     (built_in, opened)
                 }
             },

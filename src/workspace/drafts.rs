@@ -6,9 +6,10 @@
 mod hold;
 mod text;
 
+use crate::files::{reason, replace_text};
 use crate::lang::diagnostic::{Diagnostic, Diagnostics};
 use crate::presets::Kind;
-use crate::workspace::files::{Location, reason, replace_text};
+use crate::workspace::files::Location;
 use crate::workspace::folders::{Folders, cannot_keep};
 use hold::Hold;
 use std::collections::BTreeMap;

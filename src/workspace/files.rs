@@ -1,5 +1,6 @@
-//! Files and built-in files: where a text is found, how it is read with care and how a file is replaced without losing the old.
+//! Files and built-in files: where a text is found, and how it is read.
 
+use crate::files::{FileType, OpenError, Readable, open, reason};
 use crate::lang::diagnostic::{Diagnostic, nearest};
 use crate::lang::source::{MAX_BYTES, Source};
 use crate::presets::{self, Kind};
@@ -7,8 +8,8 @@ use crate::workspace::document::VERSION_KEY;
 use crate::workspace::session;
 use std::ffi::OsStr;
 use std::fmt;
-use std::fs::{self, File};
-use std::io::{self, BufWriter, ErrorKind, Read, Write};
+use std::fs;
+use std::io::{self, ErrorKind, Read};
 use std::path::{Component, Path, PathBuf};
 
 /// What names a built-in file.
@@ -53,15 +54,15 @@ impl Location {
     /// Reads the text.
     ///
     /// # Errors
-    /// There is no such file or built-in file of this kind; it cannot be read, is no file, is larger than [`MAX_BYTES`] or not
-    /// UTF-8.
-    pub fn read(&self, kind: Kind) -> Result<Source, Diagnostic> {
+    /// There is no such file or built-in file of this kind; it cannot be read, is not of an allowed file type, is larger than
+    /// [`MAX_BYTES`], or is not UTF-8.
+    pub fn read(&self, kind: Kind, readable: Readable) -> Result<Source, Diagnostic> {
         match self {
             Location::Preset(name) => match presets::text(kind, name) {
                 Some(text) => Ok(Source::new(self.to_string(), text)),
                 None => Err(unknown_preset(kind, name)),
             },
-            Location::File(path) => read_file(path, Some(kind)),
+            Location::File(path) => read_file(path, Some(kind), readable),
         }
     }
 }
@@ -90,11 +91,11 @@ pub(super) fn unknown_preset(kind: Kind, name: &str) -> Diagnostic {
     }
 }
 
-/// Reads a file that is to be of a kind, or of any.
+/// Reads a text file that should be of a kind, or of any.
 ///
 /// # Errors
-/// There is no such file; it cannot be read, is no file, is larger than [`MAX_BYTES`] or not UTF-8.
-pub fn read_file(path: &Path, kind: Option<Kind>) -> Result<Source, Diagnostic> {
+/// There is no such file; it cannot be read, is not of an allowed file type, is larger than [`MAX_BYTES`], or is not UTF-8.
+pub fn read_file(path: &Path, kind: Option<Kind>, readable: Readable) -> Result<Source, Diagnostic> {
     let (name, noun) = (path.display().to_string(), kind.map_or("text", Kind::noun));
     let failed = |error: &io::Error| {
         let missing = error.kind() == ErrorKind::NotFound;
@@ -105,13 +106,13 @@ pub fn read_file(path: &Path, kind: Option<Kind>) -> Result<Source, Diagnostic> 
             None
         })
     };
-    let metadata = fs::metadata(path).map_err(|error| failed(&error))?;
-    if metadata.is_dir() {
-        return Err(Diagnostic::error(format!("`{name}` is a folder, not a {noun}")));
-    }
-    if is_device(&metadata) {
-        return Err(Diagnostic::error(format!("`{name}` is a device, not a {noun}")));
-    }
+    let (file, metadata) = open(path, readable).map_err(|error| match error {
+        OpenError::Irregular(found) => {
+            let hint = (found == FileType::Pipe).then(|| "only regular files are read here; save the text to one".to_owned());
+            Diagnostic::error(format!("`{name}` is {found}, not a {noun}")).help_if(hint)
+        }
+        OpenError::Io(error) => failed(&error),
+    })?;
     let too_large = |bytes: u64| {
         Diagnostic::error(format!("`{name}` is too large for a {noun}: {bytes} bytes or more"))
             .help(format!("formulas, scenes, sessions and material libraries are texts of at most {MAX_BYTES} bytes"))
@@ -120,40 +121,12 @@ pub fn read_file(path: &Path, kind: Option<Kind>) -> Result<Source, Diagnostic> 
         return Err(too_large(metadata.len()));
     }
     let mut bytes = Vec::new();
-    let file = File::open(path).map_err(|error| failed(&error))?;
     // A pipe does not tell its length, and a file may grow.
     file.take(MAX_BYTES as u64 + 1).read_to_end(&mut bytes).map_err(|error| failed(&error))?;
     if bytes.len() > MAX_BYTES {
         return Err(too_large(bytes.len() as u64));
     }
     Source::from_bytes(name, bytes)
-}
-
-#[cfg(unix)]
-fn is_device(metadata: &fs::Metadata) -> bool {
-    use std::os::unix::fs::FileTypeExt;
-    let kind = metadata.file_type();
-    kind.is_char_device() || kind.is_block_device() || kind.is_socket()
-}
-
-#[cfg(not(unix))]
-fn is_device(metadata: &fs::Metadata) -> bool {
-    !metadata.is_file()
-}
-
-/// What the system says, without its error number.
-pub fn reason(error: &io::Error) -> String {
-    const PLAIN: [(ErrorKind, &str); 4] = [
-        (ErrorKind::NotFound, "there is no such file"),
-        (ErrorKind::PermissionDenied, "permission denied"),
-        (ErrorKind::NotADirectory, "a part of the path is not a folder"),
-        (ErrorKind::StorageFull, "the disk is full"),
-    ];
-    let known = PLAIN.iter().find(|(kind, _)| *kind == error.kind());
-    known.map_or_else(
-        || error.to_string().split(" (os error").next().unwrap_or_default().to_lowercase(),
-        |(_, text)| (*text).to_owned(),
-    )
 }
 
 /// What was likely meant by the path of a file that does not exist.
@@ -242,45 +215,6 @@ fn relative(path: &Path, folder: &Path) -> Option<PathBuf> {
     Some(up.chain(to[shared..].iter().copied()).collect())
 }
 
-/// Writes a file whole or not at all: beside it first, then in its place. A file that is there keeps its permissions; what a
-/// link points to is replaced, not the link.
-///
-/// # Errors
-/// The folder does not exist or cannot be written to, the disk is full, or `write` fails; the old file is then as it was.
-pub fn replace_file(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> io::Result<()> {
-    let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
-    let folder = match target.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".illuminator-");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        // As any new file: what the user's mask leaves of it.
-        builder.permissions(fs::Permissions::from_mode(0o666));
-    }
-    let (file, place) = builder.tempfile_in(folder)?.into_parts();
-    if let Ok(old) = fs::metadata(&target) {
-        file.set_permissions(old.permissions())?;
-    }
-    let mut writer = BufWriter::new(file);
-    write(&mut writer)?;
-    let file = writer.into_inner().map_err(io::IntoInnerError::into_error)?;
-    file.sync_all()?;
-    drop(file);
-    place.persist(&target).map_err(|error| error.error)
-}
-
-/// Writes a text file whole or not at all, see [`replace_file`].
-///
-/// # Errors
-/// As there.
-pub fn replace_text(path: &Path, text: &str) -> io::Result<()> {
-    replace_file(path, |writer| writer.write_all(text.as_bytes()))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -290,7 +224,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = |name: &str| folder.path().join(name);
         let message = |location: Location| {
-            let error = location.read(Kind::Formula).unwrap_err();
+            let error = location.read(Kind::Formula, Readable::Regular).unwrap_err();
             (error.message().replace(&folder.path().display().to_string(), "F"), error.hints().join(" "))
         };
         fs::write(path("phong.txt"), "x").unwrap();
@@ -328,24 +262,8 @@ mod tests {
     #[cfg(unix)]
     #[test]
     fn devices_are_not_read() {
-        let error = Location::new("/dev/zero").read(Kind::Scene).unwrap_err();
+        let error = Location::new("/dev/zero").read(Kind::Scene, Readable::RegularOrPipe).unwrap_err();
         assert_eq!(error.message(), "`/dev/zero` is a device, not a scene");
-    }
-
-    #[test]
-    fn a_failed_write_leaves_the_old_file() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("kept.txt");
-        replace_text(&path, "old").unwrap();
-        let outcome = replace_file(&path, |writer| {
-            writer.write_all(b"half")?;
-            Err(io::Error::other("disk full"))
-        });
-        assert!(outcome.is_err());
-        assert_eq!(fs::read_to_string(&path).unwrap(), "old");
-        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
-        replace_text(&path, "new").unwrap();
-        assert_eq!(fs::read_to_string(&path).unwrap(), "new");
     }
 
     #[test]

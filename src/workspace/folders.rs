@@ -2,8 +2,8 @@
 //!
 //! What is kept in them is the business of the rooms that keep it, and so are the names of the files.
 
+use crate::files::reason;
 use crate::lang::diagnostic::Diagnostic;
-use crate::workspace::files::reason;
 use directories::ProjectDirs;
 use std::ffi::OsString;
 use std::fs::DirBuilder;

@@ -2,11 +2,12 @@
 //!
 //! Built-in files are not among them: they are always at hand.
 
+use crate::files::{Readable, replace_text};
 use crate::lang::diagnostic::{Diagnostic, Diagnostics, Severity};
 use crate::lang::source::Source;
 use crate::presets::Kind;
 use crate::workspace::document::{VERSION, check_version, entries, parse, unknown_key};
-use crate::workspace::files::{read_file, replace_text};
+use crate::workspace::files::read_file;
 use crate::workspace::folders::{Folders, cannot_keep, make_folder};
 use std::collections::BTreeMap;
 use std::fs;
@@ -119,7 +120,7 @@ fn read(path: &Path) -> Result<Option<Lists>, Diagnostic> {
     if missing {
         return Ok(None);
     }
-    let source = read_file(path, None)?;
+    let source = read_file(path, None, Readable::Regular)?;
     // The first error says enough of a file that nobody types.
     lists(&source).map(Some).map_err(|diagnostics| {
         let error = diagnostics.into_iter().find(|diagnostic| diagnostic.severity() == Severity::Error);

@@ -5,13 +5,14 @@
 mod read;
 mod save;
 
+use crate::files::replace_text;
 use crate::lang::ast::Constant;
 use crate::lang::diagnostic::{Diagnostic, Diagnostics};
 use crate::lang::source::{Source, Span};
 use crate::lang::variables::Owner;
 use crate::transfer::Transfer;
 use crate::workspace::assignment::Assignment;
-use crate::workspace::files::{Location, replace_text};
+use crate::workspace::files::Location;
 use crate::workspace::owner::OwnerId;
 use crate::workspace::roster::Roster;
 use crate::workspace::values::Values;

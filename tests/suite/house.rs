@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 
 /// Each room with those it may import. Data flows one way: text → syntax → formula → {bytecode, compiled code}; scene → world → hits →
 /// evaluation → picture; what a user edits sits on top, and the program above all.
-const ROOMS: [(&str, &[&str]); 17] = [
+const ROOMS: [(&str, &[&str]); 18] = [
+    ("files", &[]),
     ("lang", &[]),
     ("formula", &["lang"]),
     ("scene", &["lang"]),
@@ -19,12 +20,13 @@ const ROOMS: [(&str, &[&str]); 17] = [
     ("evaluate", &["lang", "formula", "scene", "world", "trace", "plan", "transfer"]),
     ("backends", &["lang", "formula", "scene", "world", "trace", "bytecode", "plan", "jit", "transfer", "evaluate"]),
     ("engine", &["formula", "scene", "world", "trace", "evaluate", "backends"]),
-    ("picture", &["evaluate", "transfer", "workspace"]),
+    ("picture", &["evaluate", "files", "transfer"]),
     ("presets", &[]),
-    ("workspace", &["lang", "formula", "scene", "trace", "presets", "transfer"]),
+    ("workspace", &["files", "lang", "formula", "scene", "trace", "presets", "transfer"]),
     (
         "preview",
         &[
+            "files",
             "lang",
             "formula",
             "scene",

@@ -4,6 +4,7 @@ use illuminator::backends::interpreter::Interpreted;
 use illuminator::backends::verify::TOLERANCE;
 use illuminator::evaluate::Evaluator;
 use illuminator::evaluate::inspect::{End, Inspector, Visibility};
+use illuminator::files::Readable;
 use illuminator::formula::Formula;
 use illuminator::lang::source::Source;
 use illuminator::presets::{self, Kind};
@@ -15,7 +16,7 @@ use illuminator::world::World;
 use std::sync::Arc;
 
 fn read(location: &Location, kind: Kind) -> Source {
-    location.read(kind).expect("a built-in file")
+    location.read(kind, Readable::Regular).expect("a built-in file")
 }
 
 fn close(one: f64, other: f32) -> bool {

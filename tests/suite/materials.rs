@@ -1,5 +1,6 @@
 //! The built-in materials on the formulas that name them, and what people are told of libraries, as they see it.
 
+use illuminator::files::Readable;
 use illuminator::formula::Formula;
 use illuminator::lang::ast::Constant;
 use illuminator::lang::source::{Source, Span};
@@ -36,7 +37,7 @@ fn every_built_in_material_fits_its_formula() {
         let location = Location::Preset(name.to_owned());
         let place = Place::of(Some(&uses), Some(&location), Some(data.path())).expect("materials are on");
         used.extend(place.built_in().map(str::to_owned));
-        let (shelf, _) = Shelf::open(place).expect("a sound library");
+        let (shelf, _) = Shelf::open(place, Readable::Regular).expect("a sound library");
         for material in shelf.library().iter() {
             let mut values = Values::defaults(&formula, &scene());
             let (assignments, left_out) = material.assignments(values.roster(), BodyId(0));
@@ -66,7 +67,7 @@ fn the_formula_of_the_thesis_has_a_library_of_the_users() {
     let location = Location::new("preset:phong-thesis");
     let open = || {
         let place = Place::of(Some(&uses), Some(&location), Some(data.path())).expect("materials are on");
-        Shelf::open(place).expect("nothing is wrong").0
+        Shelf::open(place, Readable::Regular).expect("nothing is wrong").0
     };
     let mut shelf = open();
     assert!(shelf.library().is_empty());

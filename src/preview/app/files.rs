@@ -1,5 +1,6 @@
 //! Doing what commands say: opening, saving, applying, and the rest.
 
+use crate::files::{Readable, replace_text};
 use crate::lang::source::Source;
 use crate::presets::Kind;
 use crate::preview::app::chores::Told;
@@ -8,7 +9,7 @@ use crate::preview::app::{App, Command, SavedSession, documents, theme};
 use crate::preview::editor::Document;
 use crate::preview::workshop::Opened;
 use crate::workspace::drafts::Draft;
-use crate::workspace::files::{Location, replace_text};
+use crate::workspace::files::Location;
 use std::path::{Path, PathBuf};
 
 /// What a new formula and a new scene begin with: something that works.
@@ -176,7 +177,7 @@ impl App {
             };
             let mut document = match &draft.location {
                 // Beside the file as it is, so that it can be told what is not saved.
-                Some(location) => match location.read(draft.kind) {
+                Some(location) => match location.read(draft.kind, Readable::Regular) {
                     Ok(source) => Document::opened(draft.kind, location.clone(), source.text()),
                     Err(_) => Document::untitled(draft.kind, ""),
                 },
@@ -226,7 +227,7 @@ impl App {
             Kind::Scene => 1,
             Kind::Session | Kind::Material => return self.open_session(location),
         };
-        match location.read(kind) {
+        match location.read(kind, Readable::Regular) {
             Ok(source) => {
                 self.note_recent(kind, &location);
                 self.documents[tab] = Document::opened(kind, location, source.text());
@@ -238,7 +239,7 @@ impl App {
     }
 
     fn open_session(&mut self, location: Location) {
-        match Opened::session(&location) {
+        match Opened::session(&location, Readable::Regular) {
             Ok(opened) => {
                 self.workshop.open(&opened);
                 self.documents = documents(&opened);

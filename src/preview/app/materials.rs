@@ -1,5 +1,6 @@
 //! The row of materials: those of the formula's library, for the body that is selected.
 
+use crate::files::Readable;
 use crate::preview::workshop::Workshop;
 use crate::workspace::materials::{Findings, Material, Place, Shelf};
 use crate::workspace::{OwnerId, files::Location};
@@ -31,7 +32,7 @@ impl Materials {
     pub(super) fn open(&mut self, uses: Option<&str>, formula: Option<&Location>, data: Option<&Path>) -> Option<String> {
         let said = |findings: &Findings| findings.render(false);
         let place = Place::of(uses, formula, data).map_err(|reason| reason.message().to_owned());
-        let (shelf, told) = match place.map(Shelf::open) {
+        let (shelf, told) = match place.map(|place| Shelf::open(place, Readable::Regular)) {
             Ok(Ok((shelf, findings))) => (Ok(shelf), Some(said(&findings)).filter(|text| !text.is_empty())),
             Ok(Err(findings)) => (Err(said(&findings)), Some(said(&findings))),
             Err(reason) => (Err(reason), None),

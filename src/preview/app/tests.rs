@@ -328,8 +328,8 @@ fn materials_are_given_to_bodies_and_undone() {
     harness.run_steps(3);
     let numbers = harness.state().workshop.values().numbers().to_vec();
     let app = harness.state_mut();
-    let shelf =
-        crate::workspace::materials::Place::of(Some("preset:phong"), None, None).map(crate::workspace::materials::Shelf::open);
+    let shelf = crate::workspace::materials::Place::of(Some("preset:phong"), None, None)
+        .map(|place| crate::workspace::materials::Shelf::open(place, Readable::Regular));
     let (shelf, _) = shelf.expect("a place").expect("a library");
     let (owner, gold) = (app.workshop.values().roster().owners().named("ball"), shelf.get("gold").expect("a material"));
     let Some(crate::workspace::OwnerId::Body(body)) = owner else { panic!("a body") };

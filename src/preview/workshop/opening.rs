@@ -1,5 +1,6 @@
 //! Files into what the workshop shows: read, checked, and nothing taken unless all of it can be.
 
+use crate::files::Readable;
 use crate::formula::Formula;
 use crate::lang::diagnostic::{Diagnostic, Diagnostics};
 use crate::lang::source::Source;
@@ -36,16 +37,17 @@ pub struct Opened {
 }
 
 impl Opened {
-    /// Opens a session with its files.
+    /// Opens a session with its files. `readable` says which files the session itself may be; those that it names must be
+    /// regular.
     ///
     /// # Errors
     /// What is wrong with any of the files, as text with the places marked.
-    pub fn session(location: &Location) -> Result<Opened, String> {
+    pub fn session(location: &Location, readable: Readable) -> Result<Opened, String> {
         let folder = match location {
             Location::File(path) => path.parent().unwrap_or(Path::new("")),
             Location::Preset(_) => Path::new(""),
         };
-        Self::session_of(&read(location, Kind::Session)?, folder, |_| None)
+        Self::session_of(&read(location, Kind::Session, readable)?, folder, |_| None)
     }
 
     /// Opens a session whose text this is, in `folder`, with other texts of its formula and its scene where there are any.
@@ -56,7 +58,7 @@ impl Opened {
         let (mut session, told) = checked(Session::parse(source), source)?;
         session.formula = session.formula.from_folder(folder);
         session.scene = session.scene.from_folder(folder);
-        let text_of = |location: &Location, kind| other(kind).map_or_else(|| read(location, kind), Ok);
+        let text_of = |location: &Location, kind| other(kind).map_or_else(|| read(location, kind, Readable::Regular), Ok);
         let formula_text = text_of(&session.formula, Kind::Formula)?;
         let (formula, more) = checked(Formula::parse(&formula_text), &formula_text)?;
         let scene_text = text_of(&session.scene, Kind::Scene)?;
@@ -81,8 +83,8 @@ impl Opened {
 }
 
 /// Reads a text.
-fn read(location: &Location, kind: Kind) -> Result<Source, String> {
-    location.read(kind).map_err(|error| text(&error))
+fn read(location: &Location, kind: Kind, readable: Readable) -> Result<Source, String> {
+    location.read(kind, readable).map_err(|error| text(&error))
 }
 
 /// What a text was parsed into, and its warnings.

@@ -1,11 +1,12 @@
 //! What the buttons of the workshop do, without any.
 
 use super::*;
+use crate::files::Readable;
 use crate::lang::source::Source;
 use std::time::Duration;
 
 fn workshop() -> Workshop {
-    let mut opened = Opened::session(&Location::Preset("studio".to_owned())).expect("a built-in session");
+    let mut opened = Opened::session(&Location::Preset("studio".to_owned()), Readable::Regular).expect("a built-in session");
     opened.picture.size = [64, 48];
     opened.picture.depth = 2;
     Workshop::new(&opened, || {}).expect("threads")
@@ -117,10 +118,10 @@ fn a_value_is_copied_to_all_bodies_and_a_session_holds_everything() {
     let path = folder.path().join("my.toml");
     let [formula, scene] = ["phong", "studio"].map(|name| Location::Preset(name.to_owned()));
     workshop.save_session(&path, formula, scene).expect("saved");
-    let opened = Opened::session(&Location::File(path)).expect("a session");
+    let opened = Opened::session(&Location::File(path), Readable::Regular).expect("a session");
     assert_eq!(opened.values.numbers(), workshop.values().numbers());
     assert_eq!((opened.picture, opened.warnings), (workshop.settings(), Vec::new()));
-    let missing = Opened::session(&Location::new("nowhere.toml")).expect_err("no such file");
+    let missing = Opened::session(&Location::new("nowhere.toml"), Readable::Regular).expect_err("no such file");
     assert!(missing.contains("nowhere.toml"), "{missing}");
     assert!(workshop.set_picture(PictureSettings { depth: 10, ..workshop.settings() }).is_err());
     settle(&mut workshop);

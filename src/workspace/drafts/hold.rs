@@ -2,15 +2,13 @@
 //!
 //! The system lets go of a lock when the program ends, however it ends. What is in the folder beside the lock is not known here.
 
+use crate::files::{UNFINISHED_PREFIX, open_regular};
 use crate::workspace::folders::make_folder;
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
 const LOCK: &str = "lock";
-
-/// What files begin with that are being written; see [`replace_file`](crate::workspace::files::replace_file).
-const UNFINISHED: &[u8] = b".illuminator-";
 
 /// A folder that is this program's as long as this lives.
 #[derive(Debug)]
@@ -55,15 +53,15 @@ impl Hold {
         let path = folder.join(LOCK);
         let mut options = OpenOptions::new();
         options.write(true);
-        let lock = match options.open(&path) {
+        let lock = match open_regular(&path, &mut options).map_err(io::Error::from) {
             // Empty it is of no use to anybody, and whoever is just making it makes another. With drafts it has lost its lock.
             Err(error) if error.kind() == ErrorKind::NotFound => {
                 if fs::remove_dir(folder).is_ok() || !folder.exists() {
                     return Ok(None);
                 }
-                options.create(true).truncate(false).open(&path)?
+                open_regular(&path, options.create(true).truncate(false))?.0
             }
-            lock => lock?,
+            lock => lock?.0,
         };
         match lock.try_lock() {
             Ok(()) => Ok(path.exists().then(|| Hold { folder: folder.to_owned(), lock })),
@@ -86,7 +84,7 @@ impl Hold {
     pub(super) fn tidy(&self) {
         let Ok(entries) = fs::read_dir(&self.folder) else { return };
         let names: Vec<_> = entries.flatten().map(|entry| entry.file_name()).filter(|name| name != LOCK).collect();
-        if names.iter().all(|name| name.as_encoded_bytes().starts_with(UNFINISHED)) {
+        if names.iter().all(|name| name.as_encoded_bytes().starts_with(UNFINISHED_PREFIX.as_bytes())) {
             names.iter().for_each(|name| drop(fs::remove_file(self.folder.join(name))));
             // Only who has the lock removes it, and the last thing before the folder: so none is ever locked that is not there.
             drop(fs::remove_file(self.folder.join(LOCK)));

@@ -312,6 +312,27 @@ fn a_text_from_a_path_that_is_no_text_is_kept_without_it() {
 
 #[cfg(unix)]
 #[test]
+fn pipes_in_place_of_drafts_and_locks_are_told_of() {
+    use rustix::fs::{CWD, FileType, Mode, mknodat};
+    let (_home, folders) = home();
+    let mut gone = Drafts::new(&folders);
+    gone.keep(0, Kind::Formula, None, "text").unwrap();
+    drop(gone);
+    let pipe = |name: &str| {
+        let path = folders.state.join("drafts").join(name);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        mknodat(CWD, &path, FileType::Fifo, Mode::RUSR | Mode::WUSR, 0).unwrap();
+    };
+    pipe("a/lock");
+    pipe("b/0.toml");
+    let (found, diagnostics) = Drafts::new(&folders).left_behind();
+    assert_eq!(texts(&found), ["text"]);
+    let messages: Vec<&str> = diagnostics.iter().map(Diagnostic::message).collect();
+    assert!(messages.len() == 1 && messages[0].ends_with("/a`: it is a pipe, not a file"), "{messages:?}");
+}
+
+#[cfg(unix)]
+#[test]
 fn drafts_are_the_users_alone() {
     use std::os::unix::fs::PermissionsExt;
     let (_home, folders) = home();

@@ -1,14 +1,14 @@
 //! A draft as a file, and back.
 
+use crate::files::{Readable, open, reason};
 use crate::lang::diagnostic::{Diagnostic, Diagnostics, Severity};
 use crate::lang::source::Source;
 use crate::presets::Kind;
 use crate::workspace::document::{VERSION, Value, check_version, entries, missing, parse};
 use crate::workspace::drafts::Draft;
-use crate::workspace::files::{Location, reason};
+use crate::workspace::files::Location;
 use serde::Serialize;
-use std::fs;
-use std::io;
+use std::io::{self, Read};
 use std::path::Path;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
@@ -41,7 +41,9 @@ pub(super) fn read(path: &Path) -> Result<Draft, Diagnostic> {
         Diagnostic::error(format!("cannot read the unsaved text in `{}`: {why}", path.display()))
             .help("look at it with another program, or discard it")
     };
-    let bytes = fs::read(path).map_err(|error| unreadable(&reason(&error)))?;
+    let mut bytes = Vec::new();
+    let (mut file, _) = open(path, Readable::Regular).map_err(|error| unreadable(&reason(&error.into())))?;
+    file.read_to_end(&mut bytes).map_err(|error| unreadable(&reason(&error)))?;
     let text = String::from_utf8(bytes).map_err(|_| unreadable("it is not UTF-8 text"))?;
     let source = Source::new(path.display().to_string(), text);
     parse_draft(&source).map_err(|diagnostics| {

@@ -1,7 +1,7 @@
 //! A material library as text and as file.
 
+use crate::files::replace_text;
 use crate::workspace::document::{Number, VERSION, VERSION_KEY};
-use crate::workspace::files::replace_text;
 use crate::workspace::materials::{Library, Material};
 use serde::ser::{Serialize, SerializeMap, Serializer};
 use std::fs;

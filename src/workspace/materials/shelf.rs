@@ -1,9 +1,10 @@
 //! The materials of a formula as users have them: what is built in, and over it what was saved.
 
+use crate::files::{Readable, reason};
 use crate::lang::diagnostic::{Diagnostic, Diagnostics};
 use crate::lang::source::Source;
 use crate::presets::Kind;
-use crate::workspace::files::{Location, read_file, reason};
+use crate::workspace::files::{Location, read_file};
 use crate::workspace::materials::{Library, Material, Place, unknown};
 use std::path::Path;
 
@@ -48,16 +49,19 @@ impl Shelf {
     /// Reads the materials at a place; with them come the warnings. A file that does not exist is an empty library.
     ///
     /// # Errors
-    /// The file exists and cannot be read, or is no library.
-    pub fn open(place: Place) -> Result<(Shelf, Findings), Findings> {
+    /// The file exists and cannot be read, is not of an allowed file type, or is no library.
+    pub fn open(place: Place, readable: Readable) -> Result<(Shelf, Findings), Findings> {
         let built_in = match place.built_in() {
             Some(name) => {
                 let location = Location::Preset(name.to_owned());
-                Layer::parse(location.read(Kind::Material).map_err(Findings::of_no_text)?)?.0
+                Layer::parse(location.read(Kind::Material, readable).map_err(Findings::of_no_text)?)?.0
             }
             None => Layer::empty(""),
         };
-        let (own, warnings) = place.file().map_or_else(|| Ok((Layer::empty(""), Diagnostics::new())), Layer::read)?;
+        let (own, warnings) = match place.file() {
+            Some(path) => Layer::read(path, readable)?,
+            None => (Layer::empty(""), Diagnostics::new()),
+        };
         let found = Findings { source: own.source.clone(), diagnostics: warnings };
         let all = merged(&built_in.library, &own.library);
         Ok((Shelf { place, built_in, own, all }, found))
@@ -120,14 +124,14 @@ impl Shelf {
             let message = format!("materials for {} cannot be saved: there is no folder for data of this user", self.place);
             return Err(Findings::of_no_text(Diagnostic::error(message).help("name a file of your own behind `#uses`")));
         };
-        let (Layer { mut library, .. }, _) = Layer::read(path)?;
+        let (Layer { mut library, .. }, _) = Layer::read(path, Readable::Regular)?;
         change(&mut library).map_err(Findings::of_no_text)?;
         library.save(path).map_err(|error| {
             let message = format!("cannot write the material library `{}`: {}", path.display(), reason(&error));
             Findings::of_no_text(Diagnostic::error(message).help("the file is as it was before"))
         })?;
         // Read back for the places in the new text.
-        self.own = Layer::read(path)?.0;
+        self.own = Layer::read(path, Readable::Regular)?.0;
         self.all = merged(&self.built_in.library, &self.own.library);
         Ok(())
     }
@@ -146,11 +150,11 @@ impl Layer {
     }
 
     /// The library of a file; an empty one if there is no such file.
-    fn read(path: &Path) -> Result<(Self, Diagnostics), Findings> {
+    fn read(path: &Path, readable: Readable) -> Result<(Self, Diagnostics), Findings> {
         if !path.try_exists().unwrap_or(true) {
             return Ok((Self::empty(&path.display().to_string()), Diagnostics::new()));
         }
-        Self::parse(read_file(path, Some(Kind::Material)).map_err(Findings::of_no_text)?)
+        Self::parse(read_file(path, Some(Kind::Material), readable).map_err(Findings::of_no_text)?)
     }
 }
 

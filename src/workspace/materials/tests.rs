@@ -1,6 +1,7 @@
 //! Libraries read, found, saved and met by formulas.
 
 use super::*;
+use crate::files::Readable;
 use crate::formula::Formula;
 use crate::lang::diagnostic::Diagnostic;
 use crate::scene::Scene;
@@ -239,7 +240,7 @@ fn libraries_of_built_in_formulas_are_kept_in_the_data_folder() {
 
 fn shelf(uses: &str, data: &Path) -> Shelf {
     let place = Place::of(Some(uses), Some(&Location::new("preset:phong")), Some(data)).unwrap();
-    let (shelf, found) = Shelf::open(place).unwrap_or_else(|found| panic!("{}", found.render(false)));
+    let (shelf, found) = Shelf::open(place, Readable::Regular).unwrap_or_else(|found| panic!("{}", found.render(false)));
     assert!(found.diagnostics.is_empty());
     shelf
 }
@@ -256,7 +257,7 @@ fn what_is_saved_lies_over_what_is_built_in() {
     assert!(!shelf.is_built_in("gold") && !shelf.is_built_in("my own") && !shelf.is_built_in("none"));
     // Order is kept, and another program sees the same.
     let place = shelf.place().clone();
-    assert_eq!(shelf, Shelf::open(place.clone()).unwrap().0);
+    assert_eq!(shelf, Shelf::open(place.clone(), Readable::Regular).unwrap().0);
     assert_eq!(names(shelf.library()), [built_in.iter().map(String::as_str).collect(), vec!["my own"]].concat());
     assert_eq!(bare(shelf.library()).get("gold"), bare(&library(TEXT)).get("gold"));
     let marked = shelf.get("gold").unwrap().properties[0].span;
@@ -278,9 +279,9 @@ fn a_library_is_made_when_a_material_is_saved() {
     let path = folder.path().join("preset/material/PhongMaterial.txt");
     let formula = Location::File(folder.path().join("phong.txt"));
     let place = Place::of(Some("preset/material/PhongMaterial.txt"), Some(&formula), None).unwrap();
-    let (mut one, _) = Shelf::open(place.clone()).unwrap();
+    let (mut one, _) = Shelf::open(place.clone(), Readable::Regular).unwrap();
     assert!(one.library().is_empty() && !path.exists());
-    let (mut other, _) = Shelf::open(place.clone()).unwrap();
+    let (mut other, _) = Shelf::open(place.clone(), Readable::Regular).unwrap();
     one.put(Material::new("one").unwrap()).unwrap();
     other.put(Material::new("other").unwrap()).unwrap();
     assert_eq!(names(other.library()), ["one", "other"], "what another has saved stays");
@@ -295,7 +296,7 @@ fn files_that_cannot_be_changed_are_left_alone() {
     let path = folder.path().join("m.toml");
     let place = Place::of(Some("m.toml"), Some(&Location::File(folder.path().join("f.txt"))), None).unwrap();
     fs::write(&path, TEXT).unwrap();
-    let (mut shelf, _) = Shelf::open(place.clone()).unwrap();
+    let (mut shelf, _) = Shelf::open(place.clone(), Readable::Regular).unwrap();
     let before = shelf.clone();
     let message = |error: Findings| messages(&error.diagnostics)[0].replace(&folder.path().display().to_string(), "F");
     let protect = |readonly: bool| {
@@ -313,12 +314,12 @@ fn files_that_cannot_be_changed_are_left_alone() {
     fs::write(&path, "version = 1\n[gold").unwrap();
     assert!(shelf.put(silver.clone()).is_err() && shelf.remove("gold").is_err());
     assert_eq!((fs::read_to_string(&path).unwrap().as_str(), &shelf), ("version = 1\n[gold", &before));
-    assert!(Shelf::open(place.clone()).is_err());
+    assert!(Shelf::open(place.clone(), Readable::Regular).is_err());
     fs::remove_file(&path).unwrap();
     fs::create_dir(&path).unwrap();
     assert_eq!(message(shelf.put(silver.clone()).unwrap_err()), "`F/m.toml` is a folder, not a material library");
     let nowhere = Place::of(Some("preset:phong"), None, None).unwrap();
-    let error = Shelf::open(nowhere).unwrap().0.put(silver).unwrap_err();
+    let error = Shelf::open(nowhere, Readable::Regular).unwrap().0.put(silver).unwrap_err();
     assert_eq!(message(error), "materials for `preset:phong` cannot be saved: there is no folder for data of this user");
 }
 

@@ -1,9 +1,10 @@
 //! The file of the settings: where it is, what several running programs make of it, and what becomes of a damaged one.
 
+use crate::files::{Readable, reason, replace_text};
 use crate::lang::diagnostic::{Diagnostic, Diagnostics};
 use crate::lang::source::Source;
 use crate::lang::variables::Predefined;
-use crate::workspace::files::{read_file, reason, replace_text};
+use crate::workspace::files::read_file;
 use crate::workspace::folders::{Folders, cannot_keep, make_folder};
 use crate::workspace::settings::read::{Found, read};
 use crate::workspace::settings::{Defaults, Settings, WindowSettings, save};
@@ -92,7 +93,7 @@ impl SettingsFile {
         if missing {
             return (Source::new(name, ""), Found::default());
         }
-        match read_file(&self.path, None) {
+        match read_file(&self.path, None, Readable::Regular) {
             Ok(source) => {
                 let mut found = read(&source);
                 let folder = self.path.parent().unwrap_or(Path::new(""));
