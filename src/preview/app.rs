@@ -3,6 +3,7 @@
 //! Panels are rooms of their own; they draw, and say what is to be done as [`Command`]s, which menus and keys say too. What is done is the
 //! [workshop](super::workshop)'s business, and no window is known here: tests drive all of it without one.
 
+mod autosave;
 mod chores;
 mod command;
 mod dialogs;
@@ -11,6 +12,7 @@ mod inspector;
 mod log;
 mod materials;
 mod menu;
+mod notices;
 mod pane;
 mod parameters;
 mod preferences;
@@ -22,26 +24,31 @@ pub use command::Command;
 
 use crate::backends::BackendChoice;
 use crate::files::Readable;
+use crate::lang::diagnostic::Diagnostic;
 use crate::lang::source::Span;
 use crate::presets::{self, DEFAULT_SESSION, Kind};
 use crate::preview::editor::{Document, Editor, Palette, problems_ui, reference_ui};
+use crate::preview::renderer::Event;
 use crate::preview::workshop::{Opened, Workshop};
 use crate::preview::{FrameTimes, PictureView, Shown};
 use crate::workspace::files::Location;
 use crate::workspace::folders::Folders;
 use crate::workspace::session::PictureSettings;
+use autosave::{Autosave, DRAFTS, Unsaved};
 use chores::{Chores, Told};
 use dialogs::Dialogs;
 use egui::{CentralPanel, Context, Frame, Id, Panel, Ui};
 use inspector::Inspecting;
 use log::Log;
 use materials::Materials;
+use notices::{Notice, Notices, Topic};
 use pane::Pane;
 use parameters::Parameters;
 use preferences::Preferences;
-use remembered::{Remembered, Unsaved};
+use remembered::Remembered;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io;
+use std::ops::Range;
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
@@ -67,6 +74,7 @@ pub struct App {
     pane: Pane,
     log: Log,
     dialogs: Dialogs,
+    notices: Notices,
     chores: Chores,
     preferences: Preferences,
     inspecting: Inspecting,
@@ -83,6 +91,8 @@ pub struct App {
     /// Wakes the window, once there is one.
     context: Arc<OnceLock<Context>>,
     closing: bool,
+    /// What could not be kept when the window closed.
+    last_words: Vec<String>,
 }
 
 /// What a session file holds, as it was saved last: to know whether there is anything to save. It is asked in every frame.
@@ -118,7 +128,7 @@ impl App {
     /// # Errors
     /// What is wrong with the session or its files, as text with the places marked; or there are no threads.
     pub fn new(session: Option<&Location>, folders: Option<&Folders>) -> Result<Self, String> {
-        let (remembered, mut told) = Remembered::open(folders);
+        let (remembered, mut notices) = Remembered::open(folders);
         let startup = &remembered.settings.startup;
         let (location, opened) = match session {
             Some(location) => (location.clone(), Opened::session(location, Readable::RegularOrPipe)?),
@@ -126,7 +136,8 @@ impl App {
                 Ok(opened) => (startup.clone(), opened),
                 // A startup session that is gone must not keep the window from opening.
                 Err(errors) => {
-                    told.push(format!("the startup session was not opened: {errors}"));
+                    let title = format!("The startup session {startup} was not opened; this is the built-in one");
+                    notices.push(Notice::warning(Topic::Startup, title, errors));
                     let built_in = Location::Preset(DEFAULT_SESSION.to_owned());
                     let opened = Opened::session(&built_in, Readable::Regular)?;
                     (built_in, opened)
@@ -149,6 +160,7 @@ impl App {
             pane: Pane::default(),
             log: Log::default(),
             dialogs: Dialogs::default(),
+            notices: Notices::default(),
             chores: Chores::new(waker(&context)),
             preferences: Preferences::default(),
             inspecting: Inspecting::default(),
@@ -162,9 +174,12 @@ impl App {
             typing: false,
             context,
             closing: false,
+            last_words: Vec::new(),
         };
-        opened.warnings.iter().for_each(|warning| app.log.say(format!("warning: {warning}")));
-        told.into_iter().for_each(|line| app.log.say(line));
+        notices.into_iter().for_each(|notice| app.notify(notice));
+        if let Some(location) = app.session.clone() {
+            app.notify_of_session(&location, &opened.warnings);
+        }
         if app.remembered.left_is_work() {
             app.dialogs.offer(app.remembered.left());
         }
@@ -185,6 +200,13 @@ impl App {
         let events: Vec<_> = self.workshop.renderer().events().collect();
         for event in events {
             self.log.take(&event, &self.workshop);
+            match event {
+                Event::Failed(message) => self.notify(Notice::error(Topic::Picture, "There is no picture", message)),
+                Event::Frame { .. } => {
+                    self.notices.clear(Topic::Picture);
+                }
+                Event::Compiled(_) | Event::Traced { .. } | Event::Ready { .. } | Event::Undefined(_) => {}
+            }
         }
         for told in self.chores.told() {
             self.hear(told);
@@ -194,6 +216,9 @@ impl App {
         let waits = self.dialogs.asks_for_file() || ui.memory(|memory| memory.top_modal_layer().is_some());
         let mut commands = if waits { Vec::new() } else { command::pressed(ui, typing) };
         Panel::top("menu").show(ui, |ui| menu::bar(self, ui, &mut commands));
+        if !self.notices.is_empty() {
+            Panel::top("notices").show(ui, |ui| self.notices.ui(ui));
+        }
         Panel::bottom("status").show(ui, |ui| status::bar(self, ui, &mut commands));
         if self.panels.log {
             Panel::bottom("log").resizable(true).default_size(150.0).show(ui, |ui| self.log.ui(ui));
@@ -239,33 +264,62 @@ impl App {
         self.keep_texts(ui);
     }
 
-    /// Keeps unsaved texts every few seconds: a crash costs no more than that.
+    /// Keeps unsaved work every few seconds: a crash costs no more than that. What is typed is noted at once, so that it can
+    /// still be written where the window does not close in an orderly way.
     fn keep_texts(&mut self, ui: &Ui) {
         const EVERY: f64 = 2.0;
+        let states = self.unsaved_states();
+        self.note_unsaved(0..TEXTS.len(), states);
         let now = ui.input(|input| input.time);
         if now - self.kept_at >= EVERY {
             self.kept_at = now;
-            self.keep_now();
+            self.note_unsaved(0..DRAFTS, states);
+            self.write_drafts();
         }
         // Without anything to be seen there would be no further frame.
-        if self.remembered.is_behind(self.unsaved_states()) {
+        if self.remembered.is_behind(states) {
             ui.ctx().request_repaint_after(Duration::from_secs_f64(EVERY));
         }
     }
 
-    fn keep_now(&mut self) {
-        let wanted = self.unsaved_states();
+    /// Notes the unsaved state of some drafts.
+    fn note_unsaved(&mut self, drafts: Range<usize>, states: [Option<u64>; DRAFTS]) {
         let Self { workshop, documents, session, remembered, .. } = self;
-        let unsaved = |place: usize| match documents.get(place) {
+        remembered.note_unsaved(drafts, states, |draft| match documents.get(draft) {
             Some(text) => Unsaved { kind: text.kind(), location: text.location().cloned(), text: text.text().to_owned() },
             None => Unsaved { kind: Kind::Session, location: session.clone(), text: session_text(workshop, documents) },
-        };
-        let keeping = remembered.keeping(wanted, &unsaved);
-        if let Some(keeping) = keeping {
-            self.do_aside(move || {
-                keeping().err().map(|error| Told::Said(format!("unsaved text is not kept: {}", error.message())))
-            });
+        });
+    }
+
+    /// Writes what was noted, beside the interface.
+    fn write_drafts(&mut self) {
+        if let Some(autosave) = self.remembered.autosave().filter(|autosave| autosave.is_waiting()) {
+            let autosave = autosave.clone();
+            self.do_aside(move || Some(Told::Kept(autosave.flush())));
         }
+    }
+
+    /// Keeps all unsaved work, and waits until it is on disk.
+    fn keep_now(&mut self) -> Result<(), Diagnostic> {
+        self.note_unsaved(0..DRAFTS, self.unsaved_states());
+        self.remembered.autosave().map_or(Ok(()), Autosave::flush)
+    }
+
+    /// Keeps the unsaved work that is known, from any thread, where the window cannot close in an orderly way.
+    pub fn last_resort(&self) -> impl Fn() + Send + Sync + use<> {
+        let keep = self.remembered.autosave().map(Autosave::last_resort);
+        move || keep.iter().for_each(|keep| keep())
+    }
+
+    /// What could not be kept when the window closed, for people.
+    pub fn last_words(&self) -> &[String] {
+        &self.last_words
+    }
+
+    /// Says that there is no folder to remember anything in, and why.
+    pub fn notify_no_home(&mut self, reason: &Diagnostic) {
+        let title = "Nothing is remembered: unsaved work, settings and recent files are lost when the program ends";
+        self.notify(Notice::warning(Topic::Home, title, remembered::line(reason)));
     }
 
     /// Does something that takes its time beside the interface.
@@ -279,6 +333,15 @@ impl App {
         match told {
             Told::Said(line) => self.log.say(line),
             Told::Failed(title, text) => self.dialogs.tell(title, text),
+            Told::Kept(Ok(())) => {
+                if self.notices.clear(Topic::Drafts) {
+                    self.log.say("unsaved work is kept again".to_owned());
+                }
+            }
+            Told::Kept(Err(error)) => {
+                let title = "Unsaved work is not kept: save it yourself, or it is lost when the program ends";
+                self.notify(Notice::error(Topic::Drafts, title, remembered::line(&error)));
+            }
         }
     }
 
@@ -446,11 +509,16 @@ impl Shown for App {
     }
 
     fn closing(&mut self) {
-        self.keep_now();
+        // Before anything that takes longer, such as a picture that is being saved.
+        let kept = self.keep_now();
         self.chores.finish();
         self.remembered.settings = self.remembered.settings.within_ranges();
-        // There is nobody left to be told.
-        let _ = self.remembered.save_settings();
+        let saved = self.remembered.save_settings();
+        if self.remembered.autosave().is_none() && self.documents.iter().any(Document::unsaved) {
+            self.last_words.push("unsaved work is lost: there is no folder for it".to_owned());
+        }
+        self.last_words.extend(kept.err().map(|error| format!("unsaved work is lost: {}", remembered::line(&error))));
+        self.last_words.extend(saved.err().map(|error| remembered::line(&error)));
     }
 
     fn timed(&mut self, times: &FrameTimes) {

@@ -1,5 +1,6 @@
 //! What takes its time and leads to files: done one after the other on a thread of its own, so that the interface does not wait for disks.
 
+use crate::lang::diagnostic::Diagnostic;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::JoinHandle;
@@ -14,6 +15,8 @@ pub(super) enum Told {
     Said(String),
     /// What must not be missed: a title, and a text.
     Failed(String, String),
+    /// Unsaved work was kept, or could not be.
+    Kept(Result<(), Diagnostic>),
 }
 
 /// Called whenever something is done.

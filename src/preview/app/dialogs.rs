@@ -6,6 +6,7 @@ use crate::preview::app::command::shortcuts;
 use crate::workspace::files::Location;
 use egui::{Align2, Context, Frame, Grid, Key, Modal, ModalResponse, Modifiers, ScrollArea, Ui};
 use egui_file_dialog::{DialogState, FileDialog};
+use std::collections::VecDeque;
 
 /// What a box needs of a window's height beside its content: title, button, edges.
 const AROUND: f32 = 150.0;
@@ -44,12 +45,12 @@ enum Purpose {
 #[derive(Default)]
 pub(super) struct Dialogs {
     file: Option<(FileDialog, Purpose)>,
-    /// A title, and a text.
-    message: Option<(String, String)>,
+    /// Titles and texts, to be read one after the other.
+    messages: VecDeque<(String, String)>,
     shortcuts: bool,
     /// What was left unsaved, and is offered.
     offered: Vec<String>,
-    /// What is to be done if the user says so once more, and what is lost by it.
+    /// What is to be done if the user says so once more, and a text about what is lost by it.
     asked_back: Option<(Command, String)>,
 }
 
@@ -71,12 +72,15 @@ impl Dialogs {
 
     /// Tells something that must not be missed.
     pub(super) fn tell(&mut self, title: impl Into<String>, text: impl Into<String>) {
-        self.message = Some((title.into(), text.into()));
+        let message = (title.into(), text.into());
+        if !self.messages.contains(&message) {
+            self.messages.push_back(message);
+        }
     }
 
-    /// Asks whether a command is meant although these texts are lost by it.
-    pub(super) fn ask_back(&mut self, lost: &[String], command: Command) {
-        self.asked_back = Some((command, lost.join(" and ")));
+    /// Asks whether a command is meant although work is lost by it, as the text says.
+    pub(super) fn ask_back(&mut self, text: String, command: Command) {
+        self.asked_back = Some((command, text));
     }
 
     /// Offers what was left unsaved.
@@ -92,7 +96,7 @@ impl Dialogs {
     /// What is told, if anything is.
     #[cfg(test)]
     pub(super) fn told(&self) -> Option<&str> {
-        self.message.as_ref().map(|(_, text)| text.as_str())
+        self.messages.back().map(|(_, text)| text.as_str())
     }
 
     /// Whether a file is asked for: that dialog is none of egui's modal ones.
@@ -114,7 +118,7 @@ impl Dialogs {
                 self.file = None;
             }
         }
-        if let Some((title, text)) = &self.message {
+        if let Some((title, text)) = self.messages.front() {
             let modal = modal(context, title, |ui| {
                 ui.set_max_width(640.0);
                 // What marks places in a text stands below them.
@@ -128,13 +132,14 @@ impl Dialogs {
             });
             let entered = context.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Enter));
             if modal.inner || entered || modal.should_close() {
-                self.message = None;
+                self.messages.pop_front();
             }
         }
-        if let Some((command, lost)) = &self.asked_back {
+        if let Some((command, text)) = &self.asked_back {
             let mut answer = None;
             let shown = modal(context, "Not saved", |ui| {
-                ui.label(format!("What you changed in {lost} would be lost."));
+                ui.set_max_width(560.0);
+                ui.label(text);
                 ui.add_space(8.0);
                 ui.horizontal(|ui| {
                     for (name, sure) in [("Cancel", false), ("Throw it away", true)] {

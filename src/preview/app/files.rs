@@ -5,7 +5,8 @@ use crate::lang::source::Source;
 use crate::presets::Kind;
 use crate::preview::app::chores::Told;
 use crate::preview::app::command::Panel;
-use crate::preview::app::{App, Command, SavedSession, documents, theme};
+use crate::preview::app::notices::{Notice, Topic};
+use crate::preview::app::{App, Command, SavedSession, documents, remembered, theme};
 use crate::preview::editor::Document;
 use crate::preview::workshop::Opened;
 use crate::workspace::drafts::Draft;
@@ -49,11 +50,16 @@ impl App {
     /// Does what was asked for, after asking back where a text would be lost.
     pub fn perform(&mut self, command: Command) {
         let lost = self.lost_by(&command);
-        if lost.is_empty() { self.perform_surely(command) } else { self.dialogs.ask_back(&lost, command) }
+        if lost.is_empty() {
+            self.perform_surely(command);
+        } else {
+            self.dialogs.ask_back(format!("What you changed in {} would be lost.", lost.join(" and ")), command);
+        }
     }
 
     fn perform_surely(&mut self, command: Command) {
         match command {
+            Command::Surely(command) if *command == Command::Quit => self.closing = true,
             Command::Surely(command) => self.perform_surely(*command),
             Command::New(kind) => self.begin(kind),
             Command::AskToOpen(kind) => self.dialogs.ask_to_open(kind),
@@ -138,13 +144,37 @@ impl App {
                 self.save_settings();
             }
             Command::ShowShortcuts => self.dialogs.show_shortcuts(),
-            Command::Quit => self.closing = true,
+            Command::Quit => self.quit(),
+        }
+    }
+
+    /// Ends the program once unsaved work is kept, and asks where it cannot be.
+    fn quit(&mut self) {
+        let is_work = self.documents.iter().any(Document::unsaved)
+            || (self.session_is_unsaved() && matches!(self.session, Some(Location::File(_))));
+        let reason = match (self.keep_now(), self.remembered.autosave()) {
+            (Err(error), _) => remembered::line(&error),
+            (Ok(()), None) => "there is no folder for it".to_owned(),
+            (Ok(()), Some(_)) => return self.closing = true,
+        };
+        if is_work {
+            let text =
+                format!("What you changed and did not save would be lost. It cannot be kept for the next start: {reason}.");
+            self.dialogs.ask_back(text, Command::Quit);
+        } else {
+            self.closing = true;
         }
     }
 
     fn save_settings(&mut self) {
-        if let Err(error) = self.remembered.save_settings() {
-            self.dialogs.tell("Settings were not saved", error.message());
+        match self.remembered.save_settings() {
+            Ok(()) => {
+                self.notices.clear(Topic::SavingSettings);
+            }
+            Err(error) => {
+                let title = "Settings are not saved: they last until the program ends";
+                self.notify(Notice::warning(Topic::SavingSettings, title, remembered::line(&error)));
+            }
         }
     }
 
@@ -152,7 +182,8 @@ impl App {
         if let Location::File(path) = location
             && let Err(error) = self.remembered.add_recent(kind, path)
         {
-            self.log.say(error.message().to_owned());
+            let title = "The list of recent files is not saved: it lasts until the program ends";
+            self.notify(Notice::warning(Topic::Recent, title, remembered::line(&error)));
         }
     }
 
@@ -245,7 +276,7 @@ impl App {
                 self.documents = documents(&opened);
                 self.log.say(format!("opened {location}"));
                 self.note_recent(Kind::Session, &location);
-                opened.warnings.iter().for_each(|warning| self.log.say(format!("warning: {warning}")));
+                self.notify_of_session(&location, &opened.warnings);
                 self.open_materials();
                 self.session = Some(location);
                 self.note_saved_session();
@@ -257,8 +288,34 @@ impl App {
     /// Opens the library that the formula names.
     pub(super) fn open_materials(&mut self) {
         let (formula, place) = (self.workshop.formula(), self.documents[0].location());
+        self.notices.clear(Topic::Materials);
         if let Some(told) = self.materials.open(formula.uses.as_deref(), place, self.remembered.data()) {
-            self.log.say(told);
+            let title = if self.materials.is_open() {
+                "The material library has warnings"
+            } else {
+                "Materials are off: the material library cannot be read"
+            };
+            self.notify(Notice::warning(Topic::Materials, title, told));
+        }
+    }
+
+    /// Says what of a session was not taken as it is written: saved again, the session would lose it.
+    pub(super) fn notify_of_session(&mut self, location: &Location, warnings: &[String]) {
+        self.notices.clear(Topic::Session);
+        if !warnings.is_empty() {
+            let title = format!("Not all of the session {location} was taken as it is written");
+            self.notify(Notice::warning(Topic::Session, title, warnings.join("\n")));
+        }
+    }
+
+    /// Shows a notice, and puts it into the log.
+    pub(super) fn notify(&mut self, notice: Notice) {
+        let line = match notice.details.as_str() {
+            "" => notice.title.clone(),
+            details => format!("{}: {details}", notice.title),
+        };
+        if self.notices.show(notice) {
+            self.log.say(line);
         }
     }
 

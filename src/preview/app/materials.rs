@@ -42,6 +42,11 @@ impl Materials {
         told
     }
 
+    /// Whether there is a library that can be used.
+    pub(super) fn is_open(&self) -> bool {
+        self.shelf.is_ok()
+    }
+
     /// Draws the row; what is to be told.
     pub(super) fn ui(&mut self, ui: &mut Ui, workshop: &mut Workshop, owner: OwnerId) -> Option<String> {
         if self.of.replace(owner) != Some(owner) {

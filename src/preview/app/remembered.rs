@@ -1,16 +1,17 @@
 //! What outlives a window: settings, recent files, and texts and values that were not saved.
 
-use crate::lang::diagnostic::Diagnostic;
+use crate::lang::diagnostic::{Diagnostic, Diagnostics};
 use crate::presets::Kind;
+use crate::preview::app::autosave::{Autosave, DRAFTS, Unsaved};
+use crate::preview::app::notices::{Notice, Topic};
 use crate::workspace::drafts::{Draft, Drafts, LeftBehind};
 use crate::workspace::files::Location;
 use crate::workspace::folders::Folders;
 use crate::workspace::recent::Recent;
 use crate::workspace::settings::{Settings, SettingsFile};
 use std::cmp::Reverse;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// What is remembered; nothing where there is no folder for it.
 #[derive(Default)]
@@ -18,41 +19,45 @@ pub(super) struct Remembered {
     pub(super) settings: Settings,
     file: Option<SettingsFile>,
     recent: Option<Recent>,
-    /// Written by whoever has the time for it.
-    drafts: Option<Arc<Mutex<Drafts>>>,
-    /// What is kept already, or is going to be, of the texts and of the session: the number that tells what it is.
-    kept: [Option<u64>; 3],
-    /// Whether they could not be kept.
-    failed: Arc<AtomicBool>,
+    autosave: Option<Autosave>,
+    /// The states of the texts and of the session that were noted last.
+    noted: [Option<u64>; DRAFTS],
     left: Vec<LeftBehind>,
     data: Option<PathBuf>,
 }
 
 impl Remembered {
-    /// Reads what was remembered; with it, what is to be said of it.
-    pub(super) fn open(folders: Option<&Folders>) -> (Self, Vec<String>) {
+    /// Reads what is remembered. With it come notices about what could not be read.
+    pub(super) fn open(folders: Option<&Folders>) -> (Self, Vec<Notice>) {
         let Some(folders) = folders else { return (Self::default(), Vec::new()) };
-        let mut told = Vec::new();
         let mut file = SettingsFile::new(folders);
         let reading = file.read();
-        told.extend(reading.diagnostics.iter().map(|diagnostic| format!("settings: {}", diagnostic.message())));
-        let (recent, diagnostic) = Recent::open(folders);
-        told.extend(diagnostic.map(|diagnostic| diagnostic.message().to_owned()));
+        let (recent, recent_warning) = Recent::open(folders);
         let drafts = Drafts::new(folders);
-        let (left, diagnostics) = drafts.left_behind();
+        let (left, left_warnings) = drafts.left_behind();
         let left = sorted_out(left, &drafts);
-        told.extend(diagnostics.iter().map(|diagnostic| diagnostic.message().to_owned()));
+        let mut notices = Vec::new();
+        if !reading.diagnostics.is_empty() {
+            let title = "Some settings could not be read, and are the defaults";
+            notices.push(Notice::warning(Topic::Settings, title, lines(&reading.diagnostics)));
+        }
+        if let Some(warning) = recent_warning {
+            notices.push(Notice::warning(Topic::Recent, "The list of recent files is empty", line(&warning)));
+        }
+        if !left_warnings.is_empty() {
+            let title = "Unsaved work of earlier runs may be missing";
+            notices.push(Notice::warning(Topic::LeftDrafts, title, lines(&left_warnings)));
+        }
         let remembered = Self {
             settings: reading.settings,
             file: Some(file),
             recent: Some(recent),
-            drafts: Some(Arc::new(Mutex::new(drafts))),
-            kept: [None; 3],
-            failed: Arc::default(),
+            autosave: Some(Autosave::new(drafts)),
+            noted: [None; DRAFTS],
             left,
             data: Some(folders.data.clone()),
         };
-        (remembered, told)
+        (remembered, notices)
     }
 
     /// The folder for materials of built-in formulas.
@@ -78,41 +83,31 @@ impl Remembered {
         self.recent.as_mut().map_or(Ok(()), |recent| recent.add(kind, path))
     }
 
-    /// What is to be done to keep what is not saved, of formula, scene and session, and to forget what is; it takes its time. None where all
-    /// is kept. Each has a number that tells what it is, and none where it is saved.
-    pub(super) fn keeping(
+    /// Has these drafts, of formula, scene and session, hold what is unsaved. `states` has a number for each that tells its
+    /// state, and none where it is saved; a draft whose state has not changed is left as it is. Nothing is written yet.
+    pub(super) fn note_unsaved(
         &mut self,
-        wanted: [Option<u64>; 3],
-        unsaved: &dyn Fn(usize) -> Unsaved,
-    ) -> Option<impl FnOnce() -> Result<(), Diagnostic> + Send + use<>> {
-        let drafts = Arc::clone(self.drafts.as_ref()?);
-        if self.failed.swap(false, Ordering::Relaxed) {
-            // All are tried again.
-            self.kept = [Some(u64::MAX); 3];
-        }
-        let failed = Arc::clone(&self.failed);
-        let mut changed = Vec::new();
-        for (editor, (wanted, kept)) in wanted.into_iter().zip(&mut self.kept).enumerate() {
-            if wanted != *kept {
-                *kept = wanted;
-                // There are three.
-                changed.push((editor as u32, wanted.map(|_| unsaved(editor))));
+        drafts: Range<usize>,
+        states: [Option<u64>; DRAFTS],
+        unsaved: impl Fn(usize) -> Unsaved,
+    ) {
+        let Some(autosave) = &self.autosave else { return };
+        for draft in drafts {
+            if self.noted[draft] != states[draft] {
+                self.noted[draft] = states[draft];
+                autosave.note(draft, states[draft].map(|_| unsaved(draft)));
             }
         }
-        (!changed.is_empty()).then_some(move || {
-            let mut drafts = lock(&drafts);
-            let kept = changed.into_iter().try_for_each(|(editor, text)| match text {
-                Some(Unsaved { kind, location, text }) => drafts.keep(editor, kind, location.as_ref(), &text),
-                None => drafts.remove(editor),
-            });
-            failed.store(kept.is_err(), Ordering::Relaxed);
-            kept
-        })
     }
 
-    /// Whether anything was changed since it was kept.
-    pub(super) fn is_behind(&self, wanted: [Option<u64>; 3]) -> bool {
-        self.drafts.is_some() && (self.failed.load(Ordering::Relaxed) || wanted != self.kept)
+    /// The drafts; none where nothing is remembered.
+    pub(super) fn autosave(&self) -> Option<&Autosave> {
+        self.autosave.as_ref()
+    }
+
+    /// Whether anything changed that is not on disk yet.
+    pub(super) fn is_behind(&self, states: [Option<u64>; DRAFTS]) -> bool {
+        self.autosave.as_ref().is_some_and(|autosave| autosave.is_waiting() || states != self.noted)
     }
 
     /// What programs that are gone left unsaved, for people.
@@ -135,16 +130,16 @@ impl Remembered {
 
     /// Takes those texts over that can be read, and forgets the rest of them where they may go.
     pub(super) fn take_left(&mut self) -> Vec<Draft> {
-        let Some(drafts) = &self.drafts else { return Vec::new() };
-        let mut drafts = lock(drafts);
+        let Some(autosave) = &self.autosave else { return Vec::new() };
+        let mut drafts = autosave.drafts();
         let mut found = Vec::new();
         for left in self.left.drain(..) {
             let Ok(draft) = &left.draft else { continue };
             let editor = place_of(draft.kind);
             // An older text of the same kind stays for the next time.
             if let Ok(draft) = drafts.take_over(&left, editor) {
-                // It is kept now, whatever it is going to be.
-                self.kept[editor as usize] = Some(u64::MAX);
+                // The draft exists from now on. Its text is noted again when it is open.
+                self.noted[editor as usize] = Some(u64::MAX);
                 found.push(draft);
             }
         }
@@ -153,14 +148,20 @@ impl Remembered {
 
     /// Forgets them.
     pub(super) fn discard_left(&mut self) -> Result<(), Diagnostic> {
-        let Some(drafts) = &self.drafts else { return Ok(()) };
-        let drafts = lock(drafts);
+        let Some(autosave) = &self.autosave else { return Ok(()) };
+        let drafts = autosave.drafts();
         self.left.drain(..).try_for_each(|left| drafts.discard(&left))
     }
 }
 
-fn lock(drafts: &Mutex<Drafts>) -> MutexGuard<'_, Drafts> {
-    drafts.lock().unwrap_or_else(PoisonError::into_inner)
+/// What a diagnostic says, without its place.
+pub(super) fn line(diagnostic: &Diagnostic) -> String {
+    let hints = diagnostic.hints().iter().map(|hint| format!(" ({hint})"));
+    std::iter::once(diagnostic.message().to_owned()).chain(hints).collect()
+}
+
+fn lines(diagnostics: &Diagnostics) -> String {
+    diagnostics.iter().map(line).collect::<Vec<_>>().join("\n")
 }
 
 /// Whether it is nothing but values of a built-in session.
@@ -185,11 +186,4 @@ fn place_of(kind: Kind) -> u32 {
         Kind::Scene => 1,
         Kind::Session | Kind::Material => 2,
     }
-}
-
-/// What is to be kept of something that is not saved.
-pub(super) struct Unsaved {
-    pub(super) kind: Kind,
-    pub(super) location: Option<Location>,
-    pub(super) text: String,
 }

@@ -291,6 +291,180 @@ fn values_of_built_in_sessions_are_left_once_and_not_asked_for() {
     }
 }
 
+/// Autosave, as it runs every few seconds.
+fn keep(app: &mut App) {
+    app.note_unsaved(0..DRAFTS, app.unsaved_states());
+    app.write_drafts();
+    app.chores.wait();
+    app.chores.told().into_iter().for_each(|told| app.hear(told));
+}
+
+/// Where drafts go, with something in the way of their folder.
+fn obstructed() -> (tempfile::TempDir, Folders) {
+    let home = tempfile::tempdir().expect("a folder");
+    let folders = Folders::below(home.path());
+    std::fs::create_dir_all(&folders.state).expect("a folder");
+    std::fs::write(folders.state.join("drafts"), "").expect("a file");
+    (home, folders)
+}
+
+/// The size of the picture is not saved in the other harnesses, which is unsaved work too.
+fn harness_without_unsaved_work(folders: &Folders) -> Harness<'static, App> {
+    let mut harness = harness_in(Some(folders));
+    let app = harness.state_mut();
+    app.note_saved_session();
+    keep(app);
+    app.notices.clear(Topic::Drafts);
+    harness.run_steps(2);
+    harness
+}
+
+#[test]
+fn what_endangers_work_is_in_view_until_it_is_dismissed_or_over() {
+    let (_home, folders) = obstructed();
+    let mut harness = harness_without_unsaved_work(&folders);
+    let seen = |harness: &mut Harness<'_, App>| {
+        harness.run_steps(2);
+        harness.query_by_label_contains("Unsaved work is not kept").is_some()
+    };
+    // What was left by earlier runs cannot be looked for either.
+    assert!(harness.query_by_label_contains("Unsaved work of earlier runs may be missing").is_some());
+    harness.get_by_label("Dismiss").click();
+    harness.run_steps(2);
+    assert!(!seen(&mut harness));
+    harness.state_mut().documents[0].replace_text("formula;\n= N;\n");
+    keep(harness.state_mut());
+    assert!(seen(&mut harness));
+    harness.run_steps(30);
+    assert!(seen(&mut harness), "it stays");
+    assert!(harness.query_by_label_contains("cannot keep the unsaved text in").is_some(), "why");
+    harness.get_by_label("Dismiss").click();
+    harness.run_steps(2);
+    assert!(!seen(&mut harness));
+    keep(harness.state_mut());
+    assert!(!seen(&mut harness), "the same is not said again");
+    std::fs::remove_file(folders.state.join("drafts")).expect("the file");
+    keep(harness.state_mut());
+    assert!(!harness.state().remembered.is_behind(harness.state().unsaved_states()));
+    // A new failure is news.
+    std::fs::remove_dir_all(folders.state.join("drafts")).expect("the drafts");
+    std::fs::write(folders.state.join("drafts"), "").expect("a file");
+    harness.state_mut().documents[0].replace_text("formula;\n= V;\n");
+    keep(harness.state_mut());
+    assert!(seen(&mut harness));
+    // What is over goes by itself.
+    std::fs::remove_file(folders.state.join("drafts")).expect("the file");
+    keep(harness.state_mut());
+    assert!(!seen(&mut harness));
+}
+
+#[test]
+fn several_notices_are_stacked_and_dismissed_together() {
+    let (_home, folders) = obstructed();
+    std::fs::create_dir_all(&folders.configuration).expect("a folder");
+    std::fs::write(folders.configuration.join("settings.toml"), "depth = [").expect("a file");
+    std::fs::write(folders.state.join("recent.toml"), "scene = 3").expect("a file");
+    let mut harness = harness_without_unsaved_work(&folders);
+    harness.run_steps(2);
+    let titles: Vec<String> = harness.state().notices.shown().iter().map(|notice| notice.title.clone()).collect();
+    assert_eq!(titles.len(), 3);
+    for title in &titles {
+        assert!(harness.query_by_label(title).is_some(), "{title}");
+    }
+    assert!(harness.query_by_label("3 notices").is_some());
+    harness.get_by_label("Dismiss all").click();
+    harness.run_steps(2);
+    assert!(harness.state().notices.is_empty() && harness.query_by_label("Dismiss").is_none());
+}
+
+#[test]
+fn quitting_asks_where_work_cannot_be_kept() {
+    let (_home, folders) = obstructed();
+    for folders in [Some(&folders), None] {
+        let mut harness = harness_in(folders);
+        harness.state_mut().documents[0].replace_text("formula;\n= N;\n");
+        harness.state_mut().perform(Command::Quit);
+        harness.run_steps(3);
+        assert!(!harness.state().closing);
+        assert!(harness.query_by_label_contains("It cannot be kept for the next start").is_some());
+        harness.get_by_label("Cancel").click();
+        harness.run_steps(3);
+        harness.state_mut().perform(Command::Quit);
+        harness.run_steps(3);
+        harness.get_by_label("Throw it away").click();
+        harness.run_steps(3);
+        assert!(harness.state().closing);
+        // Whoever closes the window in another way is at least told on the terminal.
+        harness.state_mut().closing();
+        assert!(harness.state().last_words()[0].starts_with("unsaved work is lost: "), "{:?}", harness.state().last_words());
+    }
+}
+
+#[test]
+fn what_is_typed_is_noted_at_once_and_written_where_the_window_does_not_close() {
+    let home = tempfile::tempdir().expect("a folder");
+    let folders = Folders::below(home.path());
+    let mut harness = harness_in(Some(&folders));
+    harness.state_mut().documents[0].replace_text("formula;\n= N;\n");
+    harness.step();
+    let last_resort = harness.state().last_resort();
+    std::thread::spawn(last_resort).join().expect("an end");
+    // The window is still there, as where Xlib ends the program; its lock goes with it.
+    harness.state_mut().remembered = remembered::Remembered::default();
+    let app = App::new(None, Some(&folders)).expect("the startup session");
+    assert!(app.remembered.left().contains(&"formula preset:phong".to_owned()), "{:?}", app.remembered.left());
+}
+
+#[cfg(unix)]
+#[test]
+fn pipes_in_place_of_what_the_window_reads_by_itself_do_not_hold_it_up() {
+    use rustix::fs::{CWD, FileType, Mode, mknodat};
+    let home = tempfile::tempdir().expect("a folder");
+    let folders = Folders::below(home.path());
+    let pipe = |path: &std::path::Path| {
+        std::fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
+        mknodat(CWD, path, FileType::Fifo, Mode::RUSR | Mode::WUSR, 0).expect("a pipe");
+    };
+    pipe(&folders.state.join("recent.toml"));
+    pipe(&folders.state.join("drafts/1-a/lock"));
+    pipe(&folders.state.join("drafts/2-b/0.toml"));
+    pipe(&folders.data.join("materials/phong.toml"));
+    let startup = home.path().join("startup.toml");
+    pipe(&startup);
+    std::fs::create_dir_all(&folders.configuration).expect("a folder");
+    let settings = format!("version = 1\nstartup = {:?}\n", startup.display().to_string());
+    std::fs::write(folders.configuration.join("settings.toml"), settings).expect("a file");
+    let app = App::new(None, Some(&folders)).expect("the built-in session");
+    let details = |app: &App, topic| {
+        let notice = app.notices.shown().iter().find(|notice| notice.topic == topic);
+        notice.unwrap_or_else(|| panic!("{topic:?}")).details.clone()
+    };
+    for topic in [Topic::Recent, Topic::LeftDrafts, Topic::Startup, Topic::Materials] {
+        assert!(details(&app, topic).contains("a pipe"), "{}", details(&app, topic));
+    }
+    drop(app);
+    // A session whose texts are pipes, one with a formula whose library is one, and pipes that are chosen in the window.
+    let session = home.path().join("session.toml");
+    std::fs::write(&session, "version = 1\nformula = \"startup.toml\"\nscene = \"startup.toml\"\n").expect("a file");
+    assert!(App::new(Some(&Location::File(session)), None).is_err_and(|error| error.contains("is a pipe, not a formula")));
+    let formula = home.path().join("own.formula");
+    std::fs::write(&formula, "#uses startup.toml;\nformula;\n= IL*Cd;\n").expect("a file");
+    let mut app = App::new(Some(&Location::Preset("studio".to_owned())), None).expect("a built-in session");
+    app.perform(Command::Open(Kind::Formula, Location::File(formula)));
+    assert!(details(&app, Topic::Materials).contains("is a pipe, not a material library"));
+    for kind in [Kind::Formula, Kind::Scene, Kind::Session] {
+        app.perform(Command::Open(kind, Location::File(startup.clone())));
+        assert!(app.dialogs.told().is_some_and(|told| told.contains("is a pipe")), "{:?}", app.dialogs.told());
+    }
+    app.perform(Command::SaveTo(Some(Kind::Formula), startup.clone()));
+    assert!(app.dialogs.told().is_some_and(|told| told.contains("is a pipe")), "{:?}", app.dialogs.told());
+    // The settings themselves.
+    std::fs::remove_file(folders.configuration.join("settings.toml")).expect("the file");
+    pipe(&folders.configuration.join("settings.toml"));
+    let app = App::new(None, Some(&folders)).expect("the built-in session");
+    assert!(details(&app, Topic::Settings).contains("is a pipe"));
+}
+
 #[test]
 fn texts_that_could_not_be_kept_are_kept_as_soon_as_that_is_possible() {
     let home = tempfile::tempdir().expect("a folder");
@@ -304,13 +478,8 @@ fn texts_that_could_not_be_kept_are_kept_as_soon_as_that_is_possible() {
     let place = folders.state.join("drafts");
     std::fs::write(&place, "").expect("a file");
     app.documents[0].replace_text("formula;\n= N;\n");
-    let keep = |app: &mut App| {
-        app.keep_now();
-        app.chores.wait();
-        app.chores.told().into_iter().for_each(|told| app.hear(told));
-    };
     keep(&mut app);
-    assert!(lines.borrow().iter().any(|line| line.starts_with("unsaved text is not kept")), "{:?}", lines.borrow());
+    assert!(lines.borrow().iter().any(|line| line.starts_with("Unsaved work is not kept")), "{:?}", lines.borrow());
     assert!(app.remembered.is_behind(app.unsaved_states()));
     std::fs::remove_file(&place).expect("the file");
     keep(&mut app);

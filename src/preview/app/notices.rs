@@ -1,0 +1,193 @@
+//! Notices: messages about the user's work. They stay in view until they are dismissed, or are no longer true.
+
+use egui::{Color32, CornerRadius, Frame, Margin, RichText, ScrollArea, Stroke, Ui, vec2};
+
+/// What a notice is about. There is one notice on a subject at a time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Topic {
+    /// Where to remember anything.
+    Home,
+    /// Reading the settings.
+    Settings,
+    /// Saving the settings.
+    SavingSettings,
+    /// The list of recent files.
+    Recent,
+    /// Drafts of unsaved work.
+    Drafts,
+    /// Drafts that earlier runs left.
+    LeftDrafts,
+    /// The session that opens at the start.
+    Startup,
+    /// The session that is open.
+    Session,
+    /// The library that the formula names.
+    Materials,
+    /// The picture.
+    Picture,
+}
+
+/// How serious it is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Severity {
+    /// Something is other than the user may expect.
+    Warning,
+    /// Work is in danger, or something does not work.
+    Error,
+}
+
+/// A message.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Notice {
+    pub(super) topic: Topic,
+    pub(super) severity: Severity,
+    /// What is the matter, in a few words.
+    pub(super) title: String,
+    /// Why, what follows from it, and what helps; may have several lines.
+    pub(super) details: String,
+}
+
+impl Notice {
+    pub(super) fn warning(topic: Topic, title: impl Into<String>, details: impl Into<String>) -> Self {
+        Self { topic, severity: Severity::Warning, title: title.into(), details: details.into() }
+    }
+
+    pub(super) fn error(topic: Topic, title: impl Into<String>, details: impl Into<String>) -> Self {
+        Self { topic, severity: Severity::Error, title: title.into(), details: details.into() }
+    }
+}
+
+/// The notices, the newest last.
+#[derive(Default)]
+pub(super) struct Notices {
+    shown: Vec<Notice>,
+    /// What was dismissed and is still true. It is not shown again.
+    dismissed: Vec<Notice>,
+}
+
+impl Notices {
+    /// Shows a notice, in place of an earlier one on its topic. The answer is whether it says anything new.
+    pub(super) fn show(&mut self, notice: Notice) -> bool {
+        if self.dismissed.contains(&notice) || self.shown.contains(&notice) {
+            return false;
+        }
+        self.clear(notice.topic);
+        self.shown.push(notice);
+        true
+    }
+
+    /// Removes what is no longer true. The answer is whether there was anything, dismissed or not.
+    pub(super) fn clear(&mut self, topic: Topic) -> bool {
+        let before = self.shown.len() + self.dismissed.len();
+        for notices in [&mut self.shown, &mut self.dismissed] {
+            notices.retain(|notice| notice.topic != topic);
+        }
+        self.shown.len() + self.dismissed.len() < before
+    }
+
+    /// Whether there is anything to draw.
+    pub(super) fn is_empty(&self) -> bool {
+        self.shown.is_empty()
+    }
+
+    /// The notices in view.
+    #[cfg(test)]
+    pub(super) fn shown(&self) -> &[Notice] {
+        &self.shown
+    }
+
+    /// Draws the notices in view, each with a button that dismisses it.
+    pub(super) fn ui(&mut self, ui: &mut Ui) {
+        let most_height = (0.3 * ui.ctx().content_rect().height()).max(80.0);
+        let mut dismissed = None;
+        if self.shown.len() > 1 {
+            ui.horizontal(|ui| {
+                ui.strong(format!("{} notices", self.shown.len()));
+                if ui.small_button("Dismiss all").clicked() {
+                    dismissed = Some(0..self.shown.len());
+                }
+            });
+        }
+        ScrollArea::vertical().max_height(most_height).auto_shrink([false, true]).show(ui, |ui| {
+            for (index, notice) in self.shown.iter().enumerate() {
+                if notice_ui(ui, notice) {
+                    dismissed = Some(index..index + 1);
+                }
+            }
+        });
+        if let Some(range) = dismissed {
+            self.dismissed.extend(self.shown.drain(range));
+        }
+    }
+}
+
+/// Draws a notice; whether it is dismissed.
+fn notice_ui(ui: &mut Ui, notice: &Notice) -> bool {
+    const BUTTON_WIDTH: f32 = 64.0;
+    let [fill, edge] = colours(notice.severity, ui.visuals().dark_mode);
+    let frame = Frame::new().fill(fill).stroke(Stroke::new(1.0, edge)).corner_radius(CornerRadius::same(4));
+    let shown = frame.inner_margin(Margin::symmetric(10, 7)).show(ui, |ui| {
+        ui.horizontal_top(|ui| {
+            ui.label(RichText::new("⚠").color(edge).size(16.0));
+            let room = ui.available_width() - BUTTON_WIDTH - ui.spacing().item_spacing.x;
+            ui.vertical(|ui| {
+                ui.set_width(room.max(80.0));
+                ui.strong(&notice.title);
+                // What marks places in a text stands below them.
+                if notice.details.contains('│') {
+                    ui.monospace(&notice.details);
+                } else if !notice.details.is_empty() {
+                    ui.label(&notice.details);
+                }
+            });
+            ui.add_sized(vec2(BUTTON_WIDTH, 20.0), egui::Button::new("Dismiss")).clicked()
+        })
+        .inner
+    });
+    shown.inner
+}
+
+/// The fill and the edge of a notice.
+fn colours(severity: Severity, dark: bool) -> [Color32; 2] {
+    match (severity, dark) {
+        (Severity::Warning, true) => [Color32::from_rgb(54, 46, 28), Color32::from_rgb(222, 170, 62)],
+        (Severity::Warning, false) => [Color32::from_rgb(255, 246, 222), Color32::from_rgb(176, 118, 0)],
+        (Severity::Error, true) => [Color32::from_rgb(60, 33, 33), Color32::from_rgb(236, 104, 96)],
+        (Severity::Error, false) => [Color32::from_rgb(255, 234, 232), Color32::from_rgb(196, 42, 34)],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn titles(notices: &Notices) -> Vec<&str> {
+        notices.shown().iter().map(|notice| notice.title.as_str()).collect()
+    }
+
+    #[test]
+    fn a_topic_has_one_notice_and_the_same_is_said_once() {
+        let mut notices = Notices::default();
+        assert!(notices.show(Notice::error(Topic::Drafts, "not kept", "the disk is full")));
+        assert!(notices.show(Notice::warning(Topic::Settings, "defaults are used", "")));
+        assert!(!notices.show(Notice::error(Topic::Drafts, "not kept", "the disk is full")));
+        assert!(notices.show(Notice::error(Topic::Drafts, "not kept", "permission denied")));
+        assert_eq!(titles(&notices), ["defaults are used", "not kept"]);
+        assert!(notices.clear(Topic::Drafts) && !notices.clear(Topic::Drafts));
+        assert_eq!(titles(&notices), ["defaults are used"]);
+    }
+
+    #[test]
+    fn what_was_dismissed_comes_back_only_when_it_is_news() {
+        let full = || Notice::error(Topic::Drafts, "not kept", "the disk is full");
+        let mut notices = Notices::default();
+        notices.show(full());
+        notices.dismissed.append(&mut notices.shown);
+        assert!(!notices.show(full()) && notices.is_empty());
+        // Another reason is news, and so is the same after it was no longer true.
+        assert!(notices.show(Notice::error(Topic::Drafts, "not kept", "permission denied")));
+        assert!(notices.show(full()));
+        notices.dismissed.append(&mut notices.shown);
+        assert!(notices.clear(Topic::Drafts) && notices.show(full()));
+    }
+}
