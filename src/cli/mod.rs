@@ -16,6 +16,8 @@ mod preview;
 mod progress;
 mod render;
 mod report;
+#[cfg(unix)]
+mod signals;
 mod verify;
 
 use clap::{Parser, Subcommand};
@@ -76,6 +78,8 @@ enum Status {
 
 /// Does what the command line says.
 pub(crate) fn run() -> ExitCode {
+    #[cfg(unix)]
+    signals::handle();
     let outcome = match Arguments::parse().command.unwrap_or_default() {
         #[cfg(feature = "window")]
         Command::Preview(options) => preview::run(&options),
@@ -86,6 +90,8 @@ pub(crate) fn run() -> ExitCode {
         Command::Dump(options) => dump::run(&options),
         Command::HelpLanguage => print(&illuminator::lang::reference::reference()),
     };
+    #[cfg(unix)]
+    signals::end_if_received();
     let status = match outcome {
         Ok(()) => Status::Success,
         Err(failure) => {

@@ -1,8 +1,10 @@
 //! `preview`: the workshop window.
 
-use crate::cli::report::Failure;
+use crate::cli::report::{Failure, warn};
+#[cfg(unix)]
+use crate::cli::signals;
 use illuminator::preview::app::App;
-use illuminator::preview::window::{WindowOptions, run as show};
+use illuminator::preview::window::{WindowError, WindowExit, WindowOptions, run as show};
 use illuminator::workspace::files::Location;
 use illuminator::workspace::folders::Folders;
 use std::ffi::OsString;
@@ -20,13 +22,34 @@ pub(super) struct Options {
 
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let location = options.session.as_ref().map(Location::new);
-    // Without a home nothing is remembered.
-    let folders = Folders::platform().ok();
-    let mut app = App::new(location.as_ref(), folders.as_ref()).map_err(Failure::input)?;
+    let folders = Folders::platform();
+    let mut app = App::new(location.as_ref(), folders.as_ref().ok()).map_err(Failure::input)?;
+    if let Err(reason) = &folders {
+        app.notify_no_home(reason);
+    }
     if options.log {
         // A pipe that is closed does not end the window.
         app.repeat_log(|line| drop(writeln!(std::io::stderr(), "{line}")));
     }
     let size = app.window_size();
-    show(&mut app, WindowOptions { size }).map_err(|error| Failure::input(error.to_string()))
+    let exit = WindowExit::new(app.last_resort());
+    #[cfg(unix)]
+    signals::close_first(exit.clone());
+    let shown = show(&mut app, WindowOptions { size }, &exit);
+    app.last_words().iter().for_each(warn);
+    shown.map_err(|error| {
+        let kept = error == WindowError::DisplayLost && app.last_words().is_empty();
+        Failure::input(format!("{error}{}", if kept { "; unsaved work is kept and offered at the next start" } else { "" }))
+    })
+}
+
+#[cfg(unix)]
+impl signals::Closing for WindowExit {
+    fn close(&self) {
+        WindowExit::close(self);
+    }
+
+    fn last_resort(&self) {
+        WindowExit::last_resort(self);
+    }
 }

@@ -7,6 +7,7 @@
 mod clipboard;
 mod cursor;
 mod display;
+mod exit;
 mod incoming;
 mod keys;
 mod polled;
@@ -15,6 +16,7 @@ mod shared;
 mod turn;
 
 use crate::preview::Shown;
+pub use exit::WindowExit;
 use thiserror::Error;
 
 /// How a window begins.
@@ -44,6 +46,9 @@ pub enum WindowError {
     /// The display refused.
     #[error("the display does not open a window ({0}); `illuminator render` works without one")]
     Refused(String),
+    /// The display is gone, and the window with it.
+    #[error("the connection to the display is lost")]
+    DisplayLost,
 }
 
 impl WindowError {
@@ -57,12 +62,13 @@ impl WindowError {
     }
 }
 
-/// Shows `app` in a window until either wants it closed.
+/// Shows `app` in a window until either wants it closed, or `exit` does.
 ///
 /// # Errors
 ///
-/// Where no window can be opened. `app` has then been asked for nothing but its title.
-pub fn run(app: &mut dyn Shown, options: WindowOptions) -> Result<(), WindowError> {
+/// No window can be opened: `app` has then been asked for nothing but its title. Or the display is lost: `app` has then been
+/// told that the window is closing.
+pub fn run(app: &mut dyn Shown, options: WindowOptions, exit: &WindowExit) -> Result<(), WindowError> {
     let is_set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
     if let Some(error) = WindowError::foreseen(is_set) {
         return Err(error);
@@ -72,11 +78,24 @@ pub fn run(app: &mut dyn Shown, options: WindowOptions) -> Result<(), WindowErro
     let title = printable(&app.title());
     let window =
         minifb::Window::new(&title, width, height, appearance).map_err(|error| WindowError::Refused(one_line(&error)))?;
-    let mut shell = turn::Shell::new(window, title);
+    let guard = exit::guard_this_thread(exit);
+    let mut shell = turn::Shell::new(window, title, exit);
     app.started(shell.context());
-    while shell.turn(app) {}
+    let ending = loop {
+        if let Some(ending) = shell.turn(app) {
+            break ending;
+        }
+    };
     app.closing();
-    Ok(())
+    drop(guard);
+    match ending {
+        turn::Ending::Closed => Ok(()),
+        turn::Ending::DisplayLost => {
+            // Closing the window now would have Xlib end the program before it can say why.
+            std::mem::forget(shell);
+            Err(WindowError::DisplayLost)
+        }
+    }
 }
 
 /// A title that a display takes: what ends texts there is left out.

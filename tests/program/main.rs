@@ -2,6 +2,7 @@
 
 #![allow(clippy::expect_used, reason = "a test ends where what it needs is not there")]
 
+mod endings;
 mod files;
 mod materials;
 mod messages;

@@ -33,6 +33,10 @@ pub(super) enum Signal {
     Other,
     /// Somebody wants a frame at that time; `own` says that the last frame itself did.
     Repaint { at: Instant, own: bool },
+    /// The window should close.
+    Close,
+    /// This connection is broken.
+    Broken,
 }
 
 /// What the pointer did; places are in pixels.
@@ -150,6 +154,12 @@ fn listen(connection: &RustConnection, ear: u32, told: &Sender<Signal>) {
             return;
         }
     }
+    let _ = told.send(Signal::Broken);
+}
+
+/// Whether there is no display any more. A connection can also break by itself, where somebody has the display close it.
+pub(super) fn is_gone() -> bool {
+    RustConnection::connect(None).is_err()
 }
 
 fn signal(event: &Event, ear: u32) -> Option<Signal> {

@@ -4,7 +4,8 @@
 //! what comes without a signal. A frame in which nothing changed is not handed over: that costs more than all the rest.
 
 use super::clipboard::Clipboard;
-use super::display::{Display, Pointer, Signal};
+use super::display::{self, Display, Pointer, Signal};
+use super::exit::WindowExit;
 use super::incoming::Incoming;
 use super::keys::{Keyboard, Stroke, Strokes};
 use super::polled::Polled;
@@ -58,14 +59,27 @@ pub(super) struct Shell {
     presented: Instant,
     /// When the next frame is wanted though nothing comes in.
     due: Option<Instant>,
+    exit: WindowExit,
+    /// Whether the display is gone: from then on minifb is not called, for Xlib would end the program.
+    display_lost: bool,
+}
+
+/// How a window ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Ending {
+    /// It closes.
+    Closed,
+    /// The display is gone.
+    DisplayLost,
 }
 
 impl Shell {
-    pub(super) fn new(mut window: minifb::Window, title: String) -> Self {
+    pub(super) fn new(mut window: minifb::Window, title: String, exit: &WindowExit) -> Self {
         let strokes = Strokes::default();
         window.set_input_callback(Box::new(strokes.clone()));
         window.set_target_fps(0);
         let (sender, signals) = channel();
+        exit.wakes(sender.clone());
         let context = egui::Context::default();
         // The size of widgets is the application's to set.
         context.options_mut(|options| options.zoom_with_keyboard = false);
@@ -100,6 +114,8 @@ impl Shell {
             last: now,
             presented: now,
             due: Some(now),
+            exit: exit.clone(),
+            display_lost: false,
         }
     }
 
@@ -107,23 +123,35 @@ impl Shell {
         &self.context
     }
 
-    /// Waits, and does what there is to do. False where the window is to close.
-    pub(super) fn turn(&mut self, app: &mut dyn Shown) -> bool {
+    /// Waits, and does what there is to do. The answer is how the window ends, if it does.
+    pub(super) fn turn(&mut self, app: &mut dyn Shown) -> Option<Ending> {
         let signals = self.wait();
+        if signals.contains(&Signal::Broken) {
+            self.lose_connection();
+        }
+        if self.display_lost {
+            return Some(Ending::DisplayLost);
+        }
         self.window.update();
-        if !self.window.is_open() {
-            return false;
+        if !self.window.is_open() || self.exit.is_wanted() {
+            return Some(Ending::Closed);
         }
         let scale = sound(app.scale()) * self.context.zoom_factor();
         self.sort(signals, scale);
         self.look();
         if self.next().is_some_and(|at| at <= Instant::now()) {
-            return self.frame(app);
+            return (!self.frame(app)).then_some(Ending::Closed);
         }
         if self.lost || (self.display.is_none() && self.presented.elapsed() > AGAIN) {
             self.present(&[self.whole()]);
         }
-        true
+        None
+    }
+
+    /// Goes on without the second connection, if there is still a display.
+    fn lose_connection(&mut self) {
+        self.display = None;
+        self.display_lost |= display::is_gone();
     }
 
     /// When the next frame is wanted.
@@ -173,7 +201,7 @@ impl Shell {
                     let at = if own { at.max(self.last + ANIMATION) } else { at };
                     self.due = self.due.into_iter().chain([at]).min();
                 }
-                Signal::Key | Signal::Other => {}
+                Signal::Key | Signal::Other | Signal::Close | Signal::Broken => {}
             }
         }
         strokes.for_each(|stroke| self.stroke(stroke));
@@ -285,7 +313,9 @@ impl Shell {
             finished: Some(finished),
             picture: version,
         });
-        self.rename(app);
+        if !self.display_lost {
+            self.rename(app);
+        }
         !closes && !app.wants_close()
     }
 
@@ -349,9 +379,13 @@ impl Shell {
         if let Some(display) = &mut self.display
             && display.present(pixels, width, changed).is_err()
         {
-            self.display = None;
+            self.lose_connection();
+        }
+        if self.display_lost {
+            return;
         }
         if self.display.is_none() {
+            let pixels = self.painter.pixels();
             // It can only refuse pixels that are fewer than it is told.
             let _ = self.window.update_with_buffer(pixels, width, height);
         }
