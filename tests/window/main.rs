@@ -180,6 +180,52 @@ fn the_window_follows_the_mouse_and_the_keyboard() {
     assert!(status.success(), "{status}");
 }
 
+/// Types into the formula of a window, and ends it at once in some way. The status, and the text of the draft.
+fn typed_and_ended(end: impl FnOnce(&mut Screen)) -> (std::process::ExitStatus, String) {
+    let mut screen = Screen::new("preset:studio");
+    screen.picture_at_rest();
+    screen.mouse([200, 500]);
+    screen.run("xdotool", &["click", "1"]);
+    screen.run("xdotool", &["key", "ctrl+End"]);
+    wait("the mark of unsaved text", || {
+        screen.run("xdotool", &["type", "x"]);
+        screen.title().contains('•')
+    });
+    // What was typed so far is kept after two seconds; what comes now is younger when the window ends.
+    std::thread::sleep(Duration::from_millis(2500));
+    screen.run("xdotool", &["type", "--delay", "1", "typed at last"]);
+    // The keys are on their way to the window.
+    std::thread::sleep(Duration::from_millis(150));
+    end(&mut screen);
+    let status = screen.window.wait().expect("an end");
+    let mut drafts = Vec::new();
+    for folder in std::fs::read_dir(screen.home.path().join("state/drafts")).expect("drafts") {
+        drafts.push(std::fs::read_to_string(folder.expect("a folder").path().join("0.toml")).expect("a draft"));
+    }
+    assert_eq!(drafts.len(), 1);
+    (status, drafts.concat())
+}
+
+#[test]
+fn a_signal_or_the_loss_of_the_display_costs_nothing_that_was_typed() {
+    let (status, draft) = typed_and_ended(|screen| {
+        let id = screen.window.id().to_string();
+        assert!(Command::new("kill").arg(id).status().expect("kill").success());
+    });
+    assert_eq!(std::os::unix::process::ExitStatusExt::signal(&status), Some(15), "{status}");
+    assert!(draft.contains("typed at last"), "{draft}");
+    let (status, draft) = typed_and_ended(|screen| screen.server.kill().expect("the server"));
+    assert_eq!(status.code(), Some(1), "{status}");
+    assert!(draft.contains("typed at last"), "{draft}");
+    // The display closes the window's own connection, as `xkill` has it do: Xlib then ends the program.
+    let (status, draft) = typed_and_ended(|screen| {
+        let id = screen.window_id().expect("a window");
+        screen.run("xdotool", &["windowkill", &id]);
+    });
+    assert_eq!(status.code(), Some(1), "{status}");
+    assert!(draft.contains("typed at last"), "{draft}");
+}
+
 #[test]
 fn a_display_that_shares_no_memory_shows_the_same() {
     let screens = [&[][..], &["-extension", "MIT-SHM"]].map(|told| Screen::with("preset:studio", told));
