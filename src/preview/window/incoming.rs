@@ -1,7 +1,8 @@
 //! What came in and waits to be seen by the widgets, in order and in portions that a frame can see apart.
 //!
-//! egui finds out what is under the pointer once a frame, and a widget is clicked once a frame. So a frame sees no more than one click, and no
-//! movement after a press.
+//! egui finds out what is under the pointer once a frame, and a widget is clicked once a frame. So a frame sees no more than one
+//! click, and no movement after a press. It sees no key after a click either: the widget that was clicked has the keyboard from
+//! the next frame on.
 
 use egui::Event;
 use std::collections::VecDeque;
@@ -41,8 +42,9 @@ impl Incoming {
         let [mut pressed, mut released] = [false, false];
         while let Some((event, at)) = self.waiting.pop_front() {
             let is_movement = matches!(event, Event::PointerMoved(_));
+            let is_key = matches!(event, Event::Key { .. } | Event::Text(_) | Event::Paste(_) | Event::Copy | Event::Cut);
             let is_button = |down| matches!(event, Event::PointerButton { pressed, .. } if pressed == down);
-            if (is_movement && (pressed || released)) || (is_button(true) && released) {
+            if (is_movement && (pressed || released)) || ((is_key || is_button(true)) && released) {
                 self.waiting.push_front((event, at));
                 break;
             }
@@ -90,6 +92,13 @@ mod tests {
         let events = [moved(1.0), moved(2.0), button(true), moved(3.0), moved(4.0), button(false), moved(5.0)];
         let expected = vec![vec![moved(2.0), button(true)], vec![moved(4.0), button(false)], vec![moved(5.0)]];
         assert_eq!(portions(events), expected);
+    }
+
+    #[test]
+    fn keys_after_a_click_go_to_what_was_clicked() {
+        let text = Event::Text("a".into());
+        let events = [button(true), button(false), text.clone(), text.clone()];
+        assert_eq!(portions(events), vec![vec![button(true), button(false)], vec![text.clone(), text]]);
     }
 
     #[test]
