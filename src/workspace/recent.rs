@@ -36,8 +36,8 @@ impl Recent {
         let (lists, warning) = match read(&path) {
             Ok(lists) => (lists.unwrap_or_default(), None),
             Err(error) => {
-                let message = format!("the list of recent files begins anew: {}", error.message());
-                (Lists::new(), Some(Diagnostic::warning(message).help(format!("it was kept in `{}`", path.display()))))
+                let message = format!("cannot read the list of recent files: {}", error.message());
+                (Lists::new(), Some(Diagnostic::warning(message).help(format!("it is in `{}`", path.display()))))
             }
         };
         (Recent { path, lists, is_ours_alone: false }, warning)
@@ -231,7 +231,7 @@ mod tests {
             fs::write(folders.state.join("recent.toml"), damaged).unwrap();
             let (mut recent, warning) = Recent::open(&folders);
             let warning = warning.unwrap();
-            assert!(warning.message().starts_with("the list of recent files begins anew: "), "{}", warning.message());
+            assert!(warning.message().starts_with("cannot read the list of recent files: "), "{}", warning.message());
             let path = file(&home, "one");
             recent.add(Kind::Scene, &path).unwrap();
             let (again, warning) = Recent::open(&folders);

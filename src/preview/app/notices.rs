@@ -28,7 +28,7 @@ pub(super) enum Topic {
 }
 
 /// How serious it is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Severity {
     /// Something is other than the user may expect.
     Warning,
@@ -57,9 +57,10 @@ impl Notice {
     }
 }
 
-/// The notices, the newest last.
+/// The notices.
 #[derive(Default)]
 pub(super) struct Notices {
+    /// In the order in which they are drawn: errors first, newer ones before older ones.
     shown: Vec<Notice>,
     /// What was dismissed and is still true. It is not shown again.
     dismissed: Vec<Notice>,
@@ -72,7 +73,8 @@ impl Notices {
             return false;
         }
         self.clear(notice.topic);
-        self.shown.push(notice);
+        self.shown.insert(0, notice);
+        self.shown.sort_by_key(|notice| std::cmp::Reverse(notice.severity));
         true
     }
 
@@ -108,7 +110,8 @@ impl Notices {
                 }
             });
         }
-        ScrollArea::vertical().max_height(most_height).auto_shrink([false, true]).show(ui, |ui| {
+        let scrolled = ScrollArea::vertical().max_height(most_height).min_scrolled_height(most_height);
+        scrolled.auto_shrink([false, true]).show(ui, |ui| {
             for (index, notice) in self.shown.iter().enumerate() {
                 if notice_ui(ui, notice) {
                     dismissed = Some(index..index + 1);
@@ -172,7 +175,7 @@ mod tests {
         assert!(notices.show(Notice::warning(Topic::Settings, "defaults are used", "")));
         assert!(!notices.show(Notice::error(Topic::Drafts, "not kept", "the disk is full")));
         assert!(notices.show(Notice::error(Topic::Drafts, "not kept", "permission denied")));
-        assert_eq!(titles(&notices), ["defaults are used", "not kept"]);
+        assert_eq!(titles(&notices), ["not kept", "defaults are used"]);
         assert!(notices.clear(Topic::Drafts) && !notices.clear(Topic::Drafts));
         assert_eq!(titles(&notices), ["defaults are used"]);
     }

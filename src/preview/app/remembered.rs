@@ -38,11 +38,15 @@ impl Remembered {
         let left = sorted_out(left, &drafts);
         let mut notices = Vec::new();
         if !reading.diagnostics.is_empty() {
-            let title = "Some settings could not be read, and are the defaults";
-            notices.push(Notice::warning(Topic::Settings, title, lines(&reading.diagnostics)));
+            let details = reading.diagnostics.iter().map(|diagnostic| match diagnostic.span() {
+                Some(span) => format!("line {}: {}", reading.source.position(span.start).0, line(diagnostic)),
+                None => line(diagnostic),
+            });
+            let details = details.collect::<Vec<_>>().join("\n");
+            notices.push(Notice::warning(Topic::Settings, "The file of the settings has mistakes", details));
         }
         if let Some(warning) = recent_warning {
-            notices.push(Notice::warning(Topic::Recent, "The list of recent files is empty", line(&warning)));
+            notices.push(Notice::warning(Topic::Recent, "The list of recent files starts empty", line(&warning)));
         }
         if !left_warnings.is_empty() {
             let title = "Unsaved work of earlier runs may be missing";

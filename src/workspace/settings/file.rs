@@ -47,8 +47,9 @@ impl SettingsFile {
         let (source, Found { settings, mut diagnostics, .. }) = self.look();
         if diagnostics.has_errors() {
             let name = self.free_name().display().to_string();
-            let message = "what cannot be read of the settings is as by default";
-            diagnostics.push(Diagnostic::warning(message).help(format!("when they are saved, this file is kept as `{name}`")));
+            let message = "settings that cannot be read have their default values";
+            diagnostics
+                .push(Diagnostic::warning(message).help(format!("when settings are saved, this file is kept as `{name}`")));
         }
         self.seen.clone_from(&settings);
         Reading { settings, source, diagnostics }
