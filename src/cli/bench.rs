@@ -1,7 +1,7 @@
 //! `illuminator bench`: how fast each stage is, and each slider.
 
 use crate::cli::engine;
-use crate::cli::input::{Input, load};
+use crate::cli::input::load;
 use crate::cli::options::InputOptions;
 use crate::cli::progress::Progress;
 use crate::cli::report::{Failure, print};
@@ -13,6 +13,7 @@ use illuminator::formula::ParameterId;
 use illuminator::lang::types::Type;
 use illuminator::picture::Transfer;
 use illuminator::trace::Hits;
+use illuminator::workspace::project::Project;
 use illuminator::workspace::{OwnerId, Values};
 use serde::Serialize;
 use std::fmt::Write;
@@ -137,9 +138,9 @@ fn find(values: &Values, sliders: &[Slider], wanted: &str) -> Result<Slider, Fai
     })
 }
 
-fn measure(options: &Options, input: &Input, sliders: &[Slider]) -> Result<Report, Failure> {
-    let view = &input.view;
-    let subject = engine::subject(input);
+fn measure(options: &Options, input: &Project, sliders: &[Slider]) -> Result<Report, Failure> {
+    let Project { subject, .. } = input;
+    let view = &subject.view;
     let progress = Progress::new("measuring");
     let (compile_ms, engine) = time(options.runs, || {
         // A new backend each time: one keeps what it compiled.
@@ -149,9 +150,9 @@ fn measure(options: &Options, input: &Input, sliders: &[Slider]) -> Result<Repor
     })?;
     progress.tell(0.05);
     let traces = options.runs.min(MOST_TRACES);
-    let (trace_ms, hits) = time(traces, || engine.trace(&subject, &Task::UNWATCHED).map_err(engine::failed))?;
+    let (trace_ms, hits) = time(traces, || engine.trace(subject, &Task::UNWATCHED).map_err(engine::failed))?;
     progress.tell(0.2);
-    let evaluator = engine.prepare(&subject, &hits).map_err(engine::failed)?;
+    let evaluator = engine.prepare(subject, &hits).map_err(engine::failed)?;
     let mut framebuffer = Framebuffer::black(view.width(), view.height(), Transfer::Linear);
     let numbers = input.values.numbers();
     let jit_ms = median(options.runs, |_| {
@@ -169,7 +170,7 @@ fn measure(options: &Options, input: &Input, sliders: &[Slider]) -> Result<Repor
         .collect::<Result<Vec<_>, _>>()?;
     let jit_bytes = (evaluator.bytes() + size_of_val(&*framebuffer.pixels)) as f64;
     drop(evaluator);
-    let (interpreter_ms, interpreter_bytes) = interpreted(options, &subject, numbers, &mut framebuffer)?;
+    let (interpreter_ms, interpreter_bytes) = interpreted(options, subject, numbers, &mut framebuffer)?;
     let counts = Hits::counts(&hits);
     let pixels = f64::from(view.pixels());
     Ok(Report {
@@ -209,7 +210,7 @@ fn interpreted(
 /// A slider taken and moved to and fro.
 fn drag(
     runs: u32,
-    input: &Input,
+    input: &Project,
     evaluator: &Arc<dyn Evaluator>,
     slider: &Slider,
     framebuffer: &mut Framebuffer,

@@ -1,7 +1,7 @@
 //! `illuminator check`: what is wrong with files.
 
-use crate::cli::input::{OpenSession, open_both, place_of, session_values_of};
-use crate::cli::report::{Failure, count, explain, print, say, warn};
+use crate::cli::input::Speaker;
+use crate::cli::report::{Failure, count, explain, print, say};
 use clap::{Args, ValueEnum};
 use illuminator::files::Readable;
 use illuminator::formula::Formula;
@@ -10,7 +10,8 @@ use illuminator::lang::source::Source;
 use illuminator::presets::Kind;
 use illuminator::scene::Scene;
 use illuminator::workspace::files::{Location, kind_of, read_file};
-use illuminator::workspace::{Library, Roster, Session, Values};
+use illuminator::workspace::project::{Project, place_of};
+use illuminator::workspace::{Library, Session};
 use std::ffi::OsString;
 use std::path::Path;
 
@@ -142,16 +143,11 @@ fn check_session(location: &Location, source: &Source) -> (Diagnostics, usize, b
         session.scene = session.scene.from_folder(folder);
     }
     explain(&diagnostics, source);
-    let (_, formula, scene) = match open_both(&session.formula, &session.scene) {
-        Ok(opened) => opened,
-        Err(failure) => {
-            failure.report();
-            return (diagnostics, 0, false);
+    match Project::check_session(&session, source, &mut Speaker) {
+        Ok(warnings) => (diagnostics, warnings, true),
+        Err(error) => {
+            Failure::from(error).report();
+            (diagnostics, 0, false)
         }
-    };
-    let roster = Roster::new(&formula, &scene);
-    let (given, leftovers) = session_values_of(&OpenSession { session, source: source.clone() }, &roster);
-    let (_, warnings) = Values::new(&formula, &scene, &given);
-    warnings.iter().for_each(|warning| warn(warning.to_string()));
-    (diagnostics, leftovers + warnings.len(), true)
+    }
 }

@@ -2,7 +2,7 @@
 
 use crate::cli::engine;
 use crate::cli::hits;
-use crate::cli::input::{Input, load};
+use crate::cli::input::load;
 use crate::cli::options::InputOptions;
 use crate::cli::report::{Failure, print};
 use clap::{Args, ValueEnum};
@@ -11,6 +11,7 @@ use illuminator::evaluate::inspect::Inspector;
 use illuminator::jit::CompiledFormula;
 use illuminator::lang::ast::{ExprId, ExprKind, FormulaFile};
 use illuminator::lang::{parser, printer};
+use illuminator::workspace::project::Project;
 use std::fmt::Write;
 use std::path::PathBuf;
 
@@ -59,17 +60,17 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         return Err(Failure::command_line("`--output` goes with `--stage hits`; the other stages are printed"));
     }
     let input = load(&options.input)?;
-    let listing = || CompiledFormula::listing(&input.formula).map_err(|error| Failure::input(error.to_string()));
+    let listing = || CompiledFormula::listing(&input.subject.formula).map_err(|error| Failure::input(error.to_string()));
     match options.stage {
-        Stage::Ast => print(&tree(&parser::parse(&input.formula_source).0)),
+        Stage::Ast => print(&tree(&parser::parse(&input.formula_text).0)),
         Stage::Bytecode => print(&bytecode(&input, options.pixel)?),
         Stage::Clif => print(&listing()?.clif),
         Stage::Asm => print(&listing()?.asm),
         Stage::Rays => {
             // Without the option the parser of arguments has ended the program.
             let pixel = options.pixel.ok_or_else(|| Failure::command_line("`--stage rays` needs `--pixel X,Y`"))?;
-            let inspector = Inspector::new(&input.formula, &input.world, input.values.numbers());
-            let inspection = inspector.inspect(&input.view, pixel).ok_or_else(|| outside(&input, pixel))?;
+            let inspector = Inspector::new(&input.subject.formula, &input.subject.world, input.values.numbers());
+            let inspection = inspector.inspect(&input.subject.view, pixel).ok_or_else(|| outside(&input, pixel))?;
             print(&inspector.text(&inspection))
         }
         Stage::Hits => {
@@ -115,22 +116,22 @@ fn branch(file: &FormulaFile, root: ExprId, text: &mut String) {
     }
 }
 
-fn outside(input: &Input, [x, y]: [u32; 2]) -> Failure {
-    let size = format!("{}x{}", input.view.width(), input.view.height());
+fn outside(input: &Project, [x, y]: [u32; 2]) -> Failure {
+    let size = format!("{}x{}", input.subject.view.width(), input.subject.view.height());
     Failure::command_line(format!("--pixel {x},{y} is outside the picture of {size} pixels"))
 }
 
-fn bytecode(input: &Input, pixel: Option<[u32; 2]>) -> Result<String, Failure> {
-    let code = Code::new(&input.formula).map_err(|error| Failure::input(error.to_string()))?;
+fn bytecode(input: &Project, pixel: Option<[u32; 2]>) -> Result<String, Failure> {
+    let code = Code::new(&input.subject.formula).map_err(|error| Failure::input(error.to_string()))?;
     let mut text = format!("type I: the formula, {} bytes\n", code.bytes());
     code.instructions().iter().for_each(|instruction| text.push_str(&format!("  {instruction}\n")));
     if let Some([x, y]) = pixel {
-        let view = &input.view;
+        let view = &input.subject.view;
         if x >= view.width() || y >= view.height() {
             return Err(outside(input, [x, y]));
         }
         let place = y * view.width() + x;
-        let programs = engine::interpreter(input, *view)?.program(place);
+        let programs = engine::interpreter(&input.subject)?.program(place);
         text.push_str(&format!("\ntype II: pixel ({x}, {y}), {} bytes\n", programs.bytes()));
         for instruction in programs.program(0).into_iter().flat_map(|program| program.instructions()) {
             text.push_str(&format!("  {instruction}\n"));

@@ -1,6 +1,5 @@
 //! The engine as commands ask for it: on a number of threads, within an amount of memory, with progress.
 
-use crate::cli::input::Input;
 use crate::cli::options::MachineOptions;
 use crate::cli::progress::Progress;
 use crate::cli::report::Failure;
@@ -9,7 +8,7 @@ use illuminator::backends::interpreter::Interpreted;
 use illuminator::engine::{Engine, EngineError, Subject, Task};
 use illuminator::evaluate::Frame;
 use illuminator::lang::diagnostic::Diagnostic;
-use illuminator::trace::View;
+use illuminator::workspace::project::Project;
 
 /// Does some work on as many threads as the options say.
 pub(super) fn on_threads<T: Send>(options: &MachineOptions, work: impl FnOnce() -> T + Send) -> Result<T, Failure> {
@@ -29,11 +28,6 @@ pub(super) fn engine(backend: &BackendChoice, options: &MachineOptions) -> Engin
     }
 }
 
-/// What the input shows.
-pub(super) fn subject(input: &Input) -> Subject {
-    Subject { formula: input.formula.clone(), world: input.world.clone(), view: input.view }
-}
-
 /// The failure that an error of the engine is.
 pub(super) fn failed(error: EngineError) -> Failure {
     let diagnostic = Diagnostic::error(error.to_string());
@@ -41,14 +35,19 @@ pub(super) fn failed(error: EngineError) -> Failure {
 }
 
 /// The picture, `samples` × `samples` rays a pixel averaged, NaN not yet cleaned out.
-pub(super) fn picture(input: &Input, samples: u32, backend: &BackendChoice, options: &MachineOptions) -> Result<Frame, Failure> {
+pub(super) fn picture(
+    project: &Project,
+    samples: u32,
+    backend: &BackendChoice,
+    options: &MachineOptions,
+) -> Result<Frame, Failure> {
     let progress = Progress::new("tracing");
     let tell = |share: f64| progress.tell(share);
-    let picture = engine(backend, options).picture(&subject(input), input.values.numbers(), samples, &Task::watched(&tell));
+    let picture = engine(backend, options).picture(&project.subject, project.values.numbers(), samples, &Task::watched(&tell));
     picture.map_err(failed)
 }
 
-/// The reference interpreter on a view of the scene.
-pub(super) fn interpreter(input: &Input, view: View) -> Result<Interpreted, Failure> {
-    Interpreted::new(&input.formula, &input.world, view).map_err(|error| Failure::input(error.to_string()))
+/// The reference interpreter.
+pub(super) fn interpreter(Subject { formula, world, view }: &Subject) -> Result<Interpreted, Failure> {
+    Interpreted::new(formula, world, *view).map_err(|error| Failure::input(error.to_string()))
 }

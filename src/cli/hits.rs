@@ -8,7 +8,6 @@
 //! - `paths`: the last step of each path: the path before, how the ray came to be, the body it hit.
 
 use crate::cli::engine;
-use crate::cli::input::Input;
 use crate::cli::options::MachineOptions;
 use crate::cli::output::check_folder;
 use crate::cli::progress::Progress;
@@ -20,6 +19,7 @@ use illuminator::lang::types::Type;
 use illuminator::lang::variables::{Rate, Variable};
 use illuminator::scene::LightId;
 use illuminator::trace::{Edge, HitVariables, Hits, LightVariables, Tile, Tracer, replay, variable};
+use illuminator::workspace::project::Project;
 use illuminator::world::SurfaceHit;
 use serde::Serialize;
 use std::collections::{BTreeMap, HashMap};
@@ -34,7 +34,7 @@ const INDEX: &str = "index.json";
 const NONE: u32 = u32::MAX;
 
 /// Traces the scene and writes what was found.
-pub(super) fn dump(input: &Input, machine: &MachineOptions, folder: &Path) -> Result<(), Failure> {
+pub(super) fn dump(input: &Project, machine: &MachineOptions, folder: &Path) -> Result<(), Failure> {
     let name = folder.display().to_string();
     fs::create_dir_all(folder)
         .map_err(|error| Failure::command_line(format!("cannot make the folder `{name}`: {}", reason(&error))))?;
@@ -43,7 +43,7 @@ pub(super) fn dump(input: &Input, machine: &MachineOptions, folder: &Path) -> Re
     let tell = |share: f64| progress.tell(share);
     // Whose evaluators keep nothing of hits.
     let engine = engine::engine(&REFERENCE, machine);
-    let hits = engine::on_threads(machine, || engine.trace(&engine::subject(input), &Task::watched(&tell)))?;
+    let hits = engine::on_threads(machine, || engine.trace(&input.subject, &Task::watched(&tell)))?;
     drop(progress);
     let hits = hits.map_err(engine::failed)?;
     write(&hits, folder).map_err(|error| Failure::input(format!("cannot write to `{name}`: {}", reason(&error))))

@@ -55,6 +55,6 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
             "every pixel has the same colour, <{red}, {green}, {blue}>: no ray hits a body, the camera is inside one, or no light is on"
         ));
     }
-    let transfer = if options.srgb { Transfer::Srgb } else { input.transfer };
+    let transfer = if options.srgb { Transfer::Srgb } else { input.picture.transfer() };
     save(&options.output, &frame, transfer).map_err(Failure::input)
 }

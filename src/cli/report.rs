@@ -63,16 +63,6 @@ pub(super) fn explain(diagnostics: &Diagnostics, source: &Source) {
     }
 }
 
-/// What was read without errors, after saying what was found in it.
-pub(super) fn accept<T>(outcome: Result<(T, Diagnostics), Diagnostics>, source: &Source) -> Result<T, Failure> {
-    let (result, diagnostics) = match outcome {
-        Ok((value, warnings)) => (Ok(value), warnings),
-        Err(errors) => (Err(Failure::Reported), errors),
-    };
-    explain(&diagnostics, source);
-    result
-}
-
 /// How many errors and warnings there are.
 pub(super) fn count(diagnostics: &Diagnostics) -> [usize; 2] {
     [Severity::Error, Severity::Warning]

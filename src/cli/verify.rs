@@ -25,10 +25,10 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         let progress = Progress::new("tracing");
         let tell = |share: f64| progress.tell(share);
         let engine = engine::engine(&DEFAULT, machine);
-        let compiled = engine.evaluator(&engine::subject(&input), &Task::watched(&tell)).map_err(engine::failed)?;
-        Ok(verify(&*compiled, &engine::interpreter(&input, input.view)?, input.values.numbers()))
+        let compiled = engine.evaluator(&input.subject, &Task::watched(&tell)).map_err(engine::failed)?;
+        Ok::<_, Failure>(verify(&*compiled, &engine::interpreter(&input.subject)?, input.values.numbers()))
     })??;
-    print(&describe(&verification, input.view.width()))?;
+    print(&describe(&verification, input.subject.view.width()))?;
     if verification.passes() { Ok(()) } else { Err(Failure::Reported) }
 }
 

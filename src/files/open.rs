@@ -7,9 +7,10 @@ use std::io;
 use std::path::Path;
 
 /// Which files may be read.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Readable {
     /// Regular files. Neither opening nor reading one waits for another program.
+    #[default]
     Regular,
     /// Regular files and pipes. A pipe waits for the program that writes to it, so this is for what a command line names.
     RegularOrPipe,

@@ -33,6 +33,7 @@ use crate::preview::workshop::{Opened, Workshop};
 use crate::preview::{FrameTimes, PictureView, Shown};
 use crate::workspace::files::Location;
 use crate::workspace::folders::Folders;
+use crate::workspace::project::Project;
 use crate::workspace::session::PictureSettings;
 use autosave::{Autosave, DRAFTS, Unsaved};
 use chores::{Chores, Told};
@@ -145,9 +146,9 @@ impl App {
             },
         };
         let context: Arc<OnceLock<Context>> = Arc::default();
-        let workshop =
-            Workshop::new(&opened, waker(&context)).map_err(|error: io::Error| format!("cannot start a thread: {error}"))?;
-        let documents = documents(&opened);
+        let workshop = Workshop::new(&opened.project, waker(&context))
+            .map_err(|error: io::Error| format!("cannot start a thread: {error}"))?;
+        let documents = documents(&opened.project);
         let saved = SavedSession::of(&workshop, &documents);
         let mut app = Self {
             workshop,
@@ -465,9 +466,9 @@ fn waker(context: &Arc<OnceLock<Context>>) -> impl Fn() + Send + Sync + use<> {
 }
 
 /// The texts of what was opened.
-fn documents(opened: &Opened) -> [Document; 2] {
-    let formula = Document::opened(Kind::Formula, opened.formula_location.clone(), opened.formula_text.text());
-    let scene = Document::opened(Kind::Scene, opened.scene_location.clone(), opened.scene_text.text());
+fn documents(project: &Project) -> [Document; 2] {
+    let formula = Document::opened(Kind::Formula, project.formula_location.clone(), project.formula_text.text());
+    let scene = Document::opened(Kind::Scene, project.scene_location.clone(), project.scene_text.text());
     [formula, scene]
 }
 

@@ -16,6 +16,7 @@ use crate::preview::renderer::{Picture, Renderer, Scenery};
 use crate::scene::Scene;
 use crate::trace::{View, ViewError};
 use crate::workspace::files::Location;
+use crate::workspace::project::{Project, view};
 use crate::workspace::session::PictureSettings;
 use crate::workspace::{Assignment, OwnerId, Roster, Session, Values};
 use crate::world::World;
@@ -61,14 +62,14 @@ impl Workshop {
     ///
     /// # Errors
     /// No thread can be started.
-    pub fn new(opened: &Opened, wake: impl Fn() + Send + Sync + 'static) -> io::Result<Self> {
+    pub fn new(project: &Project, wake: impl Fn() + Send + Sync + 'static) -> io::Result<Self> {
         let mut workshop = Self {
             renderer: Renderer::new(wake)?,
-            formula: Arc::clone(&opened.formula),
-            world: Arc::clone(&opened.world),
-            values: opened.values.clone(),
+            formula: Arc::clone(&project.subject.formula),
+            world: Arc::clone(&project.subject.world),
+            values: project.values.clone(),
             history: History::default(),
-            picture: opened.picture,
+            picture: project.picture,
             backend: DEFAULT,
             engines: Vec::new(),
             held: None,
@@ -81,11 +82,11 @@ impl Workshop {
     }
 
     /// Shows something else that was opened.
-    pub fn open(&mut self, opened: &Opened) {
-        self.formula = Arc::clone(&opened.formula);
-        self.world = Arc::clone(&opened.world);
-        self.values = opened.values.clone();
-        self.picture = opened.picture;
+    pub fn open(&mut self, project: &Project) {
+        self.formula = Arc::clone(&project.subject.formula);
+        self.world = Arc::clone(&project.subject.world);
+        self.values = project.values.clone();
+        self.picture = project.picture;
         self.history = History::default();
         self.snapshots = [None, None];
         self.show();
@@ -387,12 +388,6 @@ impl Workshop {
             transfer: self.picture.transfer(),
         })
     }
-}
-
-/// The view that picture settings mean.
-fn view(picture: &PictureSettings) -> Result<View, ViewError> {
-    let [width, height] = picture.size;
-    View::new(width, height)?.with_depth(picture.depth)?.with_shadows(picture.shadows).with_default_index(picture.default_index)
 }
 
 #[cfg(test)]

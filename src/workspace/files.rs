@@ -34,6 +34,14 @@ impl Location {
         }
     }
 
+    /// The path of a file; none of a built-in one.
+    pub fn file(&self) -> Option<&Path> {
+        match self {
+            Location::File(path) => Some(path),
+            Location::Preset(_) => None,
+        }
+    }
+
     /// The same where a relative path is meant from `folder`.
     #[must_use]
     pub fn from_folder(self, folder: &Path) -> Self {

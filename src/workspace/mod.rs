@@ -11,6 +11,7 @@ pub mod files;
 pub mod folders;
 pub mod materials;
 pub mod owner;
+pub mod project;
 pub mod recent;
 pub mod roster;
 pub mod session;

@@ -22,7 +22,7 @@ const ROOMS: [(&str, &[&str]); 18] = [
     ("engine", &["formula", "scene", "world", "trace", "evaluate", "backends"]),
     ("picture", &["evaluate", "files", "transfer"]),
     ("presets", &[]),
-    ("workspace", &["files", "lang", "formula", "scene", "trace", "presets", "transfer"]),
+    ("workspace", &["files", "lang", "formula", "scene", "trace", "engine", "presets", "transfer"]),
     (
         "preview",
         &[

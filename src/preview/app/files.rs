@@ -231,8 +231,8 @@ impl App {
         let open = |texts: &dyn Fn(Kind) -> Option<Source>| Opened::session_of(&source, Path::new("/"), texts);
         match open(&kept).or_else(|_| open(&|_| None)) {
             Ok(opened) => {
-                self.workshop.open(&opened);
-                self.documents = documents(&opened);
+                self.workshop.open(&opened.project);
+                self.documents = documents(&opened.project);
                 self.open_materials();
                 self.session = draft.location.clone();
                 self.saved = SavedSession::default();
@@ -272,8 +272,8 @@ impl App {
     fn open_session(&mut self, location: Location) {
         match Opened::session(&location, Readable::Regular) {
             Ok(opened) => {
-                self.workshop.open(&opened);
-                self.documents = documents(&opened);
+                self.workshop.open(&opened.project);
+                self.documents = documents(&opened.project);
                 self.log.say(format!("opened {location}"));
                 self.note_recent(Kind::Session, &location);
                 self.notify_of_session(&location, &opened.warnings);

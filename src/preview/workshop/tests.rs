@@ -7,9 +7,9 @@ use std::time::Duration;
 
 fn workshop() -> Workshop {
     let mut opened = Opened::session(&Location::Preset("studio".to_owned()), Readable::Regular).expect("a built-in session");
-    opened.picture.size = [64, 48];
-    opened.picture.depth = 2;
-    Workshop::new(&opened, || {}).expect("threads")
+    opened.project.picture.size = [64, 48];
+    opened.project.picture.depth = 2;
+    Workshop::new(&opened.project, || {}).expect("threads")
 }
 
 /// Waits until the picture is that of the values.
@@ -119,8 +119,8 @@ fn a_value_is_copied_to_all_bodies_and_a_session_holds_everything() {
     let [formula, scene] = ["phong", "studio"].map(|name| Location::Preset(name.to_owned()));
     workshop.save_session(&path, formula, scene).expect("saved");
     let opened = Opened::session(&Location::File(path), Readable::Regular).expect("a session");
-    assert_eq!(opened.values.numbers(), workshop.values().numbers());
-    assert_eq!((opened.picture, opened.warnings), (workshop.settings(), Vec::new()));
+    assert_eq!(opened.project.values.numbers(), workshop.values().numbers());
+    assert_eq!((opened.project.picture, opened.warnings), (workshop.settings(), Vec::new()));
     let missing = Opened::session(&Location::new("nowhere.toml"), Readable::Regular).expect_err("no such file");
     assert!(missing.contains("nowhere.toml"), "{missing}");
     assert!(workshop.set_picture(PictureSettings { depth: 10, ..workshop.settings() }).is_err());

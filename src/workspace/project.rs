@@ -1,0 +1,412 @@
+//! Opening what is worked on: a formula on a scene, with values, materials and a view. The command line and the window both open sessions here.
+//!
+//! What is found wrong is told to a [`Listener`] text by text, as diagnostics with their source; how that is shown is the listener's.
+
+use crate::engine::Subject;
+use crate::files::Readable;
+use crate::formula::Formula;
+use crate::formula::layout::Layout;
+use crate::lang::diagnostic::{Diagnostic, Diagnostics};
+use crate::lang::parser::parse;
+use crate::lang::source::Source;
+use crate::lang::variables::Predefined;
+use crate::presets::Kind;
+use crate::scene::Scene;
+use crate::trace::{View, ViewError};
+use crate::workspace::assignment::Assignment;
+use crate::workspace::files::{Location, kind_of};
+use crate::workspace::materials::{Choice, Place, Shelf, data_folder};
+use crate::workspace::session::{Lacking, PictureSettings, Session};
+use crate::workspace::{OwnerId, Roster, Setting, Values};
+use std::path::{Path, PathBuf};
+
+/// Bytes that each parameter value takes while it is read, checked and kept.
+const BYTES_PER_NUMBER: u64 = 16;
+
+/// How a library of materials is used.
+const LIBRARIES: &str = "a formula names its material library with `#uses FILE;`, and `--material BODY=NAME` takes from it";
+
+/// What is open.
+#[derive(Debug)]
+pub struct Project {
+    /// Where the formula is.
+    pub formula_location: Location,
+    /// Its text.
+    pub formula_text: Source,
+    /// Where the scene is.
+    pub scene_location: Location,
+    /// Its text.
+    pub scene_text: Source,
+    /// The formula on the scene, as seen by the view of the picture settings.
+    pub subject: Subject,
+    /// The values of all parameters.
+    pub values: Values,
+    /// Size, depth and the like.
+    pub picture: PictureSettings,
+    /// The files that were read.
+    pub files: Vec<PathBuf>,
+}
+
+/// Where a session comes from.
+#[derive(Debug, Clone)]
+pub enum SessionText {
+    /// A file.
+    At(Location),
+    /// A text; its paths are relative to this folder.
+    Text(Source, PathBuf),
+}
+
+/// What is to be opened. Without a session, and with both files, every value is its default.
+#[derive(Default)]
+pub struct Request<'r> {
+    /// The session.
+    pub session: Option<SessionText>,
+    /// A formula in place of the session's.
+    pub formula: Option<Location>,
+    /// A scene in place of the session's.
+    pub scene: Option<Location>,
+    /// Texts in place of those in files, for instance unsaved ones.
+    pub texts: Option<&'r dyn Fn(Kind) -> Option<Source>>,
+    /// Materials for bodies.
+    pub materials: &'r [Choice],
+    /// Values over those of the session and of materials.
+    pub settings: &'r [Setting],
+    /// Changes the picture settings of the session.
+    pub picture: Option<&'r dyn Fn(&mut PictureSettings)>,
+    /// The colour of rays that hit nothing, linear RGB, under the settings.
+    pub background: Option<[f32; 3]>,
+    /// The memory that parameter values may take, in bytes.
+    pub memory: Option<u64>,
+    /// Which files the session may be read from.
+    pub session_readable: Readable,
+    /// Which files formula, scene and materials may be read from.
+    pub readable: Readable,
+}
+
+/// Is told what is found while something is opened.
+pub trait Listener {
+    /// Diagnostics of a text; there may be none.
+    fn diagnostics(&mut self, diagnostics: &Diagnostics, source: &Source);
+
+    /// An error or a warning without a place in a text.
+    fn message(&mut self, diagnostic: Diagnostic);
+}
+
+/// Why nothing was opened.
+#[derive(Debug)]
+pub enum OpenError {
+    /// The listener was told.
+    Told,
+    /// The input is wrong.
+    Input(Diagnostic),
+    /// What was asked for is wrong: settings or materials that do not fit the formula and the scene.
+    Request(Diagnostic),
+}
+
+impl From<Diagnostic> for OpenError {
+    fn from(diagnostic: Diagnostic) -> Self {
+        OpenError::Input(diagnostic)
+    }
+}
+
+/// The view that picture settings mean.
+///
+/// # Errors
+/// A setting is out of range.
+pub fn view(picture: &PictureSettings) -> Result<View, ViewError> {
+    let [width, height] = picture.size;
+    View::new(width, height)?.with_depth(picture.depth)?.with_shadows(picture.shadows).with_default_index(picture.default_index)
+}
+
+impl Project {
+    /// Opens what is asked for: nothing, unless all of it can be.
+    ///
+    /// # Errors
+    /// Anything is wrong with the files or the request.
+    pub fn open(request: &Request, listener: &mut dyn Listener) -> Result<Self, OpenError> {
+        let session =
+            request.session.as_ref().map(|text| OpenSession::read(text, request.session_readable, listener)).transpose()?;
+        let place = |given: &Option<Location>, own: fn(&Session) -> &Location| {
+            given.clone().or_else(|| session.as_ref().map(|open| own(&open.session).clone()))
+        };
+        let places = (place(&request.formula, |session| &session.formula), place(&request.scene, |session| &session.scene));
+        let (Some(formula_location), Some(scene_location)) = places else {
+            return Err(OpenError::Request(Diagnostic::error("give a formula and a scene, or a session")));
+        };
+        let read = Read::both(request, &formula_location, &scene_location, listener)?;
+        check_numbers(&read, request.memory)?;
+        let shelf = match request.materials {
+            [] => None,
+            _ => Some(open_shelf(&read.formula, &formula_location, &read.formula_text, request.readable, listener)?),
+        };
+        let mut picture = session.as_ref().map(|open| open.session.picture).unwrap_or_default();
+        if let Some(change) = request.picture {
+            change(&mut picture);
+        }
+        // What a request changes was looked at when it was read.
+        let view = view(&picture).map_err(|error| Diagnostic::error(error.to_string()))?;
+        let values = values(request, &read, session.as_ref(), shelf.as_ref(), listener)?;
+        let session_file = request.session.as_ref().and_then(|text| match text {
+            SessionText::At(location) => location.file(),
+            SessionText::Text(..) => None,
+        });
+        let library = shelf.as_ref().and_then(|shelf| shelf.place().file());
+        let files = [session_file, formula_location.file(), scene_location.file(), library];
+        let files = files.into_iter().flatten().map(Path::to_owned).collect();
+        let Read { formula_text, formula, scene_text, scene } = read;
+        let subject = Subject::new(formula, scene, view);
+        Ok(Self { formula_location, formula_text, scene_location, scene_text, subject, values, picture, files })
+    }
+
+    /// Checks a session: whether the files that it names are sound, and how many warnings were told of its values.
+    pub fn check_session(session: &Session, source: &Source, listener: &mut dyn Listener) -> Result<usize, OpenError> {
+        let request = Request { readable: Readable::RegularOrPipe, ..Request::default() };
+        let read = Read::both(&request, &session.formula, &session.scene, listener)?;
+        let open = OpenSession { session: session.clone(), source: source.clone() };
+        let (given, leftovers) = open.values(&Roster::new(&read.formula, &read.scene), &request, listener);
+        let (_, warnings) = Values::new(&read.formula, &read.scene, &given);
+        let count = leftovers + warnings.len();
+        warnings.iter().for_each(|warning| listener.message(Diagnostic::warning(warning.to_string())));
+        Ok(count)
+    }
+}
+
+/// A formula and a scene with their texts.
+struct Read {
+    formula_text: Source,
+    formula: Formula,
+    scene_text: Source,
+    scene: Scene,
+}
+
+impl Read {
+    /// Reads formula and scene; what is wrong with either is told before giving up.
+    fn both(request: &Request, formula: &Location, scene: &Location, listener: &mut dyn Listener) -> Result<Self, OpenError> {
+        let formula = read_text(request, formula, Kind::Formula, Formula::parse, listener);
+        let scene = read_text(request, scene, Kind::Scene, Scene::parse, listener);
+        match (formula, scene) {
+            (Ok((formula_text, formula)), Ok((scene_text, scene))) => Ok(Self { formula_text, formula, scene_text, scene }),
+            (Err(first), Err(second)) => {
+                if let OpenError::Input(diagnostic) | OpenError::Request(diagnostic) = first {
+                    listener.message(diagnostic);
+                }
+                Err(second)
+            }
+            (Err(error), Ok(_)) | (Ok(_), Err(error)) => Err(error),
+        }
+    }
+}
+
+/// Reads and parses the text of a formula or a scene.
+fn read_text<T>(
+    request: &Request,
+    location: &Location,
+    kind: Kind,
+    parse: fn(&Source) -> Result<(T, Diagnostics), Diagnostics>,
+    listener: &mut dyn Listener,
+) -> Result<(Source, T), OpenError> {
+    let source = match request.texts.and_then(|texts| texts(kind)) {
+        Some(text) => text,
+        None => location.read(kind, request.readable)?,
+    };
+    let hint = match kind_of(source.text()) {
+        Some(Kind::Session) => Some((Kind::Session, "give a session without an option in front of it")),
+        Some(Kind::Material) => Some((Kind::Material, LIBRARIES)),
+        Some(Kind::Formula | Kind::Scene) | None => None,
+    };
+    if let Some((found, hint)) = hint.filter(|_| source.name().ends_with(".toml")) {
+        let diagnostic = Diagnostic::error(format!("`{location}` looks like a {}, not a {}", found.noun(), kind.noun()));
+        return Err(diagnostic.help(hint).into());
+    }
+    let parsed = accept(parse(&source), &source, listener)?;
+    Ok((source, parsed))
+}
+
+/// Tells the diagnostics of a text, and returns what it was parsed into if there were no errors.
+fn accept<T>(
+    outcome: Result<(T, Diagnostics), Diagnostics>,
+    source: &Source,
+    listener: &mut dyn Listener,
+) -> Result<T, OpenError> {
+    match outcome {
+        Ok((value, warnings)) => {
+            listener.diagnostics(&warnings, source);
+            Ok(value)
+        }
+        Err(errors) => {
+            listener.diagnostics(&errors, source);
+            Err(OpenError::Told)
+        }
+    }
+}
+
+/// A session that was read, with its text.
+struct OpenSession {
+    session: Session,
+    source: Source,
+}
+
+impl OpenSession {
+    /// Reads a session; its paths are then relative to the working directory.
+    fn read(text: &SessionText, readable: Readable, listener: &mut dyn Listener) -> Result<Self, OpenError> {
+        let (source, folder) = match text {
+            SessionText::Text(source, folder) => (source.clone(), Some(folder.clone())),
+            SessionText::At(location) => {
+                let source = location.read(Kind::Session, readable)?;
+                if let Some(kind) = kind_of(source.text()).filter(|kind| *kind != Kind::Session) {
+                    let diagnostic = Diagnostic::error(format!("`{location}` looks like a {}, not a session", kind.noun()));
+                    return Err(OpenError::Input(match kind {
+                        Kind::Material => diagnostic.help(LIBRARIES),
+                        Kind::Formula | Kind::Scene | Kind::Session => {
+                            diagnostic.help(format!("give it behind `--{}`", kind.noun()))
+                        }
+                    }));
+                }
+                let folder = location.file().map(|path| path.parent().unwrap_or(Path::new("")).to_owned());
+                (source, folder)
+            }
+        };
+        let mut session = accept(Session::parse(&source), &source, listener)?;
+        if let Some(folder) = folder {
+            session.formula = session.formula.from_folder(&folder);
+            session.scene = session.scene.from_folder(&folder);
+        }
+        Ok(Self { session, source })
+    }
+
+    /// The values that the session has for owners and parameters that exist, and how many warnings were told of others. Where the request
+    /// replaces a file, it is no surprise that some values do not fit the other one.
+    fn values(&self, roster: &Roster, request: &Request, listener: &mut dyn Listener) -> (Vec<Assignment>, usize) {
+        let (assignments, leftovers) = self.session.assignments(roster);
+        let mut warnings = Diagnostics::new();
+        for leftover in leftovers {
+            let expected = match leftover.lacking {
+                Lacking::Owner => request.scene.is_some(),
+                Lacking::Parameter => request.formula.is_some(),
+            };
+            if !expected {
+                warnings.push(leftover.warning);
+            }
+        }
+        listener.diagnostics(&warnings, &self.source);
+        (assignments, warnings.len())
+    }
+}
+
+/// Checks that the values of all parameters fit the memory.
+fn check_numbers(read: &Read, memory: Option<u64>) -> Result<(), OpenError> {
+    let numbers = Layout::new(&read.formula, read.scene.bodies.len(), read.scene.lights.len()).len() as u64;
+    if numbers.saturating_mul(BYTES_PER_NUMBER) <= memory.unwrap_or(u64::MAX) {
+        return Ok(());
+    }
+    let message =
+        format!("{numbers} parameter values, those of all bodies and lights together, take more memory than may be used");
+    Err(Diagnostic::error(message).help("`--memory SIZE` allows more").into())
+}
+
+/// The values of a request.
+fn values(
+    request: &Request,
+    read: &Read,
+    session: Option<&OpenSession>,
+    shelf: Option<&Shelf>,
+    listener: &mut dyn Listener,
+) -> Result<Values, OpenError> {
+    let Read { formula, scene, .. } = read;
+    let roster = Roster::new(formula, scene);
+    let mut set = match shelf {
+        Some(shelf) => material_values(request.materials, shelf, &roster, listener)?,
+        None => Vec::new(),
+    };
+    let background = formula.predefined(Predefined::Background);
+    set.extend(request.background.map(|value| Assignment { owner: OwnerId::Global, parameter: background, value }));
+    set.extend(set_values(request.settings, &roster, listener)?);
+    let kept = session.map_or_else(Vec::new, |open| open.values(&roster, request, listener).0);
+    let (values, warnings) = if request.formula.is_some() || request.scene.is_some() {
+        let (mut values, mut warnings) = Values::keeping(formula, scene, &kept);
+        warnings.extend(values.assign(&set));
+        (values, warnings)
+    } else {
+        Values::new(formula, scene, &[kept, set].concat())
+    };
+    warnings.iter().for_each(|warning| listener.message(Diagnostic::warning(warning.to_string())));
+    Ok(values)
+}
+
+/// The values of the materials that bodies are given.
+fn material_values(
+    materials: &[Choice],
+    shelf: &Shelf,
+    roster: &Roster,
+    listener: &mut dyn Listener,
+) -> Result<Vec<Assignment>, OpenError> {
+    let (mut assignments, mut errors) = (Vec::new(), Vec::new());
+    for choice in materials {
+        match choice.resolve(shelf, roster) {
+            Ok((given, warnings)) => {
+                listener.diagnostics(&warnings, shelf.source_of(&choice.material));
+                assignments.extend(given);
+            }
+            Err(error) => errors.push(format!("--material {choice}: {error}")),
+        }
+    }
+    unless(errors, assignments, listener)
+}
+
+/// The values of settings.
+fn set_values(settings: &[Setting], roster: &Roster, listener: &mut dyn Listener) -> Result<Vec<Assignment>, OpenError> {
+    let (mut assignments, mut errors) = (Vec::new(), Vec::new());
+    for setting in settings {
+        match setting.resolve(roster) {
+            Ok(resolved) => assignments.extend(resolved),
+            Err(error) => errors.push(format!("--set {setting}: {error}")),
+        }
+    }
+    unless(errors, assignments, listener)
+}
+
+/// The outcome, unless there are errors: all but the last are told, and the last is the reason for giving up.
+fn unless<T>(errors: Vec<String>, outcome: T, listener: &mut dyn Listener) -> Result<T, OpenError> {
+    let mut errors = errors.into_iter().map(Diagnostic::error);
+    let Some(last) = errors.next_back() else { return Ok(outcome) };
+    errors.for_each(|error| listener.message(error));
+    Err(OpenError::Request(last))
+}
+
+/// Where the materials of a formula are, or why there are none, marked in its text where it names a place.
+///
+/// # Errors
+/// The formula names no library, or one that cannot be.
+pub fn place_of(formula: &Formula, location: &Location, source: &Source) -> Result<Place, Diagnostic> {
+    Place::of(formula.uses.as_deref(), Some(location), data_folder().as_deref()).map_err(|reason| match parse(source).0.uses {
+        Some((_, span)) => reason.at(span, "not known"),
+        None => reason,
+    })
+}
+
+/// Reads the materials of a formula.
+fn open_shelf(
+    formula: &Formula,
+    location: &Location,
+    source: &Source,
+    readable: Readable,
+    listener: &mut dyn Listener,
+) -> Result<Shelf, OpenError> {
+    let place = place_of(formula, location, source).map_err(|reason| {
+        if formula.uses.is_none() {
+            return OpenError::Request(reason);
+        }
+        listener.diagnostics(&reason.into(), source);
+        OpenError::Told
+    })?;
+    match Shelf::open(place, readable) {
+        Ok((shelf, found)) => {
+            listener.diagnostics(&found.diagnostics, &found.source);
+            Ok(shelf)
+        }
+        Err(found) => {
+            listener.diagnostics(&found.diagnostics, &found.source);
+            Err(OpenError::Told)
+        }
+    }
+}
