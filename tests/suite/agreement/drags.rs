@@ -2,7 +2,7 @@
 
 use crate::agreement::formulas::{Case, ingredients, number, runner};
 use illuminator::backends::verify::TOLERANCE;
-use illuminator::evaluate::{Frame, Framebuffer};
+use illuminator::evaluate::{Evaluator, Frame, Framebuffer};
 use illuminator::formula::Parameter;
 use illuminator::lang::types::Type;
 use illuminator::picture::Transfer;
@@ -66,10 +66,16 @@ fn together(case: &Case, place: usize) -> Vec<usize> {
 static METHODS: [AtomicUsize; 3] = [const { AtomicUsize::new(0) }; 3];
 
 /// Drags numbers of one owner through `values`, before and after everything is prepared.
-fn drag(case: &Case, moved: &[usize], values: &[f32], transfer: Transfer) -> Result<Method, TestCaseError> {
+fn drag(
+    case: &Case,
+    evaluator: &Arc<dyn Evaluator>,
+    moved: &[usize],
+    values: &[f32],
+    transfer: Transfer,
+) -> Result<Method, TestCaseError> {
     let failed = |error: &dyn std::fmt::Display| TestCaseError::fail(error.to_string());
     let mut memory = case.memory.clone();
-    let drag = Arc::clone(&case.compiled).drag(moved, &memory, usize::MAX);
+    let drag = Arc::clone(evaluator).drag(moved, &memory, usize::MAX);
     let mut drag = drag.map_err(|error| failed(&error))?;
     let mut drawn = Framebuffer::black(16, 12, transfer);
     for (turn, value) in values.iter().enumerate() {
@@ -82,7 +88,7 @@ fn drag(case: &Case, moved: &[usize], values: &[f32], transfer: Transfer) -> Res
         }
         drag.frame(&memory, &mut drawn);
         drag.prepare();
-        let frame = case.compiled.frame(&memory);
+        let frame = evaluator.frame(&memory);
         prop_assert_eq!(wrong(&drawn, &frame), 0, "{} by {:?}, moved {:?} to {}", &case.text, drag.method(), moved, value);
     }
     Ok(drag.method())
@@ -96,8 +102,10 @@ fn random_drags_give_the_general_picture() {
         let case = Case::new([&scalar, &vector, &result], &numbers)?;
         let place = which.index(case.layout.len());
         let moved = if all { together(&case, place) } else { vec![place] };
-        let method = drag(&case, &moved, &values, transfer)?;
-        METHODS[method as usize].fetch_add(1, Ordering::Relaxed);
+        for evaluator in &case.evaluators {
+            let method = drag(&case, evaluator, &moved, &values, transfer)?;
+            METHODS[method as usize].fetch_add(1, Ordering::Relaxed);
+        }
         Ok(())
     });
     let methods = METHODS.each_ref().map(|count| count.load(Ordering::Relaxed));

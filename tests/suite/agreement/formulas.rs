@@ -1,5 +1,6 @@
 //! Random well-typed formulas, parameter values and scenes: compiled code must agree with the interpreter.
 
+use crate::agreement::backends;
 use illuminator::backends::interpreter::Interpreted;
 use illuminator::backends::verify::verify;
 use illuminator::engine::{Engine, Subject, Task};
@@ -102,7 +103,8 @@ pub(super) struct Case {
     pub(super) text: String,
     pub(super) formula: Arc<Formula>,
     pub(super) layout: Layout,
-    pub(super) compiled: Arc<dyn Evaluator>,
+    /// By each backend under test.
+    pub(super) evaluators: Vec<Arc<dyn Evaluator>>,
     pub(super) interpreted: Interpreted,
     pub(super) memory: Vec<f32>,
 }
@@ -120,7 +122,8 @@ impl Case {
         let failed = |error: &dyn std::fmt::Display| TestCaseError::fail(error.to_string());
         let view = View::new(SIZE.0, SIZE.1).and_then(|view| view.with_depth(4)).map_err(|error| failed(&error))?;
         let subject = Subject::new(formula, scene, view);
-        let compiled = Engine::default().evaluator(&subject, &Task::UNWATCHED).map_err(|error| failed(&error))?;
+        let evaluator = |backend| Engine::new(backend).evaluator(&subject, &Task::UNWATCHED).map_err(|error| failed(&error));
+        let evaluators = backends().into_iter().map(evaluator).collect::<Result<_, _>>()?;
         let Subject { formula, world, .. } = subject;
         let scene = world.scene();
         let interpreted = Interpreted::new(&formula, &world, view).map_err(|error| failed(&error))?;
@@ -132,7 +135,7 @@ impl Case {
                 memory[place..place + parameter.ty.slots()].iter_mut().for_each(|number| *number = parameter.clamp(*number).0);
             }
         }
-        Ok(Self { text, formula, layout, compiled, interpreted, memory })
+        Ok(Self { text, formula, layout, evaluators, interpreted, memory })
     }
 }
 
@@ -162,10 +165,12 @@ pub(super) fn runner(cases: u32) -> TestRunner {
 }
 
 fn check(case: &Case) -> Result<(), TestCaseError> {
-    let found = verify(&*case.compiled, &case.interpreted, &case.memory);
-    COMPARED.fetch_add(found.components, Ordering::Relaxed);
-    EXCUSED.fetch_add(found.excused, Ordering::Relaxed);
-    prop_assert_eq!(found.failed, 0, "{}\n{:?}", case.text, found);
+    for evaluator in &case.evaluators {
+        let found = verify(&**evaluator, &case.interpreted, &case.memory);
+        COMPARED.fetch_add(found.components, Ordering::Relaxed);
+        EXCUSED.fetch_add(found.excused, Ordering::Relaxed);
+        prop_assert_eq!(found.failed, 0, "{}\n{:?}", case.text, found);
+    }
     Ok(())
 }
 

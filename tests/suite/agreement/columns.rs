@@ -1,0 +1,412 @@
+//! A third backend, for tests: the plans read literally, one operation over whole columns at a time, in plain Rust.
+//!
+//! It shares the plans with the compiled backend and nothing else of its evaluation: no machine code, no kept order of work, no cells. What
+//! it does is what any backend has to do: static values once a scene, uniform values once a frame, contributions of groups weighted by
+//! path, and, for drags, images or the live part.
+
+use illuminator::evaluate::weights::{PathMonomials, Powers, Weight, path_weights};
+use illuminator::evaluate::{Backend, Drag, Drawn, EvaluateError, Evaluator, Footprint, Frame, Framebuffer};
+use illuminator::formula::equation::{Equation, Site};
+use illuminator::formula::graph::{Graph, Node, NodeId};
+use illuminator::formula::{Formula, Parameter};
+use illuminator::lang::scalars::{Floats, flush};
+use illuminator::lang::variables::Owner;
+use illuminator::plan::{ContributionPlan, DragPlan, FormulaPlan, KernelPlan, Method, SliderPlan, moved_parameters};
+use illuminator::trace::{Group, HitVariables, Hits, LightVariables, Tile, Tracer, replay, variable};
+use std::collections::{BTreeSet, HashMap};
+use std::sync::Arc;
+
+/// One value for each record.
+type Column = Vec<f32>;
+
+/// The backend.
+pub(super) struct ColumnsBackend;
+
+impl Backend for ColumnsBackend {
+    fn name(&self) -> &'static str {
+        "columns"
+    }
+
+    fn compile(&self, _: &Arc<Formula>) -> Result<Footprint, EvaluateError> {
+        Ok(Footprint::default())
+    }
+
+    fn prepare(&self, formula: &Arc<Formula>, hits: &Arc<Hits>) -> Result<Arc<dyn Evaluator>, EvaluateError> {
+        let plan = FormulaPlan::new(formula);
+        let (tracer, scene) = (Tracer::new(&hits.world, &hits.view), hits.world.scene());
+        let mut tiles = Vec::new();
+        for tile in &hits.tiles {
+            let groups = tile.groups.iter().map(|group| GroupColumns::new(&plan, &tracer, tile, group));
+            tiles.push(groups.collect::<Result<Vec<_>, _>>()?);
+        }
+        let equation = Equation::new(formula, scene.bodies.len(), scene.lights.len());
+        let parameters = formula.parameters.clone();
+        Ok(Arc::new(ColumnsEvaluator { plan, equation, parameters, hits: Arc::clone(hits), tiles }))
+    }
+}
+
+/// The static values of a group: the hit frontier, and for each light the record frontier.
+struct GroupColumns {
+    hits: Vec<Column>,
+    records: Vec<Vec<Column>>,
+}
+
+impl GroupColumns {
+    fn new(plan: &FormulaPlan, tracer: &Tracer, tile: &Tile, group: &Group) -> Result<Self, EvaluateError> {
+        let graph = &plan.bindings.graph;
+        let count = group.hits.len();
+        let [hit_leaves, record_leaves] = [&plan.hits, &plan.records].map(|plan| &plan.streams[0]);
+        let mut hits = vec![Column::new(); hit_leaves.len()];
+        let mut records = vec![vec![Column::new(); record_leaves.len()]; group.lights.len()];
+        replay(tracer, tile, group, group.hits.clone(), |_, _, surface| {
+            let own = HitVariables::new(tracer.world(), surface);
+            let leaf = |leaf: &NodeId| match graph.node(*leaf) {
+                Node::Variable(symbol, component) => (symbol, usize::from(component)),
+                Node::Constant(_) | Node::Parameter(..) | Node::Apply(..) => panic!("static values are of variables"),
+            };
+            for (column, (symbol, component)) in hits.iter_mut().zip(hit_leaves.iter().map(leaf)) {
+                column.push(flush(own.value(symbol).expect("a variable of hits")[component]));
+            }
+            for (light, columns) in group.lights.iter().zip(&mut records) {
+                let lit = LightVariables::new(surface, &tracer.world().emitter(*light).sample(surface));
+                for (column, (symbol, component)) in columns.iter_mut().zip(record_leaves.iter().map(leaf)) {
+                    column.push(flush(variable(symbol, &own, &lit)[component]));
+                }
+            }
+        })?;
+        let hits = run(&plan.hits, graph, [&hits, &[], &[]], &[], count);
+        let records = records.iter().map(|leaves| run(&plan.records, graph, [leaves, &[], &[]], &[], count)).collect();
+        Ok(Self { hits, records })
+    }
+}
+
+/// Runs a kernel over columns of so many records.
+fn run(plan: &KernelPlan, graph: &Graph, streams: [&[Column]; 3], uniforms: &[f32], count: usize) -> Vec<Column> {
+    let mut values: HashMap<NodeId, Column> = HashMap::new();
+    for (nodes, columns) in plan.streams.iter().zip(streams) {
+        values.extend(nodes.iter().copied().zip(columns.iter().cloned()));
+    }
+    values.extend(plan.uniforms.iter().zip(uniforms).map(|(node, value)| (*node, vec![*value; count])));
+    for id in plan.schedule(graph, plan.outputs.iter().copied()).expect("a plan reads what it needs") {
+        let column = match graph.node(id) {
+            Node::Constant(bits) => vec![f32::from_bits(bits); count],
+            node @ Node::Apply(primitive, _) => {
+                let operands: Vec<&Column> = node.operands().iter().map(|operand| &values[operand]).collect();
+                let mut numbers = vec![0.0; operands.len()];
+                let apply = |record: usize| {
+                    numbers.iter_mut().zip(&operands).for_each(|(number, operand)| *number = operand[record]);
+                    flush(primitive.apply(&mut Floats, &numbers))
+                };
+                (0..count).map(apply).collect()
+            }
+            Node::Variable(..) | Node::Parameter(..) => panic!("schedules hold no leaves"),
+        };
+        values.insert(id, column);
+    }
+    plan.outputs.iter().map(|output| values[output].clone()).collect()
+}
+
+/// A contribution with the pairs of a body and a light that it is of, and the components that it computes.
+struct Source<'s> {
+    plan: &'s ContributionPlan,
+    graph: &'s Graph,
+    channels: Vec<usize>,
+    active: Box<dyn Fn(usize, usize) -> bool + 's>,
+    /// Whether its kernel reads columns of a drag.
+    kept: Option<&'s ContributionPlan>,
+}
+
+/// Something that is added up over all hits and misses.
+struct Pass<'s> {
+    sources: Vec<Source<'s>>,
+    at_hits: Vec<[f32; 3]>,
+    at_misses: [f32; 3],
+}
+
+struct ColumnsEvaluator {
+    plan: FormulaPlan,
+    equation: Equation,
+    parameters: Vec<Parameter>,
+    hits: Arc<Hits>,
+    tiles: Vec<Vec<GroupColumns>>,
+}
+
+impl ColumnsEvaluator {
+    fn bodies(&self) -> std::ops::Range<usize> {
+        0..self.equation.layout.owners(Owner::Body)
+    }
+
+    /// The uniform values of a contribution for a pair.
+    fn uniforms(&self, plan: &ContributionPlan, graph: &Graph, parameters: &[f32], body: usize, light: usize) -> Vec<f32> {
+        let leaves = plan.leaves(graph, &self.parameters).into_iter().map(|leaf| {
+            let index = match leaf.owner {
+                Owner::Global => 0,
+                Owner::Body => body,
+                Owner::Light => light,
+            };
+            vec![flush(parameters[self.equation.layout.row(leaf.owner, index) + leaf.slot])]
+        });
+        let leaves: Vec<Column> = leaves.collect();
+        run(&plan.uniforms, graph, [&leaves, &[], &[]], &[], 1).concat()
+    }
+
+    /// What a source yields for the records of a group and a light.
+    fn outputs(&self, source: &Source, plan: &ContributionPlan, parameters: &[f32], place: [usize; 3]) -> Vec<Column> {
+        let [tile, group, light] = place;
+        let (columns, of) = (&self.tiles[tile][group], &self.hits.tiles[tile].groups[group]);
+        let uniforms = self.uniforms(plan, source.graph, parameters, of.body.index(), of.lights[light].index());
+        let kept = match source.kept {
+            Some(kept) => self.outputs(
+                &Source { kept: None, active: Box::new(|_, _| true), channels: Vec::new(), ..*source },
+                kept,
+                parameters,
+                place,
+            ),
+            None => Vec::new(),
+        };
+        run(&plan.records, source.graph, [&columns.hits, &columns.records[light], &kept], &uniforms, of.hits.len())
+    }
+
+    /// Adds a pass to a picture; the weights of paths are given tile by tile.
+    fn add(&self, pass: &Pass, parameters: &[f32], weights: &dyn Fn(&Tile) -> Vec<Weight>, picture: &mut [[f32; 3]]) {
+        for (tile_place, tile) in self.hits.tiles.iter().enumerate() {
+            let weights = weights(tile);
+            let mut put = |pixel: usize, weight: Weight, colour: [f32; 3]| {
+                let pixel = &mut picture[tile.pixels.start as usize + pixel];
+                pixel.iter_mut().zip(weight.of(colour)).for_each(|(sum, component)| *sum += component);
+            };
+            for (group_place, group) in tile.groups.iter().enumerate() {
+                let body = group.body.index();
+                let mut sums = vec![[0.0; 3]; group.hits.len()];
+                for source in &pass.sources {
+                    for (light_place, light) in group.lights.iter().enumerate() {
+                        if !(source.active)(body, light.index()) {
+                            continue;
+                        }
+                        let columns = self.outputs(source, source.plan, parameters, [tile_place, group_place, light_place]);
+                        for (channel, column) in source.channels.iter().zip(columns) {
+                            sums.iter_mut().zip(column).for_each(|(sum, value)| sum[*channel] += value);
+                        }
+                    }
+                }
+                for span in tile.spans_of(group).iter().filter(|span| !weights[span.path.index()].is_zero()) {
+                    let pixels = tile.segments_of(span).iter().flat_map(|segment| segment.pixels());
+                    for (pixel, hit) in pixels.zip(span.hits.clone()) {
+                        put(pixel, weights[span.path.index()], sums[(hit - group.hits.start) as usize]);
+                    }
+                }
+            }
+            // Terms without the formula: for each path of a region, so that hits in several groups count once.
+            let mut pixel = 0;
+            let sets: Vec<_> = tile.path_sets.iter().collect();
+            for region in &tile.regions {
+                for _ in 0..region.pixels {
+                    for path in sets[usize::from(region.set)].iter().filter(|path| !weights[path.index()].is_zero()) {
+                        let colour = tile.paths[path.index()].body.map_or(pass.at_misses, |body| pass.at_hits[body.index()]);
+                        put(pixel, weights[path.index()], colour);
+                    }
+                    pixel += 1;
+                }
+            }
+        }
+    }
+
+    fn is_on(&self, parameters: &[f32], light: usize) -> bool {
+        self.equation.light_weight(parameters, light) != 0.0
+    }
+
+    /// The whole contribution of some pairs.
+    fn source<'s>(&'s self, active: impl Fn(usize, usize) -> bool + 's) -> Source<'s> {
+        let (plan, graph) = (&self.plan.contribution, &self.plan.bindings.graph);
+        Source { plan, graph, channels: vec![0, 1, 2], active: Box::new(active), kept: None }
+    }
+
+    fn weights(&self, tile: &Tile, parameters: &[f32]) -> Vec<Weight> {
+        let mut weights = Vec::new();
+        path_weights(tile, &self.equation, parameters, &mut weights);
+        weights
+    }
+}
+
+impl Evaluator for ColumnsEvaluator {
+    fn frame(&self, parameters: &[f32]) -> Frame {
+        let mut frame = Frame::black(self.hits.view.width(), self.hits.view.height());
+        let source = self.source(|_, light| self.is_on(parameters, light));
+        let at_hits = self.bodies().map(|body| self.equation.sum(Site::Hit, parameters, body)).collect();
+        let pass = Pass { sources: vec![source], at_hits, at_misses: self.equation.sum(Site::Miss, parameters, 0) };
+        self.add(&pass, parameters, &|tile| self.weights(tile, parameters), &mut frame.linear);
+        frame
+    }
+
+    fn draw(&self, parameters: &[f32], framebuffer: &mut Framebuffer) -> Drawn {
+        Drawn::timed(|| framebuffer.set(&self.frame(parameters)))
+    }
+
+    fn drag(self: Arc<Self>, moved: &[usize], parameters: &[f32], budget: usize) -> Result<Box<dyn Drag>, EvaluateError> {
+        let numbers = moved_parameters(&self.equation.layout, &self.parameters, moved);
+        let numbers: Vec<_> = numbers.into_iter().map(|(_, id, component)| (id, component)).collect();
+        let slider = Arc::new(SliderPlan::new(&self.plan.bindings, &numbers));
+        let plan = DragPlan::new(&slider, &self.equation, &self.parameters, moved);
+        let parameters = parameters.to_vec();
+        Ok(Box::new(ColumnsDrag { evaluator: self, plan, parameters, images: None, is_ready: false, budget }))
+    }
+
+    fn bytes(&self) -> usize {
+        let of_group =
+            |group: &GroupColumns| group.hits.iter().chain(group.records.iter().flatten()).map(Vec::len).sum::<usize>();
+        self.hits.bytes() as usize + size_of::<f32>() * self.tiles.iter().flatten().map(of_group).sum::<usize>()
+    }
+}
+
+/// The powers of kr and kt, the term, and the colours.
+type Image = (Powers, usize, Vec<[f32; 3]>);
+
+/// A drag: images of the whole picture, by the powers of kr and kt and by term; 0 is the fixed one.
+struct ColumnsDrag {
+    evaluator: Arc<ColumnsEvaluator>,
+    plan: DragPlan,
+    parameters: Vec<f32>,
+    images: Option<Vec<Image>>,
+    is_ready: bool,
+    budget: usize,
+}
+
+/// Images with a larger magnitude in them may cancel, and leave rounding errors that can be seen.
+const LARGEST: f32 = 256.0;
+
+impl ColumnsDrag {
+    fn source<'s>(
+        &'s self,
+        plan: &'s ContributionPlan,
+        channels: Vec<usize>,
+        active: Box<dyn Fn(usize, usize) -> bool + 's>,
+    ) -> Source<'s> {
+        Source { plan, graph: &self.plan.slider.separation.bindings.graph, channels, active, kept: None }
+    }
+
+    fn moving_channels(&self) -> Vec<usize> {
+        self.plan.moving_channels().components().collect()
+    }
+
+    /// Everything that does not move.
+    fn fixed_pass(&self) -> Pass<'_> {
+        let (evaluator, plan, parameters) = (&*self.evaluator, &self.plan, &self.parameters);
+        let whole = evaluator.source(|body, light| evaluator.is_on(parameters, light) && !plan.moves_pair(body, light));
+        let active = || Box::new(move |body, light| evaluator.is_on(parameters, light) && plan.moves_pair(body, light));
+        let fixed = plan.slider.fixed.as_ref().map(|fixed| self.source(fixed, vec![0, 1, 2], active()));
+        let at_hits = evaluator.bodies().map(|body| plan.fixed(Site::Hit, parameters, body)).collect();
+        Pass { sources: std::iter::once(whole).chain(fixed).collect(), at_hits, at_misses: plan.fixed(Site::Miss, parameters, 0) }
+    }
+
+    fn term_pass(&self, place: usize) -> Pass<'_> {
+        let (evaluator, plan, parameters) = (&*self.evaluator, &self.plan, &self.parameters);
+        let term = &plan.terms[place];
+        let active = move |body: usize, light: usize| {
+            (plan.moves_light_weight(light) || evaluator.is_on(parameters, light)) && plan.moves_pair(body, light)
+        };
+        let source =
+            term.contribution.map(|place| self.source(&plan.slider.moving[place], self.moving_channels(), Box::new(active)));
+        let at_hits = evaluator.bodies().map(|body| plan.image_colour(term, Site::Hit, parameters, body)).collect();
+        Pass { sources: source.into_iter().collect(), at_hits, at_misses: plan.image_colour(term, Site::Miss, parameters, 0) }
+    }
+
+    fn image(&self, pass: &Pass, powers: Powers) -> Vec<[f32; 3]> {
+        let view = self.evaluator.hits.view;
+        let mut picture = vec![[0.0; 3]; view.pixels() as usize];
+        let weights = |tile: &Tile| {
+            let mut weights = Vec::new();
+            let monomials = PathMonomials::new(tile, &self.plan.equation, &self.parameters, self.plan.weights);
+            monomials.of(powers, &mut weights);
+            weights
+        };
+        self.evaluator.add(pass, &self.parameters, &weights, &mut picture);
+        picture
+    }
+
+    fn factor(&self, powers: Powers, image: usize, parameters: &[f32]) -> [f32; 3] {
+        let factors = self.plan.factors(parameters);
+        let weight = factors.kr.powi(powers.reflections.into()) * factors.kt.powi(powers.refractions.into());
+        let term = image.checked_sub(1).map_or([1.0; 3], |term| factors.terms[term]);
+        term.map(|component| (weight * f64::from(component)) as f32)
+    }
+
+    /// The picture from images; `None` where it would not be accurate.
+    fn picture(&self, parameters: &[f32]) -> Option<Vec<[f32; 3]>> {
+        let images = self.images.as_ref()?;
+        let mut sum = vec![[0.0; 3]; self.evaluator.hits.view.pixels() as usize];
+        for (powers, image, colours) in images {
+            let factor = self.factor(*powers, *image, parameters);
+            for (sum, colour) in sum.iter_mut().zip(colours) {
+                for component in 0..3 {
+                    let add = factor[component] * colour[component];
+                    // NaN is not accurate either.
+                    if !(colour[component].abs() <= LARGEST && add.abs() <= LARGEST) {
+                        return None;
+                    }
+                    sum[component] += add;
+                }
+            }
+        }
+        if self.plan.method == Method::Specialised {
+            self.add_live(parameters, &mut sum);
+        }
+        Some(sum)
+    }
+
+    fn add_live(&self, parameters: &[f32], picture: &mut [[f32; 3]]) {
+        let (evaluator, plan) = (&*self.evaluator, &self.plan);
+        let active = Box::new(|body, light| evaluator.is_on(parameters, light) && plan.moves_pair(body, light));
+        let mut source = self.source(&plan.slider.moving[0], self.moving_channels(), active);
+        source.kept = plan.slider.columns.as_ref();
+        let at_hits = evaluator.bodies().map(|body| plan.moving(Site::Hit, parameters, body)).collect();
+        let pass = Pass { sources: vec![source], at_hits, at_misses: [0.0; 3] };
+        evaluator.add(&pass, parameters, &|tile| evaluator.weights(tile, parameters), picture);
+    }
+}
+
+impl Drag for ColumnsDrag {
+    fn method(&self) -> Method {
+        self.plan.method
+    }
+
+    fn frame(&mut self, parameters: &[f32], framebuffer: &mut Framebuffer) {
+        if !self.plan.same_fixed(&self.parameters, parameters) {
+            self.parameters = parameters.to_vec();
+            (self.images, self.is_ready) = (None, false);
+        }
+        let view = self.evaluator.hits.view;
+        let linear = self.picture(parameters).unwrap_or_else(|| self.evaluator.frame(parameters).linear);
+        framebuffer.set(&Frame { width: view.width(), height: view.height(), linear });
+    }
+
+    fn prepare(&mut self) -> bool {
+        if self.is_ready {
+            return true;
+        }
+        let paths = |tile: &Tile| PathMonomials::new(tile, &self.plan.equation, &self.parameters, self.plan.weights).powers;
+        let powers: BTreeSet<Powers> = self.evaluator.hits.tiles.iter().flat_map(paths).collect();
+        let mut images = Vec::new();
+        for powers in powers {
+            images.push((powers, 0, self.image(&self.fixed_pass(), powers)));
+            for term in 0..self.plan.terms.len() {
+                images.push((powers, term + 1, self.image(&self.term_pass(term), powers)));
+            }
+        }
+        let bytes: usize = images.iter().map(|(_, _, image)| size_of_val(&**image)).sum();
+        self.images = (self.plan.method != Method::General && bytes <= self.budget).then_some(images);
+        self.is_ready = true;
+        true
+    }
+
+    fn is_ready(&self) -> bool {
+        self.is_ready
+    }
+
+    fn bytes(&self) -> usize {
+        self.images.iter().flatten().map(|(_, _, image)| size_of_val(&**image)).sum()
+    }
+
+    fn pixels(&self) -> usize {
+        self.evaluator.hits.view.pixels() as usize
+    }
+}
