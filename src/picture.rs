@@ -12,8 +12,7 @@ use image::codecs::openexr::OpenExrEncoder;
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder, ImageResult};
 use rayon::prelude::*;
-use std::fs::File;
-use std::io::{self, BufWriter};
+use std::io::{self, Seek, SeekFrom, Write};
 use std::path::Path;
 
 /// The formats of picture files.
@@ -63,11 +62,59 @@ pub fn quantise(linear: &[[f32; 3]], transfer: Transfer) -> Vec<u8> {
 pub fn save(path: &Path, frame: &Frame, transfer: Transfer) -> Result<(), String> {
     let name = path.display();
     let format = Format::of(path).ok_or_else(|| format!("`{name}` names no format of pictures"))?;
-    replace_file(path, |writer| encode(writer, frame, format, transfer).map_err(into_io))
+    replace_file(path, |writer| write(writer, frame, format, transfer))
         .map_err(|error| format!("cannot write the picture `{name}`: {}", reason(&error)))
 }
 
-fn encode(writer: &mut BufWriter<File>, frame: &Frame, format: Format, transfer: Transfer) -> ImageResult<()> {
+/// Writes a picture. If the writer fails, its own error is returned.
+fn write<W: Write + Seek>(writer: W, frame: &Frame, format: Format, transfer: Transfer) -> io::Result<()> {
+    let mut writer = ErrorKeeper { writer, error: None };
+    let outcome = encode(&mut writer, frame, format, transfer);
+    match writer.error {
+        Some(error) => Err(error),
+        None => outcome.map_err(into_io),
+    }
+}
+
+/// A writer that keeps its first error: the encoder of OpenEXR reports a full disk as an error of decoding.
+struct ErrorKeeper<W> {
+    writer: W,
+    error: Option<io::Error>,
+}
+
+impl<W> ErrorKeeper<W> {
+    fn keep<T>(&mut self, outcome: io::Result<T>) -> io::Result<T> {
+        outcome.map_err(|error| {
+            let kind = error.kind();
+            // Encoders repeat what is interrupted.
+            if kind != io::ErrorKind::Interrupted {
+                self.error.get_or_insert(error);
+            }
+            kind.into()
+        })
+    }
+}
+
+impl<W: Write> Write for ErrorKeeper<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let outcome = self.writer.write(bytes);
+        self.keep(outcome)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        let outcome = self.writer.flush();
+        self.keep(outcome)
+    }
+}
+
+impl<W: Seek> Seek for ErrorKeeper<W> {
+    fn seek(&mut self, place: SeekFrom) -> io::Result<u64> {
+        let outcome = self.writer.seek(place);
+        self.keep(outcome)
+    }
+}
+
+fn encode<W: Write + Seek>(writer: &mut W, frame: &Frame, format: Format, transfer: Transfer) -> ImageResult<()> {
     let (width, height) = (frame.width, frame.height);
     let bytes = || quantise(&frame.linear, transfer);
     match format {
@@ -115,6 +162,50 @@ mod tests {
                 assert_eq!(image.to_rgb32f().into_raw(), frame.linear.concat());
             } else {
                 assert_eq!(image.to_rgb8().into_raw(), [64, 0, 255, 255, 0, 128]);
+            }
+        }
+    }
+
+    /// A file on a disk with room for some bytes.
+    struct FullDisk {
+        file: io::Cursor<Vec<u8>>,
+        room: usize,
+    }
+
+    impl Write for FullDisk {
+        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+            match self.room.min(bytes.len()) {
+                0 if !bytes.is_empty() => Err(io::ErrorKind::StorageFull.into()),
+                length => {
+                    self.room -= length;
+                    self.file.write(&bytes[..length])
+                }
+            }
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    impl Seek for FullDisk {
+        fn seek(&mut self, place: SeekFrom) -> io::Result<u64> {
+            self.file.seek(place)
+        }
+    }
+
+    #[test]
+    fn a_full_disk_is_reported_as_such() {
+        let frame = Frame { width: 20, height: 10, linear: vec![[0.25, -3.5, 1e6]; 200] };
+        for format in Format::ALL {
+            let mut whole = io::Cursor::new(Vec::new());
+            write(&mut whole, &frame, format, Transfer::Linear).unwrap();
+            let length = whole.into_inner().len();
+            for room in (0..length).step_by(7) {
+                let disk = FullDisk { file: io::Cursor::default(), room };
+                let error = write(disk, &frame, format, Transfer::Linear).unwrap_err();
+                assert_eq!(error.kind(), io::ErrorKind::StorageFull, "{format:?} with room for {room} of {length}");
+                assert_eq!(reason(&error), "the disk is full");
             }
         }
     }

@@ -75,6 +75,28 @@ fn a_failure_leaves_the_old_picture() {
     assert_eq!(names, 4, "nothing is left behind");
 }
 
+/// A limit for the size of files stands for a disk that is full: what is written beyond it fails.
+#[cfg(unix)]
+#[test]
+fn a_picture_that_does_not_fit_on_the_disk_is_reported() {
+    let folder = folder();
+    for name in ["out.png", "out.bmp", "out.exr"] {
+        write(&folder, name, "precious");
+        let program = env!("CARGO_BIN_EXE_illuminator");
+        let output = Command::new("sh")
+            .current_dir(folder.path())
+            .args(["-c", "trap '' XFSZ; ulimit -f 1; exec \"$0\" \"$@\"", program, "render", "session.toml", "-o", name])
+            .args(["--size", "200x100", "--background", "#123456"])
+            .output()
+            .expect("a shell");
+        let told = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{told}");
+        assert!(told.ends_with(&format!("Error: cannot write the picture `{name}`: file too large\n")), "{told}");
+        assert_eq!(fs::read_to_string(folder.path().join(name)).expect("the file"), "precious");
+    }
+    assert_eq!(fs::read_dir(folder.path()).expect("the folder").count(), 6, "nothing is left behind");
+}
+
 #[test]
 fn hits_are_written_as_the_index_says() {
     let folder = folder();
