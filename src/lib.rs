@@ -25,10 +25,10 @@
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let model = Source::new("lambert", "formula; = IL*Cd*max(0, N.L);");
-//! let (formula, _warnings) = Formula::parse(&model).map_err(|errors| errors.render(&model, false))?;
+//! let (formula, _warnings) = Formula::parse(&model).map_err(|errors| errors.located(&model).to_string())?;
 //! let place = Source::new("ball", "bodies; ball: sphere, center <0,0,0>, radius 1; lights; key: point, <3,4,5>;
 //!     camera; position <0,0,5>; gaze <0,0,-1>; up <0,1,0>; fov 40;");
-//! let (scene, _warnings) = Scene::parse(&place).map_err(|errors| errors.render(&place, false))?;
+//! let (scene, _warnings) = Scene::parse(&place).map_err(|errors| errors.located(&place).to_string())?;
 //!
 //! let mut values = Values::defaults(&formula, &scene);
 //! let red: Setting = "ball.Cd=<0.9, 0.2, 0.1>".parse()?;

@@ -89,17 +89,16 @@ mod tests {
     #[test]
     fn all_built_in_files_are_sound() {
         for source in sources(Kind::Formula) {
-            Formula::parse(&source).unwrap_or_else(|errors| panic!("{}", errors.render(&source, false)));
+            Formula::parse(&source).unwrap_or_else(|errors| panic!("{}", errors.located(&source)));
         }
         for source in sources(Kind::Scene) {
-            Scene::parse(&source).unwrap_or_else(|errors| panic!("{}", errors.render(&source, false)));
+            Scene::parse(&source).unwrap_or_else(|errors| panic!("{}", errors.located(&source)));
         }
         for source in sources(Kind::Session) {
-            Session::parse(&source).unwrap_or_else(|errors| panic!("{}", errors.render(&source, false)));
+            Session::parse(&source).unwrap_or_else(|errors| panic!("{}", errors.located(&source)));
         }
         for source in sources(Kind::Material) {
-            let (library, warnings) =
-                Library::parse(&source).unwrap_or_else(|errors| panic!("{}", errors.render(&source, false)));
+            let (library, warnings) = Library::parse(&source).unwrap_or_else(|errors| panic!("{}", errors.located(&source)));
             assert!(warnings.is_empty() && library.len() >= 6, "{}", source.name());
         }
         assert!(text(Kind::Session, DEFAULT_SESSION).is_some());

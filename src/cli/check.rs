@@ -1,4 +1,4 @@
-//! `illuminator check`: what is wrong with files.
+//! `illuminator check`: reports what is wrong with files.
 
 use crate::cli::input::Speaker;
 use crate::cli::report::{Failure, count, explain, print, say};
@@ -6,6 +6,7 @@ use clap::{Args, ValueEnum};
 use illuminator::files::Readable;
 use illuminator::formula::Formula;
 use illuminator::lang::diagnostic::{Diagnostic, Diagnostics};
+use illuminator::lang::display_text::one_line;
 use illuminator::lang::source::Source;
 use illuminator::presets::Kind;
 use illuminator::scene::Scene;
@@ -18,10 +19,10 @@ use std::path::Path;
 /// Options of `check`.
 #[derive(Args, Debug)]
 pub(super) struct Options {
-    /// Files to look at
+    /// Files to check
     #[arg(required = true, value_name = "FILE")]
     files: Vec<OsString>,
-    /// What the files are, where their first words do not tell
+    /// What the files are, if their first words do not tell
     #[arg(long, value_enum)]
     kind: Option<KindName>,
 }
@@ -35,7 +36,7 @@ enum KindName {
     Material,
 }
 
-/// Looks at all files, whatever is wrong with the first ones.
+/// Checks all files, also if the first ones have errors.
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let mut wrong = false;
     for file in &options.files {
@@ -51,7 +52,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     if wrong { Err(Failure::Reported) } else { Ok(()) }
 }
 
-/// Whether the file has no errors.
+/// Checks one file. Whether it has no errors.
 fn check(location: &Location, given: Option<Kind>) -> Result<bool, Failure> {
     let (kind, source) = match read(location, given) {
         Ok(found) => found,
@@ -60,22 +61,23 @@ fn check(location: &Location, given: Option<Kind>) -> Result<bool, Failure> {
             return Ok(false);
         }
     };
-    let (diagnostics, more_warnings, rest_is_sound) = match kind {
+    let (diagnostics, value_warnings, files_are_valid) = match kind {
         Kind::Formula => (check_formula(location, &source), 0, true),
-        Kind::Scene => (found(Scene::parse(&source), &source), 0, true),
+        Kind::Scene => (explained(Scene::parse(&source), &source), 0, true),
         Kind::Session => check_session(location, &source),
-        Kind::Material => (found(Library::parse(&source), &source), 0, true),
+        Kind::Material => (explained(Library::parse(&source), &source), 0, true),
     };
     let [errors, warnings] = count(&diagnostics);
-    let warnings = warnings + more_warnings;
+    let warnings = warnings + value_warnings;
     let number = |count: usize, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
     let [errors_found, warnings_found] = [number(errors, "error"), number(warnings, "warning")];
-    let rest = if errors == 0 && !rest_is_sound { "; a file that it names has errors" } else { "" };
-    print(&format!("{location}: {}, {errors_found}, {warnings_found}{rest}\n", kind.noun()))?;
-    Ok(errors == 0 && rest_is_sound)
+    let named_files = if errors == 0 && !files_are_valid { "; a file that it names has errors" } else { "" };
+    let name = one_line(&location.to_string());
+    print(&format!("{name}: {}, {errors_found}, {warnings_found}{named_files}\n", kind.noun()))?;
+    Ok(errors == 0 && files_are_valid)
 }
 
-/// The text, and what it is. A built-in file is looked for among all kinds.
+/// Reads a file, and finds out what it is. A built-in file is looked up among all kinds.
 fn read(location: &Location, given: Option<Kind>) -> Result<(Kind, Source), Diagnostic> {
     if let Some(kind) = given {
         return Ok((kind, location.read(kind, Readable::RegularOrPipe)?));
@@ -89,8 +91,8 @@ fn read(location: &Location, given: Option<Kind>) -> Result<(Kind, Source), Diag
                 Some("toml") => Some(Kind::Session),
                 Some(_) | None => None,
             };
-            // A formula or a scene with a slip in its first line may look like TOML. The parser of formulas says best what is wrong
-            // with anything else.
+            // A formula or a scene with a mistake in its first line may look like TOML. For a file of unknown kind the parser of
+            // formulas has the best messages.
             let told = kind_of(source.text()).filter(|kind| match kind {
                 Kind::Formula | Kind::Scene => true,
                 Kind::Session | Kind::Material => suffix.is_none_or(|suffix| suffix == Kind::Session),
@@ -104,8 +106,8 @@ fn read(location: &Location, given: Option<Kind>) -> Result<(Kind, Source), Diag
     }
 }
 
-/// What was found in a text, after saying it.
-fn found<T>(outcome: Result<(T, Diagnostics), Diagnostics>, source: &Source) -> Diagnostics {
+/// The diagnostics of a text, after writing them.
+fn explained<T>(outcome: Result<(T, Diagnostics), Diagnostics>, source: &Source) -> Diagnostics {
     match outcome {
         Ok((_, diagnostics)) | Err(diagnostics) => {
             explain(&diagnostics, source);
@@ -114,7 +116,7 @@ fn found<T>(outcome: Result<(T, Diagnostics), Diagnostics>, source: &Source) -> 
     }
 }
 
-/// What is wrong with a formula, and whether the built-in library that it may name exists. A file may be made later.
+/// Checks a formula, and whether the built-in material library that it may name exists. A file need not exist yet.
 fn check_formula(location: &Location, source: &Source) -> Diagnostics {
     let outcome = Formula::parse(source).map(|(formula, mut diagnostics)| {
         if formula.uses.is_some()
@@ -125,10 +127,11 @@ fn check_formula(location: &Location, source: &Source) -> Diagnostics {
         }
         (formula, diagnostics)
     });
-    found(outcome, source)
+    explained(outcome, source)
 }
 
-/// What is wrong with a session's text, how many warnings were given of its values, and whether the files that it names are sound.
+/// Checks a session and the files that it names. The diagnostics of its text, the number of warnings about its values, and
+/// whether the files are valid.
 fn check_session(location: &Location, source: &Source) -> (Diagnostics, usize, bool) {
     let (mut session, diagnostics) = match Session::parse(source) {
         Ok(read) => read,

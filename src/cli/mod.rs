@@ -5,6 +5,7 @@
 
 mod bench;
 mod check;
+mod draw;
 mod dump;
 mod engine;
 mod hits;
@@ -21,14 +22,14 @@ mod signals;
 mod verify;
 
 use clap::{Parser, Subcommand};
-use report::{Failure, print};
+use report::{Status, print, say_arguments};
 use std::process::ExitCode;
 
 /// A lighting workshop: type an illumination model, see the ray-traced picture that it gives.
 ///
 /// Wherever a file is asked for, `preset:NAME` names a built-in one.
 #[derive(Parser)]
-#[command(name = "illuminator", version, max_term_width = 100)]
+#[command(name = "illuminator", bin_name = "illuminator", version, max_term_width = 100)]
 #[cfg_attr(not(feature = "window"), command(arg_required_else_help = true))]
 struct Arguments {
     /// Without one, the window opens.
@@ -65,22 +66,15 @@ impl Default for Command {
     }
 }
 
-/// How the program ends.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Status {
-    /// All went well; there may have been warnings.
-    Success = 0,
-    /// The input was wrong.
-    Input = 1,
-    /// The command line was wrong. So it is, too, where the parser of arguments ends the program.
-    CommandLine = 2,
-}
-
 /// Does what the command line says.
 pub(crate) fn run() -> ExitCode {
     #[cfg(unix)]
     signals::handle();
-    let outcome = match Arguments::parse().command.unwrap_or_default() {
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => return ExitCode::from(say_arguments(error) as u8),
+    };
+    let outcome = match arguments.command.unwrap_or_default() {
         #[cfg(feature = "window")]
         Command::Preview(options) => preview::run(&options),
         Command::Render(options) => render::run(&options),
@@ -96,10 +90,7 @@ pub(crate) fn run() -> ExitCode {
         Ok(()) => Status::Success,
         Err(failure) => {
             failure.report();
-            match failure {
-                Failure::Input(_) | Failure::Reported => Status::Input,
-                Failure::CommandLine(_) => Status::CommandLine,
-            }
+            failure.status()
         }
     };
     ExitCode::from(status as u8)

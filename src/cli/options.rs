@@ -2,11 +2,14 @@
 
 use clap::Args;
 use illuminator::lang::ast::Constant;
+use illuminator::lang::display_text::one_line;
 use illuminator::trace::{MAX_DEPTH, MAX_SIDE};
 use illuminator::workspace::Setting;
 use illuminator::workspace::assignment::parse_value;
 use illuminator::workspace::materials::Choice;
 use std::ffi::OsString;
+use std::fmt::Display;
+use std::str::FromStr;
 
 /// What is looked at, and how.
 #[derive(Args, Debug)]
@@ -20,10 +23,10 @@ pub(super) struct InputOptions {
     #[arg(long, short, value_name = "FILE")]
     pub(super) scene: Option<OsString>,
     /// Give a body a material of the library that the formula names, or *=NAME to all; values set by --set count over it
-    #[arg(long = "material", value_name = "BODY=NAME")]
+    #[arg(long = "material", value_name = "BODY=NAME", value_parser = read::<Choice>)]
     pub(super) materials: Vec<Choice>,
     /// Set a value: ball.kd=0.3, key.IL=<1,0.9,0.8>, ka=0.1, *.kd=0.3 for all
-    #[arg(long = "set", value_name = "OWNER.PARAM=VALUE")]
+    #[arg(long = "set", value_name = "OWNER.PARAM=VALUE", value_parser = read::<Setting>)]
     pub(super) settings: Vec<Setting>,
     /// Picture size in pixels, such as 640x480
     #[arg(long, value_name = "WxH", value_parser = size)]
@@ -61,6 +64,11 @@ pub(super) struct MachineOptions {
 /// A colour as given; a type of its own, lest the parser of arguments take it for a list.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Colour(pub(super) [f32; 3]);
+
+/// Reads a value by its own rules. The message, which repeats the user's words, is made safe.
+fn read<T: FromStr<Err: Display>>(text: &str) -> Result<T, String> {
+    text.parse().map_err(|error: T::Err| one_line(&error.to_string()))
+}
 
 fn size(text: &str) -> Result<[u32; 2], String> {
     let form = || format!("expected a size such as 640x480, each side 1 to {MAX_SIDE}");

@@ -1,6 +1,6 @@
 //! `preview`: the workshop window.
 
-use crate::cli::report::{Failure, warn};
+use crate::cli::report::{Failure, say_lines, warn};
 #[cfg(unix)]
 use crate::cli::signals;
 use illuminator::preview::app::App;
@@ -8,7 +8,6 @@ use illuminator::preview::window::{WindowError, WindowExit, WindowOptions, run a
 use illuminator::workspace::files::Location;
 use illuminator::workspace::folders::Folders;
 use std::ffi::OsString;
-use std::io::Write;
 
 #[derive(clap::Args, Default)]
 pub(super) struct Options {
@@ -23,13 +22,12 @@ pub(super) struct Options {
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let location = options.session.as_ref().map(Location::new);
     let folders = Folders::platform();
-    let mut app = App::new(location.as_ref(), folders.as_ref().ok()).map_err(Failure::input)?;
+    let mut app = App::new(location.as_ref(), folders.as_ref().ok()).map_err(failure)?;
     if let Err(reason) = &folders {
         app.notify_no_home(reason);
     }
     if options.log {
-        // A pipe that is closed does not end the window.
-        app.repeat_log(|line| drop(writeln!(std::io::stderr(), "{line}")));
+        app.repeat_log(say_lines);
     }
     let size = app.window_size();
     let exit = WindowExit::new(app.last_resort());
@@ -52,4 +50,9 @@ impl signals::Closing for WindowExit {
     fn last_resort(&self) {
         WindowExit::last_resort(self);
     }
+}
+
+/// The failure for a session that cannot be opened: one message, or diagnostics with their places.
+fn failure(text: String) -> Failure {
+    if text.contains('\n') { Failure::Lines(text) } else { Failure::input(text) }
 }

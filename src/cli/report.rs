@@ -1,78 +1,144 @@
 //! What the program says: diagnostics on the standard error, coloured on a terminal; results on the standard output.
+//!
+//! This is the only place from which text leaves the program. None of it holds characters that act on a terminal: messages are
+//! made safe by [`display_text`](illuminator::lang::display_text), which also shortens them; results are escaped here.
 
+use crate::cli::draw::{draw, draw_all};
+use clap::error::{ContextKind, ContextValue};
 use illuminator::lang::diagnostic::{Diagnostic, Diagnostics, Severity};
+use illuminator::lang::display_text::{escaped_lines, many_lines, one_line};
 use illuminator::lang::source::Source;
 use std::io::{self, ErrorKind, IsTerminal, Write};
+
+/// How the program ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Status {
+    /// The command did its work; there may have been warnings.
+    Success = 0,
+    /// The input was wrong.
+    Input = 1,
+    /// The command line was wrong.
+    CommandLine = 2,
+}
 
 /// Why a command could not do its work.
 #[derive(Debug)]
 pub(super) enum Failure {
-    /// The input was wrong, or the machine did not suffice for it.
+    /// The input was wrong, or too large for the machine.
     Input(Diagnostic),
+    /// The input was wrong; the text of several lines says why.
+    Lines(String),
     /// The command line was wrong.
     CommandLine(Diagnostic),
-    /// The input was wrong, and what is wrong has been said already.
+    /// The input was wrong, and the errors have been reported.
     Reported,
 }
 
 impl Failure {
-    /// The input was wrong in a way that has no place in a text.
-    pub(super) fn input(message: impl Into<String>) -> Self {
+    /// An error of the input without a place in a text.
+    pub(super) fn input(message: impl AsRef<str>) -> Self {
         Failure::Input(Diagnostic::error(message))
     }
 
-    /// The command line was wrong.
-    pub(super) fn command_line(message: impl Into<String>) -> Self {
+    /// An error of the command line.
+    pub(super) fn command_line(message: impl AsRef<str>) -> Self {
         Failure::CommandLine(Diagnostic::error(message))
     }
 
-    /// Says what is wrong.
+    /// How the program ends after it.
+    pub(super) fn status(&self) -> Status {
+        match self {
+            Failure::Input(_) | Failure::Lines(_) | Failure::Reported => Status::Input,
+            Failure::CommandLine(_) => Status::CommandLine,
+        }
+    }
+
+    /// Writes the error, unless that has been done.
     pub(super) fn report(&self) {
         match self {
             Failure::Input(diagnostic) | Failure::CommandLine(diagnostic) => say(diagnostic),
+            Failure::Lines(text) => say_lines(text),
             Failure::Reported => {}
         }
     }
 }
 
-/// Whether the standard error may be coloured.
+/// Whether text on the standard error may be coloured.
 fn colour() -> bool {
     let set = |name| std::env::var_os(name).is_some_and(|value| !value.is_empty());
     io::stderr().is_terminal() && !set("NO_COLOR") && std::env::var_os("TERM").is_none_or(|terminal| terminal != "dumb")
 }
 
-/// Writes to the standard error; nobody can be told where that fails.
-fn complain(text: &str) {
+/// Writes safe text to the standard error. If that fails, there is nobody to tell.
+fn write_error(text: &str) {
     let _ = io::stderr().write_all(text.as_bytes());
 }
 
-/// Says a diagnostic that has no place in a text.
+/// Writes a diagnostic that has no place in a text.
 pub(super) fn say(diagnostic: &Diagnostic) {
-    complain(&diagnostic.render(&Source::new("", ""), colour()));
+    write_error(&draw(diagnostic, &Source::new("", ""), colour()));
 }
 
-/// Says a warning that has no place in a text.
-pub(super) fn warn(message: impl Into<String>) {
-    say(&Diagnostic::warning(message));
-}
-
-/// Says what was found in a text.
-pub(super) fn explain(diagnostics: &Diagnostics, source: &Source) {
-    if !diagnostics.is_empty() {
-        complain(&diagnostics.render(source, colour()));
+/// Writes a message of one or more lines.
+pub(super) fn say_lines(text: &str) {
+    let text = many_lines(text);
+    write_error(&text);
+    if !text.ends_with('\n') {
+        write_error("\n");
     }
 }
 
-/// How many errors and warnings there are.
+/// Writes a warning that has no place in a text.
+pub(super) fn warn(message: impl AsRef<str>) {
+    say(&Diagnostic::warning(message));
+}
+
+/// Writes what the parser of arguments has to say: an error, or the help that was asked for. The status to end with.
+pub(super) fn say_arguments(error: clap::Error) -> Status {
+    let error = with_safe_context(error);
+    // A terminal or a pipe that is closed is no error here.
+    let _ = error.print();
+    // Help that was asked for goes to the standard output.
+    if error.use_stderr() { Status::CommandLine } else { Status::Success }
+}
+
+/// The error with the user's words, which are parts of its context, made safe and short.
+fn with_safe_context(mut error: clap::Error) -> clap::Error {
+    let context: Vec<(ContextKind, ContextValue)> = error.context().map(|(kind, value)| (kind, value.clone())).collect();
+    for (kind, value) in context {
+        let safe = if let ContextValue::String(text) = &value {
+            ContextValue::String(one_line(text))
+        } else if let ContextValue::Strings(texts) = &value {
+            ContextValue::Strings(texts.iter().map(|text| one_line(text)).collect())
+        } else {
+            continue;
+        };
+        if safe != value {
+            error.insert(kind, safe);
+            // The suggestions repeat the word.
+            error.remove(ContextKind::Suggested);
+        }
+    }
+    error
+}
+
+/// Writes the diagnostics of a text.
+pub(super) fn explain(diagnostics: &Diagnostics, source: &Source) {
+    if !diagnostics.is_empty() {
+        write_error(&draw_all(diagnostics, source, colour()));
+    }
+}
+
+/// The numbers of errors and of warnings.
 pub(super) fn count(diagnostics: &Diagnostics) -> [usize; 2] {
     [Severity::Error, Severity::Warning]
         .map(|severity| diagnostics.iter().filter(|diagnostic| diagnostic.severity() == severity).count())
 }
 
-/// Writes a result to the standard output. A reader that has read enough and is gone is no failure.
+/// Writes a result to the standard output. A reader that has read enough and closed the pipe is no failure.
 pub(super) fn print(text: &str) -> Result<(), Failure> {
     let mut output = io::stdout().lock();
-    match output.write_all(text.as_bytes()).and_then(|()| output.flush()) {
+    match output.write_all(escaped_lines(text).as_bytes()).and_then(|()| output.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Failure::input(format!("cannot write the output: {error}"))),
         Ok(()) | Err(_) => Ok(()),
     }

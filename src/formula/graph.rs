@@ -279,7 +279,7 @@ mod tests {
 
     fn graph(formula: &str) -> Graph {
         let source = Source::new("test", format!("body_specific; p: scalar; q: vector; formula; {formula}"));
-        let (formula, _) = Formula::parse(&source).unwrap_or_else(|errors| panic!("{}", errors.render(&source, false)));
+        let (formula, _) = Formula::parse(&source).unwrap_or_else(|errors| panic!("{}", errors.located(&source)));
         Graph::new(&formula)
     }
 

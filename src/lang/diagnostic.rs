@@ -1,119 +1,123 @@
-//! What is told to the user about a text: errors and warnings with places, and their rendering with the marked source.
+//! What is said to the user about a text: errors and warnings with the places that they concern.
 //!
-//! A [`Diagnostic`] says what is wrong, where, what was expected and what the likely mend is. Parsers and checkers collect as
-//! many as they can find in [`Diagnostics`]; how they reach a terminal or a window is not decided here.
+//! A [`Diagnostic`] says what is wrong, where, what was expected and what the likely fix is. Parsers and checkers collect as
+//! many as they can find in [`Diagnostics`]. These are plain data: [`located`](mod@crate::lang::located) gives them as plain text,
+//! and the command line and the window show them in their own ways. All text in them may be shown anywhere, see
+//! [`display_text`](crate::lang::display_text).
 
-use crate::lang::source::{Source, Span};
+use crate::lang::display_text::one_line;
+use crate::lang::span::Span;
 
-/// How many errors, and how many warnings, are told of one text.
+/// How many errors, and how many warnings, are kept for one text.
 pub const MOST: usize = 100;
+/// How many places one diagnostic marks.
+const MOST_LABELS: usize = 12;
+/// Longer names than this resemble no other name by mistake.
+const LONGEST_MISSPELT: usize = 64;
 
-/// How grave a diagnostic is.
+/// How serious a diagnostic is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Severity {
-    /// The text is taken as it is, but probably not meant so.
+    /// The text is accepted, but probably means something else than its author thinks.
     Warning,
-    /// The text cannot be taken.
+    /// The text cannot be accepted.
     Error,
 }
 
-/// A marked place and what is to be said of it.
+/// A marked place with a remark.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Label {
     /// The place.
     pub span: Span,
-    /// What is said under the mark; may be empty.
+    /// The remark, one line; may be empty.
     pub text: String,
 }
 
-/// One error or warning.
+/// One error or warning. Each of its texts is one line that may be shown anywhere.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Diagnostic {
     severity: Severity,
     message: String,
     labels: Vec<Label>,
-    help: Vec<String>,
+    hints: Vec<String>,
 }
 
 impl Diagnostic {
     /// An error; the message is one sentence without a full stop.
-    pub fn error(message: impl Into<String>) -> Self {
-        Self { severity: Severity::Error, message: message.into(), labels: Vec::new(), help: Vec::new() }
+    pub fn error(message: impl AsRef<str>) -> Self {
+        Self { severity: Severity::Error, message: one_line(message.as_ref()), labels: Vec::new(), hints: Vec::new() }
     }
 
     /// A warning; the message is one sentence without a full stop.
-    pub fn warning(message: impl Into<String>) -> Self {
+    pub fn warning(message: impl AsRef<str>) -> Self {
         Self { severity: Severity::Warning, ..Self::error(message) }
     }
 
-    /// Marks a place. The first place marked is where the diagnostic is said to be.
+    /// Marks a place. The first marked place is the place of the diagnostic. Places beyond a dozen are not kept.
     #[must_use]
-    pub fn at(mut self, span: Span, text: impl Into<String>) -> Self {
-        self.labels.push(Label { span, text: text.into() });
+    pub fn at(mut self, span: Span, text: impl AsRef<str>) -> Self {
+        if self.labels.len() < MOST_LABELS {
+            self.labels.push(Label { span, text: one_line(text.as_ref()) });
+        }
         self
     }
 
-    /// Adds a hint: what was expected, or the likely mend.
+    /// Adds a hint: what was expected, or the likely fix.
     #[must_use]
-    pub fn help(mut self, text: impl Into<String>) -> Self {
-        self.help.push(text.into());
+    pub fn help(mut self, text: impl AsRef<str>) -> Self {
+        self.hints.push(one_line(text.as_ref()));
         self
     }
 
-    /// Adds a hint that there may be.
+    /// Adds a hint if there is one.
     #[must_use]
-    pub fn help_if(self, text: Option<impl Into<String>>) -> Self {
+    pub fn help_if(self, text: Option<impl AsRef<str>>) -> Self {
         match text {
             Some(text) => self.help(text),
             None => self,
         }
     }
 
-    /// How grave it is.
+    /// How serious it is.
     pub fn severity(&self) -> Severity {
         self.severity
     }
 
-    /// The one sentence that says what is wrong.
+    /// The sentence that says what is wrong.
     pub fn message(&self) -> &str {
         &self.message
     }
 
-    /// The marked places, the main one first. None where the whole file is meant.
+    /// The marked places, the main one first. None if the diagnostic concerns the whole file.
     pub fn labels(&self) -> &[Label] {
         &self.labels
     }
 
     /// The hints.
     pub fn hints(&self) -> &[String] {
-        &self.help
+        &self.hints
     }
 
-    /// Where the main mark begins.
+    /// The main place.
     pub fn span(&self) -> Option<Span> {
         self.labels.first().map(|label| label.span)
     }
-
-    /// The diagnostic as plain or coloured text, with file, line, column, the source lines and marks under the spans.
-    pub fn render(&self, source: &Source, colour: bool) -> String {
-        crate::lang::render::render(self, source, colour)
-    }
 }
 
-/// The diagnostics of one text, in the order of their places when asked for.
+/// The diagnostics of one text, in the order in which they were found until [`sort`](Diagnostics::sort) is called.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Diagnostics {
     list: Vec<Diagnostic>,
 }
 
 impl Diagnostics {
-    /// None yet.
+    /// An empty list.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Adds one, unless the very same is there already, or so many of its severity that one more helps nobody: who has made more
-    /// slips than that has given the wrong file.
+    /// Adds a diagnostic, unless an equal one is in the list, or [`MOST`] of its severity are: more would not help. After the
+    /// last error a note says that there are more.
     pub fn push(&mut self, diagnostic: Diagnostic) {
         let severity = diagnostic.severity;
         let alike = self.list.iter().filter(|other| other.severity == severity).count();
@@ -123,7 +127,9 @@ impl Diagnostics {
             }
         } else if alike == MOST && severity == Severity::Error {
             let mut last = Diagnostic::error("there are more errors than are shown");
-            last.labels.extend(diagnostic.span().map(|span| Label { span, text: "from here on".to_owned() }));
+            if let Some(span) = diagnostic.span() {
+                last = last.at(span, "from here on");
+            }
             self.list.push(last);
         }
     }
@@ -138,7 +144,7 @@ impl Diagnostics {
         self.list.iter().any(|diagnostic| diagnostic.severity == Severity::Error)
     }
 
-    /// Whether there is none at all.
+    /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.list.is_empty()
     }
@@ -157,11 +163,6 @@ impl Diagnostics {
     pub fn sort(&mut self) {
         self.list.sort_by_key(|diagnostic| diagnostic.span());
     }
-
-    /// All of them as text, one after the other.
-    pub fn render(&self, source: &Source, colour: bool) -> String {
-        self.list.iter().map(|diagnostic| diagnostic.render(source, colour)).collect::<Vec<_>>().join("\n")
-    }
 }
 
 impl IntoIterator for Diagnostics {
@@ -179,21 +180,30 @@ impl From<Diagnostic> for Diagnostics {
     }
 }
 
-/// The candidate that is most like `name`, if one is like it at all: for "did you mean".
+/// The candidate that most resembles `name`, if one does: for "did you mean".
 pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let length = name.chars().take(LONGEST_MISSPELT + 1).count();
+    if length > LONGEST_MISSPELT {
+        return None;
+    }
+    let lower_case = name.to_lowercase();
     candidates
         .into_iter()
         .filter(|candidate| *candidate != name)
-        .map(|candidate| {
+        .filter_map(|candidate| {
+            let longest = candidate.chars().take(2 * LONGEST_MISSPELT).count().max(length);
+            let limit = longest.div_ceil(3);
+            // A name that is much longer is not near, and comparing the two would take long.
+            if longest > length + limit {
+                return None;
+            }
+            // A wrong case is the most likely mistake.
+            if lower_case == candidate.to_lowercase() {
+                return Some((0, candidate));
+            }
             let distance = strsim::damerau_levenshtein(name, candidate);
-            // A wrong case is the likeliest slip of all: count it as next to nothing.
-            let caseless = strsim::damerau_levenshtein(&name.to_lowercase(), &candidate.to_lowercase());
-            (if caseless == 0 { 0 } else { distance }, candidate)
-        })
-        .filter(|(distance, candidate)| {
-            let longest = candidate.chars().count().max(name.chars().count());
-            // Of names of two letters every other is "near": only a wrong case counts.
-            *distance == 0 || (longest > 2 && *distance <= longest.div_ceil(3))
+            // Any two names of two letters are "near": for them only a wrong case counts.
+            (longest > 2 && distance <= limit).then_some((distance, candidate))
         })
         .min_by_key(|(distance, _)| *distance)
         .map(|(_, candidate)| candidate)
@@ -209,6 +219,24 @@ mod tests {
         assert_eq!(nearest("sqr", ["sin", "sqrt", "cos"]), Some("sqrt"));
         assert_eq!(nearest("roughness", ["kd", "Cd", "normalize"]), None);
         assert_eq!(nearest("kd", ["Cd", "ka"]), None);
+    }
+
+    #[test]
+    fn nearest_does_not_compare_very_long_names() {
+        let long = "x".repeat(1 << 22);
+        assert_eq!(nearest(&long, [long.replacen('x', "y", 1).as_str()]), None);
+        assert_eq!(nearest("xxxy", [long.as_str(), "xxxx"]), Some("xxxx"));
+    }
+
+    #[test]
+    fn texts_are_safe_and_short() {
+        let name = format!("\u{1b}[31m{}\n", "x".repeat(1 << 20));
+        let diagnostic = Diagnostic::error(&name).at(Span::new(0, 1), &name).help(&name);
+        for text in [diagnostic.message(), &diagnostic.labels()[0].text, &diagnostic.hints()[0]] {
+            assert!(text.starts_with("\\u{1b}[31mxxx") && text.len() < 200, "{text}");
+        }
+        let many = (0..1000).fold(Diagnostic::error("x"), |all, at| all.at(Span::new(at, at), ""));
+        assert_eq!(many.labels().len(), MOST_LABELS);
     }
 
     #[test]

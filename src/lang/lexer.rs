@@ -1,14 +1,18 @@
-//! Text into words, by the lexical rules that the formula and the scene language share.
+//! Splits a text into words, by the lexical rules that the formula and the scene language share.
 //!
-//! Holds white space, comments, numbers, identifiers, `#uses` and punctuation; knows nothing of the grammar.
+//! The rules of white space, comments, numbers, identifiers, `#uses` and punctuation are here; the grammar is not.
 
 use crate::lang::diagnostic::{Diagnostic, Diagnostics};
-use crate::lang::source::{Source, Span};
+use crate::lang::lines::{LINE_ENDS, line_end};
+use crate::lang::source::{BYTE_ORDER_MARK, Source, Span};
 use crate::lang::token::{Mark, Token, TokenKind};
 
-/// The words of a text, ended by [`TokenKind::End`], and what is wrong with its characters.
+/// How many unknown characters a message shows.
+const MOST_SHOWN: usize = 20;
+
+/// The words of a text, with [`TokenKind::End`] after the last, and what is wrong with its characters.
 ///
-/// Characters that cannot begin a word are reported and stand in the list as [`TokenKind::Unknown`].
+/// Characters that cannot begin a word are reported; in the list they are [`TokenKind::Unknown`].
 pub fn tokenize(source: &Source) -> (Vec<Token>, Diagnostics) {
     let mut lexer = Lexer { text: source.text(), at: 0, tokens: Vec::new(), diagnostics: Diagnostics::new() };
     lexer.run();
@@ -24,8 +28,8 @@ struct Lexer<'s> {
 
 impl Lexer<'_> {
     fn run(&mut self) {
-        if self.rest().starts_with('\u{feff}') {
-            self.at += '\u{feff}'.len_utf8();
+        if self.rest().starts_with(BYTE_ORDER_MARK) {
+            self.at += BYTE_ORDER_MARK.len_utf8();
         }
         loop {
             self.skip_blanks();
@@ -57,6 +61,11 @@ impl Lexer<'_> {
         self.text.as_bytes().get(at).is_some_and(u8::is_ascii_digit)
     }
 
+    /// Where the line that holds `at` ends, before its line end.
+    fn line_end(&self, at: usize) -> usize {
+        line_end(self.text.as_bytes(), at)
+    }
+
     /// How many bytes from here on satisfy `accept`.
     fn run_length(&self, accept: impl Fn(u8) -> bool) -> usize {
         self.rest().bytes().take_while(|&byte| accept(byte)).count()
@@ -64,7 +73,7 @@ impl Lexer<'_> {
 
     fn push(&mut self, kind: TokenKind, start: usize) {
         let before = self.tokens.last().map_or(0, |token| token.span.end as usize);
-        let begins_line = self.tokens.is_empty() || self.text[before.min(start)..start].contains('\n');
+        let begins_line = self.tokens.is_empty() || self.text[before.min(start)..start].contains(LINE_ENDS);
         self.tokens.push(Token { kind, span: Span::new(start, self.at), begins_line });
     }
 
@@ -73,15 +82,15 @@ impl Lexer<'_> {
             let blanks = self.rest().len() - self.rest().trim_start().len();
             self.at += blanks;
             if self.rest().starts_with("//") {
-                self.at += self.rest().find('\n').unwrap_or(self.rest().len());
+                self.at = self.line_end(self.at);
             } else if self.rest().starts_with("/*") {
                 match self.rest()[2..].find("*/") {
                     Some(end) => self.at += 2 + end + 2,
                     None => {
                         self.diagnostics.push(
                             Diagnostic::error("a comment is not closed")
-                                .at(Span::new(self.at, self.at + 2), "it begins here and runs to the end of the file")
-                                .help("end it with `*/`, or begin it with `//` if it is one line"),
+                                .at(Span::new(self.at, self.at + 2), "it begins here and goes on to the end of the file")
+                                .help("end it with `*/`; a comment of one line can begin with `//`"),
                         );
                         self.at = self.text.len();
                     }
@@ -92,7 +101,7 @@ impl Lexer<'_> {
         }
     }
 
-    /// `digits`, `digits.digits`, `.digits`, or `digits.` where the dot is not followed by another; optional exponent.
+    /// `digits`, `digits.digits`, `.digits`, or `digits.` if no other dot follows; then an optional exponent.
     fn number(&mut self, start: usize) {
         let digits = |byte: u8| byte.is_ascii_digit();
         self.at += self.run_length(digits);
@@ -107,12 +116,12 @@ impl Lexer<'_> {
                 self.at += self.run_length(digits);
             }
         }
-        // Every text of this form is one that Rust reads too.
+        // Rust can read every text of this form.
         let value = self.text[start..self.at].parse::<f64>().unwrap_or(f64::INFINITY);
         if value.is_infinite() {
             self.diagnostics.push(
                 Diagnostic::error("this number is too large")
-                    .at(Span::new(start, self.at), "beyond the largest number there is")
+                    .at(Span::new(start, self.at), "larger than the largest number")
                     .help(format!("numbers go up to about {:e}", f32::MAX)),
             );
         }
@@ -128,25 +137,21 @@ impl Lexer<'_> {
             let span = Span::new(start, self.at + word);
             self.at += word;
             self.diagnostics.push(
-                Diagnostic::error(if name.is_empty() {
-                    "a stray `#`".to_owned()
-                } else {
-                    format!("`#{name}` means nothing here")
-                })
-                .at(span, "")
-                .help("only `#uses FILE;` begins with `#`; comments are `// …` or `/* … */`"),
+                Diagnostic::error(if name.is_empty() { "a stray `#`".to_owned() } else { format!("`#{name}` has no meaning") })
+                    .at(span, "")
+                    .help("only `#uses FILE;` begins with `#`; comments are written `// …` or `/* … */`"),
             );
-            // What stands behind it on the line was most likely a comment.
-            self.at = start + self.text[start..].find('\n').unwrap_or(self.text.len() - start);
+            // The rest of the line is most likely a comment.
+            self.at = self.line_end(start);
             return;
         }
         self.at += word;
-        let line_end = self.at + self.rest().find('\n').unwrap_or(self.rest().len());
+        let line_end = self.line_end(self.at);
         let (path_end, next) = match self.text[self.at..line_end].find(';') {
             Some(length) => (self.at + length, self.at + length + 1),
             None => {
                 self.diagnostics.push(
-                    Diagnostic::error("`#uses` is not ended by `;` on its line")
+                    Diagnostic::error("`#uses` has no `;` at the end of its line")
                         .at(Span::new(start, start + "#uses".len()), "")
                         .help("write `#uses FILE;` on one line"),
                 );
@@ -189,20 +194,14 @@ impl Lexer<'_> {
             "[" | "]" | "{" | "}" => Some("vectors are written `<x, y, z>`, and only `(` `)` group"),
             _ => None,
         };
-        let diagnostic = Diagnostic::error(format!("`{}` is not part of the language", shown(text)))
+        let shown: String = text.chars().take(MOST_SHOWN).collect();
+        let rest = if shown.len() < text.len() { "…" } else { "" };
+        let diagnostic = Diagnostic::error(format!("`{shown}{rest}` is not part of the language"))
             .at(Span::new(start, start + text.len()), "not understood")
             .help_if(hint);
         self.diagnostics.push(diagnostic);
         self.push(TokenKind::Unknown, start);
     }
-}
-
-/// Characters as messages show them: not too many, and none that a terminal would obey.
-fn shown(text: &str) -> String {
-    const MOST: usize = 20;
-    let visible = |c: char| if c.is_control() { c.escape_unicode().to_string() } else { c.to_string() };
-    let rest = if text.chars().nth(MOST).is_some() { "…" } else { "" };
-    text.chars().take(MOST).map(visible).collect::<String>() + rest
 }
 
 #[cfg(test)]
@@ -232,6 +231,17 @@ mod tests {
     #[test]
     fn blanks_comments_and_bom_part_words() {
         assert_eq!(kinds("\u{feff}a/* * / */b // c\r\nd"), [word("a"), word("b"), word("d"), TokenKind::End]);
+    }
+
+    #[test]
+    fn a_comment_and_uses_end_with_their_line() {
+        for end in ["\n", "\r\n", "\r"] {
+            assert_eq!(kinds(&format!("// a \u{85} \u{2028} b{end}c")), [word("c"), TokenKind::End], "{end:?}");
+            let (tokens, diagnostics) = tokenize(&Source::new("t", format!("#uses x{end}; a{end}b // c{end}d")));
+            assert_eq!(diagnostics.len(), 1, "`;` is on the next line: {diagnostics:?}");
+            let begins: Vec<bool> = tokens.iter().map(|token| token.begins_line).collect();
+            assert_eq!(begins, [true, true, false, true, true, false], "{end:?} {tokens:?}");
+        }
     }
 
     #[test]

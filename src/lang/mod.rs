@@ -1,25 +1,36 @@
 //! The formula language: its text, its syntax, and the tables that define it.
 //!
-//! In the order of the way from text to syntax: [`source`] and [`diagnostic`] (what is read, what is said about it), [`token`] and
-//! [`lexer`] (words, shared with the scene language), [`cursor`] and [`parser`] (grammar), [`ast`] (syntax) and [`printer`] (syntax as text
-//! again). The tables: [`scalars`] (scalar primitives and their meaning), [`builtins`] (operators and functions in terms of
-//! them), [`variables`] (variables and predefined parameters), [`keywords`] (the other words), printed by [`reference`](mod@reference). Whose a name is and whether types fit is the
-//! [formula](crate::formula)'s business.
+//! On the way from text to syntax:
+//!
+//! 1. [`lines`], [`span`] and [`source`]: texts and places in them.
+//! 2. [`diagnostic`]: what is said about a text. [`display_text`], [`excerpt`] and [`located`]: how it may be shown.
+//! 3. [`token`] and [`lexer`]: words, shared with the scene language.
+//! 4. [`cursor`] and [`parser`]: grammar.
+//! 5. [`ast`] and [`printer`]: syntax, and syntax as text again.
+//!
+//! The tables are [`scalars`] (scalar primitives and their meaning), [`builtins`] (operators and functions in terms of them),
+//! [`variables`] (variables and predefined parameters) and [`keywords`] (the other words). [`reference`](mod@reference) prints them.
+//!
+//! What a name stands for and whether types fit is decided in [`formula`](crate::formula).
 
 pub mod ast;
 pub mod builtins;
 pub mod cursor;
 pub mod diagnostic;
+pub mod display_text;
+pub mod excerpt;
 pub mod keywords;
 pub mod lexer;
+pub mod lines;
+pub mod located;
 pub mod noise;
 mod parse_expression;
 pub mod parser;
 pub mod printer;
 pub mod reference;
-mod render;
 pub mod scalars;
 pub mod source;
+pub mod span;
 pub mod token;
 pub mod types;
 pub mod variables;

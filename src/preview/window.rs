@@ -98,9 +98,9 @@ pub fn run(app: &mut dyn Shown, options: WindowOptions, exit: &WindowExit) -> Re
     }
 }
 
-/// A title that a display takes: what ends texts there is left out.
+/// A title without characters that act on the display, such as the zero that ends texts there.
 fn printable(title: &str) -> String {
-    title.replace('\0', "")
+    crate::lang::display_text::one_line(title)
 }
 
 fn one_line(error: &minifb::Error) -> String {

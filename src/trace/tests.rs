@@ -10,7 +10,7 @@ use std::sync::Mutex;
 /// The scene that this text describes.
 fn scene(text: &str) -> Scene {
     let source = Source::new("scene", text);
-    Scene::parse(&source).unwrap_or_else(|errors| panic!("{}", errors.render(&source, false))).0
+    Scene::parse(&source).unwrap_or_else(|errors| panic!("{}", errors.located(&source))).0
 }
 
 /// The world that this text describes.

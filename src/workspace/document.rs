@@ -65,7 +65,7 @@ pub(super) fn parse(source: &Source) -> Result<DeTable<'_>, Diagnostics> {
             }
             continue;
         }
-        let diagnostic = Diagnostic::error(error.message().to_owned());
+        let diagnostic = Diagnostic::error(error.message());
         diagnostics.push(diagnostic.at(span(place), "").help("this must be a TOML file (https://toml.io)"));
     }
     if diagnostics.is_empty() { Ok(table.into_inner()) } else { Err(diagnostics) }

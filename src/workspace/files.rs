@@ -2,6 +2,7 @@
 
 use crate::files::{FileType, OpenError, Readable, open, reason};
 use crate::lang::diagnostic::{Diagnostic, nearest};
+use crate::lang::lines::LINE_ENDS;
 use crate::lang::source::{MAX_BYTES, Source};
 use crate::presets::{self, Kind};
 use crate::workspace::document::VERSION_KEY;
@@ -167,7 +168,7 @@ pub fn kind_of(text: &str) -> Option<Kind> {
         let comment = if rest.starts_with("/*") {
             rest.find("*/").map(|end| end + 2)
         } else if rest.starts_with("//") || (rest.starts_with('#') && !rest.starts_with("#uses")) {
-            rest.find('\n')
+            rest.find(LINE_ENDS)
         } else {
             None
         };
@@ -252,6 +253,8 @@ mod tests {
         assert_eq!(kind_of("\u{feff}/* a */ // b\n bodies;"), Some(Kind::Scene));
         assert_eq!(kind_of("#uses m.txt;\nformula;"), Some(Kind::Formula));
         assert_eq!(kind_of("formula; = Cd;"), Some(Kind::Formula));
+        assert_eq!(kind_of("// a\rformula;\r= Cd;"), Some(Kind::Formula));
+        assert_eq!(kind_of("// a\u{2028}formula;\nbodies;"), Some(Kind::Scene));
         assert_eq!(kind_of("# a session\nformula = \"x\""), Some(Kind::Session));
         assert_eq!(kind_of("version = 1"), Some(Kind::Session));
         assert_eq!(kind_of("[global]"), Some(Kind::Session));

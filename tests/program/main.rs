@@ -2,11 +2,14 @@
 
 #![allow(clippy::expect_used, reason = "a test ends where what it needs is not there")]
 
+mod diagnostics;
+mod encoding;
 mod endings;
 mod files;
 mod materials;
 mod messages;
 mod rays;
+mod terminal;
 
 use std::fs;
 use std::path::Path;

@@ -2,7 +2,6 @@
 #![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot go on has failed")]
 
 mod agreement;
-mod diagnostics;
 mod house;
 mod inspection;
 mod materials;

@@ -81,8 +81,8 @@ fn the_formula_of_the_thesis_has_a_library_of_the_users() {
 fn said(text: &str) -> String {
     let source = Source::new("materials.toml", text);
     match Library::parse(&source) {
-        Ok((_, warnings)) => warnings.render(&source, false),
-        Err(errors) => errors.render(&source, false),
+        Ok((_, warnings)) => format!("{:#}", warnings.located(&source)),
+        Err(errors) => format!("{:#}", errors.located(&source)),
     }
 }
 
@@ -104,7 +104,7 @@ fn values_without_a_place_in_the_formula_are_marked() {
     let (formula, _) = Formula::parse(&Source::new("formula", "formula; = Cd;")).expect("a sound formula");
     let values = Values::defaults(&formula, &scene());
     let (_, left_out) = library.get("gold").expect("the one material").assignments(values.roster(), BodyId(0));
-    insta::assert_snapshot!(left_out.render(&source, false));
+    insta::assert_snapshot!(format!("{:#}", left_out.located(&source)));
 }
 
 /// Any material: names that nobody types, and all finite numbers.
@@ -142,7 +142,7 @@ proptest! {
         }
         let text = library.to_toml().expect("names and numbers");
         let source = Source::new("saved", text.clone());
-        let (read, warnings) = Library::parse(&source).map_err(|errors| TestCaseError::fail(errors.render(&source, false)))?;
+        let (read, warnings) = Library::parse(&source).map_err(|errors| TestCaseError::fail(errors.located(&source).to_string()))?;
         prop_assert!(warnings.is_empty());
         prop_assert_eq!(bits(&read), bits(&library), "{}", text);
     }
@@ -155,7 +155,7 @@ proptest! {
             let source = Source::new("damaged", text);
             match Library::parse(&source) {
                 Ok((_, said)) => prop_assert!(!said.has_errors()),
-                Err(said) => prop_assert!(said.has_errors() && !said.render(&source, false).is_empty()),
+                Err(said) => prop_assert!(said.has_errors() && !said.located(&source).to_string().is_empty()),
             }
         }
     }

@@ -52,7 +52,7 @@ fn bare(mut file: FormulaFile) -> FormulaFile {
 fn read(text: &str) -> Result<FormulaFile, TestCaseError> {
     let source = Source::new("round trip", text);
     let (file, diagnostics) = parse(&source);
-    prop_assert!(diagnostics.is_empty(), "{}", diagnostics.render(&source, false));
+    prop_assert!(diagnostics.is_empty(), "{}", diagnostics.located(&source));
     Ok(bare(file))
 }
 

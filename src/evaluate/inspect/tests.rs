@@ -16,9 +16,9 @@ struct Bench {
 impl Bench {
     fn new(formula: &str, scene: &str, settings: &[&str]) -> Self {
         let source = Source::new("formula", formula);
-        let formula = Formula::parse(&source).unwrap_or_else(|errors| panic!("{}", errors.render(&source, false))).0;
+        let formula = Formula::parse(&source).unwrap_or_else(|errors| panic!("{}", errors.located(&source))).0;
         let source = Source::new("scene", scene);
-        let scene = Scene::parse(&source).unwrap_or_else(|errors| panic!("{}", errors.render(&source, false))).0;
+        let scene = Scene::parse(&source).unwrap_or_else(|errors| panic!("{}", errors.located(&source))).0;
         let mut values = Values::defaults(&formula, &scene);
         let given: Vec<_> = settings
             .iter()

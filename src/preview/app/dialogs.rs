@@ -1,5 +1,6 @@
 //! What is asked for in a window of its own: files, what went wrong, and the list of shortcuts.
 
+use crate::lang::display_text::{many_lines, one_line};
 use crate::presets::Kind;
 use crate::preview::app::Command;
 use crate::preview::app::command::shortcuts;
@@ -71,21 +72,21 @@ impl Dialogs {
     }
 
     /// Tells something that must not be missed.
-    pub(super) fn tell(&mut self, title: impl Into<String>, text: impl Into<String>) {
-        let message = (title.into(), text.into());
+    pub(super) fn tell(&mut self, title: impl AsRef<str>, text: impl AsRef<str>) {
+        let message = (one_line(title.as_ref()), many_lines(text.as_ref()));
         if !self.messages.contains(&message) {
             self.messages.push_back(message);
         }
     }
 
     /// Asks whether a command is meant although work is lost by it, as the text says.
-    pub(super) fn ask_back(&mut self, text: String, command: Command) {
-        self.asked_back = Some((command, text));
+    pub(super) fn ask_back(&mut self, text: impl AsRef<str>, command: Command) {
+        self.asked_back = Some((command, many_lines(text.as_ref())));
     }
 
     /// Offers what was left unsaved.
     pub(super) fn offer(&mut self, left: Vec<String>) {
-        self.offered = left;
+        self.offered = left.iter().map(|text| one_line(text)).collect();
     }
 
     /// Shows the shortcuts.
@@ -121,8 +122,8 @@ impl Dialogs {
         if let Some((title, text)) = self.messages.front() {
             let modal = modal(context, title, |ui| {
                 ui.set_max_width(640.0);
-                // What marks places in a text stands below them.
-                if text.contains('│') {
+                // Marks stand below places in an indented line of source.
+                if text.contains("\n    ") {
                     ui.monospace(text)
                 } else {
                     ui.label(text)

@@ -315,7 +315,7 @@ impl App {
             details => format!("{}: {details}", notice.title),
         };
         if self.notices.show(notice) {
-            self.log.say(line);
+            self.log.say_lines(&line);
         }
     }
 

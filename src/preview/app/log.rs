@@ -1,5 +1,6 @@
 //! What happened: times of compiling and tracing, what was found, how drags ran; and a strip of the last frames.
 
+use crate::lang::display_text::one_line;
 use crate::plan::Method;
 use crate::preview::FrameTimes;
 use crate::preview::renderer::Event;
@@ -48,8 +49,9 @@ struct DragTimes {
 }
 
 impl Log {
-    /// Adds a line.
-    pub(super) fn say(&mut self, line: String) {
+    /// Adds a line, in which names may hold anything.
+    pub(super) fn say(&mut self, line: impl AsRef<str>) {
+        let line = one_line(line.as_ref());
         if let Some(listener) = &mut self.listener {
             listener(&line);
         }
@@ -57,6 +59,11 @@ impl Log {
             self.lines.pop_front();
         }
         self.lines.push_back(line);
+    }
+
+    /// Adds lines that are safe already, such as diagnostics with their places.
+    pub(super) fn say_lines(&mut self, text: &str) {
+        text.lines().for_each(|line| self.say(line));
     }
 
     /// Has every line told to somebody else too, those that are there first.
@@ -244,4 +251,19 @@ pub(super) fn thousands(count: u64) -> String {
         text.push(digit);
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_are_safe_and_short() {
+        let mut log = Log::default();
+        log.say(format!("saved {}\u{1b}[31m\n\u{202e}", "x".repeat(1 << 20)));
+        log.say_lines("one\n  two\n");
+        let lines: Vec<&str> = log.lines.iter().map(String::as_str).collect();
+        assert!(lines[0].ends_with("x\\u{1b}[31m\\n\\u{202e}") && lines[0].len() < 200, "{}", lines[0]);
+        assert_eq!(lines[1..], ["one", "  two"]);
+    }
 }

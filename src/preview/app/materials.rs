@@ -2,7 +2,7 @@
 
 use crate::files::Readable;
 use crate::preview::workshop::Workshop;
-use crate::workspace::materials::{Findings, Material, Place, Shelf};
+use crate::workspace::materials::{Material, Place, Shelf};
 use crate::workspace::{OwnerId, files::Location};
 use egui::{ComboBox, TextEdit, Ui};
 use std::path::Path;
@@ -30,11 +30,10 @@ impl Default for Materials {
 impl Materials {
     /// Opens the library that a formula names; what is to be said of it.
     pub(super) fn open(&mut self, uses: Option<&str>, formula: Option<&Location>, data: Option<&Path>) -> Option<String> {
-        let said = |findings: &Findings| findings.render(false);
         let place = Place::of(uses, formula, data).map_err(|reason| reason.message().to_owned());
         let (shelf, told) = match place.map(|place| Shelf::open(place, Readable::Regular)) {
-            Ok(Ok((shelf, findings))) => (Ok(shelf), Some(said(&findings)).filter(|text| !text.is_empty())),
-            Ok(Err(findings)) => (Err(said(&findings)), Some(said(&findings))),
+            Ok(Ok((shelf, findings))) => (Ok(shelf), Some(format!("{findings:#}")).filter(|text| !text.is_empty())),
+            Ok(Err(findings)) => (Err(findings.to_string()), Some(format!("{findings:#}"))),
             Err(reason) => (Err(reason), None),
         };
         self.shelf = shelf;
@@ -94,7 +93,7 @@ impl Materials {
             let own = shelf.get(&self.chosen).is_some() && !shelf.is_built_in(&self.chosen);
             let delete = ui.add_enabled(own, egui::Button::new("Delete"));
             if delete.on_disabled_hover_text("Built-in materials stay").clicked() {
-                told = shelf.remove(&self.chosen).err().map(|findings| findings.render(false));
+                told = shelf.remove(&self.chosen).err().map(|findings| format!("{findings:#}"));
                 self.chosen.clear();
                 self.name.clear();
             }
@@ -104,7 +103,7 @@ impl Materials {
             let save = ui.add_enabled(!self.name.trim().is_empty(), egui::Button::new("Save material"));
             if save.on_hover_text("Keep this body's values under this name").clicked() {
                 let kept = Material::of_body(self.name.trim(), workshop.values(), body).map_err(|error| error.to_string());
-                match kept.and_then(|material| shelf.put(material).map_err(|findings| findings.render(false))) {
+                match kept.and_then(|material| shelf.put(material).map_err(|findings| format!("{findings:#}"))) {
                     Ok(()) => self.name.trim().clone_into(&mut self.chosen),
                     Err(message) => told = Some(message),
                 }

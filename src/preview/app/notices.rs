@@ -1,5 +1,6 @@
 //! Notices: messages about the user's work. They stay in view until they are dismissed, or are no longer true.
 
+use crate::lang::display_text::{many_lines, one_line};
 use egui::{Color32, CornerRadius, Frame, Margin, RichText, ScrollArea, Stroke, Ui, vec2};
 
 /// What a notice is about. There is one notice on a subject at a time.
@@ -48,12 +49,17 @@ pub(super) struct Notice {
 }
 
 impl Notice {
-    pub(super) fn warning(topic: Topic, title: impl Into<String>, details: impl Into<String>) -> Self {
-        Self { topic, severity: Severity::Warning, title: title.into(), details: details.into() }
+    pub(super) fn warning(topic: Topic, title: impl AsRef<str>, details: impl AsRef<str>) -> Self {
+        Self::new(topic, Severity::Warning, title.as_ref(), details.as_ref())
     }
 
-    pub(super) fn error(topic: Topic, title: impl Into<String>, details: impl Into<String>) -> Self {
-        Self { topic, severity: Severity::Error, title: title.into(), details: details.into() }
+    pub(super) fn error(topic: Topic, title: impl AsRef<str>, details: impl AsRef<str>) -> Self {
+        Self::new(topic, Severity::Error, title.as_ref(), details.as_ref())
+    }
+
+    /// A notice with safe texts: names in them may hold anything.
+    fn new(topic: Topic, severity: Severity, title: &str, details: &str) -> Self {
+        Self { topic, severity, title: one_line(title), details: many_lines(details) }
     }
 }
 

@@ -6,13 +6,13 @@
 use super::history::{Edit, History, Selection};
 use crate::formula::Formula;
 use crate::lang::diagnostic::{Diagnostic, Diagnostics, Severity};
-use crate::lang::source::Source;
+use crate::lang::lines::{LineEnd, with_line_feeds};
+use crate::lang::source::{BYTE_ORDER_MARK, Source};
 use crate::presets::Kind;
 use crate::scene::Scene;
 use crate::workspace::files::Location;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-const MARK: char = '\u{feff}';
 /// Texts up to so many bytes are checked at every change; it takes no longer than drawing them.
 const CHECKED_AT_ONCE: usize = 32 << 10;
 
@@ -25,7 +25,7 @@ pub struct Document {
     pub(super) text: String,
     saved: String,
     marked: bool,
-    carriage_returns: bool,
+    line_end: LineEnd,
     revision: u64,
     checked: Option<u64>,
     diagnostics: Vec<Diagnostic>,
@@ -36,10 +36,10 @@ impl Document {
     /// A text that is not kept anywhere yet. It counts as saved until it is changed.
     pub fn untitled(kind: Kind, text: &str) -> Self {
         static NEXT: AtomicU64 = AtomicU64::new(0);
-        let marked = text.starts_with(MARK);
-        let text = text.strip_prefix(MARK).unwrap_or(text);
-        let carriage_returns = text.split_inclusive('\n').next().is_some_and(|line| line.ends_with("\r\n"));
-        let text = text.replace("\r\n", "\n");
+        let marked = text.starts_with(BYTE_ORDER_MARK);
+        let text = text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text);
+        let line_end = LineEnd::first_in(text);
+        let text = with_line_feeds(text);
         let mut document = Self {
             id: NEXT.fetch_add(1, Ordering::Relaxed),
             kind,
@@ -47,7 +47,7 @@ impl Document {
             saved: text.clone(),
             text,
             marked,
-            carriage_returns,
+            line_end,
             revision: 0,
             checked: None,
             diagnostics: Vec::new(),
@@ -91,8 +91,8 @@ impl Document {
 
     /// The text as it belongs into a file: with the line ends and the byte order mark it came with.
     pub fn file_text(&self) -> String {
-        let mark = if self.marked { String::from(MARK) } else { String::new() };
-        mark + &if self.carriage_returns { self.text.replace('\n', "\r\n") } else { self.text.clone() }
+        let mark = if self.marked { String::from(BYTE_ORDER_MARK) } else { String::new() };
+        mark + &self.text.replace('\n', self.line_end.text())
     }
 
     /// Whether something is changed that is not saved.
@@ -138,7 +138,7 @@ impl Document {
 
     /// Puts another text in the place of the whole, as one step that can be undone.
     pub fn replace_text(&mut self, text: &str) {
-        let text = text.strip_prefix(MARK).unwrap_or(text).replace("\r\n", "\n");
+        let text = with_line_feeds(text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text));
         if let Some(edit) = Edit::between(&self.text, &text) {
             let after = Selection::cursor(edit.at);
             self.edit(edit, after, after);
@@ -231,10 +231,10 @@ mod tests {
 
     #[test]
     fn files_keep_their_line_ends_and_mark() {
-        for text in ["\u{feff}formula;\r\n= Cd;\r\n", "formula;\n= Cd;", "", "\r\n", "\n"] {
+        for text in ["\u{feff}formula;\r\n= Cd;\r\n", "formula;\n= Cd;", "formula;\r= Cd;\r", "", "\r\n", "\n", "\r"] {
             let document = Document::untitled(Kind::Formula, text);
             assert_eq!(document.file_text(), text);
-            assert!(!document.text().contains(['\r', MARK]));
+            assert!(!document.text().contains(['\r', BYTE_ORDER_MARK]));
         }
     }
 

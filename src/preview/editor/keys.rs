@@ -3,6 +3,7 @@
 //! Several keys may come with one frame where frames are slow. The widget gets what is typed before a command, the command is done next,
 //! and what comes behind waits for the next frame, so that everything happens in the order in which it was typed.
 
+use crate::lang::lines::with_line_feeds;
 use egui::{Event, Key, Modifiers};
 use std::collections::VecDeque;
 
@@ -107,7 +108,7 @@ impl Queue {
             }
             // Lines end in one way within the editor, wherever a text comes from.
             if let Event::Paste(text) = event {
-                *text = text.replace("\r\n", "\n");
+                *text = with_line_feeds(text);
             }
             self.waiting.push_back(event.clone());
             false
@@ -153,7 +154,7 @@ mod tests {
     fn what_is_typed_keeps_its_order_around_commands() {
         let text = |text: &str| Event::Text(text.to_owned());
         let mut events =
-            vec![text("a"), key(Key::Enter, Modifiers::NONE), text("b"), Event::PointerGone, Event::Paste("x\r\ny".into())];
+            vec![text("a"), key(Key::Enter, Modifiers::NONE), text("b"), Event::PointerGone, Event::Paste("x\r\ny\rz".into())];
         let mut queue = Queue::default();
         queue.take_from(&mut events);
         assert_eq!(events, [Event::PointerGone]);
@@ -162,7 +163,7 @@ mod tests {
         assert_eq!(queue.up_to_command(open), [text("a")]);
         assert_eq!(queue.next_command(open), Some(Command::LineBreak));
         assert_eq!(queue.next_command(open), None);
-        assert_eq!(queue.up_to_command(open), [text("b"), Event::Paste("x\ny".into())]);
+        assert_eq!(queue.up_to_command(open), [text("b"), Event::Paste("x\ny\nz".into())]);
         assert!(queue.is_empty());
     }
 

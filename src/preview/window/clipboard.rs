@@ -1,5 +1,6 @@
 //! The clipboard, as far as there is one: what cannot be read is empty, and what cannot be written is lost.
 
+use crate::lang::lines::with_line_feeds;
 use arboard::ImageData;
 use egui::ColorImage;
 
@@ -17,7 +18,7 @@ impl Clipboard {
     /// The text in it. Lines end as they do here.
     pub(super) fn text(&mut self) -> Option<String> {
         let text = self.open()?.get_text().ok()?;
-        Some(text.replace("\r\n", "\n")).filter(|text| !text.is_empty())
+        Some(with_line_feeds(&text)).filter(|text| !text.is_empty())
     }
 
     pub(super) fn set_text(&mut self, text: String) {

@@ -27,7 +27,7 @@ struct Collector {
 impl Listener for Collector {
     fn diagnostics(&mut self, diagnostics: &Diagnostics, source: &Source) {
         if diagnostics.iter().any(|diagnostic| diagnostic.severity() == Severity::Error) {
-            self.errors.push(diagnostics.render(source, false));
+            self.errors.push(format!("{:#}", diagnostics.located(source)));
         } else {
             self.warnings.extend(diagnostics.iter().map(text));
         }
@@ -44,7 +44,7 @@ impl Opened {
     /// regular.
     ///
     /// # Errors
-    /// What is wrong with any of the files, as text with the places marked.
+    /// What is wrong with any of the files, as lines of text with the places marked.
     pub fn session(location: &Location, readable: Readable) -> Result<Opened, String> {
         let session = Some(SessionText::At(location.clone()));
         Self::open(&Request { session, session_readable: readable, ..Request::default() })

@@ -10,7 +10,7 @@ fn errors(text: &str) -> String {
     let source = Source::new("scene", text);
     match parse(&source) {
         Ok((scene, _)) => panic!("this was taken:\n{scene}"),
-        Err(diagnostics) => diagnostics.render(&source, false),
+        Err(diagnostics) => format!("{:#}", diagnostics.located(&source)),
     }
 }
 
@@ -55,16 +55,11 @@ fn keywords_are_words_only_in_their_places() {
 #[test]
 fn an_index_without_use_is_warned_of() {
     let source = Source::new("scene", bodies("b: sphere, center <0,0,0>, radius 1, refractive_index 1.5, opaque;"));
-    assert_snapshot!(parse(&source).unwrap().1.render(&source, false), @r"
-    Warning: the refractive index of an opaque body has no effect
-       ╭─[ scene:2:38 ]
-       │
-     2 │ b: sphere, center <0,0,0>, radius 1, refractive_index 1.5, opaque;
-       │                                      ────────┬───────      ───┬──
-       │                                              ╰───────────────────── this is not used
-       │                                                               │
-       │                                                               ╰──── because the body never refracts
-    ───╯
+    assert_snapshot!(format!("{:#}", parse(&source).unwrap().1.located(&source)), @r"
+    scene:2:38: warning: the refractive index of an opaque body has no effect
+        b: sphere, center <0,0,0>, radius 1, refractive_index 1.5, opaque;
+                                             ^^^^^^^^^^^^^^^^ this is not used
+        2:60: because the body never refracts
     ");
 }
 
@@ -111,15 +106,10 @@ fov 180;
 #[test]
 fn a_skewed_rectangle_is_told_by_how_much() {
     assert_snapshot!(errors(&bodies("wall: rectangle, <0,0,0>, <0,2,0>, <3,2.2,0>;")), @r"
-    Error: the edges of the rectangle are not perpendicular: they are 3.814° off
-       ╭─[ scene:2:18 ]
-       │
-     2 │ wall: rectangle, <0,0,0>, <0,2,0>, <3,2.2,0>;
-       │                  ─────────────┬─────────────
-       │                               ╰─────────────── at B they meet at 93.814°, cosine -0.0665; up to 0.001 is taken
-       │
-       │ Help: with this A and B, C could be <3, 2, 0>
-    ───╯
+    scene:2:18: error: the edges of the rectangle are not perpendicular: they are 3.814° off
+        wall: rectangle, <0,0,0>, <0,2,0>, <3,2.2,0>;
+                         ^^^^^^^^^^^^^^^^^^^^^^^^^^^ at B they meet at 93.814°, cosine -0.0665; up to 0.001 is taken
+        help: with this A and B, C could be <3, 2, 0>
     ");
     assert_snapshot!(messages(&bodies("wall: rectangle, <0,0,0>, <0,2,0>, <0,5,0>;")), @"the edges of the rectangle are not perpendicular: they are 90.000° off");
 }
@@ -127,17 +117,11 @@ fn a_skewed_rectangle_is_told_by_how_much() {
 #[test]
 fn a_rectangle_without_an_edge_is_marked_at_both_corners() {
     assert_snapshot!(errors(&bodies("wall: rectangle, <0,0,0>, <0,2,0>, <0,2,0>;")), @r"
-    Error: an edge of the rectangle has no length
-       ╭─[ scene:2:36 ]
-       │
-     2 │ wall: rectangle, <0,0,0>, <0,2,0>, <0,2,0>;
-       │                           ───┬───  ───┬───
-       │                              ╰────────────── the corner before
-       │                                       │
-       │                                       ╰───── the same as the corner before
-       │
-       │ Help: give three corners in order, clockwise as seen from the front; the fourth follows
-    ───╯
+    scene:2:36: error: an edge of the rectangle has no length
+        wall: rectangle, <0,0,0>, <0,2,0>, <0,2,0>;
+                                           ^^^^^^^ the same as the corner before
+        2:27: the corner before
+        help: give three corners in order, clockwise as seen from the front; the fourth follows
     ");
 }
 
@@ -145,21 +129,11 @@ fn a_rectangle_without_an_edge_is_marked_at_both_corners() {
 fn a_name_twice_points_to_the_first() {
     let text = format!("bodies;\nball: sphere, center <0,0,0>, radius 1;\nlights;\nball: point, <0,0,0>;\n{CAMERA}");
     assert_snapshot!(errors(&text), @r"
-    Error: the name `ball` is already taken
-       ╭─[ scene:4:1 ]
-       │
-     4 │ ball: point, <0,0,0>;
-       │ ──┬─
-       │   ╰─── the second time
-       │
-       ├─[ scene:2:1 ]
-       │
-     2 │ ball: sphere, center <0,0,0>, radius 1;
-       │ ──┬─
-       │   ╰─── the first time
-       │
-       │ Help: bodies and lights share their names; choose another
-    ───╯
+    scene:4:1: error: the name `ball` is already taken
+        ball: point, <0,0,0>;
+        ^^^^ the second time
+        2:1: the first time
+        help: bodies and lights share their names; choose another
     ");
 }
 
@@ -205,36 +179,21 @@ fn the_camera_is_judged_clause_by_clause() {
 #[test]
 fn parallel_gaze_and_up_come_with_a_mend() {
     assert_snapshot!(errors("bodies; lights;\ncamera;\nposition <0,9,0>;\ngaze <0,-1,0>;\nup <0,1,0>;\nfov 45;"), @r"
-    Error: the camera's `gaze` and `up` are parallel
-       ╭─[ scene:5:4 ]
-       │
-     5 │ up <0,1,0>;
-       │    ───┬───
-       │       ╰───── this direction
-       │
-       ├─[ scene:4:6 ]
-       │
-     4 │ gaze <0,-1,0>;
-       │      ────┬───
-       │          ╰───── is also this one, or the opposite of it
-       │
-       │ Help: try `up <0, 0, 1>;`
-    ───╯
+    scene:5:4: error: the camera's `gaze` and `up` are parallel
+        up <0,1,0>;
+           ^^^^^^^ this direction
+        4:6: is also this one, or the opposite of it
+        help: try `up <0, 0, 1>;`
     ");
 }
 
 #[test]
 fn a_formula_is_recognised() {
     assert_snapshot!(errors("#uses m.txt;\nformula;\n=N;"), @r"
-    Error: this looks like a formula, not a scene
-       ╭─[ scene:1:1 ]
-       │
-     1 │ #uses m.txt;
-       │ ──────┬─────
-       │       ╰─────── a scene begins with `bodies;`
-       │
-       │ Help: give formula and scene the other way round, or check the name of the file
-    ───╯
+    scene:1:1: error: this looks like a formula, not a scene
+        #uses m.txt;
+        ^^^^^^^^^^^^ a scene begins with `bodies;`
+        help: give formula and scene the other way round, or check the name of the file
     ");
     assert_snapshot!(messages("global; formula; =N;"), @"this looks like a formula, not a scene");
 }
@@ -252,7 +211,7 @@ fn no_text_brings_the_parser_down() {
             let source = Source::new("scene", text);
             if let Err(errors) = parse(&source) {
                 assert!(errors.has_errors());
-                assert!(!errors.render(&source, false).is_empty());
+                assert!(!errors.located(&source).to_string().is_empty());
             }
         }
     }

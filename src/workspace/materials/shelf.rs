@@ -6,6 +6,7 @@ use crate::lang::source::Source;
 use crate::presets::Kind;
 use crate::workspace::files::{Location, read_file};
 use crate::workspace::materials::{Library, Material, Place, unknown};
+use std::fmt;
 use std::path::Path;
 
 /// What is said of a text, with the text; of none where it is empty.
@@ -21,10 +22,11 @@ impl Findings {
     fn of_no_text(diagnostic: Diagnostic) -> Self {
         Self { source: Source::new("", ""), diagnostics: diagnostic.into() }
     }
+}
 
-    /// All of them as text, with the marked source.
-    pub fn render(&self, colour: bool) -> String {
-        self.diagnostics.render(&self.source, colour)
+impl fmt::Display for Findings {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(&self.diagnostics.located(&self.source), f)
     }
 }
 

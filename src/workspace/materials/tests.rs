@@ -17,7 +17,7 @@ fn source(text: &str) -> Source {
 }
 
 fn library(text: &str) -> Library {
-    Library::parse(&source(text)).unwrap_or_else(|errors| panic!("{}", errors.render(&source(text), false))).0
+    Library::parse(&source(text)).unwrap_or_else(|errors| panic!("{}", errors.located(&source(text)))).0
 }
 
 fn names(library: &Library) -> Vec<&str> {
@@ -240,7 +240,7 @@ fn libraries_of_built_in_formulas_are_kept_in_the_data_folder() {
 
 fn shelf(uses: &str, data: &Path) -> Shelf {
     let place = Place::of(Some(uses), Some(&Location::new("preset:phong")), Some(data)).unwrap();
-    let (shelf, found) = Shelf::open(place, Readable::Regular).unwrap_or_else(|found| panic!("{}", found.render(false)));
+    let (shelf, found) = Shelf::open(place, Readable::Regular).unwrap_or_else(|found| panic!("{found}"));
     assert!(found.diagnostics.is_empty());
     shelf
 }

@@ -189,7 +189,7 @@ fn a_damaged_file_is_kept_aside() {
         let mut file = SettingsFile::new(&folders);
         let reading = file.read();
         assert_eq!(reading.settings, Settings::default());
-        let told = reading.diagnostics.render(&reading.source, false);
+        let told = format!("{:#}", reading.diagnostics.located(&reading.source));
         assert!(reading.diagnostics.has_errors() && told.contains("settings.toml.damaged`"), "{told}");
         let settings = Settings { shadows: false, ..reading.settings };
         let aside = file.save(&settings).unwrap().expect("kept aside");
@@ -212,7 +212,7 @@ fn a_folder_in_place_of_the_file_is_told_and_kept_aside() {
     fs::create_dir_all(folders.configuration.join("settings.toml/inside")).unwrap();
     let mut file = SettingsFile::new(&folders);
     let reading = file.read();
-    assert!(reading.diagnostics.render(&reading.source, false).contains("is a folder"));
+    assert!(reading.diagnostics.located(&reading.source).to_string().contains("is a folder"));
     assert!(file.save(&reading.settings).unwrap().unwrap().join("inside").is_dir());
 }
 

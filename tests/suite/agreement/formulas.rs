@@ -117,7 +117,7 @@ impl Case {
              light_specific; l: scalar; formula; MS = {scalar}; MV = {vector}; = {result};"
         );
         let source = Source::new("random", text.clone());
-        let (formula, _) = Formula::parse(&source).map_err(|errors| TestCaseError::fail(errors.render(&source, false)))?;
+        let (formula, _) = Formula::parse(&source).map_err(|errors| TestCaseError::fail(errors.located(&source).to_string()))?;
         let (scene, _) = Scene::parse(&Source::new("scene", SCENE)).map_err(|_| TestCaseError::fail("the scene is right"))?;
         let failed = |error: &dyn std::fmt::Display| TestCaseError::fail(error.to_string());
         let view = View::new(SIZE.0, SIZE.1).and_then(|view| view.with_depth(4)).map_err(|error| failed(&error))?;

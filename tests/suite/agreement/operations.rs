@@ -104,7 +104,7 @@ pub(super) fn formula_of(operation: Operation, from: Operands) -> (Formula, usiz
     };
     let text = format!("{declarations}formula;\n= {result};\n");
     let source = Source::new("operation", text.clone());
-    let (formula, _) = Formula::parse(&source).unwrap_or_else(|errors| panic!("{text}\n{}", errors.render(&source, false)));
+    let (formula, _) = Formula::parse(&source).unwrap_or_else(|errors| panic!("{text}\n{}", errors.located(&source)));
     (formula, count)
 }
 

@@ -1,15 +1,12 @@
-//! What people are told of mistakes, as they see it.
+//! What `check` says about mistakes in formulas, as users see it.
 
-use illuminator::formula::Formula;
-use illuminator::lang::source::Source;
+use crate::{folder, run, write};
 
-/// Everything said of a formula, errors or warnings.
+/// All errors and warnings of a formula.
 fn said(text: &str) -> String {
-    let source = Source::new("model.formula", text);
-    match Formula::parse(&source) {
-        Ok((_, warnings)) => warnings.render(&source, false),
-        Err(errors) => errors.render(&source, false),
-    }
+    let folder = folder();
+    write(&folder, "model.formula", text);
+    String::from_utf8(run(folder.path(), "check --kind formula model.formula").stderr).expect("text")
 }
 
 #[test]
