@@ -1,7 +1,7 @@
-//! Syntax of a formula file as written, before names and types are looked at.
+//! The syntax of a formula file as written, before names and types are checked.
 //!
-//! Expressions lie in one arena, operands before the operations that use them, so that whatever walks them needs a loop and no
-//! recursion, however deeply a text nests.
+//! All expressions are in one list, operands before the operations that use them. So code that walks them needs a loop and no
+//! recursion, however deeply a text is nested.
 
 use crate::lang::source::Span;
 use crate::lang::token::Mark;
@@ -13,7 +13,7 @@ use crate::lang::variables::Owner;
 pub struct Name {
     /// The name.
     pub text: String,
-    /// Where it stands.
+    /// Its place.
     pub span: Span,
 }
 
@@ -26,9 +26,9 @@ pub struct ExprId(pub u32);
 pub struct Expr {
     /// What it is.
     pub kind: ExprKind,
-    /// Where it stands, parentheses around it not counted.
+    /// Its place, without the parentheses around it.
     pub span: Span,
-    /// Whether it stands in parentheses of its own.
+    /// Whether it has parentheses of its own.
     pub parenthesised: bool,
 }
 
@@ -98,7 +98,7 @@ impl Constant {
 pub struct Declaration {
     /// The parameter's name.
     pub name: Name,
-    /// Its owner, by the section.
+    /// Its owner, which the section determines.
     pub owner: Owner,
     /// Its type.
     pub ty: Type,
@@ -121,10 +121,10 @@ pub enum Relation {
     AtMost,
 }
 
-/// A sum of parameters that is to be 1, or at most 1.
+/// A sum of parameters that must be 1, or at most 1.
 #[derive(Debug, Clone, PartialEq)]
 pub struct InvariantLine {
-    /// The parameters, in the order of naming.
+    /// The parameters, in the order in which they are named.
     pub terms: Vec<Name>,
     /// `=` or `<=`.
     pub relation: Relation,
@@ -159,7 +159,7 @@ pub struct FormulaFile {
     pub sections: Vec<Section>,
     /// The macros, in the order of the file.
     pub macros: Vec<MacroLine>,
-    /// The expression behind the last `=`.
+    /// The expression after the last `=`.
     pub result: Option<ExprId>,
     /// All expressions, operands before their users.
     pub expressions: Vec<Expr>,

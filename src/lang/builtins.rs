@@ -25,7 +25,7 @@ pub enum Form {
     Conditional,
 }
 
-/// Operands and results of operations: a stack of scalars, three for a vector, the first component deepest.
+/// Operands and results of operations: a stack of scalars. A vector takes three, its first component deepest.
 #[derive(Debug, Clone)]
 pub struct Stack<T> {
     slots: Vec<T>,
@@ -33,45 +33,45 @@ pub struct Stack<T> {
 }
 
 impl<T: Copy> Stack<T> {
-    /// An empty stack for at most `depth` scalars; `filler` is what unused places hold.
+    /// An empty stack for at most `depth` scalars; unused slots hold `filler`.
     pub fn new(depth: usize, filler: T) -> Self {
         Self { slots: vec![filler; depth], top: 0 }
     }
 
-    /// Puts a scalar on top.
+    /// Pushes a scalar.
     ///
     /// # Panics
-    /// Beyond the depth given to [`new`](Self::new), which whoever fills the stack must know beforehand.
+    /// The stack is full: the depth given to [`new`](Self::new) must suffice for whoever fills it.
     #[inline]
     pub fn push(&mut self, value: T) {
         self.slots[self.top] = value;
         self.top += 1;
     }
 
-    /// The uppermost `N` scalars, deepest first, taken off.
+    /// Removes the topmost `N` scalars, and returns them, deepest first.
     ///
     /// # Panics
-    /// Where there are fewer.
+    /// There are fewer.
     #[inline(always)]
     pub fn pop<const N: usize>(&mut self) -> [T; N] {
         let top = self.top;
         self.top -= N;
-        // One check of bounds for all of them: this is the inner loop of the interpreter.
+        // One bounds check for all of them: this is the inner loop of the interpreter.
         let slots = &self.slots[self.top..top];
         std::array::from_fn(|index| slots[index])
     }
 
-    /// How many scalars it holds.
+    /// The number of scalars.
     pub fn len(&self) -> usize {
         self.top
     }
 
-    /// Whether it holds none.
+    /// Whether there are none.
     pub fn is_empty(&self) -> bool {
         self.top == 0
     }
 
-    /// Takes everything off.
+    /// Removes everything.
     pub fn clear(&mut self) {
         self.top = 0;
     }
@@ -116,7 +116,7 @@ macro_rules! put {
 macro_rules! operations {
     ($($variant:ident $form:ident $(($spelling:expr))? [$($operand:ident: $type:ident),*] -> $result:ident
         $origin:ident $doc:literal, |$m:ident| $meaning:expr;)*) => {
-        /// An operator or function with its operand types settled; its number is its opcode's place in the bytecode.
+        /// An operator or function for certain types of operands. Its number is its opcode in the bytecode.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
         #[repr(u8)]
         pub enum Operation {
@@ -176,7 +176,7 @@ macro_rules! operations {
                 }
             }
 
-            /// Replaces its operands on top of the stack by its result, in the sense that `scalars` gives the primitives.
+            /// Replaces its operands on top of the stack by its result; `scalars` gives the primitives their meaning.
             #[inline]
             #[allow(unused_assignments, unused_mut, unused_variables, reason = "of operations without operands")]
             pub fn apply<M: Scalars>(self, scalars: &mut M, stack: &mut Stack<M::Value>) {

@@ -1,4 +1,4 @@
-//! A place in a list of words, with what every parser of ours needs: expectations, and going on after an error.
+//! The reading position of a parser in a list of words: how words are expected, and how parsing goes on after an error.
 
 use crate::lang::ast::Name;
 use crate::lang::diagnostic::{Diagnostic, Diagnostics, nearest};
@@ -7,11 +7,11 @@ use crate::lang::source::{Source, Span};
 use crate::lang::token::{Mark, Token, TokenKind};
 use crate::lang::variables::RESERVED;
 
-/// An error that has been reported already; the parser goes on at the next statement.
+/// An error that has been reported; the parser goes on at the next statement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Reported;
 
-/// A value and where it stands.
+/// A value with its place.
 #[derive(Debug, Clone, Copy)]
 pub struct Placed<T> {
     /// The value.
@@ -20,7 +20,7 @@ pub struct Placed<T> {
     pub span: Span,
 }
 
-/// A parser's place in the words of a source.
+/// A parser's position in the words of a source.
 #[derive(Debug)]
 pub struct Cursor {
     tokens: Vec<Token>,
@@ -29,62 +29,62 @@ pub struct Cursor {
 }
 
 impl Cursor {
-    /// At the beginning of a source; what is wrong with its characters is reported already.
+    /// The beginning of a source. Errors in its characters are reported here.
     pub fn new(source: &Source) -> Self {
         let (tokens, diagnostics) = tokenize(source);
         Self { tokens, at: 0, diagnostics }
     }
 
-    /// What has been found wrong, in the order of places.
+    /// Everything that was reported, in the order of places.
     pub fn into_diagnostics(mut self) -> Diagnostics {
         self.diagnostics.sort();
         self.diagnostics
     }
 
-    /// The word `ahead` places from here; beyond the end it is the end.
+    /// The word `ahead` words after the current one; the end of the text if there are not so many.
     pub fn peek(&self, ahead: usize) -> &Token {
         // The lexer always ends the list with `End`.
         &self.tokens[(self.at + ahead).min(self.tokens.len() - 1)]
     }
 
-    /// What the word `ahead` places from here is.
+    /// The kind of the word `ahead` words after the current one.
     pub fn kind(&self, ahead: usize) -> &TokenKind {
         &self.peek(ahead).kind
     }
 
-    /// How many words are read.
+    /// The number of words that have been read.
     pub fn position(&self) -> usize {
         self.at
     }
 
-    /// The place of the word at hand.
+    /// The place of the current word.
     pub fn span(&self) -> Span {
         self.peek(0).span
     }
 
-    /// The place of the word before.
+    /// The place of the word before the current one.
     pub fn previous_span(&self) -> Span {
         self.tokens[self.at.saturating_sub(1)].span
     }
 
-    /// Whether all words are read.
+    /// Whether all words have been read.
     pub fn at_end(&self) -> bool {
         self.peek(0).kind == TokenKind::End
     }
 
-    /// Passes over the word at hand.
+    /// Moves past the current word, and returns it.
     pub fn advance(&mut self) -> Token {
         let token = self.peek(0).clone();
         self.at = (self.at + 1).min(self.tokens.len() - 1);
         token
     }
 
-    /// Whether the word `ahead` places from here is this mark.
+    /// Whether the word `ahead` words after the current one is this mark.
     pub fn sees_mark(&self, ahead: usize, mark: Mark) -> bool {
         self.peek(ahead).kind == TokenKind::Mark(mark)
     }
 
-    /// The mark at hand, if it is one.
+    /// The current word if it is a mark.
     pub fn mark(&self) -> Option<Mark> {
         match self.peek(0).kind {
             TokenKind::Mark(mark) => Some(mark),
@@ -92,7 +92,7 @@ impl Cursor {
         }
     }
 
-    /// The name or keyword `ahead` places from here.
+    /// The name or keyword `ahead` words after the current one.
     pub fn word(&self, ahead: usize) -> Option<&str> {
         match &self.peek(ahead).kind {
             TokenKind::Word(word) => Some(word),
@@ -100,7 +100,7 @@ impl Cursor {
         }
     }
 
-    /// Reads on as if the word at hand were this one, and a `;` behind it.
+    /// Replaces the current word by this one, and the next by a `;`.
     pub fn rename(&mut self, word: &str) {
         let end = self.tokens.len() - 1;
         self.tokens[self.at.min(end)].kind = TokenKind::Word(word.to_owned());
@@ -109,7 +109,7 @@ impl Cursor {
         }
     }
 
-    /// Passes over this mark if it is at hand.
+    /// Moves past the current word if it is this mark. Whether it is.
     pub fn accept(&mut self, mark: Mark) -> bool {
         let found = self.sees_mark(0, mark);
         if found {
@@ -118,7 +118,7 @@ impl Cursor {
         found
     }
 
-    /// Passes over this word if it is at hand.
+    /// Moves past the current word if it is this one. Whether it is.
     pub fn accept_word(&mut self, word: &str) -> bool {
         let found = self.word(0) == Some(word);
         if found {
@@ -127,7 +127,7 @@ impl Cursor {
         found
     }
 
-    /// Whether the head of a section, `word;`, is at hand.
+    /// Whether the current word and the next are the head of a section, `word;`.
     pub fn sees_section(&self) -> bool {
         self.word(0).is_some_and(|word| RESERVED.contains(&word)) && self.sees_mark(1, Mark::Semicolon)
     }
@@ -138,13 +138,13 @@ impl Cursor {
         self.report(diagnostic)
     }
 
-    /// The error that something else was expected here, for adding a hint to it.
+    /// The error that something else was expected here, to which the caller can add a hint.
     pub fn unexpected(&self, what: &str) -> Diagnostic {
         let found = self.peek(0).kind.describe();
         Diagnostic::error(format!("expected {what}, found {found}")).at(self.span(), format!("expected {what}"))
     }
 
-    /// Reports an error or a warning; but nothing more of characters that are reported already.
+    /// Reports an error or a warning, unless the lexer has reported the current word.
     pub fn report(&mut self, diagnostic: Diagnostic) -> Reported {
         if *self.kind(0) != TokenKind::Unknown {
             self.diagnostics.push(diagnostic);
@@ -152,10 +152,10 @@ impl Cursor {
         Reported
     }
 
-    /// Passes over the mark, or reports that it is missing `place`: "after the name", say.
+    /// Moves past the mark, or reports that it is missing; `place` says where, as in "after the name".
     ///
     /// # Errors
-    /// Another word is at hand.
+    /// The current word is another one.
     pub fn expect(&mut self, mark: Mark, place: &str) -> Result<(), Reported> {
         if self.accept(mark) {
             return Ok(());
@@ -163,7 +163,7 @@ impl Cursor {
         let found = self.kind(0).describe();
         let missing = Diagnostic::error(format!("expected `{}` {place}, found {found}", mark.spelling()));
         let diagnostic = if mark == Mark::Semicolon {
-            // What is missing at the end of something is looked for there, not on the next line.
+            // People look for what is missing at the end of something there, not on the next line.
             let end = self.previous_span().end;
             missing.at(Span { start: end, end }, format!("`;` belongs here, before {found}"))
         } else {
@@ -172,35 +172,35 @@ impl Cursor {
         Err(self.report(diagnostic))
     }
 
-    /// Passes over the keyword, or reports that it is missing `place`.
+    /// Moves past the keyword, or reports that it is missing; `place` says where.
     ///
     /// # Errors
-    /// Another word is at hand.
+    /// The current word is another one.
     pub fn expect_word(&mut self, keyword: &str, place: &str) -> Result<(), Reported> {
         if self.accept_word(keyword) { Ok(()) } else { Err(self.unknown_word(&format!("`{keyword}` {place}"), &[keyword])) }
     }
 
-    /// Reads a name that the text gives to something, as `what` says it: "the name of a parameter".
+    /// Reads a name that the text gives to something; `what` describes it in messages, as in "the name of a parameter".
     ///
     /// # Errors
-    /// No name is at hand, or one that may not name anything.
+    /// The current word is no name, or a reserved one.
     pub fn name(&mut self, what: &str) -> Result<Name, Reported> {
         let Some(word) = self.word(0) else { return Err(self.expected(what)) };
         let name = Name { text: word.to_owned(), span: self.span() };
         if RESERVED.contains(&word) {
             let diagnostic = Diagnostic::error(format!("`{word}` may not name anything"))
                 .at(name.span, format!("expected {what}"))
-                .help(format!("the words {} head sections; choose another name", RESERVED.join(", ")));
+                .help(format!("the words {} begin sections; choose another name", RESERVED.join(", ")));
             return Err(self.report(diagnostic));
         }
         self.advance();
         Ok(name)
     }
 
-    /// Reads a number with an optional minus sign; `what` names it in messages.
+    /// Reads a number with an optional minus sign; `what` describes it in messages.
     ///
     /// # Errors
-    /// Something else is at hand.
+    /// The current word is something else.
     pub fn number(&mut self, what: &str) -> Result<Placed<f64>, Reported> {
         let start = self.span();
         let negative = self.accept(Mark::Minus);
@@ -213,10 +213,10 @@ impl Cursor {
         Ok(Placed { value: if negative { -value } else { value }, span })
     }
 
-    /// Reads a vector `<x, y, z>` of numbers; `what` names it in messages.
+    /// Reads a vector `<x, y, z>` of numbers; `what` describes it in messages.
     ///
     /// # Errors
-    /// Something else is at hand.
+    /// Something else is found.
     pub fn vector(&mut self, what: &str) -> Result<Placed<[Placed<f64>; 3]>, Reported> {
         let start = self.span();
         if !self.accept(Mark::Less) {
@@ -238,7 +238,7 @@ impl Cursor {
         Ok(Placed { value: components, span: start.to(self.previous_span()) })
     }
 
-    /// Passes over the rest of a statement: beyond the next `;`, or up to the head of the next section.
+    /// Moves past the rest of a statement: past the next `;`, or to the head of the next section.
     pub fn skip_statement(&mut self) {
         while !self.at_end() && !self.sees_section() {
             if self.advance().kind == TokenKind::Mark(Mark::Semicolon) {
@@ -247,7 +247,7 @@ impl Cursor {
         }
     }
 
-    /// Reports a word that is none of those known here, with the nearest of them.
+    /// Reports a word that is not known here, with the most similar of the known ones.
     pub fn unknown_word(&mut self, what: &str, known: &[&str]) -> Reported {
         let hint =
             self.word(0).and_then(|word| nearest(word, known.iter().copied())).map(|near| format!("did you mean `{near}`?"));

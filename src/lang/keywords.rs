@@ -1,9 +1,9 @@
-//! Words of the two languages that are not names: heads of sections, types, attributes, clauses of the camera; each defined once.
+//! The keywords of the two languages: heads of sections, types, attributes, clauses of the camera; each defined once.
 //!
-//! They are words only in their places, which the parsers know. Here is how they are written and what they mean, for the parsers and
-//! for whatever helps a user to write them. The words of shapes and lights are defined with these, in the room `scene`.
+//! A keyword has its meaning only in its place, which the parsers know. Here is how keywords are written and what they mean, for
+//! the parsers and for the help that the editor gives. Those of shapes and lights are defined with these, in the room `scene`.
 
-/// A word with a meaning of its own.
+/// A keyword.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Keyword {
     /// How it is written.
@@ -47,7 +47,7 @@ keywords! {
     /// The attributes of declared parameters.
     PARAMETER_ATTRIBUTES [4] {
         "constraint" "bounds of the value, or of each component: `constraint 0..1`";
-        "default" "the value to begin with: `default 0.5`, `default <1, 0, 0>`";
+        "default" "the initial value: `default 0.5`, `default <1, 0, 0>`";
         "slider" "shows a slider";
         "color" "shows a colour picker";
     }

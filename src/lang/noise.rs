@@ -14,7 +14,7 @@ const PERMUTATION: [u8; 256] = [
     72, 243, 141, 128, 195, 78, 66, 215, 61, 156, 180,
 ];
 
-/// The most octaves that are summed.
+/// The largest number of octaves.
 const MAX_OCTAVES: f32 = 32.0;
 
 /// Σ noise(bⁱ·point)/aⁱ for i = 0 … n − 1 (thesis 9.2.2), n rounded down and clamped to 0..32; a NaN n counts as 0.
@@ -30,7 +30,7 @@ pub fn perlin(point: [f32; 3], a: f32, b: f32, n: f32) -> f32 {
     sum
 }
 
-/// Perlin's noise at a point, about −1..1; 0 at whole coordinates, and NaN where a coordinate is not finite.
+/// Perlin's noise at a point, about −1..1; 0 at whole coordinates, and NaN if a coordinate is not finite.
 pub fn noise(point: [f32; 3]) -> f32 {
     let cell = point.map(f32::floor);
     // The lattice repeats every 256 cells; the remainder is exact, so the conversion is too.

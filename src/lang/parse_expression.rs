@@ -1,4 +1,4 @@
-//! Words into expressions: the grammar's `expr` and `cond` (thesis 9.2.1).
+//! Parses expressions: `expr` and `cond` of the grammar (thesis 9.2.1).
 
 use crate::lang::ast::{ExprId, ExprKind, Name};
 use crate::lang::cursor::{Placed, Reported};
@@ -7,15 +7,15 @@ use crate::lang::parser::Parser;
 use crate::lang::source::Span;
 use crate::lang::token::{Mark, TokenKind};
 
-/// How deep expressions may nest. Far beyond what a person writes, and little enough for any thread's stack.
+/// How deeply expressions may be nested. Nobody writes so many levels, and they fit the stack of any thread.
 const MAX_NESTING: usize = 256;
 
-/// Where in a file an expression stands, as far as it matters how to read it.
+/// The surroundings of an expression, as far as parsing depends on them.
 #[derive(Clone, Copy)]
 struct Place {
-    /// How many expressions this one is nested in.
+    /// The number of expressions around this one.
     nesting: usize,
-    /// Whether comparisons may stand here.
+    /// Whether comparisons are allowed here.
     condition: bool,
 }
 
@@ -28,12 +28,12 @@ impl Place {
 const COMPARISONS: [Mark; 6] = [Mark::Less, Mark::LessEqual, Mark::Greater, Mark::GreaterEqual, Mark::EqualEqual, Mark::NotEqual];
 
 impl Parser<'_> {
-    /// `expr`, outside any condition.
+    /// Parses `expr`, outside of conditions.
     pub(super) fn expression(&mut self) -> Result<ExprId, Reported> {
         self.sum(Place { nesting: 0, condition: false })
     }
 
-    /// Passes over the mark that must stand behind an expression; says why another word cannot.
+    /// Moves past the mark that must follow an expression, or reports why another word cannot follow.
     pub(super) fn expect_expression_end(&mut self, mark: Mark, purpose: &str) -> Result<(), Reported> {
         let found = self.cursor.mark();
         if found == Some(mark) {
@@ -44,14 +44,14 @@ impl Parser<'_> {
         let logical = |found: Mark| COMPARISONS.contains(&found) || matches!(found, Mark::AndAnd | Mark::OrOr);
         let diagnostic = match found {
             Some(found) if logical(found) => {
-                Diagnostic::error(format!("`{}` stands outside the condition of an `if`", found.spelling()))
+                Diagnostic::error(format!("`{}` is outside the condition of an `if`", found.spelling()))
                     .at(span, "comparisons are not values")
                     .help("write `if(a < b, then, else)`")
             }
             Some(Mark::Equal) if !self.cursor.peek(0).begins_line => Diagnostic::error("a second `=` in one statement")
                 .at(span, format!("expected an operator or `{}`", mark.spelling()))
-                .help("was a `;` forgotten before? Equality is compared with `==`, inside `if(…)`"),
-            Some(Mark::Close) => Diagnostic::error("a `)` that closes nothing").at(span, "no `(` is open here"),
+                .help("is a `;` missing before it? To compare, write `==` inside `if(…)`"),
+            Some(Mark::Close) => Diagnostic::error("a `)` without a `(`").at(span, "no `(` is open here"),
             _ if self.operator_missing() => {
                 let before = self.source_text(self.cursor.previous_span());
                 let after = self.source_text(span);
@@ -66,7 +66,7 @@ impl Parser<'_> {
         Err(self.cursor.report(diagnostic))
     }
 
-    /// Whether a value begins right behind another, on the same line.
+    /// Whether a value follows another without an operator, on the same line.
     fn operator_missing(&self) -> bool {
         let next = self.cursor.peek(0);
         let value = matches!(next.kind, TokenKind::Word(_) | TokenKind::Number(_) | TokenKind::Mark(Mark::Open));
@@ -83,7 +83,8 @@ impl Parser<'_> {
         Ok(Place { nesting: place.nesting + 1, ..place })
     }
 
-    /// `cond`: comparisons joined by `&&` and `||`. Inside it parentheses may hold conditions or values; the types tell later.
+    /// Parses `cond`: comparisons joined by `&&` and `||`. Parentheses in it may hold conditions or values; their types are
+    /// checked later.
     fn condition(&mut self, place: Place) -> Result<ExprId, Reported> {
         let place = Place { condition: true, ..place };
         let mut left = self.conjunction(place)?;
@@ -124,7 +125,7 @@ impl Parser<'_> {
         Ok(comparison)
     }
 
-    /// The operator at hand with its right operand, behind the left one.
+    /// Parses the current operator and its right operand; the left one has been parsed.
     fn infix(
         &mut self,
         left: ExprId,
@@ -139,7 +140,7 @@ impl Parser<'_> {
         Ok(self.add(ExprKind::Infix(mark, operator.span, [left, right]), span))
     }
 
-    /// The beginning of an expression, its own parentheses counted.
+    /// The place of an expression, from its own parenthesis if it has one.
     fn outer_start(&self, id: ExprId) -> Span {
         let expression = self.file.expr(id);
         let mut span = expression.span;
@@ -165,7 +166,7 @@ impl Parser<'_> {
         Ok(left)
     }
 
-    /// `^` groups to the right, and a unary minus binds tighter than it: −2^2 is 4.
+    /// `^` groups to the right, and a unary minus binds more tightly: −2^2 is 4.
     fn power(&mut self, place: Place) -> Result<ExprId, Reported> {
         let base = self.unary(place)?;
         if !self.cursor.sees_mark(0, Mark::Caret) {
@@ -234,7 +235,7 @@ impl Parser<'_> {
                 Ok(self.add(ExprKind::Vector([x, y, z]), span))
             }
             TokenKind::Mark(Mark::Not) => {
-                let diagnostic = Diagnostic::error("`!` stands outside the condition of an `if`")
+                let diagnostic = Diagnostic::error("`!` is outside the condition of an `if`")
                     .at(token.span, "comparisons are not values")
                     .help("write `if(!(a < b), then, else)`");
                 Err(self.cursor.report(diagnostic))
@@ -245,7 +246,7 @@ impl Parser<'_> {
         }
     }
 
-    /// The mark behind a component of the vector that was opened at `open`.
+    /// Moves past the mark after a component of the vector that begins at `open`.
     fn expect_component(&mut self, open: Span, mark: Mark) -> Result<(), Reported> {
         let few = mark == Mark::Comma && self.cursor.sees_mark(0, Mark::Greater);
         let many = mark == Mark::Greater && self.cursor.sees_mark(0, Mark::Comma);
@@ -258,7 +259,7 @@ impl Parser<'_> {
         self.expect_expression_end(mark, "in the vector `<x, y, z>`")
     }
 
-    /// `1.N` is the number `1.` before a name: likely a dot product was meant.
+    /// Reports a number with a value right after it: `1.N` is the number `1.` and a name, but probably meant as a dot product.
     fn number_stands_alone(&mut self, text: &str) -> Result<(), Reported> {
         let number = self.cursor.previous_span();
         let next = self.cursor.peek(0).clone();
@@ -269,7 +270,7 @@ impl Parser<'_> {
         let hint = match &next.kind {
             TokenKind::Word(name) if text.ends_with('.') => {
                 format!(
-                    "a dot behind digits belongs to the number: write `({}).{name}` for a dot product",
+                    "a dot after digits belongs to the number; write `({}).{name}` for a dot product",
                     text.trim_end_matches('.')
                 )
             }
@@ -278,17 +279,17 @@ impl Parser<'_> {
                 "write an operator, or a `,` between arguments".to_owned()
             }
         };
-        let diagnostic = Diagnostic::error(format!("a number stands right before {described}"))
+        let diagnostic = Diagnostic::error(format!("a number is directly before {described}"))
             .at(number.to(next.span), "expected an operator between the two")
             .help(hint);
         Err(self.cursor.report(diagnostic))
     }
 
-    /// `if(condition, then, else)`, behind the `if`.
+    /// Parses `(condition, then, else)` after `if`.
     fn conditional(&mut self, place: Place, callee: Name) -> Result<ExprId, Reported> {
         self.cursor.expect(Mark::Open, "after `if`, as in `if(a < b, then, else)`")?;
         let condition = self.condition(place)?;
-        self.cursor.expect(Mark::Comma, "between the condition and the value where it holds")?;
+        self.cursor.expect(Mark::Comma, "between the condition and the value if it holds")?;
         let then = self.sum(place)?;
         self.cursor.expect(Mark::Comma, "between the two values of `if`")?;
         let other = self.sum(place)?;
@@ -297,7 +298,7 @@ impl Parser<'_> {
         Ok(self.add(ExprKind::Conditional([condition, then, other]), span))
     }
 
-    /// `name(arguments)`, behind the name.
+    /// Parses `(arguments)` after a name.
     fn call(&mut self, place: Place, callee: Name) -> Result<ExprId, Reported> {
         let open = self.cursor.advance().span;
         let mut arguments = Vec::new();
@@ -312,7 +313,7 @@ impl Parser<'_> {
             }
         }
         if self.cursor.at_end() || self.cursor.sees_mark(0, Mark::Semicolon) {
-            let diagnostic = Diagnostic::error(format!("the `(` of `{}(` is not closed", callee.text))
+            let diagnostic = Diagnostic::error(format!("the `(` after `{}` is not closed", callee.text))
                 .at(open, "opened here")
                 .at(self.cursor.span(), "expected `)` before this");
             return Err(self.cursor.report(diagnostic));

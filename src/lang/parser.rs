@@ -1,7 +1,7 @@
-//! Words into the syntax of a formula file, by recursive descent (thesis 9.1).
+//! Parses the words of a formula file into syntax, by recursive descent (thesis 9.1).
 //!
-//! After an error the parser goes on with the next statement, so that one run reports as many independent mistakes as there
-//! are. Names and types are not looked at here.
+//! After an error the parser goes on with the next statement, so that one run reports all independent mistakes. Names and types
+//! are not checked here.
 
 use crate::lang::ast::{Constant, Declaration, FormulaFile, InvariantLine, MacroLine, Relation, Section};
 use crate::lang::ast::{Expr, ExprId, ExprKind};
@@ -13,7 +13,7 @@ use crate::lang::token::{Mark, TokenKind};
 use crate::lang::types::Type;
 use crate::lang::variables::Owner;
 
-/// Reads a formula file. The syntax is as complete as the text allows; it is fit for use only where there are no errors.
+/// Parses a formula file. The syntax is as complete as the text allows; it may be used only if there are no errors.
 pub fn parse(source: &Source) -> (FormulaFile, Diagnostics) {
     let mut parser = Parser { source, cursor: Cursor::new(source), file: FormulaFile::default() };
     parser.file();
@@ -29,102 +29,128 @@ pub(super) struct Parser<'s> {
 const SECTIONS: [&str; 5] = keywords::words(&keywords::FORMULA_SECTIONS);
 const ATTRIBUTES: [&str; 4] = keywords::words(&keywords::PARAMETER_ATTRIBUTES);
 
+/// What follows a section.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Next {
+    /// Another section, or the head of the formula.
+    Section,
+    /// Macros and the result, whose head is missing. That has been reported.
+    FormulaWithoutHead,
+    /// Nothing that can be parsed. That has been reported.
+    Nothing,
+}
+
 impl Parser<'_> {
     fn file(&mut self) {
-        if let TokenKind::Uses(path, span) = self.cursor.kind(0) {
-            let (path, span) = (path.clone(), *span);
-            let whole = self.cursor.advance().span;
-            if path.is_empty() {
+        self.uses();
+        let mut seen = Vec::new();
+        let mut next = Next::Section;
+        while next == Next::Section && self.cursor.word(0) != Some("formula") && !self.cursor.at_end() {
+            next = self.section(&mut seen);
+        }
+        match next {
+            Next::Section if self.cursor.accept_word("formula") => {
+                let _ = self.cursor.expect(Mark::Semicolon, "after `formula`");
+                self.formula();
+            }
+            Next::Section => {
                 self.cursor.report(
-                    Diagnostic::error("`#uses` names no file")
-                        .at(whole, "expected a path behind it")
-                        .help("write `#uses FILE;`, or leave the line out if the model keeps no materials"),
+                    Diagnostic::error("the file has no formula")
+                        .at(self.cursor.span(), "expected `formula;` before the end")
+                        .help("end the file with `formula;` and `= expression;`"),
                 );
-            } else {
-                self.file.uses = Some((path, span));
             }
+            Next::FormulaWithoutHead => self.formula(),
+            Next::Nothing => {}
         }
-        let mut seen: Vec<(String, Span)> = Vec::new();
-        loop {
-            let head = self.cursor.span();
-            if let TokenKind::Uses(..) = self.cursor.kind(0) {
-                self.cursor.advance();
-                self.cursor
-                    .report(Diagnostic::error("`#uses` must stand first in the file").at(head, "move this line to the top"));
-                continue;
-            }
-            let word = self.cursor.word(0).map(str::to_owned);
-            match word.as_deref() {
-                Some("formula") => break,
-                Some(word @ ("global" | "body_specific" | "light_specific" | "invariants")) => {
-                    self.cursor.advance();
-                    if let Some((_, first)) = seen.iter().find(|(name, _)| name == word) {
-                        self.cursor.report(
-                            Diagnostic::error(format!("a second section `{word}`"))
-                                .at(head, "each section may stand only once")
-                                .at(*first, "the first is here")
-                                .help("put its lines into the first one"),
-                        );
-                    }
-                    seen.push((word.to_owned(), head));
-                    let _ = self.cursor.expect(Mark::Semicolon, &format!("after `{word}`"));
-                    match Owner::ALL.into_iter().find(|owner| owner.section() == word) {
-                        Some(owner) => self.declarations(owner),
-                        None => self.invariants(),
-                    }
-                }
-                Some("bodies" | "lights" | "camera") if self.cursor.sees_mark(1, Mark::Semicolon) => {
-                    self.cursor.report(
-                        Diagnostic::error("this looks like a scene, not a formula")
-                            .at(head, "a section of scene files")
-                            .help("give formula and scene the other way round, or check the name of the file"),
-                    );
-                    return;
-                }
-                _ if self.cursor.at_end() => break,
-                _ => {
-                    // A misspelt head of a section is read as what it is most like.
-                    let near = word.as_deref().and_then(|word| nearest(&word.replace('-', "_"), SECTIONS));
-                    let ends = self.cursor.sees_mark(1, Mark::Semicolon) || self.cursor.sees_mark(1, Mark::Colon);
-                    if let Some(near) = near.filter(|_| ends && self.cursor.peek(1).span.start == head.end) {
-                        let diagnostic = self.cursor.unexpected("a section");
-                        self.cursor.report(diagnostic.help(format!("did you mean `{near};`?")));
-                        self.cursor.rename(near);
-                        continue;
-                    }
-                    if word.is_none() && self.cursor.sees_mark(0, Mark::Equal) || self.cursor.sees_mark(1, Mark::Equal) {
-                        let diagnostic =
-                            Diagnostic::error("an expression before `formula;`").at(head, "expected `formula;` before this");
-                        self.cursor.report(diagnostic.help("macros and the last line `= …;` stand under `formula;`"));
-                        self.formula();
-                        return;
-                    }
-                    if self.cursor.sees_mark(1, Mark::Colon) {
-                        let diagnostic = Diagnostic::error("a declaration outside a section")
-                            .at(head, "expected a section first")
-                            .help("put it under `global;`, `body_specific;` or `light_specific;`");
-                        self.cursor.report(diagnostic);
-                    } else {
-                        let diagnostic = self.cursor.unexpected("a section (`body_specific;`, `formula;`, …)");
-                        self.cursor.report(diagnostic.help("a formula file ends with `formula;` and `= expression;`"));
-                        return;
-                    }
-                    // The word itself may be a section's head in the wrong place, which skipping does not pass.
-                    self.cursor.advance();
-                    self.cursor.skip_statement();
-                }
-            }
-        }
-        if !self.cursor.accept_word("formula") {
+    }
+
+    /// Parses `#uses` at the beginning of the file.
+    fn uses(&mut self) {
+        let TokenKind::Uses(path, span) = self.cursor.kind(0) else { return };
+        let (path, span) = (path.clone(), *span);
+        let whole = self.cursor.advance().span;
+        if path.is_empty() {
             self.cursor.report(
-                Diagnostic::error("the file has no formula")
-                    .at(self.cursor.span(), "expected `formula;` before the end")
-                    .help("end the file with `formula;` and `= expression;`"),
+                Diagnostic::error("`#uses` names no file")
+                    .at(whole, "expected a path after it")
+                    .help("write `#uses FILE;`, or remove the line if the formula needs no materials"),
             );
-            return;
+        } else {
+            self.file.uses = Some((path, span));
         }
-        let _ = self.cursor.expect(Mark::Semicolon, "after `formula`");
-        self.formula();
+    }
+
+    /// Parses a section before the formula, or reports what is in its place. `seen` has the sections before, with their heads.
+    fn section(&mut self, seen: &mut Vec<(String, Span)>) -> Next {
+        let head = self.cursor.span();
+        if let TokenKind::Uses(..) = self.cursor.kind(0) {
+            self.cursor.advance();
+            self.cursor
+                .report(Diagnostic::error("`#uses` must be the first line of the file").at(head, "move this line to the top"));
+            return Next::Section;
+        }
+        let word = self.cursor.word(0).map(str::to_owned);
+        match word.as_deref() {
+            Some(word @ ("global" | "body_specific" | "light_specific" | "invariants")) => {
+                self.cursor.advance();
+                if let Some((_, first)) = seen.iter().find(|(name, _)| name == word) {
+                    self.cursor.report(
+                        Diagnostic::error(format!("a second section `{word}`"))
+                            .at(head, "each section may be there only once")
+                            .at(*first, "the first is here")
+                            .help("move its lines into the first one"),
+                    );
+                }
+                seen.push((word.to_owned(), head));
+                let _ = self.cursor.expect(Mark::Semicolon, &format!("after `{word}`"));
+                match Owner::ALL.into_iter().find(|owner| owner.section() == word) {
+                    Some(owner) => self.declarations(owner),
+                    None => self.invariants(),
+                }
+                Next::Section
+            }
+            Some("bodies" | "lights" | "camera") if self.cursor.sees_mark(1, Mark::Semicolon) => {
+                self.cursor.report(
+                    Diagnostic::error("this looks like a scene, not a formula")
+                        .at(head, "a section of scene files")
+                        .help("give formula and scene the other way round, or check the name of the file"),
+                );
+                Next::Nothing
+            }
+            word => self.misplaced(head, word),
+        }
+    }
+
+    /// Reports a word where a section was expected.
+    fn misplaced(&mut self, head: Span, word: Option<&str>) -> Next {
+        // A misspelt head of a section is read as the most similar one.
+        let near = word.and_then(|word| nearest(&word.replace('-', "_"), SECTIONS));
+        let ends = self.cursor.sees_mark(1, Mark::Semicolon) || self.cursor.sees_mark(1, Mark::Colon);
+        if let Some(near) = near.filter(|_| ends && self.cursor.peek(1).span.start == head.end) {
+            let diagnostic = self.cursor.unexpected("a section");
+            self.cursor.report(diagnostic.help(format!("did you mean `{near};`?")));
+            self.cursor.rename(near);
+            return Next::Section;
+        }
+        if word.is_none() && self.cursor.sees_mark(0, Mark::Equal) || self.cursor.sees_mark(1, Mark::Equal) {
+            let diagnostic = Diagnostic::error("an expression before `formula;`").at(head, "expected `formula;` before this");
+            self.cursor.report(diagnostic.help("macros and the last line `= …;` belong under `formula;`"));
+            return Next::FormulaWithoutHead;
+        }
+        if !self.cursor.sees_mark(1, Mark::Colon) {
+            let diagnostic = self.cursor.unexpected("a section (`body_specific;`, `formula;`, …)");
+            self.cursor.report(diagnostic.help("a formula file ends with `formula;` and `= expression;`"));
+            return Next::Nothing;
+        }
+        let diagnostic = Diagnostic::error("a declaration outside a section")
+            .at(head, "expected a section first")
+            .help("put it under `global;`, `body_specific;` or `light_specific;`");
+        self.cursor.report(diagnostic);
+        // The word may itself be the head of a section, in the wrong place; skipping would stop at it.
+        self.cursor.advance();
+        self.cursor.skip_statement();
+        Next::Section
     }
 
     /// The text under a span, for messages.
@@ -145,14 +171,14 @@ impl Parser<'_> {
         self.file.sections.push(Section::Parameters(owner, list));
     }
 
-    /// A declaration; one with a mistake in its attributes is kept, lest every use of the parameter be reported too.
+    /// Parses a declaration. One with a mistake in its attributes is kept, so that uses of the parameter are not reported too.
     fn declaration(&mut self, owner: Owner, list: &mut Vec<Declaration>) -> Result<(), Reported> {
         let name = self.cursor.name("the name of a parameter")?;
         if self.cursor.sees_mark(0, Mark::Equal) {
             let diagnostic = self
                 .cursor
                 .unexpected("`:` and a type")
-                .help("macros (`NAME = expression;`) stand under `formula;`, parameters are declared `name: scalar;`");
+                .help("macros (`NAME = expression;`) belong under `formula;`; parameters are declared `name: scalar;`");
             return Err(self.cursor.report(diagnostic));
         }
         self.cursor.expect(Mark::Colon, "between the parameter's name and its type")?;
@@ -178,7 +204,7 @@ impl Parser<'_> {
                     Diagnostic::error(format!("`{word}` is given twice"))
                         .at(span, "a second time here")
                         .at(*first, "first here")
-                        .help("leave one of them out"),
+                        .help("remove one of them"),
                 );
             }
             seen.push((word.clone(), span));
@@ -188,7 +214,7 @@ impl Parser<'_> {
             return Err(self.cursor.expected("`,` before the next attribute"));
         }
         let outcome = self.cursor.expect(Mark::Semicolon, &format!("after the declaration of `{}`", declaration.name.text));
-        // Where only the `;` is forgotten, the next declaration is whole.
+        // If only the `;` is missing, the next declaration is complete.
         if self.cursor.word(0).is_some() && self.cursor.sees_mark(1, Mark::Colon) { Ok(()) } else { outcome }
     }
 
@@ -224,12 +250,12 @@ impl Parser<'_> {
         self.narrow(number)
     }
 
-    /// A number as the language computes with it.
+    /// A number as the language uses it; one that is too large is reported.
     pub(super) fn narrow(&mut self, number: Placed<f64>) -> Result<f32, Reported> {
         let narrow = number.value as f32;
         if narrow.is_infinite() {
             let diagnostic = Diagnostic::error("this number is too large")
-                .at(number.span, "beyond the largest number there is")
+                .at(number.span, "larger than the largest number")
                 .help(format!("numbers go up to about {:e}", f32::MAX));
             return Err(self.cursor.report(diagnostic));
         }
@@ -273,7 +299,7 @@ impl Parser<'_> {
     }
 
     fn formula(&mut self) {
-        // A name alone in its line, which makes a macro of what follows, if the last one has such.
+        // The name of the last macro if it is alone in its line, before a line that begins with `=`.
         let mut stray = None;
         let mut failed = false;
         while !self.cursor.at_end() {
@@ -289,8 +315,8 @@ impl Parser<'_> {
                     let span = self.cursor.span();
                     self.cursor.report(
                         Diagnostic::error("nothing may follow the formula's last line `= …;`")
-                            .at(span, "left over")
-                            .help("macros stand before it, sections before `formula;`"),
+                            .at(span, "this is too much")
+                            .help("put macros before the last line, and sections before `formula;`"),
                     );
                 }
                 return;
@@ -313,17 +339,17 @@ impl Parser<'_> {
         }
         let error = Diagnostic::error("the formula has no result");
         let error = match stray {
-            Some(name) => error.at(name, "this makes a macro of the line below").help("leave it out if that is the result"),
+            Some(name) => error.at(name, "this makes the line below a macro").help("remove it if that line is the result"),
             None => error.at(self.cursor.previous_span(), "the file ends here"),
         };
-        self.cursor.report(error.help("the last line must be `= expression;`, the colour that the model yields"));
+        self.cursor.report(error.help("the last line must be `= expression;`, the colour that the formula gives"));
     }
 
     fn macro_line(&mut self) -> Result<(), Reported> {
         if self.cursor.word(0) == Some("formula") && self.cursor.sees_mark(1, Mark::Semicolon) {
             let diagnostic =
-                Diagnostic::error("a second section `formula`").at(self.cursor.span(), "each section may stand only once");
-            self.cursor.report(diagnostic.help("leave this line out"));
+                Diagnostic::error("a second section `formula`").at(self.cursor.span(), "each section may be there only once");
+            self.cursor.report(diagnostic.help("remove this line"));
             self.cursor.advance();
             self.cursor.advance();
             return Ok(());
@@ -343,12 +369,12 @@ impl Parser<'_> {
         if self.cursor.sees_mark(1, Mark::Colon) {
             let diagnostic = Diagnostic::error("a declaration under `formula;`")
                 .at(self.cursor.span(), "expected `NAME = expression;`")
-                .help("parameters are declared before, under `global;`, `body_specific;` or `light_specific;`");
+                .help("declare parameters before it, under `global;`, `body_specific;` or `light_specific;`");
             return Err(self.cursor.report(diagnostic));
         }
         let name = self.cursor.name("`NAME = expression;` or the last line `= expression;`")?;
         let body = self.cursor.expect(Mark::Equal, "after the macro's name").and_then(|()| self.expression_statement());
-        // A macro that cannot be read still has its name, lest every use of it be reported too.
+        // A macro with an error keeps its name, so that uses of it are not reported too.
         let (body, outcome) = match body {
             Ok(body) => (body, Ok(())),
             Err(Reported) => (self.missing(), Err(Reported)),
@@ -360,7 +386,7 @@ impl Parser<'_> {
     fn expression_statement(&mut self) -> Result<ExprId, Reported> {
         let expression = self.expression()?;
         let outcome = self.expect_expression_end(Mark::Semicolon, "at the end of the expression");
-        // Where only the `;` is forgotten, the expression and the next statement are whole.
+        // If only the `;` is missing, the expression and the next statement are complete.
         let begins = self.cursor.word(0).is_some() && self.cursor.sees_mark(1, Mark::Equal)
             || self.cursor.sees_mark(0, Mark::Equal) && self.cursor.peek(0).begins_line;
         let next_begins = self.cursor.at_end() || begins;
@@ -376,7 +402,7 @@ impl Parser<'_> {
     }
 
     pub(super) fn add(&mut self, kind: ExprKind, span: Span) -> ExprId {
-        // Fewer expressions than bytes of text, of which there are less than 2³².
+        // There are fewer expressions than bytes of text, and a text has fewer than 2³² bytes.
         let id = ExprId(self.file.expressions.len() as u32);
         self.file.expressions.push(Expr { kind, span, parenthesised: false });
         id

@@ -1,11 +1,11 @@
-//! The syntax of a formula file as text again, with no more parentheses than it needs; reading it back gives the same syntax.
+//! Prints the syntax of a formula file as text, with no more parentheses than needed. Parsing the text gives the same syntax.
 
 use crate::lang::ast::{Constant, Declaration, ExprId, ExprKind, FormulaFile, Relation, Section};
 use crate::lang::token::Mark;
 use crate::lang::types::Type;
 use std::fmt::Write;
 
-/// How tightly an operator binds; higher is tighter.
+/// How tightly an operator binds; a greater value binds more tightly.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Binding {
     /// `||`
@@ -29,7 +29,7 @@ pub enum Binding {
 }
 
 impl Binding {
-    /// Of an infix operator.
+    /// The binding of an infix operator.
     pub fn of_infix(mark: Mark) -> Binding {
         match mark {
             Mark::OrOr => Binding::Or,
@@ -40,14 +40,14 @@ impl Binding {
             Mark::Less | Mark::LessEqual | Mark::Greater | Mark::GreaterEqual | Mark::EqualEqual | Mark::NotEqual => {
                 Binding::Comparison
             }
-            // These stand between no operands.
+            // These are no infix operators.
             Mark::DotDot | Mark::Colon | Mark::Semicolon | Mark::Comma | Mark::Open | Mark::Close | Mark::Equal | Mark::Not => {
                 Binding::Atom
             }
         }
     }
 
-    /// Of an expression as written, its own parentheses aside.
+    /// The binding of an expression without its own parentheses.
     pub fn of(kind: &ExprKind) -> Binding {
         match kind {
             ExprKind::Infix(mark, ..) => Binding::of_infix(*mark),
@@ -118,14 +118,15 @@ fn print_declaration(declaration: &Declaration, out: &mut String) {
     out.push_str(";\n");
 }
 
-/// What is still to be written.
+/// A part of an expression that is still to be written.
 enum Piece {
     Text(&'static str),
-    /// An expression, in parentheses unless it binds at least so tightly.
+    /// An expression. It needs parentheses if it binds less tightly than this.
     Expr(ExprId, Binding),
 }
 
-/// The pieces of a list with commas between and `close` behind, the last one first; `least` is how tightly the first must bind.
+/// The pieces of a list with commas in between and `close` after it, in reverse order. The first element needs parentheses if it
+/// binds less tightly than `least`.
 fn list(parts: &[ExprId], least: Binding, close: &'static str) -> Vec<Piece> {
     let mut pieces = vec![Piece::Text(close)];
     for (place, part) in parts.iter().enumerate().rev() {
@@ -137,7 +138,7 @@ fn list(parts: &[ExprId], least: Binding, close: &'static str) -> Vec<Piece> {
     pieces
 }
 
-/// An expression as text. Uses a list of things still to be written rather than recursion, for sums of any length.
+/// An expression as text. A list of pieces that are still to be written replaces recursion, so that sums may have any length.
 pub fn print_expression(file: &FormulaFile, root: ExprId) -> String {
     use Piece::{Expr, Text};
     let mut out = String::new();
@@ -145,7 +146,7 @@ pub fn print_expression(file: &FormulaFile, root: ExprId) -> String {
     while let Some(piece) = pieces.pop() {
         let (id, least) = match piece {
             Text(text) => {
-                // Behind a digit a dot would belong to the number.
+                // Directly after a digit, a dot would belong to the number.
                 if text == "." && out.ends_with(|last: char| last.is_ascii_digit()) {
                     out.push(' ');
                 }
@@ -160,7 +161,7 @@ pub fn print_expression(file: &FormulaFile, root: ExprId) -> String {
             out.push('(');
             pieces.push(Text(")"));
         }
-        // What is pushed last is written first.
+        // The piece that is pushed last is written first.
         match kind {
             // Writing to a string does not fail.
             ExprKind::Number(value) => {

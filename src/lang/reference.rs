@@ -1,4 +1,4 @@
-//! The reference of the formula language, as tables and as text for a terminal, made from what the program itself works by.
+//! The reference of the formula language, as tables and as text. It is made from the tables that the program itself uses.
 
 use crate::lang::builtins::{Form, Operation};
 use crate::lang::printer::Binding;
@@ -6,39 +6,39 @@ use crate::lang::token::Mark;
 use crate::lang::types::Origin;
 use crate::lang::variables::{Owner, Predefined, Rate, Variable};
 
-/// Lines are at most so long, in characters.
+/// The longest line, in characters.
 const WIDTH: usize = 100;
-/// The title of the table that rules of grouping follow.
+/// The title of the table after which the rules of grouping are printed.
 const OPERATORS: &str = "Operators, those that bind most tightly first";
 
 const HEAD: &str = "\
 The formula language
 
-A formula file holds sections in any order, each of them optional, and last the formula:
+A formula file has sections in any order, all of them optional, and the formula at its end:
 
-  #uses FILE;                         the library of materials; must stand first
+  #uses FILE;                         the material library; must be the first line
   global;                             parameters of the whole scene
   body_specific;                      parameters of each body
   light_specific;                     parameters of each light
     NAME: scalar, constraint 0..1, default 0.5, slider;
     NAME: vector, constraint 0..1, default <1, 0, 0>, color;
   invariants;                         sums of parameters of one section, each with the range 0..1
-    NAME + NAME = 1;                  the last named follows from the others
+    NAME + NAME = 1;                  the last one is computed from the others
     NAME + NAME <= 1;
   formula;
-    NAME = expression;                a macro: a name for a value, also for use further up
-    = expression;                     the colour, a vector, that one light gives to a hit
+    NAME = expression;                a macro: a name for a value, which earlier lines may use too
+    = expression;                     the colour (a vector) that a hit gets from one light
 
 Comments are /* … */ and // … to the end of the line. Types: S scalar, V vector, B comparison.
 [+] marks what goes beyond the thesis that describes the language; formulas may redefine such names.
 ";
 
-/// A line of a table: what is written, its types, where it comes from, what it means.
+/// A line of a table.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Row {
     /// The name or mark by which it is known.
     pub name: &'static str,
-    /// How it is written, operands and all.
+    /// How it is written, with its operands.
     pub form: String,
     /// Operand types and result, or the type.
     pub types: String,
@@ -65,7 +65,7 @@ pub fn tables() -> Vec<Table> {
         table(OPERATORS, operators()),
         table("Functions", functions()),
         table("Variables of a hit", variables(Rate::Hit)),
-        table("Variables of a hit and the light at hand", variables(Rate::Record)),
+        table("Variables of a hit and a light", variables(Rate::Record)),
     ];
     tables.extend(Owner::ALL.map(|owner| {
         let rows = Predefined::ALL.iter().filter(|predefined| predefined.owner() == owner).map(predefined).collect();
@@ -81,7 +81,7 @@ pub fn reference() -> String {
         section(&mut text, &table.title, &table.rows);
         if table.title == OPERATORS {
             text.push_str("\n  Power groups to the right, all others to the left: a-b-c is (a-b)-c, and Cd*N.L is (Cd*N).L.\n");
-            text.push_str("  Comparisons, &&, || and ! stand in the condition of `if` only.\n");
+            text.push_str("  Comparisons, &&, || and ! are allowed only in the condition of `if`.\n");
         }
     }
     text
@@ -96,7 +96,7 @@ fn operators() -> Vec<Row> {
     };
     let mut operators: Vec<(Binding, &Operation)> =
         Operation::ALL.iter().filter_map(|operation| Some((binding(&operation)?, operation))).collect();
-    // Stable: within one binding in the order of the table.
+    // The sort is stable: operators that bind alike stay in the order of the table.
     operators.sort_by_key(|(binding, _)| std::cmp::Reverse(*binding));
     operators.into_iter().map(|(_, operation)| row(*operation)).collect()
 }
@@ -119,7 +119,7 @@ fn row(operation: Operation) -> Row {
         Form::Vector => format!("<{}>", names.join(", ")),
         Form::Conditional => format!("if({})", names.join(", ")),
     };
-    // A vector has no name; it begins with this mark.
+    // A vector has no name; its first mark stands for it.
     let name = if operation.form() == Form::Vector { Mark::Less.spelling() } else { operation.form().spelling() };
     Row { name, form, types: operation.signature(), origin: operation.origin(), doc: operation.doc().to_owned() }
 }
@@ -163,7 +163,7 @@ fn section(text: &mut String, title: &str, rows: &[Row]) {
     }
 }
 
-/// The words of a line in lines of at most so many characters, or of one word.
+/// The words of a line in lines of at most `width` characters. A longer word has a line of its own.
 fn wrapped(line: &str, width: usize) -> Vec<String> {
     let mut lines = vec![String::new()];
     for word in line.split(' ') {

@@ -1,9 +1,9 @@
-//! The scalar operations that everything the language can say is made of, each defined once.
+//! The scalar operations (primitives) of which all operations of the language are made, each defined once.
 //!
-//! A row of the table gives a primitive's name, operands and meaning on `f32`. From it follow the [`Primitive`]
-//! enumeration, the [`Scalars`] trait with a method for every primitive, and [`Floats`], which computes them. Whoever gives the
-//! primitives another sense implements [`Scalars`]: the expression graph records them, the code generator emits
-//! instructions for them; one that forgets a primitive does not compile. Operators and functions of the language are
+//! A row of the table gives a primitive's name, operands and meaning on `f32`. The table defines the [`Primitive`] enumeration,
+//! the [`Scalars`] trait with a method for every primitive, and [`Floats`], which computes them. Other implementations of
+//! [`Scalars`] give the primitives another meaning: the expression graph records them, the code generator emits instructions
+//! for them. An implementation that forgets a primitive does not compile. The operators and functions of the language are
 //! written in terms of these methods, in [`builtins`](crate::lang::builtins).
 
 use crate::lang::noise;
@@ -16,9 +16,9 @@ macro_rules! primitives {
             $($(#[$doc])* $variant,)*
         }
 
-        /// A way to take the scalar operations: as arithmetic, as nodes of a graph, as machine instructions.
+        /// A meaning of the scalar operations: as arithmetic, as nodes of a graph, as machine instructions.
         pub trait Scalars {
-            /// What stands for a scalar (and for a truth value).
+            /// The type of a scalar, and of a truth value.
             type Value: Copy;
             /// The scalar with this value.
             fn constant(&mut self, value: f32) -> Self::Value;
@@ -49,10 +49,10 @@ macro_rules! primitives {
                 }
             }
 
-            /// Applies it to operands, in the sense that `scalars` gives it.
+            /// Applies it to operands; `scalars` gives it its meaning.
             ///
             /// # Panics
-            /// Where the number of operands is not its [`arity`](Self::arity): that is an error of the caller, not of its input.
+            /// The number of operands is not its [`arity`](Self::arity): an error of the caller, not of its input.
             pub fn apply<M: Scalars>(self, scalars: &mut M, operands: &[M::Value]) -> M::Value {
                 match (self, operands) {
                     $((Primitive::$variant, &[$($operand),+]) => scalars.$method($($operand),+),)*
@@ -105,9 +105,9 @@ primitives! {
     Ceil ceil(x) = x.ceil();
     /// |x|
     Abs abs(x) = x.abs();
-    /// x if x < y, else y; so y where either is NaN.
+    /// x if x < y, else y; so y if either is NaN.
     Min min(x, y) = if x < y { x } else { y };
-    /// x if x > y, else y; so y where either is NaN.
+    /// x if x > y, else y; so y if either is NaN.
     Max max(x, y) = if x > y { x } else { y };
     /// eˣ
     Exp exp(x) = x.exp();
@@ -151,13 +151,13 @@ primitives! {
     Select select(p, x, y) = if p != 0.0 { x } else { y };
 }
 
-/// A way to take all scalar operations alike: as nodes of a graph, or computed and then disturbed.
+/// A meaning of the scalar operations that treats all of them alike: as nodes of a graph, or computed and then disturbed.
 pub trait Recorder {
-    /// What stands for a scalar (and for a truth value).
+    /// The type of a scalar, and of a truth value.
     type Value: Copy;
     /// The scalar with this value.
     fn record_constant(&mut self, value: f32) -> Self::Value;
-    /// The result of a primitive; there are as many operands as it takes.
+    /// The result of a primitive. The number of operands is its arity.
     fn record(&mut self, primitive: Primitive, operands: &[Self::Value]) -> Self::Value;
 }
 

@@ -1,4 +1,4 @@
-//! The words of both languages: what the lexer yields and the parsers read.
+//! The words (tokens) of both languages: the output of the lexer and the input of the parsers.
 
 use crate::lang::source::Span;
 
@@ -7,7 +7,7 @@ use crate::lang::source::Span;
 pub struct Token {
     /// What it is.
     pub kind: TokenKind,
-    /// Where it stands.
+    /// Its place.
     pub span: Span,
     /// Whether it is the first on its line.
     pub begins_line: bool,
@@ -20,11 +20,11 @@ pub enum TokenKind {
     Number(f64),
     /// An identifier or a keyword; keywords are words only in their places.
     Word(String),
-    /// `#uses` with the raw text up to the `;`, trimmed, and that text's place. The `;` is part of it.
+    /// `#uses` with the raw text up to the `;`, trimmed, and the place of that text. The `;` is part of the token.
     Uses(String, Span),
     /// Punctuation.
     Mark(Mark),
-    /// Characters that are no word; they are reported already.
+    /// Characters that are no word; the lexer has reported them.
     Unknown,
     /// The end of the text.
     End,
@@ -46,7 +46,7 @@ impl TokenKind {
 
 macro_rules! marks {
     ($($name:ident $spelling:literal,)*) => {
-        /// Punctuation marks and operators, longest spelling first where one begins another.
+        /// Punctuation marks and operators. A mark that begins with another mark comes before it.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
         pub enum Mark {
             $(#[doc = concat!("`", $spelling, "`")] $name,)*

@@ -2,19 +2,19 @@
 
 use std::fmt;
 
-/// What an expression is.
+/// The type of an expression.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Type {
     /// One number.
     Scalar,
     /// Three numbers: a direction, a point, a colour.
     Vector,
-    /// What a comparison yields; it occurs only in the condition of `if`.
+    /// The result of a comparison; only the condition of `if` has this type.
     Truth,
 }
 
 impl Type {
-    /// How many numbers make up a value of this type.
+    /// The number of scalars in a value of this type.
     pub const fn slots(self) -> usize {
         match self {
             Type::Scalar | Type::Truth => 1,
@@ -31,7 +31,7 @@ impl Type {
         }
     }
 
-    /// With the article, as messages need it.
+    /// The type with its article, for messages.
     pub const fn with_article(self) -> &'static str {
         match self {
             Type::Scalar => "a scalar",
@@ -54,8 +54,8 @@ impl fmt::Display for Type {
 /// Where a name or an operation comes from; it decides whether formulas may redefine it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Origin {
-    /// Of the thesis: the name is taken.
+    /// Defined by the thesis: formulas may not redefine it.
     Thesis,
-    /// Added since: a formula may give the name another meaning, so that old formulas keep working.
+    /// Added since: formulas may redefine it, so that old formulas keep working.
     Added,
 }

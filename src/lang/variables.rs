@@ -1,22 +1,22 @@
 //! Every variable and predefined parameter of the language, defined once.
 //!
-//! Variables are what ray tracing knows of a hit (thesis 4.2.1, 9.2.3); predefined parameters are those the lighting equation
-//! itself needs (thesis 4.2.5). Values of either are found elsewhere.
+//! Variables are what ray tracing knows about a hit (thesis 4.2.1, 9.2.3). Predefined parameters are those that the lighting
+//! equation itself needs (thesis 4.2.5). Their values are computed and stored elsewhere.
 
 use crate::lang::types::{Origin, Type};
 
-/// What a variable's value belongs to.
+/// How many values a variable has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Rate {
-    /// One value for a hit, whatever the light.
+    /// One value for each hit, the same for all lights.
     Hit,
-    /// One value for a hit and a light that reaches it.
+    /// One value for each pair of a hit and a light that reaches it.
     Record,
 }
 
 macro_rules! variables {
     ($($variant:ident $name:literal $type:ident $rate:ident $origin:ident $doc:literal;)*) => {
-        /// A value known at a hit (and for the light at hand) once rays are traced.
+        /// A value that is known for a hit, or for a hit and a light, once rays are traced.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
         #[repr(u8)]
         pub enum Variable {
@@ -37,7 +37,7 @@ macro_rules! variables {
                 match self { $(Variable::$variant => Type::$type,)* }
             }
 
-            /// What its value belongs to.
+            /// How many values it has.
             pub fn rate(self) -> Rate {
                 match self { $(Variable::$variant => Rate::$rate,)* }
             }
@@ -99,7 +99,7 @@ impl Owner {
         }
     }
 
-    /// As messages call it: a body's, a light's, a global parameter.
+    /// The word for its parameters in messages: a body, light or global parameter.
     pub fn adjective(self) -> &'static str {
         match self {
             Owner::Global => "global",
@@ -111,7 +111,7 @@ impl Owner {
 
 macro_rules! predefined {
     ($($variant:ident $name:literal $owner:ident $type:ident [$($default:literal),+] $doc:literal;)*) => {
-        /// A parameter that always exists (thesis 4.2.5). Each ranges over 0..1, every component of a vector too.
+        /// A parameter that always exists (thesis 4.2.5). Its range is 0..1, for a vector that of each component.
         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
         pub enum Predefined {
             $(#[doc = $doc] $variant,)*
@@ -166,12 +166,12 @@ predefined! {
 }
 
 impl Predefined {
-    /// Whether formulas may read it: all but the background.
+    /// Whether formulas may use it: all but the background.
     pub fn usable_in_formulas(self) -> bool {
         self != Predefined::Background
     }
 }
 
-/// Words that may not name anything, in either language: they head sections.
+/// Words that cannot be names, in either language: the heads of sections.
 pub const RESERVED: [&str; 8] =
     ["global", "body_specific", "light_specific", "invariants", "formula", "bodies", "lights", "camera"];
