@@ -336,7 +336,7 @@ impl App {
             Told::Failed(title, text) => self.dialogs.tell(title, text),
             Told::Kept(Ok(())) => {
                 if self.notices.clear(Topic::Drafts) {
-                    self.log.say("unsaved work is kept again".to_owned());
+                    self.log.say("unsaved work is kept again");
                 }
             }
             Told::Kept(Err(error)) => {
