@@ -70,3 +70,47 @@ pub const CHOICES: [BackendChoice; 2] = [DEFAULT, REFERENCE];
 pub fn named(name: &str) -> Option<&'static BackendChoice> {
     CHOICES.iter().find(|choice| choice.name == name)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::engine::{Engine, Subject, Task};
+    use crate::formula::Formula;
+    use crate::lang::source::Source;
+    use crate::scene::Scene;
+    use crate::trace::View;
+    use crate::workspace::{Setting, Values};
+    use crate::world::World;
+
+    #[test]
+    fn emitters_of_one_light_add_up_like_lights_of_equal_values() {
+        let scene = |lights: &str| {
+            let text = format!(
+                "bodies; ball: sphere, center <0,0,0>, radius 1; floor: rectangle, <-9,-1,9>, <-9,-1,-9>, <9,-1,-9>;
+                 lights; {lights} camera; position <0,1,6>; gaze <0,-0.1,-1>; up <0,1,0>; fov 40;"
+            );
+            Scene::parse(&Source::new("scene", text)).unwrap().0
+        };
+        let two = scene("one: point, <3,4,5>; other: point, <-3,4,2>;");
+        let one = Arc::new(scene("one: point, <3,4,5>;"));
+        let model = "light_specific; m: scalar, default 0.5; formula; = m*IL*Cd*max(0, N.L) + <0,0,0.1>*max(0, R.V)^9;";
+        let formula = Arc::new(Formula::parse(&Source::new("formula", model)).unwrap().0);
+        let view = View::new(40, 30).unwrap();
+        let frame = |world: World, settings: &[&str], choice: BackendChoice| {
+            let mut values = Values::defaults(&formula, world.scene());
+            for setting in settings {
+                values.assign(&setting.parse::<Setting>().unwrap().resolve(values.roster()).unwrap());
+            }
+            let subject = Subject { formula: Arc::clone(&formula), world: Arc::new(world), view };
+            let evaluator = Engine::new(choice.make()).evaluator(&subject, &Task::UNWATCHED).unwrap();
+            evaluator.frame(values.numbers()).linear
+        };
+        for choice in CHOICES {
+            let one = World::new(Arc::clone(&one)).with_emitter(&two.lights[1].kind);
+            let shared = frame(one, &["one.ki=0.7", "one.m=0.6", "*.kr=0.2"], choice);
+            let separate = ["one.ki=0.7", "other.ki=0.7", "one.m=0.6", "other.m=0.6", "*.kr=0.2"];
+            assert!(shared.iter().any(|pixel| pixel[0] > 0.1));
+            assert_eq!(shared, frame(World::new(two.clone()), &separate, choice), "{choice:?}");
+        }
+    }
+}

@@ -202,10 +202,11 @@ impl Assembler<'_> {
         let world = self.instantiation.world;
         let hit = HitVariables::new(world, &node.hit);
         let mut count = 0;
-        for light in &node.lights {
-            let record = LightVariables::new(&node.hit, &world.emitter(*light).sample(&node.hit));
+        for emitter in &node.emitters {
+            let light = world.light_of(*emitter);
+            let record = LightVariables::new(&node.hit, &world.emitter(*emitter).sample(&node.hit));
             for term in Term::at(Site::LitRecord) {
-                let formula = |assembler: &mut Self| assembler.formula(node, *light, &hit, &record);
+                let formula = |assembler: &mut Self| assembler.formula(node, light, &hit, &record);
                 self.term(term, node.hit.body.index(), light.index(), &mut count, formula);
             }
         }

@@ -17,10 +17,9 @@ use illuminator::engine::Task;
 use illuminator::files::{reason, replace_file};
 use illuminator::lang::types::Type;
 use illuminator::lang::variables::{Rate, Variable};
-use illuminator::scene::LightId;
 use illuminator::trace::{Edge, HitVariables, Hits, LightVariables, Tile, Tracer, replay, variable};
 use illuminator::workspace::project::Project;
-use illuminator::world::SurfaceHit;
+use illuminator::world::{EmitterId, SurfaceHit};
 use serde::Serialize;
 use std::collections::{BTreeMap, HashMap};
 use std::fs::{self, File};
@@ -202,26 +201,26 @@ impl Dump {
             self.known.insert(step, row);
             rows.push(row);
         }
-        // Hits that stand in several groups, with all their lights.
-        let mut scattered: BTreeMap<(u32, u32), (SurfaceHit, Vec<LightId>)> = BTreeMap::new();
+        // Hits that are in several groups, with all their emitters.
+        let mut scattered: BTreeMap<(u32, u32), (SurfaceHit, Vec<EmitterId>)> = BTreeMap::new();
         for group in &tile.groups {
             for span in tile.spans_of(group) {
                 let path = rows[span.path.index()];
                 let mut outcome = Ok(());
                 replay(tracer, tile, group, span.hits.clone(), |_, pixel, surface| {
                     if group.scattered {
-                        let (_, lights) = scattered.entry((path, pixel)).or_insert_with(|| (*surface, Vec::new()));
-                        lights.extend(&group.lights);
+                        let (_, emitters) = scattered.entry((path, pixel)).or_insert_with(|| (*surface, Vec::new()));
+                        emitters.extend(&group.emitters);
                     } else if outcome.is_ok() {
-                        outcome = self.hit(tracer, &group.lights, surface, pixel, path);
+                        outcome = self.hit(tracer, &group.emitters, surface, pixel, path);
                     }
                 })
                 .map_err(io::Error::other)?;
                 outcome?;
             }
         }
-        for ((path, pixel), (surface, lights)) in scattered {
-            self.hit(tracer, &lights, &surface, pixel, path)?;
+        for ((path, pixel), (surface, emitters)) in scattered {
+            self.hit(tracer, &emitters, &surface, pixel, path)?;
         }
         for span in &tile.misses {
             for segment in tile.miss_segments_of(span) {
@@ -233,14 +232,14 @@ impl Dump {
         Ok(())
     }
 
-    fn hit(&mut self, tracer: &Tracer, lights: &[LightId], surface: &SurfaceHit, pixel: u32, path: u32) -> io::Result<()> {
+    fn hit(&mut self, tracer: &Tracer, emitters: &[EmitterId], surface: &SurfaceHit, pixel: u32, path: u32) -> io::Result<()> {
         let own = HitVariables::new(tracer.world(), surface);
         let values = self.of_hit.iter().map(|symbol| (own.value(*symbol).unwrap_or_default(), symbol.ty()));
         let row = self.hits.add(&[pixel, surface.body.0, path], values)?;
-        for light in lights {
-            let lit = LightVariables::new(surface, &tracer.world().emitter(*light).sample(surface));
+        for emitter in emitters {
+            let lit = LightVariables::new(surface, &tracer.world().emitter(*emitter).sample(surface));
             let values = self.of_record.iter().map(|symbol| (variable(*symbol, &own, &lit), symbol.ty()));
-            self.records.add(&[row, light.0], values)?;
+            self.records.add(&[row, tracer.world().light_of(*emitter).0], values)?;
         }
         Ok(())
     }

@@ -24,7 +24,7 @@ pub struct Budget {
     pub bytes: u64,
     /// What will be kept regardless of the hits, in bytes.
     pub fixed_bytes: u64,
-    /// What will be kept for each record (a pair of a hit and a light that reaches it), in bytes.
+    /// What will be kept for each record (a pair of a hit and an emitter that reaches it), in bytes.
     pub bytes_per_record: u64,
     /// What will be kept for each hit besides, in bytes.
     pub bytes_per_hit: u64,
@@ -53,7 +53,7 @@ impl Budget {
 pub struct Estimate {
     /// Hits.
     pub hits: u64,
-    /// Records: pairs of a hit and a light that reaches it.
+    /// Records: pairs of a hit and an emitter that reaches it.
     pub records: u64,
     /// Rays that leave the scene.
     pub misses: u64,
@@ -79,7 +79,7 @@ impl Estimate {
                 }
                 let mut counts = [0; 3];
                 trace_pixel(&tracer, sampled_pixel(sample, view), &mut Vec::new(), |_: Option<()>, _, end| match end {
-                    RayEnd::Hit(hit) => counts = add(counts, [1, tracer.lights(hit).count() as u64, 0]),
+                    RayEnd::Hit(hit) => counts = add(counts, [1, tracer.emitters(hit).count() as u64, 0]),
                     RayEnd::Miss(_) => counts = add(counts, [0, 0, 1]),
                 });
                 Ok(counts)

@@ -1,17 +1,18 @@
 //! Builds a tile of the store: sorts the hits of its pixels, as they are traced, into groups and spans.
 //!
-//! Pixels come in order, and a path ends at most once in a pixel. So the list of pixels of each (path, light set) is sorted as it
+//! Pixels come in order, and a path ends at most once in a pixel. So the list of pixels of each (path, emitter set) is sorted as it
 //! grows, and only the lists themselves are sorted at the end.
 
-use crate::scene::{BodyId, LightId};
+use crate::scene::BodyId;
 use crate::segment::{CHUNK_HITS, Segment};
 use crate::trace::store::{Group, Path, PathId, PathSets, Region, Span, Tile};
 use crate::trace::walk::Edge;
+use crate::world::EmitterId;
 use smallvec::SmallVec;
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
-/// About what a path, a light set or a list of pixels takes in the tables of the builder, hits aside, in bytes. A quarter of
+/// About what a path, a emitter set or a list of pixels takes in the tables of the builder, hits aside, in bytes. A quarter of
 /// it remains in the store.
 pub(super) const BYTES_PER_ENTRY: u64 = 64;
 
@@ -20,8 +21,8 @@ pub(super) const BYTES_PER_ENTRY: u64 = 64;
 pub(super) struct TileBuilder {
     paths: Vec<Path>,
     path_ids: HashMap<Path, PathId>,
-    light_sets: HashMap<Vec<LightId>, u32>,
-    /// The pixels of the hits that came by a path and are reached by a light set.
+    emitter_sets: HashMap<Vec<EmitterId>, u32>,
+    /// The pixels of the hits that came by a path and are reached by a emitter set.
     hits: HashMap<(PathId, u32), Vec<u16>>,
     misses: HashMap<PathId, Vec<u16>>,
     /// The paths of the current pixel.
@@ -63,14 +64,14 @@ impl TileBuilder {
         })
     }
 
-    /// Adds a hit by `path` in the tile's pixel `pixel`; `lights` reach it.
-    pub(super) fn hit(&mut self, path: PathId, lights: &[LightId], pixel: u16) {
-        let set = match self.light_sets.get(lights) {
+    /// Adds a hit by `path` in the tile's pixel `pixel`; `emitters` reach it.
+    pub(super) fn hit(&mut self, path: PathId, emitters: &[EmitterId], pixel: u16) {
+        let set = match self.emitter_sets.get(emitters) {
             Some(set) => *set,
             None => {
                 // There are no more of them than hits.
-                let set = self.light_sets.len() as u32;
-                self.light_sets.insert(lights.to_vec(), set);
+                let set = self.emitter_sets.len() as u32;
+                self.emitter_sets.insert(emitters.to_vec(), set);
                 set
             }
         };
@@ -86,14 +87,14 @@ impl TileBuilder {
 
     /// How many entries the tables have, hits aside.
     pub(super) fn entries(&self) -> u64 {
-        let lists = self.paths.len() + self.light_sets.len() + self.hits.len() + self.misses.len() + self.path_sets.len();
+        let lists = self.paths.len() + self.emitter_sets.len() + self.hits.len() + self.misses.len() + self.path_sets.len();
         // Regions, and the paths in sets, are far smaller than an entry.
         (lists + (self.regions.len() + self.path_sets.paths.len()) / 8) as u64
     }
 
     /// The finished tile.
     pub(super) fn tile(self, pixels: Range<u32>) -> Tile {
-        let mut sets: Vec<(Vec<LightId>, u32)> = self.light_sets.into_iter().collect();
+        let mut sets: Vec<(Vec<EmitterId>, u32)> = self.emitter_sets.into_iter().collect();
         sets.sort_unstable_by_key(|(_, set)| *set);
         let (lists, copies) = hit_lists(self.hits, &sets, &self.paths);
         let (mut all, mut spans) = (Pixels::default(), Vec::new());
@@ -115,7 +116,7 @@ impl TileBuilder {
     }
 }
 
-/// The group of these lists, which share body and lights, behind the hits and spans so far. There is at least one list.
+/// The group of these lists, which share body and emitters, behind the hits and spans so far. There is at least one list.
 fn group(lists: &[HitList], all: &mut Pixels, spans: &mut Vec<Span>) -> Group {
     let start = all.begin_group();
     let first = spans.len() as u32;
@@ -132,15 +133,15 @@ fn group(lists: &[HitList], all: &mut Pixels, spans: &mut Vec<Span>) -> Group {
             rest = later;
         }
     }
-    let HitList { body, lights, scattered, .. } = &lists[0];
+    let HitList { body, emitters, scattered, .. } = &lists[0];
     let (hits, spans) = (start..all.hits, first..spans.len() as u32);
-    Group { body: *body, lights: lights.clone(), scattered: *scattered, hits, spans }
+    Group { body: *body, emitters: emitters.clone(), scattered: *scattered, hits, spans }
 }
 
-/// The hits of one path on a body that one light set reaches; or scattered ones that one light reaches, among others.
+/// The hits of one path on a body that one emitter set reaches; or scattered ones that one emitter reaches, among others.
 struct HitList {
     body: BodyId,
-    lights: SmallVec<[LightId; 6]>,
+    emitters: SmallVec<[EmitterId; 6]>,
     scattered: bool,
     path: PathId,
     pixels: Vec<u16>,
@@ -148,55 +149,55 @@ struct HitList {
 
 impl HitList {
     /// What the hits of a group share.
-    fn group(&self) -> (BodyId, &[LightId], bool) {
-        (self.body, &self.lights, self.scattered)
+    fn group(&self) -> (BodyId, &[EmitterId], bool) {
+        (self.body, &self.emitters, self.scattered)
     }
 }
 
-/// Groups of fewer hits may be scattered. Starting with a light of a group costs as much as about thirty hits. Adding to pixels
-/// for each light separately costs less, the longer the groups are that result.
+/// Groups of fewer hits may be scattered. Starting with an emitter of a group costs as much as about thirty hits. Adding to pixels
+/// for each emitter separately costs less, the longer the groups are that result.
 const SMALL_GROUP: usize = 24;
-/// They are scattered if that leaves at most one in this many pairs of a group and a light.
+/// They are scattered if that leaves at most one in this many pairs of a group and an emitter.
 const MIN_REDUCTION: usize = 4;
 
 /// The hits by what groups and spans share, in the order of these; and how many copies there are of hits that are in several groups.
-fn hit_lists(hits: HashMap<(PathId, u32), Vec<u16>>, sets: &[(Vec<LightId>, u32)], paths: &[Path]) -> (Vec<HitList>, u32) {
+fn hit_lists(hits: HashMap<(PathId, u32), Vec<u16>>, sets: &[(Vec<EmitterId>, u32)], paths: &[Path]) -> (Vec<HitList>, u32) {
     let body_of = |path: PathId| paths.get(path.index()).and_then(|path| path.body);
-    let lights_of = |set: u32| sets.get(set as usize).map_or(&[][..], |(lights, _)| lights);
+    let emitters_of = |set: u32| sets.get(set as usize).map_or(&[][..], |(emitters, _)| emitters);
     let mut sizes: HashMap<(BodyId, u32), usize> = HashMap::new();
     for ((path, set), pixels) in &hits {
         if let Some(body) = body_of(*path) {
             *sizes.entry((body, *set)).or_default() += pixels.len();
         }
     }
-    let is_small = |body: BodyId, set: u32| lights_of(set).len() > 1 && sizes[&(body, set)] < SMALL_GROUP;
-    // For each body: the pairs of a small group and a light, and the lights.
-    let mut small: HashMap<BodyId, (usize, HashSet<LightId>)> = HashMap::new();
+    let is_small = |body: BodyId, set: u32| emitters_of(set).len() > 1 && sizes[&(body, set)] < SMALL_GROUP;
+    // For each body: the pairs of a small group and an emitter, and the emitters.
+    let mut small: HashMap<BodyId, (usize, HashSet<EmitterId>)> = HashMap::new();
     for (body, set) in sizes.keys().filter(|(body, set)| is_small(*body, *set)) {
-        let (pairs, lights) = small.entry(*body).or_default();
-        *pairs += lights_of(*set).len();
-        lights.extend(lights_of(*set));
+        let (pairs, emitters) = small.entry(*body).or_default();
+        *pairs += emitters_of(*set).len();
+        emitters.extend(emitters_of(*set));
     }
-    let is_scattered = |body| small.get(&body).is_some_and(|(pairs, lights)| *pairs >= MIN_REDUCTION * lights.len());
+    let is_scattered = |body| small.get(&body).is_some_and(|(pairs, emitters)| *pairs >= MIN_REDUCTION * emitters.len());
     let mut lists = Vec::with_capacity(hits.len());
-    let mut scattered: HashMap<(BodyId, LightId, PathId), Vec<u16>> = HashMap::new();
+    let mut scattered: HashMap<(BodyId, EmitterId, PathId), Vec<u16>> = HashMap::new();
     let mut copies = 0;
     for ((path, set), pixels) in hits {
         let Some(body) = body_of(path) else { continue };
-        let lights = lights_of(set);
+        let emitters = emitters_of(set);
         if is_small(body, set) && is_scattered(body) {
             // No more than records, of which there are fewer than 2³².
-            copies += (pixels.len() * (lights.len() - 1)) as u32;
-            for light in lights {
-                scattered.entry((body, *light, path)).or_default().extend_from_slice(&pixels);
+            copies += (pixels.len() * (emitters.len() - 1)) as u32;
+            for emitter in emitters {
+                scattered.entry((body, *emitter, path)).or_default().extend_from_slice(&pixels);
             }
         } else {
-            lists.push(HitList { body, lights: lights.into(), scattered: false, path, pixels });
+            lists.push(HitList { body, emitters: emitters.into(), scattered: false, path, pixels });
         }
     }
-    for ((body, light, path), mut pixels) in scattered {
+    for ((body, emitter, path), mut pixels) in scattered {
         pixels.sort_unstable();
-        lists.push(HitList { body, lights: [light].as_slice().into(), scattered: true, path, pixels });
+        lists.push(HitList { body, emitters: [emitter].as_slice().into(), scattered: true, path, pixels });
     }
     lists.sort_unstable_by(|a, b| (a.group(), a.path).cmp(&(b.group(), b.path)));
     (lists, copies)

@@ -1,4 +1,4 @@
-//! Tracing: which bodies the rays of every pixel hit, by which paths, and which lights reach the hits.
+//! Tracing: which bodies the rays of every pixel hit, by which paths, and which emitters of lights reach the hits.
 //!
 //! This is the slow half of the thesis's idea (4.2: trace once, shade again and again). The result depends on the
 //! world and the [`View`] alone, not on a formula or a parameter:
@@ -131,7 +131,7 @@ fn trace_tile(
     step: &(dyn Fn(u32) -> Result<(), TraceError> + Sync),
 ) -> Result<Tile, TraceError> {
     let mut builder = TileBuilder::default();
-    let (mut stack, mut lights) = (Vec::new(), Vec::new());
+    let (mut stack, mut emitters) = (Vec::new(), Vec::new());
     let mut entries = 0;
     for chunk in pixels.clone().step_by(PIXELS_PER_STEP as usize) {
         let chunk = chunk..(chunk + PIXELS_PER_STEP).min(pixels.end);
@@ -142,11 +142,11 @@ fn trace_tile(
             trace_pixel(tracer, pixel, &mut stack, |parent, edge, end| match end {
                 RayEnd::Hit(hit) => {
                     let path = builder.path(parent, edge, Some(hit.body));
-                    lights.clear();
-                    lights.extend(tracer.lights(hit));
-                    builder.hit(path, &lights, place);
+                    emitters.clear();
+                    emitters.extend(tracer.emitters(hit));
+                    builder.hit(path, &emitters, place);
                     hits += 1;
-                    records += lights.len() as u64;
+                    records += emitters.len() as u64;
                     path
                 }
                 RayEnd::Miss(_) => {
@@ -166,10 +166,10 @@ fn trace_tile(
     }
     let tile = builder.tile(pixels);
     // What is kept of lit hits is kept in whole lines, and once for each group that a hit is in.
-    let lit = tile.groups.iter().filter(|group| !group.lights.is_empty());
+    let lit = tile.groups.iter().filter(|group| !group.emitters.is_empty());
     let beyond = lit.map(|group| {
         let beyond = group.hits.len().next_multiple_of(LINE_HITS) - group.hits.len();
-        [beyond as u64, (beyond * group.lights.len()) as u64]
+        [beyond as u64, (beyond * group.emitters.len()) as u64]
     });
     let [hits, records] = beyond.fold([0, 0], |sum, beyond| [sum[0] + beyond[0], sum[1] + beyond[1]]);
     let copies = u64::from(tile.copies);

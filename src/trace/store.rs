@@ -1,24 +1,24 @@
-//! The compact store of a picture's hits: which pixels have a hit at the end of which path, and which lights reach it.
+//! The compact store of a picture's hits: which pixels have a hit at the end of which path, and which emitters of lights reach it.
 //!
 //! Surfaces are not stored, see [`super::replay`].
 //!
 //! The colour of a pixel is linear in the colours of its rays, so the tree of rays flattens into a sum over its paths:
 //!
 //! ```text
-//! E(pixel) = Σ_hits weight(path) · [ Σ_lit lights ki·local + ka·Cd·Ia ]  +  Σ_misses weight(path) · background
+//! E(pixel) = Σ_hits weight(path) · [ Σ_emitters ki·local + ka·Cd·Ia ]  +  Σ_misses weight(path) · background
 //! ```
 //!
 //! where weight(path) is the product of kr or kt of the bodies along it: equation (2) of thesis 4.2.3, multiplied out.
 //!
-//! All hits of a [`Group`] share the body and the lights; all of a [`Span`] share the weight, too. Rays of neighbouring pixels mostly
+//! All hits of a [`Group`] share the body and the emitters; all of a [`Span`] share the weight, too. Rays of neighbouring pixels mostly
 //! go the same way, so the pixels of a span are stored as [`Segment`]s: what is computed for the hits of a segment, side by side, is
 //! added to neighbouring pixels at once.
 
-use crate::scene::{BodyId, LightId};
+use crate::scene::BodyId;
 use crate::segment::{Segment, TILE_PIXELS};
 use crate::trace::View;
 use crate::trace::walk::Edge;
-use crate::world::World;
+use crate::world::{EmitterId, World};
 use smallvec::SmallVec;
 use std::ops::{Add, Range};
 use std::sync::Arc;
@@ -57,15 +57,15 @@ pub struct Span {
     pub segments: Range<u32>,
 }
 
-/// The hits of a tile on one body that exactly these lights reach. Where many lights cast many shadows, few hits share their
-/// lights. Such hits are *scattered*: they are in one group for each of their lights.
+/// The hits of a tile on one body that exactly these emitters reach. Where many lights cast many shadows, few hits share their
+/// emitters. Such hits are *scattered*: they are in one group for each of their emitters.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Group {
     /// The body.
     pub body: BodyId,
-    /// The lights, in the order of declaration; empty where only the ambient light reaches.
-    pub lights: SmallVec<[LightId; 6]>,
-    /// Whether its hits are scattered: the one light of the group is not the only one that reaches them.
+    /// The emitters, in the order of their lights; empty where only the ambient light reaches.
+    pub emitters: SmallVec<[EmitterId; 6]>,
+    /// Whether its hits are scattered: the one emitter of the group is not the only one that reaches them.
     pub scattered: bool,
     /// The numbers of its hits.
     pub hits: Range<u32>,
@@ -118,7 +118,7 @@ pub struct Tile {
     pub pixels: Range<u32>,
     /// Every path that a ray of these pixels took, parents before children, in the order of their first rays.
     pub paths: Vec<Path>,
-    /// The groups, ordered by body, by lights, and by whether they are scattered.
+    /// The groups, ordered by body, by emitters, and by whether they are scattered.
     pub groups: Vec<Group>,
     /// How many copies of hits there are: a hit that is scattered over n groups has n − 1.
     pub copies: u32,
@@ -172,7 +172,7 @@ impl Tile {
 
     /// How much is in the tile.
     pub fn counts(&self) -> Counts {
-        let lit = |group: &Group| group.hits.len() as u64 * group.lights.len() as u64;
+        let lit = |group: &Group| group.hits.len() as u64 * group.emitters.len() as u64;
         Counts {
             hits: self.groups.last().map_or(0, |group| u64::from(group.hits.end)) - u64::from(self.copies),
             records: self.groups.iter().map(lit).sum(),
@@ -184,7 +184,7 @@ impl Tile {
 
     /// The memory that it takes, in bytes.
     pub fn bytes(&self) -> u64 {
-        let spilled = self.groups.iter().filter(|group| group.lights.spilled()).map(|group| size_of_val(&*group.lights));
+        let spilled = self.groups.iter().filter(|group| group.emitters.spilled()).map(|group| size_of_val(&*group.emitters));
         let lists =
             size_of_val(&*self.paths) + size_of_val(&*self.groups) + size_of_val(&*self.spans) + size_of_val(&*self.misses);
         let sets = size_of_val(&*self.path_sets.paths) + size_of_val(&*self.path_sets.ends);
@@ -198,7 +198,7 @@ impl Tile {
 pub struct Counts {
     /// Hits.
     pub hits: u64,
-    /// Records: pairs of a hit and a light that reaches it.
+    /// Records: pairs of a hit and an emitter that reaches it.
     pub records: u64,
     /// Paths; one that occurs in several tiles is counted in each.
     pub paths: u64,

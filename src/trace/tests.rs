@@ -3,7 +3,8 @@
 
 use super::*;
 use crate::lang::source::Source;
-use crate::scene::{BodyId, Light, LightId, LightKind, PointLight, Scene};
+use crate::scene::{BodyId, Light, LightKind, PointLight, Scene};
+use crate::world::EmitterId;
 use std::collections::BTreeMap;
 use std::sync::Mutex;
 
@@ -99,7 +100,7 @@ fn store_and_replay_are_what_the_trees_say_bit_for_bit() {
         (&bright, view(80, 60, 5)),
     ] {
         let hits = traced(world, &view);
-        let mut scattered: BTreeMap<(u32, usize), Vec<LightId>> = BTreeMap::new();
+        let mut scattered: BTreeMap<(u32, usize), Vec<EmitterId>> = BTreeMap::new();
         let tracer = Tracer::new(world, &view);
         let trees: Vec<Tree> = (0..view.pixels()).map(|pixel| ray_tree(&tracer, pixel)).collect();
         let mut seen = 0;
@@ -115,13 +116,13 @@ fn store_and_replay_are_what_the_trees_say_bit_for_bit() {
                     let tree = &trees[pixel as usize];
                     let Child::Hit(node) = child_at(tree, &tile.steps(span.path)) else { panic!("no hit") };
                     if group.scattered {
-                        scattered.entry((pixel, node)).or_default().extend(&group.lights);
+                        scattered.entry((pixel, node)).or_default().extend(&group.emitters);
                     }
                     let node = &tree.nodes[node];
                     assert_eq!(node.hit, *surface);
                     assert_eq!(node.hit.body, group.body);
                     if !group.scattered {
-                        assert_eq!(*node.lights, *group.lights);
+                        assert_eq!(*node.emitters, *group.emitters);
                     }
                     seen += 1;
                 })
@@ -145,7 +146,7 @@ fn store_and_replay_are_what_the_trees_say_bit_for_bit() {
         };
         // Scattered hits are once in a group of each of their lights.
         for ((pixel, node), lights) in &scattered {
-            assert_eq!(*trees[*pixel as usize].nodes[*node].lights, **lights);
+            assert_eq!(*trees[*pixel as usize].nodes[*node].emitters, **lights);
         }
         assert_eq!(scattered.is_empty(), world.scene().lights.len() < 10);
         let copies: u32 = hits.tiles.iter().map(|tile| tile.copies).sum();
@@ -153,7 +154,7 @@ fn store_and_replay_are_what_the_trees_say_bit_for_bit() {
         assert_eq!(seen, nodes + copies as usize);
         assert_eq!(hits.counts().hits, nodes as u64);
         assert_eq!(hits.counts().misses, trees.iter().map(misses).sum::<usize>() as u64);
-        let records: usize = trees.iter().flat_map(|tree| &tree.nodes).map(|node| node.lights.len()).sum();
+        let records: usize = trees.iter().flat_map(|tree| &tree.nodes).map(|node| node.emitters.len()).sum();
         assert_eq!(hits.counts().records, records as u64);
     }
 }
@@ -201,7 +202,7 @@ fn groups_and_spans_are_in_order_and_complete() {
     assert_eq!(hits.tiles.last().unwrap().pixels.end, 30_000);
     for tile in &hits.tiles {
         assert!(tile.paths.iter().enumerate().all(|(id, path)| path.parent.is_none_or(|parent| parent.index() < id)));
-        assert!(tile.groups.is_sorted_by(|a, b| (a.body, &a.lights, a.scattered) < (b.body, &b.lights, b.scattered)));
+        assert!(tile.groups.is_sorted_by(|a, b| (a.body, &a.emitters, a.scattered) < (b.body, &b.emitters, b.scattered)));
         let mut next = (0, 0);
         for span in tile.groups.iter().flat_map(|group| {
             let spans = tile.spans_of(group);
@@ -251,7 +252,7 @@ fn a_scene_looks_the_same_at_any_scale() {
         let world = room(scale);
         let tracer = Tracer::new(&world, &view);
         let trees = (0..view.pixels()).map(|pixel| ray_tree(&tracer, pixel));
-        trees.map(|tree| (tree.nodes.len(), tree.nodes.iter().map(|node| node.lights.len()).sum())).collect()
+        trees.map(|tree| (tree.nodes.len(), tree.nodes.iter().map(|node| node.emitters.len()).sum())).collect()
     };
     let unit = shape(1.0);
     for scale in [1e-12, 1e-3, 1e-2, 1e-1, 10.0, 1e2, 1e3, 1e4, 1e12] {
@@ -284,7 +285,7 @@ fn hits_that_no_light_reaches_are_kept_for_the_ambient_light() {
     );
     let hits = traced(&dark, &view(10, 10, 5));
     assert_eq!(hits.counts(), Counts { hits: 100, records: 0, paths: 1, groups: 1, misses: 0 });
-    assert!(hits.tiles[0].groups[0].lights.is_empty());
+    assert!(hits.tiles[0].groups[0].emitters.is_empty());
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! One ray: where a pixel's ray starts, what a ray hits, which lights reach the hit, and where its reflected and refracted
+//! One ray: where a pixel's ray starts, what a ray hits, which emitters reach the hit, and where its reflected and refracted
 //! rays go (thesis 3.2.1 to 3.2.5). All in f64.
 //!
 //! How rays follow one another is decided in [`super::walk`], what formulas see of a hit in [`super::variables`].
@@ -6,9 +6,9 @@
 #[cfg(test)]
 mod tests;
 
-use crate::scene::{BodyId, LightId};
+use crate::scene::BodyId;
 use crate::trace::View;
-use crate::world::{Intersection, LightSample, Ray, Side, SurfaceHit, World};
+use crate::world::{EmitterId, Intersection, LightSample, Ray, Side, SurfaceHit, World};
 
 /// Traces single rays in a world under a view. It is cheap to make.
 #[derive(Debug, Clone, Copy)]
@@ -48,30 +48,30 @@ impl<'w> Tracer<'w> {
         self.world.intersect(ray, body).map(|intersection| self.world.surface_hit(ray, &intersection))
     }
 
-    /// Whether the light reaches the hit: always without shadow rays; with them, if the hit [faces](SurfaceHit::faces) the light
+    /// Whether the light of an emitter reaches the hit: always without shadow rays; with them, if the hit [faces](SurfaceHit::faces) it
     /// and no body, this one and transparent ones too, lies strictly between (thesis 3.2.1).
-    pub fn reaches(&self, light: LightId, hit: &SurfaceHit) -> bool {
+    pub fn reaches(&self, emitter: EmitterId, hit: &SurfaceHit) -> bool {
         if !self.view.shadows() {
             return true;
         }
-        let sample = self.world.emitter(light).sample(hit);
+        let sample = self.world.emitter(emitter).sample(hit);
         hit.faces(sample.direction) && self.between(hit, &sample).next().is_none()
     }
 
-    /// The lights that reach the hit, in the order of declaration.
-    pub fn lights(&self, hit: &SurfaceHit) -> impl Iterator<Item = LightId> {
-        self.world.scene().light_ids().filter(move |light| self.reaches(*light, hit))
+    /// The emitters that reach the hit, in the order of their lights.
+    pub fn emitters(&self, hit: &SurfaceHit) -> impl Iterator<Item = EmitterId> {
+        self.world.emitter_ids().filter(move |emitter| self.reaches(*emitter, hit))
     }
 
-    /// Whether the light is on the side of the surface from which the ray came.
-    pub fn faces(&self, light: LightId, hit: &SurfaceHit) -> bool {
-        hit.faces(self.world.emitter(light).sample(hit).direction)
+    /// Whether the emitter is on the side of the surface from which the ray came.
+    pub fn faces(&self, emitter: EmitterId, hit: &SurfaceHit) -> bool {
+        hit.faces(self.world.emitter(emitter).sample(hit).direction)
     }
 
-    /// What lies strictly between a hit and a light that it faces, in the order of declaration of the bodies; distances
+    /// What lies strictly between a hit and an emitter that it faces, in the order of declaration of the bodies; distances
     /// are from the hit. It does not matter whether shadow rays are on.
-    pub fn occluders(&self, light: LightId, hit: &SurfaceHit) -> impl Iterator<Item = Intersection> {
-        self.between(hit, &self.world.emitter(light).sample(hit))
+    pub fn occluders(&self, emitter: EmitterId, hit: &SurfaceHit) -> impl Iterator<Item = Intersection> {
+        self.between(hit, &self.world.emitter(emitter).sample(hit))
     }
 
     fn between(&self, hit: &SurfaceHit, sample: &LightSample) -> impl Iterator<Item = Intersection> + use<'w> {

@@ -78,9 +78,9 @@ impl LightVariables {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{BodyId, LightId};
+    use crate::scene::BodyId;
     use crate::trace::tests::world;
-    use crate::world::{PrimitiveId, Side};
+    use crate::world::{EmitterId, PrimitiveId, Side};
 
     fn hit(side: Side) -> SurfaceHit {
         SurfaceHit {
@@ -99,7 +99,7 @@ mod tests {
         let world =
             world(&format!("bodies; lights; l: point, {position}; camera; position <0,0,5>; gaze <0,0,-1>; up <0,1,0>; fov 45;"));
         let hit = hit(Side::Front);
-        LightVariables::new(&hit, &world.emitter(LightId(0)).sample(&hit))
+        LightVariables::new(&hit, &world.emitter(EmitterId(0)).sample(&hit))
     }
 
     #[test]

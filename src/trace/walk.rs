@@ -4,9 +4,8 @@
 //! All children are traced whatever their weight, which may be changed later (thesis 6.2.1), except those that the scene
 //! rules out (matte, opaque) or that do not exist (total reflection, maximum depth). Nothing here recurses.
 
-use crate::scene::LightId;
 use crate::trace::tracer::Tracer;
-use crate::world::{Ray, SurfaceHit};
+use crate::world::{EmitterId, Ray, SurfaceHit};
 use glam::DVec3;
 
 /// How a ray came to be.
@@ -79,8 +78,8 @@ pub enum Child {
 pub struct Node {
     /// The surface.
     pub hit: SurfaceHit,
-    /// The lights that reach it, in the order of declaration.
-    pub lights: Vec<LightId>,
+    /// The emitters that reach it, in the order of their lights.
+    pub emitters: Vec<EmitterId>,
     /// The reflected ray.
     pub reflected: Child,
     /// The refracted ray.
@@ -103,8 +102,8 @@ pub fn ray_tree(tracer: &Tracer, pixel: u32) -> Tree {
         let index = tree.nodes.len();
         let child = match end {
             RayEnd::Hit(hit) => {
-                let lights = tracer.lights(hit).collect();
-                tree.nodes.push(Node { hit: *hit, lights, reflected: Child::None, refracted: Child::None });
+                let emitters = tracer.emitters(hit).collect();
+                tree.nodes.push(Node { hit: *hit, emitters, reflected: Child::None, refracted: Child::None });
                 Child::Hit(index)
             }
             RayEnd::Miss(direction) => Child::Miss(direction),

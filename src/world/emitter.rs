@@ -22,7 +22,19 @@ pub struct LightSample {
     pub distance: f64,
 }
 
-/// What emits the light of a [`Light`](crate::scene::Light). The light owns the parameters, its emitter the geometry.
+/// An emitter, by its index in the list of emitters of the world: from 0, in the order of their lights.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct EmitterId(pub u32);
+
+impl EmitterId {
+    /// The id as an index into the emitters of the world.
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// What emits the light of a [`Light`](crate::scene::Light), or a part of it. The light owns the parameters, its emitters the
+/// geometry. Each kind of light has one emitter today; hits are stored with emitters, so a kind may have several.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Emitter {
     light: LightId,

@@ -19,7 +19,7 @@ mod rectangle;
 mod sphere;
 mod surface;
 
-pub use emitter::{Emitter, LightSample};
+pub use emitter::{Emitter, EmitterId, LightSample};
 pub use hit::{Intersection, PrimitiveId, SurfaceHit};
 pub use ray::{Departure, Ray, Side};
 
@@ -38,7 +38,7 @@ pub struct World {
     scene: Arc<Scene>,
     /// The surface of each body, by its id.
     surfaces: Vec<Surface>,
-    /// The emitter of each light, by its id.
+    /// The emitters by their ids, in the order of their lights.
     emitters: Vec<Emitter>,
     extent: f64,
     tolerance: f64,
@@ -53,6 +53,14 @@ impl World {
         let bounds = surfaces.iter().map(Geometry::bounds).reduce(Bounds::union);
         let extent = bounds.map_or(0.0, |bounds| bounds.diagonal());
         Self { scene, surfaces, emitters, extent, tolerance: TOLERANCE * extent }
+    }
+
+    /// The same with one more emitter of the last light.
+    #[cfg(test)]
+    pub(crate) fn with_emitter(mut self, kind: &crate::scene::LightKind) -> Self {
+        let last = self.emitters.last().map(Emitter::light).expect("a light");
+        self.emitters.push(Emitter::new(last, kind));
+        self
     }
 
     /// The scene that it was built from: names, materials' constants, the camera.
@@ -74,12 +82,28 @@ impl World {
         self.tolerance
     }
 
-    /// The emitter of a light.
+    /// The emitter of that id.
     ///
     /// # Panics
-    /// If the id is another scene's, and this one has fewer lights.
-    pub fn emitter(&self, light: LightId) -> &Emitter {
-        &self.emitters[light.index()]
+    /// If the id is another world's, and this one has fewer emitters.
+    #[inline]
+    pub fn emitter(&self, id: EmitterId) -> &Emitter {
+        &self.emitters[id.index()]
+    }
+
+    /// The ids of all emitters, in the order of their lights.
+    pub fn emitter_ids(&self) -> impl Iterator<Item = EmitterId> + use<> {
+        // As many as lights, of which there are fewer than 2³².
+        (0..self.emitters.len() as u32).map(EmitterId)
+    }
+
+    /// The light that owns an emitter, and so its parameters.
+    ///
+    /// # Panics
+    /// If the id is another world's, and this one has fewer emitters.
+    #[inline]
+    pub fn light_of(&self, id: EmitterId) -> LightId {
+        self.emitter(id).light()
     }
 
     /// Where the ray meets this body, whatever else is in between.

@@ -2,7 +2,7 @@
 //!
 //! A group of hits has one column for each node of the hit frontier and, for each light that reaches it, one for each node of the
 //! record frontier, in whole lines. They are cut in chunks of [`CHUNK_LINES`]. In a chunk, first comes a stream of the columns of hits, then one
-//! of the columns of records for each light; in a stream columns take turns line by line. Just so frames read them: from front to back.
+//! of the columns of records for each emitter; in a stream columns take turns line by line. Just so frames read them: from front to back.
 
 use crate::backends::compiled::memory::StreamMemory;
 use crate::backends::compiled::pass::Source;
@@ -10,10 +10,10 @@ use crate::formula::graph::{Node, NodeId};
 use crate::jit::{AHEAD, CompiledFormula, Line, Splat, Streams};
 use crate::lang::scalars::flush;
 use crate::lang::variables::Variable;
-use crate::scene::LightId;
 use crate::trace::{
     CHUNK_LINES, Group, HitVariables, Hits, LINE_HITS, LightVariables, Mismatch, ROUND_LINES, Tile, Tracer, replay, variable,
 };
+use crate::world::EmitterId;
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
@@ -44,7 +44,7 @@ struct GroupColumns {
     start: usize,
     /// How long each is, in whole lines.
     lines: usize,
-    lights: usize,
+    emitters: usize,
 }
 
 impl Arrangement {
@@ -53,7 +53,7 @@ impl Arrangement {
         let mut arrangement = Self { groups: Vec::with_capacity(tile.groups.len()), hit_columns, record_columns, lines: 0 };
         for group in &tile.groups {
             let lines = if has(group) { group.hits.len().div_ceil(LINE_HITS) } else { 0 };
-            let own = GroupColumns { start: arrangement.lines, lines, lights: group.lights.len() };
+            let own = GroupColumns { start: arrangement.lines, lines, emitters: group.emitters.len() };
             arrangement.groups.push(own);
             arrangement.lines += lines * arrangement.columns_of(&own);
         }
@@ -62,7 +62,7 @@ impl Arrangement {
 
     /// How many columns a group has.
     fn columns_of(&self, group: &GroupColumns) -> usize {
-        self.hit_columns + self.record_columns * group.lights
+        self.hit_columns + self.record_columns * group.emitters
     }
 
     /// The first line of the columns that belong to a chunk of a group.
@@ -103,7 +103,7 @@ impl Columns {
         let tracer = Tracer::new(&hits.world, &hits.view);
         let frontier = &compiled.plan.bindings.frontier;
         // Where no light reaches, nothing is evaluated.
-        let lit = |group: &Group| !group.lights.is_empty();
+        let lit = |group: &Group| !group.emitters.is_empty();
         let (hit_columns, record_columns) = (frontier.hits.len(), frontier.records.len());
         let spare = Arrangement::spare(hit_columns, record_columns);
         let arrangement = |tile: &Tile| Arrangement::new(tile, hit_columns, record_columns, lit);
@@ -132,20 +132,21 @@ impl Columns {
 
     /// Columns of what a source yields for each record of a tile, where it is active, from these static columns and uniform values.
     pub(super) fn kept(tile: &Tile, given: &Columns, source: &Source, uniforms: &[Splat]) -> Self {
-        let is_active = |group: &Group, light: &LightId| source.active[source.pair(group.body, *light)];
+        let is_active = |group: &Group, emitter: &EmitterId| source.active[source.pair(group.body, *emitter)];
         let outputs = source.overwrite.outputs();
-        let arrangement = Arrangement::new(tile, 0, outputs, |group| group.lights.iter().any(|light| is_active(group, light)));
+        let arrangement =
+            Arrangement::new(tile, 0, outputs, |group| group.emitters.iter().any(|emitter| is_active(group, emitter)));
         let mut memory = StreamMemory::zeroed(arrangement.lines + Arrangement::spare(0, outputs));
         let lines = memory.lines_mut();
         for (index, (group, own)) in tile.groups.iter().zip(&arrangement.groups).enumerate() {
             for chunk in Chunk::all(own) {
                 let start = arrangement.chunk(own, &chunk);
                 let part = given.part(index, chunk.first..chunk.first + chunk.lines);
-                for (light_place, light) in group.lights.iter().enumerate().filter(|(_, light)| is_active(group, light)) {
+                for (place, emitter) in group.emitters.iter().enumerate().filter(|(_, emitter)| is_active(group, emitter)) {
                     let length = outputs * chunk.lines;
-                    let begin = start + light_place * length;
-                    let uniforms = &uniforms[source.uniforms_of(source.pair(group.body, *light))];
-                    let streams: Streams = [&given.lines()[part.hits()], &given.lines()[part.records(light_place)], &[]];
+                    let begin = start + place * length;
+                    let uniforms = &uniforms[source.uniforms_of(source.pair(group.body, *emitter))];
+                    let streams: Streams = [&given.lines()[part.hits()], &given.lines()[part.records(place)], &[]];
                     source.overwrite.run(streams, uniforms, &mut [&mut lines[begin..begin + length]], chunk.lines);
                 }
             }
@@ -239,7 +240,7 @@ fn fill(
         let part = &mut memory[start..start + columns * chunk.lines];
         let (hit_part, record_part) = part.split_at_mut(chunk.lines * arrangement.hit_columns);
         compiled.hits.run([&leaves.hits, &[], &[]], &[], &mut [hit_part], chunk.lines);
-        for (light, records) in leaves.records.iter().enumerate().take(group.lights.len()) {
+        for (light, records) in leaves.records.iter().enumerate().take(group.emitters.len()) {
             let length = chunk.lines * arrangement.record_columns;
             let part = &mut record_part[light * length..(light + 1) * length];
             compiled.records.run([records, &[], &[]], &[], &mut [part], chunk.lines);
@@ -278,7 +279,7 @@ impl LeafColumns {
     /// comes of it.
     fn gather(&mut self, tracer: &Tracer, tile: &Tile, group: &Group, hits: Range<u32>) -> Result<(), Mismatch> {
         let world = tracer.world();
-        while self.records.len() < group.lights.len() {
+        while self.records.len() < group.emitters.len() {
             self.records.push(vec![Line::default(); CHUNK_LINES * self.record_leaves.len()]);
         }
         let first = hits.start;
@@ -288,8 +289,8 @@ impl LeafColumns {
             let put = |stream: &mut [Line], columns: usize, column: usize, value: f32| {
                 stream[place / Line::RECORDS * columns + column].0[place % Line::RECORDS] = flush(value);
             };
-            for (light, stream) in group.lights.iter().zip(&mut self.records) {
-                let record = LightVariables::new(surface, &world.emitter(*light).sample(surface));
+            for (emitter, stream) in group.emitters.iter().zip(&mut self.records) {
+                let record = LightVariables::new(surface, &world.emitter(*emitter).sample(surface));
                 for (column, (symbol, component)) in self.record_leaves.iter().enumerate() {
                     put(stream, self.record_leaves.len(), column, variable(*symbol, &own, &record)[*component]);
                 }

@@ -156,6 +156,7 @@ impl Compiled {
             uniform_count: contribution.uniforms.outputs(),
             active: self.active(parameters, |_, _| true),
             lights: self.equation.layout.owners(Owner::Light),
+            world: &self.hits.world,
         };
         (source, self.uniforms(parameters, &contribution.uniforms, leaves))
     }

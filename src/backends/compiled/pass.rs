@@ -9,8 +9,9 @@ use crate::backends::compiled::program::{TileInputs, TileProgram};
 use crate::evaluate::weights::Weight;
 use crate::jit::{Kernel, Splat, Sums, fetch};
 use crate::plan::Channels;
-use crate::scene::{BodyId, LightId};
+use crate::scene::BodyId;
 use crate::trace::{CHUNK_HITS, Tile};
+use crate::world::{EmitterId, World};
 use std::ops::Range;
 
 /// What lit records contribute: a kernel with what it reads beside the columns, for some pairs of a body and a light.
@@ -28,12 +29,14 @@ pub(super) struct Source<'p> {
     pub(super) active: Vec<bool>,
     /// How many lights a body is paired with.
     pub(super) lights: usize,
+    /// The world, which knows the light of each emitter.
+    pub(super) world: &'p World,
 }
 
 impl Source<'_> {
-    /// The place of a pair of a body and a light.
-    pub(super) fn pair(&self, body: BodyId, light: LightId) -> usize {
-        body.index() * self.lights + light.index()
+    /// The place of the pair of a body and the light of an emitter.
+    pub(super) fn pair(&self, body: BodyId, emitter: EmitterId) -> usize {
+        body.index() * self.lights + self.world.light_of(emitter).index()
     }
 
     /// Where the uniform values of a pair are.

@@ -166,14 +166,10 @@ impl ProgramBuilder<'_, '_> {
     fn group(&mut self, group: &Group, index: usize) {
         let mut active_lights = ActiveLights::new();
         for (number, source) in self.pass.sources.iter().enumerate() {
-            for (light_place, light) in group.lights.iter().enumerate() {
-                let pair = source.pair(group.body, *light);
+            for (place, emitter) in group.emitters.iter().enumerate() {
+                let pair = source.pair(group.body, *emitter);
                 if source.active[pair] {
-                    active_lights.push(ActiveLight {
-                        source: number,
-                        light: light_place,
-                        uniforms: source.uniforms_of(pair).start,
-                    });
+                    active_lights.push(ActiveLight { source: number, light: place, uniforms: source.uniforms_of(pair).start });
                 }
             }
         }

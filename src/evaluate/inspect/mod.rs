@@ -22,7 +22,7 @@ use crate::lang::scalars::{Floats, Scalars, flush};
 use crate::lang::variables::{Owner, Predefined};
 use crate::scene::{BodyId, LightId};
 use crate::trace::{Child, Edge, HitVariables, LightVariables, Node, Tracer, Tree, View, ray_tree, variable};
-use crate::world::{Intersection, Ray, Side, World};
+use crate::world::{EmitterId, Intersection, Ray, Side, World};
 
 /// A formula on a scene with the values of its parameters, to be looked into.
 #[derive(Debug, Clone, Copy)]
@@ -75,7 +75,7 @@ impl<'i> Inspector<'i> {
 
     /// The formula at a hit for a light, whether that reaches it or not, with its numbers; `None` for a light that the scene does not have.
     pub fn instance(&self, hit: &InspectedHit, light: LightId) -> Option<Instance> {
-        let light = hit.lights.get(light.index())?;
+        let light = hit.lights.iter().find(|inspected| inspected.light == light)?;
         let values = self.values(hit.body(), light.light, &hit.variables, &light.variables);
         Some(Instance::new(self.formula, &values))
     }
@@ -144,7 +144,7 @@ impl<'i> Inspector<'i> {
             incidence: degrees(surface.shading_normal.dot(surface.view)),
             crossing,
             ambient,
-            lights: self.world.scene().light_ids().map(|light| self.light(tracer, node, &variables, light)).collect(),
+            lights: self.world.emitter_ids().map(|emitter| self.light(tracer, node, &variables, emitter)).collect(),
             reflected: if body.matte { Onward::Matte } else { Onward::Depth },
             refracted: match refracted {
                 _ if body.opaque => Onward::Opaque,
@@ -154,18 +154,18 @@ impl<'i> Inspector<'i> {
         }
     }
 
-    fn light(&self, tracer: &Tracer, node: &Node, hit: &HitVariables, light: LightId) -> InspectedLight {
-        let surface = &node.hit;
-        let visibility = if node.lights.contains(&light) {
+    fn light(&self, tracer: &Tracer, node: &Node, hit: &HitVariables, emitter: EmitterId) -> InspectedLight {
+        let (surface, light) = (&node.hit, self.world.light_of(emitter));
+        let visibility = if node.emitters.contains(&emitter) {
             Visibility::Lit
-        } else if tracer.faces(light, surface) {
-            let mut occluders: Vec<Intersection> = tracer.occluders(light, surface).collect();
+        } else if tracer.faces(emitter, surface) {
+            let mut occluders: Vec<Intersection> = tracer.occluders(emitter, surface).collect();
             occluders.sort_by(|one, other| one.distance.total_cmp(&other.distance));
             Visibility::Shadowed(occluders.into_iter().map(|occluder| occluder.body).collect())
         } else {
             Visibility::Away
         };
-        let sample = self.world.emitter(light).sample(surface);
+        let sample = self.world.emitter(emitter).sample(surface);
         let variables = LightVariables::new(surface, &sample);
         let local = self.values(surface.body, light, hit, &variables)[self.formula.result.0 as usize];
         let intensity = self.equation.light_weight(self.parameters, light.index());

@@ -62,7 +62,7 @@ pub struct InspectedHit {
     pub crossing: Option<Crossing>,
     /// ka·Cd·Ia.
     pub ambient: [f32; 3],
-    /// Every light of the scene, in the order of declaration.
+    /// Every emitter of the scene, in the order of their lights.
     pub lights: Vec<InspectedLight>,
     /// What becomes of the reflected ray.
     pub reflected: Onward,

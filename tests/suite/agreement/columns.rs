@@ -45,7 +45,7 @@ impl Backend for ColumnsBackend {
     }
 }
 
-/// The static values of a group: the hit frontier, and for each light the record frontier.
+/// The static values of a group: the hit frontier, and for each emitter the record frontier.
 struct GroupColumns {
     hits: Vec<Column>,
     records: Vec<Vec<Column>>,
@@ -57,7 +57,7 @@ impl GroupColumns {
         let count = group.hits.len();
         let [hit_leaves, record_leaves] = [&plan.hits, &plan.records].map(|plan| &plan.streams[0]);
         let mut hits = vec![Column::new(); hit_leaves.len()];
-        let mut records = vec![vec![Column::new(); record_leaves.len()]; group.lights.len()];
+        let mut records = vec![vec![Column::new(); record_leaves.len()]; group.emitters.len()];
         replay(tracer, tile, group, group.hits.clone(), |_, _, surface| {
             let own = HitVariables::new(tracer.world(), surface);
             let leaf = |leaf: &NodeId| match graph.node(*leaf) {
@@ -67,8 +67,8 @@ impl GroupColumns {
             for (column, (symbol, component)) in hits.iter_mut().zip(hit_leaves.iter().map(leaf)) {
                 column.push(flush(own.value(symbol).expect("a variable of hits")[component]));
             }
-            for (light, columns) in group.lights.iter().zip(&mut records) {
-                let lit = LightVariables::new(surface, &tracer.world().emitter(*light).sample(surface));
+            for (emitter, columns) in group.emitters.iter().zip(&mut records) {
+                let lit = LightVariables::new(surface, &tracer.world().emitter(*emitter).sample(surface));
                 for (column, (symbol, component)) in columns.iter_mut().zip(record_leaves.iter().map(leaf)) {
                     column.push(flush(variable(symbol, &own, &lit)[component]));
                 }
@@ -150,11 +150,12 @@ impl ColumnsEvaluator {
         run(&plan.uniforms, graph, [&leaves, &[], &[]], &[], 1).concat()
     }
 
-    /// What a source yields for the records of a group and a light.
+    /// What a source yields for the records of a group and an emitter.
     fn outputs(&self, source: &Source, plan: &ContributionPlan, parameters: &[f32], place: [usize; 3]) -> Vec<Column> {
-        let [tile, group, light] = place;
+        let [tile, group, emitter] = place;
         let (columns, of) = (&self.tiles[tile][group], &self.hits.tiles[tile].groups[group]);
-        let uniforms = self.uniforms(plan, source.graph, parameters, of.body.index(), of.lights[light].index());
+        let light = self.hits.world.light_of(of.emitters[emitter]);
+        let uniforms = self.uniforms(plan, source.graph, parameters, of.body.index(), light.index());
         let kept = match source.kept {
             Some(kept) => self.outputs(
                 &Source { kept: None, active: Box::new(|_, _| true), channels: Vec::new(), ..*source },
@@ -164,7 +165,7 @@ impl ColumnsEvaluator {
             ),
             None => Vec::new(),
         };
-        run(&plan.records, source.graph, [&columns.hits, &columns.records[light], &kept], &uniforms, of.hits.len())
+        run(&plan.records, source.graph, [&columns.hits, &columns.records[emitter], &kept], &uniforms, of.hits.len())
     }
 
     /// Adds a pass to a picture; the weights of paths are given tile by tile.
@@ -179,11 +180,11 @@ impl ColumnsEvaluator {
                 let body = group.body.index();
                 let mut sums = vec![[0.0; 3]; group.hits.len()];
                 for source in &pass.sources {
-                    for (light_place, light) in group.lights.iter().enumerate() {
-                        if !(source.active)(body, light.index()) {
+                    for (emitter_place, emitter) in group.emitters.iter().enumerate() {
+                        if !(source.active)(body, self.hits.world.light_of(*emitter).index()) {
                             continue;
                         }
-                        let columns = self.outputs(source, source.plan, parameters, [tile_place, group_place, light_place]);
+                        let columns = self.outputs(source, source.plan, parameters, [tile_place, group_place, emitter_place]);
                         for (channel, column) in source.channels.iter().zip(columns) {
                             sums.iter_mut().zip(column).for_each(|(sum, value)| sum[*channel] += value);
                         }

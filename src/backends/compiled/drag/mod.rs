@@ -129,7 +129,7 @@ impl CompiledDrag {
             if plan.method == Method::General {
                 return TileState::General;
             }
-            let steps = steps_of(plan, tile, parameters);
+            let steps = steps_of(plan, &self.compiled.hits.world, tile, parameters);
             if steps.is_empty() {
                 TileState::Untouched
             } else {
@@ -306,7 +306,7 @@ impl Preparation<'_> {
                         TileState::Images { images, right: false }
                     }
                     Method::Specialised => {
-                        let reach = Reach { plan, has_fixed: plan.slider.fixed.is_some() };
+                        let reach = Reach { plan, world: &compiled.hits.world, has_fixed: plan.slider.fixed.is_some() };
                         LiveTile::new(reach.live_cells(tile, &monomials), kept.take(), plan.channels, scratch)
                             .map_or(TileState::General, TileState::Live)
                     }

@@ -151,9 +151,9 @@ impl Passes<'_> {
             None => &self.fixed,
         };
         pass.run_once(tile, place, scratch);
-        let reach = Reach { plan, has_fixed: plan.slider.fixed.is_some() };
+        let reach = Reach { plan, world: &compiled.hits.world, has_fixed: plan.slider.fixed.is_some() };
         let mut touched = CellSet::none(tile.pixels.len());
-        for group in tile.groups.iter().filter(|group| reach.lights_of(group, key.term).is_some()) {
+        for group in tile.groups.iter().filter(|group| reach.emitters_of(group, key.term).is_some()) {
             add_cells(tile, tile.spans_of(group), &scratch.weights, &mut touched);
         }
         if reach.has_misses(key.term) {

@@ -5,30 +5,33 @@ use crate::evaluate::weights::{PathMonomials, Powers, Weight};
 use crate::formula::equation::{Site, TERMS};
 use crate::plan::DragPlan;
 use crate::trace::{Group, Span, Tile};
+use crate::world::{EmitterId, World};
 
 /// What the images of a drag take in. Images are numbered: 0 is the fixed one, those of terms follow.
 #[derive(Clone, Copy)]
 pub(super) struct Reach<'r> {
     pub(super) plan: &'r DragPlan,
+    /// The world, which knows the light of each emitter.
+    pub(super) world: &'r World,
     /// Whether the contribution of a moved pair has a part that does not move.
     pub(super) has_fixed: bool,
 }
 
 impl Reach<'_> {
-    /// How many lights of a group an image takes in; `None` where the group is not in it at all.
-    pub(super) fn lights_of(&self, group: &Group, image: u8) -> Option<usize> {
+    /// How many emitters of a group an image takes in; `None` where the group is not in it at all.
+    pub(super) fn emitters_of(&self, group: &Group, image: u8) -> Option<usize> {
         let body = group.body.index();
-        let moved = group.lights.iter().filter(|light| self.plan.moves_pair(body, light.index())).count();
+        let moved = group.emitters.iter().filter(|emitter| self.moves_pair(body, **emitter)).count();
         let Some(term) = usize::from(image).checked_sub(1).map(|term| &self.plan.terms[term]) else {
-            return Some(group.lights.len() - if self.has_fixed { 0 } else { moved });
+            return Some(group.emitters.len() - if self.has_fixed { 0 } else { moved });
         };
-        let lights = if term.contribution.is_some() { moved } else { 0 };
+        let emitters = if term.contribution.is_some() { moved } else { 0 };
         let at_hits = term
             .moved_terms
             .iter()
             .map(|place| &self.plan.moved_terms[*place])
             .any(|moved| TERMS[moved.term].site == Site::Hit && self.plan.moves_at(moved, body));
-        (lights > 0 || at_hits).then_some(lights)
+        (emitters > 0 || at_hits).then_some(emitters)
     }
 
     /// Whether an image takes in rays that left the scene.
@@ -43,7 +46,12 @@ impl Reach<'_> {
     /// Whether anything that moves may be seen in a group of hits.
     pub(super) fn moves_group(&self, group: &Group) -> bool {
         let body = group.body.index();
-        self.plan.moves_hits(body) || group.lights.iter().any(|light| self.plan.moves_pair(body, light.index()))
+        self.plan.moves_hits(body) || group.emitters.iter().any(|emitter| self.moves_pair(body, *emitter))
+    }
+
+    /// Whether the contribution of an emitter to hits of a body moves.
+    fn moves_pair(&self, body: usize, emitter: EmitterId) -> bool {
+        self.plan.moves_pair(body, self.world.light_of(emitter).index())
     }
 
     /// The cells of a tile in which something is live.

@@ -6,6 +6,7 @@ use crate::backends::compiled::drag::reach::Reach;
 use crate::evaluate::weights::{PathMonomials, Powers, Weight};
 use crate::plan::{DragPlan, Method};
 use crate::trace::{Group, Span, Tile};
+use crate::world::World;
 use std::collections::BTreeSet;
 use std::ops::Range;
 
@@ -37,9 +38,9 @@ pub(super) fn full_cost(compiled: &Compiled) -> u64 {
 }
 
 /// The steps for a tile; none where nothing that moves is seen in it.
-pub(super) fn steps_of(plan: &DragPlan, tile: &Tile, parameters: &[f32]) -> Vec<TileStep> {
+pub(super) fn steps_of(plan: &DragPlan, world: &World, tile: &Tile, parameters: &[f32]) -> Vec<TileStep> {
     let monomials = PathMonomials::new(tile, &plan.equation, parameters, plan.weights);
-    let reach = Reach { plan, has_fixed: plan.slider.fixed.is_some() };
+    let reach = Reach { plan, world, has_fixed: plan.slider.fixed.is_some() };
     let base = TileStep { work: Work::Base, cost: tile_cost(tile) };
     match plan.method {
         Method::Images => {
@@ -60,7 +61,7 @@ pub(super) fn steps_of(plan: &DragPlan, tile: &Tile, parameters: &[f32]) -> Vec<
             if moving().all(|group| weighted_blocks(tile.spans_of(group), &own) == 0) {
                 return Vec::new();
             }
-            let cost = moving().map(|group| group_cost(group.lights.len(), blocks(&group.hits))).sum();
+            let cost = moving().map(|group| group_cost(group.emitters.len(), blocks(&group.hits))).sum();
             let columns = plan.slider.columns.as_ref().map(|_| TileStep { work: Work::Columns, cost });
             columns.into_iter().chain([base]).collect()
         }
@@ -84,7 +85,7 @@ fn image_steps(reach: &Reach, tile: &Tile, monomials: &PathMonomials) -> Vec<Til
         // There are far fewer terms than 256.
         for term in 0..=reach.plan.terms.len() as u8 {
             let key = Key { powers, term };
-            let of_group = |(group, blocks): &(&Group, usize)| Some(group_cost(reach.lights_of(group, term)?, *blocks));
+            let of_group = |(group, blocks): &(&Group, usize)| Some(group_cost(reach.emitters_of(group, term)?, *blocks));
             let hits: u64 = weighted.iter().filter_map(of_group).sum();
             let cost = hits + if reach.has_misses(term) { misses } else { 0 };
             if cost > 0 && !key.is_base() {
@@ -97,7 +98,7 @@ fn image_steps(reach: &Reach, tile: &Tile, monomials: &PathMonomials) -> Vec<Til
 
 /// About what a full evaluation of a tile costs.
 fn tile_cost(tile: &Tile) -> u64 {
-    let groups: u64 = tile.groups.iter().map(|group| group_cost(group.lights.len(), blocks(&group.hits))).sum();
+    let groups: u64 = tile.groups.iter().map(|group| group_cost(group.emitters.len(), blocks(&group.hits))).sum();
     groups + tile.miss_segments.len() as u64 + pixels_cost(tile)
 }
 
