@@ -11,8 +11,8 @@ use illuminator::evaluate::Framebuffer;
 use illuminator::files::Readable;
 use illuminator::formula::Formula;
 use illuminator::picture::Transfer;
-use illuminator::presets::Kind;
 use illuminator::trace::Hits;
+use illuminator::workspace::FileKind;
 use rayon::ThreadPool;
 use stage::{DRAG_BUDGET, Dragged, Full, Model, RED, Script, Stage, Turns, pools};
 use std::cell::LazyCell;
@@ -48,7 +48,7 @@ fn main() {
 
 /// From text to formula, and from formula to machine code.
 fn texts(criterion: &mut Criterion, model: Model) {
-    let text = model.location().read(Kind::Formula, Readable::Regular).expect("a built-in file");
+    let text = model.location().read(FileKind::Formula, Readable::Regular).expect("a built-in file");
     let script = Script::new(model, SIZES[0]);
     criterion.bench_function(&format!("parse/{}", model.name()), |bencher| {
         bencher.iter(|| Formula::parse(black_box(&text)));

@@ -80,7 +80,8 @@ pub mod workspace;
 
 pub mod picture;
 
-pub mod presets;
+#[cfg(any(feature = "cli", feature = "window"))]
+pub mod user_data;
 
 #[cfg(feature = "window")]
 pub mod preview;

@@ -8,10 +8,10 @@ use illuminator::files::Readable;
 use illuminator::formula::{Formula, ParameterId};
 use illuminator::lang::variables::Owner;
 use illuminator::picture::Transfer;
-use illuminator::presets::Kind;
 use illuminator::scene::Scene;
 use illuminator::trace::{Hits, View};
-use illuminator::workspace::files::Location;
+use illuminator::workspace::FileKind;
+use illuminator::workspace::Location;
 use illuminator::workspace::{OwnerId, Session, Values};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use std::fmt;
@@ -85,10 +85,10 @@ impl Script {
     /// Reads the session; its values are kept, as far as the model has such parameters.
     pub(crate) fn new(model: Model, [width, height]: [u32; 2]) -> Self {
         let read = |location: &Location, kind| location.read(kind, Readable::Regular).expect("a built-in file");
-        let session = read(&Location::new(SESSION), Kind::Session);
+        let session = read(&Location::new(SESSION), FileKind::Session);
         let (session, _) = Session::parse(&session).expect("a sound session");
-        let (scene, _) = Scene::parse(&read(&session.scene, Kind::Scene)).expect("a sound scene");
-        let (formula, _) = Formula::parse(&read(&model.location(), Kind::Formula)).expect("a sound formula");
+        let (scene, _) = Scene::parse(&read(&session.scene, FileKind::Scene)).expect("a sound scene");
+        let (formula, _) = Formula::parse(&read(&model.location(), FileKind::Formula)).expect("a sound formula");
         let kept = session.assignments(Values::defaults(&formula, &scene).roster()).0;
         let (values, _) = Values::keeping(&formula, &scene, &kept);
         let picture = session.picture;

@@ -1,6 +1,6 @@
 //! `illuminator check`: reports what is wrong with files.
 
-use crate::cli::input::Speaker;
+use crate::cli::input::{Speaker, data_folder};
 use crate::cli::report::{Failure, count, explain, print, say};
 use clap::{Args, ValueEnum};
 use illuminator::files::Readable;
@@ -8,10 +8,9 @@ use illuminator::formula::Formula;
 use illuminator::lang::diagnostic::{Diagnostic, Diagnostics};
 use illuminator::lang::display_text::one_line;
 use illuminator::lang::source::Source;
-use illuminator::presets::Kind;
 use illuminator::scene::Scene;
-use illuminator::workspace::files::{Location, kind_of, read_file};
 use illuminator::workspace::project::{Project, place_of};
+use illuminator::workspace::{FileKind, Location, kind_of, read_source};
 use illuminator::workspace::{Library, Session};
 use std::ffi::OsString;
 use std::path::Path;
@@ -42,10 +41,10 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     for file in &options.files {
         let location = Location::new(file);
         let given = options.kind.map(|kind| match kind {
-            KindName::Formula => Kind::Formula,
-            KindName::Scene => Kind::Scene,
-            KindName::Session => Kind::Session,
-            KindName::Material => Kind::Material,
+            KindName::Formula => FileKind::Formula,
+            KindName::Scene => FileKind::Scene,
+            KindName::Session => FileKind::Session,
+            KindName::Material => FileKind::Material,
         });
         wrong |= !check(&location, given)?;
     }
@@ -53,7 +52,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
 }
 
 /// Checks one file. Whether it has no errors.
-fn check(location: &Location, given: Option<Kind>) -> Result<bool, Failure> {
+fn check(location: &Location, given: Option<FileKind>) -> Result<bool, Failure> {
     let (kind, source) = match read(location, given) {
         Ok(found) => found,
         Err(diagnostic) => {
@@ -62,10 +61,10 @@ fn check(location: &Location, given: Option<Kind>) -> Result<bool, Failure> {
         }
     };
     let (diagnostics, value_warnings, files_are_valid) = match kind {
-        Kind::Formula => (check_formula(location, &source), 0, true),
-        Kind::Scene => (explained(Scene::parse(&source), &source), 0, true),
-        Kind::Session => check_session(location, &source),
-        Kind::Material => (explained(Library::parse(&source), &source), 0, true),
+        FileKind::Formula => (check_formula(location, &source), 0, true),
+        FileKind::Scene => (explained(Scene::parse(&source), &source), 0, true),
+        FileKind::Session => check_session(location, &source),
+        FileKind::Material => (explained(Library::parse(&source), &source), 0, true),
     };
     let [errors, warnings] = count(&diagnostics);
     let warnings = warnings + value_warnings;
@@ -78,30 +77,34 @@ fn check(location: &Location, given: Option<Kind>) -> Result<bool, Failure> {
 }
 
 /// Reads a file, and finds out what it is. A built-in file is looked up among all kinds.
-fn read(location: &Location, given: Option<Kind>) -> Result<(Kind, Source), Diagnostic> {
+fn read(location: &Location, given: Option<FileKind>) -> Result<(FileKind, Source), Diagnostic> {
     if let Some(kind) = given {
         return Ok((kind, location.read(kind, Readable::RegularOrPipe)?));
     }
     match location {
         Location::File(path) => {
-            let source = read_file(path, None, Readable::RegularOrPipe)?;
+            let source = read_source(path, None, Readable::RegularOrPipe)?;
             let suffix = match path.extension().and_then(|suffix| suffix.to_str()) {
-                Some("formula") => Some(Kind::Formula),
-                Some("scene") => Some(Kind::Scene),
-                Some("toml") => Some(Kind::Session),
+                Some("formula") => Some(FileKind::Formula),
+                Some("scene") => Some(FileKind::Scene),
+                Some("toml") => Some(FileKind::Session),
                 Some(_) | None => None,
             };
             // A formula or a scene with a mistake in its first line may look like TOML. For a file of unknown kind the parser of
             // formulas has the best messages.
             let told = kind_of(source.text()).filter(|kind| match kind {
-                Kind::Formula | Kind::Scene => true,
-                Kind::Session | Kind::Material => suffix.is_none_or(|suffix| suffix == Kind::Session),
+                FileKind::Formula | FileKind::Scene => true,
+                FileKind::Session | FileKind::Material => suffix.is_none_or(|suffix| suffix == FileKind::Session),
             });
-            Ok((told.or(suffix).unwrap_or(Kind::Formula), source))
+            Ok((told.or(suffix).unwrap_or(FileKind::Formula), source))
         }
         Location::Preset(_) => {
-            let found = Kind::ALL.into_iter().find_map(|kind| Some((kind, location.read(kind, Readable::RegularOrPipe).ok()?)));
-            found.map_or_else(|| location.read(Kind::Formula, Readable::RegularOrPipe).map(|source| (Kind::Formula, source)), Ok)
+            let found =
+                FileKind::ALL.into_iter().find_map(|kind| Some((kind, location.read(kind, Readable::RegularOrPipe).ok()?)));
+            found.map_or_else(
+                || location.read(FileKind::Formula, Readable::RegularOrPipe).map(|source| (FileKind::Formula, source)),
+                Ok,
+            )
         }
     }
 }
@@ -120,7 +123,7 @@ fn explained<T>(outcome: Result<(T, Diagnostics), Diagnostics>, source: &Source)
 fn check_formula(location: &Location, source: &Source) -> Diagnostics {
     let outcome = Formula::parse(source).map(|(formula, mut diagnostics)| {
         if formula.uses.is_some()
-            && let Err(unknown) = place_of(&formula, location, source)
+            && let Err(unknown) = place_of(&formula, location, source, data_folder().as_deref())
         {
             diagnostics.push(unknown);
             diagnostics.sort();

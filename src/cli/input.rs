@@ -5,11 +5,13 @@ use crate::cli::report::{Failure, explain, say};
 use illuminator::files::Readable;
 use illuminator::lang::diagnostic::{Diagnostic, Diagnostics};
 use illuminator::lang::source::Source;
-use illuminator::presets::DEFAULT_SESSION;
 use illuminator::trace::usable_memory;
-use illuminator::workspace::files::Location;
+use illuminator::user_data::Folders;
+use illuminator::workspace::Location;
+use illuminator::workspace::presets::DEFAULT_SESSION;
 use illuminator::workspace::project::{Listener, OpenError, Project, Request, SessionText};
 use illuminator::workspace::session::PictureSettings;
+use std::path::PathBuf;
 
 /// Says on the standard error what is found.
 pub(super) struct Speaker;
@@ -34,6 +36,11 @@ impl From<OpenError> for Failure {
     }
 }
 
+/// The folder for what users save, such as materials for built-in formulas. A user without a home has none.
+pub(super) fn data_folder() -> Option<PathBuf> {
+    Folders::platform().map(|folders| folders.data).ok()
+}
+
 /// Opens everything that the options name.
 pub(super) fn load(options: &InputOptions) -> Result<Project, Failure> {
     let given = |text: &Option<std::ffi::OsString>| text.as_ref().map(Location::new);
@@ -49,6 +56,7 @@ pub(super) fn load(options: &InputOptions) -> Result<Project, Failure> {
         formula,
         scene,
         materials: &options.materials,
+        data: data_folder(),
         settings: &options.settings,
         picture: Some(&|picture| change_picture(options, picture)),
         background: options.background.map(|Colour(value)| value),

@@ -56,11 +56,12 @@ enum Command {
     HelpLanguage,
 }
 
-impl Default for Command {
-    fn default() -> Self {
+impl Command {
+    /// The command that runs if the command line names none.
+    fn unnamed() -> Self {
         #[cfg(feature = "window")]
         return Command::Preview(preview::Options::default());
-        // The parser of arguments asks for one.
+        // Without a window the argument parser requires a command.
         #[cfg(not(feature = "window"))]
         Command::HelpLanguage
     }
@@ -74,7 +75,7 @@ pub(crate) fn run() -> ExitCode {
         Ok(arguments) => arguments,
         Err(error) => return ExitCode::from(say_arguments(error) as u8),
     };
-    let outcome = match arguments.command.unwrap_or_default() {
+    let outcome = match arguments.command.unwrap_or_else(Command::unnamed) {
         #[cfg(feature = "window")]
         Command::Preview(options) => preview::run(&options),
         Command::Render(options) => render::run(&options),

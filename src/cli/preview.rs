@@ -5,8 +5,8 @@ use crate::cli::report::{Failure, say_lines, warn};
 use crate::cli::signals;
 use illuminator::preview::app::App;
 use illuminator::preview::window::{WindowError, WindowExit, WindowOptions, run as show};
-use illuminator::workspace::files::Location;
-use illuminator::workspace::folders::Folders;
+use illuminator::user_data::folders::Folders;
+use illuminator::workspace::Location;
 use std::ffi::OsString;
 
 #[derive(clap::Args, Default)]

@@ -174,7 +174,7 @@ impl CompiledSlider {
 mod tests {
     use super::*;
     use crate::lang::source::Source;
-    use crate::presets::{self, Kind};
+    use crate::workspace::{FileKind, presets};
 
     #[test]
     fn built_in_formulas_are_computed_as_many_records_at_a_time_as_there_are_lanes() {
@@ -183,8 +183,8 @@ mod tests {
         let sixteen = has([std::arch::is_x86_feature_detected!("avx512f"), std::arch::is_x86_feature_detected!("avx512dq")]);
         let widest =
             [(eight && sixteen, "%zmm"), (eight, "%ymm"), (true, "%xmm")].into_iter().find(|(there, _)| *there).unwrap().1;
-        for name in presets::names(Kind::Formula) {
-            let (formula, _) = Formula::parse(&Source::new(name, presets::text(Kind::Formula, name).unwrap())).unwrap();
+        for name in presets::names(FileKind::Formula) {
+            let (formula, _) = Formula::parse(&Source::new(name, presets::text(FileKind::Formula, name).unwrap())).unwrap();
             let listing = CompiledFormula::listing(&formula).unwrap();
             let kernels: Vec<&str> = listing.asm.split("; ").filter(|kernel| kernel.starts_with("contributions")).collect();
             assert_eq!(kernels.len(), 2, "one that stores and one that adds");

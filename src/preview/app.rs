@@ -18,6 +18,7 @@ mod parameters;
 mod preferences;
 mod remembered;
 mod status;
+mod tab;
 mod theme;
 
 pub use command::Command;
@@ -26,16 +27,19 @@ use crate::backends::BackendChoice;
 use crate::files::Readable;
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::source::Span;
-use crate::presets::{self, DEFAULT_SESSION, Kind};
 use crate::preview::editor::{Document, Editor, Palette, problems_ui, reference_ui};
 use crate::preview::renderer::Event;
 use crate::preview::workshop::{Opened, Workshop};
 use crate::preview::{FrameTimes, PictureView, Shown};
-use crate::workspace::files::Location;
-use crate::workspace::folders::Folders;
+use crate::user_data::folders::Folders;
+use crate::workspace::Location;
 use crate::workspace::project::Project;
 use crate::workspace::session::PictureSettings;
-use autosave::{Autosave, DRAFTS, Unsaved};
+use crate::workspace::{
+    FileKind,
+    presets::{self, DEFAULT_SESSION},
+};
+use autosave::{Autosave, DraftSlot, PerDraft, Unsaved};
 use chores::{Chores, Told};
 use dialogs::Dialogs;
 use egui::{CentralPanel, Context, Frame, Id, Panel, Ui};
@@ -49,25 +53,22 @@ use preferences::Preferences;
 use remembered::Remembered;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io;
-use std::ops::Range;
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
+use tab::{PerTab, TextTab};
 use theme::Theme;
 
 /// A window of fewer points is narrow: panels as wide as in others would leave no picture.
 const NARROW: f32 = 860.0;
 
-/// The two texts that are edited, in the order of their tabs.
-const TEXTS: [Kind; 2] = [Kind::Formula, Kind::Scene];
-
 /// The workshop with its panels.
 pub struct App {
     workshop: Workshop,
-    documents: [Document; 2],
+    documents: PerTab<Document>,
     editor: Editor,
     /// Which of the texts is seen.
-    tab: usize,
+    tab: TextTab,
     /// The file of the session, if it has one.
     session: Option<Location>,
     saved: SavedSession,
@@ -101,15 +102,15 @@ pub struct App {
 struct SavedSession {
     numbers: Vec<f32>,
     picture: PictureSettings,
-    places: [Option<Location>; 2],
+    places: PerTab<Option<Location>>,
 }
 
 impl SavedSession {
-    fn of(workshop: &Workshop, documents: &[Document; 2]) -> Self {
+    fn of(workshop: &Workshop, documents: &PerTab<Document>) -> Self {
         Self {
             numbers: workshop.values().numbers().to_vec(),
             picture: workshop.settings(),
-            places: documents.each_ref().map(|document| document.location().cloned()),
+            places: documents.map(|document| document.location().cloned()),
         }
     }
 }
@@ -154,7 +155,7 @@ impl App {
             workshop,
             documents,
             editor: Editor::default(),
-            tab: 0,
+            tab: TextTab::Formula,
             session: Some(location),
             saved,
             parameters: Parameters::default(),
@@ -270,11 +271,11 @@ impl App {
     fn keep_texts(&mut self, ui: &Ui) {
         const EVERY: f64 = 2.0;
         let states = self.unsaved_states();
-        self.note_unsaved(0..TEXTS.len(), states);
+        self.note_unsaved(&[DraftSlot::Formula, DraftSlot::Scene], states);
         let now = ui.input(|input| input.time);
         if now - self.kept_at >= EVERY {
             self.kept_at = now;
-            self.note_unsaved(0..DRAFTS, states);
+            self.note_unsaved(&DraftSlot::ALL, states);
             self.write_drafts();
         }
         // Without anything to be seen there would be no further frame.
@@ -284,11 +285,16 @@ impl App {
     }
 
     /// Notes the unsaved state of some drafts.
-    fn note_unsaved(&mut self, drafts: Range<usize>, states: [Option<u64>; DRAFTS]) {
+    fn note_unsaved(&mut self, slots: &[DraftSlot], states: PerDraft<Option<u64>>) {
         let Self { workshop, documents, session, remembered, .. } = self;
-        remembered.note_unsaved(drafts, states, |draft| match documents.get(draft) {
-            Some(text) => Unsaved { kind: text.kind(), location: text.location().cloned(), text: text.text().to_owned() },
-            None => Unsaved { kind: Kind::Session, location: session.clone(), text: session_text(workshop, documents) },
+        let of_text =
+            |text: &Document| Unsaved { kind: text.kind(), location: text.location().cloned(), text: text.text().to_owned() };
+        remembered.note_unsaved(slots, states, |slot| match slot {
+            DraftSlot::Formula => of_text(&documents.formula),
+            DraftSlot::Scene => of_text(&documents.scene),
+            DraftSlot::Session => {
+                Unsaved { kind: FileKind::Session, location: session.clone(), text: session_text(workshop, documents) }
+            }
         });
     }
 
@@ -302,7 +308,7 @@ impl App {
 
     /// Keeps all unsaved work, and waits until it is on disk.
     fn keep_now(&mut self) -> Result<(), Diagnostic> {
-        self.note_unsaved(0..DRAFTS, self.unsaved_states());
+        self.note_unsaved(&DraftSlot::ALL, self.unsaved_states());
         self.remembered.autosave().map_or(Ok(()), Autosave::flush)
     }
 
@@ -354,25 +360,25 @@ impl App {
     /// Tabs, the text of one, and what is wrong with both.
     fn texts_ui(&mut self, ui: &mut Ui, commands: &mut Vec<Command>) {
         ui.horizontal_wrapped(|ui| {
-            for (place, document) in self.documents.iter().enumerate() {
+            for (tab, document) in self.documents.iter() {
                 let hover = document.location().map_or_else(|| "not saved yet".to_owned(), ToString::to_string);
-                if ui.selectable_label(self.tab == place, document.title()).on_hover_text(hover).clicked() {
-                    self.tab = place;
+                if ui.selectable_label(self.tab == tab, document.title()).on_hover_text(hover).clicked() {
+                    self.tab = tab;
                 }
             }
-            let name = if self.tab == 0 { "Apply formula" } else { "Apply scene" };
-            if ui.button(name).on_hover_text("Ctrl+Enter: the picture follows the text").clicked() {
+            let name = self.tab.kind().noun();
+            if ui.button(format!("Apply {name}")).on_hover_text("Ctrl+Enter: the picture follows the text").clicked() {
                 commands.push(Command::Apply);
             }
         });
-        let [errors, warnings] = self.documents.iter().fold([0, 0], |[errors, warnings], document| {
+        let [errors, warnings] = self.documents.values().fold([0, 0], |[errors, warnings], document| {
             let [more, others] = document.counts();
             [errors + more, warnings + others]
         });
-        let mut jump: Option<(usize, Span)> = None;
+        let mut jump: Option<(TextTab, Span)> = None;
         if errors + warnings > 0 {
             Panel::bottom("problems").resizable(true).default_size(110.0).show(ui, |ui| {
-                jump = problems_ui(ui, &self.documents.each_ref());
+                jump = problems_ui(ui, &self.documents.iter().collect::<Vec<_>>());
             });
         }
         if self.panels.reference {
@@ -382,8 +388,8 @@ impl App {
                 }
             });
         }
-        if let Some((document, span)) = jump {
-            self.tab = document.min(self.documents.len() - 1);
+        if let Some((tab, span)) = jump {
+            self.tab = tab;
             self.editor.jump_to(span);
         }
         let palette = Palette::suiting(ui.visuals());
@@ -406,19 +412,19 @@ impl App {
 
     /// Whether anything is not saved, of the texts or of the session.
     pub fn is_unsaved(&self) -> bool {
-        self.session_is_unsaved() || self.documents.iter().any(Document::unsaved)
+        self.session_is_unsaved() || self.documents.values().any(Document::unsaved)
     }
 
     /// Numbers that tell the unsaved states of formula, scene and session from others; none for what is saved.
-    fn unsaved_states(&self) -> [Option<u64>; 3] {
+    fn unsaved_states(&self) -> PerDraft<Option<u64>> {
         let of_text = |text: &Document| text.unsaved().then(|| text.id() << 32 ^ text.revision());
-        let [formula, scene] = self.documents.each_ref().map(of_text);
+        let PerTab { formula, scene } = self.documents.map(of_text);
         let session = self.session_is_unsaved().then(|| {
             let mut hasher = DefaultHasher::new();
             self.workshop.values().numbers().iter().for_each(|number| number.to_bits().hash(&mut hasher));
             let PictureSettings { size, depth, shadows, default_index, srgb } = self.workshop.settings();
             (size, depth, shadows, default_index.to_bits(), srgb).hash(&mut hasher);
-            self.documents.each_ref().map(|text| text.location().map(ToString::to_string)).hash(&mut hasher);
+            self.documents.values().for_each(|text| text.location().map(ToString::to_string).hash(&mut hasher));
             hasher.finish()
         });
         [formula, scene, session]
@@ -427,7 +433,7 @@ impl App {
     /// Whether values, settings or the files of the texts are others than the session's file has.
     fn session_is_unsaved(&self) -> bool {
         let SavedSession { numbers, picture, places } = &self.saved;
-        let moved = self.documents.iter().zip(places).any(|(document, place)| document.location() != place.as_ref());
+        let moved = self.documents.iter().any(|(tab, document)| document.location() != places[tab].as_ref());
         let mut settings = self.workshop.settings();
         if self.pane.follows {
             // The window chose it.
@@ -445,8 +451,8 @@ impl App {
 
 /// The session as it is, to be kept where no folder is its own. A text without a file has some built-in one in its place: what is kept of it
 /// comes instead.
-fn session_text(workshop: &Workshop, documents: &[Document; 2]) -> String {
-    let [formula, scene] = documents.each_ref().map(|document| match document.location() {
+fn session_text(workshop: &Workshop, documents: &PerTab<Document>) -> String {
+    let PerTab { formula, scene } = documents.map(|document| match document.location() {
         Some(Location::File(path)) => Location::File(std::path::absolute(path).unwrap_or_else(|_| path.clone())),
         Some(Location::Preset(name)) => Location::Preset(name.clone()),
         None => Location::Preset(presets::names(document.kind()).next().unwrap_or_default().to_owned()),
@@ -466,10 +472,10 @@ fn waker(context: &Arc<OnceLock<Context>>) -> impl Fn() + Send + Sync + use<> {
 }
 
 /// The texts of what was opened.
-fn documents(project: &Project) -> [Document; 2] {
-    let formula = Document::opened(Kind::Formula, project.formula_location.clone(), project.formula_text.text());
-    let scene = Document::opened(Kind::Scene, project.scene_location.clone(), project.scene_text.text());
-    [formula, scene]
+fn documents(project: &Project) -> PerTab<Document> {
+    let formula = Document::opened(FileKind::Formula, project.formula_location.clone(), project.formula_text.text());
+    let scene = Document::opened(FileKind::Scene, project.scene_location.clone(), project.scene_text.text());
+    PerTab { formula, scene }
 }
 
 impl Shown for App {
@@ -515,7 +521,7 @@ impl Shown for App {
         self.chores.finish();
         self.remembered.settings = self.remembered.settings.within_ranges();
         let saved = self.remembered.save_settings();
-        if self.remembered.autosave().is_none() && self.documents.iter().any(Document::unsaved) {
+        if self.remembered.autosave().is_none() && self.documents.values().any(Document::unsaved) {
             self.last_words.push("unsaved work is lost: there is no folder for it".to_owned());
         }
         self.last_words.extend(kept.err().map(|error| format!("unsaved work is lost: {}", remembered::line(&error))));

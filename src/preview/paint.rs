@@ -7,6 +7,7 @@
 //! Here is what is kept from frame to frame and which tiles are drawn; how triangles become items is in `item`, items become pixels in
 //! `raster`, and the textures are in `texture`. Nothing here knows a window.
 
+mod colour;
 mod item;
 mod raster;
 mod region;

@@ -15,7 +15,7 @@ use crate::lang::source::Source;
 use crate::preview::renderer::{Picture, Renderer, Scenery};
 use crate::scene::Scene;
 use crate::trace::{View, ViewError};
-use crate::workspace::files::Location;
+use crate::workspace::Location;
 use crate::workspace::project::{Project, view};
 use crate::workspace::session::PictureSettings;
 use crate::workspace::{Assignment, OwnerId, Roster, Session, Values};

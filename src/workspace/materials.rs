@@ -16,15 +16,15 @@ use crate::lang::source::{Source, Span};
 use crate::lang::variables::Owner;
 use crate::scene::BodyId;
 use crate::workspace::assignment::{Assignment, hint};
-use crate::workspace::document::VERSION_KEY;
 use crate::workspace::owner::OwnerId;
 use crate::workspace::roster::Roster;
+use crate::workspace::spanned_toml::VERSION_KEY;
 use crate::workspace::values::Values;
 use std::io;
 use std::path::Path;
 
 pub use choice::{Bodies, Choice, ChoiceError};
-pub use place::{Place, data_folder};
+pub use place::Place;
 pub use shelf::{Findings, Shelf};
 
 /// A value of a material, by name.

@@ -1,27 +1,28 @@
-//! What a user edits: parameter values, sessions, materials and the files they name.
+//! What a user edits: parameter values, sessions, materials, and the files that hold them.
 //!
-//! No window, no command line: both are served by these. Held are values by owner and parameter, settled so that ranges and
-//! invariants hold; how they reach a picture is the engine's business. And what a window remembers for its user: settings, recent
-//! files, unsaved texts.
+//! Values are kept by owner and parameter, within their ranges and invariants. How they become a picture is the engine's
+//! business. Nothing here knows of windows or command lines; both are built on it.
 
 pub mod assignment;
-mod document;
-pub mod drafts;
-pub mod files;
-pub mod folders;
+mod file_kind;
+mod location;
 pub mod materials;
 pub mod owner;
+pub mod presets;
 pub mod project;
-pub mod recent;
+mod recognise;
 pub mod roster;
 pub mod session;
-pub mod settings;
+pub(crate) mod spanned_toml;
 pub mod values;
 pub mod warning;
 
 pub use assignment::{Assignment, Setting};
+pub use file_kind::FileKind;
+pub use location::{Location, read_source};
 pub use materials::{Library, Material, Shelf};
 pub use owner::{OwnerId, Owners};
+pub use recognise::kind_of;
 pub use roster::Roster;
 pub use session::Session;
 pub use values::Values;

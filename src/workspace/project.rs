@@ -10,13 +10,13 @@ use crate::lang::diagnostic::{Diagnostic, Diagnostics};
 use crate::lang::parser::parse;
 use crate::lang::source::Source;
 use crate::lang::variables::Predefined;
-use crate::presets::Kind;
 use crate::scene::Scene;
 use crate::trace::{View, ViewError};
+use crate::workspace::FileKind;
 use crate::workspace::assignment::Assignment;
-use crate::workspace::files::{Location, kind_of};
-use crate::workspace::materials::{Choice, Place, Shelf, data_folder};
+use crate::workspace::materials::{Choice, Place, Shelf};
 use crate::workspace::session::{Lacking, PictureSettings, Session};
+use crate::workspace::{Location, kind_of};
 use crate::workspace::{OwnerId, Roster, Setting, Values};
 use std::path::{Path, PathBuf};
 
@@ -66,7 +66,9 @@ pub struct Request<'r> {
     /// A scene in place of the session's.
     pub scene: Option<Location>,
     /// Texts in place of those in files, for instance unsaved ones.
-    pub texts: Option<&'r dyn Fn(Kind) -> Option<Source>>,
+    pub texts: Option<&'r dyn Fn(FileKind) -> Option<Source>>,
+    /// The folder that holds what users save for built-in formulas, if there is one.
+    pub data: Option<PathBuf>,
     /// Materials for bodies.
     pub materials: &'r [Choice],
     /// Values over those of the session and of materials.
@@ -137,7 +139,7 @@ impl Project {
         check_numbers(&read, request.memory)?;
         let shelf = match request.materials {
             [] => None,
-            _ => Some(open_shelf(&read.formula, &formula_location, &read.formula_text, request.readable, listener)?),
+            _ => Some(open_shelf(&read, &formula_location, request, listener)?),
         };
         let mut picture = session.as_ref().map(|open| open.session.picture).unwrap_or_default();
         if let Some(change) = request.picture {
@@ -182,8 +184,8 @@ struct Read {
 impl Read {
     /// Reads formula and scene; what is wrong with either is told before giving up.
     fn both(request: &Request, formula: &Location, scene: &Location, listener: &mut dyn Listener) -> Result<Self, OpenError> {
-        let formula = read_text(request, formula, Kind::Formula, Formula::parse, listener);
-        let scene = read_text(request, scene, Kind::Scene, Scene::parse, listener);
+        let formula = read_text(request, formula, FileKind::Formula, Formula::parse, listener);
+        let scene = read_text(request, scene, FileKind::Scene, Scene::parse, listener);
         match (formula, scene) {
             (Ok((formula_text, formula)), Ok((scene_text, scene))) => Ok(Self { formula_text, formula, scene_text, scene }),
             (Err(first), Err(second)) => {
@@ -201,7 +203,7 @@ impl Read {
 fn read_text<T>(
     request: &Request,
     location: &Location,
-    kind: Kind,
+    kind: FileKind,
     parse: fn(&Source) -> Result<(T, Diagnostics), Diagnostics>,
     listener: &mut dyn Listener,
 ) -> Result<(Source, T), OpenError> {
@@ -210,9 +212,9 @@ fn read_text<T>(
         None => location.read(kind, request.readable)?,
     };
     let hint = match kind_of(source.text()) {
-        Some(Kind::Session) => Some((Kind::Session, "give a session without an option in front of it")),
-        Some(Kind::Material) => Some((Kind::Material, LIBRARIES)),
-        Some(Kind::Formula | Kind::Scene) | None => None,
+        Some(FileKind::Session) => Some((FileKind::Session, "give a session without an option in front of it")),
+        Some(FileKind::Material) => Some((FileKind::Material, LIBRARIES)),
+        Some(FileKind::Formula | FileKind::Scene) | None => None,
     };
     if let Some((found, hint)) = hint.filter(|_| source.name().ends_with(".toml")) {
         let diagnostic = Diagnostic::error(format!("`{location}` looks like a {}, not a {}", found.noun(), kind.noun()));
@@ -252,12 +254,12 @@ impl OpenSession {
         let (source, folder) = match text {
             SessionText::Text(source, folder) => (source.clone(), Some(folder.clone())),
             SessionText::At(location) => {
-                let source = location.read(Kind::Session, readable)?;
-                if let Some(kind) = kind_of(source.text()).filter(|kind| *kind != Kind::Session) {
+                let source = location.read(FileKind::Session, readable)?;
+                if let Some(kind) = kind_of(source.text()).filter(|kind| *kind != FileKind::Session) {
                     let diagnostic = Diagnostic::error(format!("`{location}` looks like a {}, not a session", kind.noun()));
                     return Err(OpenError::Input(match kind {
-                        Kind::Material => diagnostic.help(LIBRARIES),
-                        Kind::Formula | Kind::Scene | Kind::Session => {
+                        FileKind::Material => diagnostic.help(LIBRARIES),
+                        FileKind::Formula | FileKind::Scene | FileKind::Session => {
                             diagnostic.help(format!("give it behind `--{}`", kind.noun()))
                         }
                     }));
@@ -377,29 +379,24 @@ fn unless<T>(errors: Vec<String>, outcome: T, listener: &mut dyn Listener) -> Re
 ///
 /// # Errors
 /// The formula names no library, or one that cannot be.
-pub fn place_of(formula: &Formula, location: &Location, source: &Source) -> Result<Place, Diagnostic> {
-    Place::of(formula.uses.as_deref(), Some(location), data_folder().as_deref()).map_err(|reason| match parse(source).0.uses {
+pub fn place_of(formula: &Formula, location: &Location, source: &Source, data: Option<&Path>) -> Result<Place, Diagnostic> {
+    Place::of(formula.uses.as_deref(), Some(location), data).map_err(|reason| match parse(source).0.uses {
         Some((_, span)) => reason.at(span, "not known"),
         None => reason,
     })
 }
 
 /// Reads the materials of a formula.
-fn open_shelf(
-    formula: &Formula,
-    location: &Location,
-    source: &Source,
-    readable: Readable,
-    listener: &mut dyn Listener,
-) -> Result<Shelf, OpenError> {
-    let place = place_of(formula, location, source).map_err(|reason| {
+fn open_shelf(read: &Read, location: &Location, request: &Request, listener: &mut dyn Listener) -> Result<Shelf, OpenError> {
+    let (formula, source) = (&read.formula, &read.formula_text);
+    let place = place_of(formula, location, source, request.data.as_deref()).map_err(|reason| {
         if formula.uses.is_none() {
             return OpenError::Request(reason);
         }
         listener.diagnostics(&reason.into(), source);
         OpenError::Told
     })?;
-    match Shelf::open(place, readable) {
+    match Shelf::open(place, request.readable) {
         Ok((shelf, found)) => {
             listener.diagnostics(&found.diagnostics, &found.source);
             Ok(shelf)

@@ -3,8 +3,8 @@
 use crate::messages::check;
 use crate::{FORMULA, folder, run, write};
 use illuminator::lang::source::Source;
-use illuminator::presets::{self, Kind};
 use illuminator::workspace::Library;
+use illuminator::workspace::{FileKind, presets};
 use std::fs;
 use std::path::Path;
 
@@ -20,7 +20,7 @@ fn picture(folder: &Path, arguments: &str) -> Vec<u8> {
 
 /// `--set` for every value of a built-in material.
 fn settings(library: &str, material: &str, body: &str) -> String {
-    let text = presets::text(Kind::Material, library).expect("a built-in file");
+    let text = presets::text(FileKind::Material, library).expect("a built-in file");
     let (library, _) = Library::parse(&Source::new(library, text)).expect("a sound library");
     let properties = &library.get(material).expect("a built-in material").properties;
     let set = properties.iter().map(|property| {

@@ -7,15 +7,15 @@ use illuminator::evaluate::inspect::{End, Inspector, Visibility};
 use illuminator::files::Readable;
 use illuminator::formula::Formula;
 use illuminator::lang::source::Source;
-use illuminator::presets::{self, Kind};
 use illuminator::scene::Scene;
 use illuminator::trace::View;
-use illuminator::workspace::files::Location;
+use illuminator::workspace::Location;
+use illuminator::workspace::{FileKind, presets};
 use illuminator::workspace::{Session, Values};
 use illuminator::world::World;
 use std::sync::Arc;
 
-fn read(location: &Location, kind: Kind) -> Source {
+fn read(location: &Location, kind: FileKind) -> Source {
     location.read(kind, Readable::Regular).expect("a built-in file")
 }
 
@@ -25,10 +25,10 @@ fn close(one: f64, other: f32) -> bool {
 
 #[test]
 fn every_preset_adds_up_to_the_interpreters_pixel() {
-    for name in presets::names(Kind::Session) {
-        let (session, _) = Session::parse(&read(&Location::Preset(name.to_owned()), Kind::Session)).expect("a session");
-        let (formula, _) = Formula::parse(&read(&session.formula, Kind::Formula)).expect("a formula");
-        let (scene, _) = Scene::parse(&read(&session.scene, Kind::Scene)).expect("a scene");
+    for name in presets::names(FileKind::Session) {
+        let (session, _) = Session::parse(&read(&Location::Preset(name.to_owned()), FileKind::Session)).expect("a session");
+        let (formula, _) = Formula::parse(&read(&session.formula, FileKind::Formula)).expect("a formula");
+        let (scene, _) = Scene::parse(&read(&session.scene, FileKind::Scene)).expect("a scene");
         let (given, _) = session.assignments(Values::defaults(&formula, &scene).roster());
         let (values, _) = Values::new(&formula, &scene, &given);
         let (formula, world) = (Arc::new(formula), Arc::new(World::new(scene)));

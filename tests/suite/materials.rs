@@ -4,10 +4,10 @@ use illuminator::files::Readable;
 use illuminator::formula::Formula;
 use illuminator::lang::ast::Constant;
 use illuminator::lang::source::{Source, Span};
-use illuminator::presets::{self, Kind};
 use illuminator::scene::{BodyId, Scene};
-use illuminator::workspace::files::Location;
+use illuminator::workspace::Location;
 use illuminator::workspace::materials::{Place, Property};
+use illuminator::workspace::{FileKind, presets};
 use illuminator::workspace::{Library, Material, Shelf, Values};
 use proptest::prelude::*;
 use std::collections::BTreeSet;
@@ -17,8 +17,8 @@ const SCENE: &str = "bodies; ball: sphere, center <0,0,0>, radius 1; lights; key
 
 /// The built-in formulas that name materials, each with what it names.
 fn formulas() -> impl Iterator<Item = (&'static str, Formula, String)> {
-    presets::names(Kind::Formula).filter_map(|name| {
-        let text = presets::text(Kind::Formula, name).expect("a built-in file");
+    presets::names(FileKind::Formula).filter_map(|name| {
+        let text = presets::text(FileKind::Formula, name).expect("a built-in file");
         let (formula, _) = Formula::parse(&Source::new(name, text)).expect("a sound formula");
         let uses = formula.uses.clone()?;
         Some((name, formula, uses))
@@ -57,7 +57,7 @@ fn every_built_in_material_fits_its_formula() {
             assert_eq!(bare(material), bare(&whole), "{} of {name}", material.name());
         }
     }
-    assert_eq!(used, presets::names(Kind::Material).map(str::to_owned).collect(), "every library belongs to a formula");
+    assert_eq!(used, presets::names(FileKind::Material).map(str::to_owned).collect(), "every library belongs to a formula");
 }
 
 #[test]
@@ -149,7 +149,7 @@ proptest! {
 
     #[test]
     fn damaged_libraries_are_told_of_or_read(cut in 0..400_usize, junk in "[\\[\\]={},\"#.\na-z0-9]{0,6}") {
-        let text = presets::text(Kind::Material, "phong").expect("a built-in file");
+        let text = presets::text(FileKind::Material, "phong").expect("a built-in file");
         let (before, behind) = text.split_at(cut);
         for text in [format!("{before}{junk}"), format!("{before}{junk}{behind}")] {
             let source = Source::new("damaged", text);

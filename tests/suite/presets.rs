@@ -5,14 +5,14 @@ use illuminator::backends::verify::verify;
 use illuminator::engine::{Engine, Subject, Task};
 use illuminator::formula::Formula;
 use illuminator::lang::source::Source;
-use illuminator::presets::{self, Kind};
 use illuminator::scene::Scene;
 use illuminator::trace::View;
+use illuminator::workspace::{FileKind, presets};
 use illuminator::workspace::{Setting, Values};
 use illuminator::world::World;
 use std::sync::Arc;
 
-fn source(kind: Kind, name: &str) -> Source {
+fn source(kind: FileKind, name: &str) -> Source {
     Source::new(name, presets::text(kind, name).expect("a built-in file"))
 }
 
@@ -21,12 +21,12 @@ const SETTINGS: [&[&str]; 2] = [&[], &["*.kr=0.3", "*.kt=0.5", "*.ki=0.7", "back
 
 #[test]
 fn backends_agree_on_every_preset() {
-    for scene_name in presets::names(Kind::Scene) {
-        let (scene, _) = Scene::parse(&source(Kind::Scene, scene_name)).expect("a sound scene");
+    for scene_name in presets::names(FileKind::Scene) {
+        let (scene, _) = Scene::parse(&source(FileKind::Scene, scene_name)).expect("a sound scene");
         let world = Arc::new(World::new(scene));
         let view = View::new(96, 54).expect("a size in range");
-        for formula_name in presets::names(Kind::Formula) {
-            let (formula, _) = Formula::parse(&source(Kind::Formula, formula_name)).expect("a sound formula");
+        for formula_name in presets::names(FileKind::Formula) {
+            let (formula, _) = Formula::parse(&source(FileKind::Formula, formula_name)).expect("a sound formula");
             let formula = Arc::new(formula);
             let subject = Subject { formula: Arc::clone(&formula), world: Arc::clone(&world), view };
             let compiled = Engine::default().evaluator(&subject, &Task::UNWATCHED).expect("compiled code takes the presets");

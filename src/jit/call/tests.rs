@@ -6,8 +6,8 @@ use crate::formula::binding::Bindings;
 use crate::jit::lanes::Sums;
 use crate::lang::source::Source;
 use crate::plan::FormulaPlan;
-use crate::presets::{self, Kind};
 use crate::segment::ROUND_LINES;
+use crate::workspace::{FileKind, presets};
 
 /// What the contribution kernels of a formula yield on some numbers, compiled for at most so many blocks at a time.
 fn contributions(bindings: &Bindings, widest: usize) -> (usize, Vec<f32>) {
@@ -36,7 +36,7 @@ fn kernels_of_all_widths_compute_the_same() {
     let every = "body_specific; a: scalar; b: scalar; formula;
         = <sin(a*alpha) + asin(N.V) + tan(b*beta), exp(a*(N.L)) + log(b + dist) + atan2(a*alpha, beta), (a*dist)^(b*(N.L))>
         + if(a*alpha < b, <1, floor(a*beta), 0>, V*sqrt(b*dist));";
-    let presets = presets::names(Kind::Formula).map(|name| presets::text(Kind::Formula, name).unwrap().to_owned());
+    let presets = presets::names(FileKind::Formula).map(|name| presets::text(FileKind::Formula, name).unwrap().to_owned());
     for text in presets.chain([every.to_owned()]) {
         let (formula, _) = Formula::parse(&Source::new("formula", text.clone())).unwrap();
         let bindings = Bindings::new(&formula);
@@ -55,7 +55,7 @@ fn kernels_of_all_widths_compute_the_same() {
 
 #[test]
 fn programs_run_on_nothing_that_is_too_short() {
-    let (formula, _) = Formula::parse(&Source::new("formula", presets::text(Kind::Formula, "phong").unwrap())).unwrap();
+    let (formula, _) = Formula::parse(&Source::new("formula", presets::text(FileKind::Formula, "phong").unwrap())).unwrap();
     let compiled = crate::jit::CompiledFormula::new(&formula).unwrap();
     let columns = compiled.plan.bindings.frontier.records.len();
     let kernel = &compiled.contribution.overwrite;

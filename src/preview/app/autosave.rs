@@ -4,18 +4,44 @@
 //! thread can get at it.
 
 use crate::lang::diagnostic::Diagnostic;
-use crate::presets::Kind;
-use crate::workspace::drafts::Drafts;
-use crate::workspace::files::Location;
+use crate::user_data::drafts::Drafts;
+use crate::workspace::FileKind;
+use crate::workspace::Location;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// How many drafts a window has: of the formula, the scene and the session.
-pub(super) const DRAFTS: usize = 3;
+/// The drafts of a window, one each.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum DraftSlot {
+    Formula,
+    Scene,
+    Session,
+}
+
+/// One value for each draft, in the order of [`DraftSlot::ALL`].
+pub(super) type PerDraft<T> = [T; DraftSlot::ALL.len()];
+
+impl DraftSlot {
+    pub(super) const ALL: [DraftSlot; 3] = [DraftSlot::Formula, DraftSlot::Scene, DraftSlot::Session];
+
+    /// The draft that holds work of a kind.
+    pub(super) fn of(kind: FileKind) -> DraftSlot {
+        match kind {
+            FileKind::Formula => DraftSlot::Formula,
+            FileKind::Scene => DraftSlot::Scene,
+            FileKind::Session | FileKind::Material => DraftSlot::Session,
+        }
+    }
+
+    /// The number of its file.
+    pub(super) fn editor(self) -> u32 {
+        self as u32
+    }
+}
 
 /// Unsaved work as it goes into a draft.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Unsaved {
-    pub(super) kind: Kind,
+    pub(super) kind: FileKind,
     pub(super) location: Option<Location>,
     pub(super) text: String,
 }
@@ -36,7 +62,7 @@ pub(super) struct Autosave {
 struct Shared {
     drafts: Mutex<Drafts>,
     /// The changes that are not on disk yet.
-    waiting: Mutex<[Option<Change>; DRAFTS]>,
+    waiting: Mutex<PerDraft<Option<Change>>>,
 }
 
 impl Autosave {
@@ -45,10 +71,8 @@ impl Autosave {
     }
 
     /// Notes that a draft should hold this, or that its work is saved. Nothing is written yet.
-    pub(super) fn note(&self, draft: usize, unsaved: Option<Unsaved>) {
-        if let Some(waiting) = lock(&self.shared.waiting).get_mut(draft) {
-            *waiting = Some(unsaved.map_or(Change::Remove, Change::Keep));
-        }
+    pub(super) fn note(&self, slot: DraftSlot, unsaved: Option<Unsaved>) {
+        lock(&self.shared.waiting)[slot as usize] = Some(unsaved.map_or(Change::Remove, Change::Keep));
     }
 
     /// Whether anything that was noted is not on disk yet.
@@ -87,16 +111,16 @@ impl Shared {
         let mut drafts = lock(&self.drafts);
         let changes = std::mem::take(&mut *lock(&self.waiting));
         let mut outcome = Ok(());
-        for (editor, change) in (0..).zip(changes) {
+        for (slot, change) in DraftSlot::ALL.into_iter().zip(changes) {
             let Some(change) = change else { continue };
             let done = match &change {
-                Change::Keep(Unsaved { kind, location, text }) => drafts.keep(editor, *kind, location.as_ref(), text),
-                Change::Remove => drafts.remove(editor),
+                Change::Keep(Unsaved { kind, location, text }) => drafts.keep(slot.editor(), *kind, location.as_ref(), text),
+                Change::Remove => drafts.remove(slot.editor()),
             };
             if let Err(error) = done {
                 outcome = Err(error);
                 // Unless something newer was noted meanwhile.
-                lock(&self.waiting)[editor as usize].get_or_insert(change);
+                lock(&self.waiting)[slot as usize].get_or_insert(change);
             }
         }
         outcome

@@ -1,10 +1,10 @@
 //! What can be done in the workshop, whoever asks for it: a menu, a key, a button, a dialog.
 
 use crate::backends::BackendChoice;
-use crate::presets::Kind;
 use crate::preview::app::theme::Theme;
-use crate::workspace::files::Location;
-use crate::workspace::settings::Settings;
+use crate::user_data::settings::Settings;
+use crate::workspace::FileKind;
+use crate::workspace::Location;
 use egui::{Key, KeyboardShortcut, Modifiers, Ui};
 use std::path::PathBuf;
 
@@ -12,19 +12,19 @@ use std::path::PathBuf;
 #[derive(Debug, Clone, PartialEq)]
 pub enum Command {
     /// Begin a new text of this kind.
-    New(Kind),
+    New(FileKind),
     /// Do this although a text that is not saved is lost by it.
     Surely(Box<Command>),
     /// Ask for a file of this kind, and open it.
-    AskToOpen(Kind),
+    AskToOpen(FileKind),
     /// Open a file of this kind.
-    Open(Kind, Location),
+    Open(FileKind, Location),
     /// Save the text that is seen.
     Save,
     /// Ask where to save what is seen, of this kind.
-    AskToSave(Kind),
+    AskToSave(FileKind),
     /// Save it there; the picture where there is no kind.
-    SaveTo(Option<Kind>, PathBuf),
+    SaveTo(Option<FileKind>, PathBuf),
     /// Ask where to save the picture.
     AskToSavePicture,
     /// Copy the picture that is seen to the clipboard.
@@ -93,8 +93,8 @@ pub(super) fn shortcuts() -> Vec<(KeyboardShortcut, Command, &'static str)> {
         (command(Key::Enter), Command::Apply, "Apply the text that is seen to the picture"),
         (command(Key::S), Command::Save, "Save the text that is seen"),
         (shifted(Key::S), Command::SaveSession, "Save the session"),
-        (command(Key::O), Command::AskToOpen(Kind::Formula), "Open a formula"),
-        (shifted(Key::O), Command::AskToOpen(Kind::Session), "Open a session"),
+        (command(Key::O), Command::AskToOpen(FileKind::Formula), "Open a formula"),
+        (shifted(Key::O), Command::AskToOpen(FileKind::Session), "Open a session"),
         (command(Key::E), Command::AskToSavePicture, "Save the picture"),
         (shifted(Key::E), Command::CopyPicture, "Copy the picture to the clipboard"),
         (

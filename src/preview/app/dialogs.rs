@@ -1,10 +1,10 @@
 //! What is asked for in a window of its own: files, what went wrong, and the list of shortcuts.
 
 use crate::lang::display_text::{many_lines, one_line};
-use crate::presets::Kind;
 use crate::preview::app::Command;
 use crate::preview::app::command::shortcuts;
-use crate::workspace::files::Location;
+use crate::workspace::FileKind;
+use crate::workspace::Location;
 use egui::{Align2, Context, Frame, Grid, Key, Modal, ModalResponse, Modifiers, ScrollArea, Ui};
 use egui_file_dialog::{DialogState, FileDialog};
 use std::collections::VecDeque;
@@ -38,8 +38,8 @@ const IN_TEXTS: [(&str, &str); 4] = [
 /// What a file is asked for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Purpose {
-    Open(Kind),
-    Save(Option<Kind>),
+    Open(FileKind),
+    Save(Option<FileKind>),
 }
 
 /// The dialogs.
@@ -57,15 +57,15 @@ pub(super) struct Dialogs {
 
 impl Dialogs {
     /// Asks for a file to be opened.
-    pub(super) fn ask_to_open(&mut self, kind: Kind) {
+    pub(super) fn ask_to_open(&mut self, kind: FileKind) {
         let mut dialog = file_dialog(&format!("Open {}", kind.noun()));
         dialog.pick_file();
         self.file = Some((dialog, Purpose::Open(kind)));
     }
 
     /// Asks where to save something of this kind, or the picture.
-    pub(super) fn ask_to_save(&mut self, kind: Option<Kind>, name: &str) {
-        let title = format!("Save {}", kind.map_or("picture (.png, .bmp, .exr)", Kind::noun));
+    pub(super) fn ask_to_save(&mut self, kind: Option<FileKind>, name: &str) {
+        let title = format!("Save {}", kind.map_or("picture (.png, .bmp, .exr)", FileKind::noun));
         let mut dialog = file_dialog(&title).default_file_name(name);
         dialog.save_file();
         self.file = Some((dialog, Purpose::Save(kind)));

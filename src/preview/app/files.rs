@@ -2,15 +2,16 @@
 
 use crate::files::{Readable, replace_text};
 use crate::lang::source::Source;
-use crate::presets::Kind;
 use crate::preview::app::chores::Told;
 use crate::preview::app::command::Panel;
 use crate::preview::app::notices::{Notice, Topic};
+use crate::preview::app::tab::TextTab;
 use crate::preview::app::{App, Command, SavedSession, documents, remembered, theme};
 use crate::preview::editor::Document;
 use crate::preview::workshop::Opened;
-use crate::workspace::drafts::Draft;
-use crate::workspace::files::Location;
+use crate::user_data::drafts::Draft;
+use crate::workspace::FileKind;
+use crate::workspace::Location;
 use std::path::{Path, PathBuf};
 
 /// What a new formula and a new scene begin with: something that works.
@@ -33,15 +34,12 @@ impl App {
     /// The texts that are not saved and that a command would put others in the place of.
     fn lost_by(&self, command: &Command) -> Vec<String> {
         let (Command::New(kind) | Command::Open(kind, _)) = command else { return Vec::new() };
-        let replaced: &[usize] = match kind {
-            Kind::Formula => &[0],
-            Kind::Scene => &[1],
-            Kind::Session | Kind::Material => &[0, 1],
-        };
-        let unsaved = replaced.iter().map(|tab| &self.documents[*tab]).filter(|document| document.unsaved());
+        let replaced = |tab: &TextTab| TextTab::of(*kind).is_none_or(|only| only == *tab);
+        let documents = TextTab::ALL.into_iter().filter(replaced).map(|tab| &self.documents[tab]);
+        let unsaved = documents.filter(|document| document.unsaved());
         let mut lost: Vec<String> = unsaved.map(Document::name).collect();
         // Values alone are no reason to ask: whoever looks through sessions moves sliders.
-        if !lost.is_empty() && *kind == Kind::Session && self.session_is_unsaved() {
+        if !lost.is_empty() && *kind == FileKind::Session && self.session_is_unsaved() {
             lost.push("the values".to_owned());
         }
         lost
@@ -66,7 +64,7 @@ impl App {
             Command::Open(kind, location) => self.open(kind, location),
             Command::Save => self.save(),
             Command::AskToSave(kind) => {
-                let name = format!("new.{}", if kind == Kind::Session { "toml" } else { kind.noun() });
+                let name = format!("new.{}", if kind == FileKind::Session { "toml" } else { kind.noun() });
                 self.dialogs.ask_to_save(Some(kind), &name);
             }
             Command::SaveTo(Some(kind), path) => self.save_to(kind, path),
@@ -74,8 +72,8 @@ impl App {
             Command::AskToSavePicture => self.dialogs.ask_to_save(None, "picture.png"),
             Command::CopyPicture => self.copy_picture(),
             Command::SaveSession => match self.session.clone() {
-                Some(Location::File(path)) => self.save_to(Kind::Session, path),
-                Some(Location::Preset(_)) | None => self.dialogs.ask_to_save(Some(Kind::Session), "new.toml"),
+                Some(Location::File(path)) => self.save_to(FileKind::Session, path),
+                Some(Location::Preset(_)) | None => self.dialogs.ask_to_save(Some(FileKind::Session), "new.toml"),
             },
             Command::Apply => self.apply(self.tab),
             Command::ApplyAsYouType(wanted) => {
@@ -150,7 +148,7 @@ impl App {
 
     /// Ends the program once unsaved work is kept, and asks where it cannot be.
     fn quit(&mut self) {
-        let is_work = self.documents.iter().any(Document::unsaved)
+        let is_work = self.documents.values().any(Document::unsaved)
             || (self.session_is_unsaved() && matches!(self.session, Some(Location::File(_))));
         let reason = match (self.keep_now(), self.remembered.autosave()) {
             (Err(error), _) => remembered::line(&error),
@@ -178,7 +176,7 @@ impl App {
         }
     }
 
-    fn note_recent(&mut self, kind: Kind, location: &Location) {
+    fn note_recent(&mut self, kind: FileKind, location: &Location) {
         if let Location::File(path) = location
             && let Err(error) = self.remembered.add_recent(kind, path)
         {
@@ -197,15 +195,11 @@ impl App {
     /// Opens the texts and values that a program left behind, unsaved as they are.
     fn take_left(&mut self) {
         let drafts = self.remembered.take_left();
-        if let Some(session) = drafts.iter().find(|draft| draft.kind == Kind::Session) {
+        if let Some(session) = drafts.iter().find(|draft| draft.kind == FileKind::Session) {
             self.take_session(session, &drafts);
         }
         for draft in drafts {
-            let tab = match draft.kind {
-                Kind::Formula => 0,
-                Kind::Scene => 1,
-                Kind::Session | Kind::Material => continue,
-            };
+            let Some(tab) = TextTab::of(draft.kind) else { continue };
             let mut document = match &draft.location {
                 // Beside the file as it is, so that it can be told what is not saved.
                 Some(location) => match location.read(draft.kind, Readable::Regular) {
@@ -224,11 +218,11 @@ impl App {
     /// Opens the values that were left behind, of the texts that were left with them where these are right.
     fn take_session(&mut self, draft: &Draft, texts: &[Draft]) {
         let source = Source::new("the kept session", draft.text.as_str());
-        let kept = |kind: Kind| {
+        let kept = |kind: FileKind| {
             let text = texts.iter().find(|text| text.kind == kind)?;
             Some(Source::new(format!("the kept {}", kind.noun()), text.text.as_str()))
         };
-        let open = |texts: &dyn Fn(Kind) -> Option<Source>| Opened::session_of(&source, Path::new("/"), texts);
+        let open = |texts: &dyn Fn(FileKind) -> Option<Source>| Opened::session_of(&source, Path::new("/"), texts);
         match open(&kept).or_else(|_| open(&|_| None)) {
             Ok(opened) => {
                 self.workshop.open(&opened.project);
@@ -241,23 +235,19 @@ impl App {
         }
     }
 
-    fn begin(&mut self, kind: Kind) {
-        let (tab, text) = match kind {
-            Kind::Formula => (0, NEW_FORMULA),
-            Kind::Scene => (1, NEW_SCENE),
-            Kind::Session | Kind::Material => return,
+    fn begin(&mut self, kind: FileKind) {
+        let Some(tab) = TextTab::of(kind) else { return };
+        let text = match tab {
+            TextTab::Formula => NEW_FORMULA,
+            TextTab::Scene => NEW_SCENE,
         };
         self.documents[tab] = Document::untitled(kind, text);
         self.tab = tab;
         self.apply(tab);
     }
 
-    fn open(&mut self, kind: Kind, location: Location) {
-        let tab = match kind {
-            Kind::Formula => 0,
-            Kind::Scene => 1,
-            Kind::Session | Kind::Material => return self.open_session(location),
-        };
+    fn open(&mut self, kind: FileKind, location: Location) {
+        let Some(tab) = TextTab::of(kind) else { return self.open_session(location) };
         match location.read(kind, Readable::Regular) {
             Ok(source) => {
                 self.note_recent(kind, &location);
@@ -275,7 +265,7 @@ impl App {
                 self.workshop.open(&opened.project);
                 self.documents = documents(&opened.project);
                 self.log.say(format!("opened {location}"));
-                self.note_recent(Kind::Session, &location);
+                self.note_recent(FileKind::Session, &location);
                 self.notify_of_session(&location, &opened.warnings);
                 self.open_materials();
                 self.session = Some(location);
@@ -287,7 +277,7 @@ impl App {
 
     /// Opens the library that the formula names.
     pub(super) fn open_materials(&mut self) {
-        let (formula, place) = (self.workshop.formula(), self.documents[0].location());
+        let (formula, place) = (self.workshop.formula(), self.documents.formula.location());
         self.notices.clear(Topic::Materials);
         if let Some(told) = self.materials.open(formula.uses.as_deref(), place, self.remembered.data()) {
             let title = if self.materials.is_open() {
@@ -320,14 +310,14 @@ impl App {
     }
 
     /// Applies a text; a wrong one changes nothing but its marks.
-    fn apply(&mut self, tab: usize) {
-        let Some(document) = self.documents.get_mut(tab) else { return };
+    fn apply(&mut self, tab: TextTab) {
+        let document = &mut self.documents[tab];
         document.check();
         let source = document.source();
         let start = std::time::Instant::now();
         let applied = match tab {
-            0 => self.workshop.apply_formula(&source),
-            _ => self.workshop.apply_scene(&source),
+            TextTab::Formula => self.workshop.apply_formula(&source),
+            TextTab::Scene => self.workshop.apply_scene(&source),
         };
         let name = document.name();
         match applied {
@@ -355,12 +345,8 @@ impl App {
         }
     }
 
-    fn save_to(&mut self, kind: Kind, path: PathBuf) {
-        let tab = match kind {
-            Kind::Formula => Some(0),
-            Kind::Scene => Some(1),
-            Kind::Session | Kind::Material => None,
-        };
+    fn save_to(&mut self, kind: FileKind, path: PathBuf) {
+        let tab = TextTab::of(kind);
         let saved = match tab {
             Some(tab) => replace_text(&path, &self.documents[tab].file_text()),
             None => self.save_session_to(&path),
@@ -385,7 +371,7 @@ impl App {
 
     /// A session names the files of its texts: what was changed and not saved there is not in it.
     fn warn_of_unsaved_texts(&mut self) {
-        let unsaved = self.documents.iter().filter(|document| document.unsaved());
+        let unsaved = self.documents.values().filter(|document| document.unsaved());
         let texts: Vec<&str> = unsaved.map(|document| document.kind().noun()).collect();
         if !texts.is_empty() {
             let told = format!(
@@ -399,7 +385,7 @@ impl App {
 
     fn save_session_to(&self, path: &Path) -> std::io::Result<()> {
         let mut places = Vec::new();
-        for document in &self.documents {
+        for document in self.documents.values() {
             match document.location() {
                 Some(location) => places.push(location.clone()),
                 None => {

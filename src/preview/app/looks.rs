@@ -107,7 +107,7 @@ impl Stage {
 #[test]
 fn a_mistake_is_marked_and_listed() {
     let mut stage = Stage::new();
-    stage.harness.state_mut().documents[0].replace_text("formula;\nDIFFUSE = IL*Cd*max(0, N.L);\n= DIFUSE + N.L;\n");
+    stage.harness.state_mut().documents.formula.replace_text("formula;\nDIFFUSE = IL*Cd*max(0, N.L);\n= DIFUSE + N.L;\n");
     stage.harness.get_by_label("Apply formula").click();
     stage.settle();
     stage.is_as_in("mistake");

@@ -3,7 +3,7 @@
 use crate::files::Readable;
 use crate::preview::workshop::Workshop;
 use crate::workspace::materials::{Material, Place, Shelf};
-use crate::workspace::{OwnerId, files::Location};
+use crate::workspace::{Location, OwnerId};
 use egui::{ComboBox, TextEdit, Ui};
 use std::path::Path;
 

@@ -1,12 +1,13 @@
 //! The menus.
 
 use crate::backends::CHOICES;
-use crate::presets::{self, Kind};
 use crate::preview::app::command::{Panel, shortcut_of};
 use crate::preview::app::pane::{SNAPSHOTS, Seen};
+use crate::preview::app::tab::TextTab;
 use crate::preview::app::theme::Theme;
-use crate::preview::app::{App, Command, TEXTS};
-use crate::workspace::files::Location;
+use crate::preview::app::{App, Command};
+use crate::workspace::Location;
+use crate::workspace::{FileKind, presets};
 use egui::containers::menu::{MenuButton, MenuConfig};
 use egui::{Button, MenuBar, PopupCloseBehavior, ScrollArea, Ui};
 
@@ -64,15 +65,15 @@ pub(super) fn bar(app: &mut App, ui: &mut Ui, commands: &mut Vec<Command>) {
 }
 
 fn file(ui: &mut Ui, app: &App, commands: &mut Vec<Command>) {
-    for kind in TEXTS {
+    for kind in TextTab::ALL.map(TextTab::kind) {
         entry(ui, &format!("New {}", kind.noun()), Command::New(kind), commands);
     }
     entry(ui, "New session", Command::NewSession, commands);
     ui.separator();
-    for kind in [Kind::Formula, Kind::Scene, Kind::Session] {
+    for kind in [FileKind::Formula, FileKind::Scene, FileKind::Session] {
         entry(ui, &format!("Open {}…", kind.noun()), Command::AskToOpen(kind), commands);
     }
-    for kind in [Kind::Formula, Kind::Scene, Kind::Session] {
+    for kind in [FileKind::Formula, FileKind::Scene, FileKind::Session] {
         ui.menu_button(format!("Built-in {}s", kind.noun()), |ui| {
             for name in presets::names(kind) {
                 entry(ui, name, Command::Open(kind, Location::Preset(name.to_owned())), commands);
@@ -81,7 +82,7 @@ fn file(ui: &mut Ui, app: &App, commands: &mut Vec<Command>) {
     }
     ui.menu_button("Recent", |ui| {
         let mut none = true;
-        for kind in [Kind::Session, Kind::Formula, Kind::Scene] {
+        for kind in [FileKind::Session, FileKind::Formula, FileKind::Scene] {
             for path in app.remembered.recent(kind) {
                 none = false;
                 let name = path.display().to_string();
@@ -93,11 +94,11 @@ fn file(ui: &mut Ui, app: &App, commands: &mut Vec<Command>) {
         }
     });
     ui.separator();
-    let kind = TEXTS[app.tab];
+    let kind = app.tab.kind();
     entry(ui, &format!("Save {}", kind.noun()), Command::Save, commands);
     entry(ui, &format!("Save {} as…", kind.noun()), Command::AskToSave(kind), commands);
     entry(ui, "Save session", Command::SaveSession, commands);
-    entry(ui, "Save session as…", Command::AskToSave(Kind::Session), commands);
+    entry(ui, "Save session as…", Command::AskToSave(FileKind::Session), commands);
     entry(ui, "Save picture as…", Command::AskToSavePicture, commands);
     entry(ui, "Copy picture", Command::CopyPicture, commands);
     entry(ui, "Start with this session", Command::StartWithThis, commands);

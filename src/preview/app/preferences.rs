@@ -4,7 +4,7 @@ use crate::lang::types::Type;
 use crate::lang::variables::Predefined;
 use crate::preview::app::dialogs::modal;
 use crate::trace::{MAX_DEPTH, MAX_SIDE};
-use crate::workspace::settings::Settings;
+use crate::user_data::settings::Settings;
 use egui::{Context, DragValue, Grid, ScrollArea, Slider, Ui};
 
 /// The dialog.

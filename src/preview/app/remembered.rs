@@ -1,16 +1,15 @@
 //! What outlives a window: settings, recent files, and texts and values that were not saved.
 
 use crate::lang::diagnostic::{Diagnostic, Diagnostics};
-use crate::presets::Kind;
-use crate::preview::app::autosave::{Autosave, DRAFTS, Unsaved};
+use crate::preview::app::autosave::{Autosave, DraftSlot, PerDraft, Unsaved};
 use crate::preview::app::notices::{Notice, Topic};
-use crate::workspace::drafts::{Draft, Drafts, LeftBehind};
-use crate::workspace::files::Location;
-use crate::workspace::folders::Folders;
-use crate::workspace::recent::Recent;
-use crate::workspace::settings::{Settings, SettingsFile};
+use crate::user_data::drafts::{Draft, Drafts, LeftBehind};
+use crate::user_data::folders::Folders;
+use crate::user_data::recent::Recent;
+use crate::user_data::settings::{Settings, SettingsFile};
+use crate::workspace::FileKind;
+use crate::workspace::Location;
 use std::cmp::Reverse;
-use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// What is remembered; nothing where there is no folder for it.
@@ -21,7 +20,7 @@ pub(super) struct Remembered {
     recent: Option<Recent>,
     autosave: Option<Autosave>,
     /// The states of the texts and of the session that were noted last.
-    noted: [Option<u64>; DRAFTS],
+    noted: PerDraft<Option<u64>>,
     left: Vec<LeftBehind>,
     data: Option<PathBuf>,
 }
@@ -57,7 +56,7 @@ impl Remembered {
             file: Some(file),
             recent: Some(recent),
             autosave: Some(Autosave::new(drafts)),
-            noted: [None; DRAFTS],
+            noted: PerDraft::default(),
             left,
             data: Some(folders.data.clone()),
         };
@@ -78,12 +77,12 @@ impl Remembered {
     }
 
     /// The recent files of a kind, the newest first.
-    pub(super) fn recent(&self, kind: Kind) -> Vec<PathBuf> {
+    pub(super) fn recent(&self, kind: FileKind) -> Vec<PathBuf> {
         self.recent.as_ref().map_or_else(Vec::new, |recent| recent.list(kind))
     }
 
     /// Remembers a file.
-    pub(super) fn add_recent(&mut self, kind: Kind, path: &Path) -> Result<(), Diagnostic> {
+    pub(super) fn add_recent(&mut self, kind: FileKind, path: &Path) -> Result<(), Diagnostic> {
         self.recent.as_mut().map_or(Ok(()), |recent| recent.add(kind, path))
     }
 
@@ -91,15 +90,16 @@ impl Remembered {
     /// state, and none where it is saved; a draft whose state has not changed is left as it is. Nothing is written yet.
     pub(super) fn note_unsaved(
         &mut self,
-        drafts: Range<usize>,
-        states: [Option<u64>; DRAFTS],
-        unsaved: impl Fn(usize) -> Unsaved,
+        slots: &[DraftSlot],
+        states: PerDraft<Option<u64>>,
+        unsaved: impl Fn(DraftSlot) -> Unsaved,
     ) {
         let Some(autosave) = &self.autosave else { return };
-        for draft in drafts {
-            if self.noted[draft] != states[draft] {
-                self.noted[draft] = states[draft];
-                autosave.note(draft, states[draft].map(|_| unsaved(draft)));
+        for &slot in slots {
+            let (noted, state) = (&mut self.noted[slot as usize], states[slot as usize]);
+            if *noted != state {
+                *noted = state;
+                autosave.note(slot, state.map(|_| unsaved(slot)));
             }
         }
     }
@@ -110,7 +110,7 @@ impl Remembered {
     }
 
     /// Whether anything changed that is not on disk yet.
-    pub(super) fn is_behind(&self, states: [Option<u64>; DRAFTS]) -> bool {
+    pub(super) fn is_behind(&self, states: PerDraft<Option<u64>>) -> bool {
         self.autosave.as_ref().is_some_and(|autosave| autosave.is_waiting() || states != self.noted)
     }
 
@@ -118,7 +118,7 @@ impl Remembered {
     pub(super) fn left(&self) -> Vec<String> {
         let name = |left: &LeftBehind| {
             let Ok(draft) = &left.draft else { return "what cannot be read".to_owned() };
-            let what = if draft.kind == Kind::Session { "values of the session" } else { draft.kind.noun() };
+            let what = if draft.kind == FileKind::Session { "values of the session" } else { draft.kind.noun() };
             match &draft.location {
                 Some(location) => format!("{what} {location}"),
                 None => format!("{what} without a file"),
@@ -139,11 +139,11 @@ impl Remembered {
         let mut found = Vec::new();
         for left in self.left.drain(..) {
             let Ok(draft) = &left.draft else { continue };
-            let editor = place_of(draft.kind);
+            let slot = DraftSlot::of(draft.kind);
             // An older text of the same kind stays for the next time.
-            if let Ok(draft) = drafts.take_over(&left, editor) {
+            if let Ok(draft) = drafts.take_over(&left, slot.editor()) {
                 // The draft exists from now on. Its text is noted again when it is open.
-                self.noted[editor as usize] = Some(u64::MAX);
+                self.noted[slot as usize] = Some(u64::MAX);
                 found.push(draft);
             }
         }
@@ -170,24 +170,15 @@ fn lines(diagnostics: &Diagnostics) -> String {
 
 /// Whether it is nothing but values of a built-in session.
 fn is_play(left: &LeftBehind) -> bool {
-    let built_in = |draft: &Draft| draft.kind == Kind::Session && matches!(draft.location, Some(Location::Preset(_)));
+    let built_in = |draft: &Draft| draft.kind == FileKind::Session && matches!(draft.location, Some(Location::Preset(_)));
     left.draft.as_ref().is_ok_and(built_in)
 }
 
 /// Formulas before scenes before sessions, the newest first. Of values of built-in sessions only the newest stay: they would become ever more.
 fn sorted_out(mut left: Vec<LeftBehind>, drafts: &Drafts) -> Vec<LeftBehind> {
-    left.sort_by_key(|left| left.draft.as_ref().ok().map(|draft| (place_of(draft.kind), Reverse(draft.time))));
+    left.sort_by_key(|left| left.draft.as_ref().ok().map(|draft| (DraftSlot::of(draft.kind).editor(), Reverse(draft.time))));
     let mut seen = false;
     // Where one cannot be removed, it is there the next time too.
     left.retain(|left| !is_play(left) || !std::mem::replace(&mut seen, true) || drafts.discard(left).is_err());
     left
-}
-
-/// Which of the three a kind is.
-fn place_of(kind: Kind) -> u32 {
-    match kind {
-        Kind::Formula => 0,
-        Kind::Scene => 1,
-        Kind::Session | Kind::Material => 2,
-    }
 }

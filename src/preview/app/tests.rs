@@ -39,7 +39,7 @@ fn settle(harness: &mut Harness<'_, App>) -> Vec<u32> {
 fn a_wrong_formula_is_marked_and_the_picture_stays_until_it_is_right() {
     let mut harness = harness();
     let first = settle(&mut harness);
-    harness.state_mut().documents[0].replace_text("formula;\n= N.L;\n");
+    harness.state_mut().documents.formula.replace_text("formula;\n= N.L;\n");
     harness.get_by_label("Apply formula").click();
     assert!(settle(&mut harness) == first);
     harness.step();
@@ -49,8 +49,8 @@ fn a_wrong_formula_is_marked_and_the_picture_stays_until_it_is_right() {
     harness.run_steps(3);
     harness.event(egui::Event::Text("IL*Cd*".to_owned()));
     harness.run_steps(3);
-    assert!(harness.state().documents[0].text().contains("IL*Cd*"), "{}", harness.state().documents[0].text());
-    harness.state_mut().documents[0].replace_text("formula;\n= IL*Cd*max(0, N.L);\n");
+    assert!(harness.state().documents.formula.text().contains("IL*Cd*"), "{}", harness.state().documents.formula.text());
+    harness.state_mut().documents.formula.replace_text("formula;\n= IL*Cd*max(0, N.L);\n");
     harness.get_by_label("Apply formula").click();
     harness.step();
     assert!(settle(&mut harness) != first);
@@ -66,7 +66,7 @@ fn bodies_are_chosen_and_locked_values_say_why() {
     assert!(harness.query_all_by_label_contains("ball").count() >= 2, "the name of whose values are shown");
     let text = "body_specific; kd: scalar, constraint 0..1, slider; ks: scalar, constraint 0..1, slider;
         invariants; kd + ks = 1; formula; = kd*IL*Cd*max(0, N.L) + ks*IL;";
-    harness.state_mut().documents[0].replace_text(text);
+    harness.state_mut().documents.formula.replace_text(text);
     harness.get_by_label("Apply formula").click();
     settle(&mut harness);
     harness.get_all_by_label("ball").next().expect("a body").click();
@@ -164,7 +164,7 @@ fn nothing_is_done_behind_a_dialog_and_enter_answers_a_message() {
     assert!(!toggled(&mut harness), "behind the settings");
     harness.get_by_label("Cancel").click();
     harness.run_steps(3);
-    harness.state_mut().perform(Command::AskToOpen(Kind::Scene));
+    harness.state_mut().perform(Command::AskToOpen(FileKind::Scene));
     harness.run_steps(3);
     assert!(!toggled(&mut harness), "behind the dialog for files");
     harness.key_press(egui::Key::Escape);
@@ -195,22 +195,22 @@ fn sessions_and_texts_are_saved_and_come_back() {
     let folder = tempfile::tempdir().expect("a folder");
     let [session, formula] = ["my.toml", "my.formula"].map(|name| folder.path().join(name));
     let app = harness.state_mut();
-    app.documents[0].replace_text("formula;\n= IL*Cd*max(0, N.L);\n");
+    app.documents.formula.replace_text("formula;\n= IL*Cd*max(0, N.L);\n");
     app.perform(Command::Apply);
-    app.perform(Command::SaveTo(Some(Kind::Formula), formula.clone()));
-    app.perform(Command::SaveTo(Some(Kind::Session), session.clone()));
+    app.perform(Command::SaveTo(Some(FileKind::Formula), formula.clone()));
+    app.perform(Command::SaveTo(Some(FileKind::Session), session.clone()));
     assert!(!app.is_unsaved(), "{:?}", app.dialogs.told());
     let before = settle(&mut harness);
     let app = harness.state_mut();
-    app.perform(Command::Open(Kind::Session, Location::Preset("glass".to_owned())));
-    app.perform(Command::Open(Kind::Session, Location::File(session.clone())));
+    app.perform(Command::Open(FileKind::Session, Location::Preset("glass".to_owned())));
+    app.perform(Command::Open(FileKind::Session, Location::File(session.clone())));
     assert!(!app.is_unsaved());
-    assert_eq!(app.documents[0].text(), "formula;\n= IL*Cd*max(0, N.L);\n");
+    assert_eq!(app.documents.formula.text(), "formula;\n= IL*Cd*max(0, N.L);\n");
     assert!(settle(&mut harness) == before);
     let app = harness.state_mut();
-    app.perform(Command::Open(Kind::Session, Location::new("nowhere.toml")));
+    app.perform(Command::Open(FileKind::Session, Location::new("nowhere.toml")));
     assert!(app.dialogs.told().is_some_and(|told| told.contains("nowhere.toml")));
-    app.perform(Command::SaveTo(Some(Kind::Session), folder.path().join("no/such/folder.toml")));
+    app.perform(Command::SaveTo(Some(FileKind::Session), folder.path().join("no/such/folder.toml")));
     assert!(app.dialogs.told().is_some_and(|told| told.contains("unharmed")));
     let picture = folder.path().join("picture.png");
     app.perform(Command::SaveTo(None, picture.clone()));
@@ -223,7 +223,7 @@ fn what_is_unsaved_is_offered_again_and_settings_last() {
     let home = tempfile::tempdir().expect("a folder");
     let folders = Folders::below(home.path());
     let mut app = App::new(Some(&Location::Preset("studio".to_owned())), Some(&folders)).expect("a built-in session");
-    app.documents[0].replace_text("formula;\n= N;\n");
+    app.documents.formula.replace_text("formula;\n= N;\n");
     app.perform(Command::Look(Theme::Light));
     app.perform(Command::ApplyAsYouType(true));
     app.perform(Command::StartWithThis);
@@ -233,8 +233,8 @@ fn what_is_unsaved_is_offered_again_and_settings_last() {
     assert_eq!((app.theme, app.session.clone()), (Theme::Light, Some(Location::Preset("studio".to_owned()))));
     assert!(app.remembered.settings.window.apply_as_you_type && app.remembered.left().len() == 1);
     app.perform(Command::TakeLeft(true));
-    assert_eq!(app.documents[0].text(), "formula;\n= N;\n");
-    assert!(app.documents[0].unsaved() && app.remembered.left().is_empty());
+    assert_eq!(app.documents.formula.text(), "formula;\n= N;\n");
+    assert!(app.documents.formula.unsaved() && app.remembered.left().is_empty());
 }
 
 #[test]
@@ -244,8 +244,8 @@ fn values_that_are_unsaved_are_offered_again_with_the_texts_that_they_are_of() {
     let session = Location::Preset("studio".to_owned());
     let mut app = App::new(Some(&session), Some(&folders)).expect("a built-in session");
     // A parameter that only the unsaved text has, of a text without a file.
-    app.perform(Command::New(Kind::Formula));
-    app.documents[0].replace_text("body_specific; own: scalar, constraint 0..1; formula; = own*IL*Cd;");
+    app.perform(Command::New(FileKind::Formula));
+    app.documents.formula.replace_text("body_specific; own: scalar, constraint 0..1; formula; = own*IL*Cd;");
     app.perform(Command::Apply);
     let label = |app: &App, wanted: &str| {
         let values = app.workshop.values();
@@ -264,12 +264,12 @@ fn values_that_are_unsaved_are_offered_again_with_the_texts_that_they_are_of() {
     assert!(app.workshop.values().numbers() != numbers);
     app.perform(Command::TakeLeft(true));
     assert_eq!(app.workshop.values().numbers(), numbers);
-    assert_eq!((app.session.as_ref(), app.documents[1].location()), (Some(&session), Some(&session)));
+    assert_eq!((app.session.as_ref(), app.documents.scene.location()), (Some(&session), Some(&session)));
     assert!(app.is_unsaved() && app.remembered.left().is_empty());
     // What is saved is not offered.
     let path = home.path().join("own.formula");
-    app.perform(Command::SaveTo(Some(Kind::Formula), path));
-    app.perform(Command::SaveTo(Some(Kind::Session), home.path().join("own.toml")));
+    app.perform(Command::SaveTo(Some(FileKind::Formula), path));
+    app.perform(Command::SaveTo(Some(FileKind::Session), home.path().join("own.toml")));
     assert!(!app.is_unsaved());
     app.closing();
     drop(app);
@@ -293,7 +293,7 @@ fn values_of_built_in_sessions_are_left_once_and_not_asked_for() {
 
 /// Autosave, as it runs every few seconds.
 fn keep(app: &mut App) {
-    app.note_unsaved(0..DRAFTS, app.unsaved_states());
+    app.note_unsaved(&DraftSlot::ALL, app.unsaved_states());
     app.write_drafts();
     app.chores.wait();
     app.chores.told().into_iter().for_each(|told| app.hear(told));
@@ -332,7 +332,7 @@ fn what_endangers_work_is_in_view_until_it_is_dismissed_or_over() {
     harness.get_by_label("Dismiss").click();
     harness.run_steps(2);
     assert!(!seen(&mut harness));
-    harness.state_mut().documents[0].replace_text("formula;\n= N;\n");
+    harness.state_mut().documents.formula.replace_text("formula;\n= N;\n");
     keep(harness.state_mut());
     assert!(seen(&mut harness));
     harness.run_steps(30);
@@ -349,7 +349,7 @@ fn what_endangers_work_is_in_view_until_it_is_dismissed_or_over() {
     // A new failure is news.
     std::fs::remove_dir_all(folders.state.join("drafts")).expect("the drafts");
     std::fs::write(folders.state.join("drafts"), "").expect("a file");
-    harness.state_mut().documents[0].replace_text("formula;\n= V;\n");
+    harness.state_mut().documents.formula.replace_text("formula;\n= V;\n");
     keep(harness.state_mut());
     assert!(seen(&mut harness));
     // What is over goes by itself.
@@ -382,7 +382,7 @@ fn quitting_asks_where_work_cannot_be_kept() {
     let (_home, folders) = obstructed();
     for folders in [Some(&folders), None] {
         let mut harness = harness_in(folders);
-        harness.state_mut().documents[0].replace_text("formula;\n= N;\n");
+        harness.state_mut().documents.formula.replace_text("formula;\n= N;\n");
         harness.state_mut().perform(Command::Quit);
         harness.run_steps(3);
         assert!(!harness.state().closing);
@@ -405,7 +405,7 @@ fn what_is_typed_is_noted_at_once_and_written_where_the_window_does_not_close() 
     let home = tempfile::tempdir().expect("a folder");
     let folders = Folders::below(home.path());
     let mut harness = harness_in(Some(&folders));
-    harness.state_mut().documents[0].replace_text("formula;\n= N;\n");
+    harness.state_mut().documents.formula.replace_text("formula;\n= N;\n");
     harness.step();
     let last_resort = harness.state().last_resort();
     std::thread::spawn(last_resort).join().expect("an end");
@@ -450,13 +450,13 @@ fn pipes_in_place_of_what_the_window_reads_by_itself_do_not_hold_it_up() {
     let formula = home.path().join("own.formula");
     std::fs::write(&formula, "#uses startup.toml;\nformula;\n= IL*Cd;\n").expect("a file");
     let mut app = App::new(Some(&Location::Preset("studio".to_owned())), None).expect("a built-in session");
-    app.perform(Command::Open(Kind::Formula, Location::File(formula)));
+    app.perform(Command::Open(FileKind::Formula, Location::File(formula)));
     assert!(details(&app, Topic::Materials).contains("is a pipe, not a material library"));
-    for kind in [Kind::Formula, Kind::Scene, Kind::Session] {
+    for kind in [FileKind::Formula, FileKind::Scene, FileKind::Session] {
         app.perform(Command::Open(kind, Location::File(startup.clone())));
         assert!(app.dialogs.told().is_some_and(|told| told.contains("is a pipe")), "{:?}", app.dialogs.told());
     }
-    app.perform(Command::SaveTo(Some(Kind::Formula), startup.clone()));
+    app.perform(Command::SaveTo(Some(FileKind::Formula), startup.clone()));
     assert!(app.dialogs.told().is_some_and(|told| told.contains("is a pipe")), "{:?}", app.dialogs.told());
     // The settings themselves.
     std::fs::remove_file(folders.configuration.join("settings.toml")).expect("the file");
@@ -477,7 +477,7 @@ fn texts_that_could_not_be_kept_are_kept_as_soon_as_that_is_possible() {
     std::fs::create_dir_all(&folders.state).expect("a folder");
     let place = folders.state.join("drafts");
     std::fs::write(&place, "").expect("a file");
-    app.documents[0].replace_text("formula;\n= N;\n");
+    app.documents.formula.replace_text("formula;\n= N;\n");
     keep(&mut app);
     assert!(lines.borrow().iter().any(|line| line.starts_with("Unsaved work is not kept")), "{:?}", lines.borrow());
     assert!(app.remembered.is_behind(app.unsaved_states()));
@@ -550,13 +550,13 @@ fn a_slider_is_dragged_and_told_of_and_undone_by_keys() {
     // In the text they undo what was typed.
     harness.state_mut().editor.focus();
     harness.run_steps(2);
-    let text = harness.state().documents[0].text().to_owned();
+    let text = harness.state().documents.formula.text().to_owned();
     harness.event(egui::Event::Text("x".to_owned()));
     harness.run_steps(2);
-    assert_ne!(harness.state().documents[0].text(), text);
+    assert_ne!(harness.state().documents.formula.text(), text);
     harness.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::Z);
     harness.run_steps(2);
-    assert_eq!(harness.state().documents[0].text(), text);
+    assert_eq!(harness.state().documents.formula.text(), text);
     assert!(harness.state().workshop.can_undo_and_redo()[1]);
 }
 
@@ -640,10 +640,10 @@ fn a_session_is_saved_with_a_word_of_what_is_not_in_it() {
     let mut harness = harness();
     let folder = tempfile::tempdir().expect("a folder");
     let app = harness.state_mut();
-    app.perform(Command::SaveTo(Some(Kind::Session), folder.path().join("one.toml")));
+    app.perform(Command::SaveTo(Some(FileKind::Session), folder.path().join("one.toml")));
     assert_eq!(app.dialogs.told(), None);
-    app.documents[0].replace_text("formula;\n= IL*Cd*max(0, N.L);\n");
-    app.perform(Command::SaveTo(Some(Kind::Session), folder.path().join("other.toml")));
+    app.documents.formula.replace_text("formula;\n= IL*Cd*max(0, N.L);\n");
+    app.perform(Command::SaveTo(Some(FileKind::Session), folder.path().join("other.toml")));
     assert!(app.dialogs.told().is_some_and(|told| told.contains("in the formula is in no file yet")), "{:?}", app.dialogs.told());
 }
 
@@ -690,7 +690,7 @@ fn a_material_is_saved_under_a_name_and_given_again() {
 fn new_sessions_begin_as_the_settings_say() {
     let mut harness = harness();
     let app = harness.state_mut();
-    let mut settings = crate::workspace::settings::Settings { depth: 1, size: [40, 30], ..app.remembered.settings.clone() };
+    let mut settings = crate::user_data::settings::Settings { depth: 1, size: [40, 30], ..app.remembered.settings.clone() };
     settings.defaults.set(crate::lang::variables::Predefined::Background, [0.25, 0.5, 0.75]);
     app.perform(Command::Settle(Box::new(settings)));
     app.perform(Command::NewSession);
@@ -709,20 +709,20 @@ fn new_sessions_begin_as_the_settings_say() {
 #[test]
 fn a_text_that_is_not_saved_is_not_lost_without_asking() {
     let mut harness = harness();
-    harness.state_mut().documents[0].replace_text("formula;\n= IL;\n");
-    for command in [Command::New(Kind::Formula), Command::Open(Kind::Session, Location::Preset("glass".to_owned()))] {
+    harness.state_mut().documents.formula.replace_text("formula;\n= IL;\n");
+    for command in [Command::New(FileKind::Formula), Command::Open(FileKind::Session, Location::Preset("glass".to_owned()))] {
         harness.state_mut().perform(command);
         harness.run_steps(3);
         harness.get_by_label("Cancel").click();
         harness.run_steps(3);
-        assert_eq!(harness.state().documents[0].text(), "formula;\n= IL;\n");
+        assert_eq!(harness.state().documents.formula.text(), "formula;\n= IL;\n");
     }
     // The scene is as it was: nothing is lost by another one.
-    harness.state_mut().perform(Command::New(Kind::Scene));
+    harness.state_mut().perform(Command::New(FileKind::Scene));
     assert!(harness.query_by_label("Throw it away").is_none());
-    harness.state_mut().perform(Command::New(Kind::Formula));
+    harness.state_mut().perform(Command::New(FileKind::Formula));
     harness.run_steps(3);
     harness.get_by_label("Throw it away").click();
     harness.run_steps(3);
-    assert!(harness.state().documents[0].text().contains("max(0, N.L)"));
+    assert!(harness.state().documents.formula.text().contains("max(0, N.L)"));
 }

@@ -14,15 +14,15 @@ pub enum Theme {
 
 impl Theme {
     /// That of the settings.
-    pub(super) fn of(theme: crate::workspace::settings::Theme) -> Self {
+    pub(super) fn of(theme: crate::user_data::settings::Theme) -> Self {
         if theme.is_dark(None) { Theme::Dark } else { Theme::Light }
     }
 
     /// As the settings have it.
-    pub(super) fn setting(self) -> crate::workspace::settings::Theme {
+    pub(super) fn setting(self) -> crate::user_data::settings::Theme {
         match self {
-            Theme::Dark => crate::workspace::settings::Theme::Dark,
-            Theme::Light => crate::workspace::settings::Theme::Light,
+            Theme::Dark => crate::user_data::settings::Theme::Dark,
+            Theme::Light => crate::user_data::settings::Theme::Light,
         }
     }
 

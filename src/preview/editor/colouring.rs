@@ -6,7 +6,7 @@
 use super::lines::Lines;
 use super::palette::Palette;
 use super::words::{Class, Words};
-use crate::presets::Kind;
+use crate::workspace::FileKind;
 use egui::text::{ByteIndex, LayoutJob, LayoutSection, TextFormat};
 use egui::{Context, FontId, Galley};
 use std::collections::HashMap;
@@ -25,7 +25,7 @@ struct Look {
 
 /// A text with its words, its lines and its layout.
 pub(super) struct Laid {
-    kind: Kind,
+    kind: FileKind,
     text: String,
     /// Its words.
     pub words: Words,
@@ -48,7 +48,7 @@ pub(super) struct Colouring {
 
 impl Colouring {
     /// The layout of a text, from what is at hand where possible.
-    pub(super) fn lay(&mut self, context: &Context, kind: Kind, text: &str, font: &FontId, palette: &Palette) -> Arc<Laid> {
+    pub(super) fn lay(&mut self, context: &Context, kind: FileKind, text: &str, font: &FontId, palette: &Palette) -> Arc<Laid> {
         self.drop_stale(context, font, palette);
         let same = self.laid.take().filter(|laid| laid.kind == kind && laid.text == text);
         let laid = same.unwrap_or_else(|| {

@@ -8,8 +8,8 @@ use crate::lang::keywords::{self, Keyword};
 use crate::lang::token::{Mark, TokenKind};
 use crate::lang::types::Type;
 use crate::lang::variables::{Predefined, Variable};
-use crate::presets::Kind;
 use crate::scene::{LightKind, Shape};
+use crate::workspace::FileKind;
 use std::ops::Range;
 
 /// Something that may be written.
@@ -37,7 +37,7 @@ pub(super) struct Completion {
 }
 
 /// What may be written at a cursor; `None` where nothing is known that could.
-pub(super) fn complete(kind: Kind, text: &str, words: &Words, cursor: usize) -> Option<Completion> {
+pub(super) fn complete(kind: FileKind, text: &str, words: &Words, cursor: usize) -> Option<Completion> {
     let word = word_before(text, cursor);
     let typed = &text[word.clone()];
     // Within a comment, a number or a path, nothing is to be completed; behind a finished one it is.
@@ -48,9 +48,9 @@ pub(super) fn complete(kind: Kind, text: &str, words: &Words, cursor: usize) -> 
         return None;
     }
     let mut candidates = match kind {
-        Kind::Formula => in_formula(text, words, word.clone()),
-        Kind::Scene => in_scene(words, word.start),
-        Kind::Session | Kind::Material => Vec::new(),
+        FileKind::Formula => in_formula(text, words, word.clone()),
+        FileKind::Scene => in_scene(words, word.start),
+        FileKind::Session | FileKind::Material => Vec::new(),
     };
     candidates.retain(|candidate| rank(&candidate.name, typed).is_some());
     candidates.sort_by_key(|candidate| rank(&candidate.name, typed));
@@ -197,7 +197,7 @@ mod tests {
     use super::*;
 
     /// The names that may be written at the `|`.
-    fn names(kind: Kind, marked: &str) -> Vec<String> {
+    fn names(kind: FileKind, marked: &str) -> Vec<String> {
         let cursor = marked.find('|').unwrap();
         let text = marked.replace('|', "");
         let completion = complete(kind, &text, &Words::new(kind, &text), cursor);
@@ -205,7 +205,7 @@ mod tests {
     }
 
     fn in_formula(marked: &str) -> Vec<String> {
-        names(Kind::Formula, marked)
+        names(FileKind::Formula, marked)
     }
 
     #[test]
@@ -229,17 +229,17 @@ mod tests {
         assert_eq!(in_formula("global; a: scalar; invariants; a+k|")[..2], ["kr", "kt"]);
         assert_eq!(in_formula("formula; = Cd; // c|"), [""; 0]);
         assert_eq!(in_formula("/* a */ f|"), ["formula"]);
-        assert_eq!(names(Kind::Scene, "|"), ["bodies", "lights", "camera"]);
-        assert_eq!(names(Kind::Scene, "bodies; b: s|"), ["sphere"]);
-        assert_eq!(names(Kind::Scene, "bodies; b: sphere, ra|")[0], "radius");
-        assert_eq!(names(Kind::Scene, "camera; |"), ["position", "gaze", "up", "fov"]);
-        assert_eq!(names(Kind::Session, "f|"), [""; 0]);
+        assert_eq!(names(FileKind::Scene, "|"), ["bodies", "lights", "camera"]);
+        assert_eq!(names(FileKind::Scene, "bodies; b: s|"), ["sphere"]);
+        assert_eq!(names(FileKind::Scene, "bodies; b: sphere, ra|")[0], "radius");
+        assert_eq!(names(FileKind::Scene, "camera; |"), ["position", "gaze", "up", "fov"]);
+        assert_eq!(names(FileKind::Session, "f|"), [""; 0]);
     }
 
     #[test]
     fn functions_are_written_with_their_parenthesis_once() {
         let insert = |text: &str, cursor| {
-            complete(Kind::Formula, text, &Words::new(Kind::Formula, text), cursor).unwrap().candidates[0].insert.clone()
+            complete(FileKind::Formula, text, &Words::new(FileKind::Formula, text), cursor).unwrap().candidates[0].insert.clone()
         };
         assert_eq!(insert("formula; = max", 14), "max(");
         assert_eq!(insert("formula; = max(0)", 14), "max");

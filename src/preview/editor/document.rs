@@ -8,9 +8,9 @@ use crate::formula::Formula;
 use crate::lang::diagnostic::{Diagnostic, Diagnostics, Severity};
 use crate::lang::lines::{LineEnd, with_line_feeds};
 use crate::lang::source::{BYTE_ORDER_MARK, Source};
-use crate::presets::Kind;
 use crate::scene::Scene;
-use crate::workspace::files::Location;
+use crate::workspace::FileKind;
+use crate::workspace::Location;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Texts up to so many bytes are checked at every change; it takes no longer than drawing them.
@@ -20,7 +20,7 @@ const CHECKED_AT_ONCE: usize = 32 << 10;
 #[derive(Debug)]
 pub struct Document {
     id: u64,
-    kind: Kind,
+    kind: FileKind,
     location: Option<Location>,
     pub(super) text: String,
     saved: String,
@@ -34,7 +34,7 @@ pub struct Document {
 
 impl Document {
     /// A text that is not kept anywhere yet. It counts as saved until it is changed.
-    pub fn untitled(kind: Kind, text: &str) -> Self {
+    pub fn untitled(kind: FileKind, text: &str) -> Self {
         static NEXT: AtomicU64 = AtomicU64::new(0);
         let marked = text.starts_with(BYTE_ORDER_MARK);
         let text = text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text);
@@ -58,7 +58,7 @@ impl Document {
     }
 
     /// A text as it was read from where it is kept.
-    pub fn opened(kind: Kind, location: Location, text: &str) -> Self {
+    pub fn opened(kind: FileKind, location: Location, text: &str) -> Self {
         let mut document = Self { location: Some(location), ..Self::untitled(kind, text) };
         document.check();
         document
@@ -70,7 +70,7 @@ impl Document {
     }
 
     /// What the text is.
-    pub fn kind(&self) -> Kind {
+    pub fn kind(&self) -> FileKind {
         self.kind
     }
 
@@ -172,9 +172,9 @@ impl Document {
         }
         let source = self.source();
         let diagnostics = match self.kind {
-            Kind::Formula => Formula::parse(&source).map_or_else(|errors| errors, |(_, warnings)| warnings),
-            Kind::Scene => Scene::parse(&source).map_or_else(|errors| errors, |(_, warnings)| warnings),
-            Kind::Session | Kind::Material => Diagnostics::new(),
+            FileKind::Formula => Formula::parse(&source).map_or_else(|errors| errors, |(_, warnings)| warnings),
+            FileKind::Scene => Scene::parse(&source).map_or_else(|errors| errors, |(_, warnings)| warnings),
+            FileKind::Session | FileKind::Material => Diagnostics::new(),
         };
         self.set_diagnostics(diagnostics);
     }
@@ -232,7 +232,7 @@ mod tests {
     #[test]
     fn files_keep_their_line_ends_and_mark() {
         for text in ["\u{feff}formula;\r\n= Cd;\r\n", "formula;\n= Cd;", "formula;\r= Cd;\r", "", "\r\n", "\n", "\r"] {
-            let document = Document::untitled(Kind::Formula, text);
+            let document = Document::untitled(FileKind::Formula, text);
             assert_eq!(document.file_text(), text);
             assert!(!document.text().contains(['\r', BYTE_ORDER_MARK]));
         }
@@ -241,7 +241,7 @@ mod tests {
     #[test]
     fn the_title_says_what_is_not_saved() {
         let location = Location::File(PathBuf::from("models/phong.formula"));
-        let mut document = Document::opened(Kind::Formula, location.clone(), "formula;\n= Cd;\n");
+        let mut document = Document::opened(FileKind::Formula, location.clone(), "formula;\n= Cd;\n");
         assert_eq!((document.title().as_str(), document.counts()), ("phong.formula", [0, 0]));
         document.replace_text("formula;\n= kd;\n");
         assert_eq!(document.title(), "phong.formula •");
@@ -253,7 +253,7 @@ mod tests {
         assert!(document.redo().is_some());
         document.note_saved(location);
         assert!(!document.unsaved());
-        assert_eq!(Document::untitled(Kind::Scene, "").title(), "untitled scene");
-        assert_eq!(Document::opened(Kind::Scene, Location::new("preset:glass"), "").title(), "preset:glass");
+        assert_eq!(Document::untitled(FileKind::Scene, "").title(), "untitled scene");
+        assert_eq!(Document::opened(FileKind::Scene, Location::new("preset:glass"), "").title(), "preset:glass");
     }
 }

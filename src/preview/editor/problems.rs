@@ -11,18 +11,18 @@ use egui::{FontId, ScrollArea, TextFormat, TextStyle, Ui, vec2};
 /// How far what is said beyond a message stands to the right, in points.
 const INDENT: f32 = 18.0;
 
-/// Lists errors and warnings, errors first within each document, with file, line and column; the document (by its place in the slice)
-/// and the place of the one that was clicked.
-pub fn problems_ui(ui: &mut Ui, documents: &[&Document]) -> Option<(usize, Span)> {
+/// Lists the errors and warnings of documents, errors first within each, with file, line and column. The answer is the one that
+/// was clicked: the key of its document, and its span.
+pub fn problems_ui<K: Copy>(ui: &mut Ui, documents: &[(K, &Document)]) -> Option<(K, Span)> {
     let palette = Palette::suiting(ui.visuals());
     let mut clicked = None;
-    if documents.iter().all(|document| document.diagnostics().is_empty()) {
+    if documents.iter().all(|(_, document)| document.diagnostics().is_empty()) {
         ui.weak("No errors, no warnings.");
         return None;
     }
     ScrollArea::vertical().id_salt("problems").auto_shrink([false, false]).show(ui, |ui| {
         ui.spacing_mut().item_spacing.y = 2.0;
-        for (at, document) in documents.iter().enumerate() {
+        for (key, document) in documents {
             let source = document.source();
             for grave in [Severity::Error, Severity::Warning] {
                 for diagnostic in document.diagnostics().iter().filter(|diagnostic| diagnostic.severity() == grave) {
@@ -42,7 +42,7 @@ pub fn problems_ui(ui: &mut Ui, documents: &[&Document]) -> Option<(usize, Span)
                         });
                     }
                     if is_clicked {
-                        clicked = Some((at, span));
+                        clicked = Some((*key, span));
                     }
                 }
             }

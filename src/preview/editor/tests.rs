@@ -1,7 +1,7 @@
 //! The editor driven without a window, as a user's hands do.
 
 use super::*;
-use crate::presets::{self, Kind};
+use crate::workspace::{FileKind, presets};
 use egui::{Modifiers, Rect};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
@@ -16,7 +16,7 @@ struct Desk {
 
 const FORMULA: &str = "formula;\nDIFFUSE = max(0, N.L)*Cd;\n= DIFFUSE;\n";
 
-fn desk(kind: Kind, text: &str) -> Harness<'static, Desk> {
+fn desk(kind: FileKind, text: &str) -> Harness<'static, Desk> {
     let editor = Editor { wants_focus: true, ..Editor::default() };
     let desk = Desk { editor, document: Document::untitled(kind, text), response: EditorResponse::default(), applied: 0 };
     let mut harness = Harness::builder().with_size(egui::vec2(700.0, 500.0)).with_step_dt(0.02).build_ui_state(
@@ -28,7 +28,7 @@ fn desk(kind: Kind, text: &str) -> Harness<'static, Desk> {
             desk.applied += usize::from(desk.response.apply);
             let lower = Rect::from_min_max(egui::pos2(rect.left(), upper.bottom()), rect.max);
             let mut inner = ui.new_child(egui::UiBuilder::new().max_rect(lower));
-            if let Some((_, span)) = problems_ui(&mut inner, &[&desk.document]) {
+            if let Some((_, span)) = problems_ui(&mut inner, &[((), &desk.document)]) {
                 desk.editor.jump_to(span);
             }
         },
@@ -66,7 +66,7 @@ fn cursor_to(harness: &mut Harness<'_, Desk>, byte: usize) {
 
 #[test]
 fn what_is_typed_in_one_go_stands_in_its_order() {
-    let mut harness = desk(Kind::Formula, "");
+    let mut harness = desk(FileKind::Formula, "");
     assert!(harness.state().response.focused && !harness.state().document.unsaved());
     assert_eq!(harness.state().document.counts()[0], 1, "an empty text is no formula");
     type_text(&mut harness, "formula;\n  a = 1;\n= Cd*a;\n");
@@ -82,7 +82,7 @@ fn what_is_typed_in_one_go_stands_in_its_order() {
 
 #[test]
 fn steps_are_taken_back_and_done_again() {
-    let mut harness = desk(Kind::Formula, FORMULA);
+    let mut harness = desk(FileKind::Formula, FORMULA);
     cursor_to(&mut harness, FORMULA.len());
     type_text(&mut harness, "// one two");
     press(&mut harness, Modifiers::COMMAND, Key::Z);
@@ -101,7 +101,7 @@ fn steps_are_taken_back_and_done_again() {
 #[test]
 fn what_is_wrong_is_listed_and_found_by_a_click() {
     let text = "// č😀\nformula;\nA = /* č */ unknwn;\n= č;\n";
-    let mut harness = desk(Kind::Formula, text);
+    let mut harness = desk(FileKind::Formula, text);
     assert_eq!(harness.state().document.counts()[0], 2);
     harness.get_by_label_contains("`unknwn` is not known").click();
     harness.run_steps(4);
@@ -120,12 +120,12 @@ fn what_is_wrong_is_listed_and_found_by_a_click() {
 #[test]
 fn marks_are_where_the_errors_are() {
     let text = "formula;\n// \u{1f600}č\n= č + Cd;";
-    let mut harness = desk(Kind::Formula, text);
+    let mut harness = desk(FileKind::Formula, text);
     harness.run_steps(2);
     let context = harness.ctx.clone();
     let look = Look { context: &context, font: &TextStyle::Monospace.resolve(&context.global_style()), palette: &Palette::DARK };
     let desk = harness.state_mut();
-    let laid = desk.editor.colouring.lay(look.context, Kind::Formula, text, look.font, look.palette);
+    let laid = desk.editor.colouring.lay(look.context, FileKind::Formula, text, look.font, look.palette);
     assert_eq!(laid.galley.rows.len(), laid.lines.count());
     let sheet = marks::Sheet { laid, origin: egui::Pos2::ZERO, clip: Rect::EVERYTHING };
     let span = desk.document.diagnostics()[0].span().unwrap();
@@ -141,7 +141,7 @@ fn marks_are_where_the_errors_are() {
 
 #[test]
 fn the_message_is_shown_under_the_pointer() {
-    let mut harness = desk(Kind::Formula, "formula;\n= unknwn;");
+    let mut harness = desk(FileKind::Formula, "formula;\n= unknwn;");
     assert_eq!(harness.query_all_by_label_contains("`unknwn` is not known").count(), 1);
     let place = egui::pos2(90.0, 24.0);
     for step in 0..40 {
@@ -154,7 +154,7 @@ fn the_message_is_shown_under_the_pointer() {
 
 #[test]
 fn completion_writes_the_rest() {
-    let mut harness = desk(Kind::Formula, "formula;\n= ");
+    let mut harness = desk(FileKind::Formula, "formula;\n= ");
     cursor_to(&mut harness, 11);
     type_text(&mut harness, "smoo");
     assert!(harness.state().editor.list.is_open());
@@ -176,7 +176,7 @@ fn completion_writes_the_rest() {
 
 #[test]
 fn an_entry_of_the_list_can_be_clicked() {
-    let mut harness = desk(Kind::Formula, "formula;\n= ");
+    let mut harness = desk(FileKind::Formula, "formula;\n= ");
     cursor_to(&mut harness, 11);
     type_text(&mut harness, "k");
     assert!(harness.state().editor.list.is_open());
@@ -190,7 +190,7 @@ fn an_entry_of_the_list_can_be_clicked() {
 
 #[test]
 fn what_is_searched_for_is_found_and_replaced() {
-    let mut harness = desk(Kind::Formula, FORMULA);
+    let mut harness = desk(FileKind::Formula, FORMULA);
     press(&mut harness, Modifiers::COMMAND, Key::F);
     harness.event(Event::Text("diffuse".to_owned()));
     harness.run_steps(4);
@@ -216,7 +216,7 @@ fn what_is_searched_for_is_found_and_replaced() {
 
 #[test]
 fn keys_indent_and_comment() {
-    let mut harness = desk(Kind::Formula, "a\nb");
+    let mut harness = desk(FileKind::Formula, "a\nb");
     cursor_to(&mut harness, 1);
     press(&mut harness, Modifiers::NONE, Key::Tab);
     assert_eq!(harness.state().document.text(), "a    \nb");
@@ -232,7 +232,7 @@ fn keys_indent_and_comment() {
 
 #[test]
 fn texts_come_and_go_with_their_line_ends() {
-    let mut harness = desk(Kind::Formula, "formula;\r\n= č;\r\n");
+    let mut harness = desk(FileKind::Formula, "formula;\r\n= č;\r\n");
     assert_eq!(harness.state().document.diagnostics()[0].span(), Some(Span::new(11, 13)));
     cursor_to(&mut harness, 0);
     harness.event(Event::Paste("// x\r\n".to_owned()));
@@ -244,10 +244,10 @@ fn texts_come_and_go_with_their_line_ends() {
 
 #[test]
 fn each_document_keeps_its_place_and_steps() {
-    let mut harness = desk(Kind::Formula, FORMULA);
+    let mut harness = desk(FileKind::Formula, FORMULA);
     cursor_to(&mut harness, 9);
     type_text(&mut harness, "x");
-    let other = Document::untitled(Kind::Scene, "bodies;");
+    let other = Document::untitled(FileKind::Scene, "bodies;");
     let first = std::mem::replace(&mut harness.state_mut().document, other);
     harness.state_mut().editor.focus();
     harness.run_steps(3);
@@ -268,7 +268,7 @@ fn each_document_keeps_its_place_and_steps() {
 #[test]
 fn a_place_far_below_is_scrolled_into_view() {
     let text = format!("{}formula;\n= unknwn;", "// line\n".repeat(3000));
-    let mut harness = desk(Kind::Formula, &text);
+    let mut harness = desk(FileKind::Formula, &text);
     harness.get_by_label_contains("`unknwn` is not known").click();
     harness.run_steps(5);
     assert_eq!(harness.state().response.place, (3002, 9));
@@ -279,7 +279,7 @@ fn a_place_far_below_is_scrolled_into_view() {
 
 #[test]
 fn every_built_in_text_is_shown_without_a_mark() {
-    for kind in [Kind::Formula, Kind::Scene] {
+    for kind in [FileKind::Formula, FileKind::Scene] {
         for name in presets::names(kind) {
             let harness = desk(kind, presets::text(kind, name).unwrap());
             assert_eq!(harness.state().document.counts()[0], 0, "{name}");
@@ -313,10 +313,10 @@ fn the_reference_inserts_what_is_clicked() {
 #[test]
 #[ignore = "takes seconds and prints times"]
 fn times_of_a_large_text() {
-    let preset = presets::text(Kind::Formula, "strauss").unwrap();
+    let preset = presets::text(FileKind::Formula, "strauss").unwrap();
     let text = preset.repeat((1 << 20) / preset.len());
     let context = egui::Context::default();
-    let mut desk = (Editor { wants_focus: true, ..Editor::default() }, Document::untitled(Kind::Formula, &text));
+    let mut desk = (Editor { wants_focus: true, ..Editor::default() }, Document::untitled(FileKind::Formula, &text));
     for (frame, typed) in ["", "", "", "x", "", "y", "", "z", ""].into_iter().enumerate() {
         let mut input = egui::RawInput { time: Some(frame as f64 * 0.02), ..egui::RawInput::default() };
         input.events.extend((!typed.is_empty()).then(|| Event::Text(typed.to_owned())));
@@ -330,13 +330,13 @@ fn times_of_a_large_text() {
         println!("frame {frame} {typed:?}: {drawn:?}, with meshes ({}) {:?}", meshes.len(), start.elapsed());
     }
     let start = std::time::Instant::now();
-    let words = words::Words::new(Kind::Formula, &text);
+    let words = words::Words::new(FileKind::Formula, &text);
     println!("words: {:?}", start.elapsed());
     let start = std::time::Instant::now();
     let at = text.rfind("DIFFUSE + ").unwrap() + 4;
     println!(
         "completion: {} in {:?}",
-        completion::complete(Kind::Formula, &text, &words, at).map_or(0, |one| one.candidates.len()),
+        completion::complete(FileKind::Formula, &text, &words, at).map_or(0, |one| one.candidates.len()),
         start.elapsed()
     );
     let start = std::time::Instant::now();

@@ -10,8 +10,8 @@ use crate::lang::source::Source;
 use crate::lang::token::{Mark, Token, TokenKind};
 use crate::lang::types::Type;
 use crate::lang::variables::{Owner, Predefined, Variable};
-use crate::presets::Kind;
 use crate::scene::{LightKind, Shape, Syntax};
+use crate::workspace::FileKind;
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
@@ -89,10 +89,10 @@ pub(super) struct Words {
 
 impl Words {
     /// The words of a text. Texts other than formulas and scenes are plain.
-    pub(super) fn new(kind: Kind, text: &str) -> Self {
+    pub(super) fn new(kind: FileKind, text: &str) -> Self {
         match kind {
-            Kind::Formula | Kind::Scene => {}
-            Kind::Session | Kind::Material => return Self::default(),
+            FileKind::Formula | FileKind::Scene => {}
+            FileKind::Session | FileKind::Material => return Self::default(),
         }
         // A source is what the lexer takes; its name is for messages, which others report.
         let (mut tokens, _) = tokenize(&Source::new("", text));
@@ -106,7 +106,7 @@ impl Words {
         for (class, token) in classes.iter_mut().zip(&tokens) {
             if let (Class::Plain, TokenKind::Word(word)) = (*class, &token.kind) {
                 // Searching the tables for every word anew would take longer than all the rest.
-                let meaning = || if kind == Kind::Formula { known(word) } else { Class::Plain };
+                let meaning = || if kind == FileKind::Formula { known(word) } else { Class::Plain };
                 *class = *meanings.entry(word).or_insert_with(meaning);
             }
         }
@@ -198,7 +198,7 @@ fn between(text: &str, gap: Range<usize>, pieces: &mut Vec<(Range<usize>, Class)
 
 /// Goes through the words from first to last and knows where it is.
 struct Reader<'t> {
-    kind: Kind,
+    kind: FileKind,
     tokens: &'t [Token],
     section: Section,
     declared: Vec<Declared>,
@@ -208,7 +208,7 @@ struct Reader<'t> {
 impl Reader<'_> {
     fn class(&mut self, at: usize) -> Class {
         match &self.tokens[at].kind {
-            TokenKind::Word(word) if self.kind == Kind::Formula => self.formula_word(at, word),
+            TokenKind::Word(word) if self.kind == FileKind::Formula => self.formula_word(at, word),
             TokenKind::Word(word) => self.scene_word(at, word),
             TokenKind::Number(_) => Class::Number,
             TokenKind::Uses(..) => Class::Uses,
@@ -316,10 +316,10 @@ pub(super) fn signatures(form: Form) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::presets;
+    use crate::workspace::presets;
 
     /// The pieces of a text, each with its class.
-    fn pieces(kind: Kind, text: &str) -> Vec<(&str, Class)> {
+    fn pieces(kind: FileKind, text: &str) -> Vec<(&str, Class)> {
         Words::new(kind, text).pieces.into_iter().map(|(range, class)| (&text[range], class)).collect()
     }
 
@@ -350,7 +350,7 @@ mod tests {
             ("pi", Class::Function),
             ("M", Class::Named),
         ];
-        assert_eq!(pieces(Kind::Formula, text), expected);
+        assert_eq!(pieces(FileKind::Formula, text), expected);
     }
 
     #[test]
@@ -358,17 +358,17 @@ mod tests {
         let text = "bodies;\nup: sphere, center <0, 1, 2>, radius 1, matte; /* 1\n2 */\nlights; camera; up <0,1,0>;";
         let expected =
             ["bodies", "up", "sphere", "center", "0", "1", "2", "radius", "1", "matte", "/* 1\n2 */", "lights", "camera", "up"];
-        let found = pieces(Kind::Scene, text);
+        let found = pieces(FileKind::Scene, text);
         assert_eq!(found.iter().map(|(word, _)| *word).take(14).collect::<Vec<_>>(), expected);
         assert_eq!((found[1].1, found[13].1), (Class::Named, Class::Keyword));
-        assert!(Words::new(Kind::Session, text).pieces.is_empty());
+        assert!(Words::new(FileKind::Session, text).pieces.is_empty());
     }
 
     #[test]
     fn every_name_of_the_built_in_formulas_is_known() {
-        for name in presets::names(Kind::Formula) {
-            let text = presets::text(Kind::Formula, name).unwrap();
-            let words = Words::new(Kind::Formula, text);
+        for name in presets::names(FileKind::Formula) {
+            let text = presets::text(FileKind::Formula, name).unwrap();
+            let words = Words::new(FileKind::Formula, text);
             for token in words.tokens.iter().filter(|token| matches!(token.kind, TokenKind::Word(_))) {
                 let class = words.class_at(token.span.range().start);
                 assert!(class != Class::Plain && class != Class::Unknown, "{:?} in {name} is {class:?}", token.kind);
@@ -376,8 +376,8 @@ mod tests {
             assert_eq!(words.section(text.len()), Section::Formula);
             assert!(words.pieces.windows(2).all(|pair| pair[0].0.end <= pair[1].0.start));
         }
-        for name in presets::names(Kind::Scene) {
-            let words = Words::new(Kind::Scene, presets::text(Kind::Scene, name).unwrap());
+        for name in presets::names(FileKind::Scene) {
+            let words = Words::new(FileKind::Scene, presets::text(FileKind::Scene, name).unwrap());
             for token in words.tokens.iter().filter(|token| matches!(token.kind, TokenKind::Word(_))) {
                 assert_ne!(words.class_at(token.span.range().start), Class::Plain, "{:?} in {name}", token.kind);
             }
@@ -386,25 +386,25 @@ mod tests {
 
     #[test]
     fn what_stands_between_words_is_a_comment_or_wrong() {
-        assert_eq!(pieces(Kind::Formula, "\u{feff}// a\r\n"), [("// a", Class::Comment)]);
-        assert_eq!(pieces(Kind::Formula, "# old\n/* x"), [("# old", Class::Unknown), ("\n/* x", Class::Comment)]);
-        assert!(pieces(Kind::Formula, "").is_empty());
+        assert_eq!(pieces(FileKind::Formula, "\u{feff}// a\r\n"), [("// a", Class::Comment)]);
+        assert_eq!(pieces(FileKind::Formula, "# old\n/* x"), [("# old", Class::Unknown), ("\n/* x", Class::Comment)]);
+        assert!(pieces(FileKind::Formula, "").is_empty());
     }
 
     #[test]
     fn brackets_are_matched_by_words_not_characters() {
-        let words = Words::new(Kind::Formula, "(a /* ( */ (b))");
+        let words = Words::new(FileKind::Formula, "(a /* ( */ (b))");
         assert_eq!(words.brackets(0), Some((0, Some(14))));
         assert_eq!(words.brackets(15), Some((14, Some(0))));
         assert_eq!(words.brackets(12), Some((11, Some(13))));
         assert_eq!(words.brackets(2), None);
-        assert_eq!(Words::new(Kind::Formula, "((").brackets(2), Some((1, None)));
+        assert_eq!(Words::new(FileKind::Formula, "((").brackets(2), Some((1, None)));
     }
 
     #[test]
     fn names_are_declared_with_their_statements() {
         let text = "global;\na: vector, color;\nb\nformula;\nM = a;\n= M;";
-        let words = Words::new(Kind::Formula, text);
+        let words = Words::new(FileKind::Formula, text);
         let declared: Vec<_> =
             words.declared.iter().map(|one| (one.name.as_str(), one.ty, &text[one.statement.clone()])).collect();
         assert_eq!(declared, [("a", Some(Type::Vector), "a: vector, color;"), ("M", None, "M = a;")]);

@@ -3,8 +3,8 @@
 //! Most triangles come in pairs that make an upright rectangle of one colour, plain (fills, bars) or with a letter on it; those are taken
 //! together. What has no extent or no number for a place is left out.
 
+use super::colour::pack;
 use super::hash;
-use super::raster::pack;
 use super::region::Region;
 use super::texture::{Texture, Textures};
 use egui::epaint::{ClippedPrimitive, Mesh, Primitive, TextureId, Vertex};
@@ -176,7 +176,7 @@ impl Collector<'_> {
 
     /// A colour with the texel that all of it has.
     fn plain(&self, colour: u32, texel: [f64; 2]) -> u32 {
-        super::raster::tinted(self.texture.sample(texel.map(|at| at as f32), false), colour)
+        super::colour::tinted(self.texture.sample(texel.map(|at| at as f32), false), colour)
     }
 
     fn triangle(&mut self, corners: &[Corner; 3]) {

@@ -93,7 +93,7 @@ fn triangles_that_share_a_border_neither_overlap_nor_leave_a_gap() {
     rim.iter().for_each(|at| mesh.colored_vertex(*at, half));
     (0..23).for_each(|step| mesh.add_triangle(0, 1 + step, 1 + (step + 1) % 23));
     let pixels = paint([100, 100], &[clipped(Rect::EVERYTHING, mesh)]);
-    let once = raster::over(0x8000_0000, GROUND);
+    let once = colour::over(0x8000_0000, GROUND);
     let reach = 60.0 * (std::f32::consts::PI / 23.0).cos() - 1.0;
     for (place, pixel) in pixels.iter().enumerate() {
         let middle = pos2((place % 100) as f32 + 0.5, (place / 100) as f32 + 0.5);
@@ -109,11 +109,11 @@ fn blending_is_the_nearest_to_exact_arithmetic() {
         for below in 0..=255_u32 {
             let own = alpha / 3;
             let exact = f64::from(own) + f64::from(below) * f64::from(255 - alpha) / 255.0;
-            let pixel = raster::over((alpha << 24) | (own * 0x0001_0101), below * 0x0001_0101);
+            let pixel = colour::over((alpha << 24) | (own * 0x0001_0101), below * 0x0001_0101);
             assert_eq!(pixel, (exact.round() as u32) * 0x0001_0101, "{alpha} on {below}");
         }
     }
-    assert_eq!(raster::over(0x00ff_8040, 0x0001_8001), 0x00ff_ff41, "light that is added ends at white");
+    assert_eq!(colour::over(0x00ff_8040, 0x0001_8001), 0x00ff_ff41, "light that is added ends at white");
 }
 
 #[test]
@@ -123,7 +123,7 @@ fn texels_on_pixels_are_copied_and_others_are_between() {
     exact.add_rect_with_uv(rect(5.0), Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0)), Color32::WHITE);
     let pixels = paint([16, 16], &[clipped(Rect::EVERYTHING, exact)]);
     assert_eq!(pixels[5 * 16 + 5], 0x00ff_ffff);
-    assert_eq!(pixels[5 * 16 + 6], raster::over(0x8050_3c28, GROUND));
+    assert_eq!(pixels[5 * 16 + 6], colour::over(0x8050_3c28, GROUND));
     assert_eq!(pixels[8 * 16 + 9], GROUND);
 
     let mut between = Mesh::default();

@@ -1,6 +1,6 @@
 //! The textures of the widgets: letters above all, and what images egui was given.
 
-use super::raster::pack;
+use super::colour::pack;
 use egui::epaint::{
     ImageData, ImageDelta, TextureId, textures::TextureFilter, textures::TextureOptions, textures::TextureWrapMode,
     textures::TexturesDelta,

@@ -5,14 +5,14 @@ use crate::backends::{CHOICES, REFERENCE};
 use crate::evaluate::Framebuffer;
 use crate::formula::Formula;
 use crate::lang::source::Source;
-use crate::presets::{self, Kind};
 use crate::scene::Scene;
 use crate::workspace::Values;
+use crate::workspace::{FileKind, presets};
 
 fn scenery(width: u32, height: u32) -> (Scenery, Values) {
-    let source = |kind: Kind, name: &str| Source::new(name, presets::text(kind, name).expect("a built-in file"));
-    let (formula, _) = Formula::parse(&source(Kind::Formula, "phong")).expect("a formula");
-    let (scene, _) = Scene::parse(&source(Kind::Scene, "studio")).expect("a scene");
+    let source = |kind: FileKind, name: &str| Source::new(name, presets::text(kind, name).expect("a built-in file"));
+    let (formula, _) = Formula::parse(&source(FileKind::Formula, "phong")).expect("a formula");
+    let (scene, _) = Scene::parse(&source(FileKind::Scene, "studio")).expect("a scene");
     let values = Values::defaults(&formula, &scene);
     let view = View::new(width, height).expect("a size in range").with_depth(3).expect("a depth in range");
     (Scenery { subject: Subject::new(formula, scene, view), engine: Engine::default(), transfer: Transfer::Linear }, values)

@@ -3,8 +3,8 @@
 use crate::files::Readable;
 use crate::lang::diagnostic::{Diagnostic, Diagnostics, Severity};
 use crate::lang::source::Source;
-use crate::presets::Kind;
-use crate::workspace::files::Location;
+use crate::workspace::FileKind;
+use crate::workspace::Location;
 use crate::workspace::project::{Listener, OpenError, Project, Request, SessionText};
 use std::path::Path;
 
@@ -54,7 +54,7 @@ impl Opened {
     ///
     /// # Errors
     /// As for [`session`](Self::session).
-    pub fn session_of(source: &Source, folder: &Path, other: &dyn Fn(Kind) -> Option<Source>) -> Result<Opened, String> {
+    pub fn session_of(source: &Source, folder: &Path, other: &dyn Fn(FileKind) -> Option<Source>) -> Result<Opened, String> {
         let session = SessionText::Text(source.clone(), folder.to_owned());
         Self::open(&Request { session: Some(session), texts: Some(other), ..Request::default() })
     }

@@ -1,8 +1,8 @@
 //! Where the materials of a formula are: which file its `#uses` means, and what is built in.
 
 use crate::lang::diagnostic::Diagnostic;
-use crate::presets::{self, Kind};
-use crate::workspace::files::{Location, unknown_preset};
+use crate::workspace::location::{Location, unknown_preset};
+use crate::workspace::{FileKind, presets};
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -20,7 +20,7 @@ impl Place {
     ///
     /// A path is looked up from the formula's folder, then from the working directory; a file that is in neither is to be made in
     /// the first. `preset:NAME` is a built-in library; what is saved for it, and what is saved for a built-in formula whose path
-    /// leads nowhere, goes to the data folder, [`data_folder`] for users.
+    /// leads nowhere, goes to the `data` folder.
     ///
     /// # Errors
     /// Why materials are off: nothing is named, or no library that is built in.
@@ -28,8 +28,8 @@ impl Place {
         let Some(uses) = uses else { return Err(off()) };
         let kept = |name: &Path| data.map(|data| data.join("materials").join(name));
         let path = match Location::new(uses) {
-            Location::Preset(name) if presets::text(Kind::Material, &name).is_none() => {
-                return Err(unknown_preset(Kind::Material, &name));
+            Location::Preset(name) if presets::text(FileKind::Material, &name).is_none() => {
+                return Err(unknown_preset(FileKind::Material, &name));
             }
             Location::Preset(name) => {
                 let file = kept(Path::new(&format!("{name}.toml")));
@@ -80,9 +80,4 @@ fn off() -> Diagnostic {
     Diagnostic::error("materials are off: the formula names no file for them").help(
         "write `#uses FILE;` at its top, such as `#uses materials.toml;`; a file that does not exist is made when a material is saved",
     )
-}
-
-/// The folder that the platform has for data of this program and user, if it has one. Nothing is made.
-pub fn data_folder() -> Option<PathBuf> {
-    directories::ProjectDirs::from("", "", "illuminator").map(|folders| folders.data_dir().to_owned())
 }

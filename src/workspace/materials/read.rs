@@ -2,8 +2,8 @@
 
 use crate::lang::diagnostic::{Diagnostic, Diagnostics};
 use crate::lang::source::Source;
-use crate::workspace::document::{Entry, VERSION_KEY, check_version, entries, parse as parse_toml};
 use crate::workspace::materials::{Library, Material, NameError, Property};
+use crate::workspace::spanned_toml::{Entry, VERSION_KEY, check_version, entries, parse as parse_toml};
 
 pub(super) fn parse(source: &Source) -> Result<(Library, Diagnostics), Diagnostics> {
     let table = parse_toml(source)?;

@@ -1,8 +1,8 @@
 //! A material library as text and as file.
 
 use crate::files::replace_text;
-use crate::workspace::document::{Number, VERSION, VERSION_KEY};
 use crate::workspace::materials::{Library, Material};
+use crate::workspace::spanned_toml::{Number, VERSION, VERSION_KEY};
 use serde::ser::{Serialize, SerializeMap, Serializer};
 use std::fs;
 use std::io;

@@ -3,9 +3,8 @@
 use crate::files::{Readable, reason};
 use crate::lang::diagnostic::{Diagnostic, Diagnostics};
 use crate::lang::source::Source;
-use crate::presets::Kind;
-use crate::workspace::files::{Location, read_file};
 use crate::workspace::materials::{Library, Material, Place, unknown};
+use crate::workspace::{FileKind, Location, read_source};
 use std::fmt;
 use std::path::Path;
 
@@ -56,7 +55,7 @@ impl Shelf {
         let built_in = match place.built_in() {
             Some(name) => {
                 let location = Location::Preset(name.to_owned());
-                Layer::parse(location.read(Kind::Material, readable).map_err(Findings::of_no_text)?)?.0
+                Layer::parse(location.read(FileKind::Material, readable).map_err(Findings::of_no_text)?)?.0
             }
             None => Layer::empty(""),
         };
@@ -156,7 +155,7 @@ impl Layer {
         if !path.try_exists().unwrap_or(true) {
             return Ok((Self::empty(&path.display().to_string()), Diagnostics::new()));
         }
-        Self::parse(read_file(path, Some(Kind::Material), readable).map_err(Findings::of_no_text)?)
+        Self::parse(read_source(path, Some(FileKind::Material), readable).map_err(Findings::of_no_text)?)
     }
 }
 

@@ -5,7 +5,7 @@ use crate::files::Readable;
 use crate::formula::Formula;
 use crate::lang::diagnostic::Diagnostic;
 use crate::scene::Scene;
-use crate::workspace::files::Location;
+use crate::workspace::Location;
 use crate::workspace::warning::Warning;
 use std::fs;
 
@@ -264,7 +264,10 @@ fn what_is_saved_lies_over_what_is_built_in() {
     assert_eq!(shelf.source_of("gold").slice(marked), "Cd");
     // What hides a built-in one can be deleted, the built-in one cannot.
     shelf.remove("gold").unwrap();
-    assert_eq!(shelf.get("gold"), library(crate::presets::text(crate::presets::Kind::Material, "phong").unwrap()).get("gold"));
+    assert_eq!(
+        shelf.get("gold"),
+        library(crate::workspace::presets::text(crate::workspace::FileKind::Material, "phong").unwrap()).get("gold")
+    );
     let error = shelf.remove("gold").unwrap_err();
     assert_eq!(messages(&error.diagnostics), ["the material `gold` is built in and cannot be deleted"]);
     shelf.remove("my own").unwrap();

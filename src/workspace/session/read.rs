@@ -3,9 +3,9 @@
 use crate::lang::diagnostic::{Diagnostic, Diagnostics};
 use crate::lang::source::{Source, Span};
 use crate::trace::{MAX_DEPTH, MAX_SIDE};
-use crate::workspace::document::{Entry, Value, check_version, entries, missing, parse as parse_toml, unknown_key};
-use crate::workspace::files::Location;
+use crate::workspace::Location;
 use crate::workspace::session::{NamedValue, OwnerName, PictureSettings, Session};
+use crate::workspace::spanned_toml::{Entry, Value, check_version, entries, missing, parse as parse_toml, unknown_key};
 
 /// What may stand in a session, outside of tables.
 pub(in crate::workspace) const KEYS: [&str; 11] =

@@ -1,7 +1,7 @@
 //! A session as text.
 
-use crate::workspace::document::{Number, VERSION};
 use crate::workspace::session::{OwnerName, Session};
+use crate::workspace::spanned_toml::{Number, VERSION};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::Path;

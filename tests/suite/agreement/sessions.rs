@@ -11,9 +11,9 @@ use illuminator::formula::{Formula, ParameterId};
 use illuminator::lang::source::Source;
 use illuminator::picture::Transfer;
 use illuminator::plan::Method;
-use illuminator::presets::{self, Kind};
 use illuminator::scene::Scene;
 use illuminator::trace::View;
+use illuminator::workspace::{FileKind, presets};
 use illuminator::workspace::{OwnerId, Session, Setting, Values};
 use illuminator::world::World;
 use std::sync::Arc;
@@ -30,7 +30,7 @@ fn tested() -> Vec<Tested> {
     backends().into_iter().map(|backend| Tested { size: size(&backend), backend }).collect()
 }
 
-fn source(kind: Kind, name: &str) -> Source {
+fn source(kind: FileKind, name: &str) -> Source {
     Source::new(name, presets::text(kind, name).expect("a built-in file"))
 }
 
@@ -45,11 +45,11 @@ struct Model {
 
 impl Model {
     fn new(tested: &Tested, formula: &Source) -> Self {
-        Self::on(tested, &source(Kind::Scene, "crystals"), formula)
+        Self::on(tested, &source(FileKind::Scene, "crystals"), formula)
     }
 
     fn on(tested: &Tested, scene: &Source, formula: &Source) -> Self {
-        let (session, _) = Session::parse(&source(Kind::Session, presets::DEFAULT_SESSION)).expect("a session");
+        let (session, _) = Session::parse(&source(FileKind::Session, presets::DEFAULT_SESSION)).expect("a session");
         let (formula, _) = Formula::parse(formula).expect("a formula");
         let (scene, _) = Scene::parse(scene).expect("a scene");
         let view = View::new(tested.size[0], tested.size[1]).expect("a size in range");
@@ -63,7 +63,7 @@ impl Model {
     }
 
     fn preset(tested: &Tested, formula: &str) -> Self {
-        Self::new(tested, &source(Kind::Formula, formula))
+        Self::new(tested, &source(FileKind::Formula, formula))
     }
 
     fn black(&self) -> Framebuffer {
@@ -252,10 +252,10 @@ fn many_lights_with_many_shadows_are_drawn_and_dragged_by(tested: &Tested) {
          camera; position <0, 5, 9>; gaze <0, -0.5, -1>; up <0, 1, 0>; fov 40;"
     );
     let scene = Source::new("scene", scene);
-    let mut model = Model::on(tested, &scene, &source(Kind::Formula, "phong"));
+    let mut model = Model::on(tested, &scene, &source(FileKind::Formula, "phong"));
     assert!(model.scattered > 50, "{} hits stand in several groups", model.scattered);
     model.set("*.kr=0.3");
-    let (formula, _) = Formula::parse(&source(Kind::Formula, "phong")).expect("a formula");
+    let (formula, _) = Formula::parse(&source(FileKind::Formula, "phong")).expect("a formula");
     let (parsed, _) = Scene::parse(&scene).expect("a scene");
     let (world, view) = (Arc::new(World::new(parsed)), View::new(tested.size[0], tested.size[1]).expect("a size"));
     let interpreted = Interpreted::new(&Arc::new(formula), &world, view).expect("small enough");

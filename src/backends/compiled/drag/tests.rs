@@ -4,9 +4,9 @@ use super::*;
 use crate::formula::Formula;
 use crate::jit::CompiledFormula;
 use crate::lang::source::Source;
-use crate::presets::{self, Kind};
 use crate::scene::Scene;
 use crate::trace::{Budget, View, trace};
+use crate::workspace::{FileKind, presets};
 use crate::workspace::{Session, Values};
 use crate::world::World;
 use std::sync::atomic::AtomicBool;
@@ -14,15 +14,15 @@ use std::sync::atomic::AtomicBool;
 /// Some sliders of the default session: images of kinds, and what needs a kernel.
 const SLIDERS: [&str; 9] = ["floor.kd", "floor.Cd", "floor.kr", "globe.kt", "globe.h", "gold.ks", "key.ki", "key.IL", "ka"];
 
-fn source(kind: Kind, name: &str) -> Source {
+fn source(kind: FileKind, name: &str) -> Source {
     Source::new(name, presets::text(kind, name).expect("a built-in file"))
 }
 
 /// The default session in a size of several tiles.
 fn session() -> (Arc<Compiled>, Values) {
-    let (session, _) = Session::parse(&source(Kind::Session, presets::DEFAULT_SESSION)).expect("a session");
-    let (formula, _) = Formula::parse(&source(Kind::Formula, "phong")).expect("a formula");
-    let (scene, _) = Scene::parse(&source(Kind::Scene, "crystals")).expect("a scene");
+    let (session, _) = Session::parse(&source(FileKind::Session, presets::DEFAULT_SESSION)).expect("a session");
+    let (formula, _) = Formula::parse(&source(FileKind::Formula, "phong")).expect("a formula");
+    let (scene, _) = Scene::parse(&source(FileKind::Scene, "crystals")).expect("a scene");
     let view = View::new(256, 144).expect("a size in range");
     let world = Arc::new(World::new(scene));
     let hits = Arc::new(trace(&world, &view, &Budget::UNLIMITED, &|_| {}, &AtomicBool::new(false)).expect("small enough"));

@@ -8,9 +8,10 @@ mod text;
 
 use crate::files::{reason, replace_text};
 use crate::lang::diagnostic::{Diagnostic, Diagnostics};
-use crate::presets::Kind;
-use crate::workspace::files::Location;
-use crate::workspace::folders::{Folders, cannot_keep};
+use crate::user_data::folders::Folders;
+use crate::user_data::store::cannot_keep;
+use crate::workspace::FileKind;
+use crate::workspace::Location;
 use hold::Hold;
 use std::collections::BTreeMap;
 use std::fs;
@@ -25,7 +26,7 @@ const SUFFIX: &str = "toml";
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Draft {
     /// What it is.
-    pub kind: Kind,
+    pub kind: FileKind,
     /// Where the editor had it from, and would save it to; nowhere yet for a new text.
     pub location: Option<Location>,
     /// The text, of any size.
@@ -71,7 +72,7 @@ impl Drafts {
     ///
     /// # Errors
     /// It cannot be written, as when the disk is full. What was kept before is unharmed, and the next call tries again.
-    pub fn keep(&mut self, editor: u32, kind: Kind, location: Option<&Location>, text: &str) -> Result<(), Diagnostic> {
+    pub fn keep(&mut self, editor: u32, kind: FileKind, location: Option<&Location>, text: &str) -> Result<(), Diagnostic> {
         // The working directory of the next program may be another.
         let location = location.map(|location| match location {
             Location::File(path) => Location::File(std::path::absolute(path).unwrap_or_else(|_| path.clone())),

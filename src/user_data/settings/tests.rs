@@ -3,7 +3,7 @@
 use super::*;
 use crate::formula::Formula;
 use crate::scene::Scene;
-use crate::workspace::folders::Folders;
+use crate::user_data::folders::Folders;
 use crate::workspace::values::Values;
 use proptest::prelude::*;
 use std::fs;

@@ -3,10 +3,13 @@
 //! The 8-bit formats hold the bytes that a [`Transfer`] gives.
 //! OpenEXR holds the linear numbers themselves, unclamped.
 
+mod format;
+
 use crate::evaluate::Frame;
 use crate::files::{reason, replace_file};
 pub use crate::transfer::Transfer;
 use crate::transfer::{Bytes, with_bytes};
+pub use format::Format;
 use image::codecs::bmp::BmpEncoder;
 use image::codecs::openexr::OpenExrEncoder;
 use image::codecs::png::PngEncoder;
@@ -14,37 +17,6 @@ use image::{ExtendedColorType, ImageEncoder, ImageResult};
 use rayon::prelude::*;
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::Path;
-
-/// The formats of picture files.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Format {
-    /// `.png`, 8 bits a component.
-    Png,
-    /// `.bmp`, 8 bits a component.
-    Bmp,
-    /// `.exr`, 32-bit floats.
-    Exr,
-}
-
-impl Format {
-    /// Every format.
-    pub const ALL: [Format; 3] = [Format::Png, Format::Bmp, Format::Exr];
-
-    /// The suffix of its files, without the dot.
-    pub fn suffix(self) -> &'static str {
-        match self {
-            Format::Png => "png",
-            Format::Bmp => "bmp",
-            Format::Exr => "exr",
-        }
-    }
-
-    /// The format that a file's suffix names, in capitals or not.
-    pub fn of(path: &Path) -> Option<Format> {
-        let suffix = path.extension()?.to_str()?;
-        Format::ALL.into_iter().find(|format| suffix.eq_ignore_ascii_case(format.suffix()))
-    }
-}
 
 /// Colours as bytes, red, green and blue of each pixel: clamped to 0..1, NaN as 0, and rounded to the nearest of 0..=255.
 pub fn quantise(linear: &[[f32; 3]], transfer: Transfer) -> Vec<u8> {

@@ -2,10 +2,10 @@
 
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::variables::Predefined;
-use crate::workspace::document::VERSION;
-use crate::workspace::files::Location;
-use crate::workspace::settings::read::Others;
-use crate::workspace::settings::{Defaults, Settings};
+use crate::user_data::settings::read::Others;
+use crate::user_data::settings::{Defaults, Settings};
+use crate::workspace::Location;
+use crate::workspace::spanned_toml::VERSION;
 use serde::{Serialize, Serializer};
 
 /// The file, key by key.

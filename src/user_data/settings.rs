@@ -4,6 +4,7 @@
 //! read them. How their file is kept is in `file`.
 
 mod file;
+mod nearest;
 mod read;
 mod save;
 
@@ -12,10 +13,10 @@ pub use file::{Reading, SettingsFile};
 use crate::lang::diagnostic::{Diagnostic, Diagnostics};
 use crate::lang::source::Source;
 use crate::lang::variables::Predefined;
-use crate::presets::DEFAULT_SESSION;
 use crate::trace::{MAX_DEPTH, MAX_SIDE};
+use crate::workspace::Location;
 use crate::workspace::assignment::Assignment;
-use crate::workspace::files::Location;
+use crate::workspace::presets::DEFAULT_SESSION;
 use crate::workspace::roster::Roster;
 use crate::workspace::session::PictureSettings;
 

@@ -3,10 +3,10 @@
 use crate::files::{Readable, open, reason};
 use crate::lang::diagnostic::{Diagnostic, Diagnostics, Severity};
 use crate::lang::source::Source;
-use crate::presets::Kind;
-use crate::workspace::document::{VERSION, Value, check_version, entries, missing, parse};
-use crate::workspace::drafts::Draft;
-use crate::workspace::files::Location;
+use crate::user_data::drafts::Draft;
+use crate::workspace::FileKind;
+use crate::workspace::Location;
+use crate::workspace::spanned_toml::{VERSION, Value, check_version, entries, missing, parse};
 use serde::Serialize;
 use std::io::{self, Read};
 use std::path::Path;
@@ -77,7 +77,7 @@ fn parse_draft(source: &Source) -> Result<Draft, Diagnostics> {
     let word = take(kind, "kind = \"formula\"");
     let location = location.and_then(|location| take(Some(location), "")).map(Location::new);
     let seconds = time.and_then(|time| time.whole(0..i64::MAX).ok()).unwrap_or_default();
-    let kind = word.and_then(|word| Kind::ALL.into_iter().find(|kind| kind.word() == word));
+    let kind = word.and_then(|word| FileKind::ALL.into_iter().find(|kind| kind.word() == word));
     let time: Option<SystemTime> = UNIX_EPOCH.checked_add(Duration::from_secs(seconds.unsigned_abs()));
     match (kind, text) {
         (Some(kind), Some(text)) if !diagnostics.has_errors() => {

@@ -1,12 +1,10 @@
-//! Files and built-in files: where a text is found, and how it is read.
+//! Where a text is, a file or a built-in file, and how it is read.
 
 use crate::files::{FileType, OpenError, Readable, open, reason};
 use crate::lang::diagnostic::{Diagnostic, nearest};
-use crate::lang::lines::LINE_ENDS;
 use crate::lang::source::{MAX_BYTES, Source};
-use crate::presets::{self, Kind};
-use crate::workspace::document::VERSION_KEY;
-use crate::workspace::session;
+use crate::workspace::file_kind::FileKind;
+use crate::workspace::presets;
 use std::ffi::OsStr;
 use std::fmt;
 use std::fs;
@@ -65,13 +63,13 @@ impl Location {
     /// # Errors
     /// There is no such file or built-in file of this kind; it cannot be read, is not of an allowed file type, is larger than
     /// [`MAX_BYTES`], or is not UTF-8.
-    pub fn read(&self, kind: Kind, readable: Readable) -> Result<Source, Diagnostic> {
+    pub fn read(&self, kind: FileKind, readable: Readable) -> Result<Source, Diagnostic> {
         match self {
             Location::Preset(name) => match presets::text(kind, name) {
                 Some(text) => Ok(Source::new(self.to_string(), text)),
                 None => Err(unknown_preset(kind, name)),
             },
-            Location::File(path) => read_file(path, Some(kind), readable),
+            Location::File(path) => read_source(path, Some(kind), readable),
         }
     }
 }
@@ -86,10 +84,10 @@ impl fmt::Display for Location {
 }
 
 /// The error that there is no built-in file of this kind and name, with the nearest.
-pub(super) fn unknown_preset(kind: Kind, name: &str) -> Diagnostic {
+pub(super) fn unknown_preset(kind: FileKind, name: &str) -> Diagnostic {
     let noun = kind.noun();
     let error = Diagnostic::error(format!("there is no built-in {noun} `{PRESET}{name}`"));
-    if let Some(other) = Kind::ALL.into_iter().find(|other| presets::text(*other, name).is_some()) {
+    if let Some(other) = FileKind::ALL.into_iter().find(|other| presets::text(*other, name).is_some()) {
         return error.help(format!("`{PRESET}{name}` is a {}", other.noun()));
     }
     let names: Vec<&str> = presets::names(kind).collect();
@@ -104,11 +102,11 @@ pub(super) fn unknown_preset(kind: Kind, name: &str) -> Diagnostic {
 ///
 /// # Errors
 /// There is no such file; it cannot be read, is not of an allowed file type, is larger than [`MAX_BYTES`], or is not UTF-8.
-pub fn read_file(path: &Path, kind: Option<Kind>, readable: Readable) -> Result<Source, Diagnostic> {
-    let (name, noun) = (path.display().to_string(), kind.map_or("text", Kind::noun));
+pub fn read_source(path: &Path, kind: Option<FileKind>, readable: Readable) -> Result<Source, Diagnostic> {
+    let (name, noun) = (path.display().to_string(), kind.map_or("text", FileKind::noun));
     let failed = |error: &io::Error| {
         let missing = error.kind() == ErrorKind::NotFound;
-        let what = kind.map_or("file", Kind::noun);
+        let what = kind.map_or("file", FileKind::noun);
         Diagnostic::error(format!("cannot read the {what} `{name}`: {}", reason(error))).help_if(if missing {
             namesake(path, kind)
         } else {
@@ -139,10 +137,10 @@ pub fn read_file(path: &Path, kind: Option<Kind>, readable: Readable) -> Result<
 }
 
 /// What was likely meant by the path of a file that does not exist.
-fn namesake(path: &Path, kind: Option<Kind>) -> Option<String> {
+fn namesake(path: &Path, kind: Option<FileKind>) -> Option<String> {
     let name = path.file_name()?.to_str()?;
-    let built_in = |kind: Kind| presets::text(kind, name).is_some();
-    if path.components().count() == 1 && kind.map_or_else(|| Kind::ALL.into_iter().any(built_in), built_in) {
+    let built_in = |kind: FileKind| presets::text(kind, name).is_some();
+    if path.components().count() == 1 && kind.map_or_else(|| FileKind::ALL.into_iter().any(built_in), built_in) {
         return Some(format!("the built-in one is `{PRESET}{name}`"));
     }
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
@@ -159,56 +157,6 @@ fn namesake(path: &Path, kind: Option<Kind>) -> Option<String> {
     let other = path.with_file_name(near);
     let other = path.extension().map_or(other.clone(), |suffix| other.with_added_extension(suffix));
     Some(format!("did you mean `{}`?", other.display()))
-}
-
-/// What a text is by its first words, if they tell.
-pub fn kind_of(text: &str) -> Option<Kind> {
-    let mut rest = text.trim_start_matches('\u{feff}').trim_start();
-    loop {
-        let comment = if rest.starts_with("/*") {
-            rest.find("*/").map(|end| end + 2)
-        } else if rest.starts_with("//") || (rest.starts_with('#') && !rest.starts_with("#uses")) {
-            rest.find(LINE_ENDS)
-        } else {
-            None
-        };
-        match comment {
-            Some(end) => rest = rest[end..].trim_start(),
-            None => break,
-        }
-    }
-    if rest.starts_with("#uses") {
-        return Some(Kind::Formula);
-    }
-    let end = rest.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(rest.len());
-    let (word, behind) = rest.split_at(end);
-    match (word, behind.trim_start_matches([' ', '\t']).chars().next()) {
-        // Only TOML has `[table]` at its beginning, or `key = value`, on one line.
-        ("", Some('[')) => Some(kind_of_toml(rest)),
-        (key, Some('=')) if !key.is_empty() => Some(kind_of_toml(rest)),
-        ("bodies" | "lights" | "camera", _) => Some(Kind::Scene),
-        ("global" | "body_specific" | "light_specific" | "invariants" | "formula", _) => Some(Kind::Formula),
-        _ => None,
-    }
-}
-
-/// What a TOML text is by the first key in it that tells: sessions have some of fixed names, libraries of materials only tables of
-/// any other. A text without either counts as a session.
-fn kind_of_toml(text: &str) -> Kind {
-    const TABLES: [&str; 3] = ["global", "bodies", "lights"];
-    for line in text.lines().map(str::trim_start).filter(|line| !line.starts_with('#')) {
-        let (is_table, line) = line.strip_prefix('[').map_or((false, line), |line| (true, line));
-        let (key, value) = if is_table { (line, "") } else { line.split_once('=').unwrap_or((line, "")) };
-        let mut parts = key.split(['.', ']']).map(str::trim);
-        let first = parts.next().unwrap_or_default();
-        if is_table || value.trim_start().starts_with('{') || parts.next().is_some() {
-            return if TABLES.contains(&first) { Kind::Session } else { Kind::Material };
-        }
-        if first != VERSION_KEY && session::KEYS.contains(&first) {
-            return Kind::Session;
-        }
-    }
-    Kind::Session
 }
 
 /// The path from `folder` to a file, where both exist.
@@ -233,7 +181,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = |name: &str| folder.path().join(name);
         let message = |location: Location| {
-            let error = location.read(Kind::Formula, Readable::Regular).unwrap_err();
+            let error = location.read(FileKind::Formula, Readable::Regular).unwrap_err();
             (error.message().replace(&folder.path().display().to_string(), "F"), error.hints().join(" "))
         };
         fs::write(path("phong.txt"), "x").unwrap();
@@ -248,32 +196,10 @@ mod tests {
         assert!(message(Location::new("preset:no such thing")).0.contains("no built-in formula"));
     }
 
-    #[test]
-    fn kinds_are_told_by_first_words() {
-        assert_eq!(kind_of("\u{feff}/* a */ // b\n bodies;"), Some(Kind::Scene));
-        assert_eq!(kind_of("#uses m.txt;\nformula;"), Some(Kind::Formula));
-        assert_eq!(kind_of("formula; = Cd;"), Some(Kind::Formula));
-        assert_eq!(kind_of("// a\rformula;\r= Cd;"), Some(Kind::Formula));
-        assert_eq!(kind_of("// a\u{2028}formula;\nbodies;"), Some(Kind::Scene));
-        assert_eq!(kind_of("# a session\nformula = \"x\""), Some(Kind::Session));
-        assert_eq!(kind_of("version = 1"), Some(Kind::Session));
-        assert_eq!(kind_of("[global]"), Some(Kind::Session));
-        assert_eq!(kind_of("version = 1\n\n# values\n[bodies.ball]"), Some(Kind::Session));
-        assert_eq!(kind_of("version = 1\nshadows = true\n[gold]"), Some(Kind::Session));
-        assert_eq!(kind_of("\u{feff}# metals\nversion = 1\r\n\r\n# yellow\r\n[gold]"), Some(Kind::Material));
-        assert_eq!(kind_of("[\"red plastic\"]\nkd = 1"), Some(Kind::Material));
-        assert_eq!(kind_of("version = 1\ngold = { kr = 1 }"), Some(Kind::Material));
-        assert_eq!(kind_of("version = 1\ngold.kr = 1"), Some(Kind::Material));
-        assert_eq!(kind_of("version = 1\nshine = 1\n[gold]"), Some(Kind::Material));
-        assert_eq!(kind_of("kd: scalar;"), None);
-        assert_eq!(kind_of("// no end"), None);
-        assert_eq!(kind_of("/* no end"), None);
-    }
-
     #[cfg(unix)]
     #[test]
     fn devices_are_not_read() {
-        let error = Location::new("/dev/zero").read(Kind::Scene, Readable::RegularOrPipe).unwrap_err();
+        let error = Location::new("/dev/zero").read(FileKind::Scene, Readable::RegularOrPipe).unwrap_err();
         assert_eq!(error.message(), "`/dev/zero` is a device, not a scene");
     }
 

@@ -5,10 +5,11 @@
 use crate::files::{Readable, replace_text};
 use crate::lang::diagnostic::{Diagnostic, Diagnostics, Severity};
 use crate::lang::source::Source;
-use crate::presets::Kind;
-use crate::workspace::document::{VERSION, check_version, entries, parse, unknown_key};
-use crate::workspace::files::read_file;
-use crate::workspace::folders::{Folders, cannot_keep, make_folder};
+use crate::user_data::folders::Folders;
+use crate::user_data::store::{cannot_keep, make_folder};
+use crate::workspace::FileKind;
+use crate::workspace::read_source;
+use crate::workspace::spanned_toml::{VERSION, Value, check_version, entries, parse, unknown_key};
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::{self, ErrorKind};
@@ -45,7 +46,7 @@ impl Recent {
 
     /// The files of a kind that are still there, newest first. They are looked for each time, so ask when a menu is opened, not
     /// for every frame.
-    pub fn list(&self, kind: Kind) -> Vec<PathBuf> {
+    pub fn list(&self, kind: FileKind) -> Vec<PathBuf> {
         let files = self.lists.get(kind.word()).into_iter().flatten();
         files.filter(|path| path.is_file()).cloned().collect()
     }
@@ -54,7 +55,7 @@ impl Recent {
     ///
     /// # Errors
     /// The list cannot be written; then the file is remembered until the program ends.
-    pub fn add(&mut self, kind: Kind, path: &Path) -> Result<(), Diagnostic> {
+    pub fn add(&mut self, kind: FileKind, path: &Path) -> Result<(), Diagnostic> {
         let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
         self.catch_up();
         let list = self.lists.entry(kind.word()).or_default();
@@ -68,7 +69,7 @@ impl Recent {
     ///
     /// # Errors
     /// The list cannot be written; then they are forgotten until the program ends.
-    pub fn clear(&mut self, kind: Kind) -> Result<(), Diagnostic> {
+    pub fn clear(&mut self, kind: FileKind) -> Result<(), Diagnostic> {
         self.catch_up();
         self.lists.remove(kind.word());
         self.save()
@@ -120,7 +121,7 @@ fn read(path: &Path) -> Result<Option<Lists>, Diagnostic> {
     if missing {
         return Ok(None);
     }
-    let source = read_file(path, None, Readable::Regular)?;
+    let source = read_source(path, None, Readable::Regular)?;
     // The first error says enough of a file that nobody types.
     lists(&source).map(Some).map_err(|diagnostics| {
         let error = diagnostics.into_iter().find(|diagnostic| diagnostic.severity() == Severity::Error);
@@ -130,11 +131,15 @@ fn read(path: &Path) -> Result<Option<Lists>, Diagnostic> {
 
 fn lists(source: &Source) -> Result<Lists, Diagnostics> {
     let table = parse(source)?;
-    let known: Vec<&str> = Kind::ALL.map(Kind::word).into_iter().chain(["version"]).collect();
+    let known: Vec<&str> = FileKind::ALL.map(FileKind::word).into_iter().chain(["version"]).collect();
     let (mut lists, mut version, mut diagnostics) = (Lists::new(), None, Diagnostics::new());
     for entry in entries(&table) {
-        match Kind::ALL.into_iter().find(|kind| kind.word() == entry.key) {
-            Some(kind) => match entry.value.texts() {
+        match FileKind::ALL.into_iter().find(|kind| kind.word() == entry.key) {
+            Some(kind) => match entry
+                .value
+                .elements("a list of texts")
+                .and_then(|list| list.into_iter().map(Value::text).collect::<Result<Vec<_>, _>>())
+            {
                 Ok(texts) => {
                     let paths = texts.into_iter().map(PathBuf::from).filter(|path| path.is_absolute());
                     lists.insert(kind.word(), paths.take(MOST).collect());
@@ -170,24 +175,24 @@ mod tests {
         let (home, folders) = home();
         let (mut recent, warning) = Recent::open(&folders);
         assert_eq!(warning, None);
-        assert_eq!(recent.list(Kind::Formula), [""; 0].map(PathBuf::from));
+        assert_eq!(recent.list(FileKind::Formula), [""; 0].map(PathBuf::from));
         let paths: Vec<PathBuf> = (0..12).map(|number| file(&home, &format!("{number}.formula"))).collect();
         for path in &paths {
-            recent.add(Kind::Formula, path).unwrap();
+            recent.add(FileKind::Formula, path).unwrap();
         }
-        recent.add(Kind::Formula, &paths[5]).unwrap();
-        recent.add(Kind::Formula, &home.path().join("state/../7.formula")).unwrap();
-        recent.add(Kind::Scene, &paths[0]).unwrap();
+        recent.add(FileKind::Formula, &paths[5]).unwrap();
+        recent.add(FileKind::Formula, &home.path().join("state/../7.formula")).unwrap();
+        recent.add(FileKind::Scene, &paths[0]).unwrap();
         let (again, warning) = Recent::open(&folders);
         assert_eq!(warning, None);
         let numbers: Vec<String> =
-            again.list(Kind::Formula).iter().map(|path| path.file_stem().unwrap().to_string_lossy().into_owned()).collect();
+            again.list(FileKind::Formula).iter().map(|path| path.file_stem().unwrap().to_string_lossy().into_owned()).collect();
         assert_eq!(numbers, ["7", "5", "11", "10", "9", "8", "6", "4", "3", "2"]);
-        assert_eq!(again.list(Kind::Scene), [paths[0].clone()]);
-        assert_eq!(again.list(Kind::Session).len(), 0);
-        recent.clear(Kind::Formula).unwrap();
+        assert_eq!(again.list(FileKind::Scene), [paths[0].clone()]);
+        assert_eq!(again.list(FileKind::Session).len(), 0);
+        recent.clear(FileKind::Formula).unwrap();
         let (again, _) = Recent::open(&folders);
-        assert_eq!((again.list(Kind::Formula).len(), again.list(Kind::Scene).len()), (0, 1));
+        assert_eq!((again.list(FileKind::Formula).len(), again.list(FileKind::Scene).len()), (0, 1));
     }
 
     #[test]
@@ -195,18 +200,18 @@ mod tests {
         let (home, folders) = home();
         let (mut recent, _) = Recent::open(&folders);
         let (one, other) = (file(&home, "one"), file(&home, "other"));
-        recent.add(Kind::Scene, &one).unwrap();
-        recent.add(Kind::Scene, &other).unwrap();
+        recent.add(FileKind::Scene, &one).unwrap();
+        recent.add(FileKind::Scene, &other).unwrap();
         fs::remove_file(&other).unwrap();
-        assert_eq!(recent.list(Kind::Scene), [one]);
+        assert_eq!(recent.list(FileKind::Scene), [one]);
     }
 
     #[test]
     fn paths_are_absolute() {
         let (_home, folders) = home();
         let (mut recent, _) = Recent::open(&folders);
-        recent.add(Kind::Formula, Path::new("Cargo.toml")).unwrap();
-        assert_eq!(recent.list(Kind::Formula), [std::path::absolute("Cargo.toml").unwrap()]);
+        recent.add(FileKind::Formula, Path::new("Cargo.toml")).unwrap();
+        assert_eq!(recent.list(FileKind::Formula), [std::path::absolute("Cargo.toml").unwrap()]);
     }
 
     #[test]
@@ -214,11 +219,11 @@ mod tests {
         let (home, folders) = home();
         let (mut one, mut other) = (Recent::open(&folders).0, Recent::open(&folders).0);
         let (first, second) = (file(&home, "first"), file(&home, "second"));
-        one.add(Kind::Session, &first).unwrap();
-        other.add(Kind::Session, &second).unwrap();
-        assert_eq!(other.list(Kind::Session), [second.clone(), first.clone()]);
-        one.clear(Kind::Formula).unwrap();
-        assert_eq!(one.list(Kind::Session), [second, first]);
+        one.add(FileKind::Session, &first).unwrap();
+        other.add(FileKind::Session, &second).unwrap();
+        assert_eq!(other.list(FileKind::Session), [second.clone(), first.clone()]);
+        one.clear(FileKind::Formula).unwrap();
+        assert_eq!(one.list(FileKind::Session), [second, first]);
     }
 
     #[test]
@@ -233,9 +238,9 @@ mod tests {
             let warning = warning.unwrap();
             assert!(warning.message().starts_with("cannot read the list of recent files: "), "{}", warning.message());
             let path = file(&home, "one");
-            recent.add(Kind::Scene, &path).unwrap();
+            recent.add(FileKind::Scene, &path).unwrap();
             let (again, warning) = Recent::open(&folders);
-            assert_eq!((again.list(Kind::Scene), warning), (vec![path], None));
+            assert_eq!((again.list(FileKind::Scene), warning), (vec![path], None));
         }
     }
 
@@ -245,11 +250,11 @@ mod tests {
         let path = file(&home, "state");
         let (mut recent, warning) = Recent::open(&Folders::below(home.path()));
         assert!(warning.is_some());
-        let error = recent.add(Kind::Scene, &path).unwrap_err();
+        let error = recent.add(FileKind::Scene, &path).unwrap_err();
         assert!(error.message().starts_with("cannot keep the list of recent files in `"), "{}", error.message());
         let other = file(&home, "other");
-        assert!(recent.add(Kind::Scene, &other).is_err());
-        assert_eq!(recent.list(Kind::Scene), [other, path]);
+        assert!(recent.add(FileKind::Scene, &other).is_err());
+        assert_eq!(recent.list(FileKind::Scene), [other, path]);
     }
 
     #[cfg(unix)]
@@ -263,9 +268,9 @@ mod tests {
             return; // Not every file system takes such a name.
         }
         let usual = file(&home, "usual");
-        recent.add(Kind::Scene, &path).unwrap();
-        recent.add(Kind::Scene, &usual).unwrap();
-        assert_eq!(recent.list(Kind::Scene), [usual.clone(), path]);
-        assert_eq!(Recent::open(&folders).0.list(Kind::Scene), [usual]);
+        recent.add(FileKind::Scene, &path).unwrap();
+        recent.add(FileKind::Scene, &usual).unwrap();
+        assert_eq!(recent.list(FileKind::Scene), [usual.clone(), path]);
+        assert_eq!(Recent::open(&folders).0.list(FileKind::Scene), [usual]);
     }
 }

@@ -4,20 +4,20 @@ use crate::lang::ast::Constant;
 use crate::lang::diagnostic::{Diagnostic, Diagnostics, nearest};
 use crate::lang::source::{Source, Span};
 use serde::Serialize;
-use std::ops::{Range, RangeInclusive};
+use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeInteger, DeTable, DeValue};
 
 /// The version of the files that are written, and the only one that is read.
-pub(super) const VERSION: i64 = 1;
+pub(crate) const VERSION: i64 = 1;
 
 /// The key that says the version.
-pub(super) const VERSION_KEY: &str = "version";
+pub(crate) const VERSION_KEY: &str = "version";
 
 /// The value of a parameter as it is written.
 #[derive(Serialize)]
 #[serde(untagged)]
-pub(super) enum Number {
+pub(crate) enum Number {
     Scalar(f32),
     Vector([f32; 3]),
 }
@@ -32,24 +32,24 @@ impl From<Constant> for Number {
 }
 
 /// A key of a table with its value.
-pub(super) struct Entry<'t> {
-    pub(super) key: &'t str,
-    pub(super) key_span: Span,
-    pub(super) value: Value<'t>,
+pub(crate) struct Entry<'t> {
+    pub(crate) key: &'t str,
+    pub(crate) key_span: Span,
+    pub(crate) value: Value<'t>,
 }
 
 /// A value with its place.
 #[derive(Clone, Copy)]
-pub(super) struct Value<'t> {
+pub(crate) struct Value<'t> {
     value: &'t DeValue<'t>,
-    pub(super) span: Span,
+    pub(crate) span: Span,
 }
 
 /// Reads a TOML text.
 ///
 /// # Errors
 /// Everything that is wrong with its syntax.
-pub(super) fn parse(source: &Source) -> Result<DeTable<'_>, Diagnostics> {
+pub(crate) fn parse(source: &Source) -> Result<DeTable<'_>, Diagnostics> {
     let (table, errors) = DeTable::parse_recoverable(source.text());
     let mut diagnostics = Diagnostics::new();
     // Up to where nothing more is said of what stands twice.
@@ -90,7 +90,7 @@ fn span(place: Range<usize>) -> Span {
 }
 
 /// The entries of a table in the order of the text.
-pub(super) fn entries<'t>(table: &'t DeTable<'t>) -> Vec<Entry<'t>> {
+pub(crate) fn entries<'t>(table: &'t DeTable<'t>) -> Vec<Entry<'t>> {
     let mut entries: Vec<Entry<'t>> = table
         .iter()
         .map(|(key, value)| Entry { key: key.get_ref(), key_span: span(key.span()), value: spanned(value) })
@@ -118,28 +118,28 @@ impl<'t> Value<'t> {
     }
 
     /// The value as a text.
-    pub(super) fn text(self) -> Result<&'t str, Diagnostic> {
+    pub(crate) fn text(self) -> Result<&'t str, Diagnostic> {
         self.value.as_str().ok_or_else(|| self.mismatch("a text in quotes"))
     }
 
     /// The value as true or false.
-    pub(super) fn truth(self) -> Result<bool, Diagnostic> {
+    pub(crate) fn truth(self) -> Result<bool, Diagnostic> {
         self.value.as_bool().ok_or_else(|| self.mismatch("`true` or `false`"))
     }
 
     /// The value as a whole number within a range.
-    pub(super) fn whole(self, range: Range<i64>) -> Result<i64, Diagnostic> {
+    pub(crate) fn whole(self, range: Range<i64>) -> Result<i64, Diagnostic> {
         let expected = format!("a whole number from {} to {}", range.start, range.end - 1);
-        let number = self.value.as_integer().ok_or_else(|| self.mismatch(&expected))?;
-        whole(number)
+        let number = self.integer(&expected)?;
+        parse_integer(number)
             .filter(|number| range.contains(number))
             .ok_or_else(|| Diagnostic::error(format!("{number} is out of range")).at(self.span, format!("expected {expected}")))
     }
 
     /// The value as a finite number.
-    pub(super) fn number(self) -> Result<f64, Diagnostic> {
+    pub(crate) fn number(self) -> Result<f64, Diagnostic> {
         let number = match (self.value.as_integer(), self.value.as_float()) {
-            (Some(number), _) => whole(number).map(|number| number as f64),
+            (Some(number), _) => parse_integer(number).map(|number| number as f64),
             (None, Some(number)) => number.as_str().parse().ok(),
             (None, None) => return Err(self.mismatch("a number")),
         };
@@ -149,47 +149,28 @@ impl<'t> Value<'t> {
         })
     }
 
-    /// The whole number of a range that is nearest to the value, with a warning where it is another.
-    pub(super) fn nearest_whole(self, range: RangeInclusive<i64>) -> Result<(i64, Option<Diagnostic>), Diagnostic> {
-        let (low, high) = (*range.start(), *range.end());
-        let expected = format!("a whole number from {low} to {high}");
-        let number = self.value.as_integer().ok_or_else(|| self.mismatch(&expected))?;
-        // What 64 bits cannot hold is beyond any range.
-        let beyond = if number.as_str().starts_with('-') { i64::MIN } else { i64::MAX };
-        let given = whole(number).unwrap_or(beyond);
-        let taken = given.clamp(low, high);
-        Ok((taken, (taken != given).then(|| self.outside(number.as_str(), &expected, taken.to_string()))))
-    }
-
-    /// The number of a range that is nearest to the value, with a warning where it is another.
-    pub(super) fn nearest_number(self, [low, high]: [f32; 2]) -> Result<(f32, Option<Diagnostic>), Diagnostic> {
-        let given = self.number()? as f32;
-        let taken = given.clamp(low, high);
-        let expected = format!("a number from {low} to {high}");
-        Ok((taken, (taken != given).then(|| self.outside(&given.to_string(), &expected, taken.to_string()))))
-    }
-
-    fn outside(self, given: &str, expected: &str, taken: String) -> Diagnostic {
-        Diagnostic::warning(format!("{given} is out of range; {taken} is taken")).at(self.span, format!("expected {expected}"))
-    }
-
     /// The elements of a list of this length.
-    pub(super) fn list<const N: usize>(self, expected: &str) -> Result<[Value<'t>; N], Diagnostic> {
-        let list = self.value.as_array().ok_or_else(|| self.mismatch(expected))?;
-        let values: Vec<Value<'t>> = list.iter().map(spanned).collect();
+    pub(crate) fn list<const N: usize>(self, expected: &str) -> Result<[Value<'t>; N], Diagnostic> {
+        let values = self.elements(expected)?;
+        let length = values.len();
         values
             .try_into()
-            .map_err(|_| Diagnostic::error(format!("expected {expected}")).at(self.span, format!("{} elements", list.len())))
+            .map_err(|_| Diagnostic::error(format!("expected {expected}")).at(self.span, format!("{length} elements")))
     }
 
-    /// The texts of a list of any length.
-    pub(super) fn texts(self) -> Result<Vec<&'t str>, Diagnostic> {
-        let list = self.value.as_array().ok_or_else(|| self.mismatch("a list of texts"))?;
-        list.iter().map(|value| spanned(value).text()).collect()
+    /// The elements of a list of any length.
+    pub(crate) fn elements(self, expected: &str) -> Result<Vec<Value<'t>>, Diagnostic> {
+        let list = self.value.as_array().ok_or_else(|| self.mismatch(expected))?;
+        Ok(list.iter().map(spanned).collect())
+    }
+
+    /// The digits of a whole number, which may be too large for any type.
+    pub(crate) fn integer(self, expected: &str) -> Result<&'t DeInteger<'t>, Diagnostic> {
+        self.value.as_integer().ok_or_else(|| self.mismatch(expected))
     }
 
     /// The value of a parameter: a number, or a list of three.
-    pub(super) fn constant(self) -> Result<Constant, Diagnostic> {
+    pub(crate) fn constant(self) -> Result<Constant, Diagnostic> {
         if self.value.as_array().is_some() {
             let [x, y, z] = self.list("three numbers `[x, y, z]`")?;
             return Ok(Constant::Vector([x.number()? as f32, y.number()? as f32, z.number()? as f32]));
@@ -201,22 +182,23 @@ impl<'t> Value<'t> {
     }
 
     /// The value as a table.
-    pub(super) fn table(self) -> Result<&'t DeTable<'t>, Diagnostic> {
+    pub(crate) fn table(self) -> Result<&'t DeTable<'t>, Diagnostic> {
         self.value.as_table().ok_or_else(|| self.mismatch("a table"))
     }
 }
 
-fn whole(number: &DeInteger) -> Option<i64> {
+/// A whole number as an `i64`, if it is not too large.
+pub(crate) fn parse_integer(number: &DeInteger) -> Option<i64> {
     i64::from_str_radix(number.as_str(), number.radix()).ok()
 }
 
 /// The error that a line is missing, said of the beginning of the file.
-pub(super) fn missing(message: &str, line: &str) -> Diagnostic {
+pub(crate) fn missing(message: &str, line: &str) -> Diagnostic {
     Diagnostic::error(message).at(Span::default(), format!("expected a line such as `{line}`"))
 }
 
 /// Checks the version of a file.
-pub(super) fn check_version(value: Option<Value>, diagnostics: &mut Diagnostics) {
+pub(crate) fn check_version(value: Option<Value>, diagnostics: &mut Diagnostics) {
     let Some(value) = value else {
         diagnostics.push(missing("the file does not say its version", &format!("version = {VERSION}")));
         return;
@@ -233,7 +215,7 @@ pub(super) fn check_version(value: Option<Value>, diagnostics: &mut Diagnostics)
 }
 
 /// The warning that a key means nothing, with the nearest that does.
-pub(super) fn unknown_key(entry: &Entry, known: &[&str]) -> Diagnostic {
+pub(crate) fn unknown_key(entry: &Entry, known: &[&str]) -> Diagnostic {
     let hint = match nearest(entry.key, known.iter().copied()) {
         Some(near) => format!("did you mean `{near}`?"),
         None => format!("known are {}", known.join(", ")),

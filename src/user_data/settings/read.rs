@@ -6,9 +6,10 @@ use crate::lang::source::Source;
 use crate::lang::types::Type;
 use crate::lang::variables::Predefined;
 use crate::trace::{MAX_DEPTH, MAX_SIDE};
-use crate::workspace::document::{Entry, Value, check_version, entries, parse as parse_toml, unknown_key};
-use crate::workspace::files::Location;
-use crate::workspace::settings::{PREDEFINED_RANGE, SCALES, Settings, Theme, WINDOW_SIDES, is_index};
+use crate::user_data::settings::nearest::{nearest_number, nearest_whole};
+use crate::user_data::settings::{PREDEFINED_RANGE, SCALES, Settings, Theme, WINDOW_SIDES, is_index};
+use crate::workspace::Location;
+use crate::workspace::spanned_toml::{Entry, Value, check_version, entries, parse as parse_toml, unknown_key};
 
 const KEYS: [&str; 8] = ["version", "shadows", "depth", "size", "ior", "startup", "defaults", "window"];
 const WINDOW_KEYS: [&str; 5] = ["theme", "scale", "apply_as_you_type", "log", "size"];
@@ -94,7 +95,7 @@ impl Found {
                 }
             }
             "depth" => {
-                if let Some(depth) = self.take_warned(entry.value.nearest_whole(1..=i64::from(MAX_DEPTH))) {
+                if let Some(depth) = self.take_warned(nearest_whole(entry.value, 1..=i64::from(MAX_DEPTH))) {
                     self.settings.depth = depth as u32;
                 }
             }
@@ -135,7 +136,7 @@ impl Found {
         let mut sides = before;
         let Some(values) = self.take(value.list::<2>("width and height, `[640, 480]`")) else { return sides };
         for (value, side) in values.into_iter().zip(&mut sides) {
-            if let Some(taken) = self.take_warned(value.nearest_whole(i64::from(low)..=i64::from(high))) {
+            if let Some(taken) = self.take_warned(nearest_whole(value, i64::from(low)..=i64::from(high))) {
                 *side = taken as u32;
             }
         }
@@ -170,7 +171,7 @@ impl Found {
         };
         let mut taken = [0.0; 3];
         for (value, taken) in values.into_iter().zip(&mut taken) {
-            if let Some(number) = self.take_warned(value.nearest_number(PREDEFINED_RANGE)) {
+            if let Some(number) = self.take_warned(nearest_number(value, PREDEFINED_RANGE)) {
                 *taken = number;
             }
         }
@@ -185,7 +186,7 @@ impl Found {
                 }
             }
             "scale" => {
-                if let Some(scale) = self.take_warned(entry.value.nearest_number(SCALES)) {
+                if let Some(scale) = self.take_warned(nearest_number(entry.value, SCALES)) {
                     self.settings.window.scale = scale;
                 }
             }

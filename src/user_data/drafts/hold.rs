@@ -3,7 +3,7 @@
 //! The system lets go of a lock when the program ends, however it ends. What is in the folder beside the lock is not known here.
 
 use crate::files::{UNFINISHED_PREFIX, open_regular};
-use crate::workspace::folders::make_folder;
+use crate::user_data::store::make_folder;
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};

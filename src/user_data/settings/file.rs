@@ -4,10 +4,11 @@ use crate::files::{Readable, reason, replace_text};
 use crate::lang::diagnostic::{Diagnostic, Diagnostics};
 use crate::lang::source::Source;
 use crate::lang::variables::Predefined;
-use crate::workspace::files::read_file;
-use crate::workspace::folders::{Folders, cannot_keep, make_folder};
-use crate::workspace::settings::read::{Found, read};
-use crate::workspace::settings::{Defaults, Settings, WindowSettings, save};
+use crate::user_data::folders::Folders;
+use crate::user_data::settings::read::{Found, read};
+use crate::user_data::settings::{Defaults, Settings, WindowSettings, save};
+use crate::user_data::store::{cannot_keep, make_folder};
+use crate::workspace::read_source;
 use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -94,7 +95,7 @@ impl SettingsFile {
         if missing {
             return (Source::new(name, ""), Found::default());
         }
-        match read_file(&self.path, None, Readable::Regular) {
+        match read_source(&self.path, None, Readable::Regular) {
             Ok(source) => {
                 let mut found = read(&source);
                 let folder = self.path.parent().unwrap_or(Path::new(""));
