@@ -10,7 +10,7 @@
 use crate::evaluate::{Backend, EvaluateError, Evaluator, Footprint, Frame};
 use crate::formula::Formula;
 use crate::scene::Scene;
-use crate::trace::{Budget, Hits, TraceError, View, trace, usable_memory};
+use crate::trace::{Budget, Hits, Shortage, TraceError, View, trace, usable_memory};
 use crate::world::World;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -79,7 +79,7 @@ pub enum EngineError {
 impl EngineError {
     /// Whether more memory would help.
     pub fn is_memory(&self) -> bool {
-        matches!(self, EngineError::Trace(TraceError::Memory { .. }))
+        matches!(self, EngineError::Trace(TraceError::Memory(_)))
     }
 
     /// Whether the caller cancelled the work.
@@ -138,7 +138,7 @@ impl Engine {
     /// # Errors
     /// The picture needs more memory than it may take, the task was cancelled, or the backend cannot take the formula.
     pub fn trace(&self, subject: &Subject, task: &Task) -> Result<Arc<Hits>, EngineError> {
-        let Footprint { per_hit, per_record, per_pair } = self.backend.compile(&subject.formula)?;
+        let Footprint { per_hit, per_record, per_pair, per_step } = self.backend.compile(&subject.formula)?;
         let scene = subject.world.scene();
         let pairs = scene.bodies.len() as u64 * scene.lights.len() as u64;
         let budget = Budget {
@@ -147,6 +147,7 @@ impl Engine {
             bytes_per_hit: per_hit,
             bytes_per_record: per_record,
             bytes_per_pixel: BYTES_PER_PIXEL,
+            bytes_per_step: per_step,
         };
         Ok(Arc::new(trace(&subject.world, &subject.view, &budget, task.progress, task.cancelled)?))
     }
@@ -199,6 +200,7 @@ impl Engine {
     /// Checks that the picture itself fits the memory.
     fn check_pixels(&self, view: &View) -> Result<(), EngineError> {
         let (needed, budget) = (u64::from(view.pixels()) * BYTES_PER_PIXEL, self.memory());
-        if needed > budget { Err(TraceError::Memory { needed, budget, pixels: view.pixels() }.into()) } else { Ok(()) }
+        let shortage = Shortage { needed, fixed: 0, budget, pixels: view.pixels() };
+        if needed > budget { Err(TraceError::Memory(shortage).into()) } else { Ok(()) }
     }
 }

@@ -45,6 +45,8 @@ pub struct Footprint {
     pub per_record: u64,
     /// For each pair of a body and a light of the scene.
     pub per_pair: u64,
+    /// For each step of work: a light of a chunk of a group of hits, or adding that to the pixels.
+    pub per_step: u64,
 }
 
 /// A way to evaluate formulas.

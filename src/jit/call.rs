@@ -237,6 +237,9 @@ struct Reach {
 }
 
 impl Program {
+    /// The memory of a step, in bytes.
+    pub const BYTES_PER_STEP: usize = size_of::<Step>();
+
     /// Forgets all steps.
     pub fn clear(&mut self) {
         self.steps.clear();

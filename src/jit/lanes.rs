@@ -21,7 +21,7 @@ pub type Streams<'c> = [&'c [Line]; STREAMS];
 
 /// So many bytes ahead of what they read kernels fetch: with less, memory would be too late, with more, the first cache would overflow. What is
 /// read next lies behind what is read now, also where a kernel's work ends.
-pub const AHEAD: usize = 16384;
+pub const PREFETCH_DISTANCE: usize = 16384;
 
 /// A uniform value, in as many lanes as the widest kernels have.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

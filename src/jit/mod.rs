@@ -30,5 +30,5 @@ mod widen;
 pub use cache::KernelCache;
 pub use call::{Kernel, PixelCode, Program, fetch};
 pub use compile::CompiledFormula;
-pub use lanes::{AHEAD, Line, Operands, PixelLine, PixelPlanes, Splat, Streams, Sums};
+pub use lanes::{Line, Operands, PREFETCH_DISTANCE, PixelLine, PixelPlanes, Splat, Streams, Sums};
 pub use target::{CompileError, Listing};

@@ -8,7 +8,7 @@
 //! instruction is not on the list below, or needs the stack after all, the kernel stays as it is. That the result computes the same
 //! is tested as everything compiled is, against the interpreter, and instruction by instruction.
 
-use crate::jit::lanes::AHEAD;
+use crate::jit::lanes::PREFETCH_DISTANCE;
 use iced_x86::{
     BlockEncoder, BlockEncoderOptions, Code, Decoder, DecoderOptions, Formatter, GasFormatter, IcedError, Instruction,
     InstructionBlock, InstructionInfoFactory, MemoryOperand, OpAccess, OpKind, Register,
@@ -280,7 +280,15 @@ fn with_prefetches(code: Vec<Instruction>) -> Vec<Instruction> {
         if begins_line(&instruction)
             && let Some(Reverse(displacement)) = places.get_mut(&stream).and_then(BinaryHeap::pop)
         {
-            let place = MemoryOperand::new(stream.0, stream.1, 1, (displacement + AHEAD as u64) as i64, 8, false, Register::None);
+            let place = MemoryOperand::new(
+                stream.0,
+                stream.1,
+                1,
+                (displacement + PREFETCH_DISTANCE as u64) as i64,
+                8,
+                false,
+                Register::None,
+            );
             if let Ok(prefetch) = Instruction::with1(Code::Prefetcht0_m8, place) {
                 fetching.push(prefetch);
             }
@@ -427,7 +435,7 @@ mod tests {
         let fetched: Vec<(Register, u64)> = Decoder::with_ip(64, &wide, BASE, DecoderOptions::NONE)
             .into_iter()
             .filter(|instruction| instruction.code() == Code::Prefetcht0_m8)
-            .map(|fetch| (fetch.memory_base(), fetch.memory_displacement64() - AHEAD as u64))
+            .map(|fetch| (fetch.memory_base(), fetch.memory_displacement64() - PREFETCH_DISTANCE as u64))
             .collect();
         assert_eq!(fetched, [(Register::RAX, 0), (Register::RCX, 0x80), (Register::RAX, 0x40), (Register::RAX, 0xc0)]);
     }

@@ -2,7 +2,7 @@
 
 use crate::trace::tracer::Tracer;
 use crate::trace::walk::{RayEnd, trace_pixel};
-use crate::trace::{TraceError, View};
+use crate::trace::{Shortage, TraceError, View};
 use crate::world::World;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -30,12 +30,14 @@ pub struct Budget {
     pub bytes_per_hit: u64,
     /// What will be kept for each pixel, in bytes.
     pub bytes_per_pixel: u64,
+    /// What will be kept for each step of work, in bytes: a light of a chunk of a group, or adding that to the pixels.
+    pub bytes_per_step: u64,
 }
 
 impl Budget {
     /// No limit.
     pub const UNLIMITED: Budget =
-        Budget { bytes: u64::MAX, fixed_bytes: 0, bytes_per_record: 0, bytes_per_hit: 0, bytes_per_pixel: 0 };
+        Budget { bytes: u64::MAX, fixed_bytes: 0, bytes_per_record: 0, bytes_per_hit: 0, bytes_per_pixel: 0, bytes_per_step: 0 };
 
     /// The bytes that hits and their records take beside the store.
     pub(super) fn columns(&self, hits: u64, records: u64) -> u64 {
@@ -129,7 +131,18 @@ impl<'b> MemoryMeter<'b> {
     /// # Errors
     /// [`TraceError::Memory`] where the sum exceeds the budget.
     pub(super) fn add(&self, hits: u64, records: u64, store: u64) -> Result<(), TraceError> {
-        let bytes = self.budget.columns(hits, records).saturating_add(store);
+        self.add_bytes(self.budget.columns(hits, records).saturating_add(store))
+    }
+
+    /// Adds what these steps of work take.
+    ///
+    /// # Errors
+    /// [`TraceError::Memory`] where the sum exceeds the budget.
+    pub(super) fn add_steps(&self, steps: u64) -> Result<(), TraceError> {
+        self.add_bytes(steps.saturating_mul(self.budget.bytes_per_step))
+    }
+
+    fn add_bytes(&self, bytes: u64) -> Result<(), TraceError> {
         let before = self.used.fetch_add(bytes, Ordering::Relaxed);
         if before.saturating_add(bytes) > self.budget.bytes { Err(self.exceeded()) } else { Ok(()) }
     }
@@ -137,6 +150,7 @@ impl<'b> MemoryMeter<'b> {
     fn exceeded(&self) -> TraceError {
         // Where the count exceeds the budget, the estimate was too low: more is needed than is allowed.
         let needed = self.estimate.bytes(self.budget).max(self.budget.bytes.saturating_add(1));
-        TraceError::Memory { needed, budget: self.budget.bytes, pixels: self.estimate.pixels }
+        let Budget { bytes: budget, fixed_bytes: fixed, .. } = *self.budget;
+        TraceError::Memory(Shortage { needed, fixed, budget, pixels: self.estimate.pixels })
     }
 }

@@ -50,23 +50,47 @@ const PIXELS_PER_STEP: u32 = 64;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum TraceError {
     /// The picture would take more memory than allowed.
-    #[error(
-        "a picture of {pixels} pixels of this scene takes about {} of memory, and {} may be used; make it smaller, lower the depth, \
-         or mark bodies `opaque` or `matte`",
-        Bytes(*needed),
-        Bytes(*budget)
-    )]
-    Memory {
-        /// What is needed, as far as known, in bytes.
-        needed: u64,
-        /// What is allowed, in bytes.
-        budget: u64,
-        /// The pixels of the picture.
-        pixels: u32,
-    },
+    #[error("{0}")]
+    Memory(Shortage),
     /// The caller cancelled it.
     #[error("tracing was cancelled")]
     Cancelled,
+}
+
+/// How much memory a picture needs, and may take.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Shortage {
+    /// What is needed, as far as known, in bytes.
+    pub needed: u64,
+    /// The part of it that does not depend on the size of the picture: values of the pairs of a body and a light.
+    pub fixed: u64,
+    /// What is allowed, in bytes.
+    pub budget: u64,
+    /// The pixels of the picture.
+    pub pixels: u32,
+}
+
+impl std::fmt::Display for Shortage {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { needed, fixed, budget, pixels } = *self;
+        if fixed > budget {
+            let (fixed, budget) = (Bytes(fixed), Bytes(budget));
+            return write!(
+                f,
+                "the values of all pairs of a body and a light take about {fixed} of memory, and {budget} may be used; \
+                 use fewer bodies or lights"
+            );
+        }
+        let (needed, allowed) = (Bytes(needed), Bytes(budget));
+        write!(f, "a picture of {pixels} pixels of this scene takes about {needed} of memory, and {allowed} may be used; ")?;
+        // Memory grows with the pixels.
+        let share = (budget - fixed) as f64 / (self.needed.max(fixed + 1) - fixed) as f64;
+        let fitting = (f64::from(pixels) * share * 0.95) as u32;
+        if fitting > 0 {
+            write!(f, "about {fitting} pixels would fit; ")?;
+        }
+        write!(f, "make it smaller, lower the depth, or mark bodies `opaque` or `matte`")
+    }
 }
 
 /// An amount of memory, written for people.
@@ -74,8 +98,11 @@ struct Bytes(u64);
 
 impl std::fmt::Display for Bytes {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let mebibytes = self.0 as f64 / f64::from(1 << 20);
-        if mebibytes < 1000.0 { write!(f, "{mebibytes:.1} MiB") } else { write!(f, "{:.1} GiB", mebibytes / 1024.0) }
+        let units = [(30, "GiB"), (20, "MiB"), (10, "KiB")];
+        match units.into_iter().find(|(shift, _)| self.0 >> shift > 0) {
+            Some((shift, unit)) => write!(f, "{:.1} {unit}", self.0 as f64 / f64::from(1_u32 << shift)),
+            None => write!(f, "{} bytes", self.0),
+        }
     }
 }
 
@@ -105,6 +132,11 @@ pub fn trace(
     progress: &(dyn Fn(f64) + Sync),
     cancelled: &AtomicBool,
 ) -> Result<Hits, TraceError> {
+    if budget.fixed_bytes > budget.bytes {
+        // It needs no estimate.
+        let Budget { bytes, fixed_bytes: fixed, .. } = *budget;
+        return Err(TraceError::Memory(Shortage { needed: fixed, fixed, budget: bytes, pixels: view.pixels() }));
+    }
     let meter = MemoryMeter::start(budget, Estimate::new(world, view, cancelled)?)?;
     let tracer = Tracer::new(world, view);
     let pixels = view.pixels();
@@ -122,6 +154,12 @@ pub fn trace(
         })
         .collect::<Result<_, _>>()?;
     Ok(Hits { world: Arc::clone(world), view: *view, tiles })
+}
+
+/// How many steps of work a tile has: for each chunk of a group one for each of its lights, and one that adds to the pixels.
+fn steps_of(tile: &Tile) -> u64 {
+    let of_group = |group: &Group| group.hits.len().div_ceil(CHUNK_HITS) * (group.lights.len() + 1);
+    tile.groups.iter().filter(|group| !group.lights.is_empty()).map(of_group).sum::<usize>() as u64
 }
 
 fn trace_tile(
@@ -174,5 +212,6 @@ fn trace_tile(
     let [hits, records] = beyond.fold([0, 0], |sum, beyond| [sum[0] + beyond[0], sum[1] + beyond[1]]);
     let copies = u64::from(tile.copies);
     meter.add(hits + copies, records, copies * size_of::<Segment>() as u64)?;
+    meter.add_steps(steps_of(&tile))?;
     Ok(tile)
 }

@@ -7,6 +7,7 @@ mod encoding;
 mod endings;
 mod files;
 mod materials;
+mod memory;
 mod messages;
 mod rays;
 mod terminal;

@@ -7,7 +7,7 @@
 use crate::backends::compiled::memory::StreamMemory;
 use crate::backends::compiled::pass::Source;
 use crate::formula::graph::{Node, NodeId};
-use crate::jit::{AHEAD, CompiledFormula, Line, Splat, Streams};
+use crate::jit::{CompiledFormula, Line, PREFETCH_DISTANCE, Splat, Streams};
 use crate::lang::scalars::flush;
 use crate::lang::variables::Variable;
 use crate::trace::{
@@ -206,7 +206,7 @@ impl Part {
 
     /// The first of what is going to be read behind the chunk that kernels have not fetched, if anything is there.
     pub(super) fn coming(&self) -> usize {
-        self.start + self.whole + AHEAD / size_of::<Line>()
+        self.start + self.whole + PREFETCH_DISTANCE / size_of::<Line>()
     }
 
     /// Of the stream of so many columns that begins at this line of the chunk.

@@ -16,7 +16,7 @@ use crate::evaluate::{Backend, Drawn, EvaluateError, Evaluator, Footprint, Frame
 use crate::formula::equation::{Equation, Site};
 use crate::formula::{Formula, Parameter};
 use crate::jit::compile::Contribution;
-use crate::jit::{AHEAD, CompiledFormula, Kernel, KernelCache, Line, Splat};
+use crate::jit::{self, CompiledFormula, Kernel, KernelCache, Line, PREFETCH_DISTANCE, Splat};
 use crate::lang::scalars::flush;
 use crate::lang::variables::Owner;
 use crate::plan::{Channels, ParameterSlot};
@@ -46,8 +46,11 @@ impl Backend for Jit {
         let compiled = self.kernels.compiled(formula)?;
         let frontier = &compiled.plan.bindings.frontier;
         let numbers = |count: usize| (size_of::<f32>() * count) as u64;
-        let per_pair = (size_of::<Splat>() * compiled.contribution.uniforms.outputs()) as u64;
-        Ok(Footprint { per_hit: numbers(frontier.hits.len()), per_record: numbers(frontier.records.len()), per_pair })
+        // Parameter numbers, uniform values as the kernel yields and as others read them, and whether the pair is active.
+        let (leaves, uniforms) = (compiled.plan.contribution.uniforms.streams[0].len(), compiled.contribution.uniforms.outputs());
+        let per_pair = numbers(leaves + uniforms) + (size_of::<Splat>() * uniforms) as u64 + 2;
+        let per_step = jit::Program::BYTES_PER_STEP as u64;
+        Ok(Footprint { per_hit: numbers(frontier.hits.len()), per_record: numbers(frontier.records.len()), per_pair, per_step })
     }
 
     fn prepare(&self, formula: &Arc<Formula>, hits: &Arc<Hits>) -> Result<Arc<dyn Evaluator>, EvaluateError> {
@@ -96,7 +99,7 @@ impl Compiled {
     fn draw_tile(&self, pass: &Pass, parameters: &[f32], place: usize, scratch: &mut TileScratch, part: Part) {
         self.tile(pass, parameters, place, scratch);
         // Kernels have prefetched the lines just after the tile's own.
-        let next = self.columns.get(place + 1).and_then(|next| next.lines().get(AHEAD / size_of::<Line>()..));
+        let next = self.columns.get(place + 1).and_then(|next| next.lines().get(PREFETCH_DISTANCE / size_of::<Line>()..));
         scratch.planes.quantise(part, next.unwrap_or_default());
     }
 

@@ -39,7 +39,7 @@ impl Bench {
 
 const LAMBERT: &str = "body_specific; kd: scalar, constraint 0..1, default 0.5;
     formula; DIFFUSE = kd*IL*Cd*max(0, N.L); = (DIFFUSE);";
-const AHEAD: &str = "camera; position <0,0,5>; gaze <0,0,-1>; up <0,1,0>; fov 30;";
+const PREFETCH_DISTANCE: &str = "camera; position <0,0,5>; gaze <0,0,-1>; up <0,1,0>; fov 30;";
 
 fn near(one: f64, other: f64) {
     assert!((one - other).abs() < 1e-9, "{one} is not {other}");
@@ -52,7 +52,9 @@ fn alike(one: [f32; 3], other: [f32; 3]) {
 #[test]
 fn lamberts_law_in_the_middle_of_a_sphere() {
     // The hit is (0, 0, 1), N is z, the light 5 away along (0, 3, 4): N·L is 0.8.
-    let scene = format!("bodies; ball: sphere, center <0,0,0>, radius 1, opaque, matte; lights; key: point, <0,3,5>; {AHEAD}");
+    let scene = format!(
+        "bodies; ball: sphere, center <0,0,0>, radius 1, opaque, matte; lights; key: point, <0,3,5>; {PREFETCH_DISTANCE}"
+    );
     let bench = Bench::new(LAMBERT, &scene, &["ball.Cd=<0.9, 0.2, 0.1>", "key.ki=0.5"]);
     let inspection = bench.inspect();
     assert_eq!(inspection.rays.len(), 1);
@@ -87,7 +89,7 @@ fn lights_shine_are_hidden_turned_away_or_out() {
     let scene = format!(
         "bodies; ball: sphere, center <0,0,0>, radius 1;
             far: sphere, center <0,6,7>, radius 0.5; near: sphere, center <0,3,4>, radius 0.5;
-         lights; hidden: point, <0,9,10>; away: point, <9,0,1>; out: point, <-3,0,5>; {AHEAD}"
+         lights; hidden: point, <0,9,10>; away: point, <9,0,1>; out: point, <-3,0,5>; {PREFETCH_DISTANCE}"
     );
     let mut bench = Bench::new(LAMBERT, &scene, &["out.ki=0"]);
     bench.view = bench.view.with_depth(1).expect("a depth");
@@ -189,7 +191,7 @@ fn beyond_the_critical_angle_all_is_reflected() {
 
 #[test]
 fn a_ray_past_everything_and_a_pixel_past_the_picture() {
-    let bench = Bench::new(LAMBERT, &format!("bodies; lights; {AHEAD}"), &["background=<0.1, 0.2, 0.3>"]);
+    let bench = Bench::new(LAMBERT, &format!("bodies; lights; {PREFETCH_DISTANCE}"), &["background=<0.1, 0.2, 0.3>"]);
     let inspection = bench.inspect();
     assert_eq!((inspection.rays.len(), &inspection.rays[0].end), (1, &End::Background));
     assert_eq!(inspection.total, [0.1, 0.2, 0.3]);
@@ -202,7 +204,7 @@ fn instances_read_like_the_formula() {
     let formula = "body_specific; h: scalar, constraint -9..9, default -2; v: vector, default <-1, 0.5, 0>;
         formula; K = 1.5; EARLY = LATE; LATE = (K - h)^2; TURN = -h^2 + cos(pi);
         SIDE = if(N.L > 0 && gamma < pi, v . N, h); = <LATE, TURN, SIDE> - (v + Cd*(N.v));";
-    let scene = format!("bodies; ball: sphere, center <0,0,0>, radius 1; lights; key: point, <0,3,5>; {AHEAD}");
+    let scene = format!("bodies; ball: sphere, center <0,0,0>, radius 1; lights; key: point, <0,3,5>; {PREFETCH_DISTANCE}");
     let bench = Bench::new(formula, &scene, &[]);
     let inspection = bench.inspect();
     let instance = bench.inspector().instance(inspection.hit(0).expect("a hit"), LightId(0)).expect("a light");
@@ -227,7 +229,7 @@ fn instances_read_like_the_formula() {
 
 #[test]
 fn terms_without_weight_add_nothing_and_others_what_they_are() {
-    let scene = format!("bodies; ball: sphere, center <0,0,0>, radius 1; lights; key: point, <0,3,5>; {AHEAD}");
+    let scene = format!("bodies; ball: sphere, center <0,0,0>, radius 1; lights; key: point, <0,3,5>; {PREFETCH_DISTANCE}");
     let wild = "formula; = Cd/(ka - ka);";
     let inspection = Bench::new(wild, &scene, &["key.ki=0", "ka=0"]).inspect();
     assert_eq!(inspection.total, [0.0; 3]);
