@@ -158,8 +158,8 @@ pub fn trace(
 
 /// How many steps of work a tile has: for each chunk of a group one for each of its lights, and one that adds to the pixels.
 fn steps_of(tile: &Tile) -> u64 {
-    let of_group = |group: &Group| group.hits.len().div_ceil(CHUNK_HITS) * (group.lights.len() + 1);
-    tile.groups.iter().filter(|group| !group.lights.is_empty()).map(of_group).sum::<usize>() as u64
+    let of_group = |group: &Group| group.hits.len().div_ceil(CHUNK_HITS) * (group.emitters.len() + 1);
+    tile.groups.iter().filter(|group| !group.emitters.is_empty()).map(of_group).sum::<usize>() as u64
 }
 
 fn trace_tile(

@@ -1,8 +1,6 @@
-//! A third backend, for tests: the plans read literally, one operation over whole columns at a time, in plain Rust.
+//! A third backend, for tests: it reads the plans literally and computes one operation at a time over whole columns, in plain Rust.
 //!
-//! It shares the plans with the compiled backend and nothing else of its evaluation: no machine code, no kept order of work, no cells. What
-//! it does is what any backend has to do: static values once a scene, uniform values once a frame, contributions of groups weighted by
-//! path, and, for drags, images or the live part.
+//! It does what any backend has to do: static and uniform values, contributions weighted by path, and, for drags, images or the live part.
 
 use illuminator::evaluate::weights::{PathMonomials, Powers, Weight, path_weights};
 use illuminator::evaluate::{Backend, Drag, Drawn, EvaluateError, Evaluator, Footprint, Frame, Framebuffer};
@@ -34,14 +32,13 @@ impl Backend for ColumnsBackend {
     fn prepare(&self, formula: &Arc<Formula>, hits: &Arc<Hits>) -> Result<Arc<dyn Evaluator>, EvaluateError> {
         let plan = FormulaPlan::new(formula);
         let (tracer, scene) = (Tracer::new(&hits.world, &hits.view), hits.world.scene());
-        let mut tiles = Vec::new();
-        for tile in &hits.tiles {
-            let groups = tile.groups.iter().map(|group| GroupColumns::new(&plan, &tracer, tile, group));
-            tiles.push(groups.collect::<Result<Vec<_>, _>>()?);
-        }
+        let columns = |tile: &Tile| {
+            tile.groups.iter().map(|group| GroupColumns::new(&plan, &tracer, tile, group)).collect::<Result<_, _>>()
+        };
+        let tiles = hits.tiles.iter().map(columns).collect::<Result<_, _>>()?;
         let equation = Equation::new(formula, scene.bodies.len(), scene.lights.len());
-        let parameters = formula.parameters.clone();
-        Ok(Arc::new(ColumnsEvaluator { plan, equation, parameters, hits: Arc::clone(hits), tiles }))
+        let (parameters, hits) = (formula.parameters.clone(), Arc::clone(hits));
+        Ok(Arc::new(ColumnsEvaluator { plan, equation, parameters, hits, tiles }))
     }
 }
 
@@ -53,8 +50,7 @@ struct GroupColumns {
 
 impl GroupColumns {
     fn new(plan: &FormulaPlan, tracer: &Tracer, tile: &Tile, group: &Group) -> Result<Self, EvaluateError> {
-        let graph = &plan.bindings.graph;
-        let count = group.hits.len();
+        let (graph, count) = (&plan.bindings.graph, group.hits.len());
         let [hit_leaves, record_leaves] = [&plan.hits, &plan.records].map(|plan| &plan.streams[0]);
         let mut hits = vec![Column::new(); hit_leaves.len()];
         let mut records = vec![vec![Column::new(); record_leaves.len()]; group.emitters.len()];
@@ -116,7 +112,7 @@ struct Source<'s> {
     kept: Option<&'s ContributionPlan>,
 }
 
-/// Something that is added up over all hits and misses.
+/// What is added up over all hits and misses.
 struct Pass<'s> {
     sources: Vec<Source<'s>>,
     at_hits: Vec<[f32; 3]>,
@@ -132,40 +128,34 @@ struct ColumnsEvaluator {
 }
 
 impl ColumnsEvaluator {
-    fn bodies(&self) -> std::ops::Range<usize> {
-        0..self.equation.layout.owners(Owner::Body)
+    fn at_hits(&self, of_body: impl Fn(usize) -> [f32; 3]) -> Vec<[f32; 3]> {
+        (0..self.equation.layout.owners(Owner::Body)).map(of_body).collect()
     }
 
     /// The uniform values of a contribution for a pair.
     fn uniforms(&self, plan: &ContributionPlan, graph: &Graph, parameters: &[f32], body: usize, light: usize) -> Vec<f32> {
         let leaves = plan.leaves(graph, &self.parameters).into_iter().map(|leaf| {
-            let index = match leaf.owner {
-                Owner::Global => 0,
-                Owner::Body => body,
-                Owner::Light => light,
-            };
-            vec![flush(parameters[self.equation.layout.row(leaf.owner, index) + leaf.slot])]
+            let row = self.equation.layout.row(leaf.owner, [0, body, light][leaf.owner as usize]);
+            vec![flush(parameters[row + leaf.slot])]
         });
         let leaves: Vec<Column> = leaves.collect();
         run(&plan.uniforms, graph, [&leaves, &[], &[]], &[], 1).concat()
     }
 
     /// What a source yields for the records of a group and an emitter.
-    fn outputs(&self, source: &Source, plan: &ContributionPlan, parameters: &[f32], place: [usize; 3]) -> Vec<Column> {
+    fn outputs(
+        &self,
+        graph: &Graph,
+        plan: &ContributionPlan,
+        kept: &[Column],
+        parameters: &[f32],
+        place: [usize; 3],
+    ) -> Vec<Column> {
         let [tile, group, emitter] = place;
         let (columns, of) = (&self.tiles[tile][group], &self.hits.tiles[tile].groups[group]);
         let light = self.hits.world.light_of(of.emitters[emitter]);
-        let uniforms = self.uniforms(plan, source.graph, parameters, of.body.index(), light.index());
-        let kept = match source.kept {
-            Some(kept) => self.outputs(
-                &Source { kept: None, active: Box::new(|_, _| true), channels: Vec::new(), ..*source },
-                kept,
-                parameters,
-                place,
-            ),
-            None => Vec::new(),
-        };
-        run(&plan.records, source.graph, [&columns.hits, &columns.records[emitter], &kept], &uniforms, of.hits.len())
+        let uniforms = self.uniforms(plan, graph, parameters, of.body.index(), light.index());
+        run(&plan.records, graph, [&columns.hits, &columns.records[emitter], kept], &uniforms, of.hits.len())
     }
 
     /// Adds a pass to a picture; the weights of paths are given tile by tile.
@@ -184,7 +174,10 @@ impl ColumnsEvaluator {
                         if !(source.active)(body, self.hits.world.light_of(*emitter).index()) {
                             continue;
                         }
-                        let columns = self.outputs(source, source.plan, parameters, [tile_place, group_place, emitter_place]);
+                        let outputs = |plan, kept: &[Column]| {
+                            self.outputs(source.graph, plan, kept, parameters, [tile_place, group_place, emitter_place])
+                        };
+                        let columns = outputs(source.plan, &source.kept.map(|kept| outputs(kept, &[])).unwrap_or_default());
                         for (channel, column) in source.channels.iter().zip(columns) {
                             sums.iter_mut().zip(column).for_each(|(sum, value)| sum[*channel] += value);
                         }
@@ -233,7 +226,7 @@ impl Evaluator for ColumnsEvaluator {
     fn frame(&self, parameters: &[f32]) -> Frame {
         let mut frame = Frame::black(self.hits.view.width(), self.hits.view.height());
         let source = self.source(|_, light| self.is_on(parameters, light));
-        let at_hits = self.bodies().map(|body| self.equation.sum(Site::Hit, parameters, body)).collect();
+        let at_hits = self.at_hits(|body| self.equation.sum(Site::Hit, parameters, body));
         let pass = Pass { sources: vec![source], at_hits, at_misses: self.equation.sum(Site::Miss, parameters, 0) };
         self.add(&pass, parameters, &|tile| self.weights(tile, parameters), &mut frame.linear);
         frame
@@ -245,22 +238,25 @@ impl Evaluator for ColumnsEvaluator {
 
     fn drag(self: Arc<Self>, moved: &[usize], parameters: &[f32], budget: usize) -> Result<Box<dyn Drag>, EvaluateError> {
         let numbers = moved_parameters(&self.equation.layout, &self.parameters, moved);
-        let numbers: Vec<_> = numbers.into_iter().map(|(_, id, component)| (id, component)).collect();
-        let slider = Arc::new(SliderPlan::new(&self.plan.bindings, &numbers));
+        let moving: Vec<_> = numbers.into_iter().map(|(_, id, component)| (id, component)).collect();
+        let slider = Arc::new(SliderPlan::new(&self.plan.bindings, &moving));
         let plan = DragPlan::new(&slider, &self.equation, &self.parameters, moved);
         let parameters = parameters.to_vec();
         Ok(Box::new(ColumnsDrag { evaluator: self, plan, parameters, images: None, is_ready: false, budget }))
     }
 
     fn bytes(&self) -> usize {
-        let of_group =
-            |group: &GroupColumns| group.hits.iter().chain(group.records.iter().flatten()).map(Vec::len).sum::<usize>();
-        self.hits.bytes() as usize + size_of::<f32>() * self.tiles.iter().flatten().map(of_group).sum::<usize>()
+        let columns = self.tiles.iter().flatten().flat_map(|group| group.hits.iter().chain(group.records.iter().flatten()));
+        self.hits.bytes() as usize + columns.map(|column| size_of_val(&**column)).sum::<usize>()
     }
 }
 
 /// The powers of kr and kt, the term, and the colours.
 type Image = (Powers, usize, Vec<[f32; 3]>);
+
+fn bytes_of<'i>(images: impl Iterator<Item = &'i Image>) -> usize {
+    images.map(|(_, _, image)| size_of_val(&**image)).sum()
+}
 
 /// A drag: images of the whole picture, by the powers of kr and kt and by term; 0 is the fixed one.
 struct ColumnsDrag {
@@ -285,17 +281,13 @@ impl ColumnsDrag {
         Source { plan, graph: &self.plan.slider.separation.bindings.graph, channels, active, kept: None }
     }
 
-    fn moving_channels(&self) -> Vec<usize> {
-        self.plan.moving_channels().components().collect()
-    }
-
     /// Everything that does not move.
     fn fixed_pass(&self) -> Pass<'_> {
         let (evaluator, plan, parameters) = (&*self.evaluator, &self.plan, &self.parameters);
         let whole = evaluator.source(|body, light| evaluator.is_on(parameters, light) && !plan.moves_pair(body, light));
         let active = || Box::new(move |body, light| evaluator.is_on(parameters, light) && plan.moves_pair(body, light));
         let fixed = plan.slider.fixed.as_ref().map(|fixed| self.source(fixed, vec![0, 1, 2], active()));
-        let at_hits = evaluator.bodies().map(|body| plan.fixed(Site::Hit, parameters, body)).collect();
+        let at_hits = evaluator.at_hits(|body| plan.fixed(Site::Hit, parameters, body));
         Pass { sources: std::iter::once(whole).chain(fixed).collect(), at_hits, at_misses: plan.fixed(Site::Miss, parameters, 0) }
     }
 
@@ -305,38 +297,33 @@ impl ColumnsDrag {
         let active = move |body: usize, light: usize| {
             (plan.moves_light_weight(light) || evaluator.is_on(parameters, light)) && plan.moves_pair(body, light)
         };
-        let source =
-            term.contribution.map(|place| self.source(&plan.slider.moving[place], self.moving_channels(), Box::new(active)));
-        let at_hits = evaluator.bodies().map(|body| plan.image_colour(term, Site::Hit, parameters, body)).collect();
+        let source = term.contribution.map(|place| {
+            self.source(&plan.slider.moving[place], plan.moving_channels().components().collect(), Box::new(active))
+        });
+        let at_hits = evaluator.at_hits(|body| plan.image_colour(term, Site::Hit, parameters, body));
         Pass { sources: source.into_iter().collect(), at_hits, at_misses: plan.image_colour(term, Site::Miss, parameters, 0) }
     }
 
     fn image(&self, pass: &Pass, powers: Powers) -> Vec<[f32; 3]> {
-        let view = self.evaluator.hits.view;
-        let mut picture = vec![[0.0; 3]; view.pixels() as usize];
+        let mut picture = vec![[0.0; 3]; self.evaluator.hits.view.pixels() as usize];
         let weights = |tile: &Tile| {
             let mut weights = Vec::new();
-            let monomials = PathMonomials::new(tile, &self.plan.equation, &self.parameters, self.plan.weights);
-            monomials.of(powers, &mut weights);
+            let plan = &self.plan;
+            PathMonomials::new(tile, &plan.equation, &self.parameters, plan.weights).of(powers, &mut weights);
             weights
         };
         self.evaluator.add(pass, &self.parameters, &weights, &mut picture);
         picture
     }
 
-    fn factor(&self, powers: Powers, image: usize, parameters: &[f32]) -> [f32; 3] {
-        let factors = self.plan.factors(parameters);
-        let weight = factors.kr.powi(powers.reflections.into()) * factors.kt.powi(powers.refractions.into());
-        let term = image.checked_sub(1).map_or([1.0; 3], |term| factors.terms[term]);
-        term.map(|component| (weight * f64::from(component)) as f32)
-    }
-
     /// The picture from images; `None` where it would not be accurate.
     fn picture(&self, parameters: &[f32]) -> Option<Vec<[f32; 3]>> {
-        let images = self.images.as_ref()?;
+        let (images, factors) = (self.images.as_ref()?, self.plan.factors(parameters));
         let mut sum = vec![[0.0; 3]; self.evaluator.hits.view.pixels() as usize];
         for (powers, image, colours) in images {
-            let factor = self.factor(*powers, *image, parameters);
+            let weight = factors.kr.powi(powers.reflections.into()) * factors.kt.powi(powers.refractions.into());
+            let term = image.checked_sub(1).map_or([1.0; 3], |term| factors.terms[term]);
+            let factor = term.map(|component| (weight * f64::from(component)) as f32);
             for (sum, colour) in sum.iter_mut().zip(colours) {
                 for component in 0..3 {
                     let add = factor[component] * colour[component];
@@ -357,9 +344,9 @@ impl ColumnsDrag {
     fn add_live(&self, parameters: &[f32], picture: &mut [[f32; 3]]) {
         let (evaluator, plan) = (&*self.evaluator, &self.plan);
         let active = Box::new(|body, light| evaluator.is_on(parameters, light) && plan.moves_pair(body, light));
-        let mut source = self.source(&plan.slider.moving[0], self.moving_channels(), active);
+        let mut source = self.source(&plan.slider.moving[0], plan.moving_channels().components().collect(), active);
         source.kept = plan.slider.columns.as_ref();
-        let at_hits = evaluator.bodies().map(|body| plan.moving(Site::Hit, parameters, body)).collect();
+        let at_hits = evaluator.at_hits(|body| plan.moving(Site::Hit, parameters, body));
         let pass = Pass { sources: vec![source], at_hits, at_misses: [0.0; 3] };
         evaluator.add(&pass, parameters, &|tile| evaluator.weights(tile, parameters), picture);
     }
@@ -376,8 +363,8 @@ impl Drag for ColumnsDrag {
             (self.images, self.is_ready) = (None, false);
         }
         let view = self.evaluator.hits.view;
-        let linear = self.picture(parameters).unwrap_or_else(|| self.evaluator.frame(parameters).linear);
-        framebuffer.set(&Frame { width: view.width(), height: view.height(), linear });
+        let frame = |linear| Frame { width: view.width(), height: view.height(), linear };
+        framebuffer.set(&self.picture(parameters).map_or_else(|| self.evaluator.frame(parameters), frame));
     }
 
     fn prepare(&mut self) -> bool {
@@ -393,9 +380,8 @@ impl Drag for ColumnsDrag {
                 images.push((powers, term + 1, self.image(&self.term_pass(term), powers)));
             }
         }
-        let bytes: usize = images.iter().map(|(_, _, image)| size_of_val(&**image)).sum();
-        self.images = (self.plan.method != Method::General && bytes <= self.budget).then_some(images);
-        self.is_ready = true;
+        let fits = self.plan.method != Method::General && bytes_of(images.iter()) <= self.budget;
+        (self.images, self.is_ready) = (fits.then_some(images), true);
         true
     }
 
@@ -404,7 +390,7 @@ impl Drag for ColumnsDrag {
     }
 
     fn bytes(&self) -> usize {
-        self.images.iter().flatten().map(|(_, _, image)| size_of_val(&**image)).sum()
+        bytes_of(self.images.iter().flatten())
     }
 
     fn pixels(&self) -> usize {
