@@ -36,21 +36,18 @@ impl Bytes for LinearBytes {
     }
 }
 
-/// Bytes for [`Transfer::Srgb`], without a power for each: the bits of positive numbers are in the order of the numbers, and the first of them say in which
-/// cell of a table a number lies. Cells are so narrow that the byte goes up in each at most once. An entry holds the byte that a cell begins with, and below it
-/// what the last bits of a number must be added to so that they carry into the byte exactly where that goes up.
+/// Bytes for [`Transfer::Srgb`], without a power for each. The bits of positive numbers are in the order of the numbers, and the first of them say in which
+/// cell of a table a number lies. Cells are so narrow that the byte goes up in each at most once. An entry plus the bits of a number is the byte, followed by
+/// [`WITHIN`](Self::WITHIN) bits of no meaning: the last bits carry into the byte exactly where it goes up.
 #[derive(Clone, Copy)]
-pub(crate) struct SrgbBytes(&'static [u32; ENTRIES]);
+pub(crate) struct SrgbBytes(&'static SrgbTable);
 
-/// So many bits of a number say where in its cell it is.
-const WITHIN: u32 = 16;
+/// An entry for each cell.
+pub(crate) type SrgbTable = [u32; ENTRIES];
 
-/// Below, every byte is 0.
-const LEAST: f32 = 1.0 / 8192.0;
-
-/// The cell that a number from `LEAST` on lies in.
+/// The cell that a number from [`SrgbBytes::LEAST`] on lies in.
 const fn cell(number: f32) -> usize {
-    ((number.to_bits() - LEAST.to_bits()) >> WITHIN) as usize
+    ((number.to_bits() - SrgbBytes::LEAST.to_bits()) >> SrgbBytes::WITHIN) as usize
 }
 
 const CELLS: usize = cell(1.0) + 1;
@@ -59,10 +56,21 @@ const CELLS: usize = cell(1.0) + 1;
 const ENTRIES: usize = CELLS.next_power_of_two();
 
 impl SrgbBytes {
+    /// So many bits of a number say where in its cell it is.
+    pub(crate) const WITHIN: u32 = 16;
+
+    /// Below, every byte is 0. The first cell begins here.
+    pub(crate) const LEAST: f32 = 1.0 / 8192.0;
+
     /// With the table, made at its first use.
     pub(crate) fn get() -> Self {
-        static TABLE: LazyLock<[u32; ENTRIES]> = LazyLock::new(table);
+        static TABLE: LazyLock<SrgbTable> = LazyLock::new(table);
         Self(&TABLE)
+    }
+
+    /// The table.
+    pub(crate) fn table(self) -> &'static SrgbTable {
+        self.0
     }
 }
 
@@ -70,9 +78,9 @@ impl Bytes for SrgbBytes {
     #[inline(always)]
     fn byte(self, linear: f32) -> u32 {
         // NaN fails the first comparison.
-        let above = if linear > LEAST { linear } else { LEAST };
+        let above = if linear > Self::LEAST { linear } else { Self::LEAST };
         let clamped = if above < 1.0 { above } else { 1.0 };
-        (self.0[cell(clamped) % ENTRIES] + (clamped.to_bits() & ((1 << WITHIN) - 1))) >> WITHIN
+        self.0[cell(clamped) % ENTRIES].wrapping_add(clamped.to_bits()) >> Self::WITHIN
     }
 }
 
@@ -81,17 +89,18 @@ fn encode(linear: f64) -> f64 {
     if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
 }
 
-fn table() -> [u32; ENTRIES] {
+fn table() -> SrgbTable {
+    const SIZE: u32 = 1 << SrgbBytes::WITHIN;
     let mut table = [0; ENTRIES];
     // The numbers that bytes go up at, and behind the last none.
     let mut steps = (1..=255).map(|byte| first_of(byte).to_bits()).peekable();
     let mut byte = 0;
-    for (entry, start) in table[..CELLS].iter_mut().zip((LEAST.to_bits()..).step_by(1 << WITHIN)) {
+    for (entry, start) in table[..CELLS].iter_mut().zip((SrgbBytes::LEAST.to_bits()..).step_by(SIZE as usize)) {
         while steps.next_if(|step| *step <= start).is_some() {
             byte += 1;
         }
-        let until_step = steps.peek().map_or(1 << WITHIN, |step| (step - start).min(1 << WITHIN));
-        *entry = (byte << WITHIN) + (1 << WITHIN) - until_step;
+        let until_step = steps.peek().map_or(SIZE, |step| (step - start).min(SIZE));
+        *entry = (byte * SIZE + SIZE - until_step).wrapping_sub(start);
     }
     table
 }
@@ -167,7 +176,7 @@ mod tests {
         // The inverse of the curve, in the middle between two bytes; the ends of cells; numbers of every size.
         let decode = |stored: f64| if stored <= 0.04045 { stored / 12.92 } else { ((stored + 0.055) / 1.055).powf(2.4) };
         let middles = (0..255).map(|byte| decode((f64::from(byte) + 0.5) / 255.0) as f32);
-        let ends = (LEAST.to_bits()..=1.0_f32.to_bits()).step_by(1 << WITHIN).map(f32::from_bits);
+        let ends = (SrgbBytes::LEAST.to_bits()..=1.0_f32.to_bits()).step_by(1 << SrgbBytes::WITHIN).map(f32::from_bits);
         let all = (1e-5_f32.to_bits()..1.5_f32.to_bits()).step_by(997).map(f32::from_bits);
         let mut wrong = 0;
         for number in near(middles.chain(ends).chain(all)) {
@@ -182,6 +191,6 @@ mod tests {
     #[test]
     fn a_cell_holds_no_more_than_one_step() {
         let cells: Vec<usize> = (1..=255).map(|byte| cell(first_of(byte))).collect();
-        assert!(first_of(1) > LEAST && cells.windows(2).all(|pair| pair[0] < pair[1]), "{cells:?}");
+        assert!(first_of(1) > SrgbBytes::LEAST && cells.windows(2).all(|pair| pair[0] < pair[1]), "{cells:?}");
     }
 }

@@ -23,14 +23,16 @@ impl Weight {
         self.0 < f64::from(f32::MIN_POSITIVE)
     }
 
-    /// The weighed colour.
+    /// The weighted colour.
     #[inline]
     pub fn of(self, colour: [f32; 3]) -> [f32; 3] {
-        if self.is_tiny() {
-            colour.map(|component| (self.0 * f64::from(component)) as f32)
-        } else {
-            colour.map(|component| self.0 as f32 * component)
-        }
+        colour.map(|component| self.times(component))
+    }
+
+    /// The weighted component. Single precision has no number for a tiny weight.
+    #[inline]
+    pub fn times(self, component: f32) -> f32 {
+        if self.is_tiny() { (self.0 * f64::from(component)) as f32 } else { self.0 as f32 * component }
     }
 }
 

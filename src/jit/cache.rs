@@ -4,6 +4,7 @@ use crate::formula::Formula;
 use crate::formula::binding::Bindings;
 use crate::jit::compile::CompiledFormula;
 use crate::jit::target::CompileError;
+use crate::jit::width::Width;
 use crate::plan::FormulaPlan;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -32,7 +33,7 @@ impl KernelCache {
         };
         let compiled = match known {
             Some(compiled) => compiled,
-            None => Arc::new(CompiledFormula::compile(FormulaPlan::of(bindings), None)?),
+            None => Arc::new(CompiledFormula::compile(FormulaPlan::of(bindings), Width::widest()?, None)?),
         };
         let mut kept = kept();
         if kept.len() >= KEPT {

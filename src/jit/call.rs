@@ -9,21 +9,23 @@ use crate::formula::graph::Graph;
 use crate::jit::emit::PERLIN_OPERANDS;
 use crate::jit::kernel::{self, KernelSpec, Shape};
 use crate::jit::lanes::{Line, Operands, PLANE_PIXELS, PixelLine, PixelPlanes, Splat, Streams};
-use crate::jit::pixels;
+use crate::jit::pixels::{self, Strides};
 use crate::jit::step::{Addition, Bases, OUTPUTS, Reading};
 use crate::jit::target::{CompileError, Listing, Target, target};
 use crate::jit::widen::{ALIGNMENT, disassembled, widen};
+use crate::jit::width::Width;
 use crate::lang::noise;
 use crate::lang::scalars::flush;
 use crate::plan::STREAMS;
 use crate::segment::{CHUNK_HITS, CHUNK_LINES, LINE_HITS, Segment};
+use crate::transfer::{SrgbBytes, SrgbTable, Transfer};
 use cranelift_codegen::Context;
 use cranelift_codegen::control::ControlPlane;
 use cranelift_codegen::ir::types::I64;
 use cranelift_codegen::ir::{AbiParam, Signature};
 use cranelift_codegen::isa::CallConv;
 use cranelift_jit::{JITBuilder, JITModule};
-use cranelift_module::{Linkage, Module, ModuleError};
+use cranelift_module::{FuncId, Linkage, Module, ModuleError, ModuleReloc};
 use smallvec::SmallVec;
 use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
 use std::mem::ManuallyDrop;
@@ -60,21 +62,17 @@ impl Drop for CodeMemory {
     }
 }
 
-/// Compiles kernels into one piece of memory; where a listing is wanted, writes the stages into it.
+/// Compiles kernels for vectors of a width, into one piece of memory; where a listing is wanted, writes the stages into it.
 ///
 /// # Errors
 /// The processor is not supported, a plan does not read what it needs, or the code generator refuses (too large a function).
-pub(super) fn generate(specs: &[KernelSpec], graph: &Graph, listing: Option<&mut Listing>) -> Result<Vec<Kernel>, CompileError> {
-    generate_for(&target()?, specs, graph, listing)
-}
-
-/// The same for a processor that this one can do the work of.
-fn generate_for(
-    target: &Target,
+pub(super) fn generate(
+    width: Width,
     specs: &[KernelSpec],
     graph: &Graph,
     mut listing: Option<&mut Listing>,
 ) -> Result<Vec<Kernel>, CompileError> {
+    let target = target(width)?;
     let failed = |error: ModuleError| CompileError::Generator(error.to_string());
     let mut builder = JITBuilder::with_isa(target.isa.clone(), cranelift_module::default_libcall_names());
     builder.symbol("perlin", perlin_lanes as *const u8);
@@ -85,50 +83,11 @@ fn generate_for(
     let noise = module.declare_function("perlin", Linkage::Import, &noise_signature).map_err(failed)?;
     let mut functions = Vec::with_capacity(specs.len());
     for (index, spec) in specs.iter().enumerate() {
-        let name = spec.plan.name;
-        if spec.output_streams().len() > OUTPUTS {
-            return Err(CompileError::Generator(format!("the kernel of {name} has too many outputs")));
-        }
         let mut signature = Signature::new(CallConv::SystemV);
         signature.params.extend(kernel::parameters());
-        let id = module.declare_function(&format!("{name}{index}"), Linkage::Local, &signature).map_err(failed)?;
-        let unread = || CompileError::Generator(format!("the kernel of {name} does not read all that it needs"));
-        let mut defined = None;
-        for shape in kernel::shapes(spec, graph, target) {
-            let schedule = spec.schedule(graph, shape).ok_or_else(unread)?;
-            let noisy = schedule.iter().any(|id| kernel::calls_perlin(graph, *id));
-            if shape.blocks > 1 && noisy {
-                continue;
-            }
-            let mut context = Context::new();
-            context.func.signature = signature.clone();
-            let callee = noisy.then(|| module.declare_func_in_func(noise, &mut context.func));
-            kernel::write(spec, &schedule, graph, &*target.isa, shape, callee, &mut context.func);
-            context.set_disasm(listing.is_some());
-            let clif = listing.is_some().then(|| context.func.display().to_string());
-            let mut assembler = String::new();
-            if shape.blocks > 1 {
-                let compiled = context.compile(&*target.isa, &mut ControlPlane::default());
-                let compiled = compiled.map_err(|error| CompileError::Generator(error.inner.to_string()))?;
-                let own = compiled.buffer.relocs().is_empty().then(|| compiled.code_buffer());
-                let Some(wide) = own.and_then(|code| widen(code, shape.blocks)) else { continue };
-                if listing.is_some() {
-                    assembler = disassembled(&wide);
-                }
-                module.define_function_bytes(id, ALIGNMENT, &wide, &[]).map_err(failed)?;
-            } else {
-                module.define_function(id, &mut context).map_err(failed)?;
-                let code = context.compiled_code().and_then(|code| code.vcode.clone());
-                assembler = code.unwrap_or_default();
-            }
-            if let (Some(listing), Some(clif)) = (&mut listing, clif) {
-                listing.clif.push_str(&format!("; {name}\n{clif}\n"));
-                listing.asm.push_str(&format!("; {name}\n{assembler}\n"));
-            }
-            defined = Some(shape);
-            break;
-        }
-        functions.push((id, defined.ok_or_else(unread)?));
+        let id = module.declare_function(&format!("{}{index}", spec.plan.name), Linkage::Local, &signature).map_err(failed)?;
+        let function = Defining { target: &target, spec, graph, id, signature, noise };
+        functions.push((id, function.define(module, listing.as_deref_mut())?));
     }
     module.finalize_definitions().map_err(failed)?;
     let finished: Vec<(*const u8, Shape)> =
@@ -143,6 +102,83 @@ fn generate_for(
         Kernel { entry, streams, uniforms, outputs, shape, memory: Arc::clone(&memory) }
     };
     Ok(specs.iter().zip(finished).map(kernel).collect())
+}
+
+/// The function of a kernel, which is declared and not yet defined.
+struct Defining<'d> {
+    target: &'d Target,
+    spec: &'d KernelSpec<'d>,
+    graph: &'d Graph,
+    id: FuncId,
+    signature: Signature,
+    /// The function that it calls for noise.
+    noise: FuncId,
+}
+
+impl Defining<'_> {
+    /// Writes the code in the quickest shape that is possible, which is the result.
+    fn define(&self, module: &mut JITModule, mut listing: Option<&mut Listing>) -> Result<Shape, CompileError> {
+        let Self { target, spec, graph, .. } = *self;
+        let name = spec.plan.name;
+        if spec.output_streams().len() > OUTPUTS {
+            return Err(CompileError::Generator(format!("the kernel of {name} has too many outputs")));
+        }
+        for shape in kernel::shapes(spec, graph, target) {
+            let schedule = spec.schedule(graph, shape).ok_or_else(|| self.unread())?;
+            let noisy = schedule.iter().any(|id| kernel::calls_perlin(graph, *id));
+            if shape.blocks > 1 && noisy {
+                continue;
+            }
+            let mut context = Context::new();
+            context.func.signature = self.signature.clone();
+            let callee = noisy.then(|| module.declare_func_in_func(self.noise, &mut context.func));
+            kernel::write(spec, &schedule, graph, &*target.isa, shape, callee, &mut context.func);
+            context.set_disasm(listing.is_some());
+            let clif = listing.is_some().then(|| context.func.display().to_string());
+            let Some(assembler) = self.compile(module, &mut context, shape, listing.is_some())? else { continue };
+            if let (Some(listing), Some(clif)) = (&mut listing, clif) {
+                listing.clif.push_str(&format!("; {name}\n{clif}\n"));
+                listing.asm.push_str(&format!("; {name}\n{assembler}\n"));
+            }
+            return Ok(shape);
+        }
+        Err(self.unread())
+    }
+
+    /// Compiles what was written and defines the function by it: its instructions as text, if they are wanted. None where there is no such code for so
+    /// many lanes.
+    fn compile(
+        &self,
+        module: &mut JITModule,
+        context: &mut Context,
+        shape: Shape,
+        listed: bool,
+    ) -> Result<Option<String>, CompileError> {
+        let compiled = context.compile(&*self.target.isa, &mut ControlPlane::default());
+        compiled.map_err(|error| CompileError::Generator(error.inner.to_string()))?;
+        let Some(compiled) = context.compiled_code() else { return Ok(None) };
+        let relocations = compiled.buffer.relocs();
+        let own = relocations.is_empty().then(|| compiled.code_buffer());
+        let (text, defined) = match own.and_then(|code| widen(code, shape.blocks, shape.spills())) {
+            Some(code) => {
+                let text = if listed { disassembled(&code) } else { String::new() };
+                (text, module.define_function_bytes(self.id, ALIGNMENT, &code, &[]))
+            }
+            None if shape.blocks > 1 => return Ok(None),
+            None => {
+                let relocation = |relocation| ModuleReloc::from_mach_reloc(relocation, &context.func, self.id);
+                let relocations: Vec<ModuleReloc> = relocations.iter().map(relocation).collect();
+                let text = compiled.vcode.clone().unwrap_or_default();
+                (text, module.define_function_bytes(self.id, ALIGNMENT, compiled.code_buffer(), &relocations))
+            }
+        };
+        defined.map_err(|error| CompileError::Generator(error.to_string()))?;
+        Ok(Some(text))
+    }
+
+    fn unread(&self) -> CompileError {
+        CompileError::Generator(format!("the kernel of {} does not read all that it needs", self.spec.plan.name))
+    }
 }
 
 /// A compiled kernel.
@@ -308,12 +344,17 @@ impl Program {
     }
 
     /// Adds the sums of these segments' hits, times the weight of their span, to their pixels: of all components, or of one (0 red, 1 green, 2 blue).
-    /// The weights of their chunk begin at this one. Meanwhile it fetches some lines for each segment, from this one on of those that are coming. False
-    /// where there is no such code.
-    pub fn add(&mut self, segments: Range<usize>, weights: usize, component: Option<usize>, coming: usize) -> bool {
-        let Some(code) = PixelCode::get() else { return false };
+    /// The weights of their chunk begin at this one. Meanwhile it fetches some lines for each segment, from this one on of those that are coming.
+    pub fn add(
+        &mut self,
+        code: &'static PixelCode,
+        segments: Range<usize>,
+        weights: usize,
+        component: Option<usize>,
+        coming: usize,
+    ) {
         if segments.is_empty() {
-            return true;
+            return;
         }
         let place = component.unwrap_or(0);
         assert!(place < OUTPUTS, "a component");
@@ -331,7 +372,6 @@ impl Program {
         };
         let entry = if component.is_some() { code.adding_one } else { code.adding_all };
         self.steps.push(Step { work: bytemuck::cast(addition), entry });
-        true
     }
 
     /// Takes some of the steps in their order.
@@ -446,64 +486,64 @@ pub fn fetch<T>(list: &[T]) {
     }
 }
 
-/// Code that adds to pixels what hits in them contribute, and writes pixels, sixteen at a time. It needs AVX-512.
+/// Code that adds to pixels what hits in them contribute, and writes pixels, for vectors of a width.
 pub struct PixelCode {
     /// Where the code of the [pixels](super::pixels) room is that adds, all components or one.
     adding_all: usize,
     adding_one: usize,
-    writing: Writing,
+    /// That which writes, by the linear transfer and that of sRGB.
+    writing: [Writing; 2],
     _memory: CodeMemory,
 }
 
 /// Code of the [pixels](super::pixels) room that writes.
 ///
 /// # Safety
-/// There is a line, and all are readable from `planes` on in three planes, and writable from `pixels` on. The processor has AVX-512.
-type Writing = unsafe extern "C" fn(planes: *const f32, pixels: *mut PixelLine, lines: usize, coming: *const Line);
+/// There is a line, and all are readable from `planes` on in three planes, and writable from `pixels` on. The processor has the vectors.
+type Writing =
+    unsafe extern "C" fn(planes: *const f32, pixels: *mut PixelLine, lines: usize, coming: *const Line, table: *const SrgbTable);
 
 impl PixelCode {
-    /// The code, made at its first use; none where the processor has no AVX-512.
-    pub fn get() -> Option<&'static PixelCode> {
-        static CODE: OnceLock<Option<PixelCode>> = OnceLock::new();
-        CODE.get_or_init(Self::new).as_ref()
+    /// The code for vectors of this width, made at its first use; none where the processor does not have them, or there is no memory for code.
+    pub fn get(width: Width) -> Option<&'static PixelCode> {
+        static CODE: [OnceLock<Option<PixelCode>>; Width::ALL.len()] = [const { OnceLock::new() }; Width::ALL.len()];
+        CODE[width as usize].get_or_init(|| Self::new(width)).as_ref()
     }
 
-    fn new() -> Option<Self> {
-        if !std::arch::is_x86_feature_detected!("avx512f") {
-            return None;
-        }
-        let target = target().ok()?;
-        let builder = JITBuilder::with_isa(target.isa.clone(), cranelift_module::default_libcall_names());
+    fn new(width: Width) -> Option<Self> {
+        let target = target(width).ok()?;
+        let builder = JITBuilder::with_isa(target.isa, cranelift_module::default_libcall_names());
         let mut memory = CodeMemory::new(builder);
         let module = &mut *memory.0;
-        let [sums, plane] = [size_of::<[Line; CHUNK_LINES]>() as i64, size_of::<[f32; PLANE_PIXELS]>() as i64];
+        let strides = Strides { sums: size_of::<[Line; CHUNK_LINES]>() as i64, plane: size_of::<[f32; PLANE_PIXELS]>() as i64 };
         let codes = [
-            ("adding", pixels::adding_code(sums, plane, 3)),
-            ("adding_one", pixels::adding_code(sums, plane, 1)),
-            ("writing", pixels::writing_code(plane)),
+            ("adding", pixels::adding_code(width, strides, 3)),
+            ("adding_one", pixels::adding_code(width, strides, 1)),
+            ("writing_linear", pixels::writing_code(width, Transfer::Linear, strides.plane)),
+            ("writing_srgb", pixels::writing_code(width, Transfer::Srgb, strides.plane)),
         ];
         let mut define = |(name, code): (&str, Result<Vec<u8>, _>)| {
             let id = module.declare_function(name, Linkage::Local, &Signature::new(CallConv::SystemV)).ok()?;
             module.define_function_bytes(id, ALIGNMENT, &code.ok()?, &[]).ok()?;
             Some(id)
         };
-        let [adding_all, adding_one, writing] = codes.map(&mut define);
-        let ids = [adding_all?, adding_one?, writing?];
+        let [adding_all, adding_one, linear, srgb] = codes.map(&mut define);
+        let ids = [adding_all?, adding_one?, linear?, srgb?];
         module.finalize_definitions().ok()?;
-        let [adding_all, adding_one, writing] = ids.map(|id| module.get_finalized_function(id));
+        let [adding_all, adding_one, linear, srgb] = ids.map(|id| module.get_finalized_function(id));
         // SAFETY: at the address is the finished code of a function with these parameters, by the C calling convention; its memory lives
         // as long as the result.
-        let writing = unsafe { std::mem::transmute::<*const u8, Writing>(writing) };
+        let writing = [linear, srgb].map(|code| unsafe { std::mem::transmute::<*const u8, Writing>(code) });
         let [adding_all, adding_one] = [adding_all, adding_one].map(<*const u8>::expose_provenance);
         Some(Self { adding_all, adding_one, writing, _memory: memory })
     }
 
-    /// Writes lines of pixels, `0x00RRGGBB`, from this place in the planes on. Clamped, NaN as 0, and rounded to the nearest of 0..=255. Meanwhile it
-    /// fetches as many lines of what is coming.
+    /// Writes lines of pixels, `0x00RRGGBB`, from this place in the planes on, as the transfer makes bytes. Meanwhile it fetches as many lines of what
+    /// is coming.
     ///
     /// # Panics
     /// Where there are not so many pixels in a plane.
-    pub fn write(&self, planes: &PixelPlanes, place: usize, pixels: &mut [PixelLine], coming: &[Line]) {
+    pub fn write(&self, transfer: Transfer, planes: &PixelPlanes, place: usize, pixels: &mut [PixelLine], coming: &[Line]) {
         if pixels.is_empty() {
             return;
         }
@@ -514,11 +554,16 @@ impl PixelCode {
         let first = (&raw const planes.0).cast::<f32>();
         // Where nothing comes, what is in the cache already.
         let coming = if coming.is_empty() { first.cast() } else { coming.as_ptr() };
+        let writing = match transfer {
+            Transfer::Linear => self.writing[0],
+            Transfer::Srgb => self.writing[1],
+        };
         // SAFETY: there is a line; all lie within their plane, from `place` on, and green and blue a plane's length behind one another, since
         // the planes are an array (the pointer is made from that to the whole of it); `pixels` are as many, and aligned as their type says.
-        // To fetch from where nothing is does nothing. The processor was asked.
+        // To fetch from where nothing is does nothing. Of the table is read the entry for a number from `SrgbBytes::LEAST` to 1, and it has one for
+        // each. The processor was asked.
         unsafe {
-            (self.writing)(first.add(place), pixels.as_mut_ptr(), pixels.len(), coming);
+            writing(first.add(place), pixels.as_mut_ptr(), pixels.len(), coming, SrgbBytes::get().table());
         }
     }
 }

@@ -5,6 +5,7 @@ use crate::formula::{Formula, ParameterId};
 use crate::jit::call::{Kernel, generate};
 use crate::jit::kernel::KernelSpec;
 use crate::jit::target::{CompileError, Listing};
+use crate::jit::width::Width;
 use crate::plan::{ContributionPlan, FormulaPlan, KernelPlan, SliderPlan};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -16,6 +17,8 @@ const SLIDERS_KEPT: usize = 64;
 pub struct CompiledFormula {
     /// The plan, and the graph that its nodes belong to.
     pub plan: FormulaPlan,
+    /// The width of the vectors of its kernels, and of all that works on its pictures.
+    pub width: Width,
     /// Variables of hits → the hit frontier.
     pub hits: Kernel,
     /// Variables of lit records → the record frontier.
@@ -85,8 +88,8 @@ impl<'p> Batch<'p> {
         ContributionTicket { uniforms, overwrite, add }
     }
 
-    fn compile(self, graph: &Graph, listing: Option<&mut Listing>) -> Result<Kernels, CompileError> {
-        Ok(Kernels(generate(&self.specs, graph, listing)?))
+    fn compile(self, width: Width, graph: &Graph, listing: Option<&mut Listing>) -> Result<Kernels, CompileError> {
+        Ok(Kernels(generate(width, &self.specs, graph, listing)?))
     }
 }
 
@@ -105,33 +108,41 @@ impl Kernels {
 }
 
 impl CompiledFormula {
-    /// Compiles a formula.
+    /// Compiles a formula for the [widest](Width::widest) vectors.
     ///
     /// # Errors
     /// The processor is not supported, or the formula is beyond what the code generator takes.
     pub fn new(formula: &Formula) -> Result<Self, CompileError> {
-        Self::compile(FormulaPlan::new(formula), None)
+        Self::with_width(formula, Width::widest()?)
     }
 
-    /// Compiles a formula and lists the stages.
+    /// Compiles a formula for vectors of this width.
+    ///
+    /// # Errors
+    /// The processor does not have them, or the formula is beyond what the code generator takes.
+    pub fn with_width(formula: &Formula, width: Width) -> Result<Self, CompileError> {
+        Self::compile(FormulaPlan::new(formula), width, None)
+    }
+
+    /// Compiles a formula for the [widest](Width::widest) vectors and lists the stages.
     ///
     /// # Errors
     /// The processor is not supported, or the formula is beyond what the code generator takes.
     pub fn listing(formula: &Formula) -> Result<Listing, CompileError> {
         let mut listing = Listing::default();
-        Self::compile(FormulaPlan::new(formula), Some(&mut listing))?;
+        Self::compile(FormulaPlan::new(formula), Width::widest()?, Some(&mut listing))?;
         Ok(listing)
     }
 
-    /// Compiles a plan.
-    pub(super) fn compile(plan: FormulaPlan, listing: Option<&mut Listing>) -> Result<Self, CompileError> {
+    /// Compiles a plan for vectors of this width.
+    pub(super) fn compile(plan: FormulaPlan, width: Width, listing: Option<&mut Listing>) -> Result<Self, CompileError> {
         let mut batch = Batch::default();
         let contribution = batch.contribution(&plan.contribution);
         let (hits, records) = (batch.stage(&plan.hits), batch.stage(&plan.records));
-        let kernels = batch.compile(&plan.bindings.graph, listing)?;
+        let kernels = batch.compile(width, &plan.bindings.graph, listing)?;
         let (hits, records) = (kernels.kernel(hits), kernels.kernel(records));
         let contribution = kernels.contribution(contribution);
-        Ok(Self { plan, hits, records, contribution, sliders: Mutex::default() })
+        Ok(Self { plan, width, hits, records, contribution, sliders: Mutex::default() })
     }
 
     /// The kernels for the time that these components of parameters move; compiled when they are wanted first.
@@ -146,7 +157,7 @@ impl CompiledFormula {
         if let Some(kernels) = known().get(&moved) {
             return Ok(Arc::clone(kernels));
         }
-        let kernels = Arc::new(CompiledSlider::new(SliderPlan::new(&self.plan.bindings, &moved))?);
+        let kernels = Arc::new(CompiledSlider::new(SliderPlan::new(&self.plan.bindings, &moved), self.width)?);
         let mut known = known();
         if known.len() >= SLIDERS_KEPT {
             known.clear();
@@ -157,12 +168,12 @@ impl CompiledFormula {
 }
 
 impl CompiledSlider {
-    fn new(plan: SliderPlan) -> Result<Self, CompileError> {
+    fn new(plan: SliderPlan, width: Width) -> Result<Self, CompileError> {
         let mut batch = Batch::default();
         let moving: Vec<ContributionTicket> = plan.moving.iter().map(|plan| batch.contribution(plan)).collect();
         let fixed = plan.fixed.as_ref().map(|plan| batch.contribution(plan));
         let columns = plan.columns.as_ref().map(|plan| batch.contribution(plan));
-        let kernels = batch.compile(&plan.separation.bindings.graph, None)?;
+        let kernels = batch.compile(width, &plan.separation.bindings.graph, None)?;
         let moving = moving.into_iter().map(|ticket| kernels.contribution(ticket)).collect();
         let [fixed, columns] = [fixed, columns].map(|ticket| ticket.map(|ticket| kernels.contribution(ticket)));
         Ok(Self { plan: Arc::new(plan), fixed, moving, columns })
@@ -178,18 +189,20 @@ mod tests {
 
     #[test]
     fn built_in_formulas_are_computed_as_many_records_at_a_time_as_there_are_lanes() {
-        let has = |all: [bool; 2]| all.iter().all(|has| *has);
-        let eight = has([std::arch::is_x86_feature_detected!("avx2"), std::arch::is_x86_feature_detected!("fma")]);
-        let sixteen = has([std::arch::is_x86_feature_detected!("avx512f"), std::arch::is_x86_feature_detected!("avx512dq")]);
-        let widest =
-            [(eight && sixteen, "%zmm"), (eight, "%ymm"), (true, "%xmm")].into_iter().find(|(there, _)| *there).unwrap().1;
-        for name in presets::names(FileKind::Formula) {
+        let names = || presets::names(FileKind::Formula);
+        for (width, name) in Width::supported().flat_map(|width| names().map(move |name| (width, name))) {
             let (formula, _) = Formula::parse(&Source::new(name, presets::text(FileKind::Formula, name).unwrap())).unwrap();
-            let listing = CompiledFormula::listing(&formula).unwrap();
+            let mut listing = Listing::default();
+            CompiledFormula::compile(FormulaPlan::new(&formula), width, Some(&mut listing)).unwrap();
+            // No instruction of a wider processor is in any kernel: only the names of those with AVX begin with a v.
+            let has = |mark: &str| listing.asm.contains(mark);
+            assert!(width >= Width::Eight || !has("%ymm") && !has(" v"), "{name} in {width}: {}", listing.asm);
+            assert!(width >= Width::Sixteen || !has("%zmm"), "{name} in {width}: {}", listing.asm);
             let kernels: Vec<&str> = listing.asm.split("; ").filter(|kernel| kernel.starts_with("contributions")).collect();
             assert_eq!(kernels.len(), 2, "one that stores and one that adds");
+            let register = ["%xmm", "%ymm", "%zmm"][width as usize];
             for kernel in kernels {
-                assert!(kernel.contains(widest) && kernel.contains("prefetcht0") == eight, "{name}: {kernel}");
+                assert!(kernel.contains(register) && kernel.contains("prefetcht0"), "{name} in {width}: {kernel}");
             }
         }
     }

@@ -10,6 +10,7 @@ use crate::jit::emit::{Emitter, LANES_BYTES, PERLIN_OPERANDS};
 use crate::jit::lanes::{Line, Splat};
 use crate::jit::step::{Bases, Reading};
 use crate::jit::target::Target;
+use crate::jit::widen::Spills;
 use crate::lang::scalars::{Primitive, Scalars};
 use crate::plan::{Domain, KernelPlan, STREAMS, Sink};
 use crate::segment::ROUND_LINES;
@@ -90,7 +91,7 @@ pub(super) fn shapes(spec: &KernelSpec, graph: &Graph, target: &Target) -> Vec<S
     let few = spec.schedule(graph, narrow).is_some_and(|schedule| schedule.len() <= MANY_NODES);
     let interleave = if few { spec.interleave() } else { 1 };
     let mut shapes = Vec::new();
-    for blocks in target.widths.iter().copied().filter(|blocks| *blocks > 1 && spec.wide()) {
+    for blocks in target.blocks.iter().copied().filter(|blocks| *blocks > 1 && spec.wide()) {
         let halves = std::iter::successors(Some(interleave), |interleave| (*interleave > 1).then_some(interleave / 2));
         shapes.extend(halves.map(|interleave| Shape { blocks, interleave, fma }));
     }
@@ -99,6 +100,11 @@ pub(super) fn shapes(spec: &KernelSpec, graph: &Graph, target: &Target) -> Vec<S
 }
 
 impl Shape {
+    /// Whether what does not fit the registers may go to the stack: only where no shape of as many lanes needs fewer.
+    pub(super) fn spills(self) -> Spills {
+        if self.interleave == 1 { Spills::Allowed } else { Spills::Refused }
+    }
+
     /// How many blocks a round of the loop takes.
     pub(super) fn round(self) -> usize {
         self.blocks * self.interleave

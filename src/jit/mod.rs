@@ -26,9 +26,11 @@ mod pixels;
 mod step;
 pub mod target;
 mod widen;
+pub mod width;
 
 pub use cache::KernelCache;
 pub use call::{Kernel, PixelCode, Program, fetch};
 pub use compile::CompiledFormula;
 pub use lanes::{Line, Operands, PREFETCH_DISTANCE, PixelLine, PixelPlanes, Splat, Streams, Sums};
 pub use target::{CompileError, Listing};
+pub use width::Width;

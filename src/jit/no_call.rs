@@ -4,7 +4,9 @@ use crate::formula::graph::Graph;
 use crate::jit::kernel::KernelSpec;
 use crate::jit::lanes::{Line, Operands, PixelLine, PixelPlanes, Splat, Streams};
 use crate::jit::target::{CompileError, Listing, target};
+use crate::jit::width::Width;
 use crate::plan::STREAMS;
+use crate::transfer::Transfer;
 use std::ops::Range;
 
 /// A compiled kernel: there is none.
@@ -65,9 +67,9 @@ impl Program {
         match *kernel {}
     }
 
-    /// Does not add.
-    pub fn add(&mut self, _: Range<usize>, _: usize, _: Option<usize>, _: usize) -> bool {
-        false
+    /// Adds to pixels.
+    pub fn add(&mut self, code: &'static PixelCode, _: Range<usize>, _: usize, _: Option<usize>, _: usize) {
+        match *code {}
     }
 
     /// Takes no steps.
@@ -76,11 +78,12 @@ impl Program {
 
 /// Says that there is no compiled code for this processor.
 pub(super) fn generate(
+    width: Width,
     _specs: &[KernelSpec],
     _graph: &Graph,
     _listing: Option<&mut Listing>,
 ) -> Result<Vec<Kernel>, CompileError> {
-    let target = target()?;
+    let target = target(width)?;
     Err(CompileError::Processor(target.isa.name().to_owned()))
 }
 
@@ -92,12 +95,12 @@ pub enum PixelCode {}
 
 impl PixelCode {
     /// The code: none.
-    pub fn get() -> Option<&'static PixelCode> {
+    pub fn get(_: Width) -> Option<&'static PixelCode> {
         None
     }
 
     /// Writes.
-    pub fn write(&self, _: &PixelPlanes, _: usize, _: &mut [PixelLine], _: &[Line]) {
+    pub fn write(&self, _: Transfer, _: &PixelPlanes, _: usize, _: &mut [PixelLine], _: &[Line]) {
         match *self {}
     }
 }

@@ -4,8 +4,8 @@
 //! twice that. But the arithmetic of a kernel goes lane by lane, and for nearly every instruction in the VEX encoding there is one that does
 //! the same to more lanes. So a kernel is written for steps of two or four times as many bytes (see [`Shape`](super::kernel::Shape)),
 //! compiled as usual, and its machine code widened: constants are repeated, registers renamed. With AVX-512 there are twice as many
-//! registers too, which take what Cranelift had to put on the stack; and comparisons yield masks in registers of their own. Where an
-//! instruction is not on the list below, or needs the stack after all, the kernel stays as it is. That the result computes the same
+//! registers too, which take what Cranelift had to put on the stack; and comparisons yield masks in registers of their own. What the stack
+//! holds gets as much more room. Where an instruction is not on the list below, the kernel stays as it is. That the result computes the same
 //! is tested as everything compiled is, against the interpreter, and instruction by instruction.
 
 use crate::jit::lanes::PREFETCH_DISTANCE;
@@ -101,16 +101,24 @@ const ABOVE_WHOLE: Code = Code::VEX_Vpsubsb_xmm_xmm_xmmm128;
 /// nearest at times, where the operand is negative.
 const TO_WHOLE_BELOW: i32 = 1;
 
-/// The code of a function, without relocations, whose constants stand behind it, for vectors of two blocks of four lanes, or of four.
-pub(super) fn widen(code: &[u8], blocks: usize) -> Option<Vec<u8>> {
-    let mut widening = Widening { sixteen: blocks == 4, code: Vec::new(), constants: BTreeMap::new(), slots: BTreeMap::new() };
+/// Whether a function may keep vectors on the stack.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Spills {
+    Allowed,
+    Refused,
+}
+
+/// The code of a function, without relocations, whose constants stand behind it, for vectors of one, two or four blocks of four lanes, and with prefetches.
+/// None where there is no such code.
+pub(super) fn widen(code: &[u8], blocks: usize, spills: Spills) -> Option<Vec<u8>> {
+    let mut widening = Widening { blocks, spills, code: Vec::new(), constants: BTreeMap::new(), slots: BTreeMap::new() };
     let mut decoder = Decoder::with_ip(64, code, BASE, DecoderOptions::NONE);
     while decoder.can_decode() && widening.constants.keys().next().is_none_or(|first| decoder.ip() < *first) {
         let instruction = decoder.decode();
         if instruction.is_invalid() {
             return None;
         }
-        if instruction.code() == Code::Retnq {
+        if instruction.code() == Code::Retnq && blocks > 1 {
             // What comes after runs without AVX, and would wait for the upper parts.
             widening.code.push(Instruction::with(Code::VEX_Vzeroupper));
         }
@@ -147,8 +155,9 @@ const MORE_REGISTERS: usize = 16;
 
 /// A function that is being widened.
 struct Widening {
-    /// Whether to sixteen lanes rather than eight.
-    sixteen: bool,
+    /// How many blocks of four lanes a vector has.
+    blocks: usize,
+    spills: Spills,
     code: Vec<Instruction>,
     /// Each constant by its address, with its place among the wide ones.
     constants: BTreeMap<u64, usize>,
@@ -159,25 +168,31 @@ struct Widening {
 impl Widening {
     /// Adds an instruction for more lanes; one that has no vector operand as it is.
     fn add(&mut self, instruction: Instruction) -> Option<()> {
+        let sixteen_lanes = self.blocks == 4;
         let registers = (0..instruction.op_count()).filter(|operand| instruction.op_kind(*operand) == OpKind::Register);
         let vectors: Vec<u32> = registers.filter(|operand| instruction.op_register(*operand).is_vector_register()).collect();
-        if vectors.is_empty() {
+        if vectors.is_empty() && self.blocks > 1 {
+            let instruction = self.with_larger_stack(instruction)?;
             self.code.push(instruction);
             return (!instruction.is_ip_rel_memory_operand()).then_some(());
+        }
+        if instruction.is_ip_rel_memory_operand() {
+            let next = self.constants.len();
+            self.constants.entry(instruction.ip_rel_memory_address()).or_insert(next);
+        }
+        if self.blocks == 1 {
+            self.code.push(instruction);
+            return Some(());
         }
         let stands_for = [
             (SCALE, Code::EVEX_Vscalefps_zmm_k1z_zmm_zmmm512b32_er),
             (ABOVE_WHOLE, Code::EVEX_Vreduceps_zmm_k1z_zmmm512b32_imm8_sae),
         ];
-        let stand_in = stands_for.into_iter().find(|(code, _)| self.sixteen && *code == instruction.code());
+        let stand_in = stands_for.into_iter().find(|(code, _)| sixteen_lanes && *code == instruction.code());
         let [eight, sixteen] = match stand_in {
             Some((_, code)) => [code; 2],
             None => twins(instruction.code())?,
         };
-        if instruction.is_ip_rel_memory_operand() {
-            let next = self.constants.len();
-            self.constants.entry(instruction.ip_rel_memory_address()).or_insert(next);
-        }
         let mut wide = instruction;
         for operand in vectors {
             let register = instruction.op_register(operand);
@@ -186,22 +201,25 @@ impl Widening {
             }
             wide.set_op_register(operand, self.register(register.number()));
         }
-        if matches!(instruction.memory_base(), Register::RSP | Register::RBP) {
-            self.off_the_stack(&mut wide)?;
+        if matches!(instruction.memory_base(), Register::RSP | Register::RBP) && !self.takes_a_register(&mut wide) {
+            if self.spills == Spills::Refused {
+                return None;
+            }
+            wide = self.with_larger_stack(wide)?;
         }
-        wide.set_code(if self.sixteen { sixteen } else { eight });
+        wide.set_code(if sixteen_lanes { sixteen } else { eight });
         if instruction.code() == ABOVE_WHOLE {
             let [result, x] = [wide.op0_register(), wide.op1_register()];
             wide = Instruction::with3(sixteen, result, x, TO_WHOLE_BELOW).ok()?;
         }
         let compares =
             matches!(sixteen, Code::EVEX_Vcmpps_kr_k1_zmm_zmmm512b32_imm8_sae | Code::EVEX_Vpcmpeqd_kr_k1_zmm_zmmm512b32);
-        if self.sixteen && compares {
+        if sixteen_lanes && compares {
             let result = wide.op0_register();
             wide.set_op0_register(Register::K1);
             self.code.push(wide);
             self.code.push(Instruction::with2(Code::EVEX_Vpmovm2d_zmm_kr, result, Register::K1).ok()?);
-        } else if self.sixteen && sixteen == Code::EVEX_Vblendmps_zmm_k1z_zmm_zmmm512b32 {
+        } else if sixteen_lanes && sixteen == Code::EVEX_Vblendmps_zmm_k1z_zmm_zmmm512b32 {
             let truth = self.register(instruction.op_register(3).number());
             self.code.push(Instruction::with2(Code::EVEX_Vpmovd2m_kr_zmm, Register::K1, truth).ok()?);
             wide.set_op_mask(Register::K1);
@@ -213,25 +231,50 @@ impl Widening {
     }
 
     fn register(&self, number: usize) -> Register {
-        let first = if self.sixteen { Register::ZMM0 } else { Register::YMM0 };
+        let first = if self.blocks == 4 { Register::ZMM0 } else { Register::YMM0 };
         first + number as u32
     }
 
-    /// Replaces a place of the stack, where there is no room for more than four lanes, by a register.
-    fn off_the_stack(&mut self, wide: &mut Instruction) -> Option<()> {
-        if !self.sixteen || wide.memory_base() != Register::RSP || wide.memory_index() != Register::None {
-            return None;
+    /// Replaces a place of the stack by one of the registers that there are beyond Cranelift's; whether there is one left.
+    fn takes_a_register(&mut self, wide: &mut Instruction) -> bool {
+        if self.blocks != 4 || wide.memory_base() != Register::RSP || wide.memory_index() != Register::None {
+            return false;
         }
         let next = self.slots.len();
         let slot = *self.slots.entry(wide.memory_displacement64()).or_insert(next);
-        if slot >= MORE_REGISTERS {
-            return None;
-        }
-        let operand = (0..wide.op_count()).find(|operand| wide.op_kind(*operand) == OpKind::Memory)?;
+        let operand = (0..wide.op_count()).find(|operand| wide.op_kind(*operand) == OpKind::Memory);
+        let Some(operand) = operand.filter(|_| slot < MORE_REGISTERS) else { return false };
         wide.set_op_kind(operand, OpKind::Register);
         wide.set_op_register(operand, self.register(MORE_REGISTERS + slot));
         wide.set_memory_base(Register::None);
-        Some(())
+        true
+    }
+
+    /// The instruction where everything on the stack is as many times as large, and lies as many times as far from its end.
+    fn with_larger_stack(&self, instruction: Instruction) -> Option<Instruction> {
+        let times = self.blocks as u64;
+        if instruction.memory_base() == Register::RSP && instruction.memory_index() == Register::None {
+            let mut moved = instruction;
+            moved.set_memory_displacement64(instruction.memory_displacement64().checked_mul(times)?);
+            moved.set_memory_displ_size(8);
+            // An address might be used to read with less room between.
+            return (instruction.code() != Code::Lea_r64_m).then_some(moved);
+        }
+        if matches!(instruction.memory_base(), Register::RSP | Register::RBP) {
+            return None;
+        }
+        let resized = match instruction.code() {
+            Code::Sub_rm64_imm8 | Code::Sub_rm64_imm32 => Code::Sub_rm64_imm32,
+            Code::Add_rm64_imm8 | Code::Add_rm64_imm32 => Code::Add_rm64_imm32,
+            _ => return Some(instruction),
+        };
+        if instruction.op0_kind() != OpKind::Register || instruction.op0_register() != Register::RSP {
+            return Some(instruction);
+        }
+        let size = i32::try_from(instruction.immediate(1).checked_mul(times)?).ok()?;
+        let mut moved = Instruction::with2(resized, Register::RSP, size).ok()?;
+        moved.set_ip(instruction.ip());
+        Some(moved)
     }
 }
 
@@ -261,7 +304,7 @@ fn with_prefetches(code: Vec<Instruction>) -> Vec<Instruction> {
     let is_store = |instruction: &Instruction| instruction.op_count() > 0 && instruction.op0_kind() == OpKind::Memory;
     let stored: HashSet<_> = code.iter().filter(|instruction| is_store(instruction)).map(indexed).collect();
     let is_column = |instruction: &Instruction| {
-        let vector = instruction.op_count() > 1 && (instruction.op0_register().is_ymm() || instruction.op0_register().is_zmm());
+        let vector = instruction.op_count() > 1 && instruction.op0_register().is_vector_register();
         let loads = vector && (0..instruction.op_count()).any(|operand| instruction.op_kind(operand) == OpKind::Memory);
         let moves = [instruction.memory_base(), instruction.memory_index()].iter().any(|register| moving.contains(register));
         loads && moves && instruction.memory_index() != Register::None && !stored.contains(&indexed(instruction))
@@ -369,15 +412,39 @@ mod tests {
         let spill = |place| Instruction::with2(Code::VEX_Vmovups_xmmm128_xmm, slot(place), Register::XMM5).unwrap();
         let add = Instruction::with3(Code::VEX_Vaddps_xmm_xmm_xmmm128, Register::XMM1, Register::XMM2, slot(1)).unwrap();
         let few = code(&[spill(0), spill(1), add, Instruction::with(Code::Retnq)], &[]);
-        let text = disassembled(&widen(&few, 4).unwrap());
+        let text = disassembled(&widen(&few, 4, Spills::Refused).unwrap());
         assert!(
             text.contains("vmovups %zmm5,%zmm17") && text.contains("vaddps %zmm17,%zmm2,%zmm1") && !text.contains("rsp"),
             "{text}"
         );
-        assert_eq!(widen(&few, 2), None);
+        assert_eq!(widen(&few, 2, Spills::Refused), None);
         let many: Vec<Instruction> = (0..17).map(spill).collect();
-        assert!(widen(&code(&many[..16], &[]), 4).is_some());
-        assert_eq!(widen(&code(&many, &[]), 4), None);
+        assert!(widen(&code(&many[..16], &[]), 4, Spills::Refused).is_some());
+        assert_eq!(widen(&code(&many, &[]), 4, Spills::Refused), None);
+    }
+
+    #[test]
+    fn what_stays_on_the_stack_gets_room_for_all_lanes() {
+        let slot = |place: i64| MemoryOperand::new(Register::RSP, Register::None, 1, place, 8, false, Register::None);
+        let spill = |place| Instruction::with2(Code::VEX_Vmovups_xmmm128_xmm, slot(16 * place), Register::XMM5).unwrap();
+        let stack = |code, size: i32| Instruction::with2(code, Register::RSP, size).unwrap();
+        let frame = [
+            stack(Code::Sub_rm64_imm32, 0x150),
+            Instruction::with2(Code::Mov_rm64_r64, slot(0x140), Register::RBX).unwrap(),
+            Instruction::with2(Code::Add_rm64_imm8, Register::RBX, 8).unwrap(),
+        ];
+        let end = [stack(Code::Add_rm64_imm32, 0x150), Instruction::with(Code::Retnq)];
+        let all: Vec<Instruction> = frame.into_iter().chain((0..20).map(spill)).chain(end).collect();
+        let eight = disassembled(&widen(&code(&all, &[]), 2, Spills::Allowed).unwrap());
+        let of_eight = ["sub $0x2A0,%rsp", "mov %rbx,0x280(%rsp)", "add $8,%rbx", "vmovups %ymm5,0x260(%rsp)", "add $0x2A0,%rsp"];
+        assert!(of_eight.iter().all(|line| eight.contains(line)), "{eight}");
+        // The first sixteen have registers of their own.
+        let sixteen = disassembled(&widen(&code(&all, &[]), 4, Spills::Allowed).unwrap());
+        let of_sixteen = ["sub $0x540,%rsp", "mov %rbx,0x500(%rsp)", "vmovups %zmm5,%zmm31", "vmovups %zmm5,0x400(%rsp)"];
+        assert!(of_sixteen.iter().all(|line| sixteen.contains(line)), "{sixteen}");
+        // Where an address of the stack is taken, nobody knows what is done with it.
+        let address = Instruction::with2(Code::Lea_r64_m, Register::RAX, slot(0)).unwrap();
+        assert_eq!(widen(&code(&[address], &[]), 2, Spills::Allowed), None);
     }
 
     #[test]
@@ -391,7 +458,7 @@ mod tests {
         let length = encoded(&instructions(BASE)).unwrap().len() as u64;
         let narrow = code(&instructions(BASE + length), &[1.5, -2.0]);
         for blocks in [2, 4] {
-            let wide = widen(&narrow, blocks).unwrap();
+            let wide = widen(&narrow, blocks, Spills::Refused).unwrap();
             let pool = wide.len() - 2 * NARROW * blocks;
             let number = |at: usize| f32::from_ne_bytes(wide[at..at + 4].try_into().unwrap());
             let loads: Vec<Instruction> = Decoder::with_ip(64, &wide, BASE, DecoderOptions::NONE).into_iter().take(2).collect();
@@ -408,7 +475,7 @@ mod tests {
     #[test]
     fn what_is_not_on_the_list_stays_narrow() {
         let shuffle = Instruction::with3(Code::VEX_Vunpcklps_xmm_xmm_xmmm128, Register::XMM1, Register::XMM2, Register::XMM3);
-        assert_eq!(widen(&code(&[shuffle.unwrap()], &[]), 4), None);
+        assert_eq!(widen(&code(&[shuffle.unwrap()], &[]), 4, Spills::Allowed), None);
     }
 
     #[test]
@@ -431,7 +498,7 @@ mod tests {
             Instruction::with_branch(Code::Jne_rel32_64, BASE).unwrap(),
             Instruction::with(Code::Retnq),
         ];
-        let wide = widen(&code(&instructions, &[]), 4).unwrap();
+        let wide = widen(&code(&instructions, &[]), 4, Spills::Refused).unwrap();
         let fetched: Vec<(Register, u64)> = Decoder::with_ip(64, &wide, BASE, DecoderOptions::NONE)
             .into_iter()
             .filter(|instruction| instruction.code() == Code::Prefetcht0_m8)

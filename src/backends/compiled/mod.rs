@@ -16,7 +16,7 @@ use crate::evaluate::{Backend, Drawn, EvaluateError, Evaluator, Footprint, Frame
 use crate::formula::equation::{Equation, Site};
 use crate::formula::{Formula, Parameter};
 use crate::jit::compile::Contribution;
-use crate::jit::{self, CompiledFormula, Kernel, KernelCache, Line, PREFETCH_DISTANCE, Splat};
+use crate::jit::{self, CompiledFormula, Kernel, KernelCache, Line, PREFETCH_DISTANCE, PixelCode, Splat, Width};
 use crate::lang::scalars::flush;
 use crate::lang::variables::Owner;
 use crate::plan::{Channels, ParameterSlot};
@@ -95,6 +95,11 @@ impl Compiled {
         })
     }
 
+    /// The width of the vectors that pictures are made with.
+    pub fn width(&self) -> Width {
+        self.compiled.width
+    }
+
     /// Draws a tile into its part of a framebuffer.
     fn draw_tile(&self, pass: &Pass, parameters: &[f32], place: usize, scratch: &mut TileScratch, part: Part) {
         self.tile(pass, parameters, place, scratch);
@@ -121,7 +126,7 @@ impl Compiled {
         work.enumerate().for_each(|(place, own)| {
             let pool = || self.scratch.lock().unwrap_or_else(PoisonError::into_inner);
             let free = pool().pop();
-            let mut scratch = free.unwrap_or_else(TileScratch::new);
+            let mut scratch = free.unwrap_or_else(|| TileScratch::new(self.width()));
             each(own, place, &mut scratch);
             pool().push(scratch);
         });
@@ -140,7 +145,8 @@ impl Compiled {
 
     /// A pass without sources.
     fn empty_pass(&self, at_hits: Vec<[f32; 3]>, at_misses: [f32; 3], channels: Channels) -> Pass<'_> {
-        Pass { sources: Vec::new(), uniforms: Vec::new(), columns: &self.columns, at_hits, at_misses, channels }
+        let code = PixelCode::get(self.width());
+        Pass { sources: Vec::new(), uniforms: Vec::new(), columns: &self.columns, at_hits, at_misses, channels, code }
     }
 
     /// A contribution of all pairs of a body and a light whose light is not off, and its uniform values, computed from these leaves.

@@ -7,7 +7,7 @@ use crate::backends::compiled::columns::Columns;
 use crate::backends::compiled::planes::Planes;
 use crate::backends::compiled::program::{TileInputs, TileProgram};
 use crate::evaluate::weights::Weight;
-use crate::jit::{Kernel, Splat, Sums, fetch};
+use crate::jit::{Kernel, PixelCode, Splat, Sums, Width, fetch};
 use crate::plan::Channels;
 use crate::scene::BodyId;
 use crate::trace::{CHUNK_HITS, Tile};
@@ -59,6 +59,8 @@ pub(super) struct Pass<'p> {
     pub(super) at_misses: [f32; 3],
     /// The components that are computed; the others stay as they are.
     pub(super) channels: Channels,
+    /// The code that adds to pixels, where there is some for the processor.
+    pub(super) code: Option<&'static PixelCode>,
 }
 
 /// What happens to the pixels that are in the planes when a pass runs.
@@ -90,9 +92,10 @@ impl TileScratch {
     /// About how large one is.
     pub(super) const BYTES: usize = Planes::BYTES + size_of::<Sums>();
 
-    pub(super) fn new() -> Self {
+    /// Scratch where pixels are worked on with vectors of this width.
+    pub(super) fn new(width: Width) -> Self {
         Self {
-            planes: Planes::new(),
+            planes: Planes::new(width),
             weights: Vec::new(),
             sums: bytemuck::zeroed_box(),
             span_weights: Vec::new(),

@@ -1,16 +1,16 @@
 //! The pixels of a tile while colours are added up: a plane each of red, green and blue.
 //!
-//! Hits stand side by side in lines, and those whose pixels are neighbours too make a [`Segment`]: what they add is added at once, by compiled
-//! code where the processor has masks, else in vectors of four. Which colours are added, and with what weight, is the caller's.
+//! Hits stand side by side in lines, and those whose pixels are neighbours too make a [`Segment`]: what they add is added at once. Compiled code does
+//! that and writes pixels; here is what it leaves. Which colours are added, and with what weight, is the caller's.
 
 use crate::evaluate::weights::Weight;
 use crate::evaluate::{Part, write};
 use crate::jit::lanes::PLANE_PIXELS;
-use crate::jit::{Line, PixelCode, PixelLine, PixelPlanes, Sums};
+use crate::jit::{Line, PixelCode, PixelLine, PixelPlanes, Sums, Width};
 use crate::plan::Channels;
-use crate::trace::{CHUNK_LINES, LINE_HITS, Region, Segment, TILE_PIXELS, Tile};
-use crate::transfer::{Transfer, with_bytes};
-use pulp::{Arch, Simd, WithSimd};
+use crate::trace::{LINE_HITS, Region, Segment, TILE_PIXELS, Tile};
+use crate::transfer::with_bytes;
+use pulp::{Simd, WithSimd};
 use std::ops::Range;
 
 /// Where the tile's pixels lie in a plane.
@@ -20,17 +20,22 @@ const PIXELS: Range<usize> = Segment::MARGIN..Segment::MARGIN + TILE_PIXELS as u
 pub(super) struct Planes {
     planes: Box<PixelPlanes>,
     code: Option<&'static PixelCode>,
-    arch: Arch,
+    width: Width,
 }
 
 impl Planes {
     /// How large they are.
     pub(super) const BYTES: usize = size_of::<PixelPlanes>();
 
-    /// All black.
-    pub(super) fn new() -> Self {
+    /// All black; they are worked on with vectors of this width.
+    pub(super) fn new(width: Width) -> Self {
         // On the heap from the beginning: they are larger than what a thread's stack may spare.
-        Self { planes: bytemuck::zeroed_box(), code: PixelCode::get(), arch: Arch::new() }
+        Self { planes: bytemuck::zeroed_box(), code: PixelCode::get(width), width }
+    }
+
+    /// The width of the vectors.
+    pub(super) fn width(&self) -> Width {
+        self.width
     }
 
     /// Red, green and blue of the pixels, each a slice of a whole tile.
@@ -51,7 +56,7 @@ impl Planes {
 
     /// Gives every region of a tile a colour, that of its set of paths; or adds it to what is there.
     pub(super) fn fill(&mut self, tile: &Tile, colours: &[[f32; 4]], add: bool) {
-        self.arch.dispatch(Fill { planes: &mut self.planes, regions: &tile.regions, colours, add });
+        self.width.dispatch(Fill { planes: &mut self.planes, regions: &tile.regions, colours, add });
     }
 
     /// The pixels, for compiled code.
@@ -59,48 +64,35 @@ impl Planes {
         &mut self.planes
     }
 
-    /// Adds the sums of a span's hits, times its weight, to their pixels, as compiled code does where there is some for it.
+    /// Adds the sums of a span's hits, times its weight, to their pixels: where there is no compiled code that does, or the weight is too small for it.
     pub(super) fn add(&mut self, segments: &[Segment], sums: &Sums, weight: Weight, channels: Channels) {
-        if weight.is_tiny() {
-            return add_tiny(&mut self.planes, segments, sums, weight, channels);
-        }
         let components = channels.components();
-        let planes = &mut self.planes.0[components.clone()];
-        self.arch.dispatch(Addition { planes, segments, sums: &sums[components], weight: weight.0 as f32 });
+        for (component, segment) in components.flat_map(|component| segments.iter().map(move |segment| (component, segment))) {
+            let first = segment.lanes().trailing_zeros() as usize;
+            let sums = &sums[component][segment.line()].0;
+            for (pixel, sum) in self.planes.0[component][PIXELS][segment.pixels()].iter_mut().zip(&sums[first..]) {
+                *pixel += weight.times(*sum);
+            }
+        }
     }
 
     /// Writes the tile's pixels. These lines are read next.
     pub(super) fn quantise(&self, part: Part, coming: &[Line]) {
         let Part { pixels, transfer } = part;
-        let Some(code) = self.code.filter(|_| transfer == Transfer::Linear) else {
+        let Some(code) = self.code else {
             return self.quantise_portably(0, Part { pixels, transfer });
         };
         // Stores past the caches are of whole lines.
         let (head, lines, tail) = bytemuck::pod_align_to_mut::<u32, PixelLine>(pixels);
         let (first, last) = (head.len(), head.len() + lines.len() * LINE_HITS);
         self.quantise_portably(0, Part { pixels: head, transfer });
-        code.write(&self.planes, PIXELS.start + first, lines, coming);
+        code.write(transfer, &self.planes, PIXELS.start + first, lines, coming);
         self.quantise_portably(last, Part { pixels: tail, transfer });
     }
 
     /// Writes some pixels, from this one of the tile on, without compiled code.
     fn quantise_portably(&self, first: usize, part: Part) {
-        self.arch.dispatch(Quantise { planes: self.components().map(|plane| &plane[first..]), part });
-    }
-}
-
-/// Adds where the weight is too small for a number of single precision.
-#[cold]
-fn add_tiny(planes: &mut PixelPlanes, segments: &[Segment], sums: &Sums, weight: Weight, channels: Channels) {
-    for (component, segment) in
-        channels.components().flat_map(|component| segments.iter().map(move |segment| (component, segment)))
-    {
-        let first = segment.lanes().trailing_zeros() as usize;
-        let sums = &sums[component][segment.line()].0;
-        for (pixel, sum) in planes.0[component][PIXELS][segment.pixels()].iter_mut().zip(&sums[first..]) {
-            let [weighed, ..] = weight.of([*sum; 3]);
-            *pixel += weighed;
-        }
+        self.width.dispatch(Quantise { planes: self.components().map(|plane| &plane[first..]), part });
     }
 }
 
@@ -162,53 +154,12 @@ impl WithSimd for Quantise<'_> {
     }
 }
 
-/// `planes += weight · sums`, in vectors of four: plain loops of constant length, of which a compiler makes vector code.
-struct Addition<'a> {
-    planes: &'a mut [[f32; PLANE_PIXELS]],
-    segments: &'a [Segment],
-    sums: &'a [[Line; CHUNK_LINES]],
-    weight: f32,
-}
-
-impl WithSimd for Addition<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let Addition { planes, segments, sums, weight } = self;
-        for segment in segments {
-            for (plane, sums) in planes.iter_mut().zip(sums) {
-                let pixels = &mut plane[segment.place()..segment.place() + LINE_HITS];
-                let sums = &sums[segment.line()].0;
-                if segment.lanes() == u16::MAX {
-                    add_lanes::<LINE_HITS>(pixels, sums, weight, u16::MAX);
-                    continue;
-                }
-                let (first, last) = (segment.lanes().trailing_zeros() as usize / 4, segment.lanes().ilog2() as usize / 4);
-                for four in first..=last {
-                    let own = 4 * four..4 * four + 4;
-                    add_lanes::<4>(&mut pixels[own.clone()], &sums[own], weight, segment.lanes() >> (4 * four));
-                }
-            }
-        }
-    }
-}
-
-/// Adds to the pixels of these lanes.
-#[inline(always)]
-fn add_lanes<const N: usize>(pixels: &mut [f32], sums: &[f32], weight: f32, lanes: u16) {
-    let live = |lane: usize| 0u32.wrapping_sub(u32::from(lanes >> lane & 1));
-    let term = |lane: usize| f32::from_bits((weight * sums[lane]).to_bits() & live(lane));
-    let after: [f32; N] = std::array::from_fn(|lane| pixels[lane] + term(lane));
-    pixels.copy_from_slice(&after);
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::jit::{Operands, Program};
-    use crate::trace::CHUNK_HITS;
-    use crate::transfer::Bytes;
+    use crate::trace::{CHUNK_HITS, CHUNK_LINES};
+    use crate::transfer::{Bytes, Transfer};
 
     /// Segments of hits that follow each other, in these pixels.
     fn segments(runs: impl IntoIterator<Item = Range<usize>>) -> Vec<Segment> {
@@ -228,8 +179,9 @@ mod tests {
         segments
     }
 
-    /// Adds by compiled code, where there is some.
+    /// Adds by compiled code.
     fn add_compiled(planes: &mut Planes, segments: &[Segment], sums: &mut Sums, weight: f32, channels: Channels) {
+        let Some(code) = planes.code else { return planes.add(segments, sums, Weight(weight.into()), channels) };
         let mut program = Program::default();
         let component = match channels {
             Channels::All => None,
@@ -239,9 +191,7 @@ mod tests {
         let all = [&segments[..1], segments, &segments[..1]].concat();
         let mut weights = vec![f32::NAN; 3 + CHUNK_HITS];
         weights[2] = weight;
-        if !program.add(1..1 + segments.len(), 1, component, 0) {
-            return planes.add(segments, sums, Weight(weight.into()), channels);
-        }
+        program.add(code, 1..1 + segments.len(), 1, component, 0);
         let planes = planes.pixels_mut();
         let mut operands =
             Operands { streams: [&[]; 3], coming: &[], uniforms: &[], segments: &all, weights: &weights, sums, planes };
@@ -269,14 +219,16 @@ mod tests {
         type Add = fn(&mut Planes, &[Segment], &mut Sums, Channels);
         let compiled: Add = |planes, segments, sums, channels| add_compiled(planes, segments, sums, 0.5, channels);
         let portable: Add = |planes, segments, sums, channels| planes.add(segments, sums, Weight(0.5), channels);
-        for (add, channels) in [compiled, portable].into_iter().flat_map(|add| [(add, Channels::All), (add, Channels::One(1))]) {
-            let mut planes = Planes::new();
+        let ways = Width::supported().map(|width| (width, compiled)).chain([(Width::Four, portable)]);
+        for (width, add, channels) in ways.flat_map(|(width, add)| [(width, add, Channels::All), (width, add, Channels::One(1))])
+        {
+            let mut planes = Planes::new(width);
             (0..3).for_each(|component| planes.part_mut(component, 0..last).fill(1.0));
             add(&mut planes, &segments, &mut sums, channels);
             for (pixel, expected) in expected.iter().enumerate() {
                 let added = |component: usize| channels == Channels::All || channels == Channels::One(component);
                 let expected = [0, 1, 2].map(|component| if added(component) { expected[component] } else { 1.0 });
-                assert_eq!(planes.colour(pixel), expected, "pixel {pixel}");
+                assert_eq!(planes.colour(pixel), expected, "pixel {pixel}, {width}");
             }
             // Nor beyond the pixels.
             assert!(
@@ -293,14 +245,17 @@ mod tests {
             0 => odd[place / 7 % odd.len()],
             ulps => f32::from_bits((((place / 7 % 256) as f32 + 0.5) / 255.0).to_bits() + ulps as u32 - 4),
         };
-        let mut planes = Planes::new();
+        let mut planes = Planes::new(Width::Four);
         for component in 0..3 {
             let part = planes.part_mut(component, 0..2000);
             part.iter_mut().enumerate().for_each(|(place, pixel)| *pixel = number(place + 31 * component));
         }
         let places = [(0, 2000), (3, 1500), (5, 16), (1, 7), (0, 0)];
         let transfers = [Transfer::Linear, Transfer::Srgb];
-        for ((start, length), transfer) in places.into_iter().flat_map(|place| transfers.map(|transfer| (place, transfer))) {
+        let all = places.into_iter().flat_map(|place| transfers.map(|transfer| (place, transfer)));
+        for (width, ((start, length), transfer)) in Width::supported().flat_map(|width| all.clone().map(move |way| (width, way)))
+        {
+            let planes = Planes { planes: planes.planes.clone(), ..Planes::new(width) };
             let mut pixels = [0xdead_beef; 2000];
             planes.quantise(Part { pixels: &mut pixels[start..start + length], transfer }, &[]);
             for (place, pixel) in pixels.into_iter().enumerate() {
@@ -310,7 +265,7 @@ mod tests {
                 assert_eq!(
                     pixel,
                     if is_written { word } else { 0xdead_beef },
-                    "pixel {place} of {length} at {start}, {transfer:?}"
+                    "pixel {place} of {length} at {start}, {transfer:?}, {width}"
                 );
             }
         }
@@ -318,7 +273,7 @@ mod tests {
 
     #[test]
     fn weights_below_those_of_single_precision_still_count() {
-        let mut planes = Planes::new();
+        let mut planes = Planes::new(Width::Four);
         let sums: Sums = [[Line([1e38; 16]); CHUNK_LINES]; 3];
         planes.add(&segments(std::iter::once(3..7)), &sums, Weight(1e-40), Channels::One(1));
         assert_eq!(planes.colour(4)[0], 0.0);

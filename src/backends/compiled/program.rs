@@ -203,8 +203,9 @@ impl ProgramBuilder<'_, '_> {
                     Channels::One(component) => Some(component),
                 };
                 let tiny = run.iter().any(|span| class(span) == WeightClass::Tiny);
-                if tiny || !self.program.steps.add(segments, weights, component, coming) {
-                    self.portably(Portable::Add(spans, self.pass.channels));
+                match self.pass.code.filter(|_| !tiny) {
+                    Some(code) => self.program.steps.add(code, segments, weights, component, coming),
+                    None => self.portably(Portable::Add(spans, self.pass.channels)),
                 }
             }
         }

@@ -139,7 +139,7 @@ fn combine_images<const N: usize>(
 
 /// Does something to the pixels of a cell, of which the last one of a picture may have fewer. A compiler makes the best of a length that it knows.
 #[inline(always)]
-fn in_cell(pixels: &mut [u32], work: impl Fn(&mut [u32; CELL_PIXELS])) {
+pub(super) fn in_cell(pixels: &mut [u32], work: impl Fn(&mut [u32; CELL_PIXELS])) {
     match <&mut [u32; CELL_PIXELS]>::try_from(&mut *pixels) {
         Ok(whole) => work(whole),
         Err(_) => {

@@ -4,6 +4,7 @@ use crate::backends::compiled::drag::cells::{self, CellSet, Factor};
 use crate::backends::compiled::planes::Planes;
 use crate::evaluate::Part;
 use crate::evaluate::weights::Powers;
+use crate::jit::Width;
 use crate::plan::{Channels, Factors};
 use crate::transfer::{Bytes, with_bytes};
 use pulp::{Simd, WithSimd};
@@ -141,10 +142,10 @@ impl TileImages {
         self.base_largest + self.keys.iter().zip(&self.largest).map(size).sum::<f32>() <= LARGEST_SUM
     }
 
-    /// Writes all cells of the tile.
-    pub(super) fn draw(&self, factor: &impl Fn(Key) -> Factor, part: Part) {
+    /// Writes all cells of the tile, with vectors of this width.
+    pub(super) fn draw(&self, width: Width, factor: &impl Fn(Key) -> Factor, part: Part) {
         let factors: Vec<Factor> = self.keys.iter().map(|key| factor(*key)).collect();
-        pulp::Arch::new().dispatch(Drawing { images: self, factors: &factors, part });
+        width.dispatch(Drawing { images: self, factors: &factors, part });
     }
 }
 

@@ -214,7 +214,7 @@ impl Drag for CompiledDrag {
             TileState::Images { images, right } => {
                 let accurate = images.is_accurate(&factor);
                 if drawn && accurate && *right {
-                    images.draw(&factor, part);
+                    images.draw(compiled.width(), &factor, part);
                 } else {
                     draw_all(place, scratch, part);
                 }
@@ -334,8 +334,8 @@ impl LiveTile {
             cells::restore(&mut scratch.planes, usize::from(*cell), channels, lanes);
         }
         live.run(tile, place, self.kept.as_ref(), Accumulate::Add, scratch, &mut self.program);
-        let planes = scratch.planes.components();
-        pulp::Arch::new().dispatch(Writing { cells: &self.cells, planes, channels, part });
+        let (planes, width) = (scratch.planes.components(), scratch.planes.width());
+        width.dispatch(Writing { cells: &self.cells, planes, channels, part });
     }
 }
 
@@ -356,11 +356,10 @@ impl WithSimd for Writing<'_> {
         with_bytes!(transfer, bytes => for cell in cells {
             let start = usize::from(*cell) * cells::CELL_PIXELS;
             let linear = planes.map(|plane| &plane[start..start + cells::CELL_PIXELS]);
-            let pixels = cells::pixels_of(pixels, *cell);
-            match channels {
+            cells::in_cell(cells::pixels_of(pixels, *cell), |pixels| match channels {
                 Channels::All => write(pixels, linear, bytes),
                 Channels::One(component) => write_component(pixels, component, linear[component], bytes),
-            }
+            });
         });
     }
 }

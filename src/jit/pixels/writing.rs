@@ -1,0 +1,163 @@
+//! Writing pixels: colours as bytes.
+
+use crate::jit::lanes::Line;
+use crate::jit::pixels::assembler::{Assembler, Binary, Operand, Shift, at};
+use crate::jit::width::Width;
+use crate::segment::LINE_HITS;
+use crate::transfer::{SrgbBytes, Transfer};
+use iced_x86::{Code, IcedError, Instruction, MemoryOperand, Register};
+
+/// The pixels.
+const PLANES: Register = Register::RDI;
+/// Where they are written.
+const WORDS: Register = Register::RSI;
+/// How many lines are left.
+const LINES: Register = Register::RDX;
+/// What is fetched.
+const COMING: Register = Register::RCX;
+/// The table of the transfer.
+const TABLE: Register = Register::R8;
+
+/// Room for the components of a vector of pixels, in at most 96 bytes, aligned to so many.
+const ROOM: Register = Register::RAX;
+const ALIGNED: i64 = 32;
+
+/// The vectors of red, green and blue.
+const COMPONENTS: [u32; 3] = [1, 2, 3];
+/// Vectors of constants.
+const LEAST: u32 = 4;
+const ONE: u32 = 5;
+const MOST: u32 = 6;
+const HALF: u32 = 7;
+const BYTE: u32 = 6;
+/// Entries of the table.
+const ENTRIES: u32 = 8;
+
+/// The code of `fn(planes, pixels, lines, coming, table)`: pointers to the red of some pixels, whose green and blue lie so many bytes behind one
+/// another, to as many lines of a framebuffer, and to the table for sRGB. Writes `0x00RRGGBB`, as [`Transfer`] makes bytes. Meanwhile it fetches as many
+/// lines from `coming` on, into the second cache: the first would lose them to the next tile's planes.
+pub(in crate::jit) fn writing_code(width: Width, transfer: Transfer, plane_stride: i64) -> Result<Vec<u8>, IcedError> {
+    let mut code = Assembler::new(width);
+    constants(&mut code, transfer)?;
+    code.begin_loop();
+    for lane in (0..LINE_HITS).step_by(code.lanes()) {
+        let displacement = (lane * size_of::<f32>()) as i64;
+        for (plane, vector) in (0..).zip(COMPONENTS) {
+            code.load(vector, at(PLANES, plane * plane_stride + displacement))?;
+            // Of a NaN and a number, the second operand is the result.
+            code.binary(Binary::MAX, vector, vector, Operand::Vector(LEAST))?;
+            code.binary(Binary::MIN, vector, vector, Operand::Vector(ONE))?;
+        }
+        match (transfer, width) {
+            (Transfer::Linear, _) => linear(&mut code, at(WORDS, displacement))?,
+            (Transfer::Srgb, Width::Sixteen) => gathered(&mut code, at(WORDS, displacement))?,
+            (Transfer::Srgb, Width::Four | Width::Eight) => looked_up(&mut code, displacement)?,
+        }
+    }
+    code.push(Instruction::with1(Code::Prefetcht1_m8, at(COMING, 0))?);
+    for pointer in [PLANES, WORDS, COMING] {
+        code.push(Instruction::with2(Code::Add_rm64_imm8, pointer, size_of::<Line>() as i32)?);
+    }
+    code.push(Instruction::with2(Code::Sub_rm64_imm8, LINES, 1)?);
+    code.end_loop(Code::Jne_rel32_64)?;
+    // What went past the caches is to be seen by whoever is told that it is there.
+    code.push(Instruction::with(Code::Sfence));
+    code.finish()
+}
+
+fn constants(code: &mut Assembler, transfer: Transfer) -> Result<(), IcedError> {
+    code.splat(ONE, 1.0_f32.to_bits())?;
+    match transfer {
+        Transfer::Linear => {
+            code.splat(LEAST, 0.0_f32.to_bits())?;
+            code.splat(MOST, 255.0_f32.to_bits())?;
+            // Not a whole half: what lies just below a half must not be rounded up by the sum.
+            code.splat(HALF, 0.5_f32.next_down().to_bits())
+        }
+        Transfer::Srgb => {
+            code.splat(LEAST, SrgbBytes::LEAST.to_bits())?;
+            code.splat(BYTE, 0xff << SrgbBytes::WITHIN)?;
+            // A function that calls nothing may write 128 bytes below the stack. Of a vector that crosses a line of the cache, parts are slow to read.
+            let free = -(128 - (ALIGNED - 1));
+            code.push(Instruction::with2(Code::Lea_r64_m, ROOM, at(Register::RSP, free))?);
+            code.push(Instruction::with2(Code::And_rm64_imm8, ROOM, -ALIGNED as i32)?);
+            Ok(())
+        }
+    }
+}
+
+/// Writes clamped components as they are: times 255, rounded.
+fn linear(code: &mut Assembler, words: MemoryOperand) -> Result<(), IcedError> {
+    for (step, constant) in [(Binary::MULTIPLY, MOST), (Binary::ADD, HALF)] {
+        for vector in COMPONENTS {
+            code.binary(step, vector, vector, Operand::Vector(constant))?;
+        }
+    }
+    for vector in COMPONENTS {
+        code.to_integers(vector)?;
+    }
+    let [red, green, blue] = COMPONENTS;
+    code.shift(Shift::Left, red, 16)?;
+    code.shift(Shift::Left, green, 8)?;
+    code.binary(Binary::OR, red, red, Operand::Vector(green))?;
+    code.binary(Binary::OR, red, red, Operand::Vector(blue))?;
+    code.store_past_caches(words, red)
+}
+
+/// Where the entry for a number is whose first bits are in the index.
+fn entry(index: Register) -> MemoryOperand {
+    let first = i64::from(SrgbBytes::LEAST.to_bits() >> SrgbBytes::WITHIN);
+    let size = size_of::<u32>();
+    MemoryOperand::new(TABLE, index, size as u32, -first * size as i64, 8, false, Register::None)
+}
+
+/// Writes clamped components by the table of sRGB, whose entries are gathered; with 16 lanes.
+fn gathered(code: &mut Assembler, words: MemoryOperand) -> Result<(), IcedError> {
+    for vector in COMPONENTS {
+        let (index, entries) = (code.vector(0), code.vector(ENTRIES));
+        code.push(Instruction::with3(Code::EVEX_Vpsrld_zmm_k1z_zmmm512b32_imm8, index, code.vector(vector), SrgbBytes::WITHIN)?);
+        code.push(Instruction::with3(Code::VEX_Kxnorw_kr_kr_kr, Register::K1, Register::K1, Register::K1)?);
+        let mut gather = Instruction::with2(Code::EVEX_Vpgatherdd_zmm_k1_vm32z, entries, entry(index))?;
+        gather.set_op_mask(Register::K1);
+        code.push(gather);
+        code.binary(Binary::ADD_INTEGERS, vector, vector, Operand::Vector(ENTRIES))?;
+    }
+    let [red, green, blue] = COMPONENTS;
+    for vector in [red, green] {
+        code.binary(Binary::AND, vector, vector, Operand::Vector(BYTE))?;
+    }
+    code.shift(Shift::Right, green, 8)?;
+    code.shift(Shift::Right, blue, SrgbBytes::WITHIN)?;
+    code.binary(Binary::OR, red, red, Operand::Vector(green))?;
+    code.binary(Binary::OR, red, red, Operand::Vector(blue))?;
+    code.store_past_caches(words, red)
+}
+
+/// Writes clamped components by the table of sRGB, entry by entry: there is no quick way to gather fewer than 16. `displacement` is where the first word goes.
+fn looked_up(code: &mut Assembler, displacement: i64) -> Result<(), IcedError> {
+    let bytes = code.lanes() * size_of::<f32>();
+    let number = |component: usize, lane: usize| (component * bytes + lane * size_of::<f32>()) as i64;
+    for (component, vector) in COMPONENTS.into_iter().enumerate() {
+        code.store(at(ROOM, number(component, 0)), vector)?;
+    }
+    let sums = [(Register::R9, Register::R9D), (Register::R10, Register::R10D), (Register::R11, Register::R11D)];
+    for lane in 0..code.lanes() {
+        for (component, (index, sum)) in sums.into_iter().enumerate() {
+            let place = number(component, lane);
+            let first_bits = at(ROOM, place + i64::from(SrgbBytes::WITHIN / u8::BITS));
+            code.push(Instruction::with2(Code::Movzx_r32_rm16, sum, first_bits)?);
+            code.push(Instruction::with2(Code::Mov_r32_rm32, sum, entry(index))?);
+            code.push(Instruction::with2(Code::Add_r32_rm32, sum, at(ROOM, place))?);
+        }
+        let [red, green, blue] = sums.map(|(_, sum)| sum);
+        code.push(Instruction::with2(Code::Shr_rm32_imm8, green, 8)?);
+        code.push(Instruction::with2(Code::Shr_rm32_imm8, blue, SrgbBytes::WITHIN)?);
+        code.push(Instruction::with2(Code::And_rm32_imm32, red, 0xff_0000)?);
+        code.push(Instruction::with2(Code::And_rm32_imm32, green, 0xff00)?);
+        code.push(Instruction::with2(Code::Or_r32_rm32, red, green)?);
+        code.push(Instruction::with2(Code::Or_r32_rm32, red, blue)?);
+        let word = at(WORDS, displacement + (lane * size_of::<u32>()) as i64);
+        code.push(Instruction::with2(Code::Movnti_m32_r32, word, red)?);
+    }
+    Ok(())
+}

@@ -1,0 +1,122 @@
+//! How many numbers one instruction works on: the instruction sets that code is made for, and which of them is used.
+
+use crate::jit::target::CompileError;
+use pulp::WithSimd;
+use std::ffi::OsStr;
+use std::fmt;
+use std::sync::OnceLock;
+
+/// The width of vectors, in lanes of 32-bit numbers. Everything that is made for one width runs on a processor that has no more.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Width {
+    /// 4 lanes: SSE4.1, without AVX and without fused multiply-add.
+    Four,
+    /// 8 lanes: AVX2 with fused multiply-add (x86-64-v3).
+    Eight,
+    /// 16 lanes: AVX-512 (x86-64-v4).
+    Sixteen,
+}
+
+impl Width {
+    /// All widths, narrowest first.
+    pub const ALL: [Width; 3] = [Width::Four, Width::Eight, Width::Sixteen];
+
+    /// The environment variable that limits the width: 4, 8 or 16 lanes at most. It is for tests and measurements of the widths that a wider processor
+    /// has too, and is read once.
+    pub const LIMIT: &str = "ILLUMINATOR_LANES";
+
+    /// How many numbers a vector holds.
+    pub const fn lanes(self) -> usize {
+        match self {
+            Width::Four => 4,
+            Width::Eight => 8,
+            Width::Sixteen => 16,
+        }
+    }
+
+    /// The widths that this processor has, narrowest first, whatever the limit is.
+    pub fn supported() -> impl Iterator<Item = Width> {
+        Self::ALL.into_iter().filter(|width| width.is_supported())
+    }
+
+    /// The widest that this processor has and the [limit](Self::LIMIT) allows.
+    ///
+    /// # Errors
+    /// The limit is none of 4, 8 and 16.
+    pub fn widest() -> Result<Width, CompileError> {
+        static LIMIT: OnceLock<Result<Width, String>> = OnceLock::new();
+        let limit = LIMIT.get_or_init(|| limit(std::env::var_os(Self::LIMIT).as_deref()));
+        let limit = limit.clone().map_err(CompileError::Width)?;
+        Ok(Self::supported().take_while(|width| *width <= limit).last().unwrap_or(Width::Four))
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    fn is_supported(self) -> bool {
+        match self {
+            // Whether there is SSE4.1 is asked when kernels are compiled: there is no narrower code.
+            Width::Four => true,
+            Width::Eight => pulp::x86::V3::is_available(),
+            Width::Sixteen => pulp::x86::V4::is_available(),
+        }
+    }
+
+    #[cfg(not(target_arch = "x86_64"))]
+    fn is_supported(self) -> bool {
+        self == Width::Four
+    }
+
+    /// Runs portable loops as compiled for vectors of this width. What is not inlined into `work` is not compiled so: everything that it calls must be
+    /// `#[inline(always)]`.
+    #[inline(always)]
+    pub fn dispatch<W: WithSimd>(self, work: W) -> W::Output {
+        #[cfg(target_arch = "x86_64")]
+        {
+            use pulp::Simd;
+            use pulp::x86::{V2, V3, V4};
+            if self == Width::Sixteen
+                && let Some(simd) = V4::try_new()
+            {
+                return Simd::vectorize(simd, work);
+            }
+            if self >= Width::Eight
+                && let Some(simd) = V3::try_new()
+            {
+                return Simd::vectorize(simd, work);
+            }
+            if let Some(simd) = V2::try_new() {
+                return Simd::vectorize(simd, work);
+            }
+        }
+        // On other processors a build has the vectors that all of their kind have.
+        work.with_simd(pulp::Scalar)
+    }
+}
+
+impl fmt::Display for Width {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} lanes", self.lanes())
+    }
+}
+
+/// The limit that the environment variable gives; without it there is none.
+fn limit(variable: Option<&OsStr>) -> Result<Width, String> {
+    let Some(given) = variable else { return Ok(Width::Sixteen) };
+    let named = Width::ALL.into_iter().find(|width| given.to_str() == Some(&width.lanes().to_string()));
+    named.ok_or_else(|| given.to_string_lossy().into_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_limit_is_a_number_of_lanes() {
+        assert_eq!(limit(None), Ok(Width::Sixteen));
+        for width in Width::ALL {
+            assert_eq!(limit(Some(OsStr::new(&width.lanes().to_string()))), Ok(width));
+        }
+        for wrong in ["", "2", "32", "avx2", " 8"] {
+            assert_eq!(limit(Some(OsStr::new(wrong))), Err(wrong.to_owned()));
+        }
+    }
+}
