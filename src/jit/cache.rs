@@ -14,11 +14,18 @@ const KEPT: usize = 8;
 /// Keeps compiled formulas. Two are the same if what is to be computed is: comments, names and defaults do not matter.
 #[derive(Default)]
 pub struct KernelCache {
+    /// The width of the vectors that formulas are compiled for; without it, the widest.
+    width: Option<Width>,
     /// The one that was wanted last is the last.
     kept: Mutex<Vec<Arc<CompiledFormula>>>,
 }
 
 impl KernelCache {
+    /// A cache of formulas that are compiled for vectors of this width.
+    pub fn with_width(width: Width) -> Self {
+        Self { width: Some(width), ..Self::default() }
+    }
+
     /// The kernels of a formula, compiled if they are not there.
     ///
     /// # Errors
@@ -33,7 +40,10 @@ impl KernelCache {
         };
         let compiled = match known {
             Some(compiled) => compiled,
-            None => Arc::new(CompiledFormula::compile(FormulaPlan::of(bindings), Width::widest()?, None)?),
+            None => {
+                let width = self.width.map_or_else(Width::widest, Ok)?;
+                Arc::new(CompiledFormula::compile(FormulaPlan::of(bindings), width, None)?)
+            }
         };
         let mut kept = kept();
         if kept.len() >= KEPT {

@@ -263,14 +263,14 @@ impl Widening {
         if matches!(instruction.memory_base(), Register::RSP | Register::RBP) {
             return None;
         }
-        let resized = match instruction.code() {
-            Code::Sub_rm64_imm8 | Code::Sub_rm64_imm32 => Code::Sub_rm64_imm32,
-            Code::Add_rm64_imm8 | Code::Add_rm64_imm32 => Code::Add_rm64_imm32,
-            _ => return Some(instruction),
-        };
-        if instruction.op0_kind() != OpKind::Register || instruction.op0_register() != Register::RSP {
-            return Some(instruction);
-        }
+        let is = |codes: [Code; 2]| codes.contains(&instruction.code());
+        let resizes = [
+            ([Code::Sub_rm64_imm8, Code::Sub_rm64_imm32], Code::Sub_rm64_imm32),
+            ([Code::Add_rm64_imm8, Code::Add_rm64_imm32], Code::Add_rm64_imm32),
+        ];
+        let resized = resizes.into_iter().find(|(codes, _)| is(*codes)).map(|(_, resized)| resized);
+        let of_stack = instruction.op0_kind() == OpKind::Register && instruction.op0_register() == Register::RSP;
+        let Some(resized) = resized.filter(|_| of_stack) else { return Some(instruction) };
         let size = i32::try_from(instruction.immediate(1).checked_mul(times)?).ok()?;
         let mut moved = Instruction::with2(resized, Register::RSP, size).ok()?;
         moved.set_ip(instruction.ip());
@@ -426,7 +426,7 @@ mod tests {
     #[test]
     fn what_stays_on_the_stack_gets_room_for_all_lanes() {
         let slot = |place: i64| MemoryOperand::new(Register::RSP, Register::None, 1, place, 8, false, Register::None);
-        let spill = |place| Instruction::with2(Code::VEX_Vmovups_xmmm128_xmm, slot(16 * place), Register::XMM5).unwrap();
+        let spill = |place: i64| Instruction::with2(Code::VEX_Vmovups_xmmm128_xmm, slot(16 * place), Register::XMM5).unwrap();
         let stack = |code, size: i32| Instruction::with2(code, Register::RSP, size).unwrap();
         let frame = [
             stack(Code::Sub_rm64_imm32, 0x150),

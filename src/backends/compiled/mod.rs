@@ -37,6 +37,13 @@ pub struct Jit {
     kernels: KernelCache,
 }
 
+impl Jit {
+    /// The backend with vectors of this width rather than the widest.
+    pub fn with_width(width: Width) -> Self {
+        Self { kernels: KernelCache::with_width(width) }
+    }
+}
+
 impl Backend for Jit {
     fn name(&self) -> &'static str {
         NAME

@@ -163,7 +163,7 @@ impl Assembler {
     }
 
     /// Numbers as integers, rounded towards 0.
-    pub(super) fn to_integers(&mut self, vector: u32) -> Result<(), IcedError> {
+    pub(super) fn truncate(&mut self, vector: u32) -> Result<(), IcedError> {
         let code = self.own([
             Code::Cvttps2dq_xmm_xmmm128,
             Code::VEX_Vcvttps2dq_ymm_ymmm256,

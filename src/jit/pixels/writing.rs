@@ -94,7 +94,7 @@ fn linear(code: &mut Assembler, words: MemoryOperand) -> Result<(), IcedError> {
         }
     }
     for vector in COMPONENTS {
-        code.to_integers(vector)?;
+        code.truncate(vector)?;
     }
     let [red, green, blue] = COMPONENTS;
     code.shift(Shift::Left, red, 16)?;

@@ -1,6 +1,7 @@
 //! How accurate the compiled elementary functions are: dense samples against double precision, in units in the last place.
 
 use super::operations::{Operands, compiled, formula_of};
+use illuminator::jit::Width;
 use illuminator::lang::builtins::Operation;
 
 /// The error of `got` in units in the last place of the exact result.
@@ -21,19 +22,22 @@ fn spread(count: usize, low: i32, high: i32) -> Vec<f32> {
     (0..count).flat_map(|index| [f32::from_bits(bits(index)), -f32::from_bits(bits(index))]).collect()
 }
 
-/// The largest error, computed four numbers at a time and as many as there are lanes.
+/// The largest error of code for any width, of which the kernels of uniform values compute four numbers at a time.
 fn worst(operation: Operation, cases: &[Vec<f32>], exact: impl Fn(&[f64]) -> f64) -> f64 {
     let error = |(case, got): (&Vec<f32>, [f32; 3])| {
         let numbers: Vec<f64> = case.iter().map(|number| f64::from(*number)).collect();
         units(got[0], exact(&numbers))
     };
-    let largest = |from: Operands| {
+    let largest = |width: Width, from: Operands| {
         let (formula, _) = formula_of(operation, from);
-        cases.iter().zip(compiled(&formula, cases, from)).map(error).fold(0.0, f64::max)
+        cases.iter().zip(compiled(&formula, width, cases, from)).map(error).fold(0.0, f64::max)
     };
-    let [narrow, wide] = [Operands::Uniforms, Operands::Columns].map(largest);
-    println!("{operation:?}: {narrow:.2} units in the last place in four lanes, {wide:.2} in all");
-    narrow.max(wide)
+    let of_width = |width: Width| {
+        let [narrow, wide] = [Operands::Uniforms, Operands::Columns].map(|from| largest(width, from));
+        println!("{operation:?}, {width}: {narrow:.2} units in the last place of uniform values, {wide:.2} of columns");
+        narrow.max(wide)
+    };
+    Width::supported().map(of_width).fold(0.0, f64::max)
 }
 
 #[test]

@@ -165,11 +165,11 @@ pub(super) fn runner(cases: u32) -> TestRunner {
 }
 
 fn check(case: &Case) -> Result<(), TestCaseError> {
-    for evaluator in &case.evaluators {
+    for (backend, evaluator) in case.evaluators.iter().enumerate() {
         let found = verify(&**evaluator, &case.interpreted, &case.memory);
         COMPARED.fetch_add(found.components, Ordering::Relaxed);
         EXCUSED.fetch_add(found.excused, Ordering::Relaxed);
-        prop_assert_eq!(found.failed, 0, "{}\n{:?}", case.text, found);
+        prop_assert_eq!(found.failed, 0, "backend {}: {}\n{:?}", backend, case.text, found);
     }
     Ok(())
 }

@@ -12,11 +12,14 @@ mod operations;
 mod sessions;
 
 use columns::ColumnsBackend;
-use illuminator::backends::DEFAULT;
+use illuminator::backends::compiled::Jit;
 use illuminator::evaluate::Backend;
+use illuminator::jit::Width;
 use std::sync::Arc;
 
-/// The backends under test, those that need not be the reference.
+/// The backends under test, those that need not be the reference: compiled code for vectors of each width that the machine has, narrowest first,
+/// and columns.
 pub(super) fn backends() -> Vec<Arc<dyn Backend>> {
-    vec![DEFAULT.make(), Arc::new(ColumnsBackend)]
+    let of_width = |width| -> Arc<dyn Backend> { Arc::new(Jit::with_width(width)) };
+    Width::supported().map(of_width).chain([Arc::new(ColumnsBackend) as Arc<dyn Backend>]).collect()
 }

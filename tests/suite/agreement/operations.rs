@@ -2,7 +2,7 @@
 
 use illuminator::formula::Formula;
 use illuminator::formula::graph::{Node, NodeId};
-use illuminator::jit::{CompiledFormula, Kernel, Line, Splat};
+use illuminator::jit::{CompiledFormula, Kernel, Line, Splat, Width};
 use illuminator::lang::builtins::{Form, Operation, Stack};
 use illuminator::lang::scalars::{Floats, flush};
 use illuminator::lang::source::Source;
@@ -139,9 +139,9 @@ fn run(kernel: &Kernel, input: &[Line], uniforms: &[Splat], terms: bool, cases: 
     (0..cases).map(|case| (0..outputs).map(|output| result(case, output)).collect()).collect()
 }
 
-/// The compiled results of many cases: each case is the operation's numbers, each result its components.
-pub(super) fn compiled(formula: &Formula, cases: &[Vec<f32>], from: Operands) -> Vec<[f32; 3]> {
-    let compiled = CompiledFormula::new(formula).expect("this machine runs compiled code");
+/// The results of many cases as compiled for vectors of a width: each case is the operation's numbers, each result its components.
+pub(super) fn compiled(formula: &Formula, width: Width, cases: &[Vec<f32>], from: Operands) -> Vec<[f32; 3]> {
+    let compiled = CompiledFormula::with_width(formula, width).expect("this machine runs compiled code");
     let bindings = &compiled.plan.bindings;
     let number = |leaf: NodeId, case: usize| match bindings.graph.node(leaf) {
         // The intensity of the light, and the factor `one`, multiply what there is by 1.
@@ -247,18 +247,22 @@ fn disagreements_are_none(from: Operands) {
         let (formula, count) = formula_of(*operation, from);
         assert!(operation.operands().iter().map(|ty| ty.slots()).sum::<usize>() == count);
         let cases = cases(count);
-        for (case, got) in cases.iter().zip(compiled(&formula, &cases, from)) {
+        let results = Width::supported().flat_map(|width| {
+            let results = compiled(&formula, width, &cases, from);
+            cases.iter().zip(results).map(move |(case, got)| (width, case, got))
+        });
+        for (width, case, got) in results {
             let angle_too_large = matches!(operation, Operation::Sin | Operation::Cos | Operation::Tan)
                 && case[0].is_finite()
                 && case[0].abs() > 1e5;
             if angle_too_large {
                 let bounded = if *operation == Operation::Tan { got[0].is_finite() } else { got[0].abs() <= 1.0 };
-                assert!(bounded, "{operation:?}{case:?} = {}", got[0]);
+                assert!(bounded, "{operation:?}{case:?} = {} in {width}", got[0]);
                 continue;
             }
             let expected = reference(*operation, case);
             if !expected.iter().zip(got).all(|(expected, got)| agree(got, *expected)) {
-                failures.push(format!("{operation:?}{case:?}: compiled {got:?}, reference {expected:?}"));
+                failures.push(format!("{operation:?}{case:?}: in {width} {got:?}, reference {expected:?}"));
             }
         }
     }
