@@ -161,8 +161,11 @@ impl Sheet {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use illuminator::formula::Formula;
     use illuminator::lang::display_text::is_hidden;
     use illuminator::lang::source::Span;
+    use illuminator::scene::Scene;
+    use illuminator::workspace::{Library, Session};
     use proptest::prelude::*;
 
     fn error(text: &str, spans: &[(usize, usize)]) -> String {
@@ -259,6 +262,58 @@ mod tests {
         ");
     }
 
+    /// Everything that the parsers say about a text.
+    fn all_diagnostics(source: &Source) -> [Diagnostics; 4] {
+        fn said<T>(outcome: Result<(T, Diagnostics), Diagnostics>) -> Diagnostics {
+            outcome.map_or_else(|errors| errors, |(_, warnings)| warnings)
+        }
+        [said(Formula::parse(source)), said(Scene::parse(source)), said(Session::parse(source)), said(Library::parse(source))]
+    }
+
+    /// Pieces of the languages, and characters that are unusual in them.
+    const PIECES: [&str; 40] = [
+        "formula",
+        ";",
+        "=",
+        "Cd",
+        "*",
+        "N",
+        ".",
+        "L",
+        "(",
+        ")",
+        "<",
+        ">",
+        ",",
+        "1",
+        "0..1",
+        "\n",
+        "\r",
+        "\r\n",
+        " ",
+        "\t",
+        "bodies",
+        "lights",
+        "camera",
+        "kd",
+        ":",
+        "scalar",
+        "#uses",
+        "invariants",
+        "[",
+        "]",
+        "\"",
+        "version",
+        "/*",
+        "*/",
+        "//",
+        "\u{a0}",
+        "\u{85}",
+        "\u{2028}",
+        "\u{feff}",
+        "\u{5149}",
+    ];
+
     /// The text without the sequences that colour it.
     fn uncoloured(text: &str) -> String {
         let mut pieces = text.split("\u{1b}[");
@@ -285,6 +340,20 @@ mod tests {
             let coloured = uncoloured(&draw(&diagnostic, &source, true));
             let without_blanks = |text: &str| text.replace(' ', "");
             prop_assert_eq!(without_blanks(&coloured), without_blanks(&plain));
+        }
+
+        #[test]
+        fn every_file_can_be_explained(
+            bytes in prop::collection::vec(any::<u8>(), 0..100),
+            pieces in prop::collection::vec(prop::sample::select(PIECES.as_slice()), 0..40),
+        ) {
+            for bytes in [bytes, pieces.concat().into_bytes()] {
+                let drawn = match Source::from_bytes("f", bytes) {
+                    Ok(source) => all_diagnostics(&source).map(|diagnostics| draw_all(&diagnostics, &source, false)).concat(),
+                    Err(diagnostic) => draw(&diagnostic, &Source::new("", ""), false),
+                };
+                prop_assert!(!drawn.chars().any(|c| c != '\n' && is_hidden(c)), "{:?}", drawn);
+            }
         }
 
         #[test]
