@@ -22,7 +22,7 @@ pub(super) struct Options {
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let location = options.session.as_ref().map(Location::new);
     let folders = Folders::platform();
-    let mut app = App::new(location.as_ref(), folders.as_ref().ok()).map_err(failure)?;
+    let mut app = App::new(location.as_ref(), folders.as_ref().ok()).map_err(refuse)?;
     if let Err(reason) = &folders {
         app.notify_no_home(reason);
     }
@@ -52,7 +52,11 @@ impl signals::Closing for WindowExit {
     }
 }
 
-/// The failure for a session that cannot be opened: one message, or diagnostics with their places.
-fn failure(text: String) -> Failure {
-    if text.contains('\n') { Failure::Lines(text) } else { Failure::input(text) }
+/// Reports why the window cannot open: one message, or diagnostics with their places.
+fn refuse(text: String) -> Failure {
+    if text.contains('\n') {
+        say_lines(&text);
+        return Failure::Reported;
+    }
+    Failure::input(text)
 }

@@ -6,7 +6,7 @@
 use crate::cli::draw::{draw, draw_all};
 use clap::error::{ContextKind, ContextValue};
 use illuminator::lang::diagnostic::{Diagnostic, Diagnostics, Severity};
-use illuminator::lang::display_text::{escaped_lines, many_lines, one_line};
+use illuminator::lang::display_text::{escaped_lines, one_line};
 use illuminator::lang::source::Source;
 use std::io::{self, ErrorKind, IsTerminal, Write};
 
@@ -26,8 +26,6 @@ pub(super) enum Status {
 pub(super) enum Failure {
     /// The input was wrong, or too large for the machine.
     Input(Diagnostic),
-    /// The input was wrong; the text of several lines says why.
-    Lines(String),
     /// The command line was wrong.
     CommandLine(Diagnostic),
     /// The input was wrong, and the errors have been reported.
@@ -48,7 +46,7 @@ impl Failure {
     /// How the program ends after it.
     pub(super) fn status(&self) -> Status {
         match self {
-            Failure::Input(_) | Failure::Lines(_) | Failure::Reported => Status::Input,
+            Failure::Input(_) | Failure::Reported => Status::Input,
             Failure::CommandLine(_) => Status::CommandLine,
         }
     }
@@ -57,7 +55,6 @@ impl Failure {
     pub(super) fn report(&self) {
         match self {
             Failure::Input(diagnostic) | Failure::CommandLine(diagnostic) => say(diagnostic),
-            Failure::Lines(text) => say_lines(text),
             Failure::Reported => {}
         }
     }
@@ -80,8 +77,9 @@ pub(super) fn say(diagnostic: &Diagnostic) {
 }
 
 /// Writes a message of one or more lines.
+#[cfg(feature = "window")]
 pub(super) fn say_lines(text: &str) {
-    let text = many_lines(text);
+    let text = illuminator::lang::display_text::many_lines(text);
     write_error(&text);
     if !text.ends_with('\n') {
         write_error("\n");
