@@ -1,6 +1,7 @@
 //! The row of materials: those of the formula's library, for the body that is selected.
 
 use crate::files::Readable;
+use crate::lang::display_text::one_line;
 use crate::preview::workshop::Workshop;
 use crate::workspace::materials::{Material, Place, Shelf};
 use crate::workspace::{Location, OwnerId};
@@ -67,11 +68,11 @@ impl Materials {
         let mut told = None;
         ui.horizontal(|ui| {
             let mut wanted = None;
-            let title = if self.chosen.is_empty() { "Material" } else { &self.chosen };
+            let title = if self.chosen.is_empty() { "Material".to_owned() } else { one_line(&self.chosen) };
             let list = ComboBox::from_id_salt("materials").selected_text(title).width(130.0).show_ui(ui, |ui| {
                 for material in shelf.library().iter() {
                     let is_chosen = material.name() == self.chosen;
-                    let entry = ui.selectable_label(is_chosen, material.name());
+                    let entry = ui.selectable_label(is_chosen, one_line(material.name()));
                     if is_chosen && !self.open {
                         entry.scroll_to_me(Some(egui::Align::Center));
                     }

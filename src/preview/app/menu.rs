@@ -1,6 +1,7 @@
 //! The menus.
 
 use crate::backends::CHOICES;
+use crate::lang::display_text::one_line;
 use crate::preview::app::command::{Panel, shortcut_of};
 use crate::preview::app::pane::{SNAPSHOTS, Seen};
 use crate::preview::app::tab::TextTab;
@@ -85,7 +86,7 @@ fn file(ui: &mut Ui, app: &App, commands: &mut Vec<Command>) {
         for kind in [FileKind::Session, FileKind::Formula, FileKind::Scene] {
             for path in app.remembered.recent(kind) {
                 none = false;
-                let name = path.display().to_string();
+                let name = one_line(&path.display().to_string());
                 entry(ui, &name, Command::Open(kind, Location::File(path)), commands);
             }
         }

@@ -6,6 +6,7 @@
 use super::history::{Edit, History, Selection};
 use crate::formula::Formula;
 use crate::lang::diagnostic::{Diagnostic, Diagnostics, Severity};
+use crate::lang::display_text::one_line;
 use crate::lang::lines::{LineEnd, with_line_feeds};
 use crate::lang::source::{BYTE_ORDER_MARK, Source};
 use crate::scene::Scene;
@@ -108,10 +109,10 @@ impl Document {
         }
     }
 
-    /// The whole name: where the text is kept, or that it is kept nowhere.
+    /// The whole name, safe to show: where the text is kept, or that it is kept nowhere.
     pub fn name(&self) -> String {
         match &self.location {
-            Some(location) => location.to_string(),
+            Some(location) => one_line(&location.to_string()),
             None => format!("untitled {}", self.kind.noun()),
         }
     }
@@ -119,7 +120,7 @@ impl Document {
     /// The name without folders.
     pub fn short_name(&self) -> String {
         let name = match &self.location {
-            Some(Location::File(path)) => path.file_name().map(|name| name.to_string_lossy().into_owned()),
+            Some(Location::File(path)) => path.file_name().map(|name| one_line(&name.to_string_lossy())),
             Some(Location::Preset(_)) | None => None,
         };
         name.unwrap_or_else(|| self.name())
@@ -254,6 +255,8 @@ mod tests {
         document.note_saved(location);
         assert!(!document.unsaved());
         assert_eq!(Document::untitled(FileKind::Scene, "").title(), "untitled scene");
+        let hostile = Document::opened(FileKind::Scene, Location::new("a/\u{202e}b\n.scene"), "");
+        assert_eq!((hostile.title().as_str(), hostile.name().as_str()), ("\\u{202e}b\\n.scene", "a/\\u{202e}b\\n.scene"));
         assert_eq!(Document::opened(FileKind::Scene, Location::new("preset:glass"), "").title(), "preset:glass");
     }
 }

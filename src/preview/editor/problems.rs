@@ -27,7 +27,7 @@ pub fn problems_ui<K: Copy>(ui: &mut Ui, documents: &[(K, &Document)]) -> Option
             for grave in [Severity::Error, Severity::Warning] {
                 for diagnostic in document.diagnostics().iter().filter(|diagnostic| diagnostic.severity() == grave) {
                     let span = diagnostic.span().unwrap_or_default();
-                    let (line, column) = source.position(span.start);
+                    let (line, column) = source.position(source.mark(span).start as u32);
                     let place = format!("{}:{line}:{column}", document.short_name());
                     let job = line_of(ui, &place, diagnostic, &palette);
                     let width = ui.available_width();
