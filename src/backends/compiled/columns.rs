@@ -5,7 +5,7 @@
 //! of the columns of records for each emitter; in a stream columns take turns line by line. Just so frames read them: from front to back.
 
 use crate::backends::compiled::memory::StreamMemory;
-use crate::backends::compiled::pass::Source;
+use crate::backends::compiled::source::Source;
 use crate::formula::graph::{Node, NodeId};
 use crate::jit::{CompiledFormula, Line, PREFETCH_DISTANCE, Splat, Streams};
 use crate::lang::scalars::flush;

@@ -1,7 +1,7 @@
 //! Evaluation by machine code.
 //!
 //! The static values of every record lie in columns (`columns`). A frame runs the contribution kernels over the groups whose path weight
-//! is not 0, and adds what they yield to the pixels (`pass`, `planes`); the order of that work is kept from frame to frame (`program`).
+//! is not 0, and adds what they yield to the pixels (`pass`, `tile`, `planes`); the order of that work is kept from frame to frame (`program`).
 //! [`drag`] makes the pictures of a slider that is held.
 
 mod columns;
@@ -10,6 +10,8 @@ mod memory;
 mod pass;
 mod planes;
 mod program;
+mod source;
+mod tile;
 
 use crate::evaluate::weights::path_weights;
 use crate::evaluate::{Backend, Drawn, EvaluateError, Evaluator, Footprint, Frame, Framebuffer, Part};
@@ -23,10 +25,12 @@ use crate::plan::{Channels, ParameterSlot};
 use crate::trace::{Hits, Mismatch, TILE_PIXELS};
 use columns::Columns;
 use drag::CompiledDrag;
-use pass::{Accumulate, Pass, Source, TileScratch};
+use pass::Pass;
 use program::TileProgram;
 use rayon::prelude::*;
+use source::Source;
 use std::sync::{Arc, Mutex, PoisonError};
+use tile::{Accumulate, TileScratch};
 
 /// The name of the backend.
 pub const NAME: &str = "jit";

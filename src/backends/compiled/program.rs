@@ -4,8 +4,9 @@
 //! 0. So it is kept from frame to frame, and built again only where it would differ. It does not contain the addresses of values.
 
 use crate::backends::compiled::columns::{Columns, Part};
-use crate::backends::compiled::pass::{Pass, Source};
+use crate::backends::compiled::pass::Pass;
 use crate::backends::compiled::planes::Planes;
+use crate::backends::compiled::source::Source;
 use crate::evaluate::weights::Weight;
 use crate::jit::{Line, Operands, Program, Sums};
 use crate::plan::Channels;

@@ -19,8 +19,9 @@ mod steps;
 
 use crate::backends::compiled::Compiled;
 use crate::backends::compiled::columns::Columns;
-use crate::backends::compiled::pass::{Accumulate, Pass, TileScratch};
+use crate::backends::compiled::pass::Pass;
 use crate::backends::compiled::program::TileProgram;
+use crate::backends::compiled::tile::{Accumulate, TileScratch};
 use crate::evaluate::weights::{PathMonomials, path_weights};
 use crate::evaluate::{Drag, Framebuffer, Part, write, write_component};
 use crate::jit::CompileError;

@@ -1,0 +1,39 @@
+//! A contribution to a picture: its kernels, and the pairs of a body and a light that it is of.
+
+use crate::jit::Kernel;
+use crate::plan::Channels;
+use crate::scene::BodyId;
+use crate::world::{EmitterId, World};
+use std::ops::Range;
+
+/// A contribution of some pairs of a body and a light.
+pub(super) struct Source<'p> {
+    /// Static columns → contributions, stored.
+    pub(super) overwrite: &'p Kernel,
+    /// The same, added to what is there.
+    pub(super) add: &'p Kernel,
+    /// The components that the kernels compute.
+    pub(super) channels: Channels,
+    /// Where the uniform values of its pairs of a body and a light begin, and how many a pair has.
+    pub(super) first_uniform: usize,
+    pub(super) uniform_count: usize,
+    /// For each pair whether it contributes.
+    pub(super) active: Vec<bool>,
+    /// How many lights a body is paired with.
+    pub(super) lights: usize,
+    /// The world, which knows the light of each emitter.
+    pub(super) world: &'p World,
+}
+
+impl Source<'_> {
+    /// The place of the pair of a body and the light of an emitter.
+    pub(super) fn pair(&self, body: BodyId, emitter: EmitterId) -> usize {
+        body.index() * self.lights + self.world.light_of(emitter).index()
+    }
+
+    /// Where the uniform values of a pair are.
+    pub(super) fn uniforms_of(&self, pair: usize) -> Range<usize> {
+        let first = self.first_uniform + pair * self.uniform_count;
+        first..first + self.uniform_count
+    }
+}
