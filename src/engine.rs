@@ -1,7 +1,7 @@
 //! The engine: from a formula and a scene to pictures, in one place.
 //!
 //! ```text
-//! compile (formula) ─▶ trace (world, view) ─▶ prepare ─▶ frames and drags
+//! parse (texts) ─▶ compile (formula) ─▶ trace (world, view) ─▶ prepare ─▶ frames and drags
 //! ```
 //!
 //! An [`Engine`] owns this sequence, with its backend and its memory budget; long work tells its progress to a [`Task`] and can be
@@ -9,6 +9,8 @@
 
 use crate::evaluate::{Backend, EvaluateError, Evaluator, Footprint, Frame};
 use crate::formula::Formula;
+use crate::lang::diagnostic::Diagnostics;
+use crate::lang::source::Source;
 use crate::scene::Scene;
 use crate::trace::{Budget, Hits, Shortage, TraceError, View, trace, usable_memory};
 use crate::world::World;
@@ -36,11 +38,31 @@ impl Subject {
         Self { formula: Arc::new(formula), world: Arc::new(World::new(scene)), view }
     }
 
+    /// The same from texts.
+    ///
+    /// # Errors
+    /// Everything that is wrong with either text.
+    pub fn parse(formula: &str, scene: &str, view: View) -> Result<Self, ParseError> {
+        let (formula, scene) = (Source::new("formula", formula), Source::new("scene", scene));
+        let failed = |errors: Diagnostics, source: &Source| ParseError(errors.located(source).to_string());
+        match (Formula::parse(&formula), Scene::parse(&scene)) {
+            (Ok((formula, _)), Ok((scene, _))) => Ok(Self::new(formula, scene, view)),
+            (Err(errors), Ok(_)) => Err(failed(errors, &formula)),
+            (Ok(_), Err(errors)) => Err(failed(errors, &scene)),
+            (Err(first), Err(second)) => Err(ParseError(failed(first, &formula).0 + &failed(second, &scene).0)),
+        }
+    }
+
     /// Whether the hits of one are those of the other.
     pub fn same_hits(&self, other: &Subject) -> bool {
         Arc::ptr_eq(&self.world, &other.world) && self.view == other.view
     }
 }
+
+/// What is wrong with a text: a line for each error, with its place.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("{0}")]
+pub struct ParseError(String);
 
 /// The progress of long work, and its cancellation.
 #[derive(Clone, Copy)]

@@ -6,42 +6,25 @@
 //! again: by code that Cranelift compiled for many records at a time, or by a reference interpreter that proves it right.
 //!
 //! ```text
-//! formula text ─▶ lang ──▶ formula ─┬─▶ bytecode ────────────────────────┐
-//!                                   └─▶ jit ────────────────────┐        │
-//!   scene text ─▶ lang ──▶ scene ──▶ world ──▶ trace (hits) ──▶ evaluate ──▶ frame ──▶ picture
-//!                                                                 ▲
-//!                                workspace: values, sessions ─────┘
+//! formula text ─▶ lang ──▶ formula ──▶ plan ─┬─▶ backends: compiled (jit), interpreter (bytecode) ─┐
+//!   scene text ─▶ lang ──▶ scene ──▶ world ──┴─▶ trace (hits) ──▶ evaluate ◀───────────────────────┘──▶ picture
+//!
+//!                  engine: the whole sequence        workspace: values, sessions, materials
 //! ```
 //!
 //! # Example
 //!
 //! ```
-//! use illuminator::evaluate::{Backend, Evaluator};
-//! use illuminator::lang::source::Source;
-//! use illuminator::trace::{Budget, View, trace};
-//! use illuminator::workspace::{Setting, Values};
-//! use illuminator::{formula::Formula, picture::Transfer, picture::quantise, scene::Scene};
-//! use std::sync::{Arc, atomic::AtomicBool};
-//!
+//! use illuminator::{engine::{Engine, Subject, Task}, trace::View, workspace::{Setting, Values}};
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! let model = Source::new("lambert", "formula; = IL*Cd*max(0, N.L);");
-//! let (formula, _warnings) = Formula::parse(&model).map_err(|errors| errors.located(&model).to_string())?;
-//! let place = Source::new("ball", "bodies; ball: sphere, center <0,0,0>, radius 1; lights; key: point, <3,4,5>;
-//!     camera; position <0,0,5>; gaze <0,0,-1>; up <0,1,0>; fov 40;");
-//! let (scene, _warnings) = Scene::parse(&place).map_err(|errors| errors.located(&place).to_string())?;
-//!
-//! let mut values = Values::defaults(&formula, &scene);
-//! let red: Setting = "ball.Cd=<0.9, 0.2, 0.1>".parse()?;
-//! values.assign(&red.resolve(values.roster())?);
-//!
-//! let view = View::new(64, 48)?;
-//! let hits = Arc::new(trace(&scene, &view, &Budget::UNLIMITED, &|_| {}, &AtomicBool::new(false))?);
-//! let evaluator = Evaluator::new(&Arc::new(formula), &Arc::new(scene), &hits, Backend::Jit)?;
-//! let mut frame = evaluator.frame(values.numbers());
-//! assert_eq!(frame.clean(), 0, "no pixel is NaN");
-//! let image: Vec<u8> = quantise(&frame.linear, Transfer::Linear);
-//! # let middle = 3 * (24 * 64 + 32);
-//! # assert!(image[middle] > 100 && image[middle] > 3 * image[middle + 1]);
+//! let scene = "bodies; ball: sphere, center <0,0,0>, radius 1; lights; key: point, <3,4,5>;
+//!     camera; position <0,0,5>; gaze <0,0,-1>; up <0,1,0>; fov 40;";
+//! let subject = Subject::parse("formula; = IL*Cd*max(0, N.L);", scene, View::new(64, 48)?)?;
+//! let mut values = Values::defaults(&subject.formula, subject.world.scene());
+//! values.assign(&"ball.Cd=<0.9, 0.2, 0.1>".parse::<Setting>()?.resolve(values.roster())?);
+//! let picture = Engine::default().picture(&subject, values.numbers(), 1, &Task::UNWATCHED)?;
+//! let [red, green, _] = picture.linear[24 * 64 + 32];
+//! assert!(red > 0.4 && red > 3.0 * green, "the middle of the ball is red: {red} {green}");
 //! # Ok(())
 //! # }
 //! ```

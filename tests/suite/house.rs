@@ -25,7 +25,7 @@ const ROOMS: [(&str, &[&str]); 18] = [
     ("jit", &["lang", "formula", "plan", "segment", "transfer"]),
     ("evaluate", &["lang", "formula", "scene", "world", "trace", "plan", "transfer"]),
     ("backends", &["lang", "formula", "scene", "world", "trace", "bytecode", "plan", "jit", "transfer", "evaluate"]),
-    ("engine", &["formula", "scene", "world", "trace", "evaluate", "backends"]),
+    ("engine", &["lang", "formula", "scene", "world", "trace", "evaluate", "backends"]),
     ("picture", &["evaluate", "files", "transfer"]),
     ("workspace", &["files", "lang", "formula", "scene", "trace", "engine", "transfer"]),
     ("user_data", &["files", "lang", "trace", "workspace"]),

@@ -2,7 +2,7 @@
 //!
 //! The static values of every record lie in columns (`columns`). A frame runs the contribution kernels over the groups whose path weight
 //! is not 0, and adds what they yield to the pixels (`pass`, `tile`, `planes`); the order of that work is kept from frame to frame (`program`).
-//! [`drag`] makes the pictures of a slider that is held.
+//! `drag` makes the pictures of a slider that is held.
 
 mod columns;
 mod drag;
