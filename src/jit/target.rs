@@ -1,6 +1,6 @@
 //! What kernels are compiled for, why that may fail, and what it looks like as text.
 
-use crate::jit::width::Width;
+use crate::jit::width::{Width, WidthLimitError};
 use cranelift_codegen::isa::OwnedTargetIsa;
 use cranelift_codegen::settings::{self, Configurable};
 use thiserror::Error;
@@ -11,9 +11,9 @@ pub enum CompileError {
     /// The processor is none that kernels are written for.
     #[error("no compiled code for this processor: {0}; the interpreter works everywhere")]
     Processor(String),
-    /// The environment asks for vectors that there are not.
-    #[error("{limit}={0}: expected 4, 8 or 16, the most lanes that vectors may have", limit = Width::LIMIT)]
-    Width(String),
+    /// The environment limits the width of vectors to one that does not exist.
+    #[error(transparent)]
+    Width(#[from] WidthLimitError),
     /// Cranelift refused, for instance a function that is too large.
     #[error("the code generator failed: {0}")]
     Generator(String),

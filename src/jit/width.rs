@@ -1,10 +1,10 @@
 //! How many numbers one instruction works on: the instruction sets that code is made for, and which of them is used.
 
-use crate::jit::target::CompileError;
 use pulp::WithSimd;
 use std::ffi::OsStr;
 use std::fmt;
 use std::sync::OnceLock;
+use thiserror::Error;
 
 /// The width of vectors, in lanes of 32-bit numbers. Everything that is made for one width runs on a processor that has no more.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -16,6 +16,11 @@ pub enum Width {
     /// 16 lanes: AVX-512 (x86-64-v4).
     Sixteen,
 }
+
+/// The environment variable [`Width::LIMIT`] has another value than 4, 8 and 16.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[error("{limit}={0}: expected 4, 8 or 16, the most lanes that vectors may have", limit = Width::LIMIT)]
+pub struct WidthLimitError(String);
 
 impl Width {
     /// All widths, narrowest first.
@@ -43,10 +48,10 @@ impl Width {
     ///
     /// # Errors
     /// The limit is none of 4, 8 and 16.
-    pub fn widest() -> Result<Width, CompileError> {
-        static LIMIT: OnceLock<Result<Width, String>> = OnceLock::new();
+    pub fn widest() -> Result<Width, WidthLimitError> {
+        static LIMIT: OnceLock<Result<Width, WidthLimitError>> = OnceLock::new();
         let limit = LIMIT.get_or_init(|| limit(std::env::var_os(Self::LIMIT).as_deref()));
-        let limit = limit.clone().map_err(CompileError::Width)?;
+        let limit = limit.clone()?;
         Ok(Self::supported().take_while(|width| *width <= limit).last().unwrap_or(Width::Four))
     }
 
@@ -99,10 +104,10 @@ impl fmt::Display for Width {
 }
 
 /// The limit that the environment variable gives; without it there is none.
-fn limit(variable: Option<&OsStr>) -> Result<Width, String> {
+fn limit(variable: Option<&OsStr>) -> Result<Width, WidthLimitError> {
     let Some(given) = variable else { return Ok(Width::Sixteen) };
     let named = Width::ALL.into_iter().find(|width| given.to_str() == Some(&width.lanes().to_string()));
-    named.ok_or_else(|| given.to_string_lossy().into_owned())
+    named.ok_or_else(|| WidthLimitError(given.to_string_lossy().into_owned()))
 }
 
 #[cfg(test)]
@@ -116,7 +121,7 @@ mod tests {
             assert_eq!(limit(Some(OsStr::new(&width.lanes().to_string()))), Ok(width));
         }
         for wrong in ["", "2", "32", "avx2", " 8"] {
-            assert_eq!(limit(Some(OsStr::new(wrong))), Err(wrong.to_owned()));
+            assert_eq!(limit(Some(OsStr::new(wrong))), Err(WidthLimitError(wrong.to_owned())));
         }
     }
 }
