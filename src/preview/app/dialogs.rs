@@ -107,6 +107,15 @@ impl Dialogs {
 
     /// Draws whatever is open.
     pub(super) fn ui(&mut self, context: &Context, commands: &mut Vec<Command>) {
+        self.file_ui(context, commands);
+        self.message_ui(context);
+        self.question_ui(context, commands);
+        self.offer_ui(context, commands);
+        self.shortcuts_ui(context);
+    }
+
+    /// Draws the dialog for files.
+    fn file_ui(&mut self, context: &Context, commands: &mut Vec<Command>) {
         if let Some((dialog, purpose)) = &mut self.file {
             // Its field is black whatever the theme, and what is typed there would be dark in the light one.
             dialog.config_mut().show_search = context.global_style().visuals.dark_mode;
@@ -119,6 +128,10 @@ impl Dialogs {
                 self.file = None;
             }
         }
+    }
+
+    /// Draws the first message.
+    fn message_ui(&mut self, context: &Context) {
         if let Some((title, text)) = self.messages.front() {
             let modal = modal(context, title, |ui| {
                 ui.set_max_width(640.0);
@@ -136,6 +149,10 @@ impl Dialogs {
                 self.messages.pop_front();
             }
         }
+    }
+
+    /// Draws the question whether a command is meant although work is lost by it.
+    fn question_ui(&mut self, context: &Context, commands: &mut Vec<Command>) {
         if let Some((command, text)) = &self.asked_back {
             let mut answer = None;
             let shown = modal(context, "Not saved", |ui| {
@@ -157,6 +174,10 @@ impl Dialogs {
                 self.asked_back = None;
             }
         }
+    }
+
+    /// Draws the offer of unsaved work.
+    fn offer_ui(&mut self, context: &Context, commands: &mut Vec<Command>) {
         if !self.offered.is_empty() {
             modal(context, "Unsaved work", |ui| {
                 ui.label("When Illuminator was closed last, this was not saved, and was kept:");
@@ -177,6 +198,10 @@ impl Dialogs {
                 });
             });
         }
+    }
+
+    /// Draws the list of shortcuts.
+    fn shortcuts_ui(&mut self, context: &Context) {
         if self.shortcuts {
             let modal = modal(context, "Shortcuts", |ui| {
                 let room = (ui.ctx().content_rect().height() - AROUND).max(60.0);

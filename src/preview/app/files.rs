@@ -110,31 +110,8 @@ impl App {
                     self.dialogs.tell("Not thrown away", error.message());
                 }
             }
-            Command::StartWithThis => {
-                if let Some(location) = self.session.clone() {
-                    self.remembered.settings.startup = match location {
-                        Location::File(path) => Location::File(std::path::absolute(&path).unwrap_or(path)),
-                        Location::Preset(name) => Location::Preset(name),
-                    };
-                    self.save_settings();
-                }
-            }
-            Command::Toggle(panel) => {
-                let panels = &mut self.panels;
-                let seen = match panel {
-                    Panel::Texts => &mut panels.texts,
-                    Panel::Parameters => &mut panels.parameters,
-                    Panel::Log => &mut panels.log,
-                    Panel::Reference => &mut panels.reference,
-                    Panel::Inspector => &mut self.inspecting.open,
-                };
-                *seen = !*seen;
-                panels.texts |= panel == Panel::Reference && panels.reference;
-                if panel == Panel::Log {
-                    self.remembered.settings.window.log = panels.log;
-                    self.save_settings();
-                }
-            }
+            Command::StartWithThis => self.start_with_this(),
+            Command::Toggle(panel) => self.toggle(panel),
             Command::NewSession => self.begin_session(),
             Command::AskForSettings => self.preferences.open(&self.remembered.settings),
             Command::Settle(settings) => {
@@ -143,6 +120,35 @@ impl App {
             }
             Command::ShowShortcuts => self.dialogs.show_shortcuts(),
             Command::Quit => self.quit(),
+        }
+    }
+
+    /// Makes the session that is open the one with which the program starts.
+    fn start_with_this(&mut self) {
+        if let Some(location) = self.session.clone() {
+            self.remembered.settings.startup = match location {
+                Location::File(path) => Location::File(std::path::absolute(&path).unwrap_or(path)),
+                Location::Preset(name) => Location::Preset(name),
+            };
+            self.save_settings();
+        }
+    }
+
+    /// Shows a panel, or hides it.
+    fn toggle(&mut self, panel: Panel) {
+        let panels = &mut self.panels;
+        let seen = match panel {
+            Panel::Texts => &mut panels.texts,
+            Panel::Parameters => &mut panels.parameters,
+            Panel::Log => &mut panels.log,
+            Panel::Reference => &mut panels.reference,
+            Panel::Inspector => &mut self.inspecting.open,
+        };
+        *seen = !*seen;
+        panels.texts |= panel == Panel::Reference && panels.reference;
+        if panel == Panel::Log {
+            self.remembered.settings.window.log = panels.log;
+            self.save_settings();
         }
     }
 
