@@ -90,8 +90,8 @@ fn read(location: &Location, given: Option<FileKind>) -> Result<(FileKind, Sourc
                 Some("toml") => Some(FileKind::Session),
                 Some(_) | None => None,
             };
-            // A formula or a scene with a mistake in its first line may look like TOML. For a file of unknown kind the parser of
-            // formulas has the best messages.
+            // A formula or a scene with a mistake in its first line may look like TOML. For a file of unknown kind the
+            // parser of formulas has the best messages.
             let told = kind_of(source.text()).filter(|kind| match kind {
                 FileKind::Formula | FileKind::Scene => true,
                 FileKind::Session | FileKind::Material => suffix.is_none_or(|suffix| suffix == FileKind::Session),
@@ -133,8 +133,8 @@ fn check_formula(location: &Location, source: &Source) -> Diagnostics {
     explained(outcome, source)
 }
 
-/// Checks a session and the files that it names. The diagnostics of its text, the number of warnings about its values, and
-/// whether the files are valid.
+/// Checks a session and the files that it names. The diagnostics of its text, the number of warnings about its values,
+/// and whether the files are valid.
 fn check_session(location: &Location, source: &Source) -> (Diagnostics, usize, bool) {
     let (mut session, diagnostics) = match Session::parse(source) {
         Ok(read) => read,

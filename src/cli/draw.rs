@@ -1,8 +1,9 @@
-//! Diagnostics drawn for a terminal: place, message, and the lines of the source with marks under them, by the library `ariadne`.
+//! Diagnostics drawn for a terminal: place, message, and the lines of the source with marks under them, by the library
+//! `ariadne`.
 //!
-//! The library is never given the text itself, but a sheet with the marked lines as [`Excerpt`]s and empty lines for the others,
-//! so that line numbers are right. This keeps it away from what it cannot draw: hidden characters, other ideas of where lines
-//! end, very long lines, and places that are not in the text.
+//! The library is never given the text itself, but a sheet with the marked lines as [`Excerpt`]s and empty lines for
+//! the others, so that line numbers are right. This keeps it away from what it cannot draw: hidden characters, other
+//! ideas of where lines end, very long lines, and places that are not in the text.
 
 use ariadne::{Color, Config, IndexType, Label, Report, ReportKind};
 use illuminator::lang::diagnostic::{Diagnostic, Diagnostics, Severity};
@@ -12,8 +13,8 @@ use illuminator::lang::source::Source;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// Stands for the name of the source in what `ariadne` draws. It is in no text that may be shown, so it is only where `ariadne`
-/// puts the name.
+/// Stands for the name of the source in what `ariadne` draws. It is in no text that may be shown, so it is only where
+/// `ariadne` puts the name.
 const NAME: &str = "\0";
 
 /// Draws diagnostics one below the other, with an empty line between them.
@@ -129,8 +130,8 @@ impl Sheet {
         Self { text, marks, places, last_lines }
     }
 
-    /// What `ariadne` has drawn, with name and places as they are in the source: it heads each block of lines with the name and
-    /// a place of the sheet. Blanks at the ends of lines are left out.
+    /// What `ariadne` has drawn, with name and places as they are in the source: it heads each block of lines with the
+    /// name and a place of the sheet. Blanks at the ends of lines are left out.
     fn with_places(&self, drawn: &str, name: &str) -> String {
         let mut block_places = self.block_places();
         let mut text = String::with_capacity(drawn.len());
@@ -149,8 +150,8 @@ impl Sheet {
         text
     }
 
-    /// The place of the first label of each block. `ariadne` begins a new block at a label that ends in an earlier line than
-    /// the one before.
+    /// The place of the first label of each block. `ariadne` begins a new block at a label that ends in an earlier line
+    /// than the one before.
     fn block_places(&self) -> impl Iterator<Item = (usize, usize)> {
         (0..self.places.len())
             .filter(|&label| label == 0 || self.last_lines[label] < self.last_lines[label - 1])

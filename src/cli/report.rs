@@ -1,7 +1,8 @@
 //! What the program says: diagnostics on the standard error, coloured on a terminal; results on the standard output.
 //!
-//! This is the only place from which text leaves the program. None of it holds characters that act on a terminal: messages are
-//! made safe by [`display_text`](illuminator::lang::display_text), which also shortens them; results are escaped here.
+//! This is the only place from which text leaves the program. None of it holds characters that act on a terminal:
+//! messages are made safe by [`display_text`](illuminator::lang::display_text), which also shortens them; results are
+//! escaped here.
 
 use crate::cli::draw::{draw, draw_all};
 use clap::error::{ContextKind, ContextValue};

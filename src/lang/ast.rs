@@ -1,7 +1,7 @@
 //! The syntax of a formula file as written, before names and types are checked.
 //!
-//! All expressions are in one list, operands before the operations that use them. So code that walks them needs a loop and no
-//! recursion, however deeply a text is nested.
+//! All expressions are in one list, operands before the operations that use them. So code that walks them needs a loop
+//! and no recursion, however deeply a text is nested.
 
 use crate::lang::source::Span;
 use crate::lang::token::Mark;

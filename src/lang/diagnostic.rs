@@ -1,9 +1,9 @@
 //! What is said to the user about a text: errors and warnings with the places that they concern.
 //!
-//! A [`Diagnostic`] says what is wrong, where, what was expected and what the likely fix is. Parsers and checkers collect as
-//! many as they can find in [`Diagnostics`]. These are plain data: [`located`](mod@crate::lang::located) gives them as plain text,
-//! and the command line and the window show them in their own ways. All text in them may be shown anywhere, see
-//! [`display_text`](crate::lang::display_text).
+//! A [`Diagnostic`] says what is wrong, where, what was expected and what the likely fix is. Parsers and checkers
+//! collect as many as they can find in [`Diagnostics`]. These are plain data: [`located`](mod@crate::lang::located)
+//! gives them as plain text, and the command line and the window show them in their own ways. All text in them may be
+//! shown anywhere, see [`display_text`](crate::lang::display_text).
 
 use crate::lang::display_text::one_line;
 use crate::lang::span::Span;
@@ -116,8 +116,8 @@ impl Diagnostics {
         Self::default()
     }
 
-    /// Adds a diagnostic, unless an equal one is in the list, or [`MOST`] of its severity are: more would not help. After the
-    /// last error a note says that there are more.
+    /// Adds a diagnostic, unless an equal one is in the list, or [`MOST`] of its severity are: more would not help.
+    /// After the last error a note says that there are more.
     pub fn push(&mut self, diagnostic: Diagnostic) {
         let severity = diagnostic.severity;
         let alike = self.list.iter().filter(|other| other.severity == severity).count();

@@ -1,8 +1,9 @@
-//! Text as a terminal, a log file or the window may show it: without characters that act on the display, and not too long.
+//! Text as a terminal, a log file or the window may show it: without characters that act on the display, and not too
+//! long.
 //!
-//! Names and paths come from files and command lines, so they can hold anything: escape sequences, characters that reverse the
-//! direction of writing, a megabyte of letters. All text of messages goes through [`one_line`] or [`many_lines`]: diagnostics
-//! when they are made, everything else where it leaves the program.
+//! Names and paths come from files and command lines, so they can hold anything: escape sequences, characters that
+//! reverse the direction of writing, a megabyte of letters. All text of messages goes through [`one_line`] or
+//! [`many_lines`]: diagnostics when they are made, everything else where it leaves the program.
 
 use std::borrow::Cow;
 use std::ops::RangeInclusive;
@@ -61,8 +62,8 @@ pub fn shown_length(character: char) -> usize {
     }
 }
 
-/// A text as one line of a message. Hidden characters, line ends too, are written as escapes; long words, and a long text, lose
-/// their middle.
+/// A text as one line of a message. Hidden characters, line ends too, are written as escapes; long words, and a long
+/// text, lose their middle.
 pub fn one_line(text: &str) -> String {
     if text.len() <= LONGEST_WORD && !text.chars().any(is_hidden) {
         return text.to_owned();
@@ -96,8 +97,8 @@ pub fn many_lines(text: &str) -> String {
     shown
 }
 
-/// The results of a command, which may be long: nothing is left out, but hidden characters other than line ends are written as
-/// escapes.
+/// The results of a command, which may be long: nothing is left out, but hidden characters other than line ends are
+/// written as escapes.
 pub fn escaped_lines(text: &str) -> Cow<'_, str> {
     let allowed = |character| character == '\n' || !is_hidden(character);
     if text.chars().all(allowed) {

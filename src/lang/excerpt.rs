@@ -22,9 +22,9 @@ pub struct Excerpt {
 }
 
 impl Excerpt {
-    /// Shows a line, without its line end, with marks: ranges of bytes that begin and end between characters of the line. A mark
-    /// in a part that is left out is moved to the `…` that stands for it; an empty mark covers the character behind it, or a
-    /// blank after the line.
+    /// Shows a line, without its line end, with marks: ranges of bytes that begin and end between characters of the
+    /// line. A mark in a part that is left out is moved to the `…` that stands for it; an empty mark covers the
+    /// character behind it, or a blank after the line.
     pub fn new(line: &str, marks: &[Range<usize>]) -> Self {
         let kept = kept_part(line, marks.first().map_or(0, |mark| mark.start));
         let mut text = String::new();
@@ -88,7 +88,8 @@ impl Excerpt {
     }
 }
 
-/// Whether a character is drawn together with the one before it, such as an accent. Rust escapes such a character that is alone.
+/// Whether a character is drawn together with the one before it, such as an accent. Rust escapes such a character that
+/// is alone.
 fn is_combining(character: char) -> bool {
     !character.is_ascii() && character.escape_debug().len() > 2
 }

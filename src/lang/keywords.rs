@@ -1,7 +1,8 @@
 //! The keywords of the two languages: heads of sections, types, attributes, clauses of the camera; each defined once.
 //!
-//! A keyword has its meaning only in its place, which the parsers know. Here is how keywords are written and what they mean, for
-//! the parsers and for the help that the editor gives. Those of shapes and lights are defined with these, in the room `scene`.
+//! A keyword has its meaning only in its place, which the parsers know. Here is how keywords are written and what they
+//! mean, for the parsers and for the help that the editor gives. Those of shapes and lights are defined with these, in
+//! the room `scene`.
 
 /// A keyword.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

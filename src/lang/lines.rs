@@ -1,7 +1,7 @@
 //! Where the lines of a text end: at a line feed (LF), at a carriage return (CR), or at both in this order (CRLF).
 //!
-//! Nothing else ends a line: U+0085, U+2028 and U+2029 are ordinary characters, as they are in editors. The functions work on
-//! bytes, so that they also serve for texts that are not UTF-8.
+//! Nothing else ends a line: U+0085, U+2028 and U+2029 are ordinary characters, as they are in editors. The functions
+//! work on bytes, so that they also serve for texts that are not UTF-8.
 
 /// The characters that end a line, alone or as the pair CRLF.
 pub const LINE_ENDS: [char; 2] = ['\r', '\n'];
@@ -55,7 +55,8 @@ pub fn line_end(text: &[u8], offset: usize) -> usize {
 
 /// The number of line ends in a text.
 pub fn count_line_ends(text: &[u8]) -> usize {
-    // Three simple loops, which the compiler vectorises: texts may have millions of lines, and errors are counted from the top.
+    // Three simple loops, which the compiler vectorises: texts may have millions of lines, and errors are counted from
+    // the top.
     let count = |end| text.iter().filter(|byte| **byte == end).count();
     let pairs = || text.windows(2).filter(|two| *two == b"\r\n").count();
     match count(b'\r') {

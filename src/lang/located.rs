@@ -14,8 +14,8 @@ pub struct Located<'d> {
 }
 
 impl Diagnostics {
-    /// The diagnostics as text. `{}` gives a line for each, `FILE:LINE:COLUMN: error: MESSAGE`; `{:#}` adds the line of the
-    /// source with a mark under the place, remarks and hints.
+    /// The diagnostics as text. `{}` gives a line for each, `FILE:LINE:COLUMN: error: MESSAGE`; `{:#}` adds the line of
+    /// the source with a mark under the place, remarks and hints.
     ///
     /// ```
     /// use illuminator::{formula::Formula, lang::source::Source};

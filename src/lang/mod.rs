@@ -8,8 +8,9 @@
 //! 4. [`cursor`] and [`parser`]: grammar.
 //! 5. [`ast`] and [`printer`]: syntax, and syntax as text again.
 //!
-//! The tables are [`scalars`] (scalar primitives and their meaning), [`builtins`] (operators and functions in terms of them),
-//! [`variables`] (variables and predefined parameters) and [`keywords`] (the other words). [`reference`](mod@reference) prints them.
+//! The tables are [`scalars`] (scalar primitives and their meaning), [`builtins`] (operators and functions in terms of
+//! them), [`variables`] (variables and predefined parameters) and [`keywords`] (the other words).
+//! [`reference`](mod@reference) prints them.
 //!
 //! What a name stands for and whether types fit is decided in [`formula`](crate::formula).
 

@@ -96,7 +96,8 @@ mod tests {
 
     #[test]
     fn noise_agrees_with_the_gradients_by_hand() {
-        // In the middle of cell (0, 0, 0) every fade is 1/2, so the noise is the mean of the eight corners' gradients there.
+        // In the middle of cell (0, 0, 0) every fade is 1/2, so the noise is the mean of the eight corners' gradients
+        // there.
         let corner = |i: usize, j: usize, k: usize| {
             let p = |index: usize| usize::from(PERMUTATION[index & 255]);
             let offset = |bit: usize| 0.5 - bit as f32;

@@ -83,8 +83,8 @@ impl Parser<'_> {
         Ok(Place { nesting: place.nesting + 1, ..place })
     }
 
-    /// Parses `cond`: comparisons joined by `&&` and `||`. Parentheses in it may hold conditions or values; their types are
-    /// checked later.
+    /// Parses `cond`: comparisons joined by `&&` and `||`. Parentheses in it may hold conditions or values; their types
+    /// are checked later.
     fn condition(&mut self, place: Place) -> Result<ExprId, Reported> {
         let place = Place { condition: true, ..place };
         let mut left = self.conjunction(place)?;
@@ -259,7 +259,8 @@ impl Parser<'_> {
         self.expect_expression_end(mark, "in the vector `<x, y, z>`")
     }
 
-    /// Reports a number with a value right after it: `1.N` is the number `1.` and a name, but probably meant as a dot product.
+    /// Reports a number with a value right after it: `1.N` is the number `1.` and a name, but probably meant as a dot
+    /// product.
     fn number_stands_alone(&mut self, text: &str) -> Result<(), Reported> {
         let number = self.cursor.previous_span();
         let next = self.cursor.peek(0).clone();

@@ -1,7 +1,7 @@
 //! Parses the words of a formula file into syntax, by recursive descent (thesis 9.1).
 //!
-//! After an error the parser goes on with the next statement, so that one run reports all independent mistakes. Names and types
-//! are not checked here.
+//! After an error the parser goes on with the next statement, so that one run reports all independent mistakes. Names
+//! and types are not checked here.
 
 use crate::lang::ast::{Constant, Declaration, FormulaFile, InvariantLine, MacroLine, Relation, Section};
 use crate::lang::ast::{Expr, ExprId, ExprKind};
@@ -81,7 +81,8 @@ impl Parser<'_> {
         }
     }
 
-    /// Parses a section before the formula, or reports what is in its place. `seen` has the sections before, with their heads.
+    /// Parses a section before the formula, or reports what is in its place. `seen` has the sections before, with their
+    /// heads.
     fn section(&mut self, seen: &mut Vec<(String, Span)>) -> Next {
         let head = self.cursor.span();
         if let TokenKind::Uses(..) = self.cursor.kind(0) {
@@ -171,7 +172,8 @@ impl Parser<'_> {
         self.file.sections.push(Section::Parameters(owner, list));
     }
 
-    /// Parses a declaration. One with a mistake in its attributes is kept, so that uses of the parameter are not reported too.
+    /// Parses a declaration. One with a mistake in its attributes is kept, so that uses of the parameter are not
+    /// reported too.
     fn declaration(&mut self, owner: Owner, list: &mut Vec<Declaration>) -> Result<(), Reported> {
         let name = self.cursor.name("the name of a parameter")?;
         if self.cursor.sees_mark(0, Mark::Equal) {

@@ -1,4 +1,5 @@
-//! Prints the syntax of a formula file as text, with no more parentheses than needed. Parsing the text gives the same syntax.
+//! Prints the syntax of a formula file as text, with no more parentheses than needed. Parsing the text gives the same
+//! syntax.
 
 use crate::lang::ast::{Constant, Declaration, ExprId, ExprKind, FormulaFile, Relation, Section};
 use crate::lang::token::Mark;
@@ -125,8 +126,8 @@ enum Piece {
     Expr(ExprId, Binding),
 }
 
-/// The pieces of a list with commas in between and `close` after it, in reverse order. The first element needs parentheses if it
-/// binds less tightly than `least`.
+/// The pieces of a list with commas in between and `close` after it, in reverse order. The first element needs
+/// parentheses if it binds less tightly than `least`.
 fn list(parts: &[ExprId], least: Binding, close: &'static str) -> Vec<Piece> {
     let mut pieces = vec![Piece::Text(close)];
     for (place, part) in parts.iter().enumerate().rev() {
@@ -138,7 +139,8 @@ fn list(parts: &[ExprId], least: Binding, close: &'static str) -> Vec<Piece> {
     pieces
 }
 
-/// An expression as text. A list of pieces that are still to be written replaces recursion, so that sums may have any length.
+/// An expression as text. A list of pieces that are still to be written replaces recursion, so that sums may have any
+/// length.
 pub fn print_expression(file: &FormulaFile, root: ExprId) -> String {
     use Piece::{Expr, Text};
     let mut out = String::new();

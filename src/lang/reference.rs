@@ -1,4 +1,5 @@
-//! The reference of the formula language, as tables and as text. It is made from the tables that the program itself uses.
+//! The reference of the formula language, as tables and as text. It is made from the tables that the program itself
+//! uses.
 
 use crate::lang::builtins::{Form, Operation};
 use crate::lang::printer::Binding;

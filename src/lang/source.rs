@@ -22,7 +22,8 @@ pub struct Source {
 }
 
 impl Source {
-    /// A source from a text. A byte order mark stays in the text (the lexer skips it), so that offsets are those in the file.
+    /// A source from a text. A byte order mark stays in the text (the lexer skips it), so that offsets are those in the
+    /// file.
     pub fn new(name: impl Into<String>, text: impl Into<String>) -> Self {
         Self { name: name.into(), text: text.into() }
     }
@@ -65,8 +66,8 @@ impl Source {
         self.text.get(span.range()).unwrap_or("")
     }
 
-    /// Line and column of a byte offset, both counted from 1, the column in characters. An offset beyond the end means the
-    /// end; one within a character, or within a CRLF, means its first byte.
+    /// Line and column of a byte offset, both counted from 1, the column in characters. An offset beyond the end means
+    /// the end; one within a character, or within a CRLF, means its first byte.
     pub fn position(&self, offset: u32) -> (usize, usize) {
         let mut offset = self.text.floor_char_boundary(offset as usize);
         if self.text[..offset].ends_with('\r') && self.text[offset..].starts_with('\n') {
@@ -88,15 +89,16 @@ impl Source {
         start + mark..line_end(bytes, start + mark)
     }
 
-    /// The range of the text that a span means, whatever the span is: within the text, not reversed, and of whole characters.
+    /// The range of the text that a span means, whatever the span is: within the text, not reversed, and of whole
+    /// characters.
     pub fn fit(&self, span: Span) -> Range<usize> {
         let start = self.text.floor_char_boundary(span.range().start);
         start..self.text.ceil_char_boundary(span.range().end).max(start)
     }
 
-    /// The range of the text to mark for a span, so that there is something to see: an empty span means the character behind
-    /// it; at the end of a line, the last character before it that is not white space. The range is empty only if there is no
-    /// such character.
+    /// The range of the text to mark for a span, so that there is something to see: an empty span means the character
+    /// behind it; at the end of a line, the last character before it that is not white space. The range is empty only
+    /// if there is no such character.
     pub fn mark(&self, span: Span) -> Range<usize> {
         let fitting = self.fit(span);
         if !fitting.is_empty() {

@@ -4,7 +4,8 @@ use std::ops::Range;
 
 /// A half-open range of byte offsets into one text.
 ///
-/// Parsers make only spans that fit their text; whoever uses one must expect any, see [`Source::fit`](crate::lang::source::Source::fit).
+/// Parsers make only spans that fit their text; whoever uses one must expect any, see
+/// [`Source::fit`](crate::lang::source::Source::fit).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Default)]
 pub struct Span {
     /// Offset of the first byte.

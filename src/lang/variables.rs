@@ -1,7 +1,7 @@
 //! Every variable and predefined parameter of the language, defined once.
 //!
-//! Variables are what ray tracing knows about a hit (thesis 4.2.1, 9.2.3). Predefined parameters are those that the lighting
-//! equation itself needs (thesis 4.2.5). Their values are computed and stored elsewhere.
+//! Variables are what ray tracing knows about a hit (thesis 4.2.1, 9.2.3). Predefined parameters are those that the
+//! lighting equation itself needs (thesis 4.2.5). Their values are computed and stored elsewhere.
 
 use crate::lang::types::{Origin, Type};
 

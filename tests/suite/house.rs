@@ -1,4 +1,5 @@
-//! The order of the house: which rooms may import which, that imports do not go round in circles, and where unsafe code may live.
+//! The order of the house: which rooms may import which, that imports do not go round in circles, and where unsafe code
+//! may live.
 
 mod modules;
 mod tokens;
@@ -9,8 +10,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use tokens::{Token, tokens, without_tests};
 
-/// Each room with those it may import. Data flows one way: text → syntax → formula → {bytecode, compiled code}; scene → world → hits →
-/// evaluation → picture; what a user edits sits on top, and the program above all.
+/// Each room with those it may import. Data flows one way: text → syntax → formula → {bytecode, compiled code}; scene →
+/// world → hits → evaluation → picture; what a user edits sits on top, and the program above all.
 const ROOMS: [(&str, &[&str]); 18] = [
     ("files", &[]),
     ("lang", &[]),
@@ -49,8 +50,8 @@ const ROOMS: [(&str, &[&str]); 18] = [
     ),
 ];
 
-/// Cycles of imports that are still there: a module, and those of its children that import each other. Nothing is to be added; an
-/// entry that is no longer needed must be removed.
+/// Cycles of imports that are still there: a module, and those of its children that import each other. Nothing is to be
+/// added; an entry that is no longer needed must be removed.
 const KNOWN_CYCLES: [(&str, &[&str]); 4] = [
     ("formula", &["binding", "rewrite"]),
     ("scene", &["light", "parser", "print", "shape", "syntax"]),
@@ -58,8 +59,8 @@ const KNOWN_CYCLES: [(&str, &[&str]); 4] = [
     ("world", &["rectangle", "sphere", "surface"]),
 ];
 
-/// The libraries that widgets are made with, and those of windows, each with the folder that may name them. Widgets know no
-/// window: tests drive them without one.
+/// The libraries that widgets are made with, and those of windows, each with the folder that may name them. Widgets
+/// know no window: tests drive them without one.
 const WIDGETS: (&[&str], &str) = (&["egui"], "src/preview");
 const WINDOWS: (&[&str], &str) = (&["minifb", "x11rb", "arboard"], "src/preview/window");
 

@@ -30,8 +30,8 @@ pub(crate) struct Cycle {
 }
 
 impl Modules {
-    /// The modules of source files: paths below `src`, such as `lang/source.rs`, and texts. Modules that are compiled for tests
-    /// alone are left out.
+    /// The modules of source files: paths below `src`, such as `lang/source.rs`, and texts. Modules that are compiled
+    /// for tests alone are left out.
     pub(crate) fn new<'f>(files: impl IntoIterator<Item = (&'f str, &'f str)>) -> Self {
         let mut modules = BTreeMap::new();
         let mut tests = BTreeSet::new();
@@ -67,8 +67,8 @@ impl Modules {
         absolute.filter_map(|absolute| absolute.first().cloned()).collect()
     }
 
-    /// The cycles of imports. A module and those below it count as one: a parent may use its children and they may use it. So
-    /// cycles are those among the children of one module.
+    /// The cycles of imports. A module and those below it count as one: a parent may use its children and they may use
+    /// it. So cycles are those among the children of one module.
     pub(crate) fn cycles(&self) -> Vec<Cycle> {
         // By parent: from child to child, with a reason.
         let mut edges: BTreeMap<&[String], BTreeMap<(&str, String), String>> = BTreeMap::new();
