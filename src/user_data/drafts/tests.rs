@@ -142,6 +142,12 @@ fn many_programs_at_once_lose_nothing() {
 /// Plays the program that is killed when the test below starts it.
 const CHILD_HOME: &str = "ILLUMINATOR_TEST_DRAFTS";
 
+/// The name by which the test program knows a test of this module.
+fn this_test(name: &str) -> String {
+    let module = module_path!().split_once("::").map_or("", |(_, module)| module);
+    format!("{module}::{name}")
+}
+
 #[test]
 fn a_killed_program_leaves_its_drafts() {
     if let Some(home) = std::env::var_os(CHILD_HOME) {
@@ -153,7 +159,7 @@ fn a_killed_program_leaves_its_drafts() {
     }
     let (home, folders) = home();
     let mut child = Command::new(std::env::current_exe().unwrap())
-        .args(["--exact", "workspace::drafts::tests::a_killed_program_leaves_its_drafts", "--nocapture"])
+        .args(["--exact", &this_test("a_killed_program_leaves_its_drafts"), "--nocapture"])
         .env(CHILD_HOME, home.path())
         .stdin(Stdio::piped())
         .stdout(Stdio::null())
