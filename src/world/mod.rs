@@ -111,27 +111,38 @@ impl World {
     /// # Panics
     /// If the id is another scene's, and this one has fewer bodies.
     pub fn intersect(&self, ray: &Ray, body: BodyId) -> Option<Intersection> {
-        let surface = &self.surfaces[body.index()];
-        let met = match ray.leaves {
-            Some(departure) if departure.body == body => surface.intersect_again(ray, departure, self.tolerance),
-            Some(_) | None => surface.intersect(ray, self.tolerance),
-        };
-        met.map(|met| Intersection { body, primitive: met.primitive, distance: met.distance })
+        self.meet(ray, body, &self.surfaces[body.index()])
     }
 
     /// What the ray meets first; of several surfaces at equal distance the one declared first.
     pub fn nearest(&self, ray: &Ray) -> Option<Intersection> {
-        let met = self.scene.body_ids().filter_map(|body| self.intersect(ray, body));
         // Distances that are equal but for rounding are equal: otherwise coincident surfaces would show in patches.
-        met.reduce(|best, next| if next.distance < best.distance - self.tolerance { next } else { best })
+        self.meetings(ray).reduce(|best, next| if next.distance < best.distance - self.tolerance { next } else { best })
     }
 
     /// The bodies that the ray meets before `distance` (in world units), in the order of declaration.
     ///
     /// Surfaces within the tolerance of the end do not count: a lamp may be fixed to a body without being buried in it.
     pub fn occluders(&self, ray: Ray, distance: f64) -> impl Iterator<Item = Intersection> {
-        let met = self.scene.body_ids().filter_map(move |body| self.intersect(&ray, body));
+        let surfaces = self.surfaces.iter().enumerate();
+        let met = surfaces.filter_map(move |(body, surface)| self.meet(&ray, BodyId(body as u32), surface));
         met.filter(move |met| met.distance < distance - self.tolerance)
+    }
+
+    /// Where the ray meets each body that it meets, in the order of declaration.
+    #[inline]
+    fn meetings(&self, ray: &Ray) -> impl Iterator<Item = Intersection> {
+        self.surfaces.iter().enumerate().filter_map(move |(body, surface)| self.meet(ray, BodyId(body as u32), surface))
+    }
+
+    /// Where the ray meets the surface of this body.
+    #[inline]
+    fn meet(&self, ray: &Ray, body: BodyId, surface: &Surface) -> Option<Intersection> {
+        let met = match ray.leaves {
+            Some(departure) if departure.body == body => surface.intersect_again(ray, departure, self.tolerance),
+            Some(_) | None => surface.intersect(ray, self.tolerance),
+        };
+        met.map(|met| Intersection { body, primitive: met.primitive, distance: met.distance })
     }
 
     /// The surface where the ray meets it.

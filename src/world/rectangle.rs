@@ -38,6 +38,7 @@ impl Geometry for Rectangle {
         self.bounds
     }
 
+    #[inline]
     fn intersect(&self, ray: &Ray, tolerance: f64) -> Option<Meeting> {
         let height = (self.corner - ray.origin).dot(self.normal);
         // Measured across the plane, not along the ray: a ray that starts in a second, coincident rectangle is not let in

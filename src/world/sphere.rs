@@ -41,6 +41,7 @@ impl Geometry for Sphere {
 
     /// The quadratic is solved as in Haines, Günther, Akenine-Möller, "Precision Improvements for Ray/Sphere
     /// Intersection", Ray Tracing Gems (2019): small far spheres keep their shape, and neither root cancels.
+    #[inline]
     fn intersect(&self, ray: &Ray, tolerance: f64) -> Option<Meeting> {
         let origin = ray.origin - self.center;
         let nearest = -origin.dot(ray.direction);
