@@ -14,21 +14,28 @@
 #include <sys/mman.h>
 #include <time.h>
 
+#include "lanes.h"
+
 /* Found by trial; see README.md. */
 #ifndef TILE
 #define TILE 24576 /* pixels of a tile; its accumulator takes 12 bytes a pixel */
 #endif
 #ifndef AHEAD
-#define AHEAD 8192 /* bytes that are fetched ahead; hardware prefetching stops at every page and does not keep up with this much work */
+#define AHEAD 8192 /* how many bytes ahead data are prefetched: the hardware stops at every page and does not keep up */
 #endif
 _Static_assert(TILE % 16 == 0 && TILE <= 32768, "segments hold pixels of a tile as 16-bit numbers");
-enum { LANES = 16, CHANNEL = TILE + 2 * LANES, MAX_LIGHTS = 4, MAX_NAMES = 64, NONE = -1 };
-typedef __m512 vec;
+enum {
+    LINE = 16,   /* numbers of a cache line */
+    MARGIN = 16, /* vectors may begin before the first pixel of a tile and end after its last one */
+    /* Between the channels of an accumulator. Without the extra 64, addresses in two channels would differ by little more than a
+     * multiple of 4096, and Intel's processors would take a load from one to depend on a store to the other. */
+    CHANNEL = TILE + 2 * MARGIN + 64,
+    MAX_LIGHTS = 4,
+    MAX_NAMES = 64,
+    NONE = -1,
+};
 typedef enum { PHONG, STRAUSS } Model;
 typedef enum { NLV, DOTS } Variant;
-
-#define ALWAYS_INLINE static inline __attribute__((always_inline))
-#define UNROLL _Pragma("GCC unroll 8")
 
 static void die(const char *format, ...) {
     va_list arguments;
