@@ -1,7 +1,9 @@
-//! The engine against its earlier self: every stage from text to frame by the public interface of the library.
+//! Measures every stage from text to frame through the public interface of the library, for comparing versions of the
+//! engine.
 //!
-//! `cargo bench --bench engine` measures all of it in some minutes, `cargo bench --bench engine -- full/phong` what the filter names.
-//! Parameters move from frame to frame. The session is `preset:glass` with Phong's and Strauss's model.
+//! `cargo bench --bench engine` takes some minutes. A filter selects benchmarks:
+//! `cargo bench --bench engine -- full/phong`.
+//! Parameters change from frame to frame. The session is `preset:glass` with Phong's and Strauss's models.
 #![allow(clippy::expect_used, reason = "a benchmark that cannot go on has failed")]
 
 mod stage;
@@ -30,14 +32,14 @@ fn main() {
         .measurement_time(Duration::from_millis(800))
         .configure_from_args();
     let pools = pools();
-    // `cargo test --benches` only tries whether everything works.
+    // `cargo test --benches` only checks that everything works.
     let sizes = if std::env::args().any(|argument| argument == "--bench") { &SIZES[..] } else { &SIZES[..1] };
     for model in Model::ALL {
         texts(&mut criterion, model);
     }
     for size in sizes {
         tracing(&mut criterion, *size, &pools);
-        // It waits until a benchmark is reached that the filter lets through.
+        // Traced only if the filter selects a benchmark that needs it.
         let hits = LazyCell::new(|| Script::new(Model::Phong, *size).trace());
         for model in Model::ALL {
             frames(&mut criterion, model, *size, &pools, &hits);
@@ -65,7 +67,7 @@ fn tracing(criterion: &mut Criterion, size: [u32; 2], pools: &[ThreadPool]) {
     }
 }
 
-/// From moved parameters to a picture, in every way.
+/// From changed parameters to a picture, in every way.
 fn frames(
     criterion: &mut Criterion,
     model: Model,
@@ -91,7 +93,7 @@ fn frames(
     }
 }
 
-/// Repeats some work on what is made once, if the filter lets it through.
+/// Benchmarks work on a value that is made once, if the filter selects the benchmark.
 fn repeated<T: Send>(
     criterion: &mut Criterion,
     name: &str,
@@ -114,7 +116,7 @@ fn repeated<T: Send>(
     });
 }
 
-/// The reference interpreter, running programs without writing them; that is added up over threads.
+/// The reference interpreter. Only running programs counts, not writing them.
 fn interpreted(criterion: &mut Criterion, name: &str, script: &Script, pool: &ThreadPool) {
     let interpreted = script.interpreter();
     let view = script.subject.view;

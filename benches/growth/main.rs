@@ -1,7 +1,7 @@
-//! How the cost of each stage grows with the picture, the scene and the formula: one of them is enlarged at a time, the rest stays.
+//! Measures how the cost of each stage grows with the picture, the scene and the formula. One of them grows at a time.
 //!
-//! `cargo bench --bench growth` prints a table in some two minutes; behind `--`, `--plot FILE.svg` draws it too. Scenes and formulas are
-//! generated, everything runs on one thread and in turns, and times are the best of all.
+//! `cargo bench --bench growth` prints a table in about two minutes. After `--`, `--plot FILE.svg` also draws it.
+//! Scenes and formulas are generated, everything runs on one thread and in turns, and the best time counts.
 #![allow(clippy::expect_used, reason = "a benchmark that cannot go on has failed")]
 
 mod plot;
@@ -13,22 +13,22 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use workload::{Cost, Stage, Workload};
 
-/// How often everything is measured again.
+/// The number of rounds.
 const ROUNDS: usize = 8;
 
-/// Something that grows, and what it cost.
+/// The measurements while one thing grows.
 pub(crate) struct Sweep {
     /// What grows.
     pub(crate) name: &'static str,
-    /// The same for its panel.
+    /// The title of its panel.
     pub(crate) label: &'static str,
-    /// What is written below its axis, and where.
+    /// Positions and labels on its axis.
     pub(crate) ticks: Vec<(f64, String)>,
-    /// How much of it there is, from little to much, and the costs.
+    /// Amounts in ascending order, with the costs.
     pub(crate) points: Vec<(f64, Cost)>,
 }
 
-/// What is measured of each point.
+/// One line of the plot.
 pub(crate) struct Series {
     pub(crate) name: &'static str,
     /// Its milliseconds.
@@ -42,9 +42,9 @@ pub(crate) const SERIES: [Series; 4] = [
     Series { name: "frame of an image drag", of: |cost| cost.drag },
 ];
 
-/// What the command line says.
+/// The command line.
 struct Options {
-    /// Whether anything is measured: cargo says so when it benches, and not when it tests.
+    /// Whether to measure: `cargo bench` asks for it, `cargo test` does not.
     measure: bool,
     plot: Option<PathBuf>,
 }
@@ -60,7 +60,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// What is not known here is cargo's.
+/// Reads the command line. Unknown options are cargo's and are ignored.
 fn options() -> Result<Options, String> {
     let mut options = Options { measure: false, plot: None };
     let mut arguments = std::env::args_os().skip(1);
@@ -84,7 +84,7 @@ fn run(options: &Options) -> Result<(), String> {
     Ok(())
 }
 
-/// What is to be measured while something grows.
+/// What to measure while one thing grows.
 struct Plan {
     name: &'static str,
     label: &'static str,
@@ -92,7 +92,7 @@ struct Plan {
     workloads: Vec<(f64, Workload)>,
 }
 
-/// Enlarges one thing at a time.
+/// The plans: in each, one thing grows.
 fn plans() -> Vec<Plan> {
     let growing = |name, label, amounts: &[u32], ticks: &[u32], with: fn(u32) -> Workload| Plan {
         name,
@@ -131,7 +131,7 @@ fn plans() -> Vec<Plan> {
     ]
 }
 
-/// Measures everything in turns, so that whatever else the machine does hits all alike.
+/// Measures everything in turns, so that other work on the machine affects all alike.
 fn measured(plans: Vec<Plan>) -> Vec<Sweep> {
     let ready = |plan: Plan| {
         let stages: Vec<(f64, Stage)> = plan.workloads.into_iter().map(|(amount, workload)| (amount, workload.stage())).collect();
@@ -145,7 +145,7 @@ fn measured(plans: Vec<Plan>) -> Vec<Sweep> {
     all.into_iter().map(|(sweep, stages)| Sweep { points: costs(stages), ..sweep }).collect()
 }
 
-/// The table; below each part of it the slopes that the lines have on logarithmic axes, where 1 is linear.
+/// Prints the table, and below each part the slopes on logarithmic axes, where 1 is linear.
 fn tell(sweeps: &[Sweep]) {
     println!(
         "grows,    amount,     hits,  records, groups,  spans,  paths,filled,bytes/px,  full ms, trace ms,compile ms, drag ms,drag by"

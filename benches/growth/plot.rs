@@ -1,4 +1,4 @@
-//! The measurements as a drawing: a panel for everything that grows, both axes logarithmic.
+//! Draws the measurements: a panel for each thing that grows, with logarithmic axes.
 
 use crate::{SERIES, Sweep};
 use std::fmt::Write;
@@ -6,15 +6,15 @@ use std::fmt::Write;
 const WIDTH: f64 = 900.0;
 const HEIGHT: f64 = 580.0;
 const COLUMNS: usize = 3;
-/// A panel's axes, from its left upper corner.
+/// The lengths of the axes of a panel.
 const AXES: [f64; 2] = [234.0, 212.0];
 const FIRST: [f64; 2] = [52.0, 36.0];
 const STEP: [f64; 2] = [294.0, 292.0];
-/// What is left free at the left and right end of an axis, as a part of what is between.
+/// The margin at each end of a horizontal axis, as a part of its length.
 const AIR: f64 = 0.06;
 const COLOURS: [&str; SERIES.len()] = ["#0b5fa5", "#c2410c", "#5b7a00", "#8b2fa0"];
 
-/// A scale from numbers to places, by logarithms.
+/// A logarithmic scale from numbers to positions.
 struct Scale {
     from: f64,
     to: f64,
@@ -47,7 +47,7 @@ pub(crate) fn svg(sweeps: &[Sweep]) -> String {
     text + "</svg>\n"
 }
 
-/// Where a panel's axes begin.
+/// The upper left corner of the axes of a panel.
 fn corner(place: usize) -> [f64; 2] {
     [FIRST[0] + STEP[0] * (place % COLUMNS) as f64, FIRST[1] + STEP[1] * (place / COLUMNS) as f64]
 }
@@ -80,7 +80,7 @@ fn panel(text: &mut String, place: usize, sweep: &Sweep, up: &Scale) {
         line(text, format_args!(r##"<path d="M{right:.1} {height}v5" stroke="#666"/>"##));
         line(text, format_args!(r#"<text x="{right:.1}" y="{}" text-anchor="middle">{label}</text>"#, height + 19.0));
     }
-    // What grows as the amount does is parallel to these.
+    // Linear growth is parallel to these lines.
     line(text, format_args!(r##"<g clip-path="url(#{clip})" stroke="#aaa" stroke-dasharray="4 4">"##));
     let decades = along.to - along.from;
     for decade in (up.from - decades).floor() as i32..up.to.ceil() as i32 {

@@ -1,4 +1,4 @@
-//! A generated scene and formula, and what each stage costs with it.
+//! Generates a scene and a formula, and measures the cost of each stage.
 
 use illuminator::engine::{Engine, Subject, Task};
 use illuminator::evaluate::{Drag, Evaluator, Framebuffer};
@@ -16,49 +16,49 @@ use std::hint::black_box;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// In one round nothing is repeated after it has taken so long altogether,
+/// The time after which work is not repeated in a round.
 const PATIENCE: Duration = Duration::from_millis(40);
-/// or so often.
+/// The most repetitions in a round.
 const MOST_TIMES: usize = 40;
-/// As much as `illuminator bench` lets a drag keep, in bytes.
+/// The memory that a drag may keep, in bytes, as in `illuminator bench`.
 const DRAG_BUDGET: usize = 1 << 30;
 /// The length of the floor that the spheres stand on in rows and columns.
 const FLOOR: f64 = 9.0;
 
-/// How much there is of everything.
+/// The amounts of everything.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Workload {
     pub(crate) size: [u32; 2],
     pub(crate) lights: u32,
-    /// As many rows and columns of spheres there are.
+    /// The number of rows of spheres, and of columns.
     pub(crate) spheres_a_side: u32,
     pub(crate) depth: u32,
-    /// The highlights that the formula adds up.
+    /// The number of highlights in the formula.
     pub(crate) terms: u32,
 }
 
-/// What is in the picture, and the milliseconds of each stage.
+/// The contents of the picture, and the milliseconds of each stage.
 pub(crate) struct Cost {
     pub(crate) counts: Counts,
     pub(crate) spans: usize,
-    /// How full blocks of hits are, 0 to 1.
+    /// The part of the lanes that hold a hit, 0 to 1.
     pub(crate) filled: f64,
     pub(crate) bytes_per_pixel: f64,
     pub(crate) full: f64,
     pub(crate) trace: f64,
     pub(crate) compile: f64,
-    /// A frame while `floor.kd` is dragged, everything prepared.
+    /// A frame while `floor.kd` is dragged, with everything prepared.
     pub(crate) drag: f64,
     pub(crate) method: Method,
 }
 
-/// Everything made ready, so that stages can be measured again and again.
+/// Everything prepared, so that stages can be measured repeatedly.
 pub(crate) struct Stage {
     engine: Engine,
     subject: Subject,
     compiled: Arc<dyn Evaluator>,
     dragged: Box<dyn Drag>,
-    /// Arrays of numbers between which all bodies change, and such between which the slider does.
+    /// Two arrays of numbers between which all bodies change, and two between which the slider does.
     bodies: [Vec<f32>; 2],
     slider: [Vec<f32>; 2],
     framebuffer: Framebuffer,
@@ -66,10 +66,10 @@ pub(crate) struct Stage {
 }
 
 impl Workload {
-    /// What is not enlarged.
+    /// The amounts of whatever does not grow.
     pub(crate) const TYPICAL: Workload = Workload { size: [640, 360], lights: 3, spheres_a_side: 3, depth: 5, terms: 1 };
 
-    /// Phong's model with so many highlights, each with an exponent of its own.
+    /// Phong's model with several highlights, each with its own exponent.
     fn formula(self) -> String {
         let mut text = "body_specific;\n kd: scalar, constraint 0..1, default 0.5, slider;\n".to_owned();
         text += " ks: scalar, constraint 0..1, default 0.4, slider;\n h: scalar, constraint 1..500, default 60, slider;\n";
@@ -80,7 +80,8 @@ impl Workload {
         text + ";\n"
     }
 
-    /// Spheres in rows and columns, one of glass, the next one a mirror, over a floor under a circle of lights. The more there are, the smaller.
+    /// Spheres in rows and columns, alternately glass and mirrors, on a floor under a circle of lights. More spheres
+    /// are smaller.
     fn scene(self) -> String {
         let mut text = "bodies;\n floor: rectangle, <-6,0,-6>, <6,0,-6>, <6,0,6>, opaque;\n".to_owned();
         let side = self.spheres_a_side;
@@ -102,7 +103,7 @@ impl Workload {
         text + "camera;\n position <0,5,11>; gaze <0,-0.42,-1>; up <0,1,0>; fov 40;\n"
     }
 
-    /// Makes everything ready, on the threads of the current pool.
+    /// Prepares everything, on the threads of the current pool.
     pub(crate) fn stage(self) -> Stage {
         let (formula, _) = Formula::parse(&Source::new("formula", self.formula())).expect("a sound formula");
         let (scene, _) = Scene::parse(&Source::new("scene", self.scene())).expect("a sound scene");
@@ -114,11 +115,11 @@ impl Workload {
         let places = places(&formula, &scene, "floor", "kd");
         let slider = moved(&numbers, &places, [1.0, 0.5]);
         let (engine, subject) = (Engine::default().with_memory(u64::MAX), Subject::new(formula, scene, view));
-        let hits = engine.trace(&subject, &Task::UNWATCHED).expect("a tracing that nobody ends");
+        let hits = engine.trace(&subject, &Task::UNWATCHED).expect("tracing that nobody cancels");
         let compiled = engine.prepare(&subject, &hits).expect("a formula that can be compiled");
         let mut dragged = Arc::clone(&compiled).drag(&places, &slider[0], DRAG_BUDGET).expect("kernels for a slider");
         while !dragged.prepare() {}
-        // The first frame is a whole one.
+        // The first frame draws everything.
         dragged.frame(&slider[0], &mut framebuffer);
         let counts = hits.counts();
         let groups = || hits.tiles.iter().flat_map(|tile| &tile.groups);
@@ -137,7 +138,7 @@ impl Workload {
         Stage { engine, subject, compiled, dragged, bodies, slider, framebuffer, cost }
     }
 
-    /// Parameter numbers with which all rays count.
+    /// Parameter numbers that give every ray a weight other than 0.
     fn numbers(self, formula: &Formula, scene: &Scene) -> Vec<f32> {
         let mut numbers = Values::defaults(formula, scene).numbers().to_vec();
         let mut set = |name: &str, parameter, value| numbers[places(formula, scene, name, parameter)[0]] = value;
@@ -154,7 +155,7 @@ impl Workload {
 }
 
 impl Stage {
-    /// Measures every stage some times more, on the threads of the current pool; the shortest times stay.
+    /// Measures every stage several times, on the threads of the current pool, and keeps the shortest times.
     pub(crate) fn measure(&mut self) {
         let Self { engine, subject, compiled, dragged, bodies, slider, framebuffer, cost } = self;
         let mut turn = 0;
@@ -179,7 +180,7 @@ fn add(text: &mut String, more: std::fmt::Arguments) {
     text.write_fmt(more).expect("writing to a string does not fail");
 }
 
-/// Where the numbers of a parameter of an owner lie.
+/// The positions of the numbers of an owner's parameter.
 fn places(formula: &Formula, scene: &Scene, owner: &str, parameter: &str) -> Vec<usize> {
     let values = Values::defaults(formula, scene);
     let owner: OwnerId = values.roster().owners().named(owner).expect("an owner of the scene");
@@ -187,7 +188,7 @@ fn places(formula: &Formula, scene: &Scene, owner: &str, parameter: &str) -> Vec
     values.roster().places(owner, id).expect("a parameter of this owner").collect()
 }
 
-/// Where the numbers of these parameters of all bodies lie.
+/// The positions of the numbers of these parameters of all bodies.
 fn all_places(formula: &Formula, scene: &Scene, parameters: &[&str]) -> Vec<usize> {
     let values = Values::defaults(formula, scene);
     let roster = values.roster();
@@ -196,7 +197,7 @@ fn all_places(formula: &Formula, scene: &Scene, parameters: &[&str]) -> Vec<usiz
     pairs.filter_map(|(owner, id)| roster.places(owner, id)).flatten().collect()
 }
 
-/// The numbers twice, those at these places multiplied.
+/// Two copies of the numbers, those at these positions multiplied by a factor.
 fn moved(numbers: &[f32], places: &[usize], factors: [f32; 2]) -> [Vec<f32>; 2] {
     factors.map(|factor| {
         let mut moved = numbers.to_vec();
@@ -205,7 +206,7 @@ fn moved(numbers: &[f32], places: &[usize], factors: [f32; 2]) -> [Vec<f32>; 2] 
     })
 }
 
-/// Does some work several times; the shortest time stays, in milliseconds.
+/// Repeats work and keeps the shortest time, in milliseconds.
 fn shorten(best: &mut f64, mut work: impl FnMut()) {
     let begin = Instant::now();
     for _ in 0..MOST_TIMES {

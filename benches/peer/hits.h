@@ -1,5 +1,5 @@
-/* What peer.c shades: the columns that `illuminator dump --stage hits` writes and the values of values.txt, read and laid out once.
- * peer.c says why they are laid out so. */
+/* The data that peer.c shades: reads the columns that `illuminator dump --stage hits` writes and the values of values.txt, and
+ * lays them out as peer.c explains. */
 #define _GNU_SOURCE
 #include <immintrin.h>
 #include <math.h>
@@ -52,7 +52,7 @@ static double now_ms(void) {
     return t.tv_sec * 1e3 + t.tv_nsec * 1e-6;
 }
 
-/* Zeroed memory on huge pages: the streams are long, and page walks would show. */
+/* Zeroed memory on huge pages: the streams are long, and page walks would cost time. */
 static void *allocate(size_t bytes) {
     size_t page = (size_t)2 << 20, size = (bytes + 4096 + page) / page * page;
     void *memory = aligned_alloc(page, size);
@@ -62,7 +62,7 @@ static void *allocate(size_t bytes) {
     return memory;
 }
 
-/* ---- Input ------------------------------------------------------------------------------------------------------------------ */
+/* ---- Input ------------------------------------------------------------------------------------------------------- */
 
 static const char *folder;
 
@@ -77,7 +77,7 @@ static void *read_file(const char *name, size_t item, size_t *count) {
     char *data = malloc(bytes + 1);
     if (!data || fread(data, 1, bytes, file) != bytes) die("cannot read %s", path);
     fclose(file);
-    data[bytes] = 0; /* text ends here */
+    data[bytes] = 0; /* ends a text */
     if (*count && *count != bytes / item) die("%s has %zu items, not %zu", path, bytes / item, *count);
     *count = bytes / item;
     return data;
@@ -112,7 +112,7 @@ typedef struct {
     Light lights[MAX_NAMES];
 } Values;
 
-static Values given; /* as the file has them */
+static Values given; /* from values.txt */
 
 static void read_values(void) {
     given = (Values){.ka = 0.1f, .Ia = {1, 1, 1}};
@@ -149,19 +149,19 @@ static void read_values(void) {
     free(text);
 }
 
-/* ---- What loading makes of the columns ---------------------------------------------------------------------------------------- */
+/* ---- Layout ------------------------------------------------------------------------------------------------------ */
 
 typedef struct { int32_t parent, body; uint32_t edge; } Path; /* edge: 0 primary, 1 reflected, 2 refracted */
-/* `mask` says which lanes of a block; lane i belongs to pixel `pixel + i` of the tile. */
+/* The lanes in `mask`; lane i of the block belongs to pixel `pixel + i` of the tile. */
 typedef struct { int16_t pixel; uint16_t mask, path; } Segment;
-/* The hits of one path in a group: blocks first..last, counted from the group's first. */
+/* The hits of one path in a group: blocks first..=last, counted from the first block of the group. */
 typedef struct { uint32_t path, first, last; } Span;
 typedef struct {
     uint32_t body, lights[MAX_LIGHTS], n_lights;
-    uint32_t span, span_end, block;  /* first and behind the last span; first block */
-    size_t nlv, dots;                /* where its first block starts in the streams */
+    uint32_t span, span_end, block; /* the first span, the one after the last; the first block */
+    size_t nlv, dots;               /* where its first block starts in the streams */
 } Group;
-typedef struct { uint32_t first, sum; } Fill; /* from this pixel of the tile to the next fill's */
+typedef struct { uint32_t first, sum; } Fill; /* from this pixel of the tile to the first one of the next fill */
 typedef struct { uint32_t group, group_end, pixels; } Tile;
 
 static uint32_t n_tiles, n_paths, n_hits, n_records;
@@ -169,11 +169,11 @@ static Tile *tiles;
 static Group *groups;
 static Span *spans;
 static Segment *segments;
-static uint32_t *first_segment; /* of each block, and one more */
+static uint32_t *first_segment; /* of each block, and the end of the last one */
 static float *nlv, *dots, *nv;  /* streams: N V L1 L2 ..; N.L1 R1.V N.L2 R2.V ..; N.V */
 static Path *paths;
 
-/* Sums of what paths add whatever the light; with the rays that leave the scene and, for a black background, without. */
+/* The sums of colours that depend on paths only. layers[0] leaves out the rays that leave the scene, for a black background. */
 typedef struct { uint32_t n_sums, *first_path, *fill_of_tile; uint16_t *path; Fill *fills; } Layer;
 static Layer layers[2];
 
@@ -185,7 +185,7 @@ static int by_key(const void *a, const void *b) {
 
 static float dot3(const float *a, const float *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
-static void *grow(void *array, size_t count, size_t item) { /* doubles at powers of two */
+static void *grow(void *array, size_t count, size_t item) { /* doubles the capacity at powers of two */
     if (count & (count - 1)) return array;
     array = realloc(array, (count ? 2 * count : 1) * item);
     if (!array) die("out of memory");
@@ -198,7 +198,7 @@ static uint64_t mix(uint64_t x) { /* splitmix64 */
     return x ^ x >> 31;
 }
 
-/* Finds the pixels that have the same set of paths. Sets are told apart by a 64-bit sum of hashes; pixel_path is sorted. */
+/* Finds the pixels that have the same set of paths. pixel_path is sorted. Two sets are equal if their 64-bit sums of hashes are. */
 static Layer make_layer(const Sorted *pixel_path, size_t n) {
     Layer layer = {.fill_of_tile = calloc(n_tiles + 1, sizeof(uint32_t))};
     uint32_t n_pixels = (uint32_t)(width * height), n_known = 1 << 20;
@@ -264,7 +264,7 @@ static void load(void) {
         light_set[record_hit[r]] |= (uint8_t)(1 << record_light[r]);
     }
 
-    /* Unlit hits and misses: layers. Lit ones: sorted by tile, body, lights, path, pixel. */
+    /* Unlit hits and misses become layers. Lit hits are sorted by tile, body, lights, path and pixel. */
     Sorted *lit = malloc(hits * sizeof *lit), *dark = malloc((hits + misses) * sizeof *dark);
     size_t n_lit = 0, n_dark = 0;
     for (uint32_t i = 0; i < hits; i++) {
@@ -279,13 +279,14 @@ static void load(void) {
     qsort(dark, n_dark, sizeof *dark, by_key);
     layers[1] = make_layer(dark, n_dark);
 
-    /* Groups. Unused lanes of a group's last block repeat its last hit, so that nothing but sensible numbers is computed. */
+    /* Groups. Unused lanes of the last block of a group repeat its last hit, so that no lane computes NaN or infinity. */
     size_t n_groups = 0, n_spans = 0, n_segments = 0, n_firsts = 0, blocks = 0, nlv_end = 0, dots_end = 0;
     tiles = calloc(n_tiles, sizeof *tiles);
     for (size_t start = 0, end; start < n_lit; start = end) {
         for (end = start; end < n_lit && lit[end].key >> 32 == lit[start].key >> 32;) end++;
         uint32_t set = lit[start].key >> 32 & 0xf, tile = (uint32_t)(lit[start].key >> 44);
-        Group g = {.body = lit[start].key >> 36 & 0xff, .span = (uint32_t)n_spans, .block = (uint32_t)blocks, .nlv = nlv_end, .dots = dots_end};
+        Group g = {.body = lit[start].key >> 36 & 0xff, .span = (uint32_t)n_spans, .block = (uint32_t)blocks};
+        g.nlv = nlv_end, g.dots = dots_end;
         for (uint32_t l = 0; l < MAX_LIGHTS; l++) if (set >> l & 1) g.lights[g.n_lights++] = l;
         for (size_t i = start; i < end; i++) {
             uint32_t lane = (i - start) % LANES, block = (uint32_t)((i - start) / LANES), p = lit[i].key >> 16 & 0xffff;
@@ -314,7 +315,8 @@ static void load(void) {
         uint32_t n = groups[g].n_lights;
         for (size_t i = 0; i < n_blocks * LANES; i++) {
             uint32_t hit = lit[start + i < end ? start + i : end - 1].hit;
-            float *to = nlv + groups[g].nlv + i / LANES * LANES * (6 + 3 * n) + i % LANES, *v = V + 3 * hit, *normal = N + 3 * hit;
+            float *v = V + 3 * hit, *normal = N + 3 * hit;
+            float *to = nlv + groups[g].nlv + i / LANES * LANES * (6 + 3 * n) + i % LANES;
             float *to_dots = dots + groups[g].dots + i / LANES * LANES * 2 * n + i % LANES, n_v = dot3(normal, v);
             nv[groups[g].block * LANES + i] = n_v;
             for (int c = 0; c < 3; c++) to[c * LANES] = normal[c], to[(3 + c) * LANES] = v[c];
@@ -327,7 +329,8 @@ static void load(void) {
         }
         start = end;
     }
-    free(pixel), free(path), free(record_hit), free(record_light), free(miss_pixel), free(miss_path), free(parent), free(edge), free(body);
-    free(N), free(V), free(L), free(record_of), free(light_set), free(lit), free(dark);
+    void *read[] = {pixel, path, record_hit, record_light, miss_pixel, miss_path, parent, edge, body, N, V, L};
+    for (size_t i = 0; i < sizeof read / sizeof *read; i++) free(read[i]);
+    free(record_of), free(light_set), free(lit), free(dark);
 }
 

@@ -1,9 +1,10 @@
-//! Compiled evaluation against what a programmer would write by hand for two models and one kind of processor (`README.md`), against the
-//! interpreter and against itself: everything in one run, in turns, so that whatever else the machine does hits all alike.
+//! Compares compiled evaluation with hand-written programs for two models (`README.md`), with the interpreter and with
+//! drags. Everything is measured in one run and in turns, so that other work on the machine affects all alike.
 //!
-//! `cargo bench --bench peer` prints a table; behind `--`, `--rounds N` sets how many rounds there are and `--json FILE` writes all
-//! numbers to a file too. Compilers that are not there, and Dr.Jit, are said to be missing and left out; `PEER_PYTHON` names the Python
-//! that has Dr.Jit, `DRJIT_LIBLLVM_PATH` the LLVM that it uses.
+//! `cargo bench --bench peer` prints a table. After `--`, `--rounds N` sets the number of rounds and `--json FILE` also
+//! writes all numbers to a file. `ILLUMINATOR_LANES=8` or `4` limits the vectors of both sides. A compiler that is not
+//! installed is reported and left out, and so is Dr.Jit. `PEER_PYTHON` chooses the Python that has Dr.Jit,
+//! `DRJIT_LIBLLVM_PATH` the LLVM that it uses.
 #![allow(clippy::expect_used, reason = "a benchmark that cannot go on has failed")]
 
 mod child;
@@ -13,6 +14,7 @@ mod rounds;
 mod stage;
 
 use child::{Child, Program, Variant};
+use illuminator::jit::Width;
 use rayon::ThreadPool;
 use report::{Agreement, Report, Times};
 use rounds::{Contender, DISCARDED};
@@ -24,16 +26,16 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
 const SIZE: [u32; 2] = [1280, 720];
-/// How many rounds there are, unless it is said.
+/// The number of rounds without `--rounds`.
 const ROUNDS: usize = 60;
-/// A component agrees that differs by at most so much, or so much of it.
+/// Components agree if they differ by at most this, or by this part of a value above 1.
 const TOLERANCE: f32 = 1e-4;
-/// So large a part of the components may differ by more: those at steps of a model.
+/// The part of the components that may differ by more, since models have steps.
 const BEYOND: f64 = 1e-4;
 
-/// What the command line says.
+/// The command line.
 struct Options {
-    /// Whether anything is measured: cargo says so when it benches, and not when it tests.
+    /// Whether to measure: `cargo bench` asks for it, `cargo test` does not.
     measure: bool,
     rounds: usize,
     json: Option<PathBuf>,
@@ -50,7 +52,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// What is not known here is cargo's.
+/// Reads the command line. Unknown options are cargo's and are ignored.
 fn options() -> Result<Options, String> {
     let mut options = Options { measure: false, rounds: ROUNDS, json: None };
     let mut arguments = std::env::args_os().skip(1);
@@ -70,12 +72,13 @@ fn options() -> Result<Options, String> {
 }
 
 fn run(options: &Options) -> Result<(), String> {
+    let width = Width::widest().map_err(|error| error.to_string())?;
     let folder = tempfile::tempdir().map_err(|error| format!("cannot make a folder: {error}"))?;
     let dump = folder.path().join("hits");
     let hits = Script::new(Model::Phong, SIZE).trace();
     let stages = Model::ALL.map(|model| (model, Stage::new(Script::new(model, SIZE), &hits)));
     export(&dump, &stages)?;
-    let (programs, mut missing) = child::programs(folder.path());
+    let (programs, mut missing) = child::programs(folder.path(), width);
     let pools = stage::pools();
     let children = start(&programs, &dump, &pools, &mut missing);
     let counts = hits.counts();
@@ -97,7 +100,19 @@ fn run(options: &Options) -> Result<(), String> {
     let ratios = report::ratios(&times);
     let [hits, records] = own;
     let rounds = options.rounds - DISCARDED;
-    let report = Report { session: SESSION, size: SIZE, hits, records, rounds, others, missing, agreement, times, ratios };
+    let report = Report {
+        session: SESSION,
+        size: SIZE,
+        lanes: width.lanes(),
+        hits,
+        records,
+        rounds,
+        others,
+        missing,
+        agreement,
+        times,
+        ratios,
+    };
     print!("{report}");
     if let Some(file) = &options.json {
         let text = serde_json::to_string_pretty(&report).map_err(|error| error.to_string())?;
@@ -106,7 +121,7 @@ fn run(options: &Options) -> Result<(), String> {
     Ok(())
 }
 
-/// Has the program itself write what the peers read, and the values beside it.
+/// Writes the files that the peers read: the hits by the program itself, the values beside them.
 fn export(dump: &Path, stages: &[(Model, Stage)]) -> Result<(), String> {
     let [width, height] = SIZE;
     let output = Command::new(env!("CARGO_BIN_EXE_illuminator"))
@@ -123,7 +138,7 @@ fn export(dump: &Path, stages: &[(Model, Stage)]) -> Result<(), String> {
     std::fs::write(dump.join("values.txt"), values_of(scripts)).map_err(|error| format!("cannot write values.txt: {error}"))
 }
 
-/// The values of all models, each once, as the peers read them.
+/// The values of all models, each once, in the format that the peers read.
 fn values_of<'s>(scripts: impl Iterator<Item = &'s Script>) -> String {
     let mut lines = BTreeMap::new();
     for script in scripts {
@@ -141,7 +156,7 @@ fn values_of<'s>(scripts: impl Iterator<Item = &'s Script>) -> String {
     })
 }
 
-/// Starts every peer for every number of threads; those that do not work are missing.
+/// Starts every peer for every number of threads. Peers that do not work are added to `missing`.
 fn start(programs: &[Program], dump: &Path, pools: &[ThreadPool], missing: &mut Vec<String>) -> Vec<RefCell<Child>> {
     let mut children = Vec::new();
     for program in programs {
@@ -154,7 +169,7 @@ fn start(programs: &[Program], dump: &Path, pools: &[ThreadPool], missing: &mut 
     children
 }
 
-/// Holds the pictures of the peers against ours.
+/// Compares the pictures of the peers with ours.
 fn agreement(stages: &[(Model, Stage)], children: &[RefCell<Child>], folder: &Path) -> Result<Vec<Agreement>, String> {
     let mut all = Vec::new();
     for (model, stage) in stages {
@@ -173,10 +188,10 @@ fn agreement(stages: &[(Model, Stage)], children: &[RefCell<Child>], folder: &Pa
                 }
                 let differences = || own.iter().zip(&theirs).map(|(own, their)| (own - their).abs() / own.abs().max(1.0));
                 let largest = differences().max_by(f32::total_cmp).unwrap_or_default();
-                // A difference that is NaN is beyond, too.
+                // NaN counts as beyond the tolerance.
                 let beyond = differences().filter(|difference| *difference > TOLERANCE || difference.is_nan()).count();
                 if beyond as f64 > BEYOND * own.len() as f64 {
-                    return Err(format!("{peer}: another picture: {beyond} components differ, the worst by {largest:e}"));
+                    return Err(format!("{peer}: its picture differs in {beyond} components, by at most {largest:e}"));
                 }
                 all.push(Agreement { model: model.name(), peer, largest, beyond });
             }

@@ -1,16 +1,35 @@
+/* The peer of the compiled evaluator: Phong's and Strauss's models over stored hits, written by hand for x86-64.
+ *
+ * Compiled formulas should be compared with what a C programmer would write who knows the model, the data and the processor. So
+ * only the parameters are general: every value of the model may change from one frame to the next, and nothing that depends on
+ * a value is kept. Everything that depends on geometry alone is laid out once, while loading:
+ *
+ *   - Pixels are divided into tiles whose accumulator stays in the second-level cache. The lit hits of a tile are sorted into
+ *     groups of one body and one set of lights, so that a kernel knows the number of lights and all parameters before its loop.
+ *   - A group is an array of blocks of LANES hits, as many as a vector register holds. A block stores its components one after
+ *     the other (N.x of all its hits, then N.y, ...), so that a frame reads one aligned stream from memory.
+ *   - The hits of a group are sorted by path and pixel. A block is added to the picture by segments: lanes of one path whose
+ *     pixels are consecutive. Shading has no idle lanes, and adding needs no shuffles or scatters.
+ *   - Hits that no light reaches, and rays that leave the scene, add a colour that depends on their path only. Pixels with the
+ *     same set of such paths share one sum. Runs of these pixels initialise the accumulator, which must be cleared anyway.
+ *
+ * hits.h reads and lays out the data; lanes.h and power.h hold what differs between vector widths. Usage: peer DIR THREADS,
+ * where DIR holds the columns that `illuminator dump --stage hits` writes and a file values.txt. README.md describes the
+ * protocol on standard input and output.
+ */
 #include "hits.h"
 #include "power.h"
 
-/* ---- One frame: what depends on parameters only ------------------------------------------------------------------------------- */
+/* ---- Preparing a frame: values that depend on parameters only ---------------------------------------------------- */
 
 static Values current;
 static const Layer *layer;
 static uint32_t *framebuffer;
-static float *linear_picture; /* if not null, the picture before clamping goes there too */
-static float weights[1 << 16];  /* of the paths, times 255: the framebuffer's unit */
+static float *linear_picture; /* if not null, it also receives the picture before clamping */
+static float weights[1 << 16]; /* of the paths, times 255, the unit of the framebuffer */
 static __m128 path_colours[1 << 16], *sum_colours;
 
-/* The terms that a model is a sum of, for a body and each light: factors of N.L, of the highlight, of the highlight times Fresnel's. */
+/* A model is a sum of three terms for each light. Their factors: of N.L, of the highlight, of the highlight times Fresnel's. */
 typedef struct { float ambient[3], exponent, rn, term[MAX_LIGHTS][3][3]; } BodyFactors;
 static BodyFactors factors[MAX_NAMES];
 
@@ -55,7 +74,7 @@ static void prepare_frame(Model model) {
     }
 }
 
-/* ---- Shading -------------------------------------------------------------------------------------------------------------- */
+/* ---- Shading ----------------------------------------------------------------------------------------------------- */
 
 /* Strauss's Fresnel and shadowing functions: (1/(x-kf)^2 - 1/kf^2) / (1/(1-kf)^2 - 1/kf^2) and the like. */
 #define KF 1.12
@@ -65,9 +84,9 @@ static void prepare_frame(Model model) {
 #define F_OFFSET (-F_SCALE / (KF * KF))
 #define G_OFFSET (G_SCALE / ((1 - KG) * (1 - KG)))
 
-/* All hits of a group. Model, variant and number of lights n are constants wherever this is expanded. */
+/* Shades all hits of a group. The model, the variant and the number of lights n are constants wherever this is expanded. */
 ALWAYS_INLINE void shade_group(Model model, Variant variant, int n, const Group *g, float *restrict picture) {
-    /* Kept apart from memory that the loop writes, so that they may stay in registers. */
+    /* Local copies: the loop writes memory, and the compiler could not keep the originals in registers. */
     const BodyFactors *body = &factors[g->body];
     vec ambient[3], term[3][MAX_LIGHTS][3], exponent = all(body->exponent), rn = all(body->rn), rn1 = all(body->rn + 0.1f);
     for (int c = 0; c < 3; c++) {
@@ -79,7 +98,7 @@ ALWAYS_INLINE void shade_group(Model model, Variant variant, int n, const Group 
     uint32_t next = 0;
     for (const Span *span = spans + g->span; span < spans + g->span_end; span++) {
         if (weights[span->path] == 0) continue;
-        uint32_t first = span->first > next ? span->first : next; /* the block that ends one span may begin the next */
+        uint32_t first = span->first > next ? span->first : next; /* a block may end one span and begin the next */
         while (span + 1 < spans + g->span_end && weights[span[1].path] != 0) span++;
         for (uint32_t b = first; b <= span->last; b++) {
             const float *data = stream + (size_t)b * stride;
@@ -135,7 +154,10 @@ ALWAYS_INLINE void shade_group(Model model, Variant variant, int n, const Group 
 #define NAMES(m, v) {kernel_##m##_##v##_1, kernel_##m##_##v##_2, kernel_##m##_##v##_3, kernel_##m##_##v##_4}
 KERNELS(PHONG, NLV) KERNELS(PHONG, DOTS) KERNELS(STRAUSS, NLV) KERNELS(STRAUSS, DOTS)
 typedef void Kernel(const Group *, float *);
-static Kernel *const kernels[2][2][MAX_LIGHTS] = {{NAMES(PHONG, NLV), NAMES(PHONG, DOTS)}, {NAMES(STRAUSS, NLV), NAMES(STRAUSS, DOTS)}};
+static Kernel *const kernels[2][2][MAX_LIGHTS] = {
+    {NAMES(PHONG, NLV), NAMES(PHONG, DOTS)},
+    {NAMES(STRAUSS, NLV), NAMES(STRAUSS, DOTS)},
+};
 
 static void shade_tile(uint32_t t, Kernel *const *kernel) {
     static _Thread_local float accumulator[3 * CHANNEL] ALIGNED;
@@ -162,12 +184,13 @@ static void shade_tile(uint32_t t, Kernel *const *kernel) {
         write_pixels(out + p, (vec[3]){V(load_ps)(from), V(load_ps)(from + CHANNEL), V(load_ps)(from + 2 * CHANNEL)});
     }
     _mm_sfence();
-    if (linear_picture)
-        for (uint32_t p = 0; p < tile->pixels; p++)
-            for (int c = 0; c < 3; c++) linear_picture[3 * ((size_t)t * TILE + p) + (size_t)c] = picture[c * CHANNEL + (int)p] / 255;
+    if (!linear_picture) return;
+    float *linear = linear_picture + 3 * (size_t)t * TILE;
+    for (uint32_t p = 0; p < tile->pixels; p++)
+        for (int c = 0; c < 3; c++) *linear++ = picture[c * CHANNEL + (int)p] / 255;
 }
 
-/* ---- Threads -------------------------------------------------------------------------------------------------------------------- */
+/* ---- Threads ----------------------------------------------------------------------------------------------------- */
 
 typedef void Job(int thread);
 static int n_threads;
@@ -176,9 +199,9 @@ static atomic_uint generation, running, next_tile;
 static pthread_mutex_t mutex = PTHREAD_MUTEX_INITIALIZER;
 static pthread_cond_t started = PTHREAD_COND_INITIALIZER;
 
-static void fast_arithmetic(void) { _mm_setcsr(_mm_getcsr() | 0x8040); } /* denormal numbers are 0 */
+static void fast_arithmetic(void) { _mm_setcsr(_mm_getcsr() | 0x8040); } /* subnormal numbers are 0 */
 
-/* Waits awake for some milliseconds, as the next frame mostly comes at once, then asleep. */
+/* Spins for a few milliseconds, since the next frame usually follows at once, then sleeps. */
 static void *worker(void *argument) {
     fast_arithmetic();
     for (unsigned seen = 0;; seen++) {
@@ -228,7 +251,7 @@ static void triad_job(int thread) {
     for (size_t i = from; i < to; i++) a[i] = b[i] + s * c[i];
 }
 
-/* ---- Commands --------------------------------------------------------------------------------------------------------------------- */
+/* ---- Commands ---------------------------------------------------------------------------------------------------- */
 
 static void choose(const char *model_name, const char *variant_name, Model *model, Variant *variant) {
     *model = !strcmp(model_name, "strauss") ? STRAUSS : PHONG, *variant = !strcmp(variant_name, "dots") ? DOTS : NLV;

@@ -1,11 +1,12 @@
-"""The peer of the compiled evaluator in Dr.Jit: Phong's and Strauss's model over stored hits, traced once, compiled by LLVM, replayed
-for every frame. It speaks the protocol of peer.c: see README.md.
+"""The peer of the compiled evaluator in Dr.Jit: Phong's and Strauss's models over stored hits, recorded once, compiled by
+LLVM and replayed for every frame. It uses the protocol of peer.c: see README.md.
 
-Hits are sorted into groups of one body and one set of lights in which no pixel appears twice, so that parameters are uniform in a kernel,
-kernels differ only by the number of lights, and adding to the picture needs no atomic instructions. The picture has four channels, as
-packets of four numbers are moved by vector instructions. Hits that no light reaches and rays that leave the scene add a colour of their path: pixels with the same set of such
-paths share one sum, looked up when the framebuffer is filled. The whole frame is one frozen function: its kernels are recorded at first use
-and launched again with other buffers of parameters afterwards.
+Hits are sorted into groups of one body and one set of lights in which no pixel appears twice. So parameters are uniform
+in a kernel, kernels differ only by the number of lights, and adding to the picture needs no atomic instructions. The
+picture has four channels, since vector instructions move packets of four numbers. Hits that no light reaches and rays
+that leave the scene add a colour that depends on their path only. Pixels with the same set of such paths share one sum,
+which is looked up when the framebuffer is filled. The whole frame is one frozen function: its kernels are recorded at
+first use and launched again with other buffers of parameters afterwards.
 
 Usage: peer_drjit.py DIR THREADS [LIBLLVM]
 """
@@ -36,7 +37,7 @@ dr.set_flag(dr.JitFlag.FastMath, True)
 NONE = 0xFFFFFFFF
 
 
-# ---- Input ----------------------------------------------------------------------------------------------------------------------
+# ---- Input -----------------------------------------------------------------------------------------------------------
 
 
 def column(name, kind, components=1):
@@ -67,7 +68,7 @@ for owner, name, *numbers in lines:
         fail(f"values.txt: no such value: {owner} {name}")
     GIVEN[owner][name] = float(numbers[0]) if len(numbers) == 1 else [float(x) for x in numbers]
 
-# ---- What loading makes of the columns ---------------------------------------------------------------------------------------------
+# ---- Layout ----------------------------------------------------------------------------------------------------------
 
 PIXELS, HITS = WIDTH * HEIGHT, len(pixel)
 light_set = np.zeros(HITS, np.uint32)
@@ -108,7 +109,7 @@ for b in range(len(BODIES)):
         for r in range(rank.max() + 1):
             add_group(b, lights, hits[rank == r])
 
-# Sets of paths that add to a pixel whatever the light: with the misses, and without for a black background.
+# Sets of paths whose colours do not depend on light: with the misses, and without them for a black background.
 random = np.random.default_rng(1).integers(1, 1 << 62, size=len(parent), dtype=np.uint64)
 
 
@@ -132,7 +133,7 @@ child_body = np.where(parent == NONE, 0, path_body[np.minimum(parent, len(parent
 owner_or_miss = np.where(path_body == NONE, len(BODIES), path_body).astype(np.int64)
 del normal, view, to_light, record_of, pixel, path
 
-# ---- What depends on parameters only -------------------------------------------------------------------------------------------------
+# ---- Values that depend on parameters only ---------------------------------------------------------------------------
 
 BODY = 14  # floats of a body in the table: ambient 3, N.L factor 3, highlight 3, Fresnel 3, exponent, rn
 
@@ -170,7 +171,7 @@ def prepare(model, values):
             Float(sums.ravel().astype(np.float32)), chosen["set"])
 
 
-# ---- Models ----------------------------------------------------------------------------------------------------------------------------
+# ---- Models ----------------------------------------------------------------------------------------------------------
 
 
 def fresnel(x):
@@ -230,7 +231,7 @@ def make_frame(model, variant, linear):
             colour = shade(model, variant, group, body, lights, table)
             w = dr.gather(Float, weights, group["path"])
             dr.scatter_add(picture, Array4f(*(c * w for c in colour), 0), group["pixel"], mode=dr.ReduceMode.NoConflicts)
-            dr.eval(picture)  # one group after the other: kernels of one evaluation may run side by side
+            dr.eval(picture)  # group by group: kernels of one evaluation may run at once
         total = list(dr.gather(Array4f, picture, dr.arange(UInt32, PIXELS)) + dr.gather(Array4f, sums, sets))[:3]
         if linear:
             return total
@@ -253,7 +254,7 @@ def run(model, variant, values, linear=False):
     return result
 
 
-# ---- Commands --------------------------------------------------------------------------------------------------------------------------
+# ---- Commands --------------------------------------------------------------------------------------------------------
 
 
 def moved_values():

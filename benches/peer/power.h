@@ -13,7 +13,7 @@
 #define KEEP(x) __asm__("" : "+x"(x))
 #endif
 
-/* ---- Logarithm ------------------------------------------------------------------------------------------------------------ */
+/* ---- Logarithm --------------------------------------------------------------------------------------------------- */
 
 /* logarithm() yields log2(x) * LOG_UNIT for 1e-30 <= x <= 1, good to 3e-7 of itself. x = m 2^e, and where x is just below 1, as
  * highlights are, e and all offsets are 0, so that nothing cancels.
@@ -86,7 +86,7 @@ ALWAYS_INLINE void logarithm(int n, vec *x) {
     EACH x[k] = fma_(p[k], r[k], e[k]);
 }
 
-/* ---- Exponential ---------------------------------------------------------------------------------------------------------- */
+/* ---- Exponential ------------------------------------------------------------------------------------------------- */
 
 /* 2^x for -126 <= x <= 0, to 2e-7. With 16 lanes a table has 2^(i/32); otherwise the polynomial alone costs no more. */
 ALWAYS_INLINE void exponential(int n, vec *x) {
@@ -122,7 +122,7 @@ ALWAYS_INLINE void power(int n, vec *x, vec y) {
     exponential(n, x);
 }
 
-/* ---- Angle ---------------------------------------------------------------------------------------------------------------- */
+/* ---- Angle ------------------------------------------------------------------------------------------------------- */
 
 /* acos(x) / (pi/2) for 0 <= x <= 1, to 1e-7. */
 ALWAYS_INLINE void angle(int n, vec *x) {

@@ -1,20 +1,22 @@
-//! What was measured, as a table and as JSON.
+//! The results, as a table and as JSON.
 
 use crate::stage::Model;
 use serde::Serialize;
 use std::fmt::{self, Write};
 
-/// Everything that is told.
+/// All results.
 #[derive(Serialize)]
 pub(crate) struct Report {
     pub(crate) session: &'static str,
     /// Width and height in pixels.
     pub(crate) size: [u32; 2],
+    /// Numbers in a vector, the same for Illuminator and the peers.
+    pub(crate) lanes: usize,
     pub(crate) hits: u64,
     pub(crate) records: u64,
-    /// How many rounds count.
+    /// The number of rounds, without those discarded.
     pub(crate) rounds: usize,
-    /// How busy other programs kept the processors meanwhile, 0 to 1.
+    /// How busy other programs kept the processors, 0 to 1.
     pub(crate) others: f32,
     /// The peers that were not measured, and why.
     pub(crate) missing: Vec<String>,
@@ -23,32 +25,32 @@ pub(crate) struct Report {
     pub(crate) ratios: Vec<Ratio>,
 }
 
-/// How far a peer's picture is from ours.
+/// How much the picture of a peer differs from ours.
 #[derive(Serialize)]
 pub(crate) struct Agreement {
     pub(crate) model: &'static str,
     pub(crate) peer: String,
-    /// The largest difference, divided by the component's magnitude where that is above 1.
+    /// The largest difference, divided by the magnitude of the component where that is above 1.
     pub(crate) largest: f32,
-    /// How many components are beyond the tolerance.
+    /// The number of components beyond the tolerance.
     pub(crate) beyond: usize,
 }
 
-/// The time that a kind of frame takes, in milliseconds.
+/// The times that a kind of frame takes, in milliseconds.
 #[derive(Serialize)]
 pub(crate) struct Times {
     pub(crate) model: &'static str,
     pub(crate) threads: usize,
     pub(crate) what: What,
-    /// The slider, or who made the peer.
+    /// The slider, or the compiler of the peer.
     pub(crate) detail: String,
     pub(crate) best: f64,
     pub(crate) median: f64,
-    /// How often it was measured.
+    /// The number of measurements.
     pub(crate) count: usize,
 }
 
-/// What is measured.
+/// Kinds of frames, and other work that is measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum What {
@@ -59,16 +61,16 @@ pub(crate) enum What {
     Interpreter,
     PeerDirections,
     PeerDots,
-    /// As many bytes as a frame of weighed images moves, over and over.
+    /// As many bytes as a frame of weighted images moves, repeatedly.
     Triad,
-    /// The same part of the time for many more bytes.
+    /// The same number of bytes, as a part of a triad that no cache holds.
     TriadInMemory,
     DrjitDirections,
     DrjitDots,
 }
 
 impl What {
-    /// Whether it takes part in few rounds.
+    /// Whether it is measured in few rounds only.
     pub(crate) fn is_slow(self) -> bool {
         matches!(self, What::Interpreter | What::TriadInMemory)
     }
@@ -102,7 +104,7 @@ pub(crate) struct Ratio {
     pub(crate) of_medians: f64,
 }
 
-/// Each ratio, with the time that is divided and the one that it is divided by.
+/// The ratios: name, dividend, divisor.
 const RATIOS: [(&str, What, What); 10] = [
     ("interpreter / full", What::Interpreter, What::Full),
     ("full / C nlv", What::Full, What::PeerDirections),
@@ -116,7 +118,7 @@ const RATIOS: [(&str, What, What); 10] = [
     ("images / the same in memory", What::Images, What::TriadInMemory),
 ];
 
-/// The ratios that these times have. Of several compilers the best counts.
+/// The ratios of these times. Of several compilers the quickest counts.
 pub(crate) fn ratios(times: &[Times]) -> Vec<Ratio> {
     let least = |model: Model, threads: usize, what: What, time: fn(&Times) -> f64| {
         let own = times.iter().filter(|times| (times.model, times.threads, times.what) == (model.name(), threads, what));
@@ -146,9 +148,10 @@ pub(crate) fn ratios(times: &[Times]) -> Vec<Ratio> {
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Report { session, size: [width, height], hits, records, rounds, .. } = self;
+        let Report { session, size: [width, height], lanes, hits, records, rounds, .. } = self;
         writeln!(f, "{session}, {width}x{height} pixels, {hits} hits, {records} lit records, {rounds} rounds")?;
-        writeln!(f, "other programs kept the processors busy to {:.0} %", 100.0 * self.others)?;
+        writeln!(f, "vectors of {lanes} lanes")?;
+        writeln!(f, "other programs used {:.0} % of the processors", 100.0 * self.others)?;
         for reason in &self.missing {
             writeln!(f, "not measured: {reason}")?;
         }

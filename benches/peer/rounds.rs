@@ -1,4 +1,4 @@
-//! Everything that is measured, in turns.
+//! Measures everything in turns.
 
 use crate::child::{Child, Variant};
 use crate::report::{Times, What};
@@ -9,32 +9,33 @@ use std::io::IsTerminal;
 use std::time::Instant;
 use sysinfo::{MINIMUM_CPU_UPDATE_INTERVAL, System};
 
-/// So many rounds at the beginning do not count.
+/// The first rounds, which do not count.
 pub(crate) const DISCARDED: usize = 5;
-/// What is slow takes part in so many rounds.
+/// The number of rounds in which slow work is measured.
 const SLOW_ROUNDS: usize = 3;
-/// So many frames are made at a time, as while a slider moves; the first finds the caches full of others' data, and does not count.
+/// The number of frames made at a time, as while a slider moves. The first does not count: the caches hold data of
+/// other work.
 const FRAMES: usize = 8;
-/// What other programs do is looked at every so many rounds.
+/// The number of rounds between looks at what other programs do.
 const LISTENING: usize = 10;
-/// More than caches hold.
+/// More bytes than the caches hold.
 const MEMORY_BYTES: usize = 3 << 26;
 
-/// One kind of frame, with the times it took.
+/// One kind of frame, with its times.
 pub(crate) struct Contender<'c> {
     model: Model,
     threads: usize,
     what: What,
     detail: String,
-    /// Makes a frame; milliseconds.
+    /// Makes a frame and returns its milliseconds.
     frame: Box<dyn FnMut() -> Result<f64, String> + 'c>,
-    /// The process that makes it, if it is another one.
+    /// The process that makes it, unless this one does.
     child: Option<&'c RefCell<Child>>,
     times: Vec<f64>,
 }
 
 impl Contender<'_> {
-    /// What is told of it.
+    /// Its summary; none if it was not measured.
     pub(crate) fn times(mut self) -> Option<Times> {
         self.times.sort_by(f64::total_cmp);
         let (best, median) = (*self.times.first()?, self.times[self.times.len() / 2]);
@@ -43,7 +44,7 @@ impl Contender<'_> {
     }
 }
 
-/// All that is measured of a model with some threads.
+/// Everything that is measured for a model on the threads of a pool.
 pub(crate) fn enter<'c>(
     model: Model,
     stage: &Stage,
@@ -58,7 +59,7 @@ pub(crate) fn enter<'c>(
     for (what, slider) in [(What::Images, model.weight()), (What::OneChannel, RED), (What::Exponent, model.exponent())] {
         let mut dragged = Dragged::new(stage, slider, DRAG_BUDGET);
         if what == What::Images {
-            // What is kept is read once, and a word written for each pixel.
+            // A frame reads the images once and writes a word for each pixel.
             triad_bytes = dragged.drag.bytes() + 4 * dragged.drag.pixels();
         }
         let detail = detail(slider, &dragged);
@@ -93,12 +94,12 @@ pub(crate) fn enter<'c>(
     Ok(all)
 }
 
-/// What is dragged, how, and where images are weighed what they take.
+/// The slider, the method of the drag, and the memory that it takes.
 fn detail(slider: Slider, dragged: &Dragged) -> String {
     format!("{slider}, {}, {:.1} MB", dragged.drag.method().name(), dragged.drag.bytes() as f64 / 1e6)
 }
 
-/// Some work on the threads of a pool, with the milliseconds that it takes there.
+/// Wraps work: runs it on the threads of a pool and returns its milliseconds.
 fn timed<'c>(pool: &'c ThreadPool, mut work: impl FnMut() + Send + 'c) -> Box<dyn FnMut() -> Result<f64, String> + 'c> {
     Box::new(move || {
         Ok(pool.install(|| {
@@ -109,7 +110,7 @@ fn timed<'c>(pool: &'c ThreadPool, mut work: impl FnMut() + Send + 'c) -> Box<dy
     })
 }
 
-/// Round after round, some frames of each. How busy other programs kept the processors, 0 to 1.
+/// Measures some frames of each kind, round after round. Returns how busy other programs kept the processors, 0 to 1.
 pub(crate) fn measure(contenders: &mut [Contender], rounds: usize) -> Result<f32, String> {
     let slow_step = (rounds - DISCARDED).div_ceil(SLOW_ROUNDS);
     let watched = std::io::stderr().is_terminal();
@@ -145,7 +146,7 @@ pub(crate) fn measure(contenders: &mut [Contender], rounds: usize) -> Result<f32
     Ok(others.iter().sum::<f32>() / others.len() as f32)
 }
 
-/// How busy the processors are while everything here rests.
+/// How busy the processors are while nothing here runs.
 fn others_busy(system: &mut System) -> f32 {
     system.refresh_cpu_usage();
     std::thread::sleep(MINIMUM_CPU_UPDATE_INTERVAL);

@@ -1,5 +1,5 @@
-//! What the benchmarks play on: the built-in session `glass` with one of two models, traced and compiled, and frames in which numbers
-//! really move. Nothing is measured here.
+//! What the benchmarks share: the built-in session `glass` with one of two models, traced and compiled, and frames
+//! between which parameters really change. Nothing is measured here.
 
 use illuminator::backends::REFERENCE;
 use illuminator::engine::{Engine, Subject, Task};
@@ -19,9 +19,9 @@ use std::sync::Arc;
 
 /// The built-in session that is measured.
 pub(crate) const SESSION: &str = "preset:glass";
-/// As much as `illuminator bench` lets a drag keep, in bytes.
+/// The memory that a drag may keep, in bytes, as in `illuminator bench`.
 pub(crate) const DRAG_BUDGET: usize = 1 << 30;
-/// What the peers move a number by from one frame to the next; see `benches/peer/README.md`.
+/// By how much the peers change a number from one frame to the next; see `benches/peer/README.md`.
 const STEP: f32 = 1e-3;
 
 /// The models that are measured.
@@ -46,18 +46,18 @@ impl Model {
         Location::Preset(self.name().to_owned())
     }
 
-    /// A slider that the picture is a polynomial of.
+    /// A slider of which the picture is a polynomial.
     pub(crate) fn weight(self) -> Slider {
         Slider { owner: "floor", parameter: if self == Model::Phong { "kd" } else { "m" }, component: None }
     }
 
-    /// A slider that an exponent depends on.
+    /// A slider on which an exponent depends.
     pub(crate) fn exponent(self) -> Slider {
         Slider { owner: "floor", parameter: if self == Model::Phong { "h" } else { "s" }, component: None }
     }
 }
 
-/// A slider: a value, or a component of it.
+/// A slider: a value, or one component of it.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Slider {
     owner: &'static str,
@@ -65,7 +65,7 @@ pub(crate) struct Slider {
     component: Option<usize>,
 }
 
-/// A slider that moves one colour channel.
+/// A slider that changes one colour channel.
 pub(crate) const RED: Slider = Slider { owner: "floor", parameter: "Cd", component: Some(0) };
 
 impl fmt::Display for Slider {
@@ -82,7 +82,7 @@ pub(crate) struct Script {
 }
 
 impl Script {
-    /// Reads the session; its values are kept, as far as the model has such parameters.
+    /// Reads the session. Its values are kept where the model has such parameters.
     pub(crate) fn new(model: Model, [width, height]: [u32; 2]) -> Self {
         let read = |location: &Location, kind| location.read(kind, Readable::Regular).expect("a built-in file");
         let session = read(&Location::new(SESSION), FileKind::Session);
@@ -110,7 +110,7 @@ impl Script {
     /// Traces the scene, on all threads of the current pool. The hits do not depend on the model.
     pub(crate) fn trace(&self) -> Arc<Hits> {
         let engine = Engine::new(REFERENCE.make()).with_memory(u64::MAX);
-        engine.trace(&self.subject, &Task::UNWATCHED).expect("a tracing that nobody ends")
+        engine.trace(&self.subject, &Task::UNWATCHED).expect("tracing that nobody cancels")
     }
 
     /// The reference interpreter.
@@ -119,7 +119,7 @@ impl Script {
         engine.evaluator(&self.subject, &Task::UNWATCHED).expect("a formula with bytecode")
     }
 
-    /// Two arrays of parameter numbers, between which every number of a body differs that the peers move.
+    /// Two arrays of parameter numbers. They differ in every number of a body that the peers change.
     pub(crate) fn bodies_moved(&self) -> [Vec<f32>; 2] {
         let numbers = self.values.numbers().to_vec();
         let mut moved = numbers.clone();
@@ -135,7 +135,8 @@ impl Script {
         [numbers, moved]
     }
 
-    /// The places of the numbers that a slider moves, and two arrays of parameter numbers as it moves them.
+    /// The positions of the numbers that a slider changes, and two arrays of parameter numbers between which it changes
+    /// them.
     fn slider_moved(&self, slider: Slider) -> (Vec<usize>, [Vec<f32>; 2]) {
         let (owner, id) = self.find(slider);
         let mut places = self.values.moved_places(owner, id);
@@ -182,7 +183,7 @@ impl Stage {
     }
 }
 
-/// One of two arrays of numbers, and the other the next time.
+/// Gives one of two arrays of numbers, then the other, and so on.
 pub(crate) struct Turns {
     turns: [Vec<f32>; 2],
     next: usize,
@@ -190,7 +191,7 @@ pub(crate) struct Turns {
 
 impl Turns {
     pub(crate) fn new(turns: [Vec<f32>; 2]) -> Self {
-        assert_ne!(turns[0], turns[1], "what is to move moves");
+        assert_ne!(turns[0], turns[1], "the arrays differ");
         Self { turns, next: 0 }
     }
 
@@ -200,7 +201,7 @@ impl Turns {
     }
 }
 
-/// Whole frames by compiled code, all bodies moved from each to the next.
+/// Full evaluations by compiled code; the numbers of all bodies change from one to the next.
 pub(crate) struct Full {
     compiled: Arc<dyn Evaluator>,
     turns: Turns,
@@ -218,7 +219,7 @@ impl Full {
     }
 }
 
-/// Frames while a slider is dragged to and fro, everything prepared.
+/// Frames while a slider is dragged back and forth, with everything prepared.
 pub(crate) struct Dragged {
     pub(crate) drag: Box<dyn Drag>,
     turns: Turns,
@@ -226,13 +227,13 @@ pub(crate) struct Dragged {
 }
 
 impl Dragged {
-    /// Without a budget nothing is kept, and every tile that the slider reaches is drawn the general way.
+    /// With a budget of 0 nothing is kept, and every tile that the slider affects is evaluated in full.
     pub(crate) fn new(stage: &Stage, slider: Slider, budget: usize) -> Self {
         let (places, turns) = stage.script.slider_moved(slider);
         let drag = Arc::clone(&stage.compiled).drag(&places, &turns[0], budget).expect("kernels for a slider");
         let mut dragged = Self { drag, turns: Turns::new(turns), framebuffer: stage.framebuffer() };
         while !dragged.drag.prepare() {}
-        // The first frame is a whole one.
+        // The first frame draws everything.
         dragged.frame();
         dragged
     }
@@ -242,7 +243,7 @@ impl Dragged {
     }
 }
 
-/// Threads of their own: one, and as many as there are processors.
+/// Thread pools: one with one thread, one with a thread for each processor.
 pub(crate) fn pools() -> Vec<ThreadPool> {
     let all = std::thread::available_parallelism().map_or(1, usize::from);
     let mut counts = vec![1, all];
