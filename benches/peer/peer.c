@@ -76,14 +76,6 @@ static void prepare_frame(Model model) {
 
 /* ---- Shading ----------------------------------------------------------------------------------------------------- */
 
-/* Strauss's Fresnel and shadowing functions: (1/(x-kf)^2 - 1/kf^2) / (1/(1-kf)^2 - 1/kf^2) and the like. */
-#define KF 1.12
-#define KG 1.01
-#define F_SCALE (1 / (1 / ((1 - KF) * (1 - KF)) - 1 / (KF * KF)))
-#define G_SCALE (1 / (1 / ((1 - KG) * (1 - KG)) - 1 / (KG * KG)))
-#define F_OFFSET (-F_SCALE / (KF * KF))
-#define G_OFFSET (G_SCALE / ((1 - KG) * (1 - KG)))
-
 /* Shades all hits of a group. The model, the variant and the number of lights n are constants wherever this is expanded. */
 ALWAYS_INLINE void shade_group(Model model, Variant variant, int n, const Group *g, float *restrict picture) {
     /* Local copies: the loop writes memory, and the compiler could not keep the originals in registers. */
@@ -121,18 +113,15 @@ ALWAYS_INLINE void shade_group(Model model, Variant variant, int n, const Group 
                 colour[c] = ambient[c];
                 EACH colour[c] = fma_(max_(NL[k], all(0)), term[0][k][c], colour[c]);
             }
-            vec *shine = RV, a[MAX_LIGHTS + 1], fresnel[MAX_LIGHTS], u[MAX_LIGHTS], v[MAX_LIGHTS], r[MAX_LIGHTS];
+            vec *shine = RV, a[MAX_LIGHTS + 1], fresnel[MAX_LIGHTS], shadow[MAX_LIGHTS], r[MAX_LIGHTS];
             power(n, shine, exponent);
             if (model == STRAUSS) {
                 EACH a[k] = max_(NL[k], all(0));
                 a[n] = max_(NV, all(0));
                 angle(n + 1, a);
-                vec iv = reciprocal(a[n] - all(KG)), GG = fma_(iv * iv, all(-G_SCALE), all(G_OFFSET));
-                EACH u[k] = a[k] - all(KF), v[k] = a[k] - all(KG);
-                EACH r[k] = reciprocal(u[k] * v[k]);
-                EACH u[k] = u[k] * r[k], v[k] = v[k] * r[k]; /* 1 / v and 1 / u */
-                EACH fresnel[k] = fma_(v[k] * v[k], all(F_SCALE), all(F_OFFSET));
-                EACH r[k] = fma_(u[k] * u[k], all(-G_SCALE), all(G_OFFSET)) * GG * fresnel[k];
+                vec seen = shadowing(a[n]);
+                fresnel_and_shadowing(n, a, fresnel, shadow);
+                EACH r[k] = shadow[k] * seen * fresnel[k];
                 EACH r[k] = min_(all(1), fma_(rn1, r[k], rn));
                 EACH shine[k] = where_not_negative(NL[k], shine[k] * r[k]);
             }
