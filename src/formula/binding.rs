@@ -1,57 +1,17 @@
-//! Binding times: which parts of a formula are known once rays are traced, which once a frame, which only for every record.
+//! A formula's graph analysed by binding times: what is computed when, and what is stored in between.
 //!
-//! Each node of the graph is constant, *static* (made of variables alone: known once traced, for a hit or for a lit record),
-//! *uniform* (made of parameters alone: known once a frame, for a body and a light), or *dynamic* (made of both). Static
-//! values that dynamic code reads are the *frontier*: they alone are stored (Guenter, Knoblock, Ruf 1995, "Specializing
+//! Static values that dynamic code reads are the *frontier*: they alone are stored (Guenter, Knoblock, Ruf 1995, "Specializing
 //! Shaders").
 
 use crate::formula::equation::{Site, Term};
+use crate::formula::binding_time::BindingTime;
 use crate::formula::graph::{Graph, Node, NodeId};
 use crate::formula::rewrite::rewrite;
 use crate::formula::{Formula, ParameterId};
 use crate::lang::scalars::{Primitive, Recorder};
 use crate::lang::variables::Rate;
 
-/// When a value is known.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum BindingTime {
-    /// From the text.
-    Constant,
-    /// Once traced, for each hit or each lit record.
-    Static(Rate),
-    /// Once a frame, for each body and light.
-    Uniform,
-    /// Once a frame, for each lit record.
-    Dynamic,
-}
-
-impl BindingTime {
-    /// That of a node, from those of the nodes before it.
-    pub(super) fn of(graph: &Graph, id: NodeId, known: &[BindingTime]) -> BindingTime {
-        match graph.node(id) {
-            Node::Constant(_) => BindingTime::Constant,
-            Node::Variable(variable, _) => BindingTime::Static(variable.rate()),
-            Node::Parameter(..) => BindingTime::Uniform,
-            node @ Node::Apply(..) => {
-                let times = node.operands().iter().map(|operand| known[operand.0 as usize]);
-                times.fold(BindingTime::Constant, BindingTime::join)
-            }
-        }
-    }
-
-    /// Of what is computed from both.
-    fn join(self, other: BindingTime) -> BindingTime {
-        use BindingTime::{Constant, Dynamic, Static, Uniform};
-        match (self, other) {
-            (Constant, time) | (time, Constant) => time,
-            (Uniform, Uniform) => Uniform,
-            (Static(one), Static(another)) => Static(one.max(another)),
-            (Dynamic, _) | (_, Dynamic) | (Uniform, Static(_)) | (Static(_), Uniform) => Dynamic,
-        }
-    }
-}
-
-/// What dynamic code reads, each node once, in order.
+/// The nodes that dynamic code reads, each once, in order.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Frontier {
     /// Static values of a hit.
@@ -62,20 +22,20 @@ pub struct Frontier {
     pub uniforms: Vec<NodeId>,
 }
 
-/// A formula's graph with the binding time of every node, and what has to be computed when.
+/// A formula's graph with the binding time of every node, and what is computed when.
 #[derive(Debug, Clone)]
 pub struct Bindings {
     /// The graph.
     pub graph: Graph,
-    /// What is added to a pixel's red, green and blue for a lit record, before the weight of its path: `ki` times the formula.
+    /// What a lit record adds to red, green and blue of its pixel, before the weight of its path: `ki` times the formula.
     pub contribution: [NodeId; 3],
-    /// What the contribution reads.
+    /// The nodes that the contribution reads.
     pub frontier: Frontier,
     times: Vec<BindingTime>,
 }
 
 impl Bindings {
-    /// Rewrites and analyses what a lit record of this formula contributes.
+    /// Rewrites and analyses the contribution of a lit record.
     pub fn new(formula: &Formula) -> Self {
         let mut graph = Graph::new(formula);
         let mut contribution = graph.result();
@@ -93,7 +53,7 @@ impl Bindings {
         bindings
     }
 
-    /// Whether the same is computed from the same parameters.
+    /// Whether both compute the same from the same parameters.
     pub fn computes_the_same(&self, other: &Bindings) -> bool {
         self.contribution == other.contribution && self.graph.has_the_nodes_of(&other.graph)
     }
@@ -101,35 +61,35 @@ impl Bindings {
     /// The node of a primitive on nodes of the graph, added if it is new.
     pub fn record(&mut self, primitive: Primitive, operands: &[NodeId]) -> NodeId {
         let id = self.graph.record(primitive, operands);
-        self.learn();
+        self.analyse_new_nodes();
         id
     }
 
     /// The node of a number, added if it is new.
     pub fn constant(&mut self, value: f32) -> NodeId {
         let id = self.graph.record_constant(value);
-        self.learn();
+        self.analyse_new_nodes();
         id
     }
 
     /// The node of a component of a parameter, added if it is new.
     pub fn parameter(&mut self, parameter: ParameterId, component: u8) -> NodeId {
         let id = self.graph.parameter(parameter, component);
-        self.learn();
+        self.analyse_new_nodes();
         id
     }
 
-    fn learn(&mut self) {
+    fn analyse_new_nodes(&mut self) {
         for index in self.times.len()..self.graph.len() {
             self.times.push(BindingTime::of(&self.graph, NodeId(index as u32), &self.times));
         }
     }
 
-    /// What code that computes `roots` reads, beside dynamic nodes that are `kept` in columns.
-    pub fn frontier_of(&self, roots: &[NodeId], kept: &[NodeId]) -> Frontier {
+    /// The nodes that code for `roots` reads, besides those dynamic nodes that are `stored` in columns of their own.
+    pub fn frontier_of(&self, roots: &[NodeId], stored: &[NodeId]) -> Frontier {
         let mut frontier = Frontier::default();
         let mut seen = vec![false; self.graph.len()];
-        kept.iter().for_each(|id| seen[id.0 as usize] = true);
+        stored.iter().for_each(|id| seen[id.0 as usize] = true);
         let mut pending = roots.to_vec();
         while let Some(id) = pending.pop() {
             if std::mem::replace(&mut seen[id.0 as usize], true) {
@@ -137,7 +97,7 @@ impl Bindings {
             }
             match self.time(id) {
                 BindingTime::Constant => {}
-                BindingTime::Static(_) if self.is_simple_test(id) => pending.extend_from_slice(self.graph.node(id).operands()),
+                BindingTime::Static(_) if self.is_simple_comparison(id) => pending.extend_from_slice(self.graph.node(id).operands()),
                 BindingTime::Static(Rate::Hit) => frontier.hits.push(id),
                 BindingTime::Static(Rate::Record) => frontier.records.push(id),
                 BindingTime::Uniform => frontier.uniforms.push(id),
@@ -150,9 +110,9 @@ impl Bindings {
         frontier
     }
 
-    /// Whether a node compares something with a constant: to compare again is cheaper than to keep what came out, and two such
-    /// tests of one value keep one number.
-    fn is_simple_test(&self, id: NodeId) -> bool {
+    /// Whether a node compares something with a constant. To compare again is cheaper than to store the result, and several
+    /// comparisons of one value store only the value.
+    fn is_simple_comparison(&self, id: NodeId) -> bool {
         match self.graph.node(id) {
             Node::Apply(Primitive::Less | Primitive::LessEqual | Primitive::Equal, operands) => {
                 operands[..2].iter().any(|operand| self.time(*operand) == BindingTime::Constant)
@@ -161,12 +121,12 @@ impl Bindings {
         }
     }
 
-    /// When a node's value is known.
+    /// When the value of a node is known.
     pub fn time(&self, id: NodeId) -> BindingTime {
         self.times[id.0 as usize]
     }
 
-    /// The leaves (variables, parameters) that `roots` are computed from, each once, in the order of their nodes.
+    /// The variables and parameters that `roots` are computed from, each once, in the order of their nodes.
     pub fn leaves(&self, roots: &[NodeId]) -> Vec<NodeId> {
         let mut seen = vec![false; self.graph.len()];
         let mut pending = roots.to_vec();
@@ -204,7 +164,7 @@ mod tests {
         );
         assert_eq!(phong.frontier.records.len(), 2);
         assert_eq!(phong.frontier.hits.len(), 0);
-        // The colours of the two terms, ki among them, and the exponent: nothing is multiplied once a record that could be once a frame.
+        // The colours of the two terms, with ki in them, and the exponent: everything that can be multiplied once a frame is.
         assert_eq!(phong.frontier.uniforms.len(), 7);
         let called = |primitive| {
             (0..phong.graph.len() as u32).any(|id| matches!(phong.graph.node(NodeId(id)), Node::Apply(p, _) if p == primitive))
@@ -213,7 +173,7 @@ mod tests {
     }
 
     #[test]
-    fn a_power_whose_sign_is_open_reads_its_case_too() {
+    fn a_power_of_unknown_sign_reads_the_class_of_its_base_too() {
         let open = bindings("body_specific; h: scalar; formula; = Cd*pow(N.V, h);");
         assert_eq!(open.frontier.hits.len(), 2);
         // The base may be NaN: the power stays.
@@ -230,7 +190,8 @@ mod tests {
 
     #[test]
     fn sums_of_colours_are_multiplied_out() {
-        // A highlight whose colour grows metallic, by an exponent with bounds, and by one without, which would be infinite for a cosine above 1.
+        // A highlight whose colour turns metallic, with a bounded exponent, and with an unbounded one: then a cosine that rounding takes
+        // above 1 would have infinite powers.
         for exponent in ["1 + 99*s", "3/(1 - s)"] {
             let metal = bindings(&format!(
                 "body_specific; s: scalar, constraint 0..1; m: scalar, constraint 0..1; formula; white = <1, 1, 1>;
@@ -239,7 +200,7 @@ mod tests {
             // The colours of the highlight and of its part with the cosine, and the exponent.
             assert_eq!((metal.frontier.records.len(), metal.frontier.uniforms.len()), (2, 7), "{exponent}");
         }
-        // A power of what may exceed 1 by more than rounding may be infinite: it stays a factor of the whole.
+        // The power of a base that can exceed 1 by more than rounding can be infinite: it stays a factor of the whole.
         let wild =
             bindings("body_specific; s: scalar, constraint 0..1; formula; = IL*pow(2*max(0, R.V), 3/(1 - s))*(Cd + (N.L)*Cd*s);");
         assert_eq!(
@@ -249,13 +210,13 @@ mod tests {
     }
 
     #[test]
-    fn what_depends_on_the_hit_alone_is_kept_once_a_hit() {
+    fn what_depends_on_the_hit_alone_is_stored_once_a_hit() {
         let marbled = bindings("formula; = perlin(point, 2, 2, 4)*Cd*(N.L);");
         assert_eq!((marbled.frontier.hits.len(), marbled.frontier.records.len()), (1, 1));
     }
 
     #[test]
-    fn uniform_parts_leave_the_loop() {
+    fn uniform_parts_are_computed_outside_the_loop() {
         let uniform = bindings("body_specific; s: scalar; formula; = Cd*(1 - s^3)*(N.L);");
         // The three components of Cd·(1 − s³), and ki.
         assert_eq!(uniform.frontier.uniforms.len(), 4);

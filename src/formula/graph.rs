@@ -1,7 +1,7 @@
-//! A formula as a graph of scalar operations with shared nodes: what compiled code is made from.
+//! A formula as a graph of scalar operations with shared nodes: the input of compiled code.
 //!
-//! Vectors are taken apart, macros and equal sub-expressions are there once, constants are folded by the reference meaning.
-//! Nodes are numbered so that operands come before their users; walking the graph needs no recursion.
+//! Vectors are split into their components, equal sub-expressions and macros become one node, and constants are folded by the
+//! reference meaning. Operands have smaller numbers than their users, so walking the graph needs no recursion.
 
 use crate::formula::{Formula, ParameterId, Term, TermId};
 use crate::lang::builtins::Stack;
@@ -14,20 +14,17 @@ use std::collections::{BTreeSet, HashMap};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct NodeId(pub u32);
 
-/// The most operands that a primitive takes.
-const MAX_OPERANDS: usize = 6;
-
-/// A scalar value and how it comes about.
+/// A scalar value, by how it is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Node {
-    /// A number, by its bits, so that −0 and NaN are what they are.
+    /// A number, by its bits, so that −0 and NaN are numbers of their own.
     Constant(u32),
     /// A component (0 for a scalar) of a variable.
     Variable(Variable, u8),
     /// A component (0 for a scalar) of a parameter.
     Parameter(ParameterId, u8),
-    /// A primitive on as many of these nodes as it takes.
-    Apply(Primitive, [NodeId; MAX_OPERANDS]),
+    /// A primitive on the first nodes of this list, as many as it takes.
+    Apply(Primitive, [NodeId; Primitive::MAX_ARITY]),
 }
 
 impl Node {
@@ -40,8 +37,8 @@ impl Node {
     }
 }
 
-/// The nodes that `root` leads to, each once however many paths lead there, operands before their users; `next` tells which operands
-/// of a node to go on to.
+/// The nodes that can be reached from `root`, each once, operands before their users. `next` returns the operands of a node that are
+/// to be followed.
 pub(super) fn walk(root: NodeId, next: impl Fn(NodeId) -> Vec<NodeId>) -> BTreeSet<NodeId> {
     let mut found = BTreeSet::new();
     let mut pending = vec![root];
@@ -65,7 +62,7 @@ impl Graph {
     /// The graph of a formula.
     pub fn new(formula: &Formula) -> Self {
         let mut graph = Graph::empty();
-        // The nodes of each term; a scalar's three are the same.
+        // The nodes of each term; those of a scalar are three times the same.
         let mut built: Vec<[NodeId; 3]> = Vec::with_capacity(formula.terms.len());
         let mut stack = Stack::new(16, NodeId(0));
         for (index, term) in formula.terms.iter().enumerate() {
@@ -92,16 +89,16 @@ impl Graph {
     }
 
     /// A graph without nodes.
-    pub(super) fn empty() -> Self {
+    pub(crate) fn empty() -> Self {
         Graph { nodes: Vec::new(), index: HashMap::new(), result: [NodeId(0); 3] }
     }
 
-    /// The node as it is; its operands are nodes of this graph.
-    pub(super) fn insert(&mut self, node: Node) -> NodeId {
+    /// A node, added as it is if it is new. Its operands are nodes of this graph.
+    pub(crate) fn insert(&mut self, node: Node) -> NodeId {
         self.add(node)
     }
 
-    /// The graph of those nodes that `roots` are computed from, in the same order; and the roots in it, which are its result.
+    /// The graph of the nodes that `roots` are computed from, in the same order, and the roots in it, which become its result.
     pub(super) fn reachable(&self, roots: [NodeId; 3]) -> (Graph, [NodeId; 3]) {
         let mut wanted = vec![false; self.len()];
         let mut pending = roots.to_vec();
@@ -141,7 +138,7 @@ impl Graph {
         id
     }
 
-    /// The node of a parameter's component, made if the formula does not read it.
+    /// The node of a component of a parameter, added if the formula does not read it.
     pub fn parameter(&mut self, parameter: ParameterId, component: u8) -> NodeId {
         self.add(Node::Parameter(parameter, component))
     }
@@ -161,17 +158,17 @@ impl Graph {
         self.nodes == other.nodes
     }
 
-    /// Whether there are none; a formula's graph has some.
+    /// Whether there are none. The graph of a formula has some.
     pub fn is_empty(&self) -> bool {
         self.nodes.is_empty()
     }
 
-    /// Red, green and blue of what the formula yields.
+    /// Red, green and blue of the formula.
     pub fn result(&self) -> [NodeId; 3] {
         self.result
     }
 
-    /// The number that a node is, if it is a constant.
+    /// The value of a node, if it is a constant.
     pub fn constant(&self, id: NodeId) -> Option<f32> {
         match self.node(id) {
             Node::Constant(bits) => Some(f32::from_bits(bits)),
@@ -179,7 +176,7 @@ impl Graph {
         }
     }
 
-    /// The values of some nodes by the reference meaning, from those of the leaves that they are made of.
+    /// The values of some nodes by the reference meaning. `leaf` gives those of variables and parameters.
     pub fn evaluate(&self, roots: &[NodeId], leaf: impl Fn(NodeId) -> f32) -> Vec<f32> {
         let mut values: HashMap<NodeId, f32> = HashMap::new();
         let mut pending = roots.to_vec();
@@ -205,12 +202,12 @@ impl Graph {
         roots.iter().map(|root| values[root]).collect()
     }
 
-    /// xⁿ for the whole numbers −4..4 by products: within four units in the last place of `powf`, at a fraction of its price.
+    /// xⁿ for whole n from −4 to 4, as products: within four units in the last place of `powf`, at a fraction of the cost.
     fn small_power(&mut self, x: NodeId, exponent: f32) -> Option<NodeId> {
         if exponent.fract() != 0.0 || !(1.0..=4.0).contains(&exponent.abs()) {
             return None;
         }
-        // The reciprocal first: x² may fall below the normal numbers where 1/x² is still in range.
+        // The reciprocal first: x² may be too small for a normal number where 1/x² is still in range.
         let base = if exponent < 0.0 {
             let one = self.record_constant(1.0);
             self.record(Primitive::Div, &[one, x])
@@ -231,7 +228,7 @@ impl Graph {
         })
     }
 
-    /// A node that is the same in all cases, NaN and −0 among them.
+    /// A simpler node with the same value in all cases, NaN and −0 included.
     fn simplified(&mut self, primitive: Primitive, operands: &[NodeId]) -> Option<NodeId> {
         let is = |index: usize, value: f32| self.constant(operands[index]).is_some_and(|x| x.to_bits() == value.to_bits());
         if primitive == Primitive::Pow {
@@ -266,7 +263,7 @@ impl Recorder for Graph {
         if let Some(same) = self.simplified(primitive, operands) {
             return same;
         }
-        let mut slots = [NodeId(0); MAX_OPERANDS];
+        let mut slots = [NodeId(0); Primitive::MAX_ARITY];
         slots[..operands.len()].copy_from_slice(operands);
         self.add(Node::Apply(primitive, slots))
     }

@@ -11,11 +11,8 @@ use crate::formula::{Invariant, Parameter, ParameterId};
 use crate::lang::ast::Relation;
 use crate::lang::variables::Owner;
 use elimination::{Line, Locked, Sum, consistent, eliminate, irreducible, substituted};
-use polytope::{Condition, Polytope};
+use polytope::{Condition, Polytope, TOLERANCE};
 use std::collections::BTreeMap;
-
-/// By how much a sum may be off: values are `f32`, so that 0.6 + 0.4 is not quite 1.
-pub const TOLERANCE: f64 = 5e-7;
 
 /// A parameter that follows from free ones: constant + Σ coefficient · parameter.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,4 +1,4 @@
-//! Where parameter values lie in memory: one row of numbers for the scene, one for each body, one for each light.
+//! The order of parameter values in one array: a row of numbers for the scene, one for each body, one for each light.
 
 use crate::formula::{Formula, Parameter};
 use crate::lang::variables::Owner;
@@ -14,7 +14,7 @@ pub struct Layout {
 }
 
 impl Layout {
-    /// The layout for so many bodies and lights.
+    /// The layout for a scene of this many bodies and lights.
     pub fn new(formula: &Formula, bodies: usize, lights: usize) -> Self {
         Self {
             globals: formula.slots(Owner::Global),
@@ -30,7 +30,7 @@ impl Layout {
         self.globals + self.body * self.bodies + self.light * self.lights
     }
 
-    /// Whether there are none; there always are the predefined ones.
+    /// Whether there are none. There always are the predefined ones.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -44,7 +44,7 @@ impl Layout {
         }
     }
 
-    /// Where the row of the owner of this index begins (a body's, a light's; 0 for the scene).
+    /// Where the row of an owner begins: a body or a light by its index; the scene has index 0.
     pub fn row(&self, owner: Owner, index: usize) -> usize {
         match owner {
             Owner::Global => 0,
@@ -53,7 +53,7 @@ impl Layout {
         }
     }
 
-    /// The owner whose row has this place in it, and the slot in the row; none beyond the last.
+    /// The owner whose row contains this place, its index, and the slot in the row. None beyond the last row.
     pub fn owner_of(&self, place: usize) -> Option<(Owner, usize, usize)> {
         let (owner, first, length) = if place < self.globals {
             (Owner::Global, 0, self.globals)
@@ -67,7 +67,7 @@ impl Layout {
         Some((owner, (place - first) / length, (place - first) % length))
     }
 
-    /// The place of a parameter's first number, for the owner of this index.
+    /// The place of the first number of a parameter, for the owner of this index.
     pub fn place(&self, parameter: &Parameter, index: usize) -> usize {
         self.row(parameter.owner, index) + parameter.slot as usize
     }

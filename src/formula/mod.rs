@@ -1,14 +1,16 @@
-//! A checked illumination model: its parameters, their invariants, and its expression with every name and type settled.
+//! A checked illumination model: its parameters, their invariants, and its expression with every name and type resolved.
 //!
-//! This is what the bytecode and the compiled code are made of. It knows no values: those belong to bodies, lights and the
-//! scene. Text becomes a [`Formula`] by [`Formula::parse`].
+//! Bytecode and compiled code are made from it. It holds no values: those belong to bodies, lights and the scene.
+//! [`Formula::parse`] turns text into a [`Formula`]. [`graph`] to [`separation`] analyse it for compiled code.
 
 pub mod binding;
+pub mod binding_time;
 mod check;
 pub mod equation;
 pub mod graph;
 pub mod invariants;
 pub mod layout;
+mod linear;
 mod range;
 mod rewrite;
 pub mod separation;
@@ -16,8 +18,6 @@ mod written;
 
 use crate::lang::ast::Relation;
 use crate::lang::builtins::Operation;
-use crate::lang::diagnostic::Diagnostics;
-use crate::lang::source::Source;
 use crate::lang::types::Type;
 use crate::lang::variables::{Owner, Predefined, Variable};
 
@@ -25,31 +25,31 @@ use crate::lang::variables::{Owner, Predefined, Variable};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct ParameterId(pub u32);
 
-/// A parameter, predefined or declared. Its values are kept elsewhere, one for each owner.
+/// A parameter, predefined or declared. Its values, one for each owner, are stored elsewhere.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Parameter {
-    /// How it is written.
+    /// Its name in formulas.
     pub name: String,
     /// What it belongs to.
     pub owner: Owner,
     /// Scalar or vector.
     pub ty: Type,
-    /// Bounds of the value, or of each component; none: unbounded.
+    /// Bounds of the value, or of each component. None: unbounded.
     pub range: Option<[f32; 2]>,
-    /// The default; a scalar is the first component and the others are 0.
+    /// The default. That of a scalar is the first component; the others are 0.
     pub default: [f32; 3],
-    /// Whether it asks for a slider in the first row.
+    /// Whether it gets a slider in the first row.
     pub slider: bool,
-    /// Whether it asks for a colour picker.
+    /// Whether it gets a colour picker.
     pub colour: bool,
-    /// Which predefined parameter it is, if one.
+    /// Which predefined parameter it is, if it is one.
     pub predefined: Option<Predefined>,
-    /// Where its first number lies among the numbers of its owner, see [`Formula::slots`].
+    /// The place of its first number among the numbers of its owner, see [`Formula::slots`].
     pub slot: u32,
 }
 
 impl Parameter {
-    /// The nearest value within the range, and whether that is another one. NaN becomes the lower bound (0 without bounds).
+    /// The nearest value within the range, and whether it differs. NaN becomes the lower bound, or 0 without bounds.
     pub fn clamp(&self, value: f32) -> (f32, bool) {
         let [low, high] = self.range.unwrap_or([f32::MIN, f32::MAX]);
         let nearest = if value.is_nan() { self.range.map_or(0.0, |range| range[0]) } else { value.clamp(low, high) };
@@ -57,10 +57,10 @@ impl Parameter {
     }
 }
 
-/// A sum of scalar parameters of one owner that is 1, or at most 1.
+/// A condition on scalar parameters of one owner: their sum is 1, or at most 1.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Invariant {
-    /// The parameters in the order of naming; one may be named twice and then counts twice.
+    /// The parameters in the order of naming. One that is named twice counts twice.
     pub terms: Vec<ParameterId>,
     /// `=` or `<=`.
     pub relation: Relation,
@@ -70,14 +70,14 @@ pub struct Invariant {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct TermId(pub u32);
 
-/// An expression whose names and types are settled.
+/// An expression whose names and types are resolved.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Term {
     /// A number.
     Number(f32),
     /// A value of the hit.
     Variable(Variable),
-    /// A value that a slider moves.
+    /// The value of a parameter.
     Parameter(ParameterId),
     /// An operation on other expressions.
     Apply(Operation, Vec<TermId>),
@@ -92,24 +92,15 @@ pub struct Formula {
     pub parameters: Vec<Parameter>,
     /// All invariants, in the order of the file.
     pub invariants: Vec<Invariant>,
-    /// All expressions, operands before their users; macros are there once, however often they are used.
+    /// All expressions, operands before their users. A macro is there once, however often it is used.
     pub terms: Vec<Term>,
     /// The macros by name, in the order of the file.
     pub macros: Vec<(String, TermId)>,
-    /// The colour that the model yields: a vector.
+    /// The colour: a vector.
     pub result: TermId,
 }
 
 impl Formula {
-    /// Reads and checks a formula file; with the formula come the warnings.
-    ///
-    /// # Errors
-    /// Everything wrong with the text that can be found in one go, warnings among it.
-    pub fn parse(source: &Source) -> Result<(Formula, Diagnostics), Diagnostics> {
-        let (file, diagnostics) = crate::lang::parser::parse(source);
-        check::check(&file, diagnostics)
-    }
-
     /// The parameter of this index.
     pub fn parameter(&self, id: ParameterId) -> &Parameter {
         &self.parameters[id.0 as usize]
@@ -131,7 +122,7 @@ impl Formula {
         ParameterId(predefined as u32)
     }
 
-    /// How many numbers the parameters of one owner of this kind take, vectors three.
+    /// How many numbers the parameters of one owner of this kind have; a vector has three.
     pub fn slots(&self, owner: Owner) -> usize {
         self.parameters.iter().filter(|parameter| parameter.owner == owner).map(|parameter| parameter.ty.slots()).sum()
     }

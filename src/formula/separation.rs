@@ -1,64 +1,66 @@
-//! What a moved parameter can change in a contribution, and in which way.
+//! How a contribution depends on the parameters that a dragged slider moves.
 //!
-//! While a slider is dragged, a handful of numbers *move* and all others rest. A contribution is *separable* where the graph proves it
-//! to be a sum Σ factor · part whose factors are made of moved numbers alone and whose parts of resting ones alone: then images of the
-//! parts, summed up over all hits, can be kept, and a frame is a weighed sum of images. Elsewhere the contribution is split into what rests
-//! and what is *live*, and of the live part every expensive sub-expression that rests can be kept for each record.
+//! While a slider is dragged, a few numbers *move* and all others are *fixed*. A contribution is *separable* where the graph proves
+//! that it is a sum Σ factor · part, with factors made of moved numbers alone and parts made of fixed ones alone. Then each part, summed
+//! up over all hits, is an image that can be kept, and a frame is a weighted sum of images. Any other contribution is split into a fixed
+//! part and a *live* part, which has to be computed again; of the live part, every expensive fixed sub-expression can be kept for each record.
 
 use crate::formula::ParameterId;
-use crate::formula::binding::{BindingTime, Bindings};
-use crate::formula::graph::{Node, NodeId, walk};
+use crate::formula::binding::Bindings;
+use crate::formula::binding_time::BindingTime;
+use crate::formula::graph::{Graph, Node, NodeId, walk};
+use crate::formula::linear::{Common, LinearForm, Product};
 use crate::lang::scalars::Primitive;
 use std::collections::{HashMap, HashSet};
 
-/// More terms than this are no gain over computing anew.
+/// With more terms than this, images are no faster than to compute the contribution again.
 const MOST_TERMS: usize = 6;
-/// What a sub-expression must cost for it to be kept rather than computed again: about what loading it costs, in simple instructions.
+/// The cost from which on a sub-expression is kept rather than computed again: about that of loading it, in simple instructions.
 const WORTH_KEEPING: u32 = 12;
 
-/// A term of a separable contribution, for red, green and blue: a factor that moves, and a part that rests, which is 1 where missing.
+/// A term of a separable contribution, for red, green and blue: a moved factor and a fixed part. A part that is missing is 1.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Term {
-    /// Made of moved numbers and constants; none where the term has no such component.
+    /// Made of moved numbers and constants. None where the component has no such term.
     pub factors: [Option<NodeId>; 3],
-    /// Made of what rests.
+    /// Made of fixed numbers.
     pub parts: [Option<NodeId>; 3],
 }
 
-/// How a contribution depends on moved numbers.
+/// How a contribution depends on the moved numbers.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Dependence {
     /// Not at all.
     None,
-    /// As a sum of terms, beside what rests.
+    /// As a sum of terms, beside a fixed part.
     Separable(Vec<Term>),
-    /// In another way: the live part of each component, where there is one, and what rests in it and is worth keeping for each record.
+    /// In another way.
     Live {
-        /// What must be computed anew.
+        /// What has to be computed again for every frame, of the components that depend on moved numbers.
         live: [Option<NodeId>; 3],
-        /// Dynamic sub-expressions of it that rest.
+        /// Fixed, dynamic sub-expressions of it that are worth keeping for each record.
         kept: Vec<NodeId>,
     },
 }
 
-/// A contribution taken apart by what moves.
+/// A contribution taken apart for a drag.
 #[derive(Debug, Clone)]
 pub struct Separation {
-    /// The formula's graph with the nodes below.
+    /// The formula's graph, extended by the nodes below.
     pub bindings: Bindings,
-    /// What rests of red, green and blue, apart from the terms or the live part.
+    /// The fixed part of red, green and blue, beside the terms or the live part.
     pub resting: [Option<NodeId>; 3],
-    /// What moves.
+    /// The part that depends on moved numbers.
     pub dependence: Dependence,
 }
 
 impl Separation {
-    /// Takes the contribution apart for these components of parameters of one owner.
+    /// Takes the contribution apart, where these components of parameters of one owner move.
     pub fn new(bindings: &Bindings, moved: &[(ParameterId, u8)]) -> Self {
-        let mut separator = Separator { bindings: bindings.clone(), moved: moved.to_vec(), kinds: Vec::new() };
-        separator.learn();
+        let mut separator = Separator { bindings: bindings.clone(), moved: moved.to_vec(), mobilities: Vec::new() };
+        separator.analyse_new_nodes();
         let contribution = bindings.contribution;
-        if contribution.iter().all(|component| separator.rests(*component)) {
+        if contribution.iter().all(|component| separator.is_fixed(*component)) {
             let resting = contribution.map(Some);
             return Self { bindings: separator.bindings, resting, dependence: Dependence::None };
         }
@@ -77,23 +79,23 @@ impl Separation {
     }
 }
 
-/// What a node is made of.
+/// Whether a node moves: of what it is made.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Kind {
+enum Mobility {
     Constant,
-    /// Nothing that moves.
-    Resting,
-    /// Nothing that rests.
+    /// Of fixed numbers alone.
+    Fixed,
+    /// Of moved numbers alone.
     Moved,
     Mixed,
 }
 
-impl Kind {
-    fn join(self, other: Kind) -> Kind {
+impl Mobility {
+    fn join(self, other: Mobility) -> Mobility {
         match (self, other) {
-            (Kind::Constant, kind) | (kind, Kind::Constant) => kind,
-            (one, another) if one == another => one,
-            (Kind::Resting | Kind::Moved | Kind::Mixed, _) => Kind::Mixed,
+            (Mobility::Constant, mobility) | (mobility, Mobility::Constant) => mobility,
+            (one, other) if one == other => one,
+            (Mobility::Fixed | Mobility::Moved | Mobility::Mixed, _) => Mobility::Mixed,
         }
     }
 }
@@ -101,188 +103,69 @@ impl Kind {
 struct Separator {
     bindings: Bindings,
     moved: Vec<(ParameterId, u8)>,
-    kinds: Vec<Kind>,
+    mobilities: Vec<Mobility>,
 }
 
-/// `factor · part`; 1 where one is missing.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Product {
-    factor: Option<NodeId>,
-    part: Option<NodeId>,
-}
+/// The fixed part of each component, and the terms.
+type Separated = ([Option<NodeId>; 3], Vec<Term>);
 
-type Parts = ([Option<NodeId>; 3], Vec<Term>);
-
-/// What rests of a value, and what is live; their sum is the value.
+/// The fixed part and the live part of a value, which is their sum.
 type Split = (Option<NodeId>, Option<NodeId>);
 
 impl Separator {
-    fn record(&mut self, primitive: Primitive, operands: &[NodeId]) -> NodeId {
-        let id = self.bindings.record(primitive, operands);
-        self.learn();
-        id
-    }
-
-    fn constant(&mut self, value: f32) -> NodeId {
-        let id = self.bindings.constant(value);
-        self.learn();
-        id
-    }
-
-    /// The kinds of nodes that are new.
-    fn learn(&mut self) {
-        for index in self.kinds.len()..self.bindings.graph.len() {
+    fn analyse_new_nodes(&mut self) {
+        for index in self.mobilities.len()..self.bindings.graph.len() {
             let node = self.bindings.graph.node(NodeId(index as u32));
-            self.kinds.push(match node {
-                Node::Constant(_) => Kind::Constant,
-                Node::Variable(..) => Kind::Resting,
-                Node::Parameter(id, component) if self.moved.contains(&(id, component)) => Kind::Moved,
-                Node::Parameter(..) => Kind::Resting,
+            self.mobilities.push(match node {
+                Node::Constant(_) => Mobility::Constant,
+                Node::Variable(..) => Mobility::Fixed,
+                Node::Parameter(id, component) if self.moved.contains(&(id, component)) => Mobility::Moved,
+                Node::Parameter(..) => Mobility::Fixed,
                 Node::Apply(..) => {
-                    let kinds = node.operands().iter().map(|operand| self.kinds[operand.0 as usize]);
-                    kinds.fold(Kind::Constant, Kind::join)
+                    let operands = node.operands().iter().map(|operand| self.mobilities[operand.0 as usize]);
+                    operands.fold(Mobility::Constant, Mobility::join)
                 }
             });
         }
     }
 
-    fn kind(&self, id: NodeId) -> Kind {
-        self.kinds[id.0 as usize]
+    fn mobility(&self, id: NodeId) -> Mobility {
+        self.mobilities[id.0 as usize]
     }
 
-    fn rests(&self, id: NodeId) -> bool {
-        matches!(self.kind(id), Kind::Constant | Kind::Resting)
+    fn is_fixed(&self, id: NodeId) -> bool {
+        matches!(self.mobility(id), Mobility::Constant | Mobility::Fixed)
     }
 
-    /// The components as sums of terms, if they all are.
-    fn separable(&mut self, contribution: [NodeId; 3]) -> Option<Parts> {
+    /// The components as sums of terms. None where one of them is not such a sum, or there are too many terms.
+    fn separable(&mut self, contribution: [NodeId; 3]) -> Option<Separated> {
         let mut resting = [None; 3];
         let mut terms: Vec<Term> = Vec::new();
         for (component, root) in contribution.into_iter().enumerate() {
             let mut place = 0;
-            for product in self.terms(root)? {
-                let Some(factor) = product.factor else {
+            for product in self.sum_of_products(root)? {
+                let Some(factor) = product.outer else {
                     let one = self.constant(1.0);
-                    resting[component] = Some(product.part.unwrap_or(one));
+                    resting[component] = Some(product.inner.unwrap_or(one));
                     continue;
                 };
                 if place == terms.len() {
                     terms.push(Term { factors: [None; 3], parts: [None; 3] });
                 }
                 terms[place].factors[component] = Some(factor);
-                terms[place].parts[component] = product.part;
+                terms[place].parts[component] = product.inner;
                 place += 1;
             }
         }
         (terms.len() <= MOST_TERMS).then_some((resting, terms))
     }
 
-    /// A value as a sum of products, no two with the same factor.
-    fn terms(&mut self, root: NodeId) -> Option<Vec<Product>> {
-        let mut sums = HashMap::new();
-        for id in walk(root, |id| self.linear_operands(id)) {
-            let terms = self.terms_of(id, &sums)?;
-            sums.insert(id, terms);
-        }
-        sums.remove(&root)
-    }
-
-    /// The operands whose terms those of a node are made of.
-    #[expect(clippy::wildcard_enum_match_arm, reason = "only what is linear is separable")]
-    fn linear_operands(&self, id: NodeId) -> Vec<NodeId> {
-        let Node::Apply(primitive, [x, y, ..]) = self.bindings.graph.node(id) else { return Vec::new() };
-        match primitive {
-            _ if self.kind(id) != Kind::Mixed => Vec::new(),
-            Primitive::Add | Primitive::Sub | Primitive::Mul => vec![x, y],
-            Primitive::Neg | Primitive::Div => vec![x],
-            _ => Vec::new(),
-        }
-    }
-
-    /// The terms of a node, from those of its linear operands.
-    #[expect(clippy::wildcard_enum_match_arm, reason = "only what is linear is separable")]
-    fn terms_of(&mut self, id: NodeId, known: &HashMap<NodeId, Vec<Product>>) -> Option<Vec<Product>> {
-        match self.kind(id) {
-            Kind::Constant | Kind::Resting => return Some(vec![Product { factor: None, part: Some(id) }]),
-            Kind::Moved => return Some(vec![Product { factor: Some(id), part: None }]),
-            Kind::Mixed => {}
-        }
-        let Node::Apply(primitive, [x, y, ..]) = self.bindings.graph.node(id) else { return None };
-        let mut sum = Vec::new();
-        match primitive {
-            Primitive::Add | Primitive::Sub => {
-                let (one, mut other) = (&known[&x], known[&y].clone());
-                if primitive == Primitive::Sub {
-                    self.negate(&mut other);
-                }
-                for term in one.iter().copied().chain(other) {
-                    self.gather(&mut sum, term);
-                }
-            }
-            Primitive::Neg => {
-                sum.clone_from(&known[&x]);
-                self.negate(&mut sum);
-            }
-            Primitive::Mul => {
-                let (one, other) = (&known[&x], &known[&y]);
-                if one.len() * other.len() > 2 * MOST_TERMS {
-                    return None;
-                }
-                for (a, b) in one.iter().flat_map(|a| other.iter().map(move |b| (a, b))) {
-                    let factor = self.times(a.factor, b.factor);
-                    let part = self.times(a.part, b.part);
-                    self.gather(&mut sum, Product { factor, part });
-                }
-            }
-            Primitive::Div if self.kind(y) != Kind::Mixed => {
-                let one = self.constant(1.0);
-                let resting = self.rests(y);
-                for term in &known[&x] {
-                    let divided = if resting { term.part } else { term.factor };
-                    let quotient = Some(self.record(Primitive::Div, &[divided.unwrap_or(one), y]));
-                    let term = if resting { Product { part: quotient, ..*term } } else { Product { factor: quotient, ..*term } };
-                    self.gather(&mut sum, term);
-                }
-            }
-            _ => return None,
-        }
-        (sum.len() <= MOST_TERMS).then_some(sum)
-    }
-
-    fn negate(&mut self, terms: &mut [Product]) {
-        for term in terms {
-            let value = match term.part {
-                Some(part) => part,
-                None => self.constant(1.0),
-            };
-            term.part = Some(self.record(Primitive::Neg, &[value]));
-        }
-    }
-
-    fn times(&mut self, x: Option<NodeId>, y: Option<NodeId>) -> Option<NodeId> {
-        match (x, y) {
-            (Some(x), Some(y)) => Some(self.record(Primitive::Mul, &[x, y])),
-            (one, other) => one.or(other),
-        }
-    }
-
-    fn gather(&mut self, sum: &mut Vec<Product>, term: Product) {
-        match sum.iter().position(|other| other.factor == term.factor) {
-            Some(place) => {
-                let one = self.constant(1.0);
-                let [x, y] = [sum[place].part, term.part].map(|part| part.unwrap_or(one));
-                sum[place].part = Some(self.record(Primitive::Add, &[x, y]));
-            }
-            None => sum.push(term),
-        }
-    }
-
-    /// A sum as what rests of it and what is live.
+    /// The fixed and the live addends of a sum.
     fn split(&mut self, root: NodeId) -> Split {
         let mut splits: HashMap<NodeId, Split> = HashMap::new();
         for id in walk(root, |id| self.addends(id).map_or(Vec::new(), |(_, operands)| operands.to_vec())) {
             let split = match self.addends(id) {
-                _ if self.rests(id) => (Some(id), None),
+                _ if self.is_fixed(id) => (Some(id), None),
                 Some((primitive, operands)) => {
                     let [(x, live_x), (y, live_y)] = operands.map(|operand| splits[&operand]);
                     (self.joined(primitive, x, y), self.joined(primitive, live_x, live_y))
@@ -294,10 +177,10 @@ impl Separator {
         splits[&root]
     }
 
-    /// What a node that does not rest is the sum or the difference of.
+    /// The operands of a sum or a difference that is not fixed.
     fn addends(&self, id: NodeId) -> Option<(Primitive, [NodeId; 2])> {
         match self.bindings.graph.node(id) {
-            Node::Apply(primitive @ (Primitive::Add | Primitive::Sub), [x, y, ..]) if !self.rests(id) => {
+            Node::Apply(primitive @ (Primitive::Add | Primitive::Sub), [x, y, ..]) if !self.is_fixed(id) => {
                 Some((primitive, [x, y]))
             }
             Node::Apply(..) | Node::Constant(_) | Node::Variable(..) | Node::Parameter(..) => None,
@@ -312,7 +195,7 @@ impl Separator {
         }
     }
 
-    /// The largest dynamic sub-expressions of `live` that rest and cost more to compute than to load.
+    /// The largest dynamic sub-expressions of `live` that are fixed and cost more to compute than to load.
     fn worth_keeping(&self, live: &[Option<NodeId>; 3]) -> Vec<NodeId> {
         let mut kept = Vec::new();
         let mut seen = vec![false; self.bindings.graph.len()];
@@ -321,7 +204,7 @@ impl Separator {
             if std::mem::replace(&mut seen[id.0 as usize], true) || self.bindings.time(id) != BindingTime::Dynamic {
                 continue;
             }
-            if !self.rests(id) {
+            if !self.is_fixed(id) {
                 pending.extend_from_slice(self.bindings.graph.node(id).operands());
             } else if self.cost(id) >= WORTH_KEEPING {
                 kept.push(id);
@@ -331,7 +214,7 @@ impl Separator {
         kept
     }
 
-    /// What a dynamic node costs, in simple instructions; more than is worth keeping is not counted.
+    /// What a dynamic node costs, in simple instructions. The count stops where the node is worth keeping.
     fn cost(&self, id: NodeId) -> u32 {
         let mut seen = HashSet::new();
         let mut pending = vec![id];
@@ -341,7 +224,7 @@ impl Separator {
                 continue;
             }
             if let Node::Apply(primitive, _) = self.bindings.graph.node(id) {
-                cost += cost_of(primitive);
+                cost += primitive.cost();
             }
             if cost >= WORTH_KEEPING {
                 break;
@@ -352,31 +235,51 @@ impl Separator {
     }
 }
 
-/// About how many simple instructions a primitive takes.
-fn cost_of(primitive: Primitive) -> u32 {
-    match primitive {
-        Primitive::Neg
-        | Primitive::Add
-        | Primitive::Sub
-        | Primitive::Mul
-        | Primitive::Floor
-        | Primitive::Ceil
-        | Primitive::Abs
-        | Primitive::Min
-        | Primitive::Max
-        | Primitive::Less
-        | Primitive::LessEqual
-        | Primitive::Equal
-        | Primitive::And
-        | Primitive::Or
-        | Primitive::Not
-        | Primitive::Select => 1,
-        Primitive::Div | Primitive::Sqrt => 5,
-        Primitive::Exp | Primitive::Exp2 | Primitive::Log | Primitive::Log2 => 16,
-        Primitive::Sin | Primitive::Cos | Primitive::Tan => 24,
-        Primitive::Asin | Primitive::Acos | Primitive::Atan | Primitive::Atan2 => 24,
-        Primitive::Pow => 60,
-        Primitive::Perlin => 1000,
+/// Outer factors are moved, inner ones fixed. A mixed node does not stand for itself.
+impl LinearForm for Separator {
+    fn graph(&self) -> &Graph {
+        &self.bindings.graph
+    }
+
+    fn record(&mut self, primitive: Primitive, operands: &[NodeId]) -> NodeId {
+        let id = self.bindings.record(primitive, operands);
+        self.analyse_new_nodes();
+        id
+    }
+
+    fn constant(&mut self, value: f32) -> NodeId {
+        let id = self.bindings.constant(value);
+        self.analyse_new_nodes();
+        id
+    }
+
+    fn is_mixed(&self, id: NodeId) -> bool {
+        self.mobility(id) == Mobility::Mixed
+    }
+
+    fn whole(&self, id: NodeId) -> Option<Product> {
+        match self.mobility(id) {
+            Mobility::Constant | Mobility::Fixed => Some(Product { outer: None, inner: Some(id) }),
+            Mobility::Moved => Some(Product { outer: Some(id), inner: None }),
+            Mobility::Mixed => None,
+        }
+    }
+
+    fn accepts(&self, sum: &[Product]) -> bool {
+        sum.len() <= MOST_TERMS
+    }
+
+    fn multiplies(&self, x: &[Product], y: &[Product]) -> bool {
+        // Some of the products will have a factor in common.
+        x.len() * y.len() <= 2 * MOST_TERMS
+    }
+
+    fn divides(&mut self, _: &[Product], _: NodeId) -> bool {
+        true
+    }
+
+    fn common(&self, one: &Product, other: &Product) -> Option<Common> {
+        (one.outer == other.outer).then_some(Common::Outer)
     }
 }
 

@@ -1,7 +1,6 @@
-//! A checked formula's expressions as text again, with other texts in the place of some parts: names of macros, numbers.
+//! Expressions of a checked formula as text again, with other texts in place of some parts: names of macros, numbers.
 //!
-//! The text is the printer's; here terms become the syntax that it prints. What was a macro and what was written out is not known
-//! here: terms know nothing of it.
+//! Terms become syntax here, and the printer makes the text. Terms do not know whether they were macros or written out.
 
 use crate::formula::{Formula, Term, TermId};
 use crate::lang::ast::{Expr, ExprId, ExprKind, FormulaFile, Name};
@@ -11,8 +10,8 @@ use crate::lang::source::Span;
 use std::collections::HashMap;
 
 impl Formula {
-    /// An expression as text, with no more parentheses than it needs. Where `stand_in` has a text for a part of it, that stands there,
-    /// like a name: it needs no parentheses. Without stand-ins macros are written out at every use.
+    /// An expression as text, with no more parentheses than it needs. Where `stand_in` returns a text for a part, it takes the place of
+    /// that part, without parentheses, like a name. Without stand-ins macros are written out at every use.
     pub fn written(&self, root: TermId, stand_in: impl Fn(TermId) -> Option<String>) -> String {
         let mut texts: HashMap<TermId, Option<String>> = HashMap::new();
         let mut pending = vec![root];

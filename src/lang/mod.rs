@@ -20,6 +20,7 @@ pub mod cursor;
 pub mod diagnostic;
 pub mod display_text;
 pub mod excerpt;
+pub mod interval;
 pub mod keywords;
 pub mod lexer;
 pub mod lines;

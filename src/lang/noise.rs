@@ -1,4 +1,6 @@
-//! Perlin's improved noise (Ken Perlin, "Improving Noise", SIGGRAPH 2002), with his permutation table.
+//! Perlin's improved noise (Ken Perlin, "Improving Noise", SIGGRAPH 2002), with his permutation table, in `f32` and `f64`.
+
+use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub};
 
 /// Perlin's permutation of 0..255 (Perlin 2002, reference implementation).
 const PERMUTATION: [u8; 256] = [
@@ -15,12 +17,55 @@ const PERMUTATION: [u8; 256] = [
 ];
 
 /// The largest number of octaves.
-const MAX_OCTAVES: f32 = 32.0;
+const MAX_OCTAVES: f64 = 32.0;
+
+/// The arithmetic that noise needs.
+pub trait Real:
+    Copy
+    + From<f32>
+    + Into<f64>
+    + Neg<Output = Self>
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + AddAssign
+    + MulAssign
+{
+    /// The largest whole number not above it.
+    fn floor(self) -> Self;
+    /// The remainder of a whole number by 256, 0..256; 0 where it is not finite.
+    fn lattice_index(self) -> usize;
+}
+
+impl Real for f32 {
+    fn floor(self) -> Self {
+        self.floor()
+    }
+
+    fn lattice_index(self) -> usize {
+        // The remainder is exact, and so is the conversion.
+        self.rem_euclid(256.0) as usize & 255
+    }
+}
+
+impl Real for f64 {
+    fn floor(self) -> Self {
+        self.floor()
+    }
+
+    fn lattice_index(self) -> usize {
+        // The remainder is exact, and so is the conversion.
+        self.rem_euclid(256.0) as usize & 255
+    }
+}
 
 /// Σ noise(bⁱ·point)/aⁱ for i = 0 … n − 1 (thesis 9.2.2), n rounded down and clamped to 0..32; a NaN n counts as 0.
-pub fn perlin(point: [f32; 3], a: f32, b: f32, n: f32) -> f32 {
-    let octaves = if n.is_nan() { 0.0 } else { n.floor().clamp(0.0, MAX_OCTAVES) };
-    let (mut sum, mut frequency, mut divisor) = (0.0, 1.0, 1.0);
+pub fn perlin<T: Real>(point: [T; 3], a: T, b: T, n: T) -> T {
+    let octaves: f64 = n.into();
+    let octaves = if octaves.is_nan() { 0.0 } else { octaves.floor().clamp(0.0, MAX_OCTAVES) };
+    let [zero, one] = [0.0, 1.0].map(T::from);
+    let (mut sum, mut frequency, mut divisor) = (zero, one, one);
     // The clamp above leaves a whole number that a u32 holds.
     for _ in 0..octaves as u32 {
         sum += noise(point.map(|coordinate| coordinate * frequency)) / divisor;
@@ -31,40 +76,42 @@ pub fn perlin(point: [f32; 3], a: f32, b: f32, n: f32) -> f32 {
 }
 
 /// Perlin's noise at a point, about −1..1; 0 at whole coordinates, and NaN if a coordinate is not finite.
-pub fn noise(point: [f32; 3]) -> f32 {
-    let cell = point.map(f32::floor);
-    // The lattice repeats every 256 cells; the remainder is exact, so the conversion is too.
-    let [cx, cy, cz] = cell.map(|corner| corner.rem_euclid(256.0) as usize & 255);
+pub fn noise<T: Real>(point: [T; 3]) -> T {
+    let cell = point.map(Real::floor);
+    // The lattice repeats every 256 cells.
+    let [cx, cy, cz] = cell.map(Real::lattice_index);
     let [x, y, z] = [point[0] - cell[0], point[1] - cell[1], point[2] - cell[2]];
     let [u, v, w] = [fade(x), fade(y), fade(z)];
     let at = |index: usize| usize::from(PERMUTATION[index & 255]);
     let (a, b) = (at(cx) + cy, at(cx + 1) + cy);
     let (aa, ab, ba, bb) = (at(a) + cz, at(a + 1) + cz, at(b) + cz, at(b + 1) + cz);
+    let one = T::from(1.0);
+    let (x1, y1, z1) = (x - one, y - one, z - one);
     let near = mix(
         v,
-        mix(u, gradient(at(aa), x, y, z), gradient(at(ba), x - 1.0, y, z)),
-        mix(u, gradient(at(ab), x, y - 1.0, z), gradient(at(bb), x - 1.0, y - 1.0, z)),
+        mix(u, gradient(at(aa), x, y, z), gradient(at(ba), x1, y, z)),
+        mix(u, gradient(at(ab), x, y1, z), gradient(at(bb), x1, y1, z)),
     );
-    let z1 = z - 1.0;
     let far = mix(
         v,
-        mix(u, gradient(at(aa + 1), x, y, z1), gradient(at(ba + 1), x - 1.0, y, z1)),
-        mix(u, gradient(at(ab + 1), x, y - 1.0, z1), gradient(at(bb + 1), x - 1.0, y - 1.0, z1)),
+        mix(u, gradient(at(aa + 1), x, y, z1), gradient(at(ba + 1), x1, y, z1)),
+        mix(u, gradient(at(ab + 1), x, y1, z1), gradient(at(bb + 1), x1, y1, z1)),
     );
     mix(w, near, far)
 }
 
 /// 6t⁵ − 15t⁴ + 10t³ (Perlin 2002).
-fn fade(t: f32) -> f32 {
-    t * t * t * (t * (t * 6.0 - 15.0) + 10.0)
+fn fade<T: Real>(t: T) -> T {
+    let [six, fifteen, ten] = [6.0, 15.0, 10.0].map(T::from);
+    t * t * t * (t * (t * six - fifteen) + ten)
 }
 
-fn mix(t: f32, a: f32, b: f32) -> f32 {
+fn mix<T: Real>(t: T, a: T, b: T) -> T {
     a + t * (b - a)
 }
 
 /// The dot product with one of twelve gradients, chosen by the low four bits of the hash.
-fn gradient(hash: usize, x: f32, y: f32, z: f32) -> f32 {
+fn gradient<T: Real>(hash: usize, x: T, y: T, z: T) -> T {
     let low = hash & 15;
     let u = if low < 8 { x } else { y };
     let v = if low < 4 {
@@ -90,8 +137,8 @@ mod tests {
 
     #[test]
     fn noise_vanishes_on_the_lattice_and_repeats_after_256() {
-        assert_eq!(noise([3.0, -7.0, 255.0]), 0.0);
-        assert_eq!(noise([0.25, 0.5, 0.75]), noise([256.25, 0.5, -255.25]));
+        assert_eq!(noise([3.0_f32, -7.0, 255.0]), 0.0);
+        assert_eq!(noise([0.25_f32, 0.5, 0.75]), noise([256.25, 0.5, -255.25]));
     }
 
     #[test]
@@ -104,12 +151,12 @@ mod tests {
             gradient(p(p(p(i) + j) + k), offset(i), offset(j), offset(k))
         };
         let mean: f32 = (0..8).map(|bits| corner(bits & 1, bits >> 1 & 1, bits >> 2)).sum::<f32>() / 8.0;
-        assert!((noise([0.5; 3]) - mean).abs() < 1e-6);
+        assert!((noise([0.5_f32; 3]) - mean).abs() < 1e-6);
     }
 
     #[test]
     fn octaves_are_rounded_down_and_clamped() {
-        let point = [0.3, 0.4, 0.5];
+        let point: [f32; 3] = [0.3, 0.4, 0.5];
         assert_eq!(perlin(point, 2.0, 2.0, 1.9), noise(point));
         assert_eq!(perlin(point, 2.0, 2.0, -3.0), 0.0);
         assert_eq!(perlin(point, 2.0, 2.0, f32::NAN), 0.0);

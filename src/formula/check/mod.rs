@@ -12,9 +12,22 @@ mod substitution;
 use crate::formula::Formula;
 use crate::lang::ast::FormulaFile;
 use crate::lang::diagnostic::Diagnostics;
+use crate::lang::parser;
+use crate::lang::source::Source;
+
+impl Formula {
+    /// Reads and checks a formula file; with the formula come the warnings.
+    ///
+    /// # Errors
+    /// Everything wrong with the text that can be found in one go, warnings among it.
+    pub fn parse(source: &Source) -> Result<(Formula, Diagnostics), Diagnostics> {
+        let (file, diagnostics) = parser::parse(source);
+        check(&file, diagnostics)
+    }
+}
 
 /// Checks a formula file, after the `diagnostics` of parsing it; with the formula come the warnings.
-pub(super) fn check(file: &FormulaFile, mut diagnostics: Diagnostics) -> Result<(Formula, Diagnostics), Diagnostics> {
+fn check(file: &FormulaFile, mut diagnostics: Diagnostics) -> Result<(Formula, Diagnostics), Diagnostics> {
     let parameters = parameters::parameters(file, &mut diagnostics);
     let names = names::Names::collect(file, &parameters, &mut diagnostics);
     let invariants = invariants::invariants(file, &parameters, &names, &mut diagnostics);

@@ -2,8 +2,7 @@
 //!
 //! Parameters are places in the order of naming here; what they are called and what values they have does not matter.
 
-use crate::formula::invariants::TOLERANCE;
-use crate::formula::invariants::polytope::{Condition, Polytope};
+use crate::formula::invariants::polytope::{Condition, Polytope, TOLERANCE};
 use crate::lang::ast::Relation;
 use std::collections::BTreeMap;
 

@@ -5,6 +5,9 @@
 
 use microlp::{ComparisonOp, LinearExpr, OptimizationDirection, Problem, Variable};
 
+/// By how much a sum may be off: values are `f32`, so that 0.6 + 0.4 is not quite 1.
+pub(super) const TOLERANCE: f64 = 5e-7;
+
 /// A condition: `low <= constant + Σ coefficient · coordinate <= high`.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Condition {

@@ -3,9 +3,12 @@
 use super::*;
 use crate::formula::Formula;
 use crate::formula::binding::Bindings;
+use crate::formula::graph::{Node, NodeId};
 use crate::jit::lanes::Sums;
+use crate::lang::scalars::{Floats, Primitive, Recorder, awkward_operands};
 use crate::lang::source::Source;
-use crate::plan::FormulaPlan;
+use crate::lang::variables::Variable;
+use crate::plan::{Domain, FormulaPlan, KernelPlan, Sink};
 use crate::segment::ROUND_LINES;
 use crate::workspace::{FileKind, presets};
 
@@ -48,6 +51,77 @@ fn kernels_of_all_widths_compute_the_same() {
             let same = |(x, y): (&f32, &f32)| x == y || x.is_nan() && y.is_nan() || (x - y).abs() <= 2e-6 * x.abs().max(1.0);
             let other = narrow.iter().zip(&wide).find(|pair| !same(*pair));
             assert_eq!(other, None, "{width}: {text}");
+        }
+    }
+}
+
+/// What a kernel computes of a primitive on operands from columns, one case a lane, compiled for vectors of this width; and how many lanes its
+/// vectors have.
+fn results(primitive: Primitive, cases: &[Vec<f32>], width: Width, sink: Sink) -> (usize, Vec<f32>) {
+    let mut graph = Graph::empty();
+    let leaf = |place: usize| {
+        let variable = [Variable::Normal, Variable::ToViewer][place / 3];
+        Node::Variable(variable, (place % 3) as u8)
+    };
+    let leaves: Vec<NodeId> = (0..primitive.arity()).map(|place| graph.insert(leaf(place))).collect();
+    let mut result = graph.record(primitive, &leaves);
+    if primitive.yields_truth() {
+        let [one, zero] = [1.0, 0.0].map(|value| graph.record_constant(value));
+        result = graph.record(Primitive::Select, &[result, one, zero]);
+    }
+    let plan = KernelPlan {
+        name: "primitive",
+        domain: Domain::LitRecords,
+        streams: [leaves.clone(), Vec::new(), Vec::new()],
+        uniforms: Vec::new(),
+        outputs: vec![result],
+        sink,
+    };
+    let kernel = generate(width, &[KernelSpec::overwriting(&plan)], &graph, None).unwrap().remove(0);
+    let lines = cases.len().div_ceil(Line::RECORDS).next_multiple_of(ROUND_LINES);
+    let mut stream = vec![Line::default(); lines * leaves.len()];
+    for (case, operands) in cases.iter().enumerate() {
+        for (column, operand) in operands.iter().enumerate() {
+            stream[case / Line::RECORDS * leaves.len() + column].0[case % Line::RECORDS] = *operand;
+        }
+    }
+    let mut output = vec![Line::default(); lines];
+    kernel.run([&stream, &[], &[]], &[], &mut [&mut output], lines);
+    (4 * kernel.shape.blocks, output.iter().flat_map(|line| line.0).take(cases.len()).collect())
+}
+
+/// Whether two results are the same but for a few units in the last place; numbers about the smallest normal one are as good as 0.
+fn agree(one: f32, other: f32) -> bool {
+    const UNITS: u32 = 5;
+    let near = one.is_sign_negative() == other.is_sign_negative() && one.to_bits().abs_diff(other.to_bits()) <= UNITS;
+    let tiny = |x: f32| x.abs() <= f32::MIN_POSITIVE * (1.0 + UNITS as f32 * f32::EPSILON);
+    one == other || (one.is_nan() && other.is_nan()) || (near && !one.is_nan() && !other.is_nan()) || (tiny(one) && tiny(other))
+}
+
+#[test]
+fn every_primitive_is_widened_and_computes_its_meaning_at_every_width() {
+    for &primitive in Primitive::ALL {
+        // One case more each time, so that every case comes to every lane of sixteen.
+        let cases = awkward_operands(primitive);
+        let turned = (0..if cases.len() < 2000 { 16 } else { 1 }).flat_map(|turn| cases.iter().chain(&cases[..turn]));
+        let cases: Vec<Vec<f32>> = turned.cloned().collect();
+        for width in Width::supported() {
+            // Columns are computed one step at a time, sums several side by side.
+            for sink in [Sink::Columns, Sink::Sums] {
+                let (lanes, results) = results(primitive, &cases, width, sink);
+                // Noise is called, four points at a time.
+                let expected = if primitive == Primitive::Perlin { 4 } else { width.lanes() };
+                assert_eq!(lanes, expected, "{primitive:?} in vectors of {width}");
+                for (operands, result) in cases.iter().zip(results) {
+                    let turns = matches!(primitive, Primitive::Sin | Primitive::Cos | Primitive::Tan);
+                    let expected = primitive.apply(&mut Floats, operands);
+                    let right = match turns && operands[0].is_finite() && operands[0].abs() > 1e5 {
+                        true => result.is_finite() && (primitive == Primitive::Tan || result.abs() <= 1.0),
+                        false => agree(result, expected),
+                    };
+                    assert!(right, "{primitive:?}{operands:?} is {result} in {lanes} lanes, not {expected}");
+                }
+            }
         }
     }
 }

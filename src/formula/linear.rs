@@ -1,0 +1,154 @@
+//! Values as sums of products, each of an *outer* and an *inner* factor: `Σ outer · inner`.
+//!
+//! Two analyses take a contribution apart in this way. [`rewrite`](super::rewrite) wants everything uniform in the outer factors,
+//! so that it is multiplied once a frame. [`separation`](super::separation) wants everything that a dragged slider moves in the outer
+//! factors, so that images of the inner ones can be kept. What is common to both stands here: which primitives are linear in their
+//! operands, and the arithmetic of sums of products. What goes to which side, and which sums are worth having, they say by [`LinearForm`].
+
+use crate::formula::graph::{Graph, Node, NodeId, walk};
+use crate::lang::scalars::Primitive;
+use std::collections::HashMap;
+
+/// `outer · inner`; a factor that is missing is 1.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Product {
+    pub(super) outer: Option<NodeId>,
+    pub(super) inner: Option<NodeId>,
+}
+
+/// Which factor two products of a sum have in common.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Common {
+    Outer,
+    Inner,
+}
+
+/// How an analysis takes values apart.
+pub(super) trait LinearForm {
+    /// The graph in which nodes are.
+    fn graph(&self) -> &Graph;
+    /// The node of a primitive on nodes of the graph, added if it is new.
+    fn record(&mut self, primitive: Primitive, operands: &[NodeId]) -> NodeId;
+    /// The node of a number, added if it is new.
+    fn constant(&mut self, value: f32) -> NodeId;
+    /// Whether a node may have both kinds of factors in it, so that it has to be taken apart.
+    fn is_mixed(&self, id: NodeId) -> bool;
+    /// A node as a single product. None where it is mixed and no mixed node may stand for itself.
+    fn whole(&self, id: NodeId) -> Option<Product>;
+    /// Whether a sum is still worth having.
+    fn accepts(&self, sum: &[Product]) -> bool;
+    /// Whether two sums may be multiplied out.
+    fn multiplies(&self, x: &[Product], y: &[Product]) -> bool;
+    /// Whether the products of a sum may be divided by a node, which is not mixed, one by one.
+    fn divides(&mut self, sum: &[Product], divisor: NodeId) -> bool;
+    /// The factor by which two products can be put together as one.
+    fn common(&self, one: &Product, other: &Product) -> Option<Common>;
+
+    /// A value as a sum of products. None where it is not linear and [`whole`](Self::whole) does not let a node stand for itself.
+    fn sum_of_products(&mut self, root: NodeId) -> Option<Vec<Product>> {
+        let mut sums: HashMap<NodeId, Vec<Product>> = HashMap::new();
+        for id in walk(root, |id| self.linear_operands(id)) {
+            let sum = match self.taken_apart(id, &sums) {
+                Some(sum) if self.accepts(&sum) => sum,
+                Some(_) | None => vec![self.whole(id)?],
+            };
+            sums.insert(id, sum);
+        }
+        sums.remove(&root)
+    }
+
+    /// The operands of which a mixed node is a linear combination.
+    #[expect(clippy::wildcard_enum_match_arm, reason = "all other primitives are not linear")]
+    fn linear_operands(&self, id: NodeId) -> Vec<NodeId> {
+        let Node::Apply(primitive, [x, y, ..]) = self.graph().node(id) else { return Vec::new() };
+        match primitive {
+            _ if !self.is_mixed(id) => Vec::new(),
+            Primitive::Add | Primitive::Sub | Primitive::Mul => vec![x, y],
+            Primitive::Neg => vec![x],
+            Primitive::Div if !self.is_mixed(y) => vec![x],
+            _ => Vec::new(),
+        }
+    }
+
+    /// The sum of products of a linear node, from those of its operands.
+    #[expect(clippy::wildcard_enum_match_arm, reason = "all other primitives are not linear")]
+    fn taken_apart(&mut self, id: NodeId, known: &HashMap<NodeId, Vec<Product>>) -> Option<Vec<Product>> {
+        if self.linear_operands(id).is_empty() {
+            return None;
+        }
+        let Node::Apply(primitive, [x, y, ..]) = self.graph().node(id) else { return None };
+        match primitive {
+            Primitive::Add => Some(self.gathered(known[&x].iter().chain(&known[&y]).copied())),
+            Primitive::Sub => {
+                let subtrahend = self.negated(&known[&y])?;
+                Some(self.gathered(known[&x].iter().copied().chain(subtrahend)))
+            }
+            Primitive::Neg => self.negated(&known[&x]),
+            Primitive::Mul => {
+                let (x, y) = (&known[&x], &known[&y]);
+                self.multiplies(x, y).then(|| self.multiplied(x, y))
+            }
+            Primitive::Div => self.divides(&known[&x], y).then(|| self.divided(&known[&x], y)),
+            _ => None,
+        }
+    }
+
+    /// Every product of one sum with every one of another.
+    fn multiplied(&mut self, x: &[Product], y: &[Product]) -> Vec<Product> {
+        let mut products = Vec::with_capacity(x.len() * y.len());
+        for (one, other) in x.iter().flat_map(|one| y.iter().map(move |other| (one, other))) {
+            let outer = self.times(one.outer, other.outer);
+            let inner = self.times(one.inner, other.inner);
+            products.push(Product { outer, inner });
+        }
+        self.gathered(products)
+    }
+
+    /// The products divided by a node that is not mixed: on the side that it belongs to.
+    fn divided(&mut self, sum: &[Product], divisor: NodeId) -> Vec<Product> {
+        let is_outer = self.whole(divisor).is_some_and(|whole| whole.outer.is_some());
+        let one = self.constant(1.0);
+        let mut divide = |factor: Option<NodeId>| Some(self.record(Primitive::Div, &[factor.unwrap_or(one), divisor]));
+        let divided = |product: &Product| match is_outer {
+            true => Product { outer: divide(product.outer), ..*product },
+            false => Product { inner: divide(product.inner), ..*product },
+        };
+        let quotients: Vec<Product> = sum.iter().map(divided).collect();
+        self.gathered(quotients)
+    }
+
+    /// The products with the other sign.
+    fn negated(&mut self, sum: &[Product]) -> Option<Vec<Product>> {
+        let minus_one = self.constant(-1.0);
+        let minus_one = self.whole(minus_one)?;
+        Some(self.multiplied(&[minus_one], sum))
+    }
+
+    /// The products as a sum in which those that have a factor in common are put together.
+    fn gathered(&mut self, products: impl IntoIterator<Item = Product>) -> Vec<Product> {
+        let mut sum: Vec<Product> = Vec::new();
+        for product in products {
+            let found = sum.iter().enumerate().find_map(|(place, other)| Some((place, self.common(other, &product)?)));
+            match found {
+                Some((place, Common::Outer)) => sum[place].inner = self.plus(sum[place].inner, product.inner),
+                Some((place, Common::Inner)) => sum[place].outer = self.plus(sum[place].outer, product.outer),
+                None => sum.push(product),
+            }
+        }
+        sum
+    }
+
+    /// The sum of two factors; one that is missing is 1.
+    fn plus(&mut self, x: Option<NodeId>, y: Option<NodeId>) -> Option<NodeId> {
+        let one = self.constant(1.0);
+        Some(self.record(Primitive::Add, &[x.unwrap_or(one), y.unwrap_or(one)]))
+    }
+
+    /// The product of two factors; one that is missing is 1.
+    fn times(&mut self, x: Option<NodeId>, y: Option<NodeId>) -> Option<NodeId> {
+        match (x, y) {
+            (Some(x), Some(y)) => Some(self.record(Primitive::Mul, &[x, y])),
+            (one, other) => one.or(other),
+        }
+    }
+}
