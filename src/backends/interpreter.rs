@@ -112,7 +112,7 @@ impl Interpreted {
                 let pixel = first + (done + programs.len()) as u32;
                 programs.add(&instantiation, &ray_tree(&tracer, pixel));
             }
-            let mut stack = programs.stack();
+            let mut stack = programs.stack(0.0);
             let start = Instant::now();
             for (index, pixel) in pixels[done..done + programs.len()].iter_mut().enumerate() {
                 *pixel = programs.run(&mut Floats, index, parameters, &mut stack);

@@ -4,41 +4,45 @@ use crate::bytecode::instruction::{
     FIRST_OPERATION, GUARD, SCALAR_REFERENCE, SCALAR_VALUE, VECTOR_REFERENCE, VECTOR_VALUE, WEIGH,
 };
 use crate::lang::builtins::{Operation, Stack};
-use crate::lang::scalars::{Scalars, flush};
+use crate::lang::scalars::Scalars;
 
-/// Runs a program and returns the vector it leaves: the unclamped red, green and blue of a pixel.
+/// Runs a program and returns the vector that it leaves: the unclamped red, green and blue of a pixel.
 ///
-/// `memory` holds the parameter numbers that the program's references mean; the stack must have room for the depth
-/// that the program states. `scalars` gives the operations their sense: [`Floats`](crate::lang::scalars::Floats) but for experiments.
+/// `parameters` holds the numbers that the program's references stand for. The stack has room for the depth that the program states.
+/// `scalars` gives the operations their sense: that is [`Floats`](crate::lang::scalars::Floats), except to judge results.
 ///
 /// # Panics
-/// Where the code is no well-formed program of type II; [`Program`](super::Program)s are.
-pub fn run<M: Scalars<Value = f32>>(scalars: &mut M, code: &[u8], memory: &[f32], stack: &mut Stack<f32>) -> [f32; 3] {
+/// The code is not a well-formed program of type II, as [`Program`](super::Program)s are.
+pub fn run<M>(scalars: &mut M, code: &[u8], parameters: &[f32], stack: &mut Stack<M::Value>) -> [M::Value; 3]
+where
+    M: Scalars<Value: PartialEq>,
+{
     stack.clear();
+    let zero = scalars.constant(0.0);
     let mut rest = code;
     while let Some((&opcode, operands)) = rest.split_first() {
         rest = operands;
         match opcode {
             FIRST_OPERATION.. => Operation::ALL[usize::from(opcode - FIRST_OPERATION)].apply(scalars, stack),
-            SCALAR_VALUE => stack.push(f32::from_bits(word(&mut rest))),
-            VECTOR_VALUE => (0..3).for_each(|_| stack.push(f32::from_bits(word(&mut rest)))),
-            SCALAR_REFERENCE => stack.push(flush(memory[word(&mut rest) as usize])),
+            SCALAR_VALUE => stack.push(scalars.constant(f32::from_bits(word(&mut rest)))),
+            VECTOR_VALUE => (0..3).for_each(|_| stack.push(scalars.constant(f32::from_bits(word(&mut rest))))),
+            SCALAR_REFERENCE => stack.push(scalars.constant(parameters[word(&mut rest) as usize])),
             VECTOR_REFERENCE => {
                 let place = word(&mut rest) as usize;
-                memory[place..place + 3].iter().for_each(|number| stack.push(flush(*number)));
+                parameters[place..place + 3].iter().for_each(|number| stack.push(scalars.constant(*number)));
             }
             WEIGH => {
                 let [weight, x, y, z] = stack.pop();
                 for component in [x, y, z] {
-                    let weighed = if weight == 0.0 { 0.0 } else { scalars.mul(weight, component) };
-                    stack.push(weighed);
+                    let weighted = if weight == zero { zero } else { scalars.mul(weight, component) };
+                    stack.push(weighted);
                 }
             }
             GUARD => {
                 let length = word(&mut rest) as usize;
                 let [weight] = stack.pop();
-                if weight == 0.0 {
-                    (0..3).for_each(|_| stack.push(0.0));
+                if weight == zero {
+                    (0..3).for_each(|_| stack.push(zero));
                     rest = &rest[length..];
                 } else {
                     stack.push(weight);
@@ -51,7 +55,7 @@ pub fn run<M: Scalars<Value = f32>>(scalars: &mut M, code: &[u8], memory: &[f32]
     stack.pop()
 }
 
-/// The four bytes at hand as a number, passed over.
+/// The next four bytes as a number; `rest` becomes what follows them.
 #[inline(always)]
 fn word(rest: &mut &[u8]) -> u32 {
     #[expect(clippy::panic, reason = "programs hold whole instructions, see Program")]

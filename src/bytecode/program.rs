@@ -1,4 +1,4 @@
-//! Programs of type II: a pixel's whole formula, its ray tree written out by equation (2) (thesis 4.2.3, 5.3.4).
+//! Programs of type II: the whole formula of a pixel, its ray tree written out by equation (2) (thesis 4.2.3, 5.3.4).
 
 use crate::bytecode::compile::Code;
 use crate::bytecode::instruction::Instruction;
@@ -12,24 +12,24 @@ use crate::scene::LightId;
 use crate::trace::{Child, HitVariables, LightVariables, Node, Tree, variable};
 use crate::world::World;
 
-/// What instantiation needs to know of a formula on a scene.
+/// A formula on a scene, as instantiation needs it.
 #[derive(Debug, Clone, Copy)]
 pub struct Instantiation<'i> {
-    /// The formula's code of type I.
+    /// The code of the formula, of type I.
     pub code: &'i Code,
-    /// Where parameter numbers lie.
+    /// The places of parameter numbers.
     pub equation: Equation,
     /// The world.
     pub world: &'i World,
 }
 
-/// The most bytes that a pixel's program may take; far more than any model and scene worth looking at.
+/// The most bytes that the program of a pixel may take: far more than any useful model and scene need.
 pub const MAX_PROGRAM_BYTES: u64 = 1 << 30;
 
 impl Instantiation<'_> {
-    /// The bytes that the largest possible program of a pixel takes: every hit of a full tree of this depth, lit by every light.
+    /// How many bytes the largest possible program of a pixel takes: a full ray tree of this depth, every hit lit by every light.
     pub fn largest(&self, depth: u32) -> u64 {
-        // References, weights and sums of a light, and of a hit.
+        // Bytes of references, weights and sums for a light, and for a hit.
         const LIGHT: u64 = 7;
         const HIT: u64 = 40;
         let hits = (1_u64 << depth) - 1;
@@ -37,7 +37,7 @@ impl Instantiation<'_> {
     }
 }
 
-/// One pixel's program, as a piece of [`Programs`].
+/// The program of one pixel, a part of [`Programs`].
 #[derive(Debug, Clone, Copy)]
 pub struct Program<'p> {
     /// The bytes of its instructions, all of type II.
@@ -55,12 +55,12 @@ pub struct Programs {
 }
 
 impl Programs {
-    /// None yet.
+    /// No programs.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Writes the program of a pixel, behind those there are.
+    /// Appends the program of a pixel.
     pub fn add(&mut self, instantiation: &Instantiation, tree: &Tree) {
         let mut assembler = Assembler { instantiation, code: &mut self.code, height: 0, depth: self.depth };
         match tree.primary {
@@ -71,13 +71,13 @@ impl Programs {
         self.ends.push(self.code.len());
     }
 
-    /// Forgets all programs, but not the room that they took.
+    /// Removes all programs and keeps their memory for others.
     pub fn clear(&mut self) {
         self.code.clear();
         self.ends.clear();
     }
 
-    /// How many pixels have a program.
+    /// How many programs there are.
     pub fn len(&self) -> usize {
         self.ends.len()
     }
@@ -99,20 +99,21 @@ impl Programs {
         Some(Program { code: &self.code[start..end] })
     }
 
-    /// A stack with room for any of the programs.
-    pub fn stack(&self) -> Stack<f32> {
-        Stack::new(self.depth, 0.0)
+    /// A stack with room for any of the programs. What `zero` is does not matter.
+    pub fn stack<T: Copy>(&self, zero: T) -> Stack<T> {
+        Stack::new(self.depth, zero)
     }
 
-    /// Runs the program of the pixel at this place; black where there is none. The stack is one of [`stack`](Self::stack).
-    pub fn run<M: Scalars<Value = f32>>(
-        &self,
-        scalars: &mut M,
-        index: usize,
-        memory: &[f32],
-        stack: &mut Stack<f32>,
-    ) -> [f32; 3] {
-        self.program(index).map_or([0.0; 3], |program| machine::run(scalars, program.code, memory, stack))
+    /// Runs the program of the pixel at this place and returns its red, green and blue; black where there is none. `parameters` holds
+    /// the numbers of the layout. The stack is one of [`stack`](Self::stack).
+    pub fn run<M>(&self, scalars: &mut M, index: usize, parameters: &[f32], stack: &mut Stack<M::Value>) -> [M::Value; 3]
+    where
+        M: Scalars<Value: PartialEq>,
+    {
+        match self.program(index) {
+            Some(program) => machine::run(scalars, program.code, parameters, stack),
+            None => [scalars.constant(0.0); 3],
+        }
     }
 }
 
@@ -128,11 +129,11 @@ impl Program<'_> {
     }
 }
 
-/// Writes instructions and keeps count of the stack.
+/// Writes instructions and follows the height of the stack.
 struct Assembler<'a> {
     instantiation: &'a Instantiation<'a>,
     code: &'a mut Vec<u8>,
-    /// Numbers on the stack so far, and the most there ever were.
+    /// How many numbers are on the stack, and the most there ever were.
     height: usize,
     depth: usize,
 }
@@ -154,38 +155,38 @@ impl Assembler<'_> {
         });
     }
 
-    /// E(A) of the first node, the children's within it: terms are added up in the order of equation (2).
+    /// E(A) of the first node, with that of its children inside. Terms are added up in the order of equation (2).
     fn tree(&mut self, tree: &Tree) {
-        enum Step {
+        enum Task {
             Node(usize),
             Child(Predefined, Child, usize),
-            /// Ends a guarded child: the guard's operand is at this place of the code.
+            /// Ends a guarded child. The operand of the guard is at this place of the code.
             Close(usize),
         }
-        let mut steps = vec![Step::Node(0)];
-        while let Some(step) = steps.pop() {
-            match step {
-                Step::Node(index) => {
+        let mut tasks = vec![Task::Node(0)];
+        while let Some(task) = tasks.pop() {
+            match task {
+                Task::Node(index) => {
                     let node = &tree.nodes[index];
                     self.local(node);
                     let body = node.hit.body.index();
-                    steps.push(Step::Child(REFRACTED, node.refracted, body));
-                    steps.push(Step::Child(REFLECTED, node.reflected, body));
+                    tasks.push(Task::Child(REFRACTED, node.refracted, body));
+                    tasks.push(Task::Child(REFLECTED, node.reflected, body));
                 }
-                Step::Child(_, Child::None, _) => {}
-                Step::Child(weight, Child::Miss(_), body) => {
+                Task::Child(_, Child::None, _) => {}
+                Task::Child(weight, Child::Miss(_), body) => {
                     self.parameter(weight, body);
                     self.miss();
                     self.emit(Instruction::Weigh);
                     self.emit(Instruction::Operation(Operation::AddVV));
                 }
-                Step::Child(weight, Child::Hit(index), body) => {
+                Task::Child(weight, Child::Hit(index), body) => {
                     self.parameter(weight, body);
                     self.emit(Instruction::Guard(0));
-                    steps.push(Step::Close(self.code.len() - size_of::<u32>()));
-                    steps.push(Step::Node(index));
+                    tasks.push(Task::Close(self.code.len() - size_of::<u32>()));
+                    tasks.push(Task::Node(index));
                 }
-                Step::Close(operand) => {
+                Task::Close(operand) => {
                     self.emit(Instruction::Weigh);
                     let guarded = operand + size_of::<u32>();
                     // No program is larger than `MAX_PROGRAM_BYTES`, see `largest`.
@@ -248,7 +249,7 @@ impl Assembler<'_> {
         *count += 1;
     }
 
-    /// The user's formula with numbers for variables and references for parameters: type I into type II.
+    /// The formula with numbers for variables and references for parameters: type I into type II.
     fn formula(&mut self, node: &Node, light: LightId, hit: &HitVariables, record: &LightVariables) {
         let Instantiation { code, equation, .. } = self.instantiation;
         for instruction in code.instructions() {

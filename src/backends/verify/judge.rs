@@ -1,0 +1,248 @@
+//! The judge of differences between the backends: whether the interpreter's own result is as uncertain.
+//!
+//! A difference is excused in three cases:
+//!
+//! 1. The compiled result is that of the same program in `f64`, where intermediate results are hardly rounded and do not overflow.
+//!    Then the interpreter is the one that is off.
+//! 2. In `f64` with the range of `f32`, the result is at least as far away from the interpreter's.
+//! 3. So it is if intermediate results are perturbed by up to [`PERTURBATION`] units in the last place, by some perturbations that a search
+//!    finds. A step of the search replaces the perturbations of some consecutive operations by random ones, and keeps them if the
+//!    result moves further. So the contributions of different records to a pixel can be moved one after the other.
+//!
+//! Below the smallest normal number, which is where results are flushed to 0, that number is the unit in the last place.
+
+use crate::backends::interpreter::Interpreted;
+use crate::backends::verify::{Difference, TOLERANCE, distance};
+use crate::lang::scalars::{Doubles, Floats, Primitive, Recorder, flush};
+use std::f32::consts::FRAC_PI_2;
+
+/// By how many units in the last place intermediate results are perturbed, at most.
+const PERTURBATION: f32 = 8.0;
+/// Sine, cosine and tangent are accurate up to this angle in radians. Beyond, the language promises only the range of the result.
+const ACCURATE_ANGLE: f32 = 1e5;
+/// How many perturbed results are looked at before a difference counts as unexcused.
+const TRIALS: u32 = 1024;
+
+/// Whether a difference is excused.
+pub(super) fn excuses(interpreted: &Interpreted, parameters: &[f32], difference: &Difference) -> bool {
+    let programs = interpreted.program(difference.pixel as u32);
+    let exact = programs.run(&mut Doubles, 0, parameters, &mut programs.stack(0.0))[difference.component];
+    if distance(difference.compiled, exact as f32) <= TOLERANCE {
+        return true;
+    }
+    let moved_by = |moved: f32| distance(moved, difference.interpreted);
+    let enough = difference.size() - TOLERANCE;
+    let unrounded = programs.run(&mut Unrounded, 0, parameters, &mut programs.stack(0.0))[difference.component];
+    if moved_by(unrounded as f32) >= enough {
+        return true;
+    }
+    let mut stack = programs.stack(0.0);
+    let mut random = Random::new(difference.pixel);
+    let mut best = Perturbations::default();
+    let mut farthest = 0.0;
+    (0..TRIALS).any(|_| {
+        let mut trial = best.varied(&mut random);
+        let moved = moved_by(programs.run(&mut trial, 0, parameters, &mut stack)[difference.component]);
+        if moved >= farthest {
+            farthest = moved;
+            best = trial;
+        }
+        moved >= enough
+    })
+}
+
+/// The reference meaning in `f64`, with the range of `f32`.
+struct Unrounded;
+
+impl Recorder for Unrounded {
+    type Value = f64;
+
+    fn record_constant(&mut self, value: f32) -> f64 {
+        flush(value).into()
+    }
+
+    fn record(&mut self, primitive: Primitive, operands: &[f64]) -> f64 {
+        let value = primitive.apply(&mut Doubles, operands);
+        match value.abs() {
+            size if size > f64::from(f32::MAX) => f64::INFINITY.copysign(value),
+            size if size < f64::from(f32::MIN_POSITIVE) => 0.0_f64.copysign(value),
+            _ => value,
+        }
+    }
+}
+
+/// The reference meaning with every result perturbed.
+#[derive(Clone, Default)]
+struct Perturbations {
+    /// By how much to perturb the result of each operation, in the order in which a program runs them: from −1, by [`PERTURBATION`] units
+    /// down, to 1. 0 for the operations beyond.
+    shares: Vec<f32>,
+    /// The operation that is run next.
+    next: usize,
+}
+
+impl Perturbations {
+    /// The same but for some consecutive operations: all, or half of them, a quarter, and so on.
+    fn varied(&self, random: &mut Random) -> Self {
+        let count = self.next.max(1);
+        let mut shares = self.shares.clone();
+        shares.resize(count, 0.0);
+        let length = (count >> random.below(usize::BITS - count.leading_zeros())).max(1);
+        let first = random.below((count - length + 1) as u32) as usize;
+        shares[first..first + length].iter_mut().for_each(|share| *share = random.share());
+        Self { shares, next: 0 }
+    }
+
+    fn next_share(&mut self) -> f32 {
+        let share = self.shares.get(self.next).copied().unwrap_or(0.0);
+        self.next += 1;
+        share
+    }
+}
+
+impl Recorder for Perturbations {
+    type Value = f32;
+
+    fn record_constant(&mut self, value: f32) -> f32 {
+        flush(value)
+    }
+
+    fn record(&mut self, primitive: Primitive, operands: &[f32]) -> f32 {
+        let share = self.next_share();
+        let is_angle = matches!(primitive, Primitive::Sin | Primitive::Cos | Primitive::Tan);
+        if is_angle && operands[0].is_finite() && operands[0].abs() > ACCURATE_ANGLE {
+            return if primitive == Primitive::Tan { (FRAC_PI_2 * share).tan() } else { share };
+        }
+        let value = primitive.apply(&mut Floats, operands);
+        if primitive.yields_truth() || !value.is_finite() {
+            return value;
+        }
+        let units = (share * PERTURBATION).round();
+        if value.abs() <= PERTURBATION * f32::MIN_POSITIVE {
+            let operands: Vec<f64> = operands.iter().map(|operand| f64::from(*operand)).collect();
+            let exact = primitive.apply(&mut Doubles, &operands);
+            // A result that is 0 exactly stays so.
+            let moved = if exact == 0.0 { 0.0 } else { exact.abs() + f64::from(units * f32::MIN_POSITIVE) };
+            return flush((moved.max(0.0) as f32).copysign(value));
+        }
+        let magnitude = value.abs().to_bits().saturating_add_signed(units as i32);
+        f32::from_bits(magnitude.min(f32::INFINITY.to_bits())).copysign(value)
+    }
+}
+
+/// Random numbers by xorshift64* (Vigna 2016).
+struct Random(u64);
+
+impl Random {
+    fn new(seed: usize) -> Self {
+        Self((seed as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15))
+    }
+
+    /// A whole number below `limit`, which is not 0.
+    fn below(&mut self, limit: u32) -> u32 {
+        self.0 ^= self.0 >> 12;
+        self.0 ^= self.0 << 25;
+        self.0 ^= self.0 >> 27;
+        let bits = self.0.wrapping_mul(0x2545_f491_4f6c_dd1d) >> 32;
+        ((bits * u64::from(limit)) >> 32) as u32
+    }
+
+    /// A number from −1 to 1; the ends and 0 are frequent.
+    fn share(&mut self) -> f32 {
+        const STEPS: u32 = 1 << 16;
+        match self.below(8) {
+            0 => -1.0,
+            1 => 1.0,
+            2 => 0.0,
+            _ => 2.0 * self.below(STEPS + 1) as f32 / STEPS as f32 - 1.0,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::evaluate::Evaluator;
+    use crate::formula::Formula;
+    use crate::formula::layout::Layout;
+    use crate::lang::source::Source;
+    use crate::lang::variables::Owner;
+    use crate::scene::Scene;
+    use crate::trace::View;
+    use crate::world::World;
+    use std::sync::Arc;
+
+    #[test]
+    fn perturbations_move_results_by_a_few_units_only() {
+        let mut random = Random::new(5);
+        let mut perturbations = Perturbations::default();
+        for _ in 0..100 {
+            perturbations = perturbations.varied(&mut random);
+            let moved = perturbations.record(Primitive::Add, &[1.0, 1.0]);
+            assert!((moved.to_bits().abs_diff(2.0_f32.to_bits())) <= PERTURBATION as u32);
+            let largest = perturbations.record(Primitive::Max, &[f32::MAX, 1.0]);
+            assert!(largest >= 3.4e38, "{largest}");
+        }
+        assert_eq!(perturbations.record(Primitive::Less, &[1.0, 2.0]), 1.0);
+        assert_eq!(perturbations.record(Primitive::Sub, &[2.0, 2.0]), 0.0);
+    }
+
+    #[test]
+    fn results_that_underflow_are_perturbed_by_the_smallest_number() {
+        let results = [-1.0, -0.5, 0.0, 0.5, 1.0].map(|share| {
+            let mut perturbations = Perturbations { shares: vec![share], next: 0 };
+            perturbations.record(Primitive::Mul, &[-1e-30, 1e-10]) / f32::MIN_POSITIVE
+        });
+        assert_eq!(results.map(f32::round), [0.0, 0.0, 0.0, -4.0, -8.0]);
+    }
+
+    /// Whether a difference in red of a formula's value is excused, on a ball in front of the camera and this many lights. `ki`, `IL` and
+    /// the colours are 1, every other parameter is 0. `difference` gives the compiled value from the interpreted one.
+    fn is_excused(formula: &str, lights: usize, difference: impl Fn(f32) -> f32) -> bool {
+        let lights_text: String = (0..lights).map(|light| format!("l{light}: point, <{}, 2, 9>; ", light + 1)).collect();
+        let scene = format!(
+            "bodies; b: sphere, center <0,0,0>, radius 1; lights; {lights_text}
+             camera; position <0,0,5>; gaze <0,0,-1>; up <0,1,0>; fov 10;"
+        );
+        let (scene, _) = Scene::parse(&Source::new("scene", scene)).unwrap();
+        let world = Arc::new(World::new(scene));
+        let (formula, _) = Formula::parse(&Source::new("formula", format!("formula; = {formula};"))).unwrap();
+        let formula = Arc::new(formula);
+        let interpreted = Interpreted::new(&formula, &world, View::new(1, 1).unwrap()).unwrap();
+        let layout = Layout::new(&formula, 1, lights);
+        let mut parameters = vec![0.0; layout.len()];
+        parameters[layout.row(Owner::Light, 0)..].fill(1.0);
+        let value = interpreted.frame(&parameters).linear[0][0];
+        let difference = Difference { pixel: 0, component: 0, compiled: difference(value), interpreted: value };
+        assert!(difference.size() > TOLERANCE);
+        excuses(&interpreted, &parameters, &difference)
+    }
+
+    #[test]
+    fn only_ill_conditioned_formulas_are_excused() {
+        assert!(!is_excused("IL*(N.L)", 1, |value| value + 0.001), "a product of cosines is well-conditioned");
+        assert!(!is_excused("IL*exp(N.L)", 1, |value| value + 0.001));
+        assert!(!is_excused("IL*exp(N.L)", 1, |_| f32::NAN));
+        assert!(is_excused("IL*sin(3e4*(N.L + 0.25))", 1, |value| value + 0.001), "the sine of a large number is not");
+        assert!(!is_excused("IL*sin(3e4*(N.L + 0.25))", 1, |value| value + 2.5), "but it stays within its range");
+    }
+
+    #[test]
+    fn the_exact_value_is_excused() {
+        // The cross product of parallel vectors is 0, which has no direction. Rounding gives it one, and perturbation another one, but
+        // hardly ever none.
+        let difference = |value: f32| {
+            assert!(value.is_finite(), "the interpreter's cross product is not 0");
+            f32::NAN
+        };
+        assert!(is_excused("IL*normalize(cross(0.3*L, L))", 1, difference));
+    }
+
+    #[test]
+    fn what_several_lights_add_is_perturbed_one_after_the_other() {
+        // Beyond 1e5 the sign of a sine means nothing; that all ten change at once is a matter of one in a thousand.
+        let formula = "IL*if(sin(1e9*(1 + N.L)) < 0, 0, 1)";
+        assert!(is_excused(formula, 10, |value| if value < 5.0 { 10.0 } else { 0.0 }));
+        assert!(!is_excused(formula, 10, |_| 20.5));
+    }
+}
