@@ -7,17 +7,17 @@ use crate::lang::scalars::flush;
 use crate::lang::types::Type;
 use thiserror::Error;
 
-/// The most bytes that a formula's code may take. Macros are written out at every use, so a few lines can ask for more than any
-/// machine holds; compiled code shares them and knows no such bound.
+/// The most bytes that the code of a formula may take. Macros are written out at every use, so a few lines can ask for more memory than
+/// any machine has. Compiled code shares macros and has no such bound.
 pub const MAX_BYTES: usize = 1 << 20;
 
-/// A formula is too large for the interpreter: with macros written out its code takes more than [`MAX_BYTES`], or the programs of
-/// pixels might take more than [`MAX_PROGRAM_BYTES`](super::program::MAX_PROGRAM_BYTES).
+/// A formula is too large for the interpreter: with macros written out its code takes more than [`MAX_BYTES`], or the program of a
+/// pixel could take more than [`MAX_PROGRAM_BYTES`](super::program::MAX_PROGRAM_BYTES).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[error("with its macros written out, the formula is too large for the interpreter; compiled code shares them and takes it")]
 pub struct CodeTooLarge;
 
-/// A formula's code of type I.
+/// The code of a formula, of type I.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Code {
     instructions: Vec<Instruction>,
@@ -30,19 +30,19 @@ impl Code {
     /// # Errors
     /// The code would be too large.
     pub fn new(formula: &Formula) -> Result<Self, CodeTooLarge> {
-        enum Step {
-            Enter(TermId),
+        enum Task {
+            Visit(TermId),
             Emit(Instruction),
         }
         let constants = constants(formula);
         let mut instructions = Vec::new();
         let mut scratch = Vec::new();
         let mut bytes = 0;
-        let mut steps = vec![Step::Enter(formula.result)];
-        while let Some(step) = steps.pop() {
-            let instruction = match step {
-                Step::Emit(instruction) => instruction,
-                Step::Enter(id) => match formula.term(id) {
+        let mut tasks = vec![Task::Visit(formula.result)];
+        while let Some(task) = tasks.pop() {
+            let instruction = match task {
+                Task::Emit(instruction) => instruction,
+                Task::Visit(id) => match formula.term(id) {
                     _ if let Some(value) = constants[id.0 as usize] => match formula.ty(id) {
                         Type::Vector => Instruction::VectorValue(value),
                         Type::Scalar | Type::Truth => Instruction::ScalarValue(value[0]),
@@ -54,8 +54,8 @@ impl Code {
                         Instruction::Parameter(parameter.owner, parameter.ty, parameter.slot)
                     }
                     Term::Apply(operation, operands) => {
-                        steps.push(Step::Emit(Instruction::Operation(*operation)));
-                        steps.extend(operands.iter().rev().map(|operand| Step::Enter(*operand)));
+                        tasks.push(Task::Emit(Instruction::Operation(*operation)));
+                        tasks.extend(operands.iter().rev().map(|operand| Task::Visit(*operand)));
                         continue;
                     }
                 },
@@ -81,7 +81,7 @@ impl Code {
         self.bytes
     }
 
-    /// How many bytes an instance of type II takes, with numbers for variables.
+    /// How many bytes an instance of type II takes: it has numbers in place of variables.
     pub fn instance_bytes(&self) -> usize {
         let number = size_of::<f32>();
         let variables = self.instructions.iter().map(|instruction| match instruction {
@@ -99,8 +99,8 @@ impl Code {
     }
 }
 
-/// The values of those terms that neither variables nor parameters enter, so that a pixel's program does not work out
-/// `1.12^-2` at every hit anew; a scalar is the first component.
+/// The values of the terms that depend on neither variables nor parameters, so that a program does not compute `1.12^-2` again at
+/// every hit. A scalar is the first component.
 fn constants(formula: &Formula) -> Vec<Option<[f32; 3]>> {
     let mut constants: Vec<Option<[f32; 3]>> = Vec::with_capacity(formula.terms.len());
     let mut stack = Stack::new(16, 0.0);

@@ -1,4 +1,4 @@
-//! The instructions: one byte each, with what follows it (thesis 5.4.1).
+//! The instructions: an opcode of one byte, and immediate operands behind it (thesis 5.4.1).
 
 use crate::lang::builtins::Operation;
 use crate::lang::types::Type;
@@ -12,20 +12,20 @@ pub enum Instruction {
     ScalarValue(f32),
     /// Pushes three numbers. `VECTOR_VAL`
     VectorValue([f32; 3]),
-    /// Pushes the parameter number at this place of the memory. `SCALAR_PTR`
+    /// Pushes the parameter number at this place of the layout. `SCALAR_PTR`
     ScalarReference(u32),
-    /// Pushes three from this place on. `VECTOR_PTR`
+    /// Pushes the three parameter numbers from this place on. `VECTOR_PTR`
     VectorReference(u32),
-    /// Replaces a weight and a vector by their product, which is 0 where the weight is, whatever the vector.
+    /// Replaces a weight and a vector by their product. Where the weight is 0, so is the product, whatever the vector.
     Weigh,
-    /// Where the weight on top is 0: replaces it by the zero vector and passes over so many bytes, which hold the
-    /// weight's vector and [`Weigh`](Self::Weigh).
+    /// Where the weight on top is 0: replaces it by the zero vector and skips this many bytes, which compute the vector and
+    /// [`Weigh`](Self::Weigh) it.
     Guard(u32),
-    /// Stands for a variable; type I only. `VAR_…`
+    /// A variable, in type I only. `VAR_…`
     Variable(Variable),
-    /// Stands for a parameter, by its owner, type and slot; type I only. `PARAM_…`
+    /// A parameter by its owner, type and slot, in type I only. `PARAM_…`
     Parameter(Owner, Type, u32),
-    /// An operation on what is on the stack.
+    /// An operation on the top of the stack.
     Operation(Operation),
 }
 
@@ -37,7 +37,7 @@ pub(super) const WEIGH: u8 = 4;
 pub(super) const GUARD: u8 = 5;
 const FIRST_PARAMETER: u8 = 8;
 const FIRST_VARIABLE: u8 = 16;
-/// Operations take the opcodes from here on, in the order of their table.
+/// The opcode of the first operation. The others follow in the order of their table.
 pub(super) const FIRST_OPERATION: u8 = 48;
 
 const _: () = assert!(FIRST_VARIABLE as usize + Variable::ALL.len() <= FIRST_OPERATION as usize);
@@ -73,7 +73,7 @@ impl Instruction {
         }
     }
 
-    /// The instruction at the beginning of `code`, and how many bytes it takes; none where there is no instruction.
+    /// The instruction at the beginning of `code`, and how many bytes it takes. None where there is no whole instruction.
     pub fn decode(code: &[u8]) -> Option<(Instruction, usize)> {
         let (&opcode, rest) = code.split_first()?;
         let word = |index: usize| rest.get(4 * index..4 * index + 4)?.try_into().ok().map(u32::from_le_bytes);
@@ -99,7 +99,7 @@ impl Instruction {
         })
     }
 
-    /// How many numbers it takes off the stack, and how many it puts there.
+    /// How many numbers it pops off the stack, and how many it pushes.
     pub fn effect(self) -> (usize, usize) {
         match self {
             Instruction::ScalarValue(_) | Instruction::ScalarReference(_) => (0, 1),

@@ -7,21 +7,21 @@ use cranelift_codegen::ir::types::{F32X4, I64};
 use cranelift_codegen::ir::{FuncRef, InstBuilder, MemFlagsData, StackSlot, Value};
 use cranelift_frontend::FunctionBuilder;
 
-/// How many operands the noise function takes; its result goes behind them.
+/// How many operands the noise function takes. Its result is stored behind them.
 pub(super) const PERLIN_OPERANDS: u32 = 6;
 /// Bytes of four lanes.
 pub(super) const LANES_BYTES: u32 = 16;
 
 /// Emits primitives into the function under construction.
 ///
-/// A scalar is an `F32X4`, a truth value an `I32X4` whose lanes are all ones or all zeros.
+/// A scalar is an `F32X4`, a truth value an `I32X4` in which every lane is all ones or all zeros.
 pub(super) struct Emitter<'e, 'f> {
     pub(super) builder: &'e mut FunctionBuilder<'f>,
-    /// Whether the processor multiplies and adds in one instruction.
+    /// Whether the processor has fused multiply-add.
     pub(super) fma: bool,
     /// Whether the code is going to be widened to sixteen lanes.
     pub(super) sixteen: bool,
-    /// The noise function, and room for its operands and result; there if the kernel needs it.
+    /// The noise function and the stack slot of its operands and result, if the kernel calls it.
     pub(super) perlin: Option<(FuncRef, StackSlot)>,
 }
 
@@ -30,7 +30,7 @@ impl<'f> Emitter<'_, 'f> {
         VectorMath::new(self.builder, self.fma, self.sixteen)
     }
 
-    /// A truth value as a mask; a constant one is a number still.
+    /// A truth value as a mask. One that comes from a constant or a column is still a number.
     fn mask(&mut self, truth: Value) -> Value {
         if self.builder.func.dfg.value_type(truth) != F32X4 {
             return truth;
@@ -139,10 +139,10 @@ impl Scalars for Emitter<'_, '_> {
         self.math().atan2(y, x)
     }
 
-    /// Noise is table look-ups, which four-lane code does no better than scalar code: it is called, four points at a time.
+    /// Noise consists of table look-ups, which vector code does no faster than scalar code. So it is called, four points at a time.
     fn perlin(&mut self, x: Value, y: Value, z: Value, a: Value, b: Value, n: Value) -> Value {
         let Some((function, slot)) = self.perlin else {
-            // The kernel writer looks for noise before it begins, so this is not reached; NaN would show at once if it were.
+            // Not reached: the kernel writer looks for noise before it begins. NaN would be seen at once.
             return self.constant(f32::NAN);
         };
         let base = self.builder.ins().stack_addr(I64, slot, 0);

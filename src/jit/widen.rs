@@ -1,12 +1,16 @@
-//! Eight or sixteen lanes from four: finished code of a kernel, with every vector instruction re-encoded for wider registers.
+//! Widens machine code from four lanes to eight or sixteen: re-encodes every vector instruction of a finished kernel.
 //!
-//! Cranelift knows vectors of 128 bits only, while nearly every processor with AVX2 computes 256 at the same price, and many with AVX-512
-//! twice that. But the arithmetic of a kernel goes lane by lane, and for nearly every instruction in the VEX encoding there is one that does
-//! the same to more lanes. So a kernel is written for steps of two or four times as many bytes (see [`Shape`](super::kernel::Shape)),
-//! compiled as usual, and its machine code widened: constants are repeated, registers renamed. With AVX-512 there are twice as many
-//! registers too, which take what Cranelift had to put on the stack; and comparisons yield masks in registers of their own. What the stack
-//! holds gets as much more room. Where an instruction is not on the list below, the kernel stays as it is. That the result computes the same
-//! is tested as everything compiled is, against the interpreter, and instruction by instruction.
+//! Cranelift generates vectors of 128 bits only. Most processors with AVX2 compute 256 bits in the same time, and many with AVX-512
+//! 512 bits. A kernel computes lane by lane, and nearly every VEX instruction has a counterpart that does the same to more lanes. So:
+//!
+//! 1. A kernel is written for steps of two or four times as many bytes (see [`Shape`](super::kernel::Shape)) and compiled as usual.
+//! 2. Its instructions are decoded, and each is replaced by its counterpart from the table below. Constants are repeated for more lanes.
+//! 3. AVX-512 has twice as many registers. They replace the first stack slots to which Cranelift spilled. The others become larger.
+//! 4. AVX-512 comparisons yield masks in registers of their own. These are converted to and from vectors of all ones and all zeros.
+//! 5. Every load from a column gets a prefetch.
+//!
+//! A kernel with an instruction that is not in the table is not widened. Tests hold every primitive at every width against its
+//! meaning, and the table instruction by instruction.
 
 use crate::jit::lanes::PREFETCH_DISTANCE;
 use iced_x86::{
@@ -16,21 +20,21 @@ use iced_x86::{
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap, HashSet};
 
-/// Where the code is decoded; not 0, which stands for no place.
+/// The address at which code is decoded. Not 0, which means no address.
 const BASE: u64 = 0x10000;
 /// Bytes of a constant of four lanes.
 const NARROW: usize = 16;
-/// Functions and their constants are aligned so.
+/// The alignment of functions and of their constants.
 pub(super) const ALIGNMENT: u64 = 64;
 
-macro_rules! twins {
+macro_rules! counterparts {
     ($($narrow:ident => $eight:ident, $sixteen:ident;)*) => {
         #[cfg(test)]
-        const TWINS: &[[&str; 3]] = &[$([stringify!($narrow), stringify!($eight), stringify!($sixteen)]),*];
+        const COUNTERPARTS: &[[&str; 3]] = &[$([stringify!($narrow), stringify!($eight), stringify!($sixteen)]),*];
 
-        /// The instructions that do to eight and to sixteen lanes what this does to four. Of those for sixteen, comparisons yield a mask,
-        /// and selections take one.
-        fn twins(code: Code) -> Option<[Code; 2]> {
+        /// The instructions that do to eight and to sixteen lanes what this one does to four. In sixteen lanes, comparisons yield a mask and
+        /// selections take one.
+        fn counterparts(code: Code) -> Option<[Code; 2]> {
             match code {
                 $(Code::$narrow => Some([Code::$eight, Code::$sixteen]),)*
                 _ => None,
@@ -39,7 +43,7 @@ macro_rules! twins {
     };
 }
 
-twins! {
+counterparts! {
     Movaps_xmm_xmmm128 => VEX_Vmovaps_ymm_ymmm256, EVEX_Vmovaps_zmm_k1z_zmmm512;
     Movdqa_xmm_xmmm128 => VEX_Vmovdqa_ymm_ymmm256, EVEX_Vmovdqa32_zmm_k1z_zmmm512;
     Movdqu_xmm_xmmm128 => VEX_Vmovdqu_ymm_ymmm256, EVEX_Vmovdqu32_zmm_k1z_zmmm512;
@@ -92,24 +96,24 @@ twins! {
     VEX_Vpsrad_xmm_xmm_imm8 => VEX_Vpsrad_ymm_ymm_imm8, EVEX_Vpsrad_zmm_k1z_zmmm512b32_imm8;
 }
 
-/// Instructions that stand for some that only sixteen lanes have, as the elementary functions use them: kernels have no saturating
-/// arithmetic. The one for words is x · 2ⁿ with n the largest whole number not above the second operand, the one for bytes the first
-/// operand less the largest whole number not above it.
+/// Placeholders for two instructions that only AVX-512 has. Kernels have no other use for saturating subtraction, so
+/// [`VectorMath`](super::math::VectorMath) emits it where it wants them. `vpsubsw` stands for `vscalefps`: x · 2ⁿ, where n is the second
+/// operand rounded down. `vpsubsb` stands for `vreduceps`: the first operand minus itself rounded down.
 const SCALE: Code = Code::VEX_Vpsubsw_xmm_xmm_xmmm128;
-const ABOVE_WHOLE: Code = Code::VEX_Vpsubsb_xmm_xmm_xmmm128;
-/// Of `vreduceps`: rounding down to a whole number. The difference is rounded down too, so it is one unit in the last place less than the
-/// nearest at times, where the operand is negative.
-const TO_WHOLE_BELOW: i32 = 1;
+const FRACTION: Code = Code::VEX_Vpsubsb_xmm_xmm_xmmm128;
+/// The operand of `vreduceps` for rounding down to a whole number. It rounds the difference down too, which for a negative operand can
+/// be one unit in the last place less than the nearest.
+const ROUND_DOWN: i32 = 1;
 
-/// Whether a function may keep vectors on the stack.
+/// Whether a widened function may keep vectors on the stack.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Spills {
     Allowed,
     Refused,
 }
 
-/// The code of a function, without relocations, whose constants stand behind it, for vectors of one, two or four blocks of four lanes, and with prefetches.
-/// None where there is no such code.
+/// The code of a function for vectors of one, two or four `blocks` of four lanes, with prefetches. `code` has no relocations, and its
+/// constants follow it. None where it cannot be widened.
 pub(super) fn widen(code: &[u8], blocks: usize, spills: Spills) -> Option<Vec<u8>> {
     let mut widening = Widening { blocks, spills, code: Vec::new(), constants: BTreeMap::new(), slots: BTreeMap::new() };
     let mut decoder = Decoder::with_ip(64, code, BASE, DecoderOptions::NONE);
@@ -119,14 +123,14 @@ pub(super) fn widen(code: &[u8], blocks: usize, spills: Spills) -> Option<Vec<u8
             return None;
         }
         if instruction.code() == Code::Retnq && blocks > 1 {
-            // What comes after runs without AVX, and would wait for the upper parts.
+            // The caller runs without AVX, and would be slowed down by the upper halves of registers.
             widening.code.push(Instruction::with(Code::VEX_Vzeroupper));
         }
         widening.add(instruction)?;
     }
     let Widening { code: wide, constants, .. } = widening;
     let mut wide = with_prefetches(wide);
-    // A first time to learn how long it is; the constants follow.
+    // Encoded once to learn the length, which says where the constants go.
     let length = encoded(&wide).ok()?.len() + NARROW;
     let pool = length.next_multiple_of(ALIGNMENT as usize);
     let constant_bytes = NARROW * blocks;
@@ -150,8 +154,8 @@ pub(super) fn widen(code: &[u8], blocks: usize, spills: Spills) -> Option<Vec<u8
     Some(bytes)
 }
 
-/// Registers beyond those that Cranelift uses.
-const MORE_REGISTERS: usize = 16;
+/// How many registers AVX-512 has beyond the sixteen that Cranelift uses, and how many Cranelift uses.
+const EXTRA_REGISTERS: usize = 16;
 
 /// A function that is being widened.
 struct Widening {
@@ -159,14 +163,14 @@ struct Widening {
     blocks: usize,
     spills: Spills,
     code: Vec<Instruction>,
-    /// Each constant by its address, with its place among the wide ones.
+    /// The place of each constant among the wide ones, by its old address.
     constants: BTreeMap<u64, usize>,
-    /// Each place of the stack that holds a vector, with the register that holds it instead.
+    /// The extra register that replaces each stack slot, by the offset of the slot.
     slots: BTreeMap<u64, usize>,
 }
 
 impl Widening {
-    /// Adds an instruction for more lanes; one that has no vector operand as it is.
+    /// Appends the counterpart of an instruction. One without vector operands stays as it is.
     fn add(&mut self, instruction: Instruction) -> Option<()> {
         let sixteen_lanes = self.blocks == 4;
         let registers = (0..instruction.op_count()).filter(|operand| instruction.op_kind(*operand) == OpKind::Register);
@@ -184,14 +188,14 @@ impl Widening {
             self.code.push(instruction);
             return Some(());
         }
-        let stands_for = [
+        let placeholders = [
             (SCALE, Code::EVEX_Vscalefps_zmm_k1z_zmm_zmmm512b32_er),
-            (ABOVE_WHOLE, Code::EVEX_Vreduceps_zmm_k1z_zmmm512b32_imm8_sae),
+            (FRACTION, Code::EVEX_Vreduceps_zmm_k1z_zmmm512b32_imm8_sae),
         ];
-        let stand_in = stands_for.into_iter().find(|(code, _)| sixteen_lanes && *code == instruction.code());
-        let [eight, sixteen] = match stand_in {
+        let placeholder = placeholders.into_iter().find(|(code, _)| sixteen_lanes && *code == instruction.code());
+        let [eight, sixteen] = match placeholder {
             Some((_, code)) => [code; 2],
-            None => twins(instruction.code())?,
+            None => counterparts(instruction.code())?,
         };
         let mut wide = instruction;
         for operand in vectors {
@@ -201,16 +205,16 @@ impl Widening {
             }
             wide.set_op_register(operand, self.register(register.number()));
         }
-        if matches!(instruction.memory_base(), Register::RSP | Register::RBP) && !self.takes_a_register(&mut wide) {
+        if matches!(instruction.memory_base(), Register::RSP | Register::RBP) && !self.replace_stack_slot(&mut wide) {
             if self.spills == Spills::Refused {
                 return None;
             }
             wide = self.with_larger_stack(wide)?;
         }
         wide.set_code(if sixteen_lanes { sixteen } else { eight });
-        if instruction.code() == ABOVE_WHOLE {
+        if instruction.code() == FRACTION {
             let [result, x] = [wide.op0_register(), wide.op1_register()];
-            wide = Instruction::with3(sixteen, result, x, TO_WHOLE_BELOW).ok()?;
+            wide = Instruction::with3(sixteen, result, x, ROUND_DOWN).ok()?;
         }
         let compares =
             matches!(sixteen, Code::EVEX_Vcmpps_kr_k1_zmm_zmmm512b32_imm8_sae | Code::EVEX_Vpcmpeqd_kr_k1_zmm_zmmm512b32);
@@ -235,29 +239,30 @@ impl Widening {
         first + number as u32
     }
 
-    /// Replaces a place of the stack by one of the registers that there are beyond Cranelift's; whether there is one left.
-    fn takes_a_register(&mut self, wide: &mut Instruction) -> bool {
+    /// Replaces a stack slot by an extra register, if there is one left.
+    fn replace_stack_slot(&mut self, wide: &mut Instruction) -> bool {
         if self.blocks != 4 || wide.memory_base() != Register::RSP || wide.memory_index() != Register::None {
             return false;
         }
         let next = self.slots.len();
         let slot = *self.slots.entry(wide.memory_displacement64()).or_insert(next);
         let operand = (0..wide.op_count()).find(|operand| wide.op_kind(*operand) == OpKind::Memory);
-        let Some(operand) = operand.filter(|_| slot < MORE_REGISTERS) else { return false };
+        let Some(operand) = operand.filter(|_| slot < EXTRA_REGISTERS) else { return false };
         wide.set_op_kind(operand, OpKind::Register);
-        wide.set_op_register(operand, self.register(MORE_REGISTERS + slot));
+        wide.set_op_register(operand, self.register(EXTRA_REGISTERS + slot));
         wide.set_memory_base(Register::None);
         true
     }
 
-    /// The instruction where everything on the stack is as many times as large, and lies as many times as far from its end.
+    /// The instruction for a stack on which everything is `blocks` times as large and as far from the end. None where it uses the stack in
+    /// another way than kernels do.
     fn with_larger_stack(&self, instruction: Instruction) -> Option<Instruction> {
         let times = self.blocks as u64;
         if instruction.memory_base() == Register::RSP && instruction.memory_index() == Register::None {
             let mut moved = instruction;
             moved.set_memory_displacement64(instruction.memory_displacement64().checked_mul(times)?);
             moved.set_memory_displ_size(8);
-            // An address might be used to read with less room between.
+            // What is done with an address is not known.
             return (instruction.code() != Code::Lea_r64_m).then_some(moved);
         }
         if matches!(instruction.memory_base(), Register::RSP | Register::RBP) {
@@ -278,10 +283,10 @@ impl Widening {
     }
 }
 
-/// Bytes of a line of the cache.
+/// Bytes of a cache line.
 const LINE: u64 = 64;
 
-/// The registers that are written in a loop.
+/// The registers that a loop writes.
 fn written_in_loops(code: &[Instruction]) -> HashSet<Register> {
     let branches = code.iter().filter(|instruction| instruction.op_count() > 0 && instruction.op0_kind() == OpKind::NearBranch64);
     let loops: Vec<_> = branches.map(|branch| branch.near_branch_target()..branch.ip()).collect();
@@ -296,8 +301,8 @@ fn written_in_loops(code: &[Instruction]) -> HashSet<Register> {
     written
 }
 
-/// The code with a prefetch for every line of the columns that it loads in a loop. Where something is stored too, that is scratch in the
-/// cache; and what is at the same place each time are uniform values.
+/// The code with a prefetch for every cache line of columns that a loop loads. Memory that is also stored to needs none: it is scratch
+/// memory, in the cache already. Nor do loads from a fixed address, which are uniform values.
 fn with_prefetches(code: Vec<Instruction>) -> Vec<Instruction> {
     let moving = written_in_loops(&code);
     let indexed = |instruction: &Instruction| (instruction.memory_base(), instruction.memory_index());
@@ -311,7 +316,7 @@ fn with_prefetches(code: Vec<Instruction>) -> Vec<Instruction> {
     };
     let begins_line =
         |instruction: &Instruction| is_column(instruction) && instruction.memory_displacement64().is_multiple_of(LINE);
-    // However columns are read, memory is fetched from front to back.
+    // Memory is fetched from front to back, in whatever order columns are read.
     let mut places: BTreeMap<_, BinaryHeap<Reverse<u64>>> = BTreeMap::new();
     for instruction in code.iter().filter(|instruction| begins_line(instruction)) {
         places.entry(indexed(instruction)).or_default().push(Reverse(instruction.memory_displacement64()));
@@ -340,7 +345,7 @@ fn with_prefetches(code: Vec<Instruction>) -> Vec<Instruction> {
     fetching
 }
 
-/// Machine code as text, an instruction a line.
+/// Machine code as text, one instruction a line.
 pub(super) fn disassembled(code: &[u8]) -> String {
     let mut formatter = GasFormatter::new();
     let mut text = String::new();
@@ -362,11 +367,11 @@ pub(super) fn encoded(instructions: &[Instruction]) -> Result<Vec<u8>, IcedError
 mod tests {
     use super::*;
 
-    /// What an instruction does, without how it is encoded and to what.
+    /// What an instruction does, without its encoding and its operands.
     fn action(code: &str) -> &str {
         let name = code.trim_start_matches("VEX_").trim_start_matches("EVEX_");
         let action = name.split('_').next().unwrap();
-        // The same, by its older name, with lanes for masks, or with a scale of 0.
+        // Other names of the same action: the one without VEX, the one that names lanes for masks, the one with a scale of 0.
         match action {
             "Movaps" => "Vmovaps",
             "Movups" => "Vmovups",
@@ -383,11 +388,11 @@ mod tests {
     }
 
     #[test]
-    fn twins_do_the_same_to_more_lanes() {
-        for [narrow, eight, sixteen] in TWINS {
+    fn counterparts_do_the_same_to_more_lanes() {
+        for [narrow, eight, sixteen] in COUNTERPARTS {
             assert_eq!(action(narrow), action(eight), "{narrow}");
             assert_eq!(action(narrow), action(sixteen), "{narrow}");
-            // Stores stay stores, and what is in memory is the same operand.
+            // Stores stay stores, and the same operand is in memory.
             let memory = |code: &str| code.split('_').position(|part| part.contains("mmm"));
             let first = |code: &str| memory(code).map(|place| place - usize::from(code.contains("EX_")));
             let stores = |code: &str| first(code) == Some(1);
@@ -399,7 +404,7 @@ mod tests {
         }
     }
 
-    /// The code of some instructions, and constants behind it.
+    /// The code of some instructions, with constants behind it.
     fn code(instructions: &[Instruction], constants: &[f32]) -> Vec<u8> {
         let mut code = encoded(instructions).unwrap();
         constants.iter().for_each(|constant| code.extend([constant.to_ne_bytes(); 4].concat()));
@@ -407,7 +412,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_on_the_stack_goes_to_registers_where_there_are_any() {
+    fn extra_registers_replace_stack_slots() {
         let slot = |place: i64| MemoryOperand::new(Register::RSP, Register::None, 1, 16 * place, 8, false, Register::None);
         let spill = |place| Instruction::with2(Code::VEX_Vmovups_xmmm128_xmm, slot(place), Register::XMM5).unwrap();
         let add = Instruction::with3(Code::VEX_Vaddps_xmm_xmm_xmmm128, Register::XMM1, Register::XMM2, slot(1)).unwrap();
@@ -473,14 +478,14 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_on_the_list_stays_narrow() {
+    fn unknown_instructions_are_not_widened() {
         let shuffle = Instruction::with3(Code::VEX_Vunpcklps_xmm_xmm_xmmm128, Register::XMM1, Register::XMM2, Register::XMM3);
         assert_eq!(widen(&code(&[shuffle.unwrap()], &[]), 4, Spills::Allowed), None);
     }
 
     #[test]
     fn streams_are_fetched_in_the_order_of_memory() {
-        // Lines of two streams, in another order, scratch that is stored to, and what is at the same place in each round.
+        // Lines of two streams, out of order; scratch memory, which is stored to; and a load from a fixed address.
         let at = |base, index, displacement| MemoryOperand::new(base, index, 1, displacement, 8, false, Register::None);
         let read = |register, place| Instruction::with2(Code::VEX_Vmovups_xmm_xmmm128, register, place).unwrap();
         let load = |register, base, displacement| read(register, at(base, Register::R9, displacement));

@@ -5,20 +5,17 @@ use cranelift_codegen::ir::condcodes::FloatCC;
 use cranelift_codegen::ir::{InstBuilder, Value};
 use std::f32::consts::{FRAC_PI_2, PI};
 
-/// (asin s − s) / s³ as a polynomial in s², |s| ≤ ½, degree 4, relative error of the arcsine
-/// 4.9e-9.
+/// (asin s − s) / s³ as a polynomial in s², |s| ≤ ½, degree 4, relative error of the arcsine 4.9e-9.
 const ASIN: [f32; 5] = [0.16666752, 0.074953094, 0.045469154, 0.024184743, 0.042158388];
 
 /// acos a / √(1 − a) on [0, 1], degree 7, relative error 2.8e-8; the form is that of Hastings 1955.
 const ACOS: [f32; 8] = [FRAC_PI_2, -0.21460323, 0.0890383, -0.05049173, 0.031727992, -0.01824149, 0.0074695176, -0.0014822034];
 
-/// (atan t − t) / t³ as a polynomial in t², |t| ≤ 1, degree 7, relative error of the arctangent
-/// 1.7e-8.
+/// (atan t − t) / t³ as a polynomial in t², |t| ≤ 1, degree 7, relative error of the arctangent 1.7e-8.
 const ATAN: [f32; 8] = [-0.33333153, 0.19993767, -0.14211008, 0.10665822, -0.075518385, 0.043207597, -0.01636541, 0.0029200881];
 
 impl VectorMath<'_, '_> {
-    /// asin x: a polynomial up to ½, and from there π/2 − 2 asin √((1 − x) / 2) by the same
-    /// polynomial (Cephes).
+    /// asin x: a polynomial up to ½, and beyond it π/2 − 2 asin √((1 − x) / 2) by the same polynomial (Cephes).
     ///
     /// Error up to 2.1 ulp (2.1 without FMA). NaN outside [−1, 1]; keeps −0.
     pub(in crate::jit) fn asin(&mut self, x: Value) -> Value {
@@ -31,7 +28,7 @@ impl VectorMath<'_, '_> {
         let folded_square = self.mul_add(a, factor, half);
         let own_square = self.mul(a, a);
         let square = self.select(large, folded_square, own_square);
-        // The root of a negative number gives the NaN for |x| above 1.
+        // For |x| above 1 this is the root of a negative number: NaN.
         let root = self.builder.ins().sqrt(folded_square);
         let folded = self.scale(root, -2.0);
         let s = self.select(large, folded, a);
@@ -44,7 +41,7 @@ impl VectorMath<'_, '_> {
         self.xor(result, sign)
     }
 
-    /// acos x = √(1 − |x|) times a polynomial of |x|; π less that for negative x.
+    /// acos x = √(1 − |x|) times a polynomial of |x|, and for negative x π minus that.
     ///
     /// Error up to 2.6 ulp (2.6 without FMA). NaN outside [−1, 1].
     pub(in crate::jit) fn acos(&mut self, x: Value) -> Value {
@@ -59,7 +56,7 @@ impl VectorMath<'_, '_> {
         self.select_by_sign(x, reflected, angle)
     }
 
-    /// atan x: an odd polynomial up to 1, and from there π/2 + atan(−1 / x).
+    /// atan x: an odd polynomial up to 1, and beyond it π/2 + atan(−1 / x).
     ///
     /// Error up to 1.4 ulp (1.5 without FMA). ±π/2 at ±∞; keeps −0.
     pub(in crate::jit) fn atan(&mut self, x: Value) -> Value {
@@ -80,16 +77,14 @@ impl VectorMath<'_, '_> {
         self.xor(result, sign)
     }
 
-    /// The angle of the point (x, y), in [−π, π]: the arctangent of the smaller over the larger
-    /// magnitude, mirrored into the octant.
+    /// The angle of the point (x, y), in [−π, π]: the arctangent of the smaller over the larger magnitude, mirrored into the octant.
     ///
-    /// Error up to 1.8 ulp (1.8 without FMA). Signed zeros and infinities as C's `atan2f`; NaN if
-    /// either is.
+    /// Error up to 1.8 ulp (1.8 without FMA). Signed zeros and infinities as C's `atan2f`. NaN if either operand is.
     pub(in crate::jit) fn atan2(&mut self, y: Value, x: Value) -> Value {
         let ax = self.abs(x);
         let ay = self.abs(y);
         let steep = self.compare(FloatCC::GreaterThan, ay, ax);
-        // If either is NaN, one of these yields `ay` and the other `ax`: the quotient is NaN.
+        // If either is NaN, one of these is `ay` and the other `ax`, and the quotient is NaN.
         let small = self.lesser(ax, ay);
         let large = self.greater(ay, ax);
         // 0 / 0 becomes 0, and ∞ / ∞ becomes 1.
@@ -117,8 +112,8 @@ impl VectorMath<'_, '_> {
         self.xor(result, sign)
     }
 
-    /// offset + t + t · t² · series, where the offset has a tail: the large terms meet first, so
-    /// that their sum rounds once, and the small ones join together.
+    /// offset + t + t · t² · series, where the offset has a tail. The large terms are added first, so that their sum rounds once, and the
+    /// small ones separately.
     fn offset_series(&mut self, offset: Value, offset_tail: Value, t: Value, square: Value, series: Value) -> Value {
         let cube = self.mul(t, square);
         let small = self.mul_add(cube, series, offset_tail);

@@ -1,27 +1,24 @@
 //! Elementary functions as Cranelift IR: four `f32` lanes, no branches, no calls.
 //!
-//! Cranelift offers no vector `exp`, `sin` and the like, and a library call a lane would cost more
-//! than the rest of a formula. Each method here appends the instructions of one function to the
-//! function under construction; the code generator then sees nothing but arithmetic, comparisons
-//! and bit operations on 128-bit vectors.
+//! Cranelift has no vector `exp`, `sin` and the like, and a library call for each lane would cost more than the rest of a formula. Each
+//! method here appends the instructions of one function to the function under construction: arithmetic, comparisons and bit
+//! operations on vectors of 128 bits.
 //!
-//! The meaning of each function is that of C's `f32` function in every special case (zeros,
-//! infinities, NaN). The kernels run under FTZ and DAZ, so subnormal arguments and results count
-//! as zero. Errors are stated in units in the last place (ulp) against `f64` references, as measured
-//! over 20 to 35 million samples a function: first with fused multiply-add (FMA), then without.
+//! In every special case (zeros, infinities, NaN) a function means what C's `f32` function means. Kernels run with FTZ and DAZ, so
+//! subnormal arguments and results count as zero. Errors are in units in the last place (ulp), against `f64` references, measured over
+//! 20 to 35 million samples a function: first with fused multiply-add (FMA), then without.
 //!
 //! Rules that shape the code:
 //!
-//! - [`VectorMath::constant`] emits a load at every use: sixteen registers are too few to keep the
-//!   coefficients of several polynomials alive, and a load next to its use is cheaper than a spill.
-//! - `fmin` and `fmax` carry rules for NaN and −0 that cost several instructions; a comparison and
-//!   a `bitselect` become one `minps`. The operand order decides what NaN does.
-//! - `fma` is emitted only where the processor has it. Elsewhere it would be a library call a lane,
-//!   so the steps that need an exact product split their operands instead (Dekker 1971).
-//! - The polynomials are minimax fits (Remez exchange, or linear programming where the basis
-//!   vanishes inside the interval); their coefficients were rounded to `f32` one after the other,
-//!   refitting those that remained. Where a fit is described, "error" is that of the rounded
-//!   polynomial in exact arithmetic.
+//! - [`VectorMath::constant`] emits a load at every use. Sixteen registers are too few to keep the coefficients of several polynomials,
+//!   and a load next to its use is cheaper than a spill.
+//! - `fmin` and `fmax` have rules for NaN and −0 that cost several instructions. A comparison and a `bitselect` become one `minps`; the
+//!   order of the operands decides what NaN does.
+//! - `fma` is emitted only where the processor has it. Elsewhere it would be a library call for each lane, so where a product must be
+//!   exact the operands are split instead (Dekker 1971).
+//! - Polynomials are minimax fits (Remez exchange, or linear programming where the basis vanishes inside the interval). Their
+//!   coefficients were rounded to `f32` one after the other, and the remaining ones fitted again each time. The "error" of a fit is that of
+//!   the rounded polynomial in exact arithmetic.
 
 mod exponential;
 mod inverse;
@@ -45,10 +42,10 @@ const FRAC_PI_2_TAIL: f32 = -4.371139e-8;
 /// bits of the sum's mantissa, and subtracted again, the integer as a float.
 const ROUNDER: f32 = 12_582_912.0;
 
-/// Emits `F32X4` code for the elementary functions into the function under construction.
+/// Emits code for the elementary functions into the function under construction.
 ///
-/// Every `Value` taken or returned is an `F32X4`, except for masks, which are `I32X4` with each
-/// lane all ones or all zeros, as `fcmp` yields them.
+/// Every operand and result is an `F32X4`, except masks: they are `I32X4` in which every lane is all ones or all zeros, as `fcmp`
+/// yields them.
 pub(in crate::jit) struct VectorMath<'a, 'f> {
     builder: &'a mut FunctionBuilder<'f>,
     fma: bool,
@@ -56,16 +53,16 @@ pub(in crate::jit) struct VectorMath<'a, 'f> {
 }
 
 impl<'a, 'f> VectorMath<'a, 'f> {
-    /// `fma` says whether the processor multiplies and adds in one rounding, `sixteen` whether the code is going to be widened to sixteen
-    /// lanes, where there are instructions that four lanes have none for.
+    /// `fma`: the processor has fused multiply-add. `sixteen`: the code is going to be widened to sixteen lanes, which have instructions
+    /// that four lanes do not have.
     pub(in crate::jit) fn new(builder: &'a mut FunctionBuilder<'f>, fma: bool, sixteen: bool) -> Self {
         Self { builder, fma, sixteen }
     }
 
-    /// x less the largest whole number not above it, and that number, at least for [`scaled`](Self::scaled). Of finite x.
-    fn parted(&mut self, x: Value) -> [Value; 2] {
+    /// Splits finite x into its fraction in [0, 1) and its whole part. The latter may be x itself: [`scaled`](Self::scaled) rounds it down.
+    fn split_whole(&mut self, x: Value) -> [Value; 2] {
         if self.sixteen {
-            return [self.stand_in(I8X16, x, x), x];
+            return [self.placeholder(I8X16, x, x), x];
         }
         let whole = self.floor(x);
         [self.sub(x, whole), whole]
@@ -74,15 +71,14 @@ impl<'a, 'f> VectorMath<'a, 'f> {
     /// x · 2ⁿ for whole n from −127, where it is 0, to 128, where it is infinite.
     fn scaled(&mut self, x: Value, n: Value) -> Value {
         if self.sixteen {
-            return self.stand_in(I16X8, x, n);
+            return self.placeholder(I16X8, x, n);
         }
         let power = self.power_of_two(n);
         self.mul(x, power)
     }
 
-    /// An instruction that has no use here, for one that only sixteen lanes have: see [`super::widen`]. Only code that is going to be
-    /// widened may have it.
-    fn stand_in(&mut self, lanes: Type, x: Value, y: Value) -> Value {
+    /// A placeholder for an instruction that only AVX-512 has, in code that is going to be widened: see [`super::widen`].
+    fn placeholder(&mut self, lanes: Type, x: Value, y: Value) -> Value {
         let [x, y] = [x, y].map(|value| self.reinterpret(value, lanes));
         let result = self.builder.ins().ssub_sat(x, y);
         self.reinterpret(result, F32X4)
@@ -98,7 +94,7 @@ impl<'a, 'f> VectorMath<'a, 'f> {
         self.builder.ins().ceil(x)
     }
 
-    /// `value` in all four lanes, loaded anew at each call.
+    /// `value` in all four lanes: a load of its own at every call.
     pub(in crate::jit) fn constant(&mut self, value: f32) -> Value {
         let handle = self.pool(value.to_bits());
         self.builder.ins().vconst(F32X4, handle)
@@ -119,8 +115,7 @@ impl<'a, 'f> VectorMath<'a, 'f> {
         self.builder.ins().fcmp(condition, a, b)
     }
 
-    /// `a` in the lanes where `mask` is set, `b` elsewhere. `mask` must come straight from a
-    /// comparison for the selection to become a single blend.
+    /// `a` in the lanes where `mask` is set, `b` elsewhere. It becomes a single blend if `mask` comes straight from a comparison.
     pub(in crate::jit) fn select(&mut self, mask: Value, a: Value, b: Value) -> Value {
         let mask = self.float(mask);
         self.builder.ins().bitselect(mask, a, b)
@@ -152,7 +147,7 @@ impl<'a, 'f> VectorMath<'a, 'f> {
 
     /// `a > b ? a : b`, hence `b` when either is NaN.
     pub(in crate::jit) fn greater(&mut self, a: Value, b: Value) -> Value {
-        // Written as `b < a`: the form that Cranelift knows as `maxps`.
+        // Written as `b < a`: the form that Cranelift recognises as `maxps`.
         let mask = self.compare(FloatCC::LessThan, b, a);
         self.select(mask, a, b)
     }
@@ -177,7 +172,7 @@ impl<'a, 'f> VectorMath<'a, 'f> {
         }
     }
 
-    /// Horner's rule; the coefficients begin with that of x⁰.
+    /// A polynomial by Horner's rule. The first coefficient is that of x⁰.
     fn polynomial(&mut self, x: Value, coefficients: &[f32]) -> Value {
         let mut descending = coefficients.iter().rev();
         let mut sum = self.constant(descending.next().copied().unwrap_or(0.0));
@@ -232,7 +227,7 @@ impl<'a, 'f> VectorMath<'a, 'f> {
         self.builder.ins().ishl(bits, places)
     }
 
-    /// The bits of each lane moved right, as integers, with copies of the sign bit coming in.
+    /// The bits of each lane moved right, as integers, with copies of the sign bit on the left.
     fn shift_right(&mut self, bits: Value, places: u32) -> Value {
         let places = self.builder.ins().iconst(I32, i64::from(places));
         self.builder.ins().sshr(bits, places)
@@ -249,7 +244,7 @@ impl<'a, 'f> VectorMath<'a, 'f> {
         self.builder.func.dfg.constants.insert(ConstantData::from(lanes.as_slice()))
     }
 
-    /// x with only the bits in `mask` kept.
+    /// The bits of x that are set in `mask`.
     fn and_bits(&mut self, x: Value, mask: u32) -> Value {
         let x = self.int(x);
         let mask = self.bits(mask);
@@ -271,7 +266,7 @@ impl<'a, 'f> VectorMath<'a, 'f> {
         self.float(both)
     }
 
-    /// The bits set in one operand only: flips signs.
+    /// The bits set in one operand only.
     fn xor(&mut self, a: Value, b: Value) -> Value {
         let (a, b) = (self.int(a), self.int(b));
         let flipped = self.builder.ins().bxor(a, b);
