@@ -3,8 +3,8 @@
 //! Static values that dynamic code reads are the *frontier*: they alone are stored (Guenter, Knoblock, Ruf 1995, "Specializing
 //! Shaders").
 
-use crate::formula::equation::{Site, Term};
 use crate::formula::binding_time::BindingTime;
+use crate::formula::equation::{Site, Term};
 use crate::formula::graph::{Graph, Node, NodeId};
 use crate::formula::rewrite::rewrite;
 use crate::formula::{Formula, ParameterId};
@@ -97,7 +97,9 @@ impl Bindings {
             }
             match self.time(id) {
                 BindingTime::Constant => {}
-                BindingTime::Static(_) if self.is_simple_comparison(id) => pending.extend_from_slice(self.graph.node(id).operands()),
+                BindingTime::Static(_) if self.is_simple_comparison(id) => {
+                    pending.extend_from_slice(self.graph.node(id).operands())
+                }
                 BindingTime::Static(Rate::Hit) => frontier.hits.push(id),
                 BindingTime::Static(Rate::Record) => frontier.records.push(id),
                 BindingTime::Uniform => frontier.uniforms.push(id),

@@ -241,8 +241,8 @@ impl Add for Interval {
     type Output = Interval;
 
     fn add(self, y: Self) -> Self {
-        let undefined = self.high == f64::INFINITY && y.low == f64::NEG_INFINITY
-            || self.low == f64::NEG_INFINITY && y.high == f64::INFINITY;
+        let undefined =
+            self.high == f64::INFINITY && y.low == f64::NEG_INFINITY || self.low == f64::NEG_INFINITY && y.high == f64::INFINITY;
         if undefined {
             return Self::ANYTHING;
         }
@@ -283,11 +283,7 @@ impl Div for Interval {
         let undefined = self.contains_zero() && y.contains_zero() || self.is_infinite() && y.is_infinite();
         let nan = self.nan || y.nan || undefined;
         if y.low > 0.0 || y.high < 0.0 {
-            return Self::spanned(
-                [self.low / y.low, self.low / y.high, self.high / y.low, self.high / y.high],
-                nan,
-                true,
-            );
+            return Self::spanned([self.low / y.low, self.low / y.high, self.high / y.low, self.high / y.high], nan, true);
         }
         if self.low >= 0.0 && y.low >= 0.0 && !y.negative_zero {
             let low = if y.high == f64::INFINITY { 0.0 } else { self.low / y.high };

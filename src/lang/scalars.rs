@@ -280,7 +280,9 @@ pub(crate) fn awkward_operands(primitive: Primitive) -> Vec<Vec<f32>> {
         1 => AWKWARD.iter().map(|x| vec![*x]).collect(),
         2 => AWKWARD.iter().flat_map(|x| AWKWARD.iter().map(move |y| vec![*x, *y])).collect(),
         // Steps without a common divisor, so that combinations differ.
-        arity => (0..5000).map(|case| (0..arity).map(|place| number(case * (2 * place + 1) / (place + 1) + 7 * place)).collect()).collect(),
+        arity => (0..5000)
+            .map(|case| (0..arity).map(|place| number(case * (2 * place + 1) / (place + 1) + 7 * place)).collect())
+            .collect(),
     }
 }
 
@@ -329,7 +331,8 @@ mod tests {
         let mut numbers: Vec<f32> = AWKWARD.into_iter().filter(|x| !x.is_nan()).collect();
         numbers.sort_by(f32::total_cmp);
         let count = numbers.len();
-        let spans: Vec<[usize; 2]> = (0..count).flat_map(|low| [0, 1, 2, 5, count].map(|step| [low, (low + step).min(count - 1)])).collect();
+        let spans: Vec<[usize; 2]> =
+            (0..count).flat_map(|low| [0, 1, 2, 5, count].map(|step| [low, (low + step).min(count - 1)])).collect();
         let interval = |[low, high]: [usize; 2]| {
             let members = &numbers[low..=high];
             let negative_zero = members.iter().any(|x| *x == 0.0 && x.is_sign_negative());
@@ -345,8 +348,11 @@ mod tests {
                 let operands: Vec<Interval> = chosen.iter().map(|(interval, _)| *interval).collect();
                 let result = primitive.interval(&operands);
                 for sample in 0..8 {
-                    let members: Vec<f32> =
-                        chosen.iter().enumerate().map(|(place, (_, members))| members[sample * (place + 1) * 5 % members.len()]).collect();
+                    let members: Vec<f32> = chosen
+                        .iter()
+                        .enumerate()
+                        .map(|(place, (_, members))| members[sample * (place + 1) * 5 % members.len()])
+                        .collect();
                     let value = primitive.apply(&mut Floats, &members);
                     let holds = if value.is_nan() {
                         result.nan

@@ -10,7 +10,7 @@ use illuminator::formula::layout::Layout;
 use illuminator::lang::builtins::{Form, Operation};
 use illuminator::lang::source::Source;
 use illuminator::lang::types::Type;
-use illuminator::lang::variables::Variable;
+use illuminator::lang::variables::{Owner, Variable};
 use illuminator::scene::Scene;
 use illuminator::trace::View;
 use proptest::prelude::*;
@@ -184,4 +184,26 @@ fn random_formulas_agree() {
         panic!("{error}");
     }
     assert!(excused * 20 < compared, "excuses must stay rare, or the comparison says nothing");
+}
+
+#[test]
+fn powers_of_cosines_just_below_one_are_exact() {
+    // 0.99999994 is the number before 1: its power by −1e9 is 7.7e25.
+    for (exponent, least) in [(-1e9, 1e25), (-3e8, 1e7), (1e9, 0.0), (-0.0, 0.1)] {
+        for power in ["(0.99999994*gety(N))^p", "(0.99999994*gety(N)*gety(N))^p", "(0.99999994*max(0, gety(N)))^p"] {
+            let mut case = Case::new(["1", "N", &format!("IL*({power})")], &[0.5]).expect("a formula");
+            let parameter = case.formula.parameter_named("p").map(|id| case.formula.parameter(id)).expect("a parameter");
+            for body in 0..case.layout.owners(Owner::Body) {
+                case.memory[case.layout.place(parameter, body)] = exponent;
+            }
+            for evaluator in &case.evaluators {
+                let found = verify(&**evaluator, &case.interpreted, &case.memory);
+                assert_eq!((found.failed, found.excused), (0, 0), "{power}, {exponent}: {found:?}");
+                let linear = evaluator.frame(&case.memory).linear;
+                let large =
+                    linear.iter().flatten().filter(|component| component.is_finite()).any(|component| *component >= least);
+                assert!(large, "{power}, {exponent}: the power is {least} or more on the floor");
+            }
+        }
+    }
 }
