@@ -89,7 +89,7 @@ impl Interval {
     }
 
     /// Ends moved outwards by as much as a computed function can differ from the exact one. 0 stays 0.
-    fn approximated(self) -> Self {
+    pub(super) fn approximated(self) -> Self {
         const RELATIVE: f64 = 1e-6;
         let outwards = |end: f64, by: f64| if end.is_infinite() { end } else { end + by * end.abs() };
         Self { low: outwards(self.low, -RELATIVE), high: outwards(self.high, RELATIVE), ..self }
@@ -108,9 +108,19 @@ impl Interval {
         if self.contains_zero() { 0.0 } else { self.low.abs().min(self.high.abs()) }
     }
 
-    /// The interval of a function that grows with its argument.
-    fn growing(self, function: impl Fn(f64) -> f64) -> Self {
+    /// The interval of an exactly rounded function that grows with its argument.
+    pub(super) fn growing(self, function: impl Fn(f64) -> f64) -> Self {
         Self { nan: self.nan, ..Self::new(function(self.low), function(self.high)) }
+    }
+
+    /// The interval of an exponential function.
+    pub(super) fn exponential(self, function: impl Fn(f64) -> f64) -> Self {
+        Self { negative_zero: false, ..self.growing(function).approximated() }
+    }
+
+    /// The interval of a logarithm.
+    pub(super) fn logarithm(self, function: impl Fn(f64) -> f64) -> Self {
+        Self { nan: self.nan || self.low < 0.0, ..self.growing(|x| function(x.max(0.0))).approximated() }
     }
 
     /// The interval whose ends are the extremes of these, or anything where one of them is undefined.
@@ -134,16 +144,6 @@ impl Interval {
         Self { nan: self.nan || self.low < 0.0, negative_zero: self.negative_zero, ..root }
     }
 
-    /// The largest whole number not above x.
-    pub(super) fn floor(self) -> Self {
-        self.growing(f64::floor)
-    }
-
-    /// The smallest whole number not below x.
-    pub(super) fn ceil(self) -> Self {
-        self.growing(f64::ceil)
-    }
-
     /// |x|
     pub(super) fn abs(self) -> Self {
         Self { low: self.least_magnitude(), high: self.magnitude(), nan: self.nan, negative_zero: false }
@@ -165,26 +165,6 @@ impl Interval {
             return Self { nan: y.nan, negative_zero, ..self.hull(y) };
         }
         Self { low: choose(self.low, y.low), high: choose(self.high, y.high), nan: false, negative_zero }
-    }
-
-    /// eˣ
-    pub(super) fn exp(self) -> Self {
-        Self { negative_zero: false, ..self.growing(f64::exp).approximated() }
-    }
-
-    /// 2ˣ
-    pub(super) fn exp2(self) -> Self {
-        Self { negative_zero: false, ..self.growing(f64::exp2).approximated() }
-    }
-
-    /// Natural logarithm.
-    pub(super) fn ln(self) -> Self {
-        Self { nan: self.nan || self.low < 0.0, ..self.growing(|x| x.max(0.0).ln()).approximated() }
-    }
-
-    /// Logarithm to base 2.
-    pub(super) fn log2(self) -> Self {
-        Self { nan: self.nan || self.low < 0.0, ..self.growing(|x| x.max(0.0).log2()).approximated() }
     }
 
     /// xʸ as C's `powf`.

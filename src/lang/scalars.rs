@@ -156,9 +156,9 @@ primitives! {
     /// √x
     Sqrt sqrt(x) -> Number = x.sqrt(), cost 5, interval x.sqrt();
     /// The largest whole number not above x.
-    Floor floor(x) -> Number = x.floor(), cost 1, interval x.floor();
+    Floor floor(x) -> Number = x.floor(), cost 1, interval x.growing(f64::floor);
     /// The smallest whole number not below x.
-    Ceil ceil(x) -> Number = x.ceil(), cost 1, interval x.ceil();
+    Ceil ceil(x) -> Number = x.ceil(), cost 1, interval x.growing(f64::ceil);
     /// |x|
     Abs abs(x) -> Number = x.abs(), cost 1, interval x.abs();
     /// x if x < y, else y; so y if either is NaN.
@@ -166,13 +166,13 @@ primitives! {
     /// x if x > y, else y; so y if either is NaN.
     Max max(x, y) -> Number = if x > y { x } else { y }, cost 1, interval x.max(y);
     /// eˣ
-    Exp exp(x) -> Number = x.exp(), cost 16, interval x.exp();
+    Exp exp(x) -> Number = x.exp(), cost 16, interval x.exponential(f64::exp);
     /// 2ˣ
-    Exp2 exp2(x) -> Number = x.exp2(), cost 16, interval x.exp2();
+    Exp2 exp2(x) -> Number = x.exp2(), cost 16, interval x.exponential(f64::exp2);
     /// Natural logarithm.
-    Log log(x) -> Number = x.ln(), cost 16, interval x.ln();
+    Log log(x) -> Number = x.ln(), cost 16, interval x.logarithm(f64::ln);
     /// Logarithm to base 2.
-    Log2 log2(x) -> Number = x.log2(), cost 16, interval x.log2();
+    Log2 log2(x) -> Number = x.log2(), cost 16, interval x.logarithm(f64::log2);
     /// xʸ as C's `powf`.
     Pow pow(x, y) -> Number = x.powf(y), cost 60, interval x.powf(y);
     /// Sine of x radians.

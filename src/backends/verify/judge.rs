@@ -199,7 +199,7 @@ mod tests {
     /// Whether a difference in red of a formula's value is excused, on a ball in front of the camera and this many lights. `ki`, `IL` and
     /// the colours are 1, every other parameter is 0. `difference` gives the compiled value from the interpreted one.
     fn is_excused(formula: &str, lights: usize, difference: impl Fn(f32) -> f32) -> bool {
-        let lights_text: String = (0..lights).map(|light| format!("l{light}: point, <{}, 2, 9>; ", light + 1)).collect();
+        let lights_text: String = (0..lights).map(|light| format!("l{light}: point, <{}, 3, 9>; ", light + 1)).collect();
         let scene = format!(
             "bodies; b: sphere, center <0,0,0>, radius 1; lights; {lights_text}
              camera; position <0,0,5>; gaze <0,0,-1>; up <0,1,0>; fov 10;"
@@ -235,7 +235,7 @@ mod tests {
             assert!(value.is_finite(), "the interpreter's cross product is not 0");
             f32::NAN
         };
-        assert!(is_excused("IL*normalize(cross(0.3*L, L))", 1, difference));
+        assert!(is_excused("IL*normalize(cross(0.7*L, L))", 1, difference));
     }
 
     #[test]
