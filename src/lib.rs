@@ -15,13 +15,13 @@
 //! # Example
 //!
 //! ```
-//! use illuminator::{engine::{Engine, Subject, Task}, trace::View, workspace::{Setting, Values}};
+//! use illuminator::{engine::{Engine, Subject, Task}, trace::View, workspace::{NamedAssignment, Values}};
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let scene = "bodies; ball: sphere, center <0,0,0>, radius 1; lights; key: point, <3,4,5>;
 //!     camera; position <0,0,5>; gaze <0,0,-1>; up <0,1,0>; fov 40;";
 //! let subject = Subject::parse("formula; = IL*Cd*max(0, N.L);", scene, View::new(64, 48)?)?;
 //! let mut values = Values::defaults(&subject.formula, subject.world.scene());
-//! values.assign(&"ball.Cd=<0.9, 0.2, 0.1>".parse::<Setting>()?.resolve(values.roster())?);
+//! values.assign(&"ball.Cd=<0.9, 0.2, 0.1>".parse::<NamedAssignment>()?.resolve(values.table())?);
 //! let picture = Engine::default().picture(&subject, values.numbers(), 1, &Task::UNWATCHED)?;
 //! let [red, green, _] = picture.linear[24 * 64 + 32];
 //! assert!(red > 0.4 && red > 3.0 * green, "the middle of the ball is red: {red} {green}");

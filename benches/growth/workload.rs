@@ -183,18 +183,18 @@ fn add(text: &mut String, more: std::fmt::Arguments) {
 /// The positions of the numbers of an owner's parameter.
 fn places(formula: &Formula, scene: &Scene, owner: &str, parameter: &str) -> Vec<usize> {
     let values = Values::defaults(formula, scene);
-    let owner: OwnerId = values.roster().owners().named(owner).expect("an owner of the scene");
-    let id = values.roster().parameter_named(parameter).expect("a parameter of the model");
-    values.roster().places(owner, id).expect("a parameter of this owner").collect()
+    let owner: OwnerId = values.table().owners().named(owner).expect("an owner of the scene");
+    let id = values.table().parameter_named(parameter).expect("a parameter of the model");
+    values.table().indices(owner, id).expect("a parameter of this owner").collect()
 }
 
 /// The positions of the numbers of these parameters of all bodies.
 fn all_places(formula: &Formula, scene: &Scene, parameters: &[&str]) -> Vec<usize> {
     let values = Values::defaults(formula, scene);
-    let roster = values.roster();
-    let ids = parameters.iter().map(|name| roster.parameter_named(name).expect("a parameter of the model"));
-    let pairs = ids.flat_map(|id| roster.owners().of_kind(Owner::Body).map(move |owner| (owner, id)));
-    pairs.filter_map(|(owner, id)| roster.places(owner, id)).flatten().collect()
+    let table = values.table();
+    let ids = parameters.iter().map(|name| table.parameter_named(name).expect("a parameter of the model"));
+    let pairs = ids.flat_map(|id| table.owners().of_kind(Owner::Body).map(move |owner| (owner, id)));
+    pairs.filter_map(|(owner, id)| table.indices(owner, id)).flatten().collect()
 }
 
 /// Two copies of the numbers, those at these positions multiplied by a factor.

@@ -142,9 +142,9 @@ fn export(dump: &Path, stages: &[(Model, Stage)]) -> Result<(), String> {
 fn values_of<'s>(scripts: impl Iterator<Item = &'s Script>) -> String {
     let mut lines = BTreeMap::new();
     for script in scripts {
-        let roster = script.values.roster();
+        let table = script.values.table();
         for (owner, id, numbers) in script.values.iter() {
-            let key = format!("{} {}", roster.owners().name(owner).unwrap_or("global"), roster.parameter(id).name);
+            let key = format!("{} {}", table.owners().name(owner).unwrap_or("global"), table.parameter(id).name);
             let line = numbers.iter().fold(key.clone(), |line, number| format!("{line} {number}"));
             lines.insert(key, line);
         }

@@ -89,8 +89,8 @@ impl Script {
         let (session, _) = Session::parse(&session).expect("a sound session");
         let (scene, _) = Scene::parse(&read(&session.scene, FileKind::Scene)).expect("a sound scene");
         let (formula, _) = Formula::parse(&read(&model.location(), FileKind::Formula)).expect("a sound formula");
-        let kept = session.assignments(Values::defaults(&formula, &scene).roster()).0;
-        let (values, _) = Values::keeping(&formula, &scene, &kept);
+        let kept = session.assignments(Values::defaults(&formula, &scene).table()).0;
+        let (values, _) = Values::carried_over(&formula, &scene, &kept);
         let picture = session.picture;
         let view = View::new(width, height)
             .and_then(|view| view.with_depth(picture.depth))
@@ -124,9 +124,9 @@ impl Script {
         let numbers = self.values.numbers().to_vec();
         let mut moved = numbers.clone();
         for name in ["kd", "h", "s", "m"] {
-            for owner in self.values.roster().owners().of_kind(Owner::Body) {
-                let id = self.values.roster().parameter_named(name);
-                let Some(places) = id.and_then(|id| self.values.roster().places(owner, id)) else { continue };
+            for owner in self.values.table().owners().of_kind(Owner::Body) {
+                let id = self.values.table().parameter_named(name);
+                let Some(places) = id.and_then(|id| self.values.table().indices(owner, id)) else { continue };
                 for number in &mut moved[places] {
                     *number += if name == "s" && *number >= 0.5 { -STEP } else { STEP };
                 }
@@ -139,7 +139,7 @@ impl Script {
     /// them.
     fn slider_moved(&self, slider: Slider) -> (Vec<usize>, [Vec<f32>; 2]) {
         let (owner, id) = self.find(slider);
-        let mut places = self.values.moved_places(owner, id);
+        let mut places = self.values.moved_indices(owner, id);
         if let Some(component) = slider.component {
             places = vec![places[component]];
         }
@@ -148,7 +148,7 @@ impl Script {
             let mut value = [low + share * (high - low); 3];
             if let Some(component) = slider.component {
                 let target = value[component];
-                value.copy_from_slice(self.values.of(owner, id));
+                value.copy_from_slice(self.values.get(owner, id));
                 value[component] = target;
             }
             let mut values = self.values.clone();
@@ -159,9 +159,9 @@ impl Script {
     }
 
     fn find(&self, slider: Slider) -> (OwnerId, ParameterId) {
-        let roster = self.values.roster();
-        let owner = roster.owners().named(slider.owner).expect("a body of the scene");
-        (owner, roster.parameter_named(slider.parameter).expect("a parameter of the model"))
+        let table = self.values.table();
+        let owner = table.owners().named(slider.owner).expect("a body of the scene");
+        (owner, table.parameter_named(slider.parameter).expect("a parameter of the model"))
     }
 }
 

@@ -79,7 +79,7 @@ mod tests {
     use crate::lang::source::Source;
     use crate::scene::Scene;
     use crate::trace::View;
-    use crate::workspace::{Setting, Values};
+    use crate::workspace::{NamedAssignment, Values};
     use crate::world::World;
 
     #[test]
@@ -99,7 +99,7 @@ mod tests {
         let frame = |world: World, settings: &[&str], choice: BackendChoice| {
             let mut values = Values::defaults(&formula, world.scene());
             for setting in settings {
-                values.assign(&setting.parse::<Setting>().unwrap().resolve(values.roster()).unwrap());
+                values.assign(&setting.parse::<NamedAssignment>().unwrap().resolve(values.table()).unwrap());
             }
             let subject = Subject { formula: Arc::clone(&formula), world: Arc::new(world), view };
             let evaluator = Engine::new(choice.make()).evaluator(&subject, &Task::UNWATCHED).unwrap();

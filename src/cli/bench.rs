@@ -105,13 +105,13 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
 /// All that a slider can move: the formula's own parameters that ask for a slider first, of colours each component too.
 fn sliders(values: &Values) -> Vec<Slider> {
     let asks = |id: ParameterId| {
-        let parameter = values.roster().parameter(id);
+        let parameter = values.table().parameter(id);
         parameter.slider && parameter.predefined.is_none()
     };
     let movable: Vec<(OwnerId, ParameterId)> =
         values.iter().map(|(owner, id, _)| (owner, id)).filter(|(owner, id)| values.lock_of(*owner, *id).is_none()).collect();
     let (first, rest): (Vec<_>, Vec<_>) = movable.into_iter().partition(|(_, id)| asks(*id));
-    let components = |id: ParameterId| match values.roster().parameter(id).ty {
+    let components = |id: ParameterId| match values.table().parameter(id).ty {
         Type::Vector => vec![None, Some(0), Some(1), Some(2)],
         Type::Scalar | Type::Truth => vec![None],
     };
@@ -120,7 +120,7 @@ fn sliders(values: &Values) -> Vec<Slider> {
 }
 
 fn label(values: &Values, slider: &Slider) -> String {
-    let label = values.roster().label(slider.owner, slider.id);
+    let label = values.table().label(slider.owner, slider.id);
     match slider.component {
         Some(component) => format!("{label}.{}", ["r", "g", "b"][component]),
         None => label,
@@ -131,7 +131,7 @@ fn find(values: &Values, sliders: &[Slider], wanted: &str) -> Result<Slider, Fai
     if let Some(slider) = sliders.iter().find(|slider| label(values, slider) == wanted) {
         return Ok(*slider);
     }
-    let locked = values.iter().find(|(owner, id, _)| values.roster().label(*owner, *id) == wanted);
+    let locked = values.iter().find(|(owner, id, _)| values.table().label(*owner, *id) == wanted);
     Err(match locked.and_then(|(owner, id, _)| values.lock_of(owner, id)) {
         Some(reason) => Failure::command_line(format!("--slider {wanted}: it cannot be moved: {reason}")),
         None => Failure::command_line(format!("--slider {wanted}: there is no such value")),
@@ -217,7 +217,7 @@ fn drag(
 ) -> Result<DragReport, Failure> {
     let mut values = input.values.clone();
     let (owner, id) = (slider.owner, slider.id);
-    let mut moved = values.moved_places(owner, id);
+    let mut moved = values.moved_indices(owner, id);
     if let (Some(component), Some(first)) = (slider.component, moved.first()) {
         moved = vec![first + component];
     }
@@ -232,7 +232,7 @@ fn drag(
         let target = low + [0.25, 0.75][run as usize % 2] * (high - low);
         let mut value = [target; 3];
         if let Some(component) = slider.component {
-            value.copy_from_slice(values.of(owner, id));
+            value.copy_from_slice(values.get(owner, id));
             value[component] = target;
         }
         let start = Instant::now();

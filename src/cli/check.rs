@@ -9,7 +9,7 @@ use illuminator::lang::diagnostic::{Diagnostic, Diagnostics};
 use illuminator::lang::display_text::one_line;
 use illuminator::lang::source::Source;
 use illuminator::scene::Scene;
-use illuminator::workspace::project::{Project, place_of};
+use illuminator::workspace::project::{Project, library_location};
 use illuminator::workspace::{FileKind, Location, kind_of, read_source};
 use illuminator::workspace::{Library, Session};
 use std::ffi::OsString;
@@ -123,7 +123,7 @@ fn explained<T>(outcome: Result<(T, Diagnostics), Diagnostics>, source: &Source)
 fn check_formula(location: &Location, source: &Source) -> Diagnostics {
     let outcome = Formula::parse(source).map(|(formula, mut diagnostics)| {
         if formula.uses.is_some()
-            && let Err(unknown) = place_of(&formula, location, source, data_folder().as_deref())
+            && let Err(unknown) = library_location(&formula, location, source, data_folder().as_deref())
         {
             diagnostics.push(unknown);
             diagnostics.sort();

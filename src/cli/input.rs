@@ -29,7 +29,7 @@ impl Listener for Speaker {
 impl From<OpenError> for Failure {
     fn from(error: OpenError) -> Self {
         match error {
-            OpenError::Told => Failure::Reported,
+            OpenError::Reported => Failure::Reported,
             OpenError::Input(diagnostic) => Failure::Input(diagnostic),
             OpenError::Request(diagnostic) => Failure::CommandLine(diagnostic),
         }
@@ -57,7 +57,7 @@ pub(super) fn load(options: &InputOptions) -> Result<Project, Failure> {
         scene,
         materials: &options.materials,
         data: data_folder(),
-        settings: &options.settings,
+        set: &options.settings,
         picture: Some(&|picture| change_picture(options, picture)),
         background: options.background.map(|Colour(value)| value),
         memory: Some(options.machine.memory.unwrap_or_else(usable_memory)),

@@ -4,9 +4,9 @@ use clap::Args;
 use illuminator::lang::ast::Constant;
 use illuminator::lang::display_text::one_line;
 use illuminator::trace::{MAX_DEPTH, MAX_SIDE};
-use illuminator::workspace::Setting;
+use illuminator::workspace::NamedAssignment;
 use illuminator::workspace::assignment::parse_value;
-use illuminator::workspace::materials::Choice;
+use illuminator::workspace::materials::MaterialAssignment;
 use std::ffi::OsString;
 use std::fmt::Display;
 use std::str::FromStr;
@@ -23,11 +23,11 @@ pub(super) struct InputOptions {
     #[arg(long, short, value_name = "FILE")]
     pub(super) scene: Option<OsString>,
     /// Give a body a material of the library that the formula names, or *=NAME to all; values set by --set count over it
-    #[arg(long = "material", value_name = "BODY=NAME", value_parser = read::<Choice>)]
-    pub(super) materials: Vec<Choice>,
+    #[arg(long = "material", value_name = "BODY=NAME", value_parser = read::<MaterialAssignment>)]
+    pub(super) materials: Vec<MaterialAssignment>,
     /// Set a value: ball.kd=0.3, key.IL=<1,0.9,0.8>, ka=0.1, *.kd=0.3 for all
-    #[arg(long = "set", value_name = "OWNER.PARAM=VALUE", value_parser = read::<Setting>)]
-    pub(super) settings: Vec<Setting>,
+    #[arg(long = "set", value_name = "OWNER.PARAM=VALUE", value_parser = read::<NamedAssignment>)]
+    pub(super) settings: Vec<NamedAssignment>,
     /// Picture size in pixels, such as 640x480
     #[arg(long, value_name = "WxH", value_parser = size)]
     pub(super) size: Option<[u32; 2]>,

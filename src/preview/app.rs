@@ -45,7 +45,7 @@ use dialogs::Dialogs;
 use egui::{CentralPanel, Context, Frame, Id, Panel, Ui};
 use inspector::Inspecting;
 use log::Log;
-use materials::Materials;
+use materials::MaterialRow;
 use notices::{Notice, Notices, Topic};
 use pane::Pane;
 use parameters::Parameters;
@@ -80,7 +80,7 @@ pub struct App {
     chores: Chores,
     preferences: Preferences,
     inspecting: Inspecting,
-    materials: Materials,
+    materials: MaterialRow,
     remembered: Remembered,
     /// When unsaved texts were kept last, in seconds of the widgets' clock.
     kept_at: f64,
@@ -166,7 +166,7 @@ impl App {
             chores: Chores::new(waker(&context)),
             preferences: Preferences::default(),
             inspecting: Inspecting::default(),
-            materials: Materials::default(),
+            materials: MaterialRow::default(),
             kept_at: 0.0,
             theme: Theme::of(remembered.settings.window.theme),
             scale: remembered.settings.window.scale,

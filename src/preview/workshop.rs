@@ -18,7 +18,7 @@ use crate::trace::{View, ViewError};
 use crate::workspace::Location;
 use crate::workspace::project::{Project, view};
 use crate::workspace::session::PictureSettings;
-use crate::workspace::{Assignment, OwnerId, Roster, Session, Values};
+use crate::workspace::{Assignment, OwnerId, ParameterTable, Session, Values};
 use crate::world::World;
 use history::{History, Moment};
 pub use opening::Opened;
@@ -93,8 +93,8 @@ impl Workshop {
     }
 
     /// Begins a new session of the same formula and scene, with these settings and values.
-    pub fn begin_session(&mut self, picture: PictureSettings, initial: impl FnOnce(&Roster) -> Vec<Assignment>) {
-        let given = initial(&Roster::new(&self.formula, self.scene()));
+    pub fn begin_session(&mut self, picture: PictureSettings, initial: impl FnOnce(&ParameterTable) -> Vec<Assignment>) {
+        let given = initial(&ParameterTable::new(&self.formula, self.scene()));
         self.values = Values::new(&self.formula, self.scene(), &given).0;
         self.picture = if view(&picture).is_ok() { picture } else { self.picture };
         self.history = History::default();
@@ -233,7 +233,7 @@ impl Workshop {
             self.held = Some((owner, id));
         }
         self.values.move_to(owner, id, value);
-        let places = self.values.moved_places(owner, id);
+        let places = self.values.moved_indices(owner, id);
         self.asked = self.renderer.move_to(self.values.numbers(), Some(places));
     }
 
@@ -259,8 +259,8 @@ impl Workshop {
     /// Gives every owner of the same kind the value that one has.
     pub fn copy_to_all(&mut self, owner: OwnerId, id: ParameterId) {
         let mut value = [0.0; 3];
-        self.values.of(owner, id).iter().zip(&mut value).for_each(|(from, to)| *to = *from);
-        let others: Vec<OwnerId> = self.values.roster().owners().of_kind(owner.kind()).filter(|other| *other != owner).collect();
+        self.values.get(owner, id).iter().zip(&mut value).for_each(|(from, to)| *to = *from);
+        let others: Vec<OwnerId> = self.values.table().owners().of_kind(owner.kind()).filter(|other| *other != owner).collect();
         self.change(|values| {
             for other in others {
                 values.move_to(other, id, value);

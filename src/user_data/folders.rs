@@ -1,28 +1,28 @@
-//! Where the program keeps what it remembers from one run to the next: which folders, and how they are made.
+//! The folders for what the program keeps between runs.
 //!
-//! What is kept in them is the business of the rooms that keep it, and so are the names of the files.
+//! The modules that keep something there know the names of their files.
 
 use crate::lang::diagnostic::Diagnostic;
 use directories::ProjectDirs;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-/// The environment variable that names a folder to be used instead of the platform's.
+/// The environment variable that names a folder to use instead of the platform's.
 pub const HOME_VARIABLE: &str = "ILLUMINATOR_HOME";
 
-/// The folders of what the program remembers. They need not exist: whoever writes makes them.
+/// The folders for user data. They need not exist; they are created when something is written.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Folders {
-    /// What the user chose: settings.
+    /// For what the user chose: settings.
     pub configuration: PathBuf,
-    /// What the user made and would miss on another machine.
+    /// For what the user made: materials.
     pub data: PathBuf,
-    /// What the program noted by itself: recent files, unsaved texts.
+    /// For what the program records: recent files and drafts.
     pub state: PathBuf,
 }
 
 impl Folders {
-    /// The platform's folders for this user, or those below the folder that [`HOME_VARIABLE`] names.
+    /// The platform's folders for this user, or the folders in the one that [`HOME_VARIABLE`] names.
     ///
     /// # Errors
     /// The user has no home.
@@ -36,18 +36,18 @@ impl Folders {
             return Ok(Self::below(&std::path::absolute(&home).unwrap_or(home)));
         }
         let project = ProjectDirs::from("", "", "illuminator").ok_or_else(|| {
-            Diagnostic::error("there is no home folder to keep settings, recent files and unsaved texts in")
+            Diagnostic::error("there is no home folder for settings, recent files and drafts")
                 .help(format!("set `HOME`, or name a folder in `{HOME_VARIABLE}`"))
         })?;
         Ok(Folders {
             configuration: project.config_dir().to_owned(),
             data: project.data_dir().to_owned(),
-            // Not every platform tells state from data.
+            // Some platforms have no separate folder for state.
             state: project.state_dir().unwrap_or(project.data_local_dir()).to_owned(),
         })
     }
 
-    /// All three below one folder.
+    /// Three folders in one.
     pub fn below(home: &Path) -> Folders {
         Folders { configuration: home.join("configuration"), data: home.join("data"), state: home.join("state") }
     }

@@ -1,12 +1,12 @@
-//! Recent files: which formulas, scenes and sessions were opened or saved last, from one run to the next.
+//! Recent files: the formulas, scenes and sessions that were opened or saved last, also in earlier runs.
 //!
-//! Built-in files are not among them: they are always at hand.
+//! Built-in files are not among them, because menus list them anyway.
 
 use crate::files::{Readable, replace_text};
 use crate::lang::diagnostic::{Diagnostic, Diagnostics, Severity};
 use crate::lang::source::Source;
 use crate::user_data::folders::Folders;
-use crate::user_data::store::{cannot_keep, make_folder};
+use crate::user_data::store::{cannot_save, create_folder};
 use crate::workspace::FileKind;
 use crate::workspace::read_source;
 use crate::workspace::spanned_toml::{VERSION, Value, check_version, entries, parse, unknown_key};
@@ -15,8 +15,8 @@ use std::fs;
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
-/// How many files of a kind are remembered.
-pub const MOST: usize = 10;
+/// The number of files of a kind that are remembered.
+pub const MAX_FILES: usize = 10;
 
 /// The files of each kind, newest first.
 type Lists = BTreeMap<&'static str, Vec<PathBuf>>;
@@ -26,12 +26,12 @@ type Lists = BTreeMap<&'static str, Vec<PathBuf>>;
 pub struct Recent {
     path: PathBuf,
     lists: Lists,
-    /// Whether the file cannot be written: then nothing in it is newer.
-    is_ours_alone: bool,
+    /// Whether the last attempt to write the file failed. The file then has nothing newer than these lists.
+    write_failed: bool,
 }
 
 impl Recent {
-    /// What is remembered in these folders. Where that cannot be read, it begins anew, with a warning.
+    /// Reads the recent files in these folders. If they cannot be read, the lists are empty, and there is a warning.
     pub fn open(folders: &Folders) -> (Recent, Option<Diagnostic>) {
         let path = folders.state.join("recent.toml");
         let (lists, warning) = match read(&path) {
@@ -41,49 +41,49 @@ impl Recent {
                 (Lists::new(), Some(Diagnostic::warning(message).help(format!("it is in `{}`", path.display()))))
             }
         };
-        (Recent { path, lists, is_ours_alone: false }, warning)
+        (Recent { path, lists, write_failed: false }, warning)
     }
 
-    /// The files of a kind that are still there, newest first. They are looked for each time, so ask when a menu is opened, not
-    /// for every frame.
+    /// The files of a kind that still exist, newest first. This looks for each file, so call it when a menu opens, not
+    /// in every frame.
     pub fn list(&self, kind: FileKind) -> Vec<PathBuf> {
         let files = self.lists.get(kind.word()).into_iter().flatten();
         files.filter(|path| path.is_file()).cloned().collect()
     }
 
-    /// Puts a file in front, and what other programs have put there meanwhile behind it.
+    /// Puts a file first. What other programs have added in the meantime comes after it.
     ///
     /// # Errors
-    /// The list cannot be written; then the file is remembered until the program ends.
+    /// The list cannot be written. The file is then remembered until the program ends.
     pub fn add(&mut self, kind: FileKind, path: &Path) -> Result<(), Diagnostic> {
         let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
-        self.catch_up();
+        self.reload();
         let list = self.lists.entry(kind.word()).or_default();
         list.retain(|other| !is_same(other, &path));
         list.insert(0, path);
-        list.truncate(MOST);
+        list.truncate(MAX_FILES);
         self.save()
     }
 
     /// Forgets all files of a kind.
     ///
     /// # Errors
-    /// The list cannot be written; then they are forgotten until the program ends.
+    /// The list cannot be written. The files are then forgotten until the program ends.
     pub fn clear(&mut self, kind: FileKind) -> Result<(), Diagnostic> {
-        self.catch_up();
+        self.reload();
         self.lists.remove(kind.word());
         self.save()
     }
 
-    /// Takes in what other programs have written, if anything can be.
-    fn catch_up(&mut self) {
+    /// Reads what other programs have written, if possible.
+    fn reload(&mut self) {
         let Ok(Some(theirs)) = read(&self.path) else { return };
-        if self.is_ours_alone {
+        if self.write_failed {
             return;
         }
         for (kind, mut list) in theirs {
             let ours = self.lists.entry(kind).or_default();
-            // Those that the file has no place for.
+            // TOML cannot hold these paths.
             list.extend(ours.drain(..).filter(|path| path.to_str().is_none()));
             *ours = list;
         }
@@ -91,38 +91,38 @@ impl Recent {
 
     fn save(&mut self) -> Result<(), Diagnostic> {
         let outcome = self.write();
-        self.is_ours_alone = outcome.is_err();
-        outcome.map_err(|error| cannot_keep("the list of recent files", &self.path, &error))
+        self.write_failed = outcome.is_err();
+        outcome.map_err(|error| cannot_save("the list of recent files", &self.path, &error))
     }
 
     fn write(&self) -> io::Result<()> {
         let mut table = toml::Table::new();
         table.insert("version".to_owned(), VERSION.into());
         for (kind, list) in &self.lists {
-            // TOML has no place for other paths; they are remembered until the program ends.
+            // TOML cannot hold other paths. They are remembered until the program ends.
             let names: Vec<toml::Value> = list.iter().filter_map(|path| path.to_str()).map(Into::into).collect();
             table.insert((*kind).to_owned(), names.into());
         }
         if let Some(folder) = self.path.parent() {
-            make_folder(folder)?;
+            create_folder(folder)?;
         }
         replace_text(&self.path, &table.to_string())
     }
 }
 
-/// Whether two paths lead to one file.
+/// Whether two paths lead to the same file.
 fn is_same(one: &Path, other: &Path) -> bool {
     one == other || matches!((one.canonicalize(), other.canonicalize()), (Ok(one), Ok(other)) if one == other)
 }
 
-/// What a file says; none where there is no file.
+/// Parses the file; `None` if there is none.
 fn read(path: &Path) -> Result<Option<Lists>, Diagnostic> {
     let missing = fs::metadata(path).is_err_and(|error| error.kind() == ErrorKind::NotFound);
     if missing {
         return Ok(None);
     }
     let source = read_source(path, None, Readable::Regular)?;
-    // The first error says enough of a file that nobody types.
+    // One error is enough for a file that nobody writes by hand.
     lists(&source).map(Some).map_err(|diagnostics| {
         let error = diagnostics.into_iter().find(|diagnostic| diagnostic.severity() == Severity::Error);
         error.unwrap_or_else(|| Diagnostic::error(format!("cannot read `{}`", path.display())))
@@ -142,7 +142,7 @@ fn lists(source: &Source) -> Result<Lists, Diagnostics> {
             {
                 Ok(texts) => {
                     let paths = texts.into_iter().map(PathBuf::from).filter(|path| path.is_absolute());
-                    lists.insert(kind.word(), paths.take(MOST).collect());
+                    lists.insert(kind.word(), paths.take(MAX_FILES).collect());
                 }
                 Err(diagnostic) => diagnostics.push(diagnostic),
             },
@@ -251,7 +251,7 @@ mod tests {
         let (mut recent, warning) = Recent::open(&Folders::below(home.path()));
         assert!(warning.is_some());
         let error = recent.add(FileKind::Scene, &path).unwrap_err();
-        assert!(error.message().starts_with("cannot keep the list of recent files in `"), "{}", error.message());
+        assert!(error.message().starts_with("cannot save the list of recent files in `"), "{}", error.message());
         let other = file(&home, "other");
         assert!(recent.add(FileKind::Scene, &other).is_err());
         assert_eq!(recent.list(FileKind::Scene), [other, path]);
@@ -265,7 +265,8 @@ mod tests {
         let (mut recent, _) = Recent::open(&folders);
         let path = home.path().join(std::ffi::OsStr::from_bytes(b"a\xff"));
         if fs::write(&path, "").is_err() {
-            return; // Not every file system takes such a name.
+            // Not every file system allows such a name.
+            return;
         }
         let usual = file(&home, "usual");
         recent.add(FileKind::Scene, &path).unwrap();

@@ -1,14 +1,14 @@
-//! Settings: what a new session begins with, and how the workshop window looks (thesis 8.4).
+//! Settings: what new sessions start with, and how the window looks (thesis 8.4).
 //!
-//! They serve the window and new sessions alone; what a session says wins, and commands that make pictures or measure do not
-//! read them. How their file is kept is in `file`.
+//! Only the window uses them. A session overrides them, and the commands that make pictures or measure ignore them.
+//! `file` has the file that holds them.
 
 mod file;
 mod nearest;
 mod read;
 mod save;
 
-pub use file::{Reading, SettingsFile};
+pub use file::{LoadedSettings, SettingsFile};
 
 use crate::lang::diagnostic::{Diagnostic, Diagnostics};
 use crate::lang::source::Source;
@@ -16,20 +16,20 @@ use crate::lang::variables::Predefined;
 use crate::trace::{MAX_DEPTH, MAX_SIDE};
 use crate::workspace::Location;
 use crate::workspace::assignment::Assignment;
+use crate::workspace::parameter_table::ParameterTable;
 use crate::workspace::presets::DEFAULT_SESSION;
-use crate::workspace::roster::Roster;
 use crate::workspace::session::PictureSettings;
 
-/// How large widgets may be drawn, 1 being a pixel a point.
+/// The scales of widgets, in pixels per point.
 pub const SCALES: [f32; 2] = [0.5, 3.0];
 
-/// How wide and how high a window may be asked for, in pixels.
+/// The allowed widths and heights of the window, in pixels.
 pub const WINDOW_SIDES: [u32; 2] = [320, 16_384];
 
-/// What every value of a predefined parameter lies within.
+/// The range of every predefined parameter.
 const PREDEFINED_RANGE: [f32; 2] = [0.0, 1.0];
 
-/// What the user chose once for all sessions to come.
+/// What the user chose for all future sessions.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settings {
     /// Whether shadow rays are sent.
@@ -38,9 +38,9 @@ pub struct Settings {
     pub depth: u32,
     /// Width and height of pictures in pixels, each 1..=[`MAX_SIDE`].
     pub size: [u32; 2],
-    /// The refractive index of bodies that give none, greater than 0.
+    /// The refractive index of bodies that have none of their own, greater than 0.
     pub default_index: f64,
-    /// The session that the window opens where none is named.
+    /// The session that the window opens if none is named.
     pub startup: Location,
     /// The defaults of predefined parameters, the background among them.
     pub defaults: Defaults,
@@ -51,11 +51,11 @@ pub struct Settings {
 /// How the window looks and behaves.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WindowSettings {
-    /// Its colours.
+    /// The colours.
     pub theme: Theme,
-    /// How large widgets are drawn, within [`SCALES`].
+    /// The scale of widgets, within [`SCALES`].
     pub scale: f32,
-    /// Whether a formula or scene is applied while it is typed, as soon as it is sound.
+    /// Whether a formula or scene is applied while the user types, whenever it has no errors.
     pub apply_as_you_type: bool,
     /// Whether the log is shown.
     pub log: bool,
@@ -66,7 +66,7 @@ pub struct WindowSettings {
 /// Whether a window is light or dark.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Theme {
-    /// As the system has it; dark where it does not say.
+    /// As in the system; dark if the system does not say.
     System,
     /// Light on dark.
     Dark,
@@ -78,7 +78,7 @@ impl Theme {
     /// Every theme.
     pub const ALL: [Theme; 3] = [Theme::System, Theme::Dark, Theme::Light];
 
-    /// As the file and menus call it.
+    /// The name in the file and in menus.
     pub fn name(self) -> &'static str {
         match self {
             Theme::System => "system",
@@ -87,7 +87,7 @@ impl Theme {
         }
     }
 
-    /// Whether to draw dark, given whether the system is, if it says.
+    /// Whether to draw dark. `system` is whether the system is dark, if it says so.
     pub fn is_dark(self, system: Option<bool>) -> bool {
         match self {
             Theme::System => system.unwrap_or(true),
@@ -100,17 +100,18 @@ impl Theme {
 /// The defaults of predefined parameters, each within its range.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Defaults {
-    /// In the order of the table of predefined parameters; a scalar is the first component.
+    /// In the order of the table of predefined parameters. A scalar uses the first component.
     values: [[f32; 3]; Predefined::ALL.len()],
 }
 
 impl Defaults {
-    /// One number, or three.
+    /// The default of a parameter: one number or three.
     pub fn of(&self, parameter: Predefined) -> &[f32] {
         &self.values[parameter as usize][..parameter.default().len()]
     }
 
-    /// Sets a default to the nearest value within range; a scalar is the first component. What is no number leaves it.
+    /// Sets a default to the nearest value within range. A scalar uses the first component. A component that is NaN
+    /// stays unchanged.
     pub fn set(&mut self, parameter: Predefined, value: [f32; 3]) {
         let [low, high] = PREDEFINED_RANGE;
         let kept = &mut self.values[parameter as usize];
@@ -141,7 +142,7 @@ impl Default for WindowSettings {
 
 impl Default for Settings {
     fn default() -> Self {
-        // A session that says nothing and settings that say nothing mean the same picture.
+        // A session without settings and the default settings give the same picture.
         let PictureSettings { size, depth, shadows, default_index, srgb: _ } = PictureSettings::default();
         Self {
             shadows,
@@ -156,45 +157,46 @@ impl Default for Settings {
 }
 
 impl Settings {
-    /// Reads settings as far as they are sound: what is wrong is told, and as by default or the nearest that is right. A file of
-    /// another version says nothing. A path is as written: see [`Location::from_folder`].
+    /// Parses settings as far as they have no errors. A value with an error becomes its default; one out of range
+    /// becomes the nearest within it. Of a file of another version everything is default. Paths stay as written: see
+    /// [`Location::from_folder`].
     pub fn parse(source: &Source) -> (Settings, Diagnostics) {
         let found = read::read(source);
         (found.settings, found.diagnostics)
     }
 
-    /// The settings as a file has them. What is out of range is written as the nearest that is within.
+    /// The settings as the text of a file. Values out of range become the nearest within it.
     ///
     /// # Errors
-    /// The path of the startup session is no UTF-8 text.
+    /// The path of the startup session is not UTF-8.
     pub fn to_toml(&self) -> Result<String, Diagnostic> {
-        save::to_toml(self, &read::Others::default())
+        save::to_toml(self, &read::UnknownKeys::default())
     }
 
-    /// How the picture of a new session is made.
+    /// How a new session makes its picture.
     pub fn picture(&self) -> PictureSettings {
         let Settings { shadows, depth, size, default_index, .. } = self.within_ranges();
         PictureSettings { size, depth, shadows, default_index, srgb: false }
     }
 
-    /// The values of a new session that are other than the language's own defaults, for every owner that has them. Left out are
-    /// those that owners cannot have: what follows from others, and weights of rays that a body never sends.
-    pub fn initial_values(&self, roster: &Roster) -> Vec<Assignment> {
+    /// The values of a new session that differ from the defaults of the language, for every owner. Left out are values
+    /// that follow from others, and the weights of rays that a body never sends.
+    pub fn initial_values(&self, table: &ParameterTable) -> Vec<Assignment> {
         let mut assignments = Vec::new();
         for &predefined in Predefined::ALL {
-            let Some(parameter) = roster.parameter_named(predefined.name()) else { continue };
+            let Some(parameter) = table.parameter_named(predefined.name()) else { continue };
             let kind = predefined.owner();
-            if self.defaults.of(predefined) == predefined.default() || roster.system(kind).is_locked(parameter) {
+            if self.defaults.of(predefined) == predefined.default() || table.system(kind).is_locked(parameter) {
                 continue;
             }
             let value = self.defaults.values[predefined as usize];
-            let owners = roster.owners().of_kind(kind).filter(|owner| roster.fixed(*owner, parameter).is_none());
+            let owners = table.owners().of_kind(kind).filter(|owner| table.fixed(*owner, parameter).is_none());
             assignments.extend(owners.map(|owner| Assignment { owner, parameter, value }));
         }
         assignments
     }
 
-    /// The same with everything within its range.
+    /// The same settings, with everything within its range.
     #[must_use]
     pub fn within_ranges(&self) -> Settings {
         let usual = Settings::default();
@@ -214,7 +216,7 @@ impl Settings {
     }
 }
 
-/// Whether this may be a refractive index, in files too.
+/// Whether a number can be a refractive index.
 fn is_index(number: f64) -> bool {
     number > 0.0 && (number as f32).is_finite()
 }

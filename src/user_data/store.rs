@@ -1,4 +1,4 @@
-//! What all files of user data share: making their folder, and saying why they cannot be written.
+//! What all files of user data need: creating their folder, and errors for files that cannot be written.
 
 use crate::files::reason;
 use crate::lang::diagnostic::Diagnostic;
@@ -7,8 +7,8 @@ use std::fs::DirBuilder;
 use std::io::{self, ErrorKind};
 use std::path::Path;
 
-/// Makes a folder that only its user can look into, with those above it; one that is there stays as it is.
-pub(super) fn make_folder(path: &Path) -> io::Result<()> {
+/// Creates a folder that only its user can look into, with its parents. An existing folder stays as it is.
+pub(super) fn create_folder(path: &Path) -> io::Result<()> {
     let mut builder = DirBuilder::new();
     builder.recursive(true);
     #[cfg(unix)]
@@ -16,18 +16,18 @@ pub(super) fn make_folder(path: &Path) -> io::Result<()> {
     builder.create(path)
 }
 
-/// The error that something cannot be kept in a file, with what can be done about it.
-pub(super) fn cannot_keep(what: &str, path: &Path, error: &io::Error) -> Diagnostic {
+/// The error that something cannot be saved in a file, with a hint at what helps.
+pub(super) fn cannot_save(what: &str, path: &Path, error: &io::Error) -> Diagnostic {
     let name = path.display();
     let folder = path.parent().unwrap_or(path).display();
-    let diagnostic = Diagnostic::error(format!("cannot keep {what} in `{name}`: {}", reason(error)));
+    let diagnostic = Diagnostic::error(format!("cannot save {what} in `{name}`: {}", reason(error)));
     let kind = error.kind();
     if matches!(kind, ErrorKind::StorageFull | ErrorKind::QuotaExceeded) {
-        diagnostic.help("what was kept there before is unharmed; make room")
+        diagnostic.help("what was saved there before is unchanged; free some space")
     } else if matches!(kind, ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem) {
         diagnostic.help(format!("make `{folder}` writable, or name another folder in `{HOME_VARIABLE}`"))
     } else {
-        diagnostic.help(format!("see that `{folder}` is a folder, or name another in `{HOME_VARIABLE}`"))
+        diagnostic.help(format!("make sure that `{folder}` is a folder, or name another one in `{HOME_VARIABLE}`"))
     }
 }
 
@@ -41,22 +41,22 @@ mod tests {
         use std::os::unix::fs::PermissionsExt;
         let home = tempfile::tempdir().unwrap();
         let folder = home.path().join("a/b");
-        make_folder(&folder).unwrap();
-        make_folder(&folder).unwrap();
+        create_folder(&folder).unwrap();
+        create_folder(&folder).unwrap();
         assert_eq!(std::fs::metadata(&folder).unwrap().permissions().mode() & 0o777, 0o700);
     }
 
     #[test]
     fn errors_say_what_helps() {
         let text = |kind: ErrorKind| {
-            let error = cannot_keep("the settings", Path::new("/c/settings.toml"), &kind.into());
+            let error = cannot_save("the settings", Path::new("/c/settings.toml"), &kind.into());
             format!("{}; {}", error.message(), error.hints().join(" "))
         };
         assert_eq!(
             text(ErrorKind::StorageFull),
-            "cannot keep the settings in `/c/settings.toml`: the disk is full; what was kept there before is unharmed; make room"
+            "cannot save the settings in `/c/settings.toml`: the disk is full; what was saved there before is unchanged; free some space"
         );
         assert!(text(ErrorKind::PermissionDenied).contains("make `/c` writable"));
-        assert!(text(ErrorKind::NotADirectory).contains("see that `/c` is a folder"));
+        assert!(text(ErrorKind::NotADirectory).contains("make sure that `/c` is a folder"));
     }
 }

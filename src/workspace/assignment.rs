@@ -1,4 +1,4 @@
-//! Values as users give them by name, `ball.kd=0.3`, and as numbers for owners and parameters that exist.
+//! Values for parameters: by name, as in `ball.kd=0.3`, and resolved to an owner and a parameter of a formula on a scene.
 
 use crate::formula::ParameterId;
 use crate::lang::ast::Constant;
@@ -6,7 +6,7 @@ use crate::lang::diagnostic::{Diagnostic, nearest};
 use crate::lang::source::Span;
 use crate::lang::variables::Owner;
 use crate::workspace::owner::OwnerId;
-use crate::workspace::roster::Roster;
+use crate::workspace::parameter_table::ParameterTable;
 use std::fmt;
 use std::str::FromStr;
 
@@ -17,32 +17,32 @@ pub struct Assignment {
     pub owner: OwnerId,
     /// The parameter.
     pub parameter: ParameterId,
-    /// The value; a scalar is the first component.
+    /// The value. A scalar uses the first component.
     pub value: [f32; 3],
 }
 
 impl Assignment {
-    /// What a file's value for a parameter of this name, which stands at `place` there, means for an owner.
+    /// Resolves a value that a file has for a parameter of an owner. `span` is the parameter's name in the file.
     ///
     /// # Errors
-    /// The warning that there is no such parameter, or that it is of the other type.
+    /// A warning: the formula has no such parameter, or it has the other type.
     pub(super) fn by_name(
-        roster: &Roster,
+        table: &ParameterTable,
         owner: OwnerId,
         name: &str,
         value: Constant,
-        place: Span,
+        span: Span,
     ) -> Result<Assignment, Diagnostic> {
-        let known = roster.parameter_named(name).filter(|id| roster.parameter(*id).owner == owner.kind());
+        let known = table.parameter_named(name).filter(|id| table.parameter(*id).owner == owner.kind());
         let Some(parameter) = known else {
             let adjective = owner.kind().adjective();
-            return Err(Diagnostic::warning(format!("the formula has no {adjective} parameter `{name}`; its value is left out"))
-                .at(place, "not in the formula"));
+            return Err(Diagnostic::warning(format!("the formula has no {adjective} parameter `{name}`; its value is ignored"))
+                .at(span, "not in the formula"));
         };
-        let ty = roster.parameter(parameter).ty;
+        let ty = table.parameter(parameter).ty;
         if ty != value.ty() {
-            let message = format!("`{name}` is {} in the formula; this value is left out", ty.with_article());
-            return Err(Diagnostic::warning(message).at(place, format!("{} here", value.ty().with_article())));
+            let message = format!("`{name}` is {} in the formula; this value is ignored", ty.with_article());
+            return Err(Diagnostic::warning(message).at(span, format!("{} here", value.ty().with_article())));
         }
         let mut numbers = [0.0; 3];
         value.components().iter().zip(&mut numbers).for_each(|(from, to)| *to = *from);
@@ -50,35 +50,35 @@ impl Assignment {
     }
 }
 
-/// Whose parameter a setting means.
+/// Target parameter a setting means.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Whose {
-    /// `ka=…`: the scene's.
+pub enum Target {
+    /// `ka=…`: the scene.
     Scene,
-    /// `*.kd=…`: that of every body and light that has it.
+    /// `*.kd=…`: every body and light that has the parameter.
     All,
-    /// `ball.kd=…`: that of the body or light of this name.
+    /// `ball.kd=…`: the body or light of this name.
     Named(String),
 }
 
-/// A value by names, as in `ball.kd=0.3`, `key.IL=<1, 0.9, 0.8>`, `ka=0.1` or `*.Cd=#ff8000`.
+/// A value by name, as in `ball.kd=0.3`, `key.IL=<1, 0.9, 0.8>`, `ka=0.1` or `*.Cd=#ff8000`.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Setting {
-    /// Whose parameter.
-    pub whose: Whose,
+pub struct NamedAssignment {
+    /// Target parameter.
+    pub target: Target,
     /// The parameter's name.
     pub parameter: String,
     /// The value.
     pub value: Constant,
 }
 
-/// What is wrong with a value given by name.
+/// What is wrong with a value by name.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum SettingError {
-    /// It has no `=`, or nothing before it.
+pub enum NamedAssignmentError {
+    /// It has no `=`, or nothing in front of it.
     #[error("`{0}` is not of the form OWNER.PARAMETER=VALUE; write for example `ball.kd=0.3`, `ka=0.1` or `*.kd=0.3`")]
     Form(String),
-    /// The value is no number, vector or colour.
+    /// The value is not a number, vector or colour.
     #[error("`{0}` is not a value; write a number, a vector `<x, y, z>` or a colour `#rrggbb`")]
     Value(String),
     /// There is no body or light of this name.
@@ -86,7 +86,7 @@ pub enum SettingError {
     Owner {
         /// The name.
         name: String,
-        /// The nearest name, or those that exist.
+        /// The nearest name, or the names that exist.
         hint: String,
     },
     /// There is no parameter of this name.
@@ -94,7 +94,7 @@ pub enum SettingError {
     Parameter {
         /// The name.
         name: String,
-        /// The nearest name, or those that exist.
+        /// The nearest name, or the names that exist.
         hint: String,
     },
     /// The parameter belongs to another kind of owner.
@@ -104,67 +104,67 @@ pub enum SettingError {
         name: String,
         /// What it belongs to.
         belongs: &'static str,
-        /// How to write it instead.
+        /// How to write it.
         hint: String,
     },
-    /// The parameter is of the other type.
+    /// The parameter has the other type.
     #[error("`{name}` is {expected}; {hint}")]
     Type {
         /// The parameter's name.
         name: String,
         /// Its type with the article.
         expected: &'static str,
-        /// How to write it instead.
+        /// How to write it.
         hint: &'static str,
     },
 }
 
-impl FromStr for Setting {
-    type Err = SettingError;
+impl FromStr for NamedAssignment {
+    type Err = NamedAssignmentError;
 
-    fn from_str(text: &str) -> Result<Self, SettingError> {
-        let form = || SettingError::Form(text.to_owned());
-        let (target, value) = text.split_once('=').ok_or_else(form)?;
-        let (owner, parameter) = match target.trim().split_once('.') {
+    fn from_str(text: &str) -> Result<Self, NamedAssignmentError> {
+        let form = || NamedAssignmentError::Form(text.to_owned());
+        let (name, value) = text.split_once('=').ok_or_else(form)?;
+        let (owner, parameter) = match name.trim().split_once('.') {
             Some((owner, parameter)) => (Some(owner.trim()), parameter.trim()),
-            None => (None, target.trim()),
+            None => (None, name.trim()),
         };
         let is_name = |name: &str| !name.is_empty() && !name.contains(|c: char| c.is_whitespace() || c == '.');
         if !is_name(parameter) || !owner.is_none_or(is_name) {
             return Err(form());
         }
-        let whose = match owner {
-            // No body or light may be called so.
-            None | Some("global") => Whose::Scene,
-            Some("*") => Whose::All,
-            Some(name) => Whose::Named(name.to_owned()),
+        let target = match owner {
+            // No body or light can have this name.
+            None | Some("global") => Target::Scene,
+            Some("*") => Target::All,
+            Some(name) => Target::Named(name.to_owned()),
         };
-        let value = parse_value(value).ok_or_else(|| SettingError::Value(value.trim().to_owned()))?;
-        Ok(Setting { whose, parameter: parameter.to_owned(), value })
+        let value = parse_value(value).ok_or_else(|| NamedAssignmentError::Value(value.trim().to_owned()))?;
+        Ok(NamedAssignment { target, parameter: parameter.to_owned(), value })
     }
 }
 
-impl Setting {
-    /// The assignments that this means for a formula on a scene: one, or with `*` one for each body and light that has the
+impl NamedAssignment {
+    /// Resolves the names for a formula on a scene: to one assignment, or with `*` to one for each body and light that has the
     /// parameter.
     ///
     /// # Errors
-    /// Unknown names, with the nearest known ones; a parameter of another kind of owner or of the other type.
-    pub fn resolve(&self, roster: &Roster) -> Result<Vec<Assignment>, SettingError> {
-        let owner = match &self.whose {
-            Whose::Scene => Some(OwnerId::Global),
-            Whose::All => None,
-            Whose::Named(name) => Some(roster.owners().named(name).ok_or_else(|| unknown_owner(name, roster))?),
+    /// A name is unknown, the parameter belongs to another kind of owner, or it has the other type.
+    pub fn resolve(&self, table: &ParameterTable) -> Result<Vec<Assignment>, NamedAssignmentError> {
+        let owner = match &self.target {
+            Target::Scene => Some(OwnerId::Global),
+            Target::All => None,
+            Target::Named(name) => Some(table.owners().named(name).ok_or_else(|| unknown_owner(name, table))?),
         };
-        let id = roster.parameter_named(&self.parameter).ok_or_else(|| unknown_parameter(&self.parameter, owner, roster))?;
-        let parameter = roster.parameter(id);
+        let id = table.parameter_named(&self.parameter).ok_or_else(|| unknown_parameter(&self.parameter, owner, table))?;
+        let parameter = table.parameter(id);
         let fits = match owner {
             Some(owner) => owner.kind() == parameter.owner,
             None => parameter.owner != Owner::Global,
         };
         if !fits {
             let name = &parameter.name;
-            return Err(SettingError::Kind {
+            return Err(NamedAssignmentError::Kind {
                 belongs: parameter.owner.adjective(),
                 hint: match parameter.owner {
                     Owner::Global => format!("write `{name}=…`"),
@@ -175,7 +175,7 @@ impl Setting {
             });
         }
         if self.value.ty() != parameter.ty {
-            return Err(SettingError::Type {
+            return Err(NamedAssignmentError::Type {
                 name: parameter.name.clone(),
                 expected: parameter.ty.with_article(),
                 hint: match self.value {
@@ -190,33 +190,33 @@ impl Setting {
         };
         let owners: Vec<OwnerId> = match owner {
             Some(owner) => vec![owner],
-            None => roster.owners().of_kind(parameter.owner).collect(),
+            None => table.owners().of_kind(parameter.owner).collect(),
         };
         Ok(owners.into_iter().map(|owner| Assignment { owner, parameter: id, value }).collect())
     }
 }
 
-fn unknown_owner(name: &str, roster: &Roster) -> SettingError {
-    let names: Vec<&str> = roster.owners().names().collect();
-    SettingError::Owner { name: name.to_owned(), hint: hint(name, &names) }
+fn unknown_owner(name: &str, table: &ParameterTable) -> NamedAssignmentError {
+    let names: Vec<&str> = table.owners().names().collect();
+    NamedAssignmentError::Owner { name: name.to_owned(), hint: hint(name, &names) }
 }
 
-fn unknown_parameter(name: &str, owner: Option<OwnerId>, roster: &Roster) -> SettingError {
+fn unknown_parameter(name: &str, owner: Option<OwnerId>, table: &ParameterTable) -> NamedAssignmentError {
     let kinds: Vec<Owner> = match owner {
         Some(owner) => vec![owner.kind()],
         None => vec![Owner::Body, Owner::Light],
     };
     let names: Vec<&str> = kinds
         .into_iter()
-        .flat_map(|kind| roster.parameters_of(kind).collect::<Vec<_>>())
-        .map(|id| roster.parameter(id).name.as_str())
+        .flat_map(|kind| table.parameters_of(kind).collect::<Vec<_>>())
+        .map(|id| table.parameter(id).name.as_str())
         .collect();
-    SettingError::Parameter { name: name.to_owned(), hint: hint(name, &names) }
+    NamedAssignmentError::Parameter { name: name.to_owned(), hint: hint(name, &names) }
 }
 
-/// The nearest of the known names; where none is near, all of them, if they are few.
+/// A hint to the nearest of the known names; if none is near, a list of them.
 pub(super) fn hint(name: &str, known: &[&str]) -> String {
-    /// More names than this say nothing in a message.
+    /// A message with more names is not read.
     const FEW: usize = 12;
     match nearest(name, known.iter().copied()) {
         Some(near) => format!("; did you mean `{near}`?"),
@@ -246,19 +246,19 @@ fn parse_colour(text: &str) -> Option<[f32; 3]> {
 /// A number as the languages write it, with an optional sign.
 fn parse_number(text: &str) -> Option<f32> {
     let text = text.trim();
-    // What Rust reads beyond that are `inf`, `nan` and the like.
+    // Rust also parses `inf`, `nan` and the like.
     let digits = text.bytes().all(|byte| byte.is_ascii_digit() || b"+-.eE".contains(&byte));
-    // A number beyond the largest is the largest: whoever takes it clamps it to the range of the parameter.
+    // A number that is too large becomes the largest one, which is clamped to the range of the parameter later.
     text.parse().ok().filter(|number: &f32| digits && !number.is_nan()).map(|number: f32| number.clamp(f32::MIN, f32::MAX))
 }
 
-impl fmt::Display for Setting {
+impl fmt::Display for NamedAssignment {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let value = crate::workspace::warning::show(self.value.components());
-        match &self.whose {
-            Whose::Scene => write!(f, "{}={value}", self.parameter),
-            Whose::All => write!(f, "*.{}={value}", self.parameter),
-            Whose::Named(name) => write!(f, "{name}.{}={value}", self.parameter),
+        match &self.target {
+            Target::Scene => write!(f, "{}={value}", self.parameter),
+            Target::All => write!(f, "*.{}={value}", self.parameter),
+            Target::Named(name) => write!(f, "{name}.{}={value}", self.parameter),
         }
     }
 }
@@ -268,8 +268,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn settings_are_read() {
-        let read = |text: &str| text.parse::<Setting>().map(|setting| setting.to_string());
+    fn named_assignments_are_parsed() {
+        let read = |text: &str| text.parse::<NamedAssignment>().map(|setting| setting.to_string());
         assert_eq!(read("ball.kd=0.3").as_deref(), Ok("ball.kd=0.3"));
         assert_eq!(read(" key . IL = < 1 , .9, 8e-1 > ").as_deref(), Ok("key.IL=<1, 0.9, 0.8>"));
         assert_eq!(read("ka=-0.1").as_deref(), Ok("ka=-0.1"));
@@ -278,12 +278,12 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_setting_is_told() {
+    fn wrong_forms_and_values_are_reported() {
         for text in ["kd", "=1", "ball.=1", ".kd=1", "a.b.c=1", ""] {
-            assert!(matches!(text.parse::<Setting>(), Err(SettingError::Form(_))), "{text}");
+            assert!(matches!(text.parse::<NamedAssignment>(), Err(NamedAssignmentError::Form(_))), "{text}");
         }
         for text in ["a=", "a=x", "a=inf", "a=NaN", "a=<1,2>", "a=<1,2,3", "a=<1,2,3,4>", "a=#12345", "a=#12345é"] {
-            assert!(matches!(text.parse::<Setting>(), Err(SettingError::Value(_))), "{text}");
+            assert!(matches!(text.parse::<NamedAssignment>(), Err(NamedAssignmentError::Value(_))), "{text}");
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Where a text is, a file or a built-in file, and how it is read.
+//! Locations of texts, files or built-in files, and reading them.
 
 use crate::files::{FileType, OpenError, Readable, open, reason};
 use crate::lang::diagnostic::{Diagnostic, nearest};
@@ -11,20 +11,20 @@ use std::fs;
 use std::io::{self, ErrorKind, Read};
 use std::path::{Component, Path, PathBuf};
 
-/// What names a built-in file.
+/// The prefix of the names of built-in files.
 const PRESET: &str = "preset:";
 
-/// Where a text is: built in, or a file.
+/// Where a text is: in a file, or built in.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Location {
-    /// A built-in file by name.
+    /// A built-in file, by name.
     Preset(String),
-    /// A file, its path relative to the working directory or absolute.
+    /// A file. The path is relative to the working directory, or absolute.
     File(PathBuf),
 }
 
 impl Location {
-    /// The location that a user's text means: `preset:NAME` or a path.
+    /// The location that a user's text names: `preset:NAME` or a path.
     pub fn new(text: impl AsRef<OsStr>) -> Self {
         let text = text.as_ref();
         match text.to_str().and_then(|text| text.strip_prefix(PRESET)) {
@@ -33,7 +33,7 @@ impl Location {
         }
     }
 
-    /// The path of a file; none of a built-in one.
+    /// The path of a file; `None` for a built-in file.
     pub fn file(&self) -> Option<&Path> {
         match self {
             Location::File(path) => Some(path),
@@ -41,7 +41,7 @@ impl Location {
         }
     }
 
-    /// The same where a relative path is meant from `folder`.
+    /// The same location, with a relative path taken from `folder`.
     #[must_use]
     pub fn from_folder(self, folder: &Path) -> Self {
         match self {
@@ -50,8 +50,8 @@ impl Location {
         }
     }
 
-    /// How this location is written in a file in `folder`: relative to it where possible.
-    pub fn seen_from(&self, folder: &Path) -> String {
+    /// How a file in `folder` names this location: with a relative path if there is one.
+    pub fn relative_to(&self, folder: &Path) -> String {
         match self {
             Location::Preset(name) => format!("{PRESET}{name}"),
             Location::File(path) => relative(path, folder).unwrap_or_else(|| path.clone()).display().to_string(),
@@ -61,8 +61,8 @@ impl Location {
     /// Reads the text.
     ///
     /// # Errors
-    /// There is no such file or built-in file of this kind; it cannot be read, is not of an allowed file type, is larger than
-    /// [`MAX_BYTES`], or is not UTF-8.
+    /// There is no such file or built-in file of this kind; it cannot be read, is not of an allowed file type, is
+    /// larger than [`MAX_BYTES`], or is not UTF-8.
     pub fn read(&self, kind: FileKind, readable: Readable) -> Result<Source, Diagnostic> {
         match self {
             Location::Preset(name) => match presets::text(kind, name) {
@@ -83,7 +83,7 @@ impl fmt::Display for Location {
     }
 }
 
-/// The error that there is no built-in file of this kind and name, with the nearest.
+/// The error that there is no built-in file of this kind and name, with the nearest name.
 pub(super) fn unknown_preset(kind: FileKind, name: &str) -> Diagnostic {
     let noun = kind.noun();
     let error = Diagnostic::error(format!("there is no built-in {noun} `{PRESET}{name}`"));
@@ -94,11 +94,11 @@ pub(super) fn unknown_preset(kind: FileKind, name: &str) -> Diagnostic {
     match nearest(name, names.iter().copied()) {
         Some(near) => error.help(format!("did you mean `{PRESET}{near}`?")),
         None if names.is_empty() => error,
-        None => error.help(format!("known are {}", names.join(", "))),
+        None => error.help(format!("the built-in ones are {}", names.join(", "))),
     }
 }
 
-/// Reads a text file that should be of a kind, or of any.
+/// Reads a text file. With a `kind`, messages name it.
 ///
 /// # Errors
 /// There is no such file; it cannot be read, is not of an allowed file type, is larger than [`MAX_BYTES`], or is not UTF-8.
@@ -108,7 +108,7 @@ pub fn read_source(path: &Path, kind: Option<FileKind>, readable: Readable) -> R
         let missing = error.kind() == ErrorKind::NotFound;
         let what = kind.map_or("file", FileKind::noun);
         Diagnostic::error(format!("cannot read the {what} `{name}`: {}", reason(error))).help_if(if missing {
-            namesake(path, kind)
+            similar_file(path, kind)
         } else {
             None
         })
@@ -136,8 +136,8 @@ pub fn read_source(path: &Path, kind: Option<FileKind>, readable: Readable) -> R
     Source::from_bytes(name, bytes)
 }
 
-/// What was likely meant by the path of a file that does not exist.
-fn namesake(path: &Path, kind: Option<FileKind>) -> Option<String> {
+/// A hint at the file that the user may have meant by a path that does not exist.
+fn similar_file(path: &Path, kind: Option<FileKind>) -> Option<String> {
     let name = path.file_name()?.to_str()?;
     let built_in = |kind: FileKind| presets::text(kind, name).is_some();
     if path.components().count() == 1 && kind.map_or_else(|| FileKind::ALL.into_iter().any(built_in), built_in) {
@@ -145,9 +145,9 @@ fn namesake(path: &Path, kind: Option<FileKind>) -> Option<String> {
     }
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let entries = fs::read_dir(folder).ok()?;
-    // Enough to find a slip of the pen; a folder may hold millions.
+    // Enough to find a typing mistake; a folder may hold millions of files.
     let names = entries.take(1000).filter_map(|entry| entry.ok()?.file_name().into_string().ok());
-    // A suffix in common is no likeness.
+    // Files that only have their suffix in common are not alike.
     let stem = Path::new(name).file_stem()?.to_str()?;
     let stems: Vec<String> = names
         .filter(|other| Path::new(other).extension() == path.extension())
@@ -159,7 +159,7 @@ fn namesake(path: &Path, kind: Option<FileKind>) -> Option<String> {
     Some(format!("did you mean `{}`?", other.display()))
 }
 
-/// The path from `folder` to a file, where both exist.
+/// The relative path from `folder` to a file. Both must exist.
 fn relative(path: &Path, folder: &Path) -> Option<PathBuf> {
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     let (path, folder) = (path.canonicalize().ok()?, folder.canonicalize().ok()?);
@@ -177,7 +177,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_cannot_be_read_is_told() {
+    fn what_cannot_be_read_is_reported() {
         let folder = tempfile::tempdir().unwrap();
         let path = |name: &str| folder.path().join(name);
         let message = |location: Location| {
@@ -204,13 +204,13 @@ mod tests {
     }
 
     #[test]
-    fn paths_are_told_relative_to_a_folder() {
+    fn paths_are_reported_relative_to_a_folder() {
         let folder = tempfile::tempdir().unwrap();
         fs::create_dir_all(folder.path().join("a/b")).unwrap();
         fs::write(folder.path().join("f.txt"), "").unwrap();
         let location = Location::File(folder.path().join("f.txt"));
-        assert_eq!(Path::new(&location.seen_from(&folder.path().join("a/b"))), Path::new("../../f.txt"));
-        assert_eq!(location.seen_from(folder.path()), "f.txt");
-        assert_eq!(Location::new("preset:glass").seen_from(folder.path()), "preset:glass");
+        assert_eq!(Path::new(&location.relative_to(&folder.path().join("a/b"))), Path::new("../../f.txt"));
+        assert_eq!(location.relative_to(folder.path()), "f.txt");
+        assert_eq!(Location::new("preset:glass").relative_to(folder.path()), "preset:glass");
     }
 }

@@ -1,14 +1,15 @@
-//! Materials: named sets of body parameter values, kept in the library that a formula's `#uses` names (thesis 8.2.1).
+//! Materials: named sets of body parameter values, in the library that a formula names with `#uses` (thesis 8.2.1).
 //!
-//! A library names parameters; whether they exist is seen only when a material meets a formula. [`Library`] is the contents of one
-//! file, [`Place`] says where a formula's materials are, [`Shelf`] is what a user sees of them: what is built in, with what was
-//! saved on top. What values become on a body is decided by [`Values`].
+//! A library names parameters. Whether they exist is only known for a material together with a formula. [`Library`]
+//! holds the contents of one file, [`LibraryLocation`] says where the materials of a formula are, and [`Materials`]
+//! has all materials of a formula: the built-in ones, overlaid with those that the user saved. [`Values`] decides what
+//! the values of a body become.
 
-mod choice;
-mod place;
+mod assignment;
+mod library_location;
+mod overlay;
 mod read;
 mod save;
-mod shelf;
 
 use crate::lang::ast::Constant;
 use crate::lang::diagnostic::Diagnostics;
@@ -17,46 +18,46 @@ use crate::lang::variables::Owner;
 use crate::scene::BodyId;
 use crate::workspace::assignment::{Assignment, hint};
 use crate::workspace::owner::OwnerId;
-use crate::workspace::roster::Roster;
+use crate::workspace::parameter_table::ParameterTable;
 use crate::workspace::spanned_toml::VERSION_KEY;
 use crate::workspace::values::Values;
 use std::io;
 use std::path::Path;
 
-pub use choice::{Bodies, Choice, ChoiceError};
-pub use place::Place;
-pub use shelf::{Findings, Shelf};
+pub use assignment::{BodySelection, MaterialAssignment, MaterialAssignmentError};
+pub use library_location::LibraryLocation;
+pub use overlay::{Materials, SourceDiagnostics};
 
 /// A value of a material, by name.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Property {
-    /// Of which parameter.
+    /// The parameter.
     pub parameter: String,
     /// The value.
     pub value: Constant,
-    /// Where the parameter is named in the library's text; an empty place where it has none.
+    /// Where the library's text names the parameter; empty if there is no text.
     pub span: Span,
 }
 
-/// A named set of body parameter values. Its name is one that a library can hold.
+/// A named set of body parameter values. The name is one that a library can hold.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Material {
     name: String,
-    /// Its values, in the order of the file.
+    /// The values, in the order of the file.
     pub properties: Vec<Property>,
 }
 
-/// Why a text cannot name a material.
+/// Why a text cannot be the name of a material.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum NameError {
-    /// It is empty, or nothing but white space.
+    /// It is empty, or only white space.
     #[error("a material needs a name")]
     Empty,
-    /// Libraries have a key of this name already.
-    #[error("no material can be called `version`: material libraries say so which version they are of")]
+    /// Libraries use this key for something else.
+    #[error("`version` cannot be the name of a material: in a library it is the key of the version")]
     Reserved,
-    /// It has line breaks or the like, or white space around it.
-    #[error("the name of a material is one line without blanks around it")]
+    /// It has line breaks or other control characters, or white space around it.
+    #[error("the name of a material must be one line, without spaces at its ends")]
     Form,
 }
 
@@ -64,7 +65,7 @@ impl Material {
     /// A material without values.
     ///
     /// # Errors
-    /// What cannot be its name.
+    /// The text cannot be a name.
     pub fn new(name: impl Into<String>) -> Result<Material, NameError> {
         let name = name.into();
         if name.trim().is_empty() {
@@ -78,40 +79,42 @@ impl Material {
         }
     }
 
-    /// A material of all values that a body has at present; without values where the scene has no such body.
+    /// A material with all values that a body has now; without values if the scene has no such body.
     ///
     /// # Errors
-    /// What cannot be its name.
+    /// The text cannot be a name.
     pub fn of_body(name: impl Into<String>, values: &Values, body: BodyId) -> Result<Material, NameError> {
         let mut material = Material::new(name)?;
-        let roster = values.roster();
-        for id in roster.parameters_of(Owner::Body) {
-            let value = match values.as_material(OwnerId::Body(body), id) {
+        let table = values.table();
+        for id in table.parameters_of(Owner::Body) {
+            let value = match values.material_value(OwnerId::Body(body), id) {
                 [] => continue,
                 [x, y, z] => Constant::Vector([*x, *y, *z]),
                 [number, ..] => Constant::Scalar(*number),
             };
-            let parameter = roster.parameter(id).name.clone();
+            let parameter = table.parameter(id).name.clone();
             material.properties.push(Property { parameter, value, span: Span::default() });
         }
         Ok(material)
     }
 
-    /// Its name.
+    /// The name.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// What [`Values::assign`] takes to give the material to a body; with it a warning for each value that has no place in the
-    /// formula, which is said of the library's text. Values that the material does not have stay as they are.
-    pub fn assignments(&self, roster: &Roster, body: BodyId) -> (Vec<Assignment>, Diagnostics) {
+    /// The assignments for [`Values::assign`] that give the material to a body, and a warning for each value that does
+    /// not fit the formula. The warnings refer to the library's text. Values that the material does not have stay
+    /// unchanged.
+    pub fn assignments(&self, table: &ParameterTable, body: BodyId) -> (Vec<Assignment>, Diagnostics) {
         let owner = OwnerId::Body(body);
         let mut assignments = Vec::new();
         let mut warnings = Diagnostics::new();
         for Property { parameter, value, span } in &self.properties {
-            match Assignment::by_name(roster, owner, parameter, *value, *span) {
-                // What follows from others and counts for nothing on this body is no news in a material.
-                Ok(given) if is_idle(roster, given) => {}
+            match Assignment::by_name(table, owner, parameter, *value, *span) {
+                // It is expected of a material that it has values which follow from others and have no effect on this
+                // body.
+                Ok(given) if is_idle(table, given) => {}
                 Ok(given) => assignments.push(given),
                 Err(warning) => warnings.push(warning),
             }
@@ -120,21 +123,21 @@ impl Material {
     }
 }
 
-fn is_idle(roster: &Roster, given: Assignment) -> bool {
-    roster.fixed(given.owner, given.parameter).is_some() && roster.system(Owner::Body).is_locked(given.parameter)
+fn is_idle(table: &ParameterTable, given: Assignment) -> bool {
+    table.fixed(given.owner, given.parameter).is_some() && table.system(Owner::Body).is_locked(given.parameter)
 }
 
-/// The materials of one file, in its order. No two have the same name.
+/// The materials of one file, in the order of the file. No two have the same name.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Library {
     materials: Vec<Material>,
 }
 
 impl Library {
-    /// Reads a library; with it come the warnings.
+    /// Parses a library. Returns it with warnings.
     ///
     /// # Errors
-    /// Everything wrong with the text that can be found in one go, warnings among it.
+    /// The errors of the text, as many as can be found at once, and the warnings.
     pub fn parse(source: &Source) -> Result<(Library, Diagnostics), Diagnostics> {
         read::parse(source)
     }
@@ -142,30 +145,30 @@ impl Library {
     /// The library as text.
     ///
     /// # Errors
-    /// Never for libraries that were read or made from values: names and finite numbers can all be written in TOML.
+    /// None for libraries that were parsed or made from values: TOML can hold their names and numbers.
     pub fn to_toml(&self) -> Result<String, toml::ser::Error> {
         save::to_toml(self)
     }
 
-    /// Writes the library to a file, whole or not at all; folders that are missing on the way are made.
+    /// Writes the library to a file, whole or not at all. Missing folders are created.
     ///
     /// # Errors
-    /// The file is read-only or cannot be written; what was there before is unharmed.
+    /// The file is read-only or cannot be written. An existing file is then unchanged.
     pub fn save(&self, path: &Path) -> io::Result<()> {
         save::save(self, path)
     }
 
-    /// The materials in their order.
+    /// The materials, in order.
     pub fn iter(&self) -> impl Iterator<Item = &Material> {
         self.materials.iter()
     }
 
-    /// How many there are.
+    /// The number of materials.
     pub fn len(&self) -> usize {
         self.materials.len()
     }
 
-    /// Whether there is none.
+    /// Whether there are no materials.
     pub fn is_empty(&self) -> bool {
         self.materials.is_empty()
     }
@@ -175,7 +178,7 @@ impl Library {
         self.materials.iter().find(|material| material.name == name)
     }
 
-    /// Adds a material at the end, or puts it in the place of the one of the same name, which is handed back.
+    /// Adds a material at the end, or replaces the one of the same name, which is returned.
     pub fn put(&mut self, material: Material) -> Option<Material> {
         match self.materials.iter_mut().find(|known| known.name == material.name) {
             Some(known) => Some(std::mem::replace(known, material)),
@@ -186,23 +189,23 @@ impl Library {
         }
     }
 
-    /// Takes the material of this name out, if there is one.
+    /// Removes the material of this name, if there is one, and returns it.
     pub fn remove(&mut self, name: &str) -> Option<Material> {
         let index = self.materials.iter().position(|material| material.name == name)?;
         Some(self.materials.remove(index))
     }
 }
 
-/// That there is no material of this name among those at a place, with the nearest.
-fn unknown(name: &str, known: &Library, place: &Place) -> String {
+/// The message that there is no material of this name, with the nearest name.
+fn unknown_material(name: &str, known: &Library, location: &LibraryLocation) -> String {
     let names: Vec<&str> = known.iter().map(Material::name).collect();
     let missing = |path: &Path| !path.try_exists().unwrap_or(true);
     let hint = match names.as_slice() {
-        [] if place.file().is_some_and(missing) => "; there is no such file yet".to_owned(),
+        [] if location.file().is_some_and(missing) => "; there is no such file yet".to_owned(),
         [] => "; it holds none".to_owned(),
         names => hint(name, names),
     };
-    format!("there is no material `{name}` in {place}{hint}")
+    format!("there is no material `{name}` in {location}{hint}")
 }
 
 #[cfg(test)]

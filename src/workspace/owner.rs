@@ -1,4 +1,4 @@
-//! Who a parameter value belongs to: the scene, a body or a light, by number and by name.
+//! The owners of parameter values: the scene, the bodies and the lights, by index and by name.
 
 use crate::lang::variables::Owner;
 use crate::scene::{BodyId, LightId, Scene};
@@ -16,7 +16,7 @@ pub enum OwnerId {
 }
 
 impl OwnerId {
-    /// What kind of owner it is.
+    /// The kind of owner.
     pub fn kind(self) -> Owner {
         match self {
             OwnerId::Global => Owner::Global,
@@ -25,7 +25,7 @@ impl OwnerId {
         }
     }
 
-    /// Its place among the owners of its kind.
+    /// The index among the owners of its kind.
     pub fn index(self) -> usize {
         match self {
             OwnerId::Global => 0,
@@ -35,7 +35,7 @@ impl OwnerId {
     }
 }
 
-/// The bodies and lights of a scene by name, with what is fixed for a body, whatever its values.
+/// The bodies and lights of a scene by name, and which bodies are opaque or matte.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Owners {
     bodies: Vec<Body>,
@@ -51,7 +51,7 @@ struct Body {
 }
 
 impl Owners {
-    /// Those of a scene.
+    /// The owners of a scene.
     pub fn new(scene: &Scene) -> Self {
         let body = |body: &crate::scene::Body| Body { name: body.name.clone(), opaque: body.opaque, matte: body.matte };
         let bodies = scene.body_ids().map(|id| (scene.body(id).name.clone(), OwnerId::Body(id)));
@@ -70,7 +70,7 @@ impl Owners {
 
     /// All owners of a kind, in the order of declaration.
     pub fn of_kind(&self, kind: Owner) -> impl Iterator<Item = OwnerId> + use<> {
-        // Scenes have fewer than 2³² bodies and lights: their texts are a few megabytes at most.
+        // A scene has fewer than 2³² bodies and lights, because its text has a few megabytes at most.
         let count = match kind {
             Owner::Global => 1,
             Owner::Body => self.bodies.len(),
@@ -93,7 +93,7 @@ impl Owners {
         self.lights.len()
     }
 
-    /// The name of a body or light; none for the scene, and for what does not exist.
+    /// The name of a body or light; `None` for the scene, and for an owner that does not exist.
     pub fn name(&self, owner: OwnerId) -> Option<&str> {
         match owner {
             OwnerId::Global => None,
@@ -102,7 +102,7 @@ impl Owners {
         }
     }
 
-    /// The body or light of this name: names are unique among both.
+    /// The body or light of this name. No two of them share a name.
     pub fn named(&self, name: &str) -> Option<OwnerId> {
         self.by_name.get(name).copied()
     }
@@ -112,17 +112,17 @@ impl Owners {
         self.bodies.iter().map(|body| body.name.as_str()).chain(self.lights.iter().map(String::as_str))
     }
 
-    /// Whether this is an owner of the scene.
+    /// Whether the scene has this owner.
     pub fn has(&self, owner: OwnerId) -> bool {
         owner == OwnerId::Global || self.name(owner).is_some()
     }
 
-    /// Whether the body never refracts, so that its `kt` is 0.
+    /// Whether this is a body that never refracts, so its `kt` counts as 0.
     pub fn is_opaque(&self, owner: OwnerId) -> bool {
         self.body(owner).is_some_and(|body| body.opaque)
     }
 
-    /// Whether the body never reflects, so that its `kr` is 0.
+    /// Whether this is a body that never reflects, so its `kr` counts as 0.
     pub fn is_matte(&self, owner: OwnerId) -> bool {
         self.body(owner).is_some_and(|body| body.matte)
     }

@@ -1,8 +1,8 @@
-//! The files that are built into the program, so that it works from any folder: `preset:NAME` names them.
+//! The files that are built into the program, so it works from any folder. `preset:NAME` names them.
 
 use crate::workspace::file_kind::FileKind;
 
-/// The session that is opened where none is named.
+/// The session that opens if none is named.
 pub const DEFAULT_SESSION: &str = "default";
 
 macro_rules! files {
@@ -11,7 +11,7 @@ macro_rules! files {
     };
 }
 
-/// Name and text of each, in the order in which they are listed.
+/// The name and the text of each file, in the order of menus and lists.
 const FORMULAS: &[(&str, &str)] =
     files!("formula", "formula": "phong", "phong-thesis", "lambert", "blinn-phong", "strauss", "strauss-thesis");
 const SCENES: &[(&str, &str)] = files!("scene", "scene": "studio", "glass", "highlights", "sunset", "crystals", "dozen");

@@ -1,6 +1,8 @@
-//! Opening what is worked on: a formula on a scene, with values, materials and a view. The command line and the window both open sessions here.
+//! Opening a session: a formula on a scene, with values, materials and a view. The command line and the window both do
+//! it here.
 //!
-//! What is found wrong is told to a [`Listener`] text by text, as diagnostics with their source; how that is shown is the listener's.
+//! Everything that is found wrong is passed to a [`Listener`], text by text, as diagnostics with their source. The
+//! listener decides how it is shown.
 
 use crate::engine::Subject;
 use crate::files::Readable;
@@ -14,19 +16,19 @@ use crate::scene::Scene;
 use crate::trace::{View, ViewError};
 use crate::workspace::FileKind;
 use crate::workspace::assignment::Assignment;
-use crate::workspace::materials::{Choice, Place, Shelf};
-use crate::workspace::session::{Lacking, PictureSettings, Session};
+use crate::workspace::materials::{LibraryLocation, MaterialAssignment, Materials};
+use crate::workspace::session::{MissingTarget, PictureSettings, Session};
 use crate::workspace::{Location, kind_of};
-use crate::workspace::{OwnerId, Roster, Setting, Values};
+use crate::workspace::{NamedAssignment, OwnerId, ParameterTable, Values};
 use std::path::{Path, PathBuf};
 
-/// Bytes that each parameter value takes while it is read, checked and kept.
+/// Bytes that each parameter value needs while it is read, checked and stored.
 const BYTES_PER_NUMBER: u64 = 16;
 
-/// How a library of materials is used.
+/// A hint on how material libraries are used.
 const LIBRARIES: &str = "a formula names its material library with `#uses FILE;`, and `--material BODY=NAME` takes from it";
 
-/// What is open.
+/// An open session.
 #[derive(Debug)]
 pub struct Project {
     /// Where the formula is.
@@ -56,26 +58,26 @@ pub enum SessionText {
     Text(Source, PathBuf),
 }
 
-/// What is to be opened. Without a session, and with both files, every value is its default.
+/// What to open. Without a session, and with both files, every value is its default.
 #[derive(Default)]
 pub struct Request<'r> {
     /// The session.
     pub session: Option<SessionText>,
-    /// A formula in place of the session's.
+    /// A formula to use instead of the session's.
     pub formula: Option<Location>,
-    /// A scene in place of the session's.
+    /// A scene to use instead of the session's.
     pub scene: Option<Location>,
-    /// Texts in place of those in files, for instance unsaved ones.
+    /// Texts to use instead of those in the files, for instance unsaved ones.
     pub texts: Option<&'r dyn Fn(FileKind) -> Option<Source>>,
-    /// The folder that holds what users save for built-in formulas, if there is one.
+    /// The folder for what users save for built-in formulas, if there is one.
     pub data: Option<PathBuf>,
     /// Materials for bodies.
-    pub materials: &'r [Choice],
-    /// Values over those of the session and of materials.
-    pub settings: &'r [Setting],
+    pub materials: &'r [MaterialAssignment],
+    /// Values that override those of the session and of materials.
+    pub set: &'r [NamedAssignment],
     /// Changes the picture settings of the session.
     pub picture: Option<&'r dyn Fn(&mut PictureSettings)>,
-    /// The colour of rays that hit nothing, linear RGB, under the settings.
+    /// The colour of rays that hit nothing, linear RGB. The settings override it.
     pub background: Option<[f32; 3]>,
     /// The memory that parameter values may take, in bytes.
     pub memory: Option<u64>,
@@ -85,7 +87,7 @@ pub struct Request<'r> {
     pub readable: Readable,
 }
 
-/// Is told what is found while something is opened.
+/// Receives what is found while a session is opened.
 pub trait Listener {
     /// Diagnostics of a text; there may be none.
     fn diagnostics(&mut self, diagnostics: &Diagnostics, source: &Source);
@@ -94,14 +96,14 @@ pub trait Listener {
     fn message(&mut self, diagnostic: Diagnostic);
 }
 
-/// Why nothing was opened.
+/// Why a session was not opened.
 #[derive(Debug)]
 pub enum OpenError {
-    /// The listener was told.
-    Told,
-    /// The input is wrong.
+    /// The listener has received the errors.
+    Reported,
+    /// The input has an error.
     Input(Diagnostic),
-    /// What was asked for is wrong: settings or materials that do not fit the formula and the scene.
+    /// The request has an error: values or materials that do not fit the formula and the scene.
     Request(Diagnostic),
 }
 
@@ -121,38 +123,39 @@ pub fn view(picture: &PictureSettings) -> Result<View, ViewError> {
 }
 
 impl Project {
-    /// Opens what is asked for: nothing, unless all of it can be.
+    /// Opens a session, completely or not at all.
     ///
     /// # Errors
-    /// Anything is wrong with the files or the request.
+    /// The files or the request have errors.
     pub fn open(request: &Request, listener: &mut dyn Listener) -> Result<Self, OpenError> {
         let session =
             request.session.as_ref().map(|text| OpenSession::read(text, request.session_readable, listener)).transpose()?;
-        let place = |given: &Option<Location>, own: fn(&Session) -> &Location| {
+        let location_of = |given: &Option<Location>, own: fn(&Session) -> &Location| {
             given.clone().or_else(|| session.as_ref().map(|open| own(&open.session).clone()))
         };
-        let places = (place(&request.formula, |session| &session.formula), place(&request.scene, |session| &session.scene));
-        let (Some(formula_location), Some(scene_location)) = places else {
+        let locations =
+            (location_of(&request.formula, |session| &session.formula), location_of(&request.scene, |session| &session.scene));
+        let (Some(formula_location), Some(scene_location)) = locations else {
             return Err(OpenError::Request(Diagnostic::error("give a formula and a scene, or a session")));
         };
         let read = Read::both(request, &formula_location, &scene_location, listener)?;
         check_numbers(&read, request.memory)?;
-        let shelf = match request.materials {
+        let materials = match request.materials {
             [] => None,
-            _ => Some(open_shelf(&read, &formula_location, request, listener)?),
+            _ => Some(open_materials(&read, &formula_location, request, listener)?),
         };
         let mut picture = session.as_ref().map(|open| open.session.picture).unwrap_or_default();
         if let Some(change) = request.picture {
             change(&mut picture);
         }
-        // What a request changes was looked at when it was read.
+        // Values from a session or a request were checked when they were parsed.
         let view = view(&picture).map_err(|error| Diagnostic::error(error.to_string()))?;
-        let values = values(request, &read, session.as_ref(), shelf.as_ref(), listener)?;
+        let values = values(request, &read, session.as_ref(), materials.as_ref(), listener)?;
         let session_file = request.session.as_ref().and_then(|text| match text {
             SessionText::At(location) => location.file(),
             SessionText::Text(..) => None,
         });
-        let library = shelf.as_ref().and_then(|shelf| shelf.place().file());
+        let library = materials.as_ref().and_then(|materials| materials.location().file());
         let files = [session_file, formula_location.file(), scene_location.file(), library];
         let files = files.into_iter().flatten().map(Path::to_owned).collect();
         let Read { formula_text, formula, scene_text, scene } = read;
@@ -160,12 +163,12 @@ impl Project {
         Ok(Self { formula_location, formula_text, scene_location, scene_text, subject, values, picture, files })
     }
 
-    /// Checks a session: whether the files that it names are sound, and how many warnings were told of its values.
+    /// Checks whether the files that a session names have no errors. Returns how many warnings its values gave.
     pub fn check_session(session: &Session, source: &Source, listener: &mut dyn Listener) -> Result<usize, OpenError> {
         let request = Request { readable: Readable::RegularOrPipe, ..Request::default() };
         let read = Read::both(&request, &session.formula, &session.scene, listener)?;
         let open = OpenSession { session: session.clone(), source: source.clone() };
-        let (given, leftovers) = open.values(&Roster::new(&read.formula, &read.scene), &request, listener);
+        let (given, leftovers) = open.values(&ParameterTable::new(&read.formula, &read.scene), &request, listener);
         let (_, warnings) = Values::new(&read.formula, &read.scene, &given);
         let count = leftovers + warnings.len();
         warnings.iter().for_each(|warning| listener.message(Diagnostic::warning(warning.to_string())));
@@ -182,7 +185,7 @@ struct Read {
 }
 
 impl Read {
-    /// Reads formula and scene; what is wrong with either is told before giving up.
+    /// Reads the formula and the scene. The errors of both are reported.
     fn both(request: &Request, formula: &Location, scene: &Location, listener: &mut dyn Listener) -> Result<Self, OpenError> {
         let formula = read_text(request, formula, FileKind::Formula, Formula::parse, listener);
         let scene = read_text(request, scene, FileKind::Scene, Scene::parse, listener);
@@ -224,7 +227,7 @@ fn read_text<T>(
     Ok((source, parsed))
 }
 
-/// Tells the diagnostics of a text, and returns what it was parsed into if there were no errors.
+/// Reports the diagnostics of a text, and returns what it was parsed into if there were no errors.
 fn accept<T>(
     outcome: Result<(T, Diagnostics), Diagnostics>,
     source: &Source,
@@ -237,7 +240,7 @@ fn accept<T>(
         }
         Err(errors) => {
             listener.diagnostics(&errors, source);
-            Err(OpenError::Told)
+            Err(OpenError::Reported)
         }
     }
 }
@@ -249,7 +252,7 @@ struct OpenSession {
 }
 
 impl OpenSession {
-    /// Reads a session; its paths are then relative to the working directory.
+    /// Reads a session. Its paths become relative to the working directory.
     fn read(text: &SessionText, readable: Readable, listener: &mut dyn Listener) -> Result<Self, OpenError> {
         let (source, folder) = match text {
             SessionText::Text(source, folder) => (source.clone(), Some(folder.clone())),
@@ -260,7 +263,7 @@ impl OpenSession {
                     return Err(OpenError::Input(match kind {
                         FileKind::Material => diagnostic.help(LIBRARIES),
                         FileKind::Formula | FileKind::Scene | FileKind::Session => {
-                            diagnostic.help(format!("give it behind `--{}`", kind.noun()))
+                            diagnostic.help(format!("give it after `--{}`", kind.noun()))
                         }
                     }));
                 }
@@ -276,15 +279,15 @@ impl OpenSession {
         Ok(Self { session, source })
     }
 
-    /// The values that the session has for owners and parameters that exist, and how many warnings were told of others. Where the request
-    /// replaces a file, it is no surprise that some values do not fit the other one.
-    fn values(&self, roster: &Roster, request: &Request, listener: &mut dyn Listener) -> (Vec<Assignment>, usize) {
-        let (assignments, leftovers) = self.session.assignments(roster);
+    /// The values of the session for owners and parameters that exist, and the number of warnings about the others.
+    /// There are no warnings about values that do not fit because the request replaces the formula or the scene.
+    fn values(&self, table: &ParameterTable, request: &Request, listener: &mut dyn Listener) -> (Vec<Assignment>, usize) {
+        let (assignments, leftovers) = self.session.assignments(table);
         let mut warnings = Diagnostics::new();
         for leftover in leftovers {
-            let expected = match leftover.lacking {
-                Lacking::Owner => request.scene.is_some(),
-                Lacking::Parameter => request.formula.is_some(),
+            let expected = match leftover.missing {
+                MissingTarget::Owner => request.scene.is_some(),
+                MissingTarget::Parameter => request.formula.is_some(),
             };
             if !expected {
                 warnings.push(leftover.warning);
@@ -295,14 +298,13 @@ impl OpenSession {
     }
 }
 
-/// Checks that the values of all parameters fit the memory.
+/// Checks that the values of all parameters fit into the memory.
 fn check_numbers(read: &Read, memory: Option<u64>) -> Result<(), OpenError> {
     let numbers = Layout::new(&read.formula, read.scene.bodies.len(), read.scene.lights.len()).len() as u64;
     if numbers.saturating_mul(BYTES_PER_NUMBER) <= memory.unwrap_or(u64::MAX) {
         return Ok(());
     }
-    let message =
-        format!("{numbers} parameter values, those of all bodies and lights together, take more memory than may be used");
+    let message = format!("{numbers} parameter values of all bodies and lights take more memory than is allowed");
     Err(Diagnostic::error(message).help("`--memory SIZE` allows more").into())
 }
 
@@ -311,21 +313,21 @@ fn values(
     request: &Request,
     read: &Read,
     session: Option<&OpenSession>,
-    shelf: Option<&Shelf>,
+    materials: Option<&Materials>,
     listener: &mut dyn Listener,
 ) -> Result<Values, OpenError> {
     let Read { formula, scene, .. } = read;
-    let roster = Roster::new(formula, scene);
-    let mut set = match shelf {
-        Some(shelf) => material_values(request.materials, shelf, &roster, listener)?,
+    let table = ParameterTable::new(formula, scene);
+    let mut set = match materials {
+        Some(materials) => material_values(request.materials, materials, &table, listener)?,
         None => Vec::new(),
     };
     let background = formula.predefined(Predefined::Background);
     set.extend(request.background.map(|value| Assignment { owner: OwnerId::Global, parameter: background, value }));
-    set.extend(set_values(request.settings, &roster, listener)?);
-    let kept = session.map_or_else(Vec::new, |open| open.values(&roster, request, listener).0);
+    set.extend(set_values(request.set, &table, listener)?);
+    let kept = session.map_or_else(Vec::new, |open| open.values(&table, request, listener).0);
     let (values, warnings) = if request.formula.is_some() || request.scene.is_some() {
-        let (mut values, mut warnings) = Values::keeping(formula, scene, &kept);
+        let (mut values, mut warnings) = Values::carried_over(formula, scene, &kept);
         warnings.extend(values.assign(&set));
         (values, warnings)
     } else {
@@ -335,75 +337,90 @@ fn values(
     Ok(values)
 }
 
-/// The values of the materials that bodies are given.
+/// The values of the materials for bodies.
 fn material_values(
-    materials: &[Choice],
-    shelf: &Shelf,
-    roster: &Roster,
+    given: &[MaterialAssignment],
+    materials: &Materials,
+    table: &ParameterTable,
     listener: &mut dyn Listener,
 ) -> Result<Vec<Assignment>, OpenError> {
     let (mut assignments, mut errors) = (Vec::new(), Vec::new());
-    for choice in materials {
-        match choice.resolve(shelf, roster) {
-            Ok((given, warnings)) => {
-                listener.diagnostics(&warnings, shelf.source_of(&choice.material));
-                assignments.extend(given);
+    for material in given {
+        match material.resolve(materials, table) {
+            Ok((resolved, warnings)) => {
+                listener.diagnostics(&warnings, materials.source_of(&material.material));
+                assignments.extend(resolved);
             }
-            Err(error) => errors.push(format!("--material {choice}: {error}")),
+            Err(error) => errors.push(format!("--material {material}: {error}")),
         }
     }
-    unless(errors, assignments, listener)
+    unless_errors(errors, assignments, listener)
 }
 
-/// The values of settings.
-fn set_values(settings: &[Setting], roster: &Roster, listener: &mut dyn Listener) -> Result<Vec<Assignment>, OpenError> {
+/// The values by name.
+fn set_values(
+    given: &[NamedAssignment],
+    table: &ParameterTable,
+    listener: &mut dyn Listener,
+) -> Result<Vec<Assignment>, OpenError> {
     let (mut assignments, mut errors) = (Vec::new(), Vec::new());
-    for setting in settings {
-        match setting.resolve(roster) {
+    for value in given {
+        match value.resolve(table) {
             Ok(resolved) => assignments.extend(resolved),
-            Err(error) => errors.push(format!("--set {setting}: {error}")),
+            Err(error) => errors.push(format!("--set {value}: {error}")),
         }
     }
-    unless(errors, assignments, listener)
+    unless_errors(errors, assignments, listener)
 }
 
-/// The outcome, unless there are errors: all but the last are told, and the last is the reason for giving up.
-fn unless<T>(errors: Vec<String>, outcome: T, listener: &mut dyn Listener) -> Result<T, OpenError> {
+/// Returns the outcome unless there are errors. All errors but the last are passed to the listener, and the last is
+/// returned.
+fn unless_errors<T>(errors: Vec<String>, outcome: T, listener: &mut dyn Listener) -> Result<T, OpenError> {
     let mut errors = errors.into_iter().map(Diagnostic::error);
     let Some(last) = errors.next_back() else { return Ok(outcome) };
     errors.for_each(|error| listener.message(error));
     Err(OpenError::Request(last))
 }
 
-/// Where the materials of a formula are, or why there are none, marked in its text where it names a place.
+/// Where the materials of a formula are. The error that there are none is marked where the formula names the library.
 ///
 /// # Errors
-/// The formula names no library, or one that cannot be.
-pub fn place_of(formula: &Formula, location: &Location, source: &Source, data: Option<&Path>) -> Result<Place, Diagnostic> {
-    Place::of(formula.uses.as_deref(), Some(location), data).map_err(|reason| match parse(source).0.uses {
-        Some((_, span)) => reason.at(span, "not known"),
+/// The formula names no library, or a built-in one that does not exist.
+pub fn library_location(
+    formula: &Formula,
+    location: &Location,
+    source: &Source,
+    data: Option<&Path>,
+) -> Result<LibraryLocation, Diagnostic> {
+    LibraryLocation::find(formula.uses.as_deref(), Some(location), data).map_err(|reason| match parse(source).0.uses {
+        Some((_, span)) => reason.at(span, "unknown"),
         None => reason,
     })
 }
 
 /// Reads the materials of a formula.
-fn open_shelf(read: &Read, location: &Location, request: &Request, listener: &mut dyn Listener) -> Result<Shelf, OpenError> {
+fn open_materials(
+    read: &Read,
+    location: &Location,
+    request: &Request,
+    listener: &mut dyn Listener,
+) -> Result<Materials, OpenError> {
     let (formula, source) = (&read.formula, &read.formula_text);
-    let place = place_of(formula, location, source, request.data.as_deref()).map_err(|reason| {
+    let library = library_location(formula, location, source, request.data.as_deref()).map_err(|reason| {
         if formula.uses.is_none() {
             return OpenError::Request(reason);
         }
         listener.diagnostics(&reason.into(), source);
-        OpenError::Told
+        OpenError::Reported
     })?;
-    match Shelf::open(place, request.readable) {
-        Ok((shelf, found)) => {
+    match Materials::open(library, request.readable) {
+        Ok((materials, found)) => {
             listener.diagnostics(&found.diagnostics, &found.source);
-            Ok(shelf)
+            Ok(materials)
         }
         Err(found) => {
             listener.diagnostics(&found.diagnostics, &found.source);
-            Err(OpenError::Told)
+            Err(OpenError::Reported)
         }
     }
 }

@@ -1,11 +1,11 @@
-//! What kind of file a text is, by its first words.
+//! Recognising the kind of a text by its first words.
 
 use crate::lang::lines::LINE_ENDS;
 use crate::workspace::file_kind::FileKind;
 use crate::workspace::session;
 use crate::workspace::spanned_toml::VERSION_KEY;
 
-/// What a text is by its first words, if they tell.
+/// The kind of file that a text is, if its first words tell.
 pub fn kind_of(text: &str) -> Option<FileKind> {
     let mut rest = text.trim_start_matches('\u{feff}').trim_start();
     loop {
@@ -27,7 +27,7 @@ pub fn kind_of(text: &str) -> Option<FileKind> {
     let end = rest.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(rest.len());
     let (word, behind) = rest.split_at(end);
     match (word, behind.trim_start_matches([' ', '\t']).chars().next()) {
-        // Only TOML has `[table]` at its beginning, or `key = value`, on one line.
+        // Only TOML starts with `[table]` or with `key = value` on one line.
         ("", Some('[')) => Some(kind_of_toml(rest)),
         (key, Some('=')) if !key.is_empty() => Some(kind_of_toml(rest)),
         ("bodies" | "lights" | "camera", _) => Some(FileKind::Scene),
@@ -36,8 +36,8 @@ pub fn kind_of(text: &str) -> Option<FileKind> {
     }
 }
 
-/// What a TOML text is by the first key in it that tells: sessions have some of fixed names, libraries of materials only tables of
-/// any other. A text without either counts as a session.
+/// The kind of a TOML text, by its first distinctive key. Sessions have some fixed keys; libraries of materials have
+/// only tables with other names. A text with neither counts as a session.
 fn kind_of_toml(text: &str) -> FileKind {
     const TABLES: [&str; 3] = ["global", "bodies", "lights"];
     for line in text.lines().map(str::trim_start).filter(|line| !line.starts_with('#')) {
@@ -60,7 +60,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn kinds_are_told_by_first_words() {
+    fn kinds_are_reported_by_first_words() {
         assert_eq!(kind_of("\u{feff}/* a */ // b\n bodies;"), Some(FileKind::Scene));
         assert_eq!(kind_of("#uses m.txt;\nformula;"), Some(FileKind::Formula));
         assert_eq!(kind_of("formula; = Cd;"), Some(FileKind::Formula));

@@ -1,6 +1,6 @@
-//! Sessions: formula, scene, picture settings and every parameter value, as a TOML file (thesis 8.4).
+//! Sessions: formula, scene, picture settings and all parameter values, in a TOML file (thesis 8.4).
 //!
-//! A session names owners and parameters; whether they exist is seen only when it meets a formula and a scene.
+//! A session names owners and parameters. Whether they exist is only known together with a formula and a scene.
 
 mod read;
 mod save;
@@ -14,7 +14,7 @@ use crate::transfer::Transfer;
 use crate::workspace::Location;
 use crate::workspace::assignment::Assignment;
 use crate::workspace::owner::OwnerId;
-use crate::workspace::roster::Roster;
+use crate::workspace::parameter_table::ParameterTable;
 use crate::workspace::values::Values;
 use std::collections::BTreeSet;
 use std::io;
@@ -35,7 +35,7 @@ pub struct Session {
     pub values: Vec<NamedValue>,
 }
 
-/// How a picture is made of a formula and a scene.
+/// How a picture of a formula on a scene is made.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PictureSettings {
     /// Width and height in pixels, each 1..=[`MAX_SIDE`](crate::trace::MAX_SIDE).
@@ -44,14 +44,14 @@ pub struct PictureSettings {
     pub depth: u32,
     /// Whether shadow rays are sent.
     pub shadows: bool,
-    /// The refractive index of bodies that give none, greater than 0.
+    /// The refractive index of bodies that have none of their own, greater than 0.
     pub default_index: f64,
     /// Whether pictures are stored with the sRGB transfer function.
     pub srgb: bool,
 }
 
 impl PictureSettings {
-    /// How its colours become bytes.
+    /// How colours become bytes.
     pub fn transfer(&self) -> Transfer {
         if self.srgb { Transfer::Srgb } else { Transfer::Linear }
     }
@@ -75,42 +75,42 @@ pub enum OwnerName {
 }
 
 impl OwnerName {
-    /// The owner of this name and kind in a scene.
-    fn find(&self, roster: &Roster) -> Option<OwnerId> {
+    /// The owner with this kind and name in a scene.
+    fn find(&self, table: &ParameterTable) -> Option<OwnerId> {
         match self {
             OwnerName::Global => Some(OwnerId::Global),
-            OwnerName::Body(name) => roster.owners().named(name).filter(|owner| owner.kind() == Owner::Body),
-            OwnerName::Light(name) => roster.owners().named(name).filter(|owner| owner.kind() == Owner::Light),
+            OwnerName::Body(name) => table.owners().named(name).filter(|owner| owner.kind() == Owner::Body),
+            OwnerName::Light(name) => table.owners().named(name).filter(|owner| owner.kind() == Owner::Light),
         }
     }
 }
 
-/// A parameter value by names.
+/// A parameter value by name.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NamedValue {
-    /// Whose.
+    /// The owner.
     pub owner: OwnerName,
-    /// Of which parameter.
+    /// The parameter.
     pub parameter: String,
     /// The value.
     pub value: Constant,
-    /// Where owner and parameter are named in the session's text; empty places where it has none.
+    /// Where the session's text names owner and parameter; empty if there is no text.
     pub spans: [Span; 2],
 }
 
 impl Session {
-    /// Reads a session; with it come the warnings. Its paths are as written: see [`Location::from_folder`].
+    /// Parses a session. Returns it with warnings. Its paths stay as written: see [`Location::from_folder`].
     ///
     /// # Errors
-    /// Everything wrong with the text that can be found in one go, warnings among it.
+    /// The errors of the text, as many as can be found at once, and the warnings.
     pub fn parse(source: &Source) -> Result<(Session, Diagnostics), Diagnostics> {
         read::parse(source)
     }
 
-    /// The session as it is written to a file in `folder`, to which its paths become relative.
+    /// The session as the text of a file in `folder`. Paths become relative to the folder.
     ///
     /// # Errors
-    /// Never for sessions that were read or made from values: texts and numbers can all be written in TOML.
+    /// None for sessions that were parsed or made from values: TOML can hold their texts and numbers.
     pub fn to_toml(&self, folder: &Path) -> Result<String, toml::ser::Error> {
         save::to_toml(self, folder)
     }
@@ -118,24 +118,24 @@ impl Session {
     /// Writes the session to a file, whole or not at all.
     ///
     /// # Errors
-    /// The file cannot be written; what was there before is unharmed.
+    /// The file cannot be written. An existing file is then unchanged.
     pub fn save(&self, path: &Path) -> io::Result<()> {
         let folder = path.parent().unwrap_or(Path::new(""));
         replace_text(path, &self.to_toml(folder).map_err(io::Error::other)?)
     }
 
-    /// The values as names, for a session.
+    /// All values by name, for a session.
     pub fn name_values(values: &Values) -> Vec<NamedValue> {
-        let roster = values.roster();
+        let table = values.table();
         let named = values.iter().map(|(owner, id, numbers)| {
-            let name = roster.owners().name(owner).unwrap_or_default().to_owned();
+            let name = table.owners().name(owner).unwrap_or_default().to_owned();
             NamedValue {
                 owner: match owner {
                     OwnerId::Global => OwnerName::Global,
                     OwnerId::Body(_) => OwnerName::Body(name),
                     OwnerId::Light(_) => OwnerName::Light(name),
                 },
-                parameter: roster.parameter(id).name.clone(),
+                parameter: table.parameter(id).name.clone(),
                 value: match numbers {
                     [x, y, z] => Constant::Vector([*x, *y, *z]),
                     numbers => Constant::Scalar(numbers.first().copied().unwrap_or_default()),
@@ -146,20 +146,20 @@ impl Session {
         named.collect()
     }
 
-    /// The values for a formula on a scene, and those that have no place there: one for each owner that does not exist, and one
-    /// for each parameter of an owner that does.
-    pub fn assignments(&self, roster: &Roster) -> (Vec<Assignment>, Vec<Leftover>) {
+    /// The values for a formula on a scene, and the values that do not fit: one entry for each owner that does not
+    /// exist, and one for each parameter that an existing owner does not have.
+    pub fn assignments(&self, table: &ParameterTable) -> (Vec<Assignment>, Vec<UnusedValue>) {
         let mut leftovers = Vec::new();
         let mut missing: BTreeSet<&OwnerName> = BTreeSet::new();
         let mut assignments = Vec::new();
         for value in &self.values {
-            match value.owner.find(roster) {
-                Some(owner) => match Assignment::by_name(roster, owner, &value.parameter, value.value, value.spans[1]) {
+            match value.owner.find(table) {
+                Some(owner) => match Assignment::by_name(table, owner, &value.parameter, value.value, value.spans[1]) {
                     Ok(assignment) => assignments.push(assignment),
-                    Err(warning) => leftovers.push(Leftover { lacking: Lacking::Parameter, warning }),
+                    Err(warning) => leftovers.push(UnusedValue { missing: MissingTarget::Parameter, warning }),
                 },
                 None if missing.insert(&value.owner) => {
-                    leftovers.push(Leftover { lacking: Lacking::Owner, warning: no_owner(value) });
+                    leftovers.push(UnusedValue { missing: MissingTarget::Owner, warning: no_owner(value) });
                 }
                 None => {}
             }
@@ -168,21 +168,21 @@ impl Session {
     }
 }
 
-/// Values of a session that have no place in a formula on a scene.
+/// Values of a session that do not fit a formula on a scene.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Leftover {
+pub struct UnusedValue {
     /// What does not exist.
-    pub lacking: Lacking,
-    /// What is to be said of it where that is a surprise.
+    pub missing: MissingTarget,
+    /// A warning about it, for users who do not expect it.
     pub warning: Diagnostic,
 }
 
-/// What does not exist for a session's value.
+/// What is missing for a value of a session.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Lacking {
+pub enum MissingTarget {
     /// The scene has no such body or light.
     Owner,
-    /// The formula has no such parameter, or it is of the other type.
+    /// The formula has no such parameter, or it has the other type.
     Parameter,
 }
 
@@ -192,7 +192,7 @@ fn no_owner(value: &NamedValue) -> Diagnostic {
         OwnerName::Body(name) => format!("body `{name}`"),
         OwnerName::Light(name) => format!("light `{name}`"),
     };
-    Diagnostic::warning(format!("the scene has no {what}; its values are left out")).at(value.spans[0], "not in the scene")
+    Diagnostic::warning(format!("the scene has no {what}; its values are ignored")).at(value.spans[0], "not in the scene")
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! TOML texts with the places of everything in them, so that what is wrong can be marked where it stands.
+//! TOML texts with the span of every key and value, so diagnostics can point to them.
 
 use crate::lang::ast::Constant;
 use crate::lang::diagnostic::{Diagnostic, Diagnostics, nearest};
@@ -8,13 +8,13 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeInteger, DeTable, DeValue};
 
-/// The version of the files that are written, and the only one that is read.
+/// The version of the files that are written. No other version is read.
 pub(crate) const VERSION: i64 = 1;
 
-/// The key that says the version.
+/// The key of the version.
 pub(crate) const VERSION_KEY: &str = "version";
 
-/// The value of a parameter as it is written.
+/// The value of a parameter for serialisation.
 #[derive(Serialize)]
 #[serde(untagged)]
 pub(crate) enum Number {
@@ -38,29 +38,29 @@ pub(crate) struct Entry<'t> {
     pub(crate) value: Value<'t>,
 }
 
-/// A value with its place.
+/// A value with its span.
 #[derive(Clone, Copy)]
 pub(crate) struct Value<'t> {
     value: &'t DeValue<'t>,
     pub(crate) span: Span,
 }
 
-/// Reads a TOML text.
+/// Parses a TOML text.
 ///
 /// # Errors
-/// Everything that is wrong with its syntax.
+/// All errors of the syntax.
 pub(crate) fn parse(source: &Source) -> Result<DeTable<'_>, Diagnostics> {
     let (table, errors) = DeTable::parse_recoverable(source.text());
     let mut diagnostics = Diagnostics::new();
-    // Up to where nothing more is said of what stands twice.
+    // Duplicates up to here have been reported.
     let mut said = 0;
     for error in errors {
         let place = error.span().unwrap_or(0..0);
         if error.message() == DUPLICATE && !place.is_empty() {
             if place.start >= said {
                 let key = source.slice(span(place.clone()));
-                let message = format!("a second `{key}`");
-                diagnostics.push(Diagnostic::error(message).at(span(place.clone()), "").help("each name may stand only once"));
+                let message = format!("`{key}` occurs twice");
+                diagnostics.push(Diagnostic::error(message).at(span(place.clone()), "").help("each name may occur only once"));
                 said = end_of_table(source.text(), place.start);
             }
             continue;
@@ -71,11 +71,11 @@ pub(crate) fn parse(source: &Source) -> Result<DeTable<'_>, Diagnostics> {
     if diagnostics.is_empty() { Ok(table.into_inner()) } else { Err(diagnostics) }
 }
 
-/// What the library says of a name that stands twice.
+/// The library's message about a duplicate name.
 const DUPLICATE: &str = "duplicate key";
 
-/// Where the table ends whose head is in the line of this place; the place itself where that is no head. What is in a second table of a name
-/// seems to stand twice as well.
+/// The end of the table whose header is on the line at `place`; `place` itself if the line is no header. The keys in a
+/// second table of the same name are reported as duplicates too.
 fn end_of_table(text: &str, place: usize) -> usize {
     let (before, behind) = text.split_at_checked(place).unwrap_or((text, ""));
     let line = before.rsplit('\n').next().unwrap_or_default();
@@ -89,7 +89,7 @@ fn span(place: Range<usize>) -> Span {
     Span::new(place.start, place.end)
 }
 
-/// The entries of a table in the order of the text.
+/// The entries of a table, in the order of the text.
 pub(crate) fn entries<'t>(table: &'t DeTable<'t>) -> Vec<Entry<'t>> {
     let mut entries: Vec<Entry<'t>> = table
         .iter()
@@ -143,10 +143,10 @@ impl<'t> Value<'t> {
             (None, Some(number)) => number.as_str().parse().ok(),
             (None, None) => return Err(self.mismatch("a number")),
         };
-        // What is infinite as an `f32` is no value of a parameter.
-        number.filter(|number: &f64| (*number as f32).is_finite()).ok_or_else(|| {
-            Diagnostic::error("this number is too large, or none at all").at(self.span, "expected a finite number")
-        })
+        // Parameters are `f32`, and finite.
+        number
+            .filter(|number: &f64| (*number as f32).is_finite())
+            .ok_or_else(|| Diagnostic::error("this number is too large or not finite").at(self.span, "expected a finite number"))
     }
 
     /// The elements of a list of this length.
@@ -192,7 +192,7 @@ pub(crate) fn parse_integer(number: &DeInteger) -> Option<i64> {
     i64::from_str_radix(number.as_str(), number.radix()).ok()
 }
 
-/// The error that a line is missing, said of the beginning of the file.
+/// The error that a line is missing, at the start of the file.
 pub(crate) fn missing(message: &str, line: &str) -> Diagnostic {
     Diagnostic::error(message).at(Span::default(), format!("expected a line such as `{line}`"))
 }
@@ -200,7 +200,7 @@ pub(crate) fn missing(message: &str, line: &str) -> Diagnostic {
 /// Checks the version of a file.
 pub(crate) fn check_version(value: Option<Value>, diagnostics: &mut Diagnostics) {
     let Some(value) = value else {
-        diagnostics.push(missing("the file does not say its version", &format!("version = {VERSION}")));
+        diagnostics.push(missing("the file has no version", &format!("version = {VERSION}")));
         return;
     };
     match value.whole(0..i64::MAX) {
@@ -214,11 +214,11 @@ pub(crate) fn check_version(value: Option<Value>, diagnostics: &mut Diagnostics)
     }
 }
 
-/// The warning that a key means nothing, with the nearest that does.
+/// The warning that a key is unknown, with the nearest known one.
 pub(crate) fn unknown_key(entry: &Entry, known: &[&str]) -> Diagnostic {
     let hint = match nearest(entry.key, known.iter().copied()) {
         Some(near) => format!("did you mean `{near}`?"),
-        None => format!("known are {}", known.join(", ")),
+        None => format!("the known keys are {}", known.join(", ")),
     };
-    Diagnostic::warning(format!("`{}` means nothing here and is left out", entry.key)).at(entry.key_span, "not known").help(hint)
+    Diagnostic::warning(format!("`{}` is unknown here and is ignored", entry.key)).at(entry.key_span, "unknown key").help(hint)
 }

@@ -1,9 +1,10 @@
-//! The value of every parameter of every owner, always within ranges and invariants.
+//! The value of every parameter of every owner. Values are always within their ranges and satisfy the invariants.
 //!
-//! Values are settled first, as if no body were opaque or matte; what evaluation reads has the weights of rays that such bodies
-//! never send set to 0 on top of that. All numbers lie in one array, in the order of [`Layout`](crate::formula::layout::Layout).
+//! There are two arrays of numbers, both in the order of [`Layout`](crate::formula::layout::Layout). The *settled* values satisfy
+//! ranges and invariants as if no body were opaque or matte. The *effective* values, which evaluation reads, are the same except
+//! that `kt` of opaque bodies and `kr` of matte bodies are 0.
 
-mod arrival;
+mod settle;
 
 use crate::formula::{Formula, ParameterId};
 use crate::lang::types::Type;
@@ -11,108 +12,109 @@ use crate::lang::variables::Owner;
 use crate::scene::{BodyId, LightId, Scene};
 use crate::workspace::assignment::Assignment;
 use crate::workspace::owner::OwnerId;
-use crate::workspace::roster::Roster;
-use crate::workspace::warning::{Cause, Warning};
-use arrival::Arrival;
+use crate::workspace::parameter_table::ParameterTable;
+use crate::workspace::warning::{Cause, ValueWarning};
+use settle::AssignmentMode;
 use std::sync::Arc;
 
 /// The values of all parameters of a formula on a scene.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Values {
-    roster: Arc<Roster>,
-    /// As ranges and invariants leave them.
+    table: Arc<ParameterTable>,
+    /// The values within ranges and invariants.
     settled: Vec<f32>,
-    /// As evaluation reads them.
+    /// The values that evaluation reads.
     effective: Vec<f32>,
 }
 
 impl Values {
-    /// Every value its default, as far as invariants allow.
+    /// Default values, changed where they break invariants.
     pub fn defaults(formula: &Formula, scene: &Scene) -> Values {
         Self::new(formula, scene, &[]).0
     }
 
-    /// Given values together with defaults for the rest, taken in together; of two for the same parameter the later counts.
-    /// There is a warning for each given value that is not taken as it is, and for each default that gives way to given ones;
-    /// what defaults do to one another, the checker has said already.
-    pub fn new(formula: &Formula, scene: &Scene, given: &[Assignment]) -> (Values, Vec<Warning>) {
-        Self::arrive(Roster::new(formula, scene), given, Arrival::First)
+    /// The given values, and defaults for all others. Of two given values for one parameter the later one counts. There is a
+    /// warning for each given value that is not used as given, and for each default that changes because of given values.
+    pub fn new(formula: &Formula, scene: &Scene, given: &[Assignment]) -> (Values, Vec<ValueWarning>) {
+        Self::build(ParameterTable::new(formula, scene), given, AssignmentMode::Initial)
     }
 
-    /// The same for values that were kept from elsewhere by name, such as a session's when its formula is replaced: it is no
-    /// news then that one follows from others now, or is 0 for an opaque body.
-    pub fn keeping(formula: &Formula, scene: &Scene, kept: &[Assignment]) -> (Values, Vec<Warning>) {
-        Self::arrive(Roster::new(formula, scene), kept, Arrival::Kept)
+    /// As [`new`](Self::new), for values that were made for another formula or scene, such as those of a session whose formula is
+    /// replaced. There is no warning then that a value follows from others, or is 0 for an opaque body.
+    pub fn carried_over(formula: &Formula, scene: &Scene, kept: &[Assignment]) -> (Values, Vec<ValueWarning>) {
+        Self::build(ParameterTable::new(formula, scene), kept, AssignmentMode::CarryOver)
     }
 
-    /// The values for another formula or scene: those whose owner and parameter exist there under the same names, with the same
-    /// type, are kept, as far as the new ranges and invariants allow.
-    pub fn carry_over(&self, formula: &Formula, scene: &Scene) -> (Values, Vec<Warning>) {
-        let roster = Roster::new(formula, scene);
+    /// The values for another formula or scene. A value is kept if its owner and its parameter exist there, with the same names
+    /// and the same type, and if the new ranges and invariants allow it.
+    pub fn carry_over(&self, formula: &Formula, scene: &Scene) -> (Values, Vec<ValueWarning>) {
+        let table = ParameterTable::new(formula, scene);
         let mut kept = Vec::new();
-        for owner in roster.owners().all() {
-            let Some(old_owner) = self.namesake(&roster, owner) else { continue };
-            for id in roster.parameters_of(owner.kind()) {
-                let Some(old_id) = self.roster.parameter_named(&roster.parameter(id).name) else { continue };
-                let Some(places) = self.roster.places(old_owner, old_id) else { continue };
-                if self.roster.parameter(old_id).ty == roster.parameter(id).ty {
+        for owner in table.owners().all() {
+            let Some(old_owner) = self.same_owner(&table, owner) else { continue };
+            for id in table.parameters_of(owner.kind()) {
+                let Some(old_id) = self.table.parameter_named(&table.parameter(id).name) else { continue };
+                let Some(indices) = self.table.indices(old_owner, old_id) else { continue };
+                if self.table.parameter(old_id).ty == table.parameter(id).ty {
                     let mut value = [0.0; 3];
-                    self.settled[places].iter().zip(&mut value).for_each(|(from, to)| *to = *from);
+                    self.settled[indices].iter().zip(&mut value).for_each(|(from, to)| *to = *from);
                     kept.push(Assignment { owner, parameter: id, value });
                 }
             }
         }
-        Self::arrive(roster, &kept, Arrival::Kept)
+        Self::build(table, &kept, AssignmentMode::CarryOver)
     }
 
-    /// The owner here that has the name and kind of one over there.
-    fn namesake(&self, roster: &Roster, owner: OwnerId) -> Option<OwnerId> {
-        let Some(name) = roster.owners().name(owner) else { return Some(OwnerId::Global) };
-        self.roster.owners().named(name).filter(|old| old.kind() == owner.kind())
+    /// The owner here with the name and the kind of an owner of another table.
+    fn same_owner(&self, table: &ParameterTable, owner: OwnerId) -> Option<OwnerId> {
+        let Some(name) = table.owners().name(owner) else { return Some(OwnerId::Global) };
+        self.table.owners().named(name).filter(|old| old.kind() == owner.kind())
     }
 
-    fn arrive(roster: Roster, given: &[Assignment], arrival: Arrival) -> (Values, Vec<Warning>) {
-        let mut numbers = vec![0.0; roster.layout().len()];
-        for owner in roster.owners().all() {
-            for id in roster.parameters_of(owner.kind()) {
-                if let Some(places) = roster.places(owner, id) {
-                    let length = places.len();
-                    numbers[places].copy_from_slice(&roster.parameter(id).default[..length]);
+    fn build(table: ParameterTable, given: &[Assignment], mode: AssignmentMode) -> (Values, Vec<ValueWarning>) {
+        let mut numbers = vec![0.0; table.layout().len()];
+        for owner in table.owners().all() {
+            for id in table.parameters_of(owner.kind()) {
+                if let Some(indices) = table.indices(owner, id) {
+                    let length = indices.len();
+                    numbers[indices].copy_from_slice(&table.parameter(id).default[..length]);
                 }
             }
         }
-        let mut values = Values { roster: Arc::new(roster), settled: numbers, effective: Vec::new() };
-        let warnings = values.take_in(given, arrival);
+        let mut values = Values { table: Arc::new(table), settled: numbers, effective: Vec::new() };
+        let warnings = values.set_all(given, mode);
         (values, warnings)
     }
 
-    /// Sets values that arrive together; of two for the same parameter the later counts. There is a warning for each that is not
-    /// taken as given, and for each other that gives way. Assignments to what does not exist are passed over.
-    pub fn assign(&mut self, given: &[Assignment]) -> Vec<Warning> {
-        self.take_in(given, Arrival::Later)
+    /// Sets several values at once. Of two values for one parameter the later one counts. There is a warning for each value that
+    /// is not used as given, and for each other value that changes because of them. Assignments to owners or parameters that do
+    /// not exist are ignored.
+    pub fn assign(&mut self, given: &[Assignment]) -> Vec<ValueWarning> {
+        self.set_all(given, AssignmentMode::Update)
     }
 
-    /// Moves one value, as a slider does: to the nearest that ranges and invariants allow while the other free ones stay. What
-    /// follows from it moves along. The parameters whose values have changed; none where the value is locked or fixed.
+    /// Moves one value, as a slider does: to the nearest value that range and invariants allow while other independent values
+    /// stay the same. Values that follow from it change too. Returns the parameters that changed; none if the value is locked
+    /// or fixed.
     pub fn move_to(&mut self, owner: OwnerId, id: ParameterId, value: [f32; 3]) -> Vec<ParameterId> {
-        if self.roster.fixed(owner, id).is_some() || self.roster.places(owner, id).is_none() {
+        if self.table.fixed(owner, id).is_some() || self.table.indices(owner, id).is_none() {
             return Vec::new();
         }
-        let parameter = self.roster.parameter(id);
+        let parameter = self.table.parameter(id);
         let value = value.map(|number| parameter.clamp(number).0);
         let moves: Vec<(ParameterId, Vec<f32>)> = match parameter.ty {
             Type::Vector => vec![(id, value.to_vec())],
             Type::Scalar | Type::Truth => {
-                let moves = self.roster.system(owner.kind()).move_one(id, value[0], |other| self.settled(owner, other));
+                let moves = self.table.system(owner.kind()).move_one(id, value[0], |other| self.settled(owner, other));
                 moves.into_iter().map(|(id, value)| (id, vec![value])).collect()
             }
         };
         let mut moved = Vec::new();
         for (id, value) in moves {
-            if let Some(places) = self.roster.places(owner, id)
-                && self.settled[places.clone()] != *value
+            if let Some(indices) = self.table.indices(owner, id)
+                && self.settled[indices.clone()] != *value
             {
-                self.settled[places].copy_from_slice(&value);
+                self.settled[indices].copy_from_slice(&value);
                 moved.push(id);
             }
         }
@@ -120,109 +122,109 @@ impl Values {
         moved
     }
 
-    /// Where a slider may take a value, each component of a vector: its range, and for a scalar what invariants leave of it.
-    /// None: anywhere.
+    /// The range of a slider, which is the same for each component of a vector. For a scalar it is what invariants leave of the
+    /// parameter's range. `None` means no limits.
     pub fn range_of(&self, owner: OwnerId, id: ParameterId) -> Option<[f32; 2]> {
-        if self.roster.fixed(owner, id).is_some() {
+        if self.table.fixed(owner, id).is_some() {
             return Some([0.0; 2]);
         }
-        let left = self.roster.system(owner.kind()).range_of(id, |other| self.settled(owner, other));
-        left.or(self.roster.parameter(id).range)
+        let allowed = self.table.system(owner.kind()).range_of(id, |other| self.settled(owner, other));
+        allowed.or(self.table.parameter(id).range)
     }
 
-    /// Why a value cannot be moved, if so: `kd = 1 - ks`.
+    /// Why a value cannot be moved, for instance `kd = 1 - ks`; `None` if it can.
     pub fn lock_of(&self, owner: OwnerId, id: ParameterId) -> Option<String> {
-        match self.roster.fixed(owner, id) {
+        match self.table.fixed(owner, id) {
             Some(Cause::Opaque) => Some("the body is opaque and never refracts".to_owned()),
             Some(Cause::Matte) => Some("the body is matte and never reflects".to_owned()),
-            Some(Cause::Outside(_) | Cause::GaveWay | Cause::Locked(_)) | None => {
-                self.roster.system(owner.kind()).explanation(id)
+            Some(Cause::OutOfRange(_) | Cause::Invariant | Cause::Locked(_)) | None => {
+                self.table.system(owner.kind()).explanation(id)
             }
         }
     }
 
-    /// What moves when this value is moved, with slopes: the value itself first, then what follows from it. What evaluation reads
-    /// as 0 in any case is left out.
+    /// The parameters that change when this one is moved, with their slopes: the parameter itself first, then those that follow
+    /// from it. Values that evaluation always reads as 0 are left out.
     pub fn moved_with(&self, owner: OwnerId, id: ParameterId) -> Vec<(ParameterId, f64)> {
-        if self.roster.fixed(owner, id).is_some() {
+        if self.table.fixed(owner, id).is_some() {
             return Vec::new();
         }
-        let moved = self.roster.system(owner.kind()).moved_with(id);
-        moved.into_iter().filter(|(id, _)| self.roster.fixed(owner, *id).is_none()).collect()
+        let moved = self.table.system(owner.kind()).moved_with(id);
+        moved.into_iter().filter(|(id, _)| self.table.fixed(owner, *id).is_none()).collect()
     }
 
-    /// The places of all numbers that move when this value is moved: what a drag has to know.
-    pub fn moved_places(&self, owner: OwnerId, id: ParameterId) -> Vec<usize> {
+    /// The indices of all numbers that change when this value is moved: a drag needs them.
+    pub fn moved_indices(&self, owner: OwnerId, id: ParameterId) -> Vec<usize> {
         let moved = self.moved_with(owner, id);
-        moved.into_iter().filter_map(|(id, _)| self.roster.places(owner, id)).flatten().collect()
+        moved.into_iter().filter_map(|(id, _)| self.table.indices(owner, id)).flatten().collect()
     }
 
-    /// The value of a body's parameter as a material has it: what the user sees, but where opaque and matte bodies' weights of 0
-    /// would contradict the `=` invariants, which are solved without regard to them.
-    pub(super) fn as_material(&self, body: OwnerId, id: ParameterId) -> &[f32] {
-        let system = self.roster.system(body.kind());
+    /// The value of a body's parameter for a material: the effective value, or the settled one if an `=` invariant involves it.
+    /// The weights of opaque and matte bodies, which are effectively 0, would contradict the invariant.
+    pub(super) fn material_value(&self, body: OwnerId, id: ParameterId) -> &[f32] {
+        let system = self.table.system(body.kind());
         let bound = system.is_locked(id) || system.moved_with(id).len() > 1;
-        match self.roster.places(body, id) {
-            Some(places) if bound => &self.settled[places],
-            _ => self.of(body, id),
+        match self.table.indices(body, id) {
+            Some(indices) if bound => &self.settled[indices],
+            _ => self.get(body, id),
         }
     }
 
-    /// The settled value of a scalar; 0 where there is none.
+    /// The settled value of a scalar; 0 if the owner has no such parameter.
     fn settled(&self, owner: OwnerId, id: ParameterId) -> f32 {
-        self.roster.places(owner, id).map_or(0.0, |places| self.settled[places.start])
+        self.table.indices(owner, id).map_or(0.0, |indices| self.settled[indices.start])
     }
 
-    /// Makes what evaluation reads anew from the settled values.
+    /// Computes the effective values from the settled ones.
     fn refresh(&mut self) {
         self.effective.clone_from(&self.settled);
-        for owner in self.roster.owners().of_kind(Owner::Body) {
-            for id in self.roster.weights() {
-                if self.roster.fixed(owner, id).is_some()
-                    && let Some(places) = self.roster.places(owner, id)
+        for owner in self.table.owners().of_kind(Owner::Body) {
+            for id in self.table.weights() {
+                if self.table.fixed(owner, id).is_some()
+                    && let Some(indices) = self.table.indices(owner, id)
                 {
-                    self.effective[places].fill(0.0);
+                    self.effective[indices].fill(0.0);
                 }
             }
         }
     }
 
-    /// Who has which parameters.
-    pub fn roster(&self) -> &Roster {
-        &self.roster
+    /// The parameters and their owners.
+    pub fn table(&self) -> &ParameterTable {
+        &self.table
     }
 
-    /// All numbers that evaluation reads, in the order of [`Layout`](crate::formula::layout::Layout).
+    /// The effective values of all parameters, in the order of [`Layout`](crate::formula::layout::Layout).
     pub fn numbers(&self) -> &[f32] {
         &self.effective
     }
 
-    /// The value of a parameter as evaluation reads it: one number or three; empty where the owner has no such parameter.
-    pub fn of(&self, owner: OwnerId, id: ParameterId) -> &[f32] {
-        self.roster.places(owner, id).map_or(&[], |places| &self.effective[places])
+    /// The effective value of a parameter: one number or three; empty if the owner has no such parameter.
+    pub fn get(&self, owner: OwnerId, id: ParameterId) -> &[f32] {
+        self.table.indices(owner, id).map_or(&[], |indices| &self.effective[indices])
     }
 
-    /// The value of a global parameter, see [`of`](Self::of).
+    /// The value of a global parameter, see [`get`](Self::get).
     pub fn global(&self, id: ParameterId) -> &[f32] {
-        self.of(OwnerId::Global, id)
+        self.get(OwnerId::Global, id)
     }
 
-    /// The value of a body's parameter, see [`of`](Self::of).
+    /// The value of a body's parameter, see [`get`](Self::get).
     pub fn body(&self, body: BodyId, id: ParameterId) -> &[f32] {
-        self.of(OwnerId::Body(body), id)
+        self.get(OwnerId::Body(body), id)
     }
 
-    /// The value of a light's parameter, see [`of`](Self::of).
+    /// The value of a light's parameter, see [`get`](Self::get).
     pub fn light(&self, light: LightId, id: ParameterId) -> &[f32] {
-        self.of(OwnerId::Light(light), id)
+        self.get(OwnerId::Light(light), id)
     }
 
-    /// Every value of every owner as evaluation reads it.
+    /// The effective value of every parameter of every owner.
     pub fn iter(&self) -> impl Iterator<Item = (OwnerId, ParameterId, &[f32])> {
-        self.roster
+        self.table
             .owners()
             .all()
-            .flat_map(move |owner| self.roster.parameters_of(owner.kind()).map(move |id| (owner, id, self.of(owner, id))))
+            .flat_map(move |owner| self.table.parameters_of(owner.kind()).map(move |id| (owner, id, self.get(owner, id))))
     }
 }
 

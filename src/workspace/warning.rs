@@ -1,18 +1,18 @@
-//! What is said of values that are not taken as given.
+//! Warnings about values that are not used as given.
 
 use crate::formula::ParameterId;
 use crate::formula::invariants::short;
 use crate::workspace::owner::OwnerId;
 use std::fmt;
 
-/// Why a value is another than the one given.
+/// Why a value is not used as given.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Cause {
     /// It is outside the parameter's range.
-    Outside([f32; 2]),
-    /// Together with the others it would break an invariant.
-    GaveWay,
-    /// It follows from others, as the text says: `kd = 1 - ks`.
+    OutOfRange([f32; 2]),
+    /// With the other values it would break an invariant.
+    Invariant,
+    /// It follows from other values, as in `kd = 1 - ks`.
     Locked(String),
     /// The body is opaque.
     Opaque,
@@ -20,34 +20,34 @@ pub enum Cause {
     Matte,
 }
 
-/// A value that was not taken as given.
+/// A value that is not used as given.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Warning {
-    /// Whose value.
+pub struct ValueWarning {
+    /// Target value.
     pub owner: OwnerId,
-    /// Of which parameter.
+    /// The parameter.
     pub parameter: ParameterId,
-    /// Its name as users write it: `ball.kd`.
+    /// The name as users write it: `ball.kd`.
     pub label: String,
-    /// What was given: one number or three.
+    /// The value that was given: one number or three.
     pub given: Vec<f32>,
-    /// What is taken instead.
-    pub taken: Vec<f32>,
-    /// Why.
+    /// The value that is used.
+    pub used: Vec<f32>,
+    /// The reason.
     pub cause: Cause,
 }
 
-impl fmt::Display for Warning {
+impl fmt::Display for ValueWarning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (label, given, taken) = (&self.label, show(&self.given), show(&self.taken));
+        let (label, given, used) = (&self.label, show(&self.given), show(&self.used));
         match &self.cause {
-            Cause::Outside([low, high]) => {
+            Cause::OutOfRange([low, high]) => {
                 let (low, high) = (short(*low), short(*high));
-                write!(f, "`{label}` = {given} is outside {low}..{high}; {taken} is taken")
+                write!(f, "`{label}` = {given} is outside {low}..{high}; {used} is used")
             }
-            Cause::GaveWay => write!(f, "`{label}` = {given} gives way to the invariants; {taken} is taken"),
+            Cause::Invariant => write!(f, "`{label}` = {given} breaks an invariant; {used} is used"),
             Cause::Locked(explanation) => {
-                write!(f, "`{label}` = {given} is ignored: it follows from others ({explanation}) and is {taken}")
+                write!(f, "`{label}` = {given} is ignored: it follows from other values ({explanation}) and is {used}")
             }
             Cause::Opaque => write!(f, "`{label}` = {given} is ignored: the body is opaque and never refracts"),
             Cause::Matte => write!(f, "`{label}` = {given} is ignored: the body is matte and never reflects"),

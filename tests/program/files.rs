@@ -128,7 +128,7 @@ fn hits_are_written_as_the_index_says() {
 }
 
 #[test]
-fn measurements_are_told_as_table_and_json() {
+fn measurements_are_reported_as_table_and_json() {
     let folder = folder();
     let table = told(folder.path(), "bench session.toml --runs 1 --slider ball.kd");
     let words = ["32x24", "interpreter", "full evaluation", "ball.kd", "images", "fps"];

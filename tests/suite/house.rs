@@ -50,7 +50,6 @@ const ROOMS: [(&str, &[&str]); 18] = [
     ),
 ];
 
-<<<<<<< HEAD
 /// Cycles of imports that are still there: a module, and those of its children that import each other. Nothing is to be
 /// added; an entry that is no longer needed must be removed.
 const KNOWN_CYCLES: [(&str, &[&str]); 3] = [

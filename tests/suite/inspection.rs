@@ -29,7 +29,7 @@ fn every_preset_adds_up_to_the_interpreters_pixel() {
         let (session, _) = Session::parse(&read(&Location::Preset(name.to_owned()), FileKind::Session)).expect("a session");
         let (formula, _) = Formula::parse(&read(&session.formula, FileKind::Formula)).expect("a formula");
         let (scene, _) = Scene::parse(&read(&session.scene, FileKind::Scene)).expect("a scene");
-        let (given, _) = session.assignments(Values::defaults(&formula, &scene).roster());
+        let (given, _) = session.assignments(Values::defaults(&formula, &scene).table());
         let (values, _) = Values::new(&formula, &scene, &given);
         let (formula, world) = (Arc::new(formula), Arc::new(World::new(scene)));
         let inspector = Inspector::new(&formula, &world, values.numbers());

@@ -6,9 +6,9 @@ use illuminator::lang::ast::Constant;
 use illuminator::lang::source::{Source, Span};
 use illuminator::scene::{BodyId, Scene};
 use illuminator::workspace::Location;
-use illuminator::workspace::materials::{Place, Property};
+use illuminator::workspace::materials::{LibraryLocation, Property};
 use illuminator::workspace::{FileKind, presets};
-use illuminator::workspace::{Library, Material, Shelf, Values};
+use illuminator::workspace::{Library, Material, Materials, Values};
 use proptest::prelude::*;
 use std::collections::BTreeSet;
 
@@ -35,12 +35,12 @@ fn every_built_in_material_fits_its_formula() {
     let mut used = BTreeSet::new();
     for (name, formula, uses) in formulas() {
         let location = Location::Preset(name.to_owned());
-        let place = Place::of(Some(&uses), Some(&location), Some(data.path())).expect("materials are on");
+        let place = LibraryLocation::find(Some(&uses), Some(&location), Some(data.path())).expect("materials are on");
         used.extend(place.built_in().map(str::to_owned));
-        let (shelf, _) = Shelf::open(place, Readable::Regular).expect("a sound library");
+        let (shelf, _) = Materials::open(place, Readable::Regular).expect("a sound library");
         for material in shelf.library().iter() {
             let mut values = Values::defaults(&formula, &scene());
-            let (assignments, left_out) = material.assignments(values.roster(), BodyId(0));
+            let (assignments, left_out) = material.assignments(values.table(), BodyId(0));
             let warnings = values.assign(&assignments);
             assert!(left_out.is_empty() && warnings.is_empty(), "{} of {name}: {left_out:?} {warnings:?}", material.name());
             // It says every value, so that nothing of an earlier material stays.
@@ -66,8 +66,8 @@ fn the_formula_of_the_thesis_has_a_library_of_the_users() {
     let (_, formula, uses) = formulas().find(|(name, ..)| *name == "phong-thesis").expect("a built-in formula");
     let location = Location::new("preset:phong-thesis");
     let open = || {
-        let place = Place::of(Some(&uses), Some(&location), Some(data.path())).expect("materials are on");
-        Shelf::open(place, Readable::Regular).expect("nothing is wrong").0
+        let place = LibraryLocation::find(Some(&uses), Some(&location), Some(data.path())).expect("materials are on");
+        Materials::open(place, Readable::Regular).expect("nothing is wrong").0
     };
     let mut shelf = open();
     assert!(shelf.library().is_empty());
@@ -103,7 +103,7 @@ fn values_without_a_place_in_the_formula_are_marked() {
     let (library, _) = Library::parse(&source).expect("a sound library");
     let (formula, _) = Formula::parse(&Source::new("formula", "formula; = Cd;")).expect("a sound formula");
     let values = Values::defaults(&formula, &scene());
-    let (_, left_out) = library.get("gold").expect("the one material").assignments(values.roster(), BodyId(0));
+    let (_, left_out) = library.get("gold").expect("the one material").assignments(values.table(), BodyId(0));
     insta::assert_snapshot!(format!("{:#}", left_out.located(&source)));
 }
 

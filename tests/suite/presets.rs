@@ -8,7 +8,7 @@ use illuminator::lang::source::Source;
 use illuminator::scene::Scene;
 use illuminator::trace::View;
 use illuminator::workspace::{FileKind, presets};
-use illuminator::workspace::{Setting, Values};
+use illuminator::workspace::{NamedAssignment, Values};
 use illuminator::world::World;
 use std::sync::Arc;
 
@@ -33,8 +33,8 @@ fn backends_agree_on_every_preset() {
             let interpreted = Interpreted::new(&formula, &world, view).expect("the interpreter takes the presets");
             for settings in SETTINGS {
                 let mut values = Values::defaults(&formula, world.scene());
-                let settings = settings.iter().map(|text| text.parse::<Setting>().expect("a setting"));
-                let given: Vec<_> = settings.flat_map(|setting| setting.resolve(values.roster()).expect("known names")).collect();
+                let settings = settings.iter().map(|text| text.parse::<NamedAssignment>().expect("a setting"));
+                let given: Vec<_> = settings.flat_map(|setting| setting.resolve(values.table()).expect("known names")).collect();
                 values.assign(&given);
                 let found = verify(&*compiled, &interpreted, values.numbers());
                 assert!(found.passes() && found.excused == 0, "{formula_name} on {scene_name}: {found:?}");

@@ -3,7 +3,7 @@
 use super::*;
 use crate::lang::source::Source;
 use crate::scene::Scene;
-use crate::workspace::{Setting, Values};
+use crate::workspace::{NamedAssignment, Values};
 
 /// A formula on a scene with values, looked into at the one pixel of a picture.
 struct Bench {
@@ -22,7 +22,7 @@ impl Bench {
         let mut values = Values::defaults(&formula, &scene);
         let given: Vec<_> = settings
             .iter()
-            .flat_map(|text| text.parse::<Setting>().expect("a setting").resolve(values.roster()).expect("known names"))
+            .flat_map(|text| text.parse::<NamedAssignment>().expect("a setting").resolve(values.table()).expect("known names"))
             .collect();
         assert_eq!(values.assign(&given), []);
         Self { formula, world: World::new(scene), values, view: View::new(1, 1).expect("a size") }

@@ -193,7 +193,7 @@ impl App {
 
     fn begin_session(&mut self) {
         let settings = &self.remembered.settings;
-        self.workshop.begin_session(settings.picture(), |roster| settings.initial_values(roster));
+        self.workshop.begin_session(settings.picture(), |table| settings.initial_values(table));
         self.session = None;
         self.note_saved_session();
     }
@@ -289,7 +289,7 @@ impl App {
             let title = if self.materials.is_open() {
                 "The material library has warnings"
             } else {
-                "Materials are off: the material library cannot be read"
+                "MaterialRow are off: the material library cannot be read"
             };
             self.notify(Notice::warning(Topic::Materials, title, told));
         }

@@ -117,7 +117,7 @@ impl Log {
 
     /// Takes note of what is held. Whether anything is.
     fn dragged(&mut self, workshop: &Workshop) -> bool {
-        let label = workshop.held().map(|(owner, id)| workshop.values().roster().label(owner, id));
+        let label = workshop.held().map(|(owner, id)| workshop.values().table().label(owner, id));
         if self.drag.as_ref().map(|drag| &drag.label) != label.as_ref() {
             self.end_drag();
             self.drag = label.map(|label| DragTimes { label, ..DragTimes::default() });

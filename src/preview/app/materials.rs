@@ -3,15 +3,15 @@
 use crate::files::Readable;
 use crate::lang::display_text::one_line;
 use crate::preview::workshop::Workshop;
-use crate::workspace::materials::{Material, Place, Shelf};
+use crate::workspace::materials::{LibraryLocation, Material, Materials};
 use crate::workspace::{Location, OwnerId};
 use egui::{ComboBox, TextEdit, Ui};
 use std::path::Path;
 
 /// The library that is open.
-pub(super) struct Materials {
+pub(super) struct MaterialRow {
     /// Or why there is none.
-    shelf: Result<Shelf, String>,
+    library: Result<Materials, String>,
     /// The material that was given to the body last.
     chosen: String,
     /// The name under which a material is going to be saved.
@@ -22,29 +22,29 @@ pub(super) struct Materials {
     of: Option<OwnerId>,
 }
 
-impl Default for Materials {
+impl Default for MaterialRow {
     fn default() -> Self {
-        Self { shelf: Err(String::new()), chosen: String::new(), name: String::new(), open: false, of: None }
+        Self { library: Err(String::new()), chosen: String::new(), name: String::new(), open: false, of: None }
     }
 }
 
-impl Materials {
+impl MaterialRow {
     /// Opens the library that a formula names; what is to be said of it.
     pub(super) fn open(&mut self, uses: Option<&str>, formula: Option<&Location>, data: Option<&Path>) -> Option<String> {
-        let place = Place::of(uses, formula, data).map_err(|reason| reason.message().to_owned());
-        let (shelf, told) = match place.map(|place| Shelf::open(place, Readable::Regular)) {
-            Ok(Ok((shelf, findings))) => (Ok(shelf), Some(format!("{findings:#}")).filter(|text| !text.is_empty())),
+        let place = LibraryLocation::find(uses, formula, data).map_err(|reason| reason.message().to_owned());
+        let (library, told) = match place.map(|place| Materials::open(place, Readable::Regular)) {
+            Ok(Ok((library, findings))) => (Ok(library), Some(format!("{findings:#}")).filter(|text| !text.is_empty())),
             Ok(Err(findings)) => (Err(findings.to_string()), Some(format!("{findings:#}"))),
             Err(reason) => (Err(reason), None),
         };
-        self.shelf = shelf;
+        self.library = library;
         self.chosen.clear();
         told
     }
 
     /// Whether there is a library that can be used.
     pub(super) fn is_open(&self) -> bool {
-        self.shelf.is_ok()
+        self.library.is_ok()
     }
 
     /// Draws the row; what is to be told.
@@ -54,10 +54,10 @@ impl Materials {
             self.chosen.clear();
             self.name.clear();
         }
-        let shelf = match &mut self.shelf {
-            Ok(shelf) => shelf,
+        let library = match &mut self.library {
+            Ok(library) => library,
             Err(reason) => {
-                ui.add_enabled_ui(false, |ui| ui.button("Materials are off")).response.on_disabled_hover_text(reason.as_str());
+                ui.add_enabled_ui(false, |ui| ui.button("MaterialRow are off")).response.on_disabled_hover_text(reason.as_str());
                 return None;
             }
         };
@@ -70,7 +70,7 @@ impl Materials {
             let mut wanted = None;
             let title = if self.chosen.is_empty() { "Material".to_owned() } else { one_line(&self.chosen) };
             let list = ComboBox::from_id_salt("materials").selected_text(title).width(130.0).show_ui(ui, |ui| {
-                for material in shelf.library().iter() {
+                for material in library.library().iter() {
                     let is_chosen = material.name() == self.chosen;
                     let entry = ui.selectable_label(is_chosen, one_line(material.name()));
                     if is_chosen && !self.open {
@@ -82,19 +82,19 @@ impl Materials {
                 }
             });
             self.open = list.inner.is_some();
-            if let Some(material) = wanted.as_deref().and_then(|name| shelf.get(name)) {
-                let (given, _) = material.assignments(workshop.values().roster(), body);
+            if let Some(material) = wanted.as_deref().and_then(|name| library.get(name)) {
+                let (given, _) = material.assignments(workshop.values().table(), body);
                 workshop.change(|values| {
                     values.assign(&given);
                 });
                 self.chosen = material.name().to_owned();
                 // One of the user's own can be saved again; a built-in one stays as it is.
-                self.name = if shelf.is_built_in(&self.chosen) { String::new() } else { self.chosen.clone() };
+                self.name = if library.is_built_in(&self.chosen) { String::new() } else { self.chosen.clone() };
             }
-            let own = shelf.get(&self.chosen).is_some() && !shelf.is_built_in(&self.chosen);
+            let own = library.get(&self.chosen).is_some() && !library.is_built_in(&self.chosen);
             let delete = ui.add_enabled(own, egui::Button::new("Delete"));
             if delete.on_disabled_hover_text("Built-in materials stay").clicked() {
-                told = shelf.remove(&self.chosen).err().map(|findings| format!("{findings:#}"));
+                told = library.remove(&self.chosen).err().map(|findings| format!("{findings:#}"));
                 self.chosen.clear();
                 self.name.clear();
             }
@@ -104,7 +104,7 @@ impl Materials {
             let save = ui.add_enabled(!self.name.trim().is_empty(), egui::Button::new("Save material"));
             if save.on_hover_text("Keep this body's values under this name").clicked() {
                 let kept = Material::of_body(self.name.trim(), workshop.values(), body).map_err(|error| error.to_string());
-                match kept.and_then(|material| shelf.put(material).map_err(|findings| format!("{findings:#}"))) {
+                match kept.and_then(|material| library.put(material).map_err(|findings| format!("{findings:#}"))) {
                     Ok(()) => self.name.trim().clone_into(&mut self.chosen),
                     Err(message) => told = Some(message),
                 }

@@ -3,7 +3,7 @@
 use crate::formula::{Parameter, ParameterId};
 use crate::lang::types::Type;
 use crate::lang::variables::{Owner, Predefined};
-use crate::preview::app::materials::Materials;
+use crate::preview::app::materials::MaterialRow;
 use crate::preview::workshop::Workshop;
 use crate::workspace::{OwnerId, Values};
 use egui::{Color32, DragValue, Response, ScrollArea, Slider, TextEdit, Ui};
@@ -54,11 +54,11 @@ impl Parameters {
         &mut self,
         ui: &mut Ui,
         workshop: &mut Workshop,
-        materials: &mut Materials,
+        materials: &mut MaterialRow,
         picked: Option<OwnerId>,
     ) -> Option<String> {
-        if !workshop.values().roster().owners().has(self.selected) {
-            self.selected = picked.filter(|owner| workshop.values().roster().owners().has(*owner)).unwrap_or(OwnerId::Global);
+        if !workshop.values().table().owners().has(self.selected) {
+            self.selected = picked.filter(|owner| workshop.values().table().owners().has(*owner)).unwrap_or(OwnerId::Global);
         }
         ui.add_space(4.0);
         ui.horizontal(|ui| {
@@ -104,7 +104,7 @@ impl Parameters {
                     self.note_stop(workshop.values(), owner, id, value);
                 }
                 Act::LetGo(value) => {
-                    if workshop.values().of(owner, id).iter().zip(value).any(|(there, wanted)| *there != wanted) {
+                    if workshop.values().get(owner, id).iter().zip(value).any(|(there, wanted)| *there != wanted) {
                         workshop.drag(owner, id, value);
                         self.note_stop(workshop.values(), owner, id, value);
                     }
@@ -118,21 +118,21 @@ impl Parameters {
 
     /// Notes why a value is not what it was to be, if so.
     fn note_stop(&mut self, values: &Values, owner: OwnerId, id: ParameterId, wanted: [f32; 3]) {
-        let taken = values.of(owner, id);
+        let taken = values.get(owner, id);
         let is_near = |(taken, wanted): (&f32, &f32)| (taken - wanted).abs() <= 1e-4 * wanted.abs().max(1.0);
         self.stopped = None;
         if !taken.iter().zip(&wanted).all(is_near)
             && let Some([low, high]) = values.range_of(owner, id)
         {
-            let name = &values.roster().parameter(id).name;
-            let by = if Some([low, high]) == values.roster().parameter(id).range { "" } else { ", by invariants" };
+            let name = &values.table().parameter(id).name;
+            let by = if Some([low, high]) == values.table().parameter(id).range { "" } else { ", by invariants" };
             let [low, high] = [low, high].map(|bound| (bound * 1e4).round() / 1e4);
             self.stopped = Some((owner, id, format!("{name} is from {low} to {high} here{by}")));
         }
     }
 
     fn owners_ui(&mut self, ui: &mut Ui, values: &Values) {
-        let owners = values.roster().owners();
+        let owners = values.table().owners();
         for (kind, title) in [(Owner::Global, ""), (Owner::Light, "Lights"), (Owner::Body, "Bodies")] {
             if !title.is_empty() {
                 ui.weak(title);
@@ -157,29 +157,29 @@ impl Parameters {
 
     /// The parameters that are shown: those of what is selected, or what the search finds.
     fn wanted(&self, values: &Values) -> Vec<(OwnerId, ParameterId)> {
-        let roster = values.roster();
+        let table = values.table();
         let search = self.search.trim().to_lowercase();
         if search.is_empty() {
-            let is_ambient = |id: &ParameterId| roster.parameter(*id).predefined.is_some_and(|own| AMBIENT.contains(&own));
-            let own = roster.parameters_of(self.selected.kind()).filter(|id| !self.ambient || is_ambient(id));
+            let is_ambient = |id: &ParameterId| table.parameter(*id).predefined.is_some_and(|own| AMBIENT.contains(&own));
+            let own = table.parameters_of(self.selected.kind()).filter(|id| !self.ambient || is_ambient(id));
             return own.map(|id| (self.selected, id)).collect();
         }
         let all = values.iter().map(|(owner, id, _)| (owner, id));
-        all.filter(|(owner, id)| roster.label(*owner, *id).to_lowercase().contains(&search)).collect()
+        all.filter(|(owner, id)| table.label(*owner, *id).to_lowercase().contains(&search)).collect()
     }
 }
 
 /// What an owner is called.
 fn owner_name(values: &Values, owner: OwnerId) -> &str {
-    values.roster().owners().name(owner).unwrap_or("Scene")
+    values.table().owners().name(owner).unwrap_or("Scene")
 }
 
 /// A value with its name.
 fn value_ui(ui: &mut Ui, values: &Values, owner: OwnerId, id: ParameterId) -> Option<Act> {
-    let parameter = values.roster().parameter(id);
+    let parameter = values.table().parameter(id);
     let lock = values.lock_of(owner, id);
     let mut value = [0.0; 3];
-    values.of(owner, id).iter().zip(&mut value).for_each(|(from, to)| *to = *from);
+    values.get(owner, id).iter().zip(&mut value).for_each(|(from, to)| *to = *from);
     ui.push_id((owner, id), |ui| {
         let mut act = None;
         ui.horizontal(|ui| {

@@ -3,7 +3,7 @@
 use crate::lang::diagnostic::{Diagnostic, Diagnostics};
 use crate::preview::app::autosave::{Autosave, DraftSlot, PerDraft, Unsaved};
 use crate::preview::app::notices::{Notice, Topic};
-use crate::user_data::drafts::{Draft, Drafts, LeftBehind};
+use crate::user_data::drafts::{Draft, Drafts, LeftoverDraft};
 use crate::user_data::folders::Folders;
 use crate::user_data::recent::Recent;
 use crate::user_data::settings::{Settings, SettingsFile};
@@ -21,7 +21,7 @@ pub(super) struct Remembered {
     autosave: Option<Autosave>,
     /// The states of the texts and of the session that were noted last.
     noted: PerDraft<Option<u64>>,
-    left: Vec<LeftBehind>,
+    left: Vec<LeftoverDraft>,
     data: Option<PathBuf>,
 }
 
@@ -33,7 +33,7 @@ impl Remembered {
         let reading = file.read();
         let (recent, recent_warning) = Recent::open(folders);
         let drafts = Drafts::new(folders);
-        let (left, left_warnings) = drafts.left_behind();
+        let (left, left_warnings) = drafts.leftover_drafts();
         let left = sorted_out(left, &drafts);
         let mut notices = Vec::new();
         if !reading.diagnostics.is_empty() {
@@ -116,7 +116,7 @@ impl Remembered {
 
     /// What programs that are gone left unsaved, for people.
     pub(super) fn left(&self) -> Vec<String> {
-        let name = |left: &LeftBehind| {
+        let name = |left: &LeftoverDraft| {
             let Ok(draft) = &left.draft else { return "what cannot be read".to_owned() };
             let what = if draft.kind == FileKind::Session { "values of the session" } else { draft.kind.noun() };
             match &draft.location {
@@ -169,13 +169,13 @@ fn lines(diagnostics: &Diagnostics) -> String {
 }
 
 /// Whether it is nothing but values of a built-in session.
-fn is_play(left: &LeftBehind) -> bool {
+fn is_play(left: &LeftoverDraft) -> bool {
     let built_in = |draft: &Draft| draft.kind == FileKind::Session && matches!(draft.location, Some(Location::Preset(_)));
     left.draft.as_ref().is_ok_and(built_in)
 }
 
 /// Formulas before scenes before sessions, the newest first. Of values of built-in sessions only the newest stay: they would become ever more.
-fn sorted_out(mut left: Vec<LeftBehind>, drafts: &Drafts) -> Vec<LeftBehind> {
+fn sorted_out(mut left: Vec<LeftoverDraft>, drafts: &Drafts) -> Vec<LeftoverDraft> {
     left.sort_by_key(|left| left.draft.as_ref().ok().map(|draft| (DraftSlot::of(draft.kind).editor(), Reverse(draft.time))));
     let mut seen = false;
     // Where one cannot be removed, it is there the next time too.

@@ -250,7 +250,7 @@ fn values_that_are_unsaved_are_offered_again_with_the_texts_that_they_are_of() {
     let label = |app: &App, wanted: &str| {
         let values = app.workshop.values();
         let mut all = values.iter();
-        all.find(|(owner, id, _)| values.roster().label(*owner, *id) == wanted).map(|(owner, id, _)| (owner, id)).expect(wanted)
+        all.find(|(owner, id, _)| values.table().label(*owner, *id) == wanted).map(|(owner, id, _)| (owner, id)).expect(wanted)
     };
     let (owner, own) = label(&app, "ball.own");
     app.workshop.set(owner, own, [0.625; 3]);
@@ -337,7 +337,7 @@ fn what_endangers_work_is_in_view_until_it_is_dismissed_or_over() {
     assert!(seen(&mut harness));
     harness.run_steps(30);
     assert!(seen(&mut harness), "it stays");
-    assert!(harness.query_by_label_contains("cannot keep the unsaved text in").is_some(), "why");
+    assert!(harness.query_by_label_contains("cannot save the draft in").is_some(), "why");
     harness.get_by_label("Dismiss").click();
     harness.run_steps(2);
     assert!(!seen(&mut harness));
@@ -497,12 +497,12 @@ fn materials_are_given_to_bodies_and_undone() {
     harness.run_steps(3);
     let numbers = harness.state().workshop.values().numbers().to_vec();
     let app = harness.state_mut();
-    let shelf = crate::workspace::materials::Place::of(Some("preset:phong"), None, None)
-        .map(|place| crate::workspace::materials::Shelf::open(place, Readable::Regular));
+    let shelf = crate::workspace::materials::LibraryLocation::find(Some("preset:phong"), None, None)
+        .map(|place| crate::workspace::materials::Materials::open(place, Readable::Regular));
     let (shelf, _) = shelf.expect("a place").expect("a library");
-    let (owner, gold) = (app.workshop.values().roster().owners().named("ball"), shelf.get("gold").expect("a material"));
+    let (owner, gold) = (app.workshop.values().table().owners().named("ball"), shelf.get("gold").expect("a material"));
     let Some(crate::workspace::OwnerId::Body(body)) = owner else { panic!("a body") };
-    let (given, _) = gold.assignments(app.workshop.values().roster(), body);
+    let (given, _) = gold.assignments(app.workshop.values().table(), body);
     app.workshop.change(|values| {
         values.assign(&given);
     });
@@ -512,7 +512,7 @@ fn materials_are_given_to_bodies_and_undone() {
 }
 
 #[test]
-fn a_slider_is_dragged_and_told_of_and_undone_by_keys() {
+fn a_slider_is_dragged_and_reported_of_and_undone_by_keys() {
     let mut harness = harness();
     let before = settle(&mut harness);
     let lines = Rc::new(RefCell::new(Vec::new()));
@@ -662,8 +662,8 @@ fn a_material_is_saved_under_a_name_and_given_again() {
     harness.get_by_label("Save material").click();
     harness.run_steps(3);
     let app = harness.state_mut();
-    let ball = app.workshop.values().roster().owners().named("ball").expect("a body");
-    let kd = app.workshop.values().roster().parameter_named("kd").expect("a parameter");
+    let ball = app.workshop.values().table().owners().named("ball").expect("a body");
+    let kd = app.workshop.values().table().parameter_named("kd").expect("a parameter");
     app.workshop.set(ball, kd, [0.0; 3]);
     assert!(settle(&mut harness) != kept);
     // The list of materials, and in it the one of that name.

@@ -83,7 +83,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn bytes_and_characters_are_told_apart() {
+    fn bytes_and_characters_are_reported_apart() {
         let text = "č😀x\nβ\n";
         let lines = Lines::new(text);
         assert_eq!(lines.count(), 3);

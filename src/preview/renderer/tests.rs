@@ -20,10 +20,10 @@ fn scenery(width: u32, height: u32) -> (Scenery, Values) {
 
 /// Moves a slider of a body; the places of its numbers.
 fn moved_kd(values: &mut Values, to: f32) -> Vec<usize> {
-    let roster = values.roster();
-    let (owner, id, _) = values.iter().find(|(owner, id, _)| roster.label(*owner, *id).ends_with(".kd")).expect("a slider");
+    let table = values.table();
+    let (owner, id, _) = values.iter().find(|(owner, id, _)| table.label(*owner, *id).ends_with(".kd")).expect("a slider");
     values.move_to(owner, id, [to; 3]);
-    values.moved_places(owner, id)
+    values.moved_indices(owner, id)
 }
 
 /// Waits for a picture of these values with all its pixels.

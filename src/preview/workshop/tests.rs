@@ -26,7 +26,7 @@ fn settle(workshop: &mut Workshop) -> Vec<u32> {
 
 fn slider(workshop: &Workshop, label: &str) -> (OwnerId, ParameterId) {
     let values = workshop.values();
-    let found = values.iter().find(|(owner, id, _)| values.roster().label(*owner, *id) == label);
+    let found = values.iter().find(|(owner, id, _)| values.table().label(*owner, *id) == label);
     found.map(|(owner, id, _)| (owner, id)).expect("a slider")
 }
 
@@ -60,31 +60,30 @@ fn a_failed_apply_leaves_everything_as_it_was() {
     assert!(settle(&mut workshop) == first);
     // A good one keeps values by owner and name.
     let (owner, id) = slider(&workshop, "ball.Cd");
-    let colour = workshop.values().of(owner, id).to_vec();
+    let colour = workshop.values().get(owner, id).to_vec();
     workshop.apply_formula(&Source::new("new", "formula; = IL*Cd*max(0, N.L);")).expect("no mistake");
     assert!(settle(&mut workshop) != first);
     let (owner, id) = slider(&workshop, "ball.Cd");
-    assert_eq!(workshop.values().of(owner, id), colour);
+    assert_eq!(workshop.values().get(owner, id), colour);
 }
 
 #[test]
 fn changes_are_undone_across_formulas_by_owner_and_name() {
     let mut workshop = workshop();
     let (owner, colour) = slider(&workshop, "ball.Cd");
-    let before = workshop.values().of(owner, colour).to_vec();
+    let before = workshop.values().get(owner, colour).to_vec();
     workshop.set(owner, colour, [0.25, 0.5, 0.75]);
     workshop.apply_formula(&Source::new("new", "formula; = IL*Cd*max(0, N.L);")).expect("no mistake");
     let (owner, colour) = slider(&workshop, "ball.Cd");
-    assert_eq!(workshop.values().of(owner, colour), [0.25, 0.5, 0.75]);
+    assert_eq!(workshop.values().get(owner, colour), [0.25, 0.5, 0.75]);
     assert!(workshop.undo());
-    assert_eq!(workshop.values().of(owner, colour), before);
+    assert_eq!(workshop.values().get(owner, colour), before);
     // Of what the formula has, and of nothing else.
-    let labels: Vec<String> =
-        workshop.values().iter().map(|(owner, id, _)| workshop.values().roster().label(owner, id)).collect();
+    let labels: Vec<String> = workshop.values().iter().map(|(owner, id, _)| workshop.values().table().label(owner, id)).collect();
     assert!(labels.contains(&"ball.Cd".to_owned()) && !labels.contains(&"ball.kd".to_owned()), "{labels:?}");
     let undone = settle(&mut workshop);
     assert!(workshop.redo() && settle(&mut workshop) != undone);
-    assert_eq!(workshop.values().of(owner, colour), [0.25, 0.5, 0.75]);
+    assert_eq!(workshop.values().get(owner, colour), [0.25, 0.5, 0.75]);
 }
 
 #[test]
@@ -113,7 +112,7 @@ fn a_value_is_copied_to_all_bodies_and_a_session_holds_everything() {
     workshop.set(owner, id, [123.0; 3]);
     workshop.copy_to_all(owner, id);
     let values = workshop.values();
-    assert!(values.roster().owners().of_kind(owner.kind()).all(|body| values.of(body, id) == [123.0]));
+    assert!(values.table().owners().of_kind(owner.kind()).all(|body| values.get(body, id) == [123.0]));
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("my.toml");
     let [formula, scene] = ["phong", "studio"].map(|name| Location::Preset(name.to_owned()));

@@ -15,13 +15,13 @@ fn home() -> (tempfile::TempDir, Folders) {
     (home, folders)
 }
 
-fn left_behind(drafts: &Drafts) -> Vec<LeftBehind> {
-    let (found, diagnostics) = drafts.left_behind();
+fn leftover_drafts(drafts: &Drafts) -> Vec<LeftoverDraft> {
+    let (found, diagnostics) = drafts.leftover_drafts();
     assert!(diagnostics.is_empty(), "{diagnostics:?}");
     found
 }
 
-fn texts(found: &[LeftBehind]) -> Vec<&str> {
+fn texts(found: &[LeftoverDraft]) -> Vec<&str> {
     let mut texts: Vec<&str> = found.iter().map(|left| left.draft.as_ref().unwrap().text.as_str()).collect();
     texts.sort_unstable();
     texts
@@ -36,13 +36,13 @@ fn programs(folders: &Folders) -> usize {
 fn a_text_that_is_saved_leaves_nothing() {
     let (_home, folders) = home();
     let mut drafts = Drafts::new(&folders);
-    assert_eq!(left_behind(&drafts), []);
+    assert_eq!(leftover_drafts(&drafts), []);
     assert!(!folders.state.exists(), "nothing is made before there is something to keep");
     drafts.remove(0).unwrap();
     drafts.keep(0, FileKind::Formula, None, "one").unwrap();
     drafts.remove(0).unwrap();
     drop(drafts);
-    assert_eq!(left_behind(&Drafts::new(&folders)), []);
+    assert_eq!(leftover_drafts(&Drafts::new(&folders)), []);
     assert_eq!(programs(&folders), 0);
 }
 
@@ -54,12 +54,12 @@ fn what_a_program_leaves_is_found_by_the_next() {
     drafts.keep(0, FileKind::Formula, Some(&preset), "old").unwrap();
     drafts.keep(0, FileKind::Formula, Some(&preset), "new").unwrap();
     drafts.keep(1, FileKind::Scene, Some(&Location::new("a.scene")), "").unwrap();
-    assert_eq!(left_behind(&Drafts::new(&folders)), [], "the program is running");
-    assert_eq!(left_behind(&drafts), []);
+    assert_eq!(leftover_drafts(&Drafts::new(&folders)), [], "the program is running");
+    assert_eq!(leftover_drafts(&drafts), []);
     drop(drafts);
 
     let mut next = Drafts::new(&folders);
-    let found = left_behind(&next);
+    let found = leftover_drafts(&next);
     assert_eq!(texts(&found), ["", "new"]);
     let formula = found.iter().find(|left| left.draft.as_ref().unwrap().kind == FileKind::Formula).unwrap();
     let scene = found.iter().find(|left| left.path() != formula.path()).unwrap();
@@ -68,14 +68,14 @@ fn what_a_program_leaves_is_found_by_the_next() {
     assert!(draft.time <= SystemTime::now() && draft.time > SystemTime::now() - Duration::from_secs(600));
     let elsewhere = scene.draft.clone().unwrap().location;
     assert_eq!(elsewhere, Some(Location::File(std::path::absolute("a.scene").unwrap())));
-    assert_eq!(texts(&left_behind(&next)), [""]);
-    assert!(next.take_over(scene, 5).unwrap_err().message().contains("unsaved text of its own"));
+    assert_eq!(texts(&leftover_drafts(&next)), [""]);
+    assert!(next.take_over(scene, 5).unwrap_err().message().contains("a draft of its own"));
     next.discard(scene).unwrap();
-    assert_eq!(left_behind(&next), []);
+    assert_eq!(leftover_drafts(&next), []);
     assert_eq!(programs(&folders), 1, "the folder of the program that is gone is gone too");
     // What was taken over is kept as any other.
     drop(next);
-    assert_eq!(texts(&left_behind(&Drafts::new(&folders))), ["new"]);
+    assert_eq!(texts(&leftover_drafts(&Drafts::new(&folders))), ["new"]);
 }
 
 #[test]
@@ -86,7 +86,7 @@ fn two_programs_have_drafts_of_their_own() {
     other.keep(0, FileKind::Formula, None, "other").unwrap();
     one.remove(0).unwrap();
     drop(other);
-    assert_eq!(texts(&left_behind(&one)), ["other"]);
+    assert_eq!(texts(&leftover_drafts(&one)), ["other"]);
 }
 
 #[test]
@@ -97,7 +97,7 @@ fn only_one_program_takes_a_draft_over() {
     gone.keep(1, FileKind::Scene, None, "scene").unwrap();
     drop(gone);
     let (mut one, mut other) = (Drafts::new(&folders), Drafts::new(&folders));
-    let (mine, yours) = (left_behind(&one), left_behind(&other));
+    let (mine, yours) = (leftover_drafts(&one), leftover_drafts(&other));
     for (editor, left) in mine.iter().enumerate() {
         one.take_over(left, editor as u32).unwrap();
     }
@@ -107,7 +107,7 @@ fn only_one_program_takes_a_draft_over() {
         assert!(other.discard(left).is_err());
     }
     drop(one);
-    assert_eq!(texts(&left_behind(&other)), ["scene", "text"]);
+    assert_eq!(texts(&leftover_drafts(&other)), ["scene", "text"]);
 }
 
 #[test]
@@ -121,7 +121,7 @@ fn many_programs_at_once_lose_nothing() {
                 for round in 0..10 {
                     let mut drafts = Drafts::new(folders);
                     // Looking removes folders that are empty, while others are just making theirs.
-                    let _ = drafts.left_behind();
+                    let _ = drafts.leftover_drafts();
                     drafts.keep(0, FileKind::Formula, None, &format!("{program} {round}")).unwrap();
                     drafts.keep(1, FileKind::Scene, None, "saved").unwrap();
                     drafts.remove(1).unwrap();
@@ -132,7 +132,7 @@ fn many_programs_at_once_lose_nothing() {
             });
         }
     });
-    let found = left_behind(&Drafts::new(&folders));
+    let found = leftover_drafts(&Drafts::new(&folders));
     let mut expected: Vec<String> =
         (0..PROGRAMS).flat_map(|program| [1, 3, 5, 7, 9].map(|round| format!("{program} {round}"))).collect();
     expected.sort_unstable();
@@ -172,11 +172,11 @@ fn a_killed_program_leaves_its_drafts() {
         std::thread::sleep(Duration::from_millis(10));
     }
     let drafts = Drafts::new(&folders);
-    let while_running = left_behind(&drafts);
+    let while_running = leftover_drafts(&drafts);
     child.kill().unwrap();
     child.wait().unwrap();
     assert_eq!(while_running, []);
-    assert_eq!(texts(&left_behind(&drafts)), ["typed until the end"]);
+    assert_eq!(texts(&leftover_drafts(&drafts)), ["typed until the end"]);
 }
 
 #[test]
@@ -184,7 +184,7 @@ fn the_same_text_is_not_written_again() {
     let (_home, folders) = home();
     let mut drafts = Drafts::new(&folders);
     drafts.keep(0, FileKind::Formula, None, "text").unwrap();
-    let path = file_of(drafts.hold.as_ref().unwrap(), 0);
+    let path = file_of(drafts.own_folder.as_ref().unwrap(), 0);
     let written = |path: &Path| fs::metadata(path).unwrap().modified().unwrap();
     let before = written(&path);
     std::thread::sleep(Duration::from_millis(20));
@@ -202,64 +202,64 @@ fn a_folder_that_is_taken_away_is_made_again_with_all_drafts() {
     drafts.keep(1, FileKind::Scene, None, "scene").unwrap();
     fs::remove_dir_all(&folders.state).unwrap();
     drafts.keep(0, FileKind::Formula, None, "formula").unwrap();
-    assert_eq!(left_behind(&Drafts::new(&folders)), []);
+    assert_eq!(leftover_drafts(&Drafts::new(&folders)), []);
     drop(drafts);
-    assert_eq!(texts(&left_behind(&Drafts::new(&folders))), ["formula", "scene"]);
+    assert_eq!(texts(&leftover_drafts(&Drafts::new(&folders))), ["formula", "scene"]);
 }
 
 #[test]
-fn what_cannot_be_kept_is_told_and_tried_again() {
+fn what_cannot_be_kept_is_reported_and_tried_again() {
     let (home, folders) = home();
     fs::write(home.path().join("state"), "a file").unwrap();
     let mut drafts = Drafts::new(&folders);
     let error = drafts.keep(0, FileKind::Formula, None, "text").unwrap_err();
-    assert!(error.message().starts_with("cannot keep the unsaved text in `"), "{}", error.message());
-    let (found, diagnostics) = drafts.left_behind();
+    assert!(error.message().starts_with("cannot save the draft in `"), "{}", error.message());
+    let (found, diagnostics) = drafts.leftover_drafts();
     assert_eq!((found.len(), diagnostics.len()), (0, 1), "{diagnostics:?}");
     fs::remove_file(home.path().join("state")).unwrap();
     drafts.keep(0, FileKind::Formula, None, "text").unwrap();
 
     // Something stands where the next one is to be: the first is unharmed, and so is what could not be kept.
-    let path = file_of(drafts.hold.as_ref().unwrap(), 1);
+    let path = file_of(drafts.own_folder.as_ref().unwrap(), 1);
     fs::create_dir_all(path.join("inside")).unwrap();
     assert!(drafts.keep(1, FileKind::Scene, None, "scene").is_err());
     assert!(drafts.keep(1, FileKind::Scene, None, "scene").is_err(), "an error is no success the second time");
     fs::remove_dir_all(&path).unwrap();
     drafts.keep(1, FileKind::Scene, None, "scene").unwrap();
     drop(drafts);
-    assert_eq!(texts(&left_behind(&Drafts::new(&folders))), ["scene", "text"]);
+    assert_eq!(texts(&leftover_drafts(&Drafts::new(&folders))), ["scene", "text"]);
 }
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_system_that_takes_no_files_is_told() {
+fn a_system_that_takes_no_files_is_reported() {
     let mut drafts = Drafts::new(&Folders::below(Path::new("/proc/illuminator")));
     assert!(drafts.keep(0, FileKind::Formula, None, "text").is_err());
-    assert_eq!(left_behind(&drafts), []);
+    assert_eq!(leftover_drafts(&drafts), []);
 }
 
 #[test]
-fn damaged_drafts_are_told_and_stay_until_they_are_discarded() {
+fn damaged_drafts_are_reported_and_stay_until_they_are_discarded() {
     let damaged: [(&[u8], &str); 6] = [
         (b"version = 1\nkind = \"formula\"\ntext = \"\xff\"", "not UTF-8"),
         (b"version = 1\nkind = \"formula\"\ntext = \"cut of", "invalid basic string"),
-        (b"version = 1\nkind = \"formula\"", "the draft is not whole"),
-        (b"version = 1\nkind = \"poem\"\ntext = \"x\"", "does not say what it is"),
+        (b"version = 1\nkind = \"formula\"", "the draft is incomplete"),
+        (b"version = 1\nkind = \"poem\"\ntext = \"x\"", "no valid kind"),
         (b"version = 2\nkind = \"formula\"\ntext = \"x\"", "version 2"),
-        (b"", "does not say its version"),
+        (b"", "has no version"),
     ];
     let (_home, folders) = home();
     let mut gone = Drafts::new(&folders);
     gone.keep(9, FileKind::Formula, None, "sound").unwrap();
-    let hold = gone.hold.as_ref().unwrap();
+    let own_folder = gone.own_folder.as_ref().unwrap();
     for (editor, (bytes, _)) in damaged.iter().enumerate() {
-        fs::write(file_of(hold, editor as u32), bytes).unwrap();
+        fs::write(file_of(own_folder, editor as u32), bytes).unwrap();
     }
-    fs::write(hold.folder().join(".illuminator-half"), "version = 1\nte").unwrap();
-    let folder = hold.folder().to_owned();
+    fs::write(own_folder.folder().join(".illuminator-half"), "version = 1\nte").unwrap();
+    let folder = own_folder.folder().to_owned();
     drop(gone);
     let mut drafts = Drafts::new(&folders);
-    let found = left_behind(&drafts);
+    let found = leftover_drafts(&drafts);
     assert_eq!(found.len(), damaged.len() + 1);
     assert!(found[0].draft.is_ok(), "what can be read comes first");
     for (editor, (bytes, what)) in damaged.iter().enumerate() {
@@ -279,13 +279,13 @@ fn folders_without_a_lock_are_taken_for_left_behind() {
     let (_home, folders) = home();
     let mut gone = Drafts::new(&folders);
     gone.keep(0, FileKind::Formula, None, "text").unwrap();
-    let folder = gone.hold.as_ref().unwrap().folder().to_owned();
+    let folder = gone.own_folder.as_ref().unwrap().folder().to_owned();
     drop(gone);
     fs::remove_file(folder.join("lock")).unwrap();
     fs::create_dir(folders.state.join("drafts/empty")).unwrap();
     fs::write(folders.state.join("drafts/file"), "").unwrap();
     let drafts = Drafts::new(&folders);
-    assert_eq!(texts(&left_behind(&drafts)), ["text"]);
+    assert_eq!(texts(&leftover_drafts(&drafts)), ["text"]);
     assert_eq!(programs(&folders), 1);
 }
 
@@ -298,7 +298,7 @@ fn huge_texts_are_kept() {
     let mut drafts = Drafts::new(&folders);
     drafts.keep(0, FileKind::Formula, None, &text).unwrap();
     drop(drafts);
-    let found = left_behind(&Drafts::new(&folders));
+    let found = leftover_drafts(&Drafts::new(&folders));
     assert!(found[0].draft.as_ref().unwrap().text == text);
 }
 
@@ -311,14 +311,14 @@ fn a_text_from_a_path_that_is_no_text_is_kept_without_it() {
     let mut drafts = Drafts::new(&folders);
     drafts.keep(0, FileKind::Formula, Some(&location), "text").unwrap();
     drop(drafts);
-    let found = left_behind(&Drafts::new(&folders));
+    let found = leftover_drafts(&Drafts::new(&folders));
     let draft = found[0].draft.as_ref().unwrap();
     assert_eq!((draft.text.as_str(), &draft.location), ("text", &None));
 }
 
 #[cfg(unix)]
 #[test]
-fn pipes_in_place_of_drafts_and_locks_are_told_of() {
+fn pipes_in_place_of_drafts_and_locks_are_reported() {
     use rustix::fs::{CWD, FileType, Mode, mknodat};
     let (_home, folders) = home();
     let mut gone = Drafts::new(&folders);
@@ -331,7 +331,7 @@ fn pipes_in_place_of_drafts_and_locks_are_told_of() {
     };
     pipe("a/lock");
     pipe("b/0.toml");
-    let (found, diagnostics) = Drafts::new(&folders).left_behind();
+    let (found, diagnostics) = Drafts::new(&folders).leftover_drafts();
     assert_eq!(texts(&found), ["text"]);
     let messages: Vec<&str> = diagnostics.iter().map(Diagnostic::message).collect();
     assert!(messages.len() == 1 && messages[0].ends_with("/a`: it is a pipe, not a file"), "{messages:?}");

@@ -1,4 +1,4 @@
-//! A draft as a file, and back.
+//! Writing a draft as text, and parsing it.
 
 use crate::files::{Readable, open, reason};
 use crate::lang::diagnostic::{Diagnostic, Diagnostics, Severity};
@@ -27,7 +27,7 @@ struct DraftText<'d> {
 pub(super) fn to_toml(draft: &Draft) -> io::Result<String> {
     let location = draft.location.as_ref().and_then(|location| match location {
         Location::Preset(_) => Some(location.to_string()),
-        // The text counts for more than where it came from, which TOML may have no place for.
+        // TOML cannot hold all paths. The text matters more than its path.
         Location::File(path) => path.to_str().map(str::to_owned),
     });
     let time = draft.time.duration_since(UNIX_EPOCH).unwrap_or_default().as_secs();
@@ -38,7 +38,7 @@ pub(super) fn to_toml(draft: &Draft) -> io::Result<String> {
 /// Reads a draft of any size.
 pub(super) fn read(path: &Path) -> Result<Draft, Diagnostic> {
     let unreadable = |why: &str| {
-        Diagnostic::error(format!("cannot read the unsaved text in `{}`: {why}", path.display()))
+        Diagnostic::error(format!("cannot read the draft in `{}`: {why}", path.display()))
             .help("look at it with another program, or discard it")
     };
     let mut bytes = Vec::new();
@@ -63,14 +63,14 @@ fn parse_draft(source: &Source) -> Result<Draft, Diagnostics> {
             "location" => location = Some(entry.value),
             "time" => time = Some(entry.value),
             "text" => text = Some(entry.value),
-            // No loss: what a later version says beside the text.
+            // A later version may add keys. Ignoring them loses nothing.
             _ => {}
         }
     }
     check_version(version, &mut diagnostics);
     let mut take = |value: Option<Value>, line: &str| {
         let outcome =
-            value.ok_or_else(|| missing("the draft is not whole", line)).and_then(|value| value.text().map(str::to_owned));
+            value.ok_or_else(|| missing("the draft is incomplete", line)).and_then(|value| value.text().map(str::to_owned));
         outcome.map_err(|diagnostic| diagnostics.push(diagnostic)).ok()
     };
     let text = take(text, "text = \"formula; = Cd;\"");
@@ -85,7 +85,7 @@ fn parse_draft(source: &Source) -> Result<Draft, Diagnostics> {
         }
         _ => {
             if !diagnostics.has_errors() {
-                diagnostics.push(missing("the draft does not say what it is", "kind = \"formula\""));
+                diagnostics.push(missing("the draft has no valid kind", "kind = \"formula\""));
             }
             Err(diagnostics)
         }

@@ -1,26 +1,26 @@
-//! The file of the settings: where it is, what several running programs make of it, and what becomes of a damaged one.
+//! The file of the settings: several running programs may change it, and it may be damaged.
 
 use crate::files::{Readable, reason, replace_text};
 use crate::lang::diagnostic::{Diagnostic, Diagnostics};
 use crate::lang::source::Source;
 use crate::lang::variables::Predefined;
 use crate::user_data::folders::Folders;
-use crate::user_data::settings::read::{Found, read};
+use crate::user_data::settings::read::{ParsedSettings, read};
 use crate::user_data::settings::{Defaults, Settings, WindowSettings, save};
-use crate::user_data::store::{cannot_keep, make_folder};
+use crate::user_data::store::{cannot_save, create_folder};
 use crate::workspace::read_source;
 use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-/// Settings as they were read, with what is wrong with their file.
+/// Settings that were read, with the problems of their file.
 #[derive(Debug, Clone)]
-pub struct Reading {
-    /// What is sound of the file, with defaults for the rest; all defaults where there is none.
+pub struct LoadedSettings {
+    /// What could be read, with defaults for the rest. All are defaults if there is no file.
     pub settings: Settings,
-    /// The text that the diagnostics mean.
+    /// The text that the diagnostics refer to.
     pub source: Source,
-    /// What is wrong with it. Errors among them: the file is damaged, and will be kept aside when settings are saved.
+    /// The problems of the file. If there are errors, the file is renamed and kept when settings are saved.
     pub diagnostics: Diagnostics,
 }
 
@@ -28,72 +28,74 @@ pub struct Reading {
 #[derive(Debug, Clone)]
 pub struct SettingsFile {
     path: PathBuf,
-    /// What whoever saves has last seen or saved: what is other than this, he has changed.
-    seen: Settings,
+    /// The settings that were read or saved last. Whatever differs from them was changed here.
+    last_seen: Settings,
 }
 
 impl SettingsFile {
-    /// The file in these folders. Nothing is read or made yet.
+    /// The file in these folders. Nothing is read or created yet.
     pub fn new(folders: &Folders) -> Self {
-        Self { path: folders.configuration.join("settings.toml"), seen: Settings::default() }
+        Self { path: folders.configuration.join("settings.toml"), last_seen: Settings::default() }
     }
 
-    /// Where it is.
+    /// The path.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Reads it. There is always an answer: no file means defaults, and so does what is wrong.
-    pub fn read(&mut self) -> Reading {
-        let (source, Found { settings, mut diagnostics, .. }) = self.look();
+    /// Reads the file. Without a file, and for values with errors, the settings are defaults.
+    pub fn read(&mut self) -> LoadedSettings {
+        let (source, ParsedSettings { settings, mut diagnostics, .. }) = self.load();
         if diagnostics.has_errors() {
-            let name = self.free_name().display().to_string();
+            let name = self.unused_name().display().to_string();
             let message = "settings that cannot be read have their default values";
             diagnostics
                 .push(Diagnostic::warning(message).help(format!("when settings are saved, this file is kept as `{name}`")));
         }
-        self.seen.clone_from(&settings);
-        Reading { settings, source, diagnostics }
+        self.last_seen.clone_from(&settings);
+        LoadedSettings { settings, source, diagnostics }
     }
 
-    /// Saves settings, whole or not at all. What another program has changed in the file meanwhile stays, but for what was
-    /// changed here too; so do keys that mean nothing. A damaged file is kept aside: the answer is where, if so.
+    /// Saves settings, whole or not at all. What another program changed in the file stays, unless it was changed here
+    /// too; so do unknown keys. A damaged file is renamed and kept; its new path is returned.
     ///
     /// # Errors
-    /// The file cannot be written; what was there before is still there.
+    /// The file cannot be written. The old file is then unchanged.
     pub fn save(&mut self, settings: &Settings) -> Result<Option<PathBuf>, Diagnostic> {
-        let failed = |error| cannot_keep("the settings", &self.path, &error);
+        let failed = |error| cannot_save("the settings", &self.path, &error);
         let is_there = fs::symlink_metadata(&self.path).is_ok();
-        let (source, found) = self.look();
+        let (source, found) = self.load();
         let damaged = found.diagnostics.has_errors();
-        let merged = if is_there && !damaged { merge(settings, &self.seen, &found.settings) } else { settings.clone() };
-        let text = save::to_toml(&merged, &found.others)?;
-        let mut aside = None;
+        let merged =
+            if is_there && !damaged { merge_settings(settings, &self.last_seen, &found.settings) } else { settings.clone() };
+        let text = save::to_toml(&merged, &found.unknown)?;
+        let mut renamed = None;
         if !is_there || damaged || text != source.text() {
             if let Some(folder) = self.path.parent() {
-                make_folder(folder).map_err(failed)?;
+                create_folder(folder).map_err(failed)?;
             }
             if is_there && damaged {
-                aside = Some(self.set_aside()?);
+                renamed = Some(self.rename_damaged()?);
             }
             if let Err(error) = replace_text(&self.path, &text) {
-                if let Some(aside) = aside {
-                    // Better a damaged file in its place than none. Where that fails too, it is still there under its new name.
-                    let _ = fs::rename(aside, &self.path);
+                if let Some(renamed) = renamed {
+                    // A damaged file is better than none. If this fails too, the file is still there under its new
+                    // name.
+                    let _ = fs::rename(renamed, &self.path);
                 }
                 return Err(failed(error));
             }
         }
-        self.seen.clone_from(settings);
-        Ok(aside)
+        self.last_seen.clone_from(settings);
+        Ok(renamed)
     }
 
-    /// What the file says now.
-    fn look(&self) -> (Source, Found) {
+    /// Reads and parses the file.
+    fn load(&self) -> (Source, ParsedSettings) {
         let name = self.path.display().to_string();
         let missing = fs::metadata(&self.path).is_err_and(|error| error.kind() == ErrorKind::NotFound);
         if missing {
-            return (Source::new(name, ""), Found::default());
+            return (Source::new(name, ""), ParsedSettings::default());
         }
         match read_source(&self.path, None, Readable::Regular) {
             Ok(source) => {
@@ -102,58 +104,58 @@ impl SettingsFile {
                 found.settings.startup = found.settings.startup.from_folder(folder);
                 (source, found)
             }
-            Err(error) => (Source::new(name, ""), Found { diagnostics: error.into(), ..Found::default() }),
+            Err(error) => (Source::new(name, ""), ParsedSettings { diagnostics: error.into(), ..ParsedSettings::default() }),
         }
     }
 
-    /// A name for the damaged file that nothing has yet: what was kept aside before may be missed as well.
-    fn free_name(&self) -> PathBuf {
+    /// A new name for the damaged file that no file has: an earlier damaged file may still be needed.
+    fn unused_name(&self) -> PathBuf {
         let first = self.path.with_added_extension("damaged");
-        let others = (2..).map(|number: u32| self.path.with_added_extension(format!("damaged-{number}")));
-        let mut names = std::iter::once(first.clone()).chain(others);
+        let unknown = (2..).map(|number: u32| self.path.with_added_extension(format!("damaged-{number}")));
+        let mut names = std::iter::once(first.clone()).chain(unknown);
         names.find(|name| fs::symlink_metadata(name).is_err()).unwrap_or(first)
     }
 
-    fn set_aside(&self) -> Result<PathBuf, Diagnostic> {
-        let aside = self.free_name();
-        fs::rename(&self.path, &aside).map_err(|error| {
-            let (name, aside) = (self.path.display(), aside.display());
-            let message = format!("cannot keep the damaged settings `{name}` as `{aside}`: {}", reason(&error));
-            Diagnostic::error(message).help("nothing was changed; mend the file, or take it away")
+    fn rename_damaged(&self) -> Result<PathBuf, Diagnostic> {
+        let renamed = self.unused_name();
+        fs::rename(&self.path, &renamed).map_err(|error| {
+            let (name, renamed) = (self.path.display(), renamed.display());
+            let message = format!("cannot rename the damaged settings `{name}` to `{renamed}`: {}", reason(&error));
+            Diagnostic::error(message).help("nothing was changed; repair the file, or remove it")
         })?;
-        Ok(aside)
+        Ok(renamed)
     }
 }
 
-/// The one of three that is to be: what was changed here, else what the file has.
-fn newer<T: PartialEq + Clone>(ours: &T, seen: &T, theirs: &T) -> T {
-    if ours == seen { theirs.clone() } else { ours.clone() }
+/// The merged value: ours if it was changed here, otherwise the file's.
+fn merge_value<T: PartialEq + Clone>(ours: &T, last_seen: &T, theirs: &T) -> T {
+    if ours == last_seen { theirs.clone() } else { ours.clone() }
 }
 
-fn merge(ours: &Settings, seen: &Settings, theirs: &Settings) -> Settings {
+fn merge_settings(ours: &Settings, last_seen: &Settings, theirs: &Settings) -> Settings {
     let mut defaults = Defaults::default();
     for &parameter in Predefined::ALL {
         let place = parameter as usize;
         defaults.values[place] =
-            newer(&ours.defaults.values[place], &seen.defaults.values[place], &theirs.defaults.values[place]);
+            merge_value(&ours.defaults.values[place], &last_seen.defaults.values[place], &theirs.defaults.values[place]);
     }
     Settings {
-        shadows: newer(&ours.shadows, &seen.shadows, &theirs.shadows),
-        depth: newer(&ours.depth, &seen.depth, &theirs.depth),
-        size: newer(&ours.size, &seen.size, &theirs.size),
-        default_index: newer(&ours.default_index, &seen.default_index, &theirs.default_index),
-        startup: newer(&ours.startup, &seen.startup, &theirs.startup),
+        shadows: merge_value(&ours.shadows, &last_seen.shadows, &theirs.shadows),
+        depth: merge_value(&ours.depth, &last_seen.depth, &theirs.depth),
+        size: merge_value(&ours.size, &last_seen.size, &theirs.size),
+        default_index: merge_value(&ours.default_index, &last_seen.default_index, &theirs.default_index),
+        startup: merge_value(&ours.startup, &last_seen.startup, &theirs.startup),
         defaults,
         window: WindowSettings {
-            theme: newer(&ours.window.theme, &seen.window.theme, &theirs.window.theme),
-            scale: newer(&ours.window.scale, &seen.window.scale, &theirs.window.scale),
-            apply_as_you_type: newer(
+            theme: merge_value(&ours.window.theme, &last_seen.window.theme, &theirs.window.theme),
+            scale: merge_value(&ours.window.scale, &last_seen.window.scale, &theirs.window.scale),
+            apply_as_you_type: merge_value(
                 &ours.window.apply_as_you_type,
-                &seen.window.apply_as_you_type,
+                &last_seen.window.apply_as_you_type,
                 &theirs.window.apply_as_you_type,
             ),
-            log: newer(&ours.window.log, &seen.window.log, &theirs.window.log),
-            size: newer(&ours.window.size, &seen.window.size, &theirs.window.size),
+            log: merge_value(&ours.window.log, &last_seen.window.log, &theirs.window.log),
+            size: merge_value(&ours.window.size, &last_seen.window.size, &theirs.window.size),
         },
     }
 }

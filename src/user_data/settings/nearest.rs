@@ -1,4 +1,4 @@
-//! Numbers out of range: the nearest one within it is taken, with a warning.
+//! Numbers out of range become the nearest one within it, with a warning.
 
 use crate::lang::diagnostic::Diagnostic;
 use crate::workspace::spanned_toml::{Value, parse_integer};
@@ -25,5 +25,5 @@ pub(super) fn nearest_number(value: Value, [low, high]: [f32; 2]) -> Result<(f32
 }
 
 fn outside(value: Value, given: &str, expected: &str, taken: &str) -> Diagnostic {
-    Diagnostic::warning(format!("{given} is out of range; {taken} is taken")).at(value.span, format!("expected {expected}"))
+    Diagnostic::warning(format!("{given} is out of range; {taken} is used")).at(value.span, format!("expected {expected}"))
 }

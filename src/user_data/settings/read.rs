@@ -1,4 +1,4 @@
-//! The text of settings into numbers and choices, as far as it is sound.
+//! Parsing the text of settings, as far as it has no errors.
 
 use crate::lang::ast::Constant;
 use crate::lang::diagnostic::{Diagnostic, Diagnostics, nearest};
@@ -14,51 +14,51 @@ use crate::workspace::spanned_toml::{Entry, Value, check_version, entries, parse
 const KEYS: [&str; 8] = ["version", "shadows", "depth", "size", "ior", "startup", "defaults", "window"];
 const WINDOW_KEYS: [&str; 5] = ["theme", "scale", "apply_as_you_type", "log", "size"];
 
-/// What a text says.
+/// A parsed text.
 #[derive(Default)]
-pub(super) struct Found {
-    /// What is sound of it, with defaults for the rest.
+pub(super) struct ParsedSettings {
+    /// The settings without errors, with defaults for the rest.
     pub(super) settings: Settings,
-    /// What means nothing here.
-    pub(super) others: Others,
-    /// What is wrong with it.
+    /// The unknown keys.
+    pub(super) unknown: UnknownKeys,
+    /// The problems.
     pub(super) diagnostics: Diagnostics,
 }
 
-/// Keys that mean nothing here, perhaps to another version of the program: they stay in the file.
+/// Unknown keys, perhaps of another version of the program. They stay in the file.
 #[derive(Default)]
-pub(super) struct Others {
-    /// Those of the whole file.
+pub(super) struct UnknownKeys {
+    /// The unknown keys of the file itself.
     pub(super) file: toml::Table,
-    /// Those among the defaults of parameters.
+    /// The unknown keys among the defaults of parameters.
     pub(super) defaults: toml::Table,
-    /// Those of the window.
+    /// The unknown keys of the window.
     pub(super) window: toml::Table,
 }
 
-pub(super) fn read(source: &Source) -> Found {
-    let mut found = Found::default();
+pub(super) fn read(source: &Source) -> ParsedSettings {
+    let mut found = ParsedSettings::default();
     let table = match parse_toml(source) {
         Ok(table) => table,
-        Err(diagnostics) => return Found { diagnostics, ..found },
+        Err(diagnostics) => return ParsedSettings { diagnostics, ..found },
     };
     let entries = entries(&table);
     let version = entries.iter().find(|entry| entry.key == "version").map(|entry| entry.value);
     check_version(version, &mut found.diagnostics);
     if version.is_some() && found.diagnostics.has_errors() {
-        // What keys mean in another version is not known.
+        // In another version the keys may have another meaning.
         return found;
     }
     for entry in entries {
         found.entry(&entry);
     }
-    found.others = others(source);
+    found.unknown = unknown(source);
     found.diagnostics.sort();
     found
 }
 
-/// Everything of a text but what is known.
-fn others(source: &Source) -> Others {
+/// The unknown keys of a text.
+fn unknown(source: &Source) -> UnknownKeys {
     let mut file: toml::Table = source.text().trim_start_matches('\u{feff}').parse().unwrap_or_default();
     let mut rest_of = |key: &str, known: &dyn Fn(&str) -> bool| match file.remove(key) {
         Some(toml::Value::Table(mut table)) => {
@@ -70,18 +70,18 @@ fn others(source: &Source) -> Others {
     let defaults = rest_of("defaults", &|key| Predefined::named(key).is_some());
     let window = rest_of("window", &|key| WINDOW_KEYS.contains(&key));
     file.retain(|key, _| !KEYS.contains(&key));
-    Others { file, defaults, window }
+    UnknownKeys { file, defaults, window }
 }
 
-impl Found {
-    /// What was read, or nothing after reporting why.
-    fn take<T>(&mut self, outcome: Result<T, Diagnostic>) -> Option<T> {
+impl ParsedSettings {
+    /// The value of an outcome; `None` after reporting an error.
+    fn report_error<T>(&mut self, outcome: Result<T, Diagnostic>) -> Option<T> {
         outcome.map_err(|diagnostic| self.diagnostics.push(diagnostic)).ok()
     }
 
-    /// The same for what may have been taken with a warning.
-    fn take_warned<T>(&mut self, outcome: Result<(T, Option<Diagnostic>), Diagnostic>) -> Option<T> {
-        let (taken, warning) = self.take(outcome)?;
+    /// The same, for an outcome that may have a warning.
+    fn report_warning<T>(&mut self, outcome: Result<(T, Option<Diagnostic>), Diagnostic>) -> Option<T> {
+        let (taken, warning) = self.report_error(outcome)?;
         warning.into_iter().for_each(|warning| self.diagnostics.push(warning));
         Some(taken)
     }
@@ -90,23 +90,23 @@ impl Found {
         match entry.key {
             "version" => {}
             "shadows" => {
-                if let Some(shadows) = self.take(entry.value.truth()) {
+                if let Some(shadows) = self.report_error(entry.value.truth()) {
                     self.settings.shadows = shadows;
                 }
             }
             "depth" => {
-                if let Some(depth) = self.take_warned(nearest_whole(entry.value, 1..=i64::from(MAX_DEPTH))) {
+                if let Some(depth) = self.report_warning(nearest_whole(entry.value, 1..=i64::from(MAX_DEPTH))) {
                     self.settings.depth = depth as u32;
                 }
             }
             "size" => self.settings.size = self.sides(entry.value, [1, MAX_SIDE], self.settings.size),
             "ior" => {
-                if let Some(index) = self.take(entry.value.number()) {
+                if let Some(index) = self.report_error(entry.value.number()) {
                     self.index(entry.value, index);
                 }
             }
             "startup" => {
-                if let Some(startup) = self.take(startup(entry.value)) {
+                if let Some(startup) = self.report_error(startup(entry.value)) {
                     self.settings.startup = startup;
                 }
             }
@@ -125,7 +125,7 @@ impl Found {
     }
 
     fn table<'t>(&mut self, value: Value<'t>) -> Vec<Entry<'t>> {
-        self.take(value.table()).map(entries).unwrap_or_default()
+        self.report_error(value.table()).map(entries).unwrap_or_default()
     }
 
     fn unknown(&mut self, entry: &Entry, known: &[&str]) {
@@ -134,9 +134,9 @@ impl Found {
 
     fn sides(&mut self, value: Value, [low, high]: [u32; 2], before: [u32; 2]) -> [u32; 2] {
         let mut sides = before;
-        let Some(values) = self.take(value.list::<2>("width and height, `[640, 480]`")) else { return sides };
+        let Some(values) = self.report_error(value.list::<2>("width and height, `[640, 480]`")) else { return sides };
         for (value, side) in values.into_iter().zip(&mut sides) {
-            if let Some(taken) = self.take_warned(nearest_whole(value, i64::from(low)..=i64::from(high))) {
+            if let Some(taken) = self.report_warning(nearest_whole(value, i64::from(low)..=i64::from(high))) {
                 *side = taken as u32;
             }
         }
@@ -147,9 +147,9 @@ impl Found {
         if is_index(index) {
             self.settings.default_index = index;
         } else {
-            // Of the numbers above 0 none is the nearest.
+            // No number above 0 is the nearest.
             let usual = self.settings.default_index;
-            let message = format!("the refractive index {index} is not positive; {usual} is taken");
+            let message = format!("the refractive index {index} is not positive; {usual} is used");
             self.diagnostics.push(Diagnostic::warning(message).at(value.span, "expected more than 0"));
         }
     }
@@ -159,7 +159,7 @@ impl Found {
             let names: Vec<&str> = Predefined::ALL.iter().map(|parameter| parameter.name()).collect();
             return self.unknown(entry, &names);
         };
-        let Some(constant) = self.take(entry.value.constant()) else { return };
+        let Some(constant) = self.report_error(entry.value.constant()) else { return };
         if constant.ty() != parameter.ty() {
             let expected = if parameter.ty() == Type::Vector { "three numbers `[x, y, z]`" } else { "a number" };
             let message = format!("`{}` is {}", entry.key, parameter.ty().with_article());
@@ -167,11 +167,11 @@ impl Found {
         }
         let values = match constant {
             Constant::Scalar(_) => vec![entry.value],
-            Constant::Vector(_) => self.take(entry.value.list::<3>("three numbers")).map(Vec::from).unwrap_or_default(),
+            Constant::Vector(_) => self.report_error(entry.value.list::<3>("three numbers")).map(Vec::from).unwrap_or_default(),
         };
         let mut taken = [0.0; 3];
         for (value, taken) in values.into_iter().zip(&mut taken) {
-            if let Some(number) = self.take_warned(nearest_number(value, PREDEFINED_RANGE)) {
+            if let Some(number) = self.report_warning(nearest_number(value, PREDEFINED_RANGE)) {
                 *taken = number;
             }
         }
@@ -181,22 +181,22 @@ impl Found {
     fn window(&mut self, entry: &Entry) {
         match entry.key {
             "theme" => {
-                if let Some(theme) = self.take(theme(entry.value)) {
+                if let Some(theme) = self.report_error(theme(entry.value)) {
                     self.settings.window.theme = theme;
                 }
             }
             "scale" => {
-                if let Some(scale) = self.take_warned(nearest_number(entry.value, SCALES)) {
+                if let Some(scale) = self.report_warning(nearest_number(entry.value, SCALES)) {
                     self.settings.window.scale = scale;
                 }
             }
             "apply_as_you_type" => {
-                if let Some(apply) = self.take(entry.value.truth()) {
+                if let Some(apply) = self.report_error(entry.value.truth()) {
                     self.settings.window.apply_as_you_type = apply;
                 }
             }
             "log" => {
-                if let Some(log) = self.take(entry.value.truth()) {
+                if let Some(log) = self.report_error(entry.value.truth()) {
                     self.settings.window.log = log;
                 }
             }
@@ -209,7 +209,7 @@ impl Found {
 fn startup(value: Value) -> Result<Location, Diagnostic> {
     let text = value.text()?;
     if text.trim().is_empty() {
-        return Err(Diagnostic::error("no session is named").at(value.span, "expected a path or `preset:NAME`"));
+        return Err(Diagnostic::error("the path of the session is empty").at(value.span, "expected a path or `preset:NAME`"));
     }
     Ok(Location::new(text))
 }

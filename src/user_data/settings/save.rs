@@ -1,8 +1,8 @@
-//! Settings as text.
+//! Writing settings as text.
 
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::variables::Predefined;
-use crate::user_data::settings::read::Others;
+use crate::user_data::settings::read::UnknownKeys;
 use crate::user_data::settings::{Defaults, Settings};
 use crate::workspace::Location;
 use crate::workspace::spanned_toml::VERSION;
@@ -18,8 +18,8 @@ struct SettingsText<'s> {
     ior: f64,
     startup: String,
     #[serde(flatten)]
-    others: &'s toml::Table,
-    defaults: Group<'s>,
+    unknown: &'s toml::Table,
+    defaults: DefaultsTable<'s>,
     window: WindowText<'s>,
 }
 
@@ -31,16 +31,16 @@ struct WindowText<'s> {
     log: bool,
     size: [u32; 2],
     #[serde(flatten)]
-    others: &'s toml::Table,
+    unknown: &'s toml::Table,
 }
 
-/// The defaults of parameters, in the order of their table, and what stands beside them.
-struct Group<'s> {
+/// The defaults of parameters, in the order of their table, and the unknown keys beside them.
+struct DefaultsTable<'s> {
     defaults: &'s Defaults,
-    others: &'s toml::Table,
+    unknown: &'s toml::Table,
 }
 
-impl Serialize for Group<'_> {
+impl Serialize for DefaultsTable<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let known = Predefined::ALL.iter().map(|parameter| {
             let number = match self.defaults.of(*parameter) {
@@ -49,8 +49,8 @@ impl Serialize for Group<'_> {
             };
             (parameter.name(), number)
         });
-        let others = self.others.iter().map(|(key, value)| (key.as_str(), Number::Other(value)));
-        serializer.collect_map(known.chain(others))
+        let unknown = self.unknown.iter().map(|(key, value)| (key.as_str(), Number::Other(value)));
+        serializer.collect_map(known.chain(unknown))
     }
 }
 
@@ -62,7 +62,7 @@ enum Number<'s> {
     Other(&'s toml::Value),
 }
 
-pub(super) fn to_toml(settings: &Settings, others: &Others) -> Result<String, Diagnostic> {
+pub(super) fn to_toml(settings: &Settings, unknown: &UnknownKeys) -> Result<String, Diagnostic> {
     let startup = startup(&settings.startup)?;
     let Settings { shadows, depth, size, default_index, startup: _, defaults, window } = settings.within_ranges();
     let text = SettingsText {
@@ -72,26 +72,26 @@ pub(super) fn to_toml(settings: &Settings, others: &Others) -> Result<String, Di
         size,
         ior: default_index,
         startup,
-        others: &others.file,
-        defaults: Group { defaults: &defaults, others: &others.defaults },
+        unknown: &unknown.file,
+        defaults: DefaultsTable { defaults: &defaults, unknown: &unknown.defaults },
         window: WindowText {
             theme: window.theme.name(),
             scale: window.scale,
             apply_as_you_type: window.apply_as_you_type,
             log: window.log,
             size: window.size,
-            others: &others.window,
+            unknown: &unknown.window,
         },
     };
     toml::to_string(&text).map_err(|error| Diagnostic::error(format!("cannot write the settings as TOML: {error}")))
 }
 
-/// The startup session as it is found from any folder.
+/// The location of the startup session, such that it is found from any folder.
 fn startup(location: &Location) -> Result<String, Diagnostic> {
     let Location::File(path) = location else { return Ok(location.to_string()) };
     let path = std::path::absolute(path).unwrap_or_else(|_| path.clone());
     path.to_str().map(str::to_owned).ok_or_else(|| {
-        Diagnostic::error(format!("cannot keep the path of the startup session: `{}` is not UTF-8 text", path.display()))
+        Diagnostic::error(format!("cannot save the path of the startup session: `{}` is not UTF-8 text", path.display()))
             .help("choose another startup session, or give this one another name")
     })
 }

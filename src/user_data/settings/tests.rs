@@ -81,15 +81,15 @@ fn what_is_out_of_range_is_the_nearest_that_is_within() {
     assert_eq!(
         messages,
         [
-            "99999999999999999999 is out of range; 9 is taken",
-            "0 is out of range; 1 is taken",
-            "40000 is out of range; 32768 is taken",
-            "the refractive index -1 is not positive; 1.5 is taken",
-            "2 is out of range; 1 is taken",
-            "-1 is out of range; 0 is taken",
-            "3 is out of range; 1 is taken",
-            "0.1 is out of range; 0.5 is taken",
-            "1 is out of range; 320 is taken",
+            "99999999999999999999 is out of range; 9 is used",
+            "0 is out of range; 1 is used",
+            "40000 is out of range; 32768 is used",
+            "the refractive index -1 is not positive; 1.5 is used",
+            "2 is out of range; 1 is used",
+            "-1 is out of range; 0 is used",
+            "3 is out of range; 1 is used",
+            "0.1 is out of range; 0.5 is used",
+            "1 is out of range; 320 is used",
         ]
     );
     assert_eq!((settings.depth, settings.size, settings.default_index), (9, [1, 32_768], 1.5));
@@ -99,7 +99,7 @@ fn what_is_out_of_range_is_the_nearest_that_is_within() {
 }
 
 #[test]
-fn what_is_wrong_is_told_and_the_rest_is_taken() {
+fn what_is_wrong_is_reported_and_the_rest_is_taken() {
     let text = "version = 1\nshadows = 0\ndepth = 2.5\nsize = 3\nior = nan\nstartup = \" \"\n[defaults]\nkr = [1, 1, 1]\n\
                 Cd = 1\nka = \"x\"\nkt = 0.5\n[window]\ntheme = \"drak\"\nlog = true\n";
     let (settings, messages) = parse(text);
@@ -109,8 +109,8 @@ fn what_is_wrong_is_told_and_the_rest_is_taken() {
             "expected `true` or `false`, found a whole number",
             "expected a whole number from 1 to 9, found a number",
             "expected width and height, `[640, 480]`, found a whole number",
-            "this number is too large, or none at all",
-            "no session is named",
+            "this number is too large or not finite",
+            "the path of the session is empty",
             "`kr` is a scalar",
             "`Cd` is a vector",
             "expected a number, or three as `[x, y, z]`, found a text",
@@ -121,7 +121,7 @@ fn what_is_wrong_is_told_and_the_rest_is_taken() {
     assert!(settings.window.log);
     assert_eq!(parse("version = 1\nwindow = 3\ndefaults = []").1.len(), 2);
     assert_eq!(parse("version = 2\ndepth = 3"), (Settings::default(), vec!["version 2 of this file cannot be read".to_owned()]));
-    assert_eq!(parse("depth = 3").1, ["the file does not say its version"]);
+    assert_eq!(parse("depth = 3").1, ["the file has no version"]);
     assert_eq!(parse("depth = ").0, Settings::default());
 }
 
@@ -132,23 +132,23 @@ fn a_new_session_begins_with_the_chosen_defaults() {
                  lights; key: point, <9,9,9>; camera; position <0,0,9>; gaze <0,0,-1>; up <0,1,0>; fov 45;";
     let formula = Formula::parse(&Source::new("f", formula)).unwrap().0;
     let scene = Scene::parse(&Source::new("s", scene)).unwrap().0;
-    let roster = Roster::new(&formula, &scene);
+    let table = ParameterTable::new(&formula, &scene);
     let mut settings = Settings::default();
-    assert_eq!(settings.initial_values(&roster), []);
+    assert_eq!(settings.initial_values(&table), []);
     settings.defaults.set(Predefined::BodyColour, [0.1, 0.2, 7.0]);
     settings.defaults.set(Predefined::Reflection, [0.25, f32::NAN, f32::NAN]);
     settings.defaults.set(Predefined::Refraction, [0.5; 3]);
     settings.defaults.set(Predefined::Ambient, [f32::NAN; 3]);
     settings.defaults.set(Predefined::Background, [0.0, 0.0, 1.0]);
-    let (values, warnings) = Values::new(&formula, &scene, &settings.initial_values(&roster));
+    let (values, warnings) = Values::new(&formula, &scene, &settings.initial_values(&table));
     assert_eq!(warnings, []);
     let shown: Vec<String> = values
         .iter()
         .filter(|(owner, id, _)| {
             ["ball.Cd", "ball.kr", "ball.kt", "wall.kr", "wall.Cd", "ka", "background"]
-                .contains(&roster.label(*owner, *id).as_str())
+                .contains(&table.label(*owner, *id).as_str())
         })
-        .map(|(owner, id, value)| format!("{}={value:?}", roster.label(owner, id)))
+        .map(|(owner, id, value)| format!("{}={value:?}", table.label(owner, id)))
         .collect();
     assert_eq!(
         shown,
@@ -192,21 +192,21 @@ fn a_damaged_file_is_kept_aside() {
         let told = format!("{:#}", reading.diagnostics.located(&reading.source));
         assert!(reading.diagnostics.has_errors() && told.contains("settings.toml.damaged`"), "{told}");
         let settings = Settings { shadows: false, ..reading.settings };
-        let aside = file.save(&settings).unwrap().expect("kept aside");
-        assert_eq!(fs::read(&aside).unwrap(), damaged);
+        let renamed = file.save(&settings).unwrap().expect("kept renamed");
+        assert_eq!(fs::read(&renamed).unwrap(), damaged);
         assert_eq!(names(&folders.configuration), ["settings.toml", "settings.toml.damaged"]);
         assert_eq!(file.read().settings, settings);
         assert_eq!(file.save(&settings).unwrap(), None);
-        // Damaged again, while the program runs: what it has is not lost, nor is what was kept aside before.
+        // Damaged again, while the program runs: what it has is not lost, nor is what was kept renamed before.
         fs::write(file.path(), "again = ").unwrap();
-        let aside = file.save(&settings).unwrap().unwrap();
-        assert!(aside.ends_with("settings.toml.damaged-2"));
+        let renamed = file.save(&settings).unwrap().unwrap();
+        assert!(renamed.ends_with("settings.toml.damaged-2"));
         assert_eq!(file.read().settings, settings);
     }
 }
 
 #[test]
-fn a_folder_in_place_of_the_file_is_told_and_kept_aside() {
+fn a_folder_in_place_of_the_file_is_reported_and_kept_aside() {
     let home = tempfile::tempdir().unwrap();
     let folders = Folders::below(home.path());
     fs::create_dir_all(folders.configuration.join("settings.toml/inside")).unwrap();
@@ -217,13 +217,13 @@ fn a_folder_in_place_of_the_file_is_told_and_kept_aside() {
 }
 
 #[test]
-fn what_cannot_be_saved_is_told_and_harms_nothing() {
+fn what_cannot_be_saved_is_reported_and_harms_nothing() {
     let home = tempfile::tempdir().unwrap();
     fs::write(home.path().join("configuration"), "a file").unwrap();
     let mut file = SettingsFile::new(&Folders::below(home.path()));
     assert!(file.read().diagnostics.has_errors());
     let error = file.save(&Settings::default()).unwrap_err();
-    assert!(error.message().starts_with("cannot keep the settings in `"), "{}", error.message());
+    assert!(error.message().starts_with("cannot save the settings in `"), "{}", error.message());
     assert!(!error.hints().is_empty());
     assert_eq!(fs::read_to_string(home.path().join("configuration")).unwrap(), "a file");
 }
@@ -253,7 +253,7 @@ fn a_read_only_folder_keeps_what_it_has() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_system_that_takes_no_files_is_told() {
+fn a_system_that_takes_no_files_is_reported() {
     let mut file = SettingsFile::new(&Folders::below(Path::new("/proc/illuminator")));
     assert_eq!(file.read().settings, Settings::default());
     assert!(file.save(&Settings::default()).is_err());
@@ -269,7 +269,7 @@ fn what_means_nothing_stays_in_the_file() {
     let mut file = SettingsFile::new(&folders);
     let reading = file.read();
     let messages: Vec<&str> = reading.diagnostics.iter().map(Diagnostic::message).collect();
-    let unknown = |key: &str| format!("`{key}` means nothing here and is left out");
+    let unknown = |key: &str| format!("`{key}` is unknown here and is ignored");
     assert_eq!(messages, ["dept", "future", "when", "kx", "glow", "list"].map(unknown));
     let settings = Settings { depth: 4, ..reading.settings };
     assert_eq!(file.save(&settings).unwrap(), None);

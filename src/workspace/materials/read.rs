@@ -1,4 +1,4 @@
-//! The text of a material library into names and numbers.
+//! Parsing the text of a material library.
 
 use crate::lang::diagnostic::{Diagnostic, Diagnostics};
 use crate::lang::source::Source;
@@ -14,7 +14,7 @@ pub(super) fn parse(source: &Source) -> Result<(Library, Diagnostics), Diagnosti
         if entry.key == VERSION_KEY {
             version = Some(entry.value);
         } else if let Some(material) = material(&entry, &mut diagnostics) {
-            // TOML has no table twice.
+            // TOML allows each name only once.
             library.put(material);
         }
     }
@@ -23,7 +23,7 @@ pub(super) fn parse(source: &Source) -> Result<(Library, Diagnostics), Diagnosti
     if diagnostics.has_errors() { Err(diagnostics) } else { Ok((library, diagnostics)) }
 }
 
-/// The material that a key of the file names.
+/// The material that a table of the file defines.
 fn material(entry: &Entry, diagnostics: &mut Diagnostics) -> Option<Material> {
     let named = Material::new(entry.key).map_err(|error| {
         let expected = match error {

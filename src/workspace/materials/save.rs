@@ -1,4 +1,4 @@
-//! A material library as text and as file.
+//! Writing a material library as text and to its file.
 
 use crate::files::replace_text;
 use crate::workspace::materials::{Library, Material};
@@ -8,10 +8,10 @@ use std::fs;
 use std::io;
 use std::path::Path;
 
-/// The file, in the order of the materials.
+/// The file, with its tables in the order of the materials.
 struct LibraryFile<'l>(&'l Library);
 
-/// One table of it, in the order of the values.
+/// A table of the file, with its keys in the order of the values.
 struct Table<'l>(&'l Material);
 
 impl Serialize for LibraryFile<'_> {
@@ -37,7 +37,7 @@ pub(super) fn to_toml(library: &Library) -> Result<String, toml::ser::Error> {
 
 pub(super) fn save(library: &Library, path: &Path) -> io::Result<()> {
     let text = to_toml(library).map_err(io::Error::other)?;
-    // A file is replaced by another, which its own protection would not hinder.
+    // The file is replaced by another one, which its write protection would not prevent.
     if fs::metadata(path).is_ok_and(|metadata| metadata.permissions().readonly()) {
         return Err(io::Error::new(io::ErrorKind::PermissionDenied, "the file is read-only"));
     }

@@ -6,7 +6,7 @@ use crate::formula::Formula;
 use crate::lang::diagnostic::Diagnostic;
 use crate::scene::Scene;
 use crate::workspace::Location;
-use crate::workspace::warning::Warning;
+use crate::workspace::warning::ValueWarning;
 use std::fs;
 
 const TEXT: &str = "# metals\nversion = 1\n\n[gold] # yellow\nCd = [1, 0.8, 0.3]\nkr = 0.25\nkd = 0.5\n\n[\"red plastic\"]\nkd = 0.7\n\
@@ -54,9 +54,9 @@ fn scene() -> Scene {
 }
 
 fn give(values: &mut Values, material: &Material, body: u32) -> Vec<String> {
-    let (assignments, warnings) = material.assignments(values.roster(), BodyId(body));
+    let (assignments, warnings) = material.assignments(values.table(), BodyId(body));
     let warnings: Vec<String> = warnings.iter().map(|warning| warning.message().to_owned()).collect();
-    let taken: Vec<String> = values.assign(&assignments).iter().map(Warning::to_string).collect();
+    let taken: Vec<String> = values.assign(&assignments).iter().map(ValueWarning::to_string).collect();
     [warnings, taken].concat()
 }
 
@@ -76,19 +76,19 @@ fn a_library_is_read_in_its_order() {
 }
 
 #[test]
-fn all_errors_are_told_at_once() {
+fn all_errors_are_reported_at_once() {
     let text = "gold = 3\n[\"\"]\nkr = 1\n[\" x \"]\n[silver]\nCd = [1, 2]\nkr = \"much\"\nkt = nan\nkd = { a = 1 }\n[empty]\n";
     let errors = Library::parse(&source(text)).unwrap_err();
     assert_eq!(
         messages(&errors),
         [
-            "the file does not say its version",
+            "the file has no version",
             "expected a table, found a whole number",
             "a material needs a name",
-            "the name of a material is one line without blanks around it",
+            "the name of a material must be one line, without spaces at its ends",
             "expected three numbers `[x, y, z]`",
             "expected a number, or three as `[x, y, z]`, found a text",
-            "this number is too large, or none at all",
+            "this number is too large or not finite",
             "expected a number, or three as `[x, y, z]`, found a table",
             "the material `empty` has no values and changes nothing",
         ]
@@ -151,14 +151,14 @@ fn a_material_goes_through_ranges_and_invariants() {
     assert_eq!(
         give(&mut values, library.get("m").unwrap(), 0),
         [
-            "`kr` is a scalar in the formula; this value is left out",
-            "the formula has no body parameter `ki`; its value is left out",
-            "the formula has no body parameter `shine`; its value is left out",
-            "`ball.h` = 1 is outside 5..500; 5 is taken",
-            "`ball.kd` = 0.5 is ignored: it follows from others (kd = 1 - ks) and is 0.75",
+            "`kr` is a scalar in the formula; this value is ignored",
+            "the formula has no body parameter `ki`; its value is ignored",
+            "the formula has no body parameter `shine`; its value is ignored",
+            "`ball.h` = 1 is outside 5..500; 5 is used",
+            "`ball.kd` = 0.5 is ignored: it follows from other values (kd = 1 - ks) and is 0.75",
         ]
     );
-    let ks = values.roster().parameter_named("ks").unwrap();
+    let ks = values.table().parameter_named("ks").unwrap();
     assert_eq!([values.body(BodyId(0), ks), values.body(BodyId(1), ks)], [[0.25], [0.5]]);
 }
 
@@ -175,7 +175,7 @@ fn a_body_gets_back_what_was_read_out_of_it() {
         for other in 0..2 {
             let mut fresh = Values::defaults(&model, &scene());
             assert_eq!(give(&mut fresh, &material, other), [""; 0], "{body} to {other}");
-            for id in values.roster().parameters_of(Owner::Body) {
+            for id in values.table().parameters_of(Owner::Body) {
                 assert_eq!(fresh.body(BodyId(other), id), values.body(BodyId(other), id));
             }
         }
@@ -190,7 +190,7 @@ fn a_body_gets_back_what_was_read_out_of_it() {
     let material = Material::of_body("copy", &values, BodyId(0)).unwrap();
     let mut others = Values::defaults(&free, &scene);
     assert_eq!(give(&mut others, &material, 0), [""; 0]);
-    assert_eq!(others.body(BodyId(0), values.roster().parameter_named("kt").unwrap()), [0.0]);
+    assert_eq!(others.body(BodyId(0), values.table().parameter_named("kt").unwrap()), [0.0]);
     assert_eq!(Material::of_body("none", &values, BodyId(9)).unwrap().properties, []);
 }
 
@@ -206,7 +206,7 @@ fn scene_with(bodies: &str) -> String {
 fn libraries_are_looked_for_beside_the_formula() {
     let folder = tempfile::tempdir().unwrap();
     let formula = Location::File(folder.path().join("models/phong.txt"));
-    let place = |uses: &str, formula: &Location| Place::of(Some(uses), Some(formula), Some(folder.path()));
+    let place = |uses: &str, formula: &Location| LibraryLocation::find(Some(uses), Some(formula), Some(folder.path()));
     let file = |uses: &str, formula: &Location| place(uses, formula).unwrap().file().map(Path::to_owned);
     // One that exists nowhere is to be made beside the formula.
     let beside = folder.path().join("models/lib/m.toml");
@@ -223,7 +223,7 @@ fn libraries_are_looked_for_beside_the_formula() {
 #[test]
 fn libraries_of_built_in_formulas_are_kept_in_the_data_folder() {
     let data = Path::new("data");
-    let of = |uses: &str, data: Option<&Path>| Place::of(Some(uses), Some(&Location::new("preset:phong")), data);
+    let of = |uses: &str, data: Option<&Path>| LibraryLocation::find(Some(uses), Some(&Location::new("preset:phong")), data);
     let place = of("preset:phong", Some(data)).unwrap();
     assert_eq!((place.built_in(), place.file()), (Some("phong"), Some(Path::new("data/materials/phong.toml"))));
     let place = of("preset/material/PhongMaterial.txt", Some(data)).unwrap();
@@ -234,13 +234,13 @@ fn libraries_of_built_in_formulas_are_kept_in_the_data_folder() {
     let error = of("preset:fong", None).unwrap_err();
     assert_eq!(error.message(), "there is no built-in material library `preset:fong`");
     assert_eq!(error.hints(), ["did you mean `preset:phong`?"]);
-    let error = Place::of(None, None, None).unwrap_err();
+    let error = LibraryLocation::find(None, None, None).unwrap_err();
     assert_eq!(error.message(), "materials are off: the formula names no file for them");
 }
 
-fn shelf(uses: &str, data: &Path) -> Shelf {
-    let place = Place::of(Some(uses), Some(&Location::new("preset:phong")), Some(data)).unwrap();
-    let (shelf, found) = Shelf::open(place, Readable::Regular).unwrap_or_else(|found| panic!("{found}"));
+fn shelf(uses: &str, data: &Path) -> Materials {
+    let place = LibraryLocation::find(Some(uses), Some(&Location::new("preset:phong")), Some(data)).unwrap();
+    let (shelf, found) = Materials::open(place, Readable::Regular).unwrap_or_else(|found| panic!("{found}"));
     assert!(found.diagnostics.is_empty());
     shelf
 }
@@ -256,8 +256,8 @@ fn what_is_saved_lies_over_what_is_built_in() {
     shelf.put(Material { name: "my own".to_owned(), ..gold.clone() }).unwrap();
     assert!(!shelf.is_built_in("gold") && !shelf.is_built_in("my own") && !shelf.is_built_in("none"));
     // Order is kept, and another program sees the same.
-    let place = shelf.place().clone();
-    assert_eq!(shelf, Shelf::open(place.clone(), Readable::Regular).unwrap().0);
+    let place = shelf.location().clone();
+    assert_eq!(shelf, Materials::open(place.clone(), Readable::Regular).unwrap().0);
     assert_eq!(names(shelf.library()), [built_in.iter().map(String::as_str).collect(), vec!["my own"]].concat());
     assert_eq!(bare(shelf.library()).get("gold"), bare(&library(TEXT)).get("gold"));
     let marked = shelf.get("gold").unwrap().properties[0].span;
@@ -281,10 +281,10 @@ fn a_library_is_made_when_a_material_is_saved() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("preset/material/PhongMaterial.txt");
     let formula = Location::File(folder.path().join("phong.txt"));
-    let place = Place::of(Some("preset/material/PhongMaterial.txt"), Some(&formula), None).unwrap();
-    let (mut one, _) = Shelf::open(place.clone(), Readable::Regular).unwrap();
+    let place = LibraryLocation::find(Some("preset/material/PhongMaterial.txt"), Some(&formula), None).unwrap();
+    let (mut one, _) = Materials::open(place.clone(), Readable::Regular).unwrap();
     assert!(one.library().is_empty() && !path.exists());
-    let (mut other, _) = Shelf::open(place.clone(), Readable::Regular).unwrap();
+    let (mut other, _) = Materials::open(place.clone(), Readable::Regular).unwrap();
     one.put(Material::new("one").unwrap()).unwrap();
     other.put(Material::new("other").unwrap()).unwrap();
     assert_eq!(names(other.library()), ["one", "other"], "what another has saved stays");
@@ -297,11 +297,11 @@ fn a_library_is_made_when_a_material_is_saved() {
 fn files_that_cannot_be_changed_are_left_alone() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("m.toml");
-    let place = Place::of(Some("m.toml"), Some(&Location::File(folder.path().join("f.txt"))), None).unwrap();
+    let place = LibraryLocation::find(Some("m.toml"), Some(&Location::File(folder.path().join("f.txt"))), None).unwrap();
     fs::write(&path, TEXT).unwrap();
-    let (mut shelf, _) = Shelf::open(place.clone(), Readable::Regular).unwrap();
+    let (mut shelf, _) = Materials::open(place.clone(), Readable::Regular).unwrap();
     let before = shelf.clone();
-    let message = |error: Findings| messages(&error.diagnostics)[0].replace(&folder.path().display().to_string(), "F");
+    let message = |error: SourceDiagnostics| messages(&error.diagnostics)[0].replace(&folder.path().display().to_string(), "F");
     let protect = |readonly: bool| {
         let mut permissions = fs::metadata(&path).unwrap().permissions();
         permissions.set_readonly(readonly);
@@ -317,24 +317,24 @@ fn files_that_cannot_be_changed_are_left_alone() {
     fs::write(&path, "version = 1\n[gold").unwrap();
     assert!(shelf.put(silver.clone()).is_err() && shelf.remove("gold").is_err());
     assert_eq!((fs::read_to_string(&path).unwrap().as_str(), &shelf), ("version = 1\n[gold", &before));
-    assert!(Shelf::open(place.clone(), Readable::Regular).is_err());
+    assert!(Materials::open(place.clone(), Readable::Regular).is_err());
     fs::remove_file(&path).unwrap();
     fs::create_dir(&path).unwrap();
     assert_eq!(message(shelf.put(silver.clone()).unwrap_err()), "`F/m.toml` is a folder, not a material library");
-    let nowhere = Place::of(Some("preset:phong"), None, None).unwrap();
-    let error = Shelf::open(nowhere, Readable::Regular).unwrap().0.put(silver).unwrap_err();
+    let nowhere = LibraryLocation::find(Some("preset:phong"), None, None).unwrap();
+    let error = Materials::open(nowhere, Readable::Regular).unwrap().0.put(silver).unwrap_err();
     assert_eq!(message(error), "materials for `preset:phong` cannot be saved: there is no folder for data of this user");
 }
 
 #[test]
 fn choices_name_bodies_and_materials() {
     let shelf = shelf("preset:phong", Path::new("nowhere"));
-    let roster = Roster::new(&thesis(), &scene());
-    let resolve = |text: &str| text.parse::<Choice>()?.resolve(&shelf, &roster);
+    let table = ParameterTable::new(&thesis(), &scene());
+    let resolve = |text: &str| text.parse::<MaterialAssignment>()?.resolve(&shelf, &table);
     assert_eq!(resolve("ball = gold").unwrap().0.len(), 6);
     // The opaque one's kt follows from kr, and counts for nothing.
     assert_eq!(resolve("*=gold").unwrap().0.len(), 11);
-    assert_eq!("*= red plastic ".parse::<Choice>().unwrap().to_string(), "*=red plastic");
+    assert_eq!("*= red plastic ".parse::<MaterialAssignment>().unwrap().to_string(), "*=red plastic");
     let error = |text: &str| resolve(text).unwrap_err().to_string();
     for text in ["ball", "=gold", "ball=", ""] {
         assert!(error(text).contains("is not of the form BODY=MATERIAL"), "{text}");

@@ -1,4 +1,4 @@
-//! The text of a session into names and numbers.
+//! Parsing the text of a session.
 
 use crate::lang::diagnostic::{Diagnostic, Diagnostics};
 use crate::lang::source::{Source, Span};
@@ -7,7 +7,7 @@ use crate::workspace::Location;
 use crate::workspace::session::{NamedValue, OwnerName, PictureSettings, Session};
 use crate::workspace::spanned_toml::{Entry, Value, check_version, entries, missing, parse as parse_toml, unknown_key};
 
-/// What may stand in a session, outside of tables.
+/// The keys of a session, outside of tables.
 pub(in crate::workspace) const KEYS: [&str; 11] =
     ["version", "formula", "scene", "size", "depth", "shadows", "ior", "srgb", "global", "bodies", "lights"];
 
@@ -18,22 +18,22 @@ pub(super) fn parse(source: &Source) -> Result<(Session, Diagnostics), Diagnosti
     for entry in entries(&table) {
         match entry.key {
             "version" => version = Some(entry.value),
-            "formula" => reader.formula = reader.take(location(entry.value)),
-            "scene" => reader.scene = reader.take(location(entry.value)),
+            "formula" => reader.formula = reader.report_error(location(entry.value)),
+            "scene" => reader.scene = reader.report_error(location(entry.value)),
             "size" => reader.size(entry.value),
             "depth" => {
-                if let Some(depth) = reader.take(entry.value.whole(1..i64::from(MAX_DEPTH) + 1)) {
+                if let Some(depth) = reader.report_error(entry.value.whole(1..i64::from(MAX_DEPTH) + 1)) {
                     reader.picture.depth = depth as u32;
                 }
             }
             "shadows" => {
-                if let Some(shadows) = reader.take(entry.value.truth()) {
+                if let Some(shadows) = reader.report_error(entry.value.truth()) {
                     reader.picture.shadows = shadows;
                 }
             }
             "ior" => reader.index(entry.value),
             "srgb" => {
-                if let Some(srgb) = reader.take(entry.value.truth()) {
+                if let Some(srgb) = reader.report_error(entry.value.truth()) {
                     reader.picture.srgb = srgb;
                 }
             }
@@ -50,12 +50,12 @@ pub(super) fn parse(source: &Source) -> Result<(Session, Diagnostics), Diagnosti
 fn location(value: Value) -> Result<Location, Diagnostic> {
     let text = value.text()?;
     if text.trim().is_empty() {
-        return Err(Diagnostic::error("no file is named").at(value.span, "expected a path or `preset:NAME`"));
+        return Err(Diagnostic::error("the path is empty").at(value.span, "expected a path or `preset:NAME`"));
     }
     Ok(Location::new(text))
 }
 
-/// What has been read so far.
+/// What has been parsed so far.
 #[derive(Default)]
 struct Reader {
     formula: Option<Location>,
@@ -66,15 +66,15 @@ struct Reader {
 }
 
 impl Reader {
-    /// What was read, or nothing after reporting why.
-    fn take<T>(&mut self, outcome: Result<T, Diagnostic>) -> Option<T> {
+    /// The value of an outcome; `None` after reporting an error.
+    fn report_error<T>(&mut self, outcome: Result<T, Diagnostic>) -> Option<T> {
         outcome.map_err(|diagnostic| self.diagnostics.push(diagnostic)).ok()
     }
 
     fn size(&mut self, value: Value) {
-        let Some(sides) = self.take(value.list::<2>("width and height, `[640, 480]`")) else { return };
+        let Some(sides) = self.report_error(value.list::<2>("width and height, `[640, 480]`")) else { return };
         for (index, side) in sides.into_iter().enumerate() {
-            if let Some(side) = self.take(side.whole(1..i64::from(MAX_SIDE) + 1)) {
+            if let Some(side) = self.report_error(side.whole(1..i64::from(MAX_SIDE) + 1)) {
                 self.picture.size[index] = side as u32;
             }
         }
@@ -87,14 +87,14 @@ impl Reader {
             };
             if index > 0.0 { Ok(index) } else { Err(wrong()) }
         });
-        if let Some(index) = self.take(positive) {
+        if let Some(index) = self.report_error(positive) {
             self.picture.default_index = index;
         }
     }
 
-    /// `[bodies.NAME]` or `[lights.NAME]`: the table of tables.
+    /// The table `[bodies]` or `[lights]`, which has a table for each owner.
     fn owners(&mut self, value: Value, owner: impl Fn(String) -> OwnerName) {
-        let Some(table) = self.take(value.table()) else { return };
+        let Some(table) = self.report_error(value.table()) else { return };
         for entry in entries(table) {
             self.values(&owner(entry.key.to_owned()), entry.key_span, entry.value);
         }
@@ -102,9 +102,9 @@ impl Reader {
 
     /// The values of one owner.
     fn values(&mut self, owner: &OwnerName, owner_span: Span, value: Value) {
-        let Some(table) = self.take(value.table()) else { return };
+        let Some(table) = self.report_error(value.table()) else { return };
         for Entry { key, key_span, value } in entries(table) {
-            if let Some(constant) = self.take(value.constant()) {
+            if let Some(constant) = self.report_error(value.constant()) {
                 let spans = [owner_span, key_span];
                 self.values.push(NamedValue { owner: owner.clone(), parameter: key.to_owned(), value: constant, spans });
             }

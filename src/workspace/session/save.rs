@@ -1,4 +1,4 @@
-//! A session as text.
+//! Writing a session as text.
 
 use crate::workspace::session::{OwnerName, Session};
 use crate::workspace::spanned_toml::{Number, VERSION};
@@ -17,25 +17,25 @@ struct SessionFile<'s> {
     shadows: bool,
     ior: f64,
     srgb: bool,
-    global: Group<'s>,
-    bodies: BTreeMap<&'s str, Group<'s>>,
-    lights: BTreeMap<&'s str, Group<'s>>,
+    global: OwnerValues<'s>,
+    bodies: BTreeMap<&'s str, OwnerValues<'s>>,
+    lights: BTreeMap<&'s str, OwnerValues<'s>>,
 }
 
-/// The values of one owner by the names of the parameters.
-type Group<'s> = BTreeMap<&'s str, Number>;
+/// The values of one owner by parameter name.
+type OwnerValues<'s> = BTreeMap<&'s str, Number>;
 
 pub(super) fn to_toml(session: &Session, folder: &Path) -> Result<String, toml::ser::Error> {
     let mut file = SessionFile {
         version: VERSION,
-        formula: session.formula.seen_from(folder),
-        scene: session.scene.seen_from(folder),
+        formula: session.formula.relative_to(folder),
+        scene: session.scene.relative_to(folder),
         size: session.picture.size,
         depth: session.picture.depth,
         shadows: session.picture.shadows,
         ior: session.picture.default_index,
         srgb: session.picture.srgb,
-        global: Group::new(),
+        global: OwnerValues::new(),
         bodies: BTreeMap::new(),
         lights: BTreeMap::new(),
     };

@@ -29,7 +29,7 @@ fn messages(diagnostics: &Diagnostics) -> Vec<&str> {
     diagnostics.iter().map(Diagnostic::message).collect()
 }
 
-fn roster() -> (Formula, Scene) {
+fn table() -> (Formula, Scene) {
     let formula = "body_specific; kd: scalar, constraint 0..1; invariants; formula; = kd*Cd;";
     let scene = "bodies; ball: sphere, center <0,0,0>, radius 1; lights; key: point, <9,9,9>;
                  camera; position <0,0,9>; gaze <0,0,-1>; up <0,1,0>; fov 45;";
@@ -49,16 +49,16 @@ fn a_session_is_read() {
 
 #[test]
 fn what_is_saved_is_read_back() {
-    let (formula, scene) = roster();
+    let (formula, scene) = table();
     let mut values = Values::defaults(&formula, &scene);
     let (session, _) = parse(TEXT).unwrap();
-    let (assignments, warnings) = session.assignments(values.roster());
+    let (assignments, warnings) = session.assignments(values.table());
     assert!(warnings.is_empty(), "{warnings:?}");
     values.assign(&assignments);
     let full = Session { values: Session::name_values(&values), ..session };
     let text = full.to_toml(std::path::Path::new("")).unwrap();
     let (again, _) = parse(&text).unwrap();
-    let (assignments, _) = again.assignments(values.roster());
+    let (assignments, _) = again.assignments(values.table());
     let (restored, warnings) = Values::new(&formula, &scene, &assignments);
     assert!(warnings.is_empty(), "{warnings:?}");
     assert_eq!(restored, values);
@@ -67,7 +67,7 @@ fn what_is_saved_is_read_back() {
 }
 
 #[test]
-fn all_errors_are_told_at_once() {
+fn all_errors_are_reported_at_once() {
     let errors = parse("version = 2\nscene = 3\nsize = [0, 480, 1]\ndepth = 10\nshadows = 1\n[bodies.b]\nkr = \"x\"\nkt = inf\n")
         .unwrap_err();
     assert_eq!(
@@ -80,7 +80,7 @@ fn all_errors_are_told_at_once() {
             "10 is out of range",
             "expected `true` or `false`, found a whole number",
             "expected a number, or three as `[x, y, z]`, found a text",
-            "this number is too large, or none at all",
+            "this number is too large or not finite",
         ]
     );
 }
@@ -95,20 +95,20 @@ fn errors_of_the_syntax_have_their_place() {
 
 #[test]
 fn what_no_longer_exists_is_warned_of() {
-    let (formula, scene) = roster();
+    let (formula, scene) = table();
     let text = TEXT.replace("ball", "bowl").replace("ki = 1", "ki = [1, 1, 1]\nkd = 1") + "[bodies.key]\n[lights.ball]\nki = 1\n";
     let (session, warnings) = parse(&(text.replace("depth", "dept"))).unwrap();
-    assert_eq!(messages(&warnings), ["`dept` means nothing here and is left out"]);
-    let roster = Roster::new(&formula, &scene);
-    let (assignments, leftovers) = session.assignments(&roster);
+    assert_eq!(messages(&warnings), ["`dept` is unknown here and is ignored"]);
+    let table = ParameterTable::new(&formula, &scene);
+    let (assignments, leftovers) = session.assignments(&table);
     assert_eq!(assignments.len(), 1);
     assert_eq!(
         leftovers.iter().map(|leftover| leftover.warning.message()).collect::<Vec<_>>(),
         [
-            "the scene has no body `bowl`; its values are left out",
-            "`ki` is a scalar in the formula; this value is left out",
-            "the formula has no light parameter `kd`; its value is left out",
-            "the scene has no light `ball`; its values are left out",
+            "the scene has no body `bowl`; its values are ignored",
+            "`ki` is a scalar in the formula; this value is ignored",
+            "the formula has no light parameter `kd`; its value is ignored",
+            "the scene has no light `ball`; its values are ignored",
         ]
     );
 }

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::lang::source::Source;
-use crate::workspace::assignment::Setting;
+use crate::workspace::assignment::NamedAssignment;
 
 const PHONG: &str = "body_specific; kd: scalar, constraint 0..1, default 0.2, slider; h: scalar, constraint 5..500, default 150;
     ks: scalar, constraint 0..1, default 0.5; invariants; ks+kd=1; kr+kt=1; formula; = kd*ks*h*Cd;";
@@ -25,18 +25,18 @@ fn balls() -> Scene {
 }
 
 fn assignments(values: &Values, texts: &[&str]) -> Vec<Assignment> {
-    let resolve = |text: &&str| text.parse::<Setting>().unwrap().resolve(values.roster()).unwrap();
+    let resolve = |text: &&str| text.parse::<NamedAssignment>().unwrap().resolve(values.table()).unwrap();
     texts.iter().flat_map(resolve).collect()
 }
 
 fn get(values: &Values, label: &str) -> Vec<f32> {
-    let found = values.iter().find(|(owner, id, _)| values.roster().label(*owner, *id) == label);
+    let found = values.iter().find(|(owner, id, _)| values.table().label(*owner, *id) == label);
     found.unwrap_or_else(|| panic!("{label}")).2.to_vec()
 }
 
 fn assign(values: &mut Values, texts: &[&str]) -> Vec<String> {
     let given = assignments(values, texts);
-    values.assign(&given).iter().map(Warning::to_string).collect()
+    values.assign(&given).iter().map(ValueWarning::to_string).collect()
 }
 
 #[test]
@@ -48,7 +48,7 @@ fn defaults_are_settled_without_a_word() {
     assert_eq!(get(&values, "ball.Cd"), [0.8; 3]);
     assert_eq!(get(&values, "key.IL"), [1.0; 3]);
     assert_eq!(get(&values, "ka"), [0.1]);
-    assert_eq!(values.numbers().len(), values.roster().layout().len());
+    assert_eq!(values.numbers().len(), values.table().layout().len());
 }
 
 #[test]
@@ -59,11 +59,11 @@ fn values_outside_are_clamped_and_locked_ones_ignored() {
     assert_eq!(
         warnings,
         [
-            "`ball.h` = 600 is outside 5..500; 500 is taken",
-            "`solid.h` = 600 is outside 5..500; 500 is taken",
-            "`dull.h` = 600 is outside 5..500; 500 is taken",
-            "`key.IL` = <1, 2, -1> is outside 0..1; <1, 1, 0> is taken",
-            "`ball.kd` = 0.3 is ignored: it follows from others (kd = 1 - ks) and is 0.1",
+            "`ball.h` = 600 is outside 5..500; 500 is used",
+            "`solid.h` = 600 is outside 5..500; 500 is used",
+            "`dull.h` = 600 is outside 5..500; 500 is used",
+            "`key.IL` = <1, 2, -1> is outside 0..1; <1, 1, 0> is used",
+            "`ball.kd` = 0.3 is ignored: it follows from other values (kd = 1 - ks) and is 0.1",
         ]
     );
     assert_eq!(get(&values, "solid.ks"), [0.2]);
@@ -79,14 +79,14 @@ fn opaque_and_matte_bodies_have_weights_of_zero() {
         [
             "`solid.kt` = 0.3 is ignored: the body is opaque and never refracts",
             "`dull.kr` = 0.4 is ignored: the body is matte and never reflects",
-            "`dull.kt` = 0.6 is ignored: it follows from others (kt = 1 - kr) and is 1",
+            "`dull.kt` = 0.6 is ignored: it follows from other values (kt = 1 - kr) and is 1",
         ]
     );
     assert_eq!([get(&values, "solid.kr"), get(&values, "solid.kt")], [[0.4], [0.0]]);
     assert_eq!([get(&values, "dull.kr"), get(&values, "dull.kt")], [[0.0], [1.0]]);
     assert_eq!([get(&values, "ball.kr"), get(&values, "ball.kt")], [[0.4], [0.6]]);
-    let kt = values.roster().parameter_named("kt").unwrap();
-    let solid = values.roster().owners().named("solid").unwrap();
+    let kt = values.table().parameter_named("kt").unwrap();
+    let solid = values.table().owners().named("solid").unwrap();
     assert_eq!(values.range_of(solid, kt), Some([0.0, 0.0]));
     assert!(values.lock_of(solid, kt).unwrap().contains("opaque"));
 }
@@ -96,8 +96,8 @@ fn given_values_make_others_give_way_in_the_order_of_naming() {
     let text = "body_specific; a: scalar, constraint 0..1, default 0.5; b: scalar, constraint 0..1, default 0.5;
         invariants; a+b<=1; formula; = a*b*Cd;";
     let mut values = Values::defaults(&formula(text), &scene("ball: sphere, center <0,0,0>, radius 1;"));
-    assert_eq!(assign(&mut values, &["ball.a=0.8"]), ["`ball.b` = 0.5 gives way to the invariants; 0.2 is taken"]);
-    assert_eq!(assign(&mut values, &["ball.b=0.6"]), ["`ball.b` = 0.6 gives way to the invariants; 0.2 is taken"]);
+    assert_eq!(assign(&mut values, &["ball.a=0.8"]), ["`ball.b` = 0.5 breaks an invariant; 0.2 is used"]);
+    assert_eq!(assign(&mut values, &["ball.b=0.6"]), ["`ball.b` = 0.6 breaks an invariant; 0.2 is used"]);
     assert_eq!(assign(&mut values, &["ball.b=0.6", "ball.a=0.4"]), [""; 0]);
     assert_eq!([get(&values, "ball.a"), get(&values, "ball.b")], [[0.4], [0.6]]);
 }
@@ -105,9 +105,9 @@ fn given_values_make_others_give_way_in_the_order_of_naming() {
 #[test]
 fn moved_values_take_others_along() {
     let mut values = Values::defaults(&formula(PHONG), &balls());
-    let id = |name| values.roster().parameter_named(name).unwrap();
+    let id = |name| values.table().parameter_named(name).unwrap();
     let (ks, kd, h, cd) = (id("ks"), id("kd"), id("h"), id("Cd"));
-    let ball = values.roster().owners().named("ball").unwrap();
+    let ball = values.table().owners().named("ball").unwrap();
     assert_eq!(values.move_to(ball, ks, [0.75, 0.0, 0.0]), [ks, kd]);
     assert_eq!(get(&values, "ball.kd"), [0.25]);
     assert_eq!(values.move_to(ball, ks, [0.75, 0.0, 0.0]), []);
@@ -127,8 +127,8 @@ fn values_are_kept_by_owner_and_name() {
     let other = "body_specific; ks: scalar, constraint 0..0.8; h: vector; kd: scalar, constraint 0..1; formula; = ks*h*kd;";
     let (kept, warnings) = values
         .carry_over(&formula(other), &scene("ball: sphere, center <0,0,0>, radius 2; key2: sphere, center <1,1,1>, radius 1;"));
-    let warnings: Vec<String> = warnings.iter().map(Warning::to_string).collect();
-    assert_eq!(warnings, ["`ball.ks` = 0.9 is outside 0..0.8; 0.8 is taken"]);
+    let warnings: Vec<String> = warnings.iter().map(ValueWarning::to_string).collect();
+    assert_eq!(warnings, ["`ball.ks` = 0.9 is outside 0..0.8; 0.8 is used"]);
     assert_eq!(get(&kept, "ball.h"), [0.0; 3]);
     assert_eq!(get(&kept, "ball.kd"), get(&values, "ball.kd"));
     assert_eq!(get(&kept, "key.ki"), [0.5]);
@@ -142,9 +142,9 @@ fn values_are_kept_by_owner_and_name() {
 }
 
 #[test]
-fn names_that_do_not_exist_are_told_with_the_nearest() {
+fn names_that_do_not_exist_are_reported_with_the_nearest() {
     let values = Values::defaults(&formula(PHONG), &balls());
-    let error = |text: &str| text.parse::<Setting>().unwrap().resolve(values.roster()).unwrap_err().to_string();
+    let error = |text: &str| text.parse::<NamedAssignment>().unwrap().resolve(values.table()).unwrap_err().to_string();
     assert_eq!(error("bal.kd=1"), "there is no body or light `bal`; did you mean `ball`?");
     assert_eq!(error("x.kd=1"), "there is no body or light `x`; there are ball, solid, dull, key, fill");
     assert_eq!(error("ball.KD=1"), "`KD` is not a parameter of the formula; did you mean `kd`?");

@@ -14,7 +14,7 @@ use illuminator::plan::Method;
 use illuminator::scene::Scene;
 use illuminator::trace::View;
 use illuminator::workspace::{FileKind, presets};
-use illuminator::workspace::{OwnerId, Session, Setting, Values};
+use illuminator::workspace::{NamedAssignment, OwnerId, Session, Values};
 use illuminator::world::World;
 use std::sync::Arc;
 
@@ -53,7 +53,7 @@ impl Model {
         let (formula, _) = Formula::parse(formula).expect("a formula");
         let (scene, _) = Scene::parse(scene).expect("a scene");
         let view = View::new(tested.size[0], tested.size[1]).expect("a size in range");
-        let (given, _) = session.assignments(Values::defaults(&formula, &scene).roster());
+        let (given, _) = session.assignments(Values::defaults(&formula, &scene).table());
         let (values, _) = Values::new(&formula, &scene, &given);
         let (engine, subject) = (Engine::new(Arc::clone(&tested.backend)), Subject::new(formula, scene, view));
         let hits = engine.trace(&subject, &Task::UNWATCHED).expect("small enough");
@@ -76,13 +76,13 @@ impl Model {
 
     fn drag(&self, slider: &str, budget: usize) -> Box<dyn Drag> {
         let (owner, id) = self.slider(slider);
-        let moved = self.values.moved_places(owner, id);
+        let moved = self.values.moved_indices(owner, id);
         Arc::clone(&self.compiled).drag(&moved, self.values.numbers(), budget).expect("kernels of ordinary size")
     }
 
     fn slider(&self, label: &str) -> (OwnerId, ParameterId) {
-        let roster = self.values.roster();
-        let found = self.values.iter().find(|(owner, id, _)| roster.label(*owner, *id) == label);
+        let table = self.values.table();
+        let found = self.values.iter().find(|(owner, id, _)| table.label(*owner, *id) == label);
         found.map(|(owner, id, _)| (owner, id)).expect("a slider")
     }
 
@@ -94,7 +94,7 @@ impl Model {
     }
 
     fn set(&mut self, setting: &str) {
-        let given = setting.parse::<Setting>().expect("a setting").resolve(self.values.roster()).expect("known names");
+        let given = setting.parse::<NamedAssignment>().expect("a setting").resolve(self.values.table()).expect("known names");
         assert_eq!(self.values.assign(&given), []);
     }
 
@@ -319,7 +319,8 @@ fn work_that_is_kept_follows_what_shines_and_what_paths_weigh_by(tested: &Tested
     ];
     for settings in steps {
         for setting in settings {
-            let given = setting.parse::<Setting>().expect("a setting").resolve(model.values.roster()).expect("known names");
+            let given =
+                setting.parse::<NamedAssignment>().expect("a setting").resolve(model.values.table()).expect("known names");
             model.values.assign(&given);
         }
         let kept = model.compiled.frame(model.values.numbers());

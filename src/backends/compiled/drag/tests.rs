@@ -26,7 +26,7 @@ fn session() -> (Arc<Compiled>, Values) {
     let view = View::new(256, 144).expect("a size in range");
     let world = Arc::new(World::new(scene));
     let hits = Arc::new(trace(&world, &view, &Budget::UNLIMITED, &|_| {}, &AtomicBool::new(false)).expect("small enough"));
-    let (given, _) = session.assignments(Values::defaults(&formula, world.scene()).roster());
+    let (given, _) = session.assignments(Values::defaults(&formula, world.scene()).table());
     let (values, _) = Values::new(&formula, world.scene(), &given);
     let compiled = Arc::new(CompiledFormula::new(&formula).expect("a formula of ordinary size"));
     (Arc::new(Compiled::new(compiled, &formula, &hits).expect("hits of the scene")), values)
@@ -34,10 +34,10 @@ fn session() -> (Arc<Compiled>, Values) {
 
 /// The places of the numbers that a slider moves.
 fn places(values: &Values, slider: &str) -> Vec<usize> {
-    let roster = values.roster();
+    let roster = values.table();
     let found = values.iter().find(|(owner, id, _)| roster.label(*owner, *id) == slider);
     let (owner, id, _) = found.expect("a slider");
-    values.moved_places(owner, id)
+    values.moved_indices(owner, id)
 }
 
 /// How many steps are left, and what they cost.

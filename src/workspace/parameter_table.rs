@@ -1,6 +1,6 @@
-//! Who has which parameters: a formula's parameters and invariants on the bodies and lights of a scene.
+//! Which owner has which parameters: the parameters and invariants of a formula, on the bodies and lights of a scene.
 //!
-//! It is what values are kept *for*; it has none itself.
+//! The values themselves are in [`Values`](crate::workspace::Values).
 
 use crate::formula::invariants::InvariantSystem;
 use crate::formula::layout::Layout;
@@ -14,7 +14,7 @@ use std::ops::Range;
 
 /// The parameters of a formula and their owners in a scene.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Roster {
+pub struct ParameterTable {
     parameters: Vec<Parameter>,
     by_name: BTreeMap<String, ParameterId>,
     reflection: ParameterId,
@@ -24,10 +24,10 @@ pub struct Roster {
     layout: Layout,
 }
 
-impl Roster {
-    /// For a formula on a scene.
+impl ParameterTable {
+    /// The table of a formula on a scene.
     pub fn new(formula: &Formula, scene: &Scene) -> Self {
-        // A checked formula's invariants are consistent; of others none would hold.
+        // The invariants of a checked formula are consistent. A formula that was not checked gets none.
         let system = |owner| {
             InvariantSystem::new(&formula.parameters, &formula.invariants, owner).map(|(system, _)| system).unwrap_or_default()
         };
@@ -47,7 +47,7 @@ impl Roster {
         &self.owners
     }
 
-    /// Where each number lies among all numbers.
+    /// Where the numbers of each value are in the array of all numbers.
     pub fn layout(&self) -> Layout {
         self.layout
     }
@@ -62,13 +62,13 @@ impl Roster {
         self.by_name.get(name).copied()
     }
 
-    /// The parameters that an owner of this kind has, in the formula's order.
+    /// The parameters of owners of this kind, in the order of the formula.
     pub fn parameters_of(&self, kind: Owner) -> impl Iterator<Item = ParameterId> {
         let all = (0..self.parameters.len() as u32).map(ParameterId);
         all.filter(move |id| self.parameter(*id).owner == kind)
     }
 
-    /// The weights of reflected and of refracted rays, kr and kt.
+    /// The weights of reflected and refracted rays, kr and kt.
     pub fn weights(&self) -> [ParameterId; 2] {
         [self.reflection, self.refraction]
     }
@@ -82,8 +82,9 @@ impl Roster {
         }
     }
 
-    /// The places of a parameter's numbers among all numbers; none where there is no such owner, or it has no such parameter.
-    pub fn places(&self, owner: OwnerId, id: ParameterId) -> Option<Range<usize>> {
+    /// The indices of a parameter's numbers in the array of all numbers; `None` if there is no such owner, or it has no such
+    /// parameter.
+    pub fn indices(&self, owner: OwnerId, id: ParameterId) -> Option<Range<usize>> {
         let parameter = self.parameters.get(id.0 as usize)?;
         if parameter.owner != owner.kind() || !self.owners.has(owner) {
             return None;
@@ -92,7 +93,7 @@ impl Roster {
         Some(first..first + parameter.ty.slots())
     }
 
-    /// Why a value is 0 whatever is given for it: opaque bodies never refract, matte ones never reflect.
+    /// Why a value is always 0: opaque bodies never refract, and matte ones never reflect.
     pub fn fixed(&self, owner: OwnerId, id: ParameterId) -> Option<Cause> {
         if id == self.refraction && self.owners.is_opaque(owner) {
             Some(Cause::Opaque)
@@ -103,7 +104,7 @@ impl Roster {
         }
     }
 
-    /// A value's name as users write it: `ball.kd`, or `ka` for the scene.
+    /// The name of a value as users write it: `ball.kd`, or `ka` for the scene.
     pub fn label(&self, owner: OwnerId, id: ParameterId) -> String {
         let parameter = &self.parameter(id).name;
         match self.owners.name(owner) {

@@ -1,4 +1,4 @@
-//! Where the materials of a formula are: which file its `#uses` means, and what is built in.
+//! Where the materials of a formula are: the file that its `#uses` means, and the built-in library.
 
 use crate::lang::diagnostic::Diagnostic;
 use crate::workspace::location::{Location, unknown_preset};
@@ -8,23 +8,26 @@ use std::path::{Path, PathBuf};
 
 /// Where the materials of a formula are.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Place {
-    /// The name of the built-in library, which nothing is saved to.
+pub struct LibraryLocation {
+    /// The name of the built-in library. Nothing is saved to it.
     built_in: Option<String>,
-    /// The file that is read where it exists, and saved to. None where the platform has no folder for it.
+    /// The file that is read if it exists, and that materials are saved to. `None` if the platform has no folder for
+    /// it.
     file: Option<PathBuf>,
 }
 
-impl Place {
-    /// The place that `#uses` of the formula at a location names. A formula that is nowhere yet has no folder of its own.
+impl LibraryLocation {
+    /// Finds the library that the `#uses` of a formula names. `formula` is the formula's location; `None` for a
+    /// formula that is not in a file.
     ///
-    /// A path is looked up from the formula's folder, then from the working directory; a file that is in neither is to be made in
-    /// the first. `preset:NAME` is a built-in library; what is saved for it, and what is saved for a built-in formula whose path
-    /// leads nowhere, goes to the `data` folder.
+    /// A path is relative to the formula's folder. If there is no such file, it is relative to the working directory.
+    /// If there is none either, the file will be created in the formula's folder. `preset:NAME` is a built-in library.
+    /// What is saved for a built-in library, and for a built-in formula whose path leads nowhere, goes to the `data`
+    /// folder.
     ///
     /// # Errors
-    /// Why materials are off: nothing is named, or no library that is built in.
-    pub fn of(uses: Option<&str>, formula: Option<&Location>, data: Option<&Path>) -> Result<Place, Diagnostic> {
+    /// The formula names no library, or a built-in library that does not exist. The error says that materials are off.
+    pub fn find(uses: Option<&str>, formula: Option<&Location>, data: Option<&Path>) -> Result<LibraryLocation, Diagnostic> {
         let Some(uses) = uses else { return Err(off()) };
         let kept = |name: &Path| data.map(|data| data.join("materials").join(name));
         let path = match Location::new(uses) {
@@ -33,39 +36,39 @@ impl Place {
             }
             Location::Preset(name) => {
                 let file = kept(Path::new(&format!("{name}.toml")));
-                return Ok(Place { built_in: Some(name), file });
+                return Ok(LibraryLocation { built_in: Some(name), file });
             }
             Location::File(path) => path,
         };
-        // What cannot be looked at is there: reading it says why.
+        // A path that cannot be examined counts as existing: reading it gives the reason.
         let exists = |path: &Path| path.try_exists().unwrap_or(true);
         let file = match formula {
             Some(Location::File(formula)) => {
                 let beside = formula.parent().unwrap_or(Path::new("")).join(&path);
                 if !exists(&beside) && exists(&path) { Some(path) } else { Some(beside) }
             }
-            // Nothing is beside a formula that is built in.
+            // A built-in formula has no folder.
             Some(Location::Preset(_)) if !exists(&path) => match path.file_name() {
                 Some(name) => kept(Path::new(name)),
                 None => Some(path),
             },
             Some(Location::Preset(_)) | None => Some(path),
         };
-        Ok(Place { built_in: None, file })
+        Ok(LibraryLocation { built_in: None, file })
     }
 
-    /// The name of the built-in library, if it is one.
+    /// The name of the built-in library, if there is one.
     pub fn built_in(&self) -> Option<&str> {
         self.built_in.as_deref()
     }
 
-    /// The file that materials are saved to; it may not exist yet. None where the platform has no folder for it.
+    /// The file that materials are saved to, which may not exist yet. `None` if the platform has no folder for it.
     pub fn file(&self) -> Option<&Path> {
         self.file.as_deref()
     }
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for LibraryLocation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match (&self.built_in, &self.file) {
             (Some(name), _) => write!(f, "`{}`", Location::Preset(name.clone())),
@@ -75,7 +78,7 @@ impl fmt::Display for Place {
     }
 }
 
-/// Why a formula without `#uses` has no materials.
+/// The error that a formula without `#uses` has no materials.
 fn off() -> Diagnostic {
     Diagnostic::error("materials are off: the formula names no file for them").help(
         "write `#uses FILE;` at its top, such as `#uses materials.toml;`; a file that does not exist is made when a material is saved",

@@ -1,36 +1,36 @@
 //! The folder of one running program, and the lock that tells whether the program still runs.
 //!
-//! The system lets go of a lock when the program ends, however it ends. What is in the folder beside the lock is not known here.
+//! The system releases a lock when the program ends, in whatever way. What else is in the folder is not known here.
 
 use crate::files::{UNFINISHED_PREFIX, open_regular};
-use crate::user_data::store::make_folder;
+use crate::user_data::store::create_folder;
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
 const LOCK: &str = "lock";
 
-/// A folder that is this program's as long as this lives.
+/// A folder that belongs to this program as long as this value lives.
 #[derive(Debug)]
-pub(super) struct Hold {
+pub(super) struct DraftFolder {
     folder: PathBuf,
     lock: File,
 }
 
-impl Hold {
-    /// Makes a new folder beside those of other programs.
-    pub(super) fn make(beside: &Path) -> io::Result<Hold> {
-        // Another program may find the folder before it is locked, and remove it. It hardly does so twice.
+impl DraftFolder {
+    /// Creates a folder beside those of other programs.
+    pub(super) fn create(beside: &Path) -> io::Result<DraftFolder> {
+        // Another program may find the folder and remove it before it is locked. That is unlikely to happen twice.
         const ATTEMPTS: u32 = 16;
         for _ in 0..ATTEMPTS {
-            make_folder(beside)?;
+            create_folder(beside)?;
             let prefix = format!("{}-", std::process::id());
             let folder = tempfile::Builder::new().prefix(&prefix).tempdir_in(beside)?.keep();
             let path = folder.join(LOCK);
             let lock = match OpenOptions::new().write(true).create_new(true).open(&path) {
                 Err(error) if error.kind() == ErrorKind::NotFound => continue,
                 Err(error) => {
-                    // As on a full disk: each attempt would leave an empty folder.
+                    // Otherwise each attempt on a full disk would leave an empty folder.
                     drop(fs::remove_dir(&folder));
                     return Err(error);
                 }
@@ -38,23 +38,25 @@ impl Hold {
             };
             match lock.try_lock() {
                 Err(TryLockError::WouldBlock) => continue,
-                // A file system without locks: better a draft that is not found by itself than none.
+                // If the file system has no locks, a draft that is not found later is still better than none.
                 Ok(()) | Err(TryLockError::Error(_)) => {}
             }
             if path.exists() {
-                return Ok(Hold { folder, lock });
+                return Ok(DraftFolder { folder, lock });
             }
         }
         Err(io::Error::other("other programs remove what this one makes"))
     }
 
-    /// Takes the folder of a program that is gone; none where that program runs, or another has the folder already.
-    pub(super) fn take(folder: &Path) -> io::Result<Option<Hold>> {
+    /// Locks the folder of a program that has ended. `None` if the program still runs, or another program has the
+    /// folder.
+    pub(super) fn try_lock(folder: &Path) -> io::Result<Option<DraftFolder>> {
         let path = folder.join(LOCK);
         let mut options = OpenOptions::new();
         options.write(true);
         let lock = match open_regular(&path, &mut options).map_err(io::Error::from) {
-            // Empty it is of no use to anybody, and whoever is just making it makes another. With drafts it has lost its lock.
+            // An empty folder is of no use. A program that is just creating it will create another one. A folder with
+            // drafts has lost its lock file.
             Err(error) if error.kind() == ErrorKind::NotFound => {
                 if fs::remove_dir(folder).is_ok() || !folder.exists() {
                     return Ok(None);
@@ -64,7 +66,7 @@ impl Hold {
             lock => lock?.0,
         };
         match lock.try_lock() {
-            Ok(()) => Ok(path.exists().then(|| Hold { folder: folder.to_owned(), lock })),
+            Ok(()) => Ok(path.exists().then(|| DraftFolder { folder: folder.to_owned(), lock })),
             Err(TryLockError::WouldBlock) => Ok(None),
             Err(TryLockError::Error(error)) => Err(error),
         }
@@ -74,28 +76,29 @@ impl Hold {
         &self.folder
     }
 
-    /// Whether nobody has taken the folder away.
-    pub(super) fn is_there(&self) -> bool {
+    /// Whether the folder still exists.
+    pub(super) fn exists(&self) -> bool {
         self.folder.join(LOCK).exists()
     }
 
-    /// Removes the folder where nothing is left in it, and what a crash left half written. It is no harm where that fails: there
-    /// is nothing in it then.
-    pub(super) fn tidy(&self) {
+    /// Removes the folder if it has no drafts, together with files that a crash left half written. If that fails, an
+    /// empty folder stays, which does no harm.
+    pub(super) fn remove_if_empty(&self) {
         let Ok(entries) = fs::read_dir(&self.folder) else { return };
         let names: Vec<_> = entries.flatten().map(|entry| entry.file_name()).filter(|name| name != LOCK).collect();
         if names.iter().all(|name| name.as_encoded_bytes().starts_with(UNFINISHED_PREFIX.as_bytes())) {
             names.iter().for_each(|name| drop(fs::remove_file(self.folder.join(name))));
-            // Only who has the lock removes it, and the last thing before the folder: so none is ever locked that is not there.
+            // Only the owner of the lock removes its file, directly before the folder. So nobody can hold the lock of
+            // a folder that does not exist.
             drop(fs::remove_file(self.folder.join(LOCK)));
             drop(fs::remove_dir(&self.folder));
         }
     }
 }
 
-impl Drop for Hold {
+impl Drop for DraftFolder {
     fn drop(&mut self) {
-        // Closing alone would not do while a child process is being started, which has the file for a moment too.
+        // Closing the file is not enough: a child process that is just being started has it open for a moment too.
         drop(self.lock.unlock());
     }
 }
