@@ -1,7 +1,8 @@
-//! The workshop as it is seen: editors on the left, the picture in the middle, parameters on the right, the log below.
+//! The user interface of the workshop: texts on the left, the picture in the middle, parameters on the right, the log
+//! below.
 //!
-//! Panels are rooms of their own; they draw, and say what is to be done as [`Command`]s, which menus and keys say too. What is done is the
-//! [workshop](super::workshop)'s business, and no window is known here: tests drive all of it without one.
+//! Every panel is a module. A panel draws itself and returns [`Action`]s, as menus and keys do. The
+//! [workshop](super::workshop) performs most of them. No window is known here, so tests drive all of this without one.
 
 mod autosave;
 mod chores;
@@ -59,17 +60,17 @@ use std::time::Duration;
 use tab::{PerTab, TextTab};
 use theme::Theme;
 
-/// A window of fewer points is narrow: panels as wide as in others would leave no picture.
+/// Windows narrower than this, in points, get narrower panels: otherwise there would be no room for the picture.
 const NARROW: f32 = 860.0;
 
-/// The workshop with its panels.
+/// The workshop with its user interface.
 pub struct App {
     workshop: Workshop,
     documents: PerTab<Document>,
     editor: Editor,
-    /// Which of the texts is seen.
+    /// The tab in view.
     tab: TextTab,
-    /// The file of the session, if it has one.
+    /// The file of the session, if there is one.
     session: Option<Location>,
     saved: SavedSession,
     parameters: Parameters,
@@ -82,22 +83,23 @@ pub struct App {
     inspecting: Inspecting,
     materials: MaterialRow,
     remembered: Remembered,
-    /// When unsaved texts were kept last, in seconds of the widgets' clock.
+    /// When drafts were written last, in seconds of egui's clock.
     kept_at: f64,
     theme: Theme,
     scale: f32,
     panels: Panels,
     query: String,
-    /// Whether keys went to the text in the last frame.
+    /// Whether the text editor had the keyboard in the last frame.
     typing: bool,
-    /// Wakes the window, once there is one.
+    /// The context of the window, once there is one; it wakes the window.
     context: Arc<OnceLock<Context>>,
     closing: bool,
-    /// What could not be kept when the window closed.
+    /// What could not be saved when the window closed.
     last_words: Vec<String>,
 }
 
-/// What a session file holds, as it was saved last: to know whether there is anything to save. It is asked in every frame.
+/// The contents of the session file as saved last. Every frame compares them with the session, to know whether it is
+/// unsaved.
 #[derive(Default)]
 struct SavedSession {
     numbers: Vec<f32>,
@@ -115,7 +117,7 @@ impl SavedSession {
     }
 }
 
-/// Which panels are seen.
+/// The panels in view.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Panels {
     texts: bool,
@@ -125,10 +127,10 @@ struct Panels {
 }
 
 impl App {
-    /// Opens a session, the startup session of the settings where none is given. What is remembered from one time to the next is in `folders`.
+    /// Opens a session; without one, the startup session of the settings. `folders` holds what is kept between runs.
     ///
     /// # Errors
-    /// What is wrong with the session or its files, as text with the places marked; or there are no threads.
+    /// The session or its files have errors: they are the text, with the places marked. Or no thread can be started.
     pub fn new(session: Option<&Location>, folders: Option<&Folders>) -> Result<Self, String> {
         let (remembered, mut notices) = Remembered::open(folders);
         let startup = &remembered.settings.startup;
@@ -136,7 +138,7 @@ impl App {
             Some(location) => (location.clone(), Opened::session(location, Readable::RegularOrPipe)?),
             None => match Opened::session(startup, Readable::Regular) {
                 Ok(opened) => (startup.clone(), opened),
-                // A startup session that is gone must not keep the window from opening.
+                // The window must open even if the startup session is gone.
                 Err(errors) => {
                     let title = format!("The startup session {startup} was not opened; this is the built-in one");
                     notices.push(Notice::warning(Topic::Startup, title, errors));
@@ -189,12 +191,12 @@ impl App {
         Ok(app)
     }
 
-    /// What is open.
+    /// The workshop.
     pub fn workshop(&self) -> &Workshop {
         &self.workshop
     }
 
-    /// Draws everything, and does what was asked for.
+    /// Draws everything, and performs the actions of the user.
     pub fn draw(&mut self, ui: &mut Ui) {
         self.workshop.refresh();
         let size = ui.ctx().content_rect().size() * self.scale;
@@ -214,7 +216,7 @@ impl App {
             self.hear(told);
         }
         let typing = std::mem::take(&mut self.typing) || ui.ctx().text_edit_focused();
-        // What waits for an answer is not passed by.
+        // While a dialog waits for an answer, shortcuts do nothing.
         let waits = self.dialogs.asks_for_file() || ui.memory(|memory| memory.top_modal_layer().is_some());
         let mut commands = if waits { Vec::new() } else { command::pressed(ui, typing) };
         Panel::top("menu").show(ui, |ui| menu::bar(self, ui, &mut commands));
@@ -225,7 +227,7 @@ impl App {
         if self.panels.log {
             Panel::bottom("log").resizable(true).default_size(150.0).show(ui, |ui| self.log.ui(ui));
         }
-        // A narrow window has panels of its own: what it squeezes is as it was when there is room again.
+        // A narrow window has panels of its own, so the others keep their width until there is room again.
         let narrow = ui.ctx().content_rect().width() < NARROW;
         let named = |name: &str| Id::new((name, narrow));
         let [of_texts, of_parameters] = if narrow { [260.0, 240.0] } else { [400.0, 300.0] };
@@ -266,8 +268,8 @@ impl App {
         self.keep_texts(ui);
     }
 
-    /// Keeps unsaved work every few seconds: a crash costs no more than that. What is typed is noted at once, so that it can
-    /// still be written where the window does not close in an orderly way.
+    /// Notes unsaved work, and writes drafts every few seconds, which is what a crash can cost. Texts are noted in
+    /// every frame, so they can still be written if the window does not close normally.
     fn keep_texts(&mut self, ui: &Ui) {
         const EVERY: f64 = 2.0;
         let states = self.unsaved_states();
@@ -278,7 +280,7 @@ impl App {
             self.note_unsaved(&DraftSlot::ALL, states);
             self.write_drafts();
         }
-        // Without anything to be seen there would be no further frame.
+        // If nothing else changes, there would be no next frame.
         if self.remembered.is_behind(states) {
             ui.ctx().request_repaint_after(Duration::from_secs_f64(EVERY));
         }
@@ -298,7 +300,7 @@ impl App {
         });
     }
 
-    /// Writes what was noted, beside the interface.
+    /// Writes the noted drafts, in the background.
     fn write_drafts(&mut self) {
         if let Some(autosave) = self.remembered.autosave().filter(|autosave| autosave.is_waiting()) {
             let autosave = autosave.clone();
@@ -306,30 +308,30 @@ impl App {
         }
     }
 
-    /// Keeps all unsaved work, and waits until it is on disk.
+    /// Saves drafts of all unsaved work, and waits until they are on disk.
     fn keep_now(&mut self) -> Result<(), Diagnostic> {
         self.note_unsaved(&DraftSlot::ALL, self.unsaved_states());
         self.remembered.autosave().map_or(Ok(()), Autosave::flush)
     }
 
-    /// Keeps the unsaved work that is known, from any thread, where the window cannot close in an orderly way.
+    /// A function that writes the noted drafts, on any thread, if the window cannot close normally.
     pub fn last_resort(&self) -> impl Fn() + Send + Sync + use<> {
         let keep = self.remembered.autosave().map(Autosave::last_resort);
         move || keep.iter().for_each(|keep| keep())
     }
 
-    /// What could not be kept when the window closed, for people.
+    /// What could not be saved when the window closed, for the user.
     pub fn last_words(&self) -> &[String] {
         &self.last_words
     }
 
-    /// Says that there is no folder to remember anything in, and why.
+    /// Shows a notice that there is no folder for user data, and why.
     pub fn notify_no_home(&mut self, reason: &Diagnostic) {
         let title = "Nothing is remembered: unsaved work, settings and recent files are lost when the program ends";
         self.notify(Notice::warning(Topic::Home, title, remembered::line(reason)));
     }
 
-    /// Does something that takes its time beside the interface.
+    /// Runs a job in the background.
     fn do_aside(&mut self, chore: impl FnOnce() -> Option<Told> + Send + 'static) {
         if let Some(told) = self.chores.add(chore) {
             self.hear(told);
@@ -352,12 +354,12 @@ impl App {
         }
     }
 
-    /// Has every line of the log told to somebody else too.
+    /// Passes every line of the log to a listener too.
     pub fn repeat_log(&mut self, listener: impl FnMut(&str) + 'static) {
         self.log.repeat(listener);
     }
 
-    /// Tabs, the text of one, and what is wrong with both.
+    /// Draws the tabs, the text in view, and the problems of both texts.
     fn texts_ui(&mut self, ui: &mut Ui, commands: &mut Vec<Command>) {
         ui.horizontal_wrapped(|ui| {
             for (tab, document) in self.documents.iter() {
@@ -401,7 +403,7 @@ impl App {
         }
     }
 
-    /// How large the window begins: width and height in pixels of the screen.
+    /// The initial width and height of the window, in pixels.
     pub fn window_size(&self) -> [usize; 2] {
         self.remembered.settings.window.size.map(|side| side as usize)
     }
@@ -410,12 +412,12 @@ impl App {
         self.workshop.backend()
     }
 
-    /// Whether anything is not saved, of the texts or of the session.
+    /// Whether a text or the session is unsaved.
     pub fn is_unsaved(&self) -> bool {
         self.session_is_unsaved() || self.documents.values().any(Document::unsaved)
     }
 
-    /// Numbers that tell the unsaved states of formula, scene and session from others; none for what is saved.
+    /// A number for each draft that identifies its unsaved state; `None` if it is saved.
     fn unsaved_states(&self) -> PerDraft<Option<u64>> {
         let of_text = |text: &Document| text.unsaved().then(|| text.id() << 32 ^ text.revision());
         let PerTab { formula, scene } = self.documents.map(of_text);
@@ -430,38 +432,38 @@ impl App {
         [formula, scene, session]
     }
 
-    /// Whether values, settings or the files of the texts are others than the session's file has.
+    /// Whether values, settings or files differ from those in the session's file.
     fn session_is_unsaved(&self) -> bool {
         let SavedSession { numbers, picture, places } = &self.saved;
         let moved = self.documents.iter().any(|(tab, document)| document.location() != places[tab].as_ref());
         let mut settings = self.workshop.settings();
         if self.pane.follows {
-            // The window chose it.
+            // The size follows the window, and is not the user's choice.
             settings.size = picture.size;
         }
         let other = *numbers != self.workshop.values().numbers() || *picture != settings;
         moved || other
     }
 
-    /// Takes the session as it is for the one that is saved.
+    /// Notes that the session is saved as it is.
     fn note_saved_session(&mut self) {
         self.saved = SavedSession::of(&self.workshop, &self.documents);
     }
 }
 
-/// The session as it is, to be kept where no folder is its own. A text without a file has some built-in one in its place: what is kept of it
-/// comes instead.
+/// The session as a text for a draft, with absolute paths. A text that is in no file is replaced by a built-in one
+/// here; its own draft overrides that.
 fn session_text(workshop: &Workshop, documents: &PerTab<Document>) -> String {
     let PerTab { formula, scene } = documents.map(|document| match document.location() {
         Some(Location::File(path)) => Location::File(std::path::absolute(path).unwrap_or_else(|_| path.clone())),
         Some(Location::Preset(name)) => Location::Preset(name.clone()),
         None => Location::Preset(presets::names(document.kind()).next().unwrap_or_default().to_owned()),
     });
-    // What was made from values can be written.
+    // A session made from values can always be written.
     workshop.session(formula, scene).to_toml(Path::new("/")).unwrap_or_default()
 }
 
-/// Wakes the window, from any thread, once there is one.
+/// A function that wakes the window, once there is one, from any thread.
 fn waker(context: &Arc<OnceLock<Context>>) -> impl Fn() + Send + Sync + use<> {
     let context = Arc::clone(context);
     move || {
@@ -471,7 +473,7 @@ fn waker(context: &Arc<OnceLock<Context>>) -> impl Fn() + Send + Sync + use<> {
     }
 }
 
-/// The texts of what was opened.
+/// The texts of an open session.
 fn documents(project: &Project) -> PerTab<Document> {
     let formula = Document::opened(FileKind::Formula, project.formula_location.clone(), project.formula_text.text());
     let scene = Document::opened(FileKind::Scene, project.scene_location.clone(), project.scene_text.text());
@@ -480,7 +482,7 @@ fn documents(project: &Project) -> PerTab<Document> {
 
 impl Shown for App {
     fn started(&mut self, context: &Context) {
-        // The first context stays: there is one window.
+        // There is only one window, so the first context stays.
         let _ = self.context.set(context.clone());
         theme::set_up(context, self.theme);
     }
@@ -490,7 +492,7 @@ impl Shown for App {
     }
 
     fn picture(&mut self) -> Option<PictureView<'_>> {
-        /// Pictures that take longer come in a later frame: the widgets do not wait.
+        /// Pictures that take longer come in a later frame, so the widgets do not wait.
         const QUICK: Duration = Duration::from_millis(8);
         if self.log.last_frame().is_some_and(|time| time < QUICK.as_secs_f32() * 1e3) {
             self.workshop.refresh_while_held(QUICK);
@@ -516,7 +518,7 @@ impl Shown for App {
     }
 
     fn closing(&mut self) {
-        // Before anything that takes longer, such as a picture that is being saved.
+        // First of all, because saving a picture may take long.
         let kept = self.keep_now();
         self.chores.finish();
         self.remembered.settings = self.remembered.settings.within_ranges();

@@ -1,7 +1,7 @@
-//! The workshop window: editors, sliders and the picture, in one window whose widgets are painted on the CPU.
+//! The workshop window: editors, sliders and the picture, in one window. Widgets are painted on the CPU.
 //!
-//! What is shown and what a click does is code that knows no window, so that tests drive it without one; only [`window`] does.
-//! Here is what passes between the two: what can be [`Shown`], the picture under the widgets, and what a frame took.
+//! Only [`window`] knows a window. What is drawn and what a click does are known without one, so tests can drive it.
+//! The types here pass between the two: the [`WindowApp`], the picture under the widgets, and the times of a frame.
 
 use std::time::{Duration, Instant};
 
@@ -12,72 +12,75 @@ pub mod renderer;
 pub mod window;
 pub mod workshop;
 
-/// What a window can show: widgets, with a picture under them.
+/// What a window shows: widgets, and a picture under them.
 ///
-/// Threads that have something new to show call [`egui::Context::request_repaint`] on the context of [`Shown::started`]; that wakes the window.
+/// A thread that has something new to show calls [`egui::Context::request_repaint`] on the context of
+/// [`WindowApp::started`], which wakes the window.
 pub trait Shown {
-    /// The window is there and will lay out widgets with `context`: the moment to set fonts and style, and to keep a clone of it for
-    /// other threads.
+    /// The window exists and will draw widgets with `context`: set fonts and style, and keep a clone of it for other
+    /// threads.
     fn started(&mut self, context: &egui::Context);
 
-    /// Lays out the widgets in `ui`, which fills the window. May be called more than once a frame.
+    /// Draws the widgets into `ui`, which fills the window. May be called more than once per frame.
     fn ui(&mut self, ui: &mut egui::Ui);
 
-    /// The picture, at the place that the last [`Shown::ui`] left for it; `None` where there is none.
+    /// The picture, in the area that the last [`WindowApp::ui`] left free for it; `None` if there is none.
     fn picture(&mut self) -> Option<PictureView<'_>>;
 
-    /// Physical pixels a point: how large the widgets are.
+    /// The scale of widgets, in pixels per point.
     fn scale(&self) -> f32;
 
-    /// What the bar above the window says.
+    /// The text of the title bar.
     fn title(&self) -> String;
 
-    /// Whether the window should close (as by *Quit* in a menu). Asked after each frame.
+    /// Whether the window should close, for instance because of *Quit* in a menu. Called after each frame.
     fn wants_close(&mut self) -> bool;
 
-    /// The window is closing, and nothing can keep it: the moment to save what is unsaved. Called exactly once, however it came about.
+    /// The window is closing, and nothing stops it: save what is unsaved. Called exactly once, whatever the reason.
     fn closing(&mut self);
 
-    /// What the frame that was just shown took.
+    /// The times of the frame that was just shown.
     fn timed(&mut self, times: &FrameTimes) {
         let _ = times;
     }
 }
 
-/// The picture as it lies under the widgets. Nothing may be painted over its place but what is to hide it: its pane has no frame and no fill.
+/// The picture under the widgets. Widgets must not paint over its area except to hide it: its pane has no frame and no
+/// fill.
 #[derive(Debug, Clone, Copy)]
 pub struct PictureView<'a> {
     /// `width * height` pixels `0x00RRGGBB`, row by row from the top.
     pub pixels: &'a [u32],
-    /// Pixels in a row.
+    /// The width in pixels.
     pub width: usize,
-    /// Rows.
+    /// The height in pixels.
     pub height: usize,
-    /// Another number whenever `pixels` may differ from those of the last frame; what has the same number is not drawn again.
+    /// Changes whenever `pixels` may have changed. A picture with the same version is not drawn again.
     pub version: u64,
-    /// The pane, in points. What the picture does not cover of it is `around`.
+    /// The pane, in points. Where the picture does not cover it, it has the colour `around`.
     pub place: egui::Rect,
-    /// The pixels of the screen that a pixel of the picture is wide and high; 0 counts as 1.
+    /// Screen pixels per picture pixel; 0 counts as 1.
     pub zoom: u32,
-    /// Where the left upper corner of the picture is, in pixels of the screen from that of the pane; negative where the picture is shifted out.
+    /// The upper left corner of the picture, in screen pixels from that of the pane. Negative if the picture is moved
+    /// out of the pane.
     pub offset: [i32; 2],
-    /// The colour of the pane beside the picture, `0x00RRGGBB`.
+    /// The colour of the pane around the picture, `0x00RRGGBB`.
     pub around: u32,
 }
 
-/// What a frame took, by its parts.
+/// The times of a frame.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct FrameTimes {
-    /// Laying out the widgets and making triangles of them.
+    /// Time to lay out the widgets and tessellate them.
     pub layout: Duration,
-    /// Painting what changed of them, and of the picture.
+    /// Time to paint what changed of widgets and picture.
     pub painting: Duration,
-    /// Handing the pixels to the screen; `None` where nothing changed, so that nothing was handed over.
+    /// Time to send the pixels to the display; `None` if nothing changed, so nothing was sent.
     pub present: Option<Duration>,
-    /// When the earliest movement of the pointer arrived that this frame was the first to see.
+    /// When the earliest pointer movement arrived that this frame was the first to handle.
     pub motion: Option<Instant>,
     /// When the frame was finished.
     pub finished: Option<Instant>,
-    /// The version of the picture in it.
+    /// The version of the picture in the frame.
     pub picture: Option<u64>,
 }

@@ -1,7 +1,7 @@
-//! What is open in the workshop: a formula on a scene with its values, what may be done with it, and what that leads to.
+//! The workshop: a formula on a scene with its values, and what can be done with them.
 //!
-//! No widgets: what a button does is here, what it looks like is not. Pictures come from the [renderer](super::renderer); whatever fails leaves what
-//! was there as it was.
+//! There are no widgets here. Pictures come from the [renderer](super::renderer). Whatever fails leaves the workshop
+//! unchanged.
 
 mod history;
 mod opening;
@@ -37,17 +37,17 @@ pub struct Workshop {
     history: History,
     picture: PictureSettings,
     backend: BackendChoice,
-    /// The engines that were used, each with what it compiled.
+    /// The engines in use, each with its compiled code.
     engines: Vec<Engine>,
     /// The slider that is held.
     held: Option<(OwnerId, ParameterId)>,
     shown: Picture,
-    /// The number of the values that were asked for last.
+    /// The stamp of the values that were requested last.
     asked: u64,
     snapshots: [Option<Snapshot>; 2],
 }
 
-/// A picture with its values, kept to be compared.
+/// A picture with its values, kept for comparison.
 #[derive(Clone)]
 pub struct Snapshot {
     /// The picture.
@@ -58,7 +58,7 @@ pub struct Snapshot {
 }
 
 impl Workshop {
-    /// Shows what was opened. `wake` is called, from any thread, when there is something new to see.
+    /// Shows an open session. `wake` is called, from any thread, when there is something new to show.
     ///
     /// # Errors
     /// No thread can be started.
@@ -81,7 +81,7 @@ impl Workshop {
         Ok(workshop)
     }
 
-    /// Shows something else that was opened.
+    /// Shows another session.
     pub fn open(&mut self, project: &Project) {
         self.formula = Arc::clone(&project.subject.formula);
         self.world = Arc::clone(&project.subject.world);
@@ -92,7 +92,7 @@ impl Workshop {
         self.show();
     }
 
-    /// Begins a new session of the same formula and scene, with these settings and values.
+    /// Starts a new session with the same formula and scene, and with these settings and values.
     pub fn begin_session(&mut self, picture: PictureSettings, initial: impl FnOnce(&ParameterTable) -> Vec<Assignment>) {
         let given = initial(&ParameterTable::new(&self.formula, self.scene()));
         self.values = Values::new(&self.formula, self.scene(), &given).0;
@@ -102,22 +102,22 @@ impl Workshop {
         self.show();
     }
 
-    /// The background work.
+    /// The renderer.
     pub fn renderer(&self) -> &Renderer {
         &self.renderer
     }
 
-    /// The formula that is applied.
+    /// The applied formula.
     pub fn formula(&self) -> &Arc<Formula> {
         &self.formula
     }
 
-    /// The scene that is applied.
+    /// The applied scene.
     pub fn scene(&self) -> &Arc<Scene> {
         self.world.scene()
     }
 
-    /// The scene that is applied, ready for rays.
+    /// The applied scene, ready for rays.
     pub fn world(&self) -> &Arc<World> {
         &self.world
     }
@@ -127,17 +127,17 @@ impl Workshop {
         &self.values
     }
 
-    /// Size, depth and the like.
+    /// The picture settings.
     pub fn settings(&self) -> PictureSettings {
         self.picture
     }
 
-    /// By what pictures are evaluated.
+    /// The backend that evaluates pictures.
     pub fn backend(&self) -> BackendChoice {
         self.backend
     }
 
-    /// The view of the picture that is wanted.
+    /// The view of the requested picture.
     ///
     /// # Errors
     /// A setting is out of range.
@@ -147,7 +147,7 @@ impl Workshop {
 
     fn show(&mut self) {
         self.held = None;
-        // Settings are checked before they are taken.
+        // The settings have been checked.
         let Ok(view) = self.view() else { return };
         let scenery = Scenery { subject: self.subject(view), engine: self.engine(), transfer: self.picture.transfer() };
         self.asked = self.renderer.show(scenery, self.values.numbers());
@@ -157,7 +157,7 @@ impl Workshop {
         Subject { formula: Arc::clone(&self.formula), world: Arc::clone(&self.world), view }
     }
 
-    /// The engine of the backend that was chosen.
+    /// The engine of the chosen backend.
     fn engine(&mut self) -> Engine {
         let name = self.backend.name;
         if let Some(engine) = self.engines.iter().find(|engine| engine.backend().name() == name) {
@@ -168,13 +168,13 @@ impl Workshop {
         engine
     }
 
-    /// Takes the newest picture, if there is one; whether there was.
+    /// Takes the newest picture, if there is one. Returns whether there was.
     pub fn refresh(&mut self) -> bool {
         self.renderer.take(&mut self.shown)
     }
 
-    /// Takes the picture of the values as they are, for which it waits a little while a slider is held: what the pointer did is then in the same
-    /// frame as its picture.
+    /// Takes the picture of the current values. While a slider is held, this waits a little for it, so the slider and
+    /// its picture are in the same frame.
     pub fn refresh_while_held(&mut self, longest: Duration) {
         if self.held.is_some() && self.shown.values < self.asked {
             self.renderer.wait_for(self.asked, longest);
@@ -182,25 +182,25 @@ impl Workshop {
         }
     }
 
-    /// The picture that is shown.
+    /// The picture in view.
     pub fn shown(&self) -> &Picture {
         &self.shown
     }
 
-    /// The number of what is wanted: another one whenever values, formula, scene or view are.
+    /// Identifies what is requested. It changes with values, formula, scene and view.
     pub fn stamp(&self) -> u64 {
         self.asked
     }
 
-    /// Whether the picture is that of all values as they are now, in full.
+    /// Whether the picture has the current values and all its pixels.
     pub fn is_up_to_date(&self) -> bool {
         self.shown.values == self.asked && self.shown.is_full()
     }
 
-    /// Applies a formula: values stay by owner and name. What was wrong is said, and nothing is changed then.
+    /// Applies a formula. Values are kept by owner and name. Returns the warnings.
     ///
     /// # Errors
-    /// All mistakes in the text.
+    /// The errors of the text. Nothing is changed then.
     pub fn apply_formula(&mut self, source: &Source) -> Result<Diagnostics, Diagnostics> {
         let (formula, warnings) = Formula::parse(source)?;
         let (values, _) = self.values.carry_over(&formula, self.scene());
@@ -209,10 +209,10 @@ impl Workshop {
         Ok(warnings)
     }
 
-    /// Applies a scene: values stay by owner and name. What was wrong is said, and nothing is changed then.
+    /// Applies a scene. Values are kept by owner and name. Returns the warnings.
     ///
     /// # Errors
-    /// All mistakes in the text.
+    /// The errors of the text. Nothing is changed then.
     pub fn apply_scene(&mut self, source: &Source) -> Result<Diagnostics, Diagnostics> {
         let (scene, warnings) = Scene::parse(source)?;
         let (values, _) = self.values.carry_over(&self.formula, &scene);
@@ -226,7 +226,7 @@ impl Workshop {
         self.show();
     }
 
-    /// Holds a slider, or goes on holding it, and moves it.
+    /// Moves a slider that the user holds.
     pub fn drag(&mut self, owner: OwnerId, id: ParameterId, value: [f32; 3]) {
         if self.held != Some((owner, id)) {
             self.history.note(self.moment());
@@ -237,7 +237,7 @@ impl Workshop {
         self.asked = self.renderer.move_to(self.values.numbers(), Some(places));
     }
 
-    /// Lets go of what is held.
+    /// Releases the slider that is held.
     pub fn let_go(&mut self) {
         if self.held.take().is_some() {
             self.asked = self.renderer.move_to(self.values.numbers(), None);
@@ -256,7 +256,7 @@ impl Workshop {
         });
     }
 
-    /// Gives every owner of the same kind the value that one has.
+    /// Gives the value of one owner to all owners of the same kind.
     pub fn copy_to_all(&mut self, owner: OwnerId, id: ParameterId) {
         let mut value = [0.0; 3];
         self.values.get(owner, id).iter().zip(&mut value).for_each(|(from, to)| *to = *from);
@@ -268,7 +268,7 @@ impl Workshop {
         });
     }
 
-    /// Changes values, which can be undone.
+    /// Changes values. The change can be undone.
     pub fn change(&mut self, change: impl FnOnce(&mut Values)) {
         let before = self.moment();
         change(&mut self.values);
@@ -279,19 +279,19 @@ impl Workshop {
         }
     }
 
-    /// Undoes the last change of values; whether there was one.
+    /// Undoes the last change of values. Returns whether there was one.
     pub fn undo(&mut self) -> bool {
         let other = self.history.undo(self.moment());
         self.move_to(other)
     }
 
-    /// Does what was undone again; whether there was anything.
+    /// Redoes the change that was undone last. Returns whether there was one.
     pub fn redo(&mut self) -> bool {
         let other = self.history.redo(self.moment());
         self.move_to(other)
     }
 
-    /// Takes other values, which may have been of another formula or scene.
+    /// Uses other values, which may be of another formula or scene.
     fn move_to(&mut self, other: Option<Moment>) -> bool {
         let Some(other) = other else { return false };
         self.values = other.values_for(&self.formula, self.world.scene());
@@ -304,15 +304,15 @@ impl Workshop {
         Moment { values: self.values.clone(), formula: Arc::clone(&self.formula), scene: Arc::clone(self.scene()) }
     }
 
-    /// Whether there is a change to be undone, and one to be done again.
+    /// Whether there is a change to undo, and one to redo.
     pub fn can_undo_and_redo(&self) -> [bool; 2] {
         self.history.can_undo_and_redo()
     }
 
-    /// Shows the picture in another size, depth and so on.
+    /// Changes size, depth and other picture settings.
     ///
     /// # Errors
-    /// One of them is out of range; nothing is changed then.
+    /// A setting is out of range. Nothing is changed then.
     pub fn set_picture(&mut self, picture: PictureSettings) -> Result<(), ViewError> {
         view(&picture)?;
         if picture != self.picture {
@@ -322,7 +322,7 @@ impl Workshop {
         Ok(())
     }
 
-    /// Evaluates by another backend.
+    /// Evaluates with another backend.
     pub fn set_backend(&mut self, backend: BackendChoice) {
         if backend != self.backend {
             self.backend = backend;
@@ -330,7 +330,7 @@ impl Workshop {
         }
     }
 
-    /// Keeps the picture that is shown, with its values, in one of two places.
+    /// Keeps the picture in view and the values as a snapshot.
     pub fn keep(&mut self, place: usize) {
         let snapshot = Snapshot {
             picture: self.shown.clone(),
@@ -343,12 +343,12 @@ impl Workshop {
         }
     }
 
-    /// What is kept in a place.
+    /// A snapshot, if there is one in this slot.
     pub fn kept(&self, place: usize) -> Option<&Snapshot> {
         self.snapshots.get(place)?.as_ref()
     }
 
-    /// Goes back to the values, formula and scene that are kept in a place.
+    /// Restores the values, formula and scene of a snapshot.
     pub fn go_back_to(&mut self, place: usize) {
         let Some(snapshot) = self.kept(place).cloned() else { return };
         if Arc::ptr_eq(&snapshot.formula, &self.formula) && Arc::ptr_eq(&snapshot.world, &self.world) {
@@ -361,20 +361,20 @@ impl Workshop {
         }
     }
 
-    /// What is open as a session of these files.
+    /// The open session, with the locations of its texts.
     pub fn session(&self, formula: Location, scene: Location) -> Session {
         Session { formula, scene, picture: self.picture, values: Session::name_values(&self.values) }
     }
 
-    /// Saves it.
+    /// Saves the session.
     ///
     /// # Errors
-    /// The file cannot be written; what was there is unharmed.
+    /// The file cannot be written. An existing file is then unchanged.
     pub fn save_session(&self, path: &Path, formula: Location, scene: Location) -> io::Result<()> {
         self.session(formula, scene).save(path)
     }
 
-    /// The picture of the values as they are, in full size, to be saved on some other thread.
+    /// The picture of the current values in full size, to be saved on another thread.
     ///
     /// # Errors
     /// A setting is out of range.

@@ -1,7 +1,7 @@
-//! Autosave: unsaved work is kept as drafts, so that a crash loses nothing.
+//! Autosave: unsaved work is saved in drafts, so a crash loses nothing.
 //!
-//! The interface notes what changed. A background thread writes it, or whoever ends the program: what is noted waits where any
-//! thread can get at it.
+//! The interface notes changes. A background thread writes them, or whoever ends the program: the noted changes are
+//! kept where any thread can write them.
 
 use crate::lang::diagnostic::Diagnostic;
 use crate::user_data::drafts::Drafts;
@@ -9,7 +9,7 @@ use crate::workspace::FileKind;
 use crate::workspace::Location;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// The drafts of a window, one each.
+/// The drafts of a window.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum DraftSlot {
     Formula,
@@ -23,7 +23,7 @@ pub(super) type PerDraft<T> = [T; DraftSlot::ALL.len()];
 impl DraftSlot {
     pub(super) const ALL: [DraftSlot; 3] = [DraftSlot::Formula, DraftSlot::Scene, DraftSlot::Session];
 
-    /// The draft that holds work of a kind.
+    /// The draft for work of a kind.
     pub(super) fn of(kind: FileKind) -> DraftSlot {
         match kind {
             FileKind::Formula => DraftSlot::Formula,
@@ -32,13 +32,13 @@ impl DraftSlot {
         }
     }
 
-    /// The number of its file.
+    /// The number of the draft's file.
     pub(super) fn editor(self) -> u32 {
         self as u32
     }
 }
 
-/// Unsaved work as it goes into a draft.
+/// Unsaved work for a draft.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Unsaved {
     pub(super) kind: FileKind,
@@ -46,7 +46,7 @@ pub(super) struct Unsaved {
     pub(super) text: String,
 }
 
-/// What becomes of a draft.
+/// A change of a draft.
 #[derive(Debug)]
 enum Change {
     Keep(Unsaved),
@@ -70,36 +70,36 @@ impl Autosave {
         Self { shared: Arc::new(Shared { drafts: Mutex::new(drafts), waiting: Mutex::default() }) }
     }
 
-    /// Notes that a draft should hold this, or that its work is saved. Nothing is written yet.
+    /// Notes what a draft should hold; `None` if the work is saved. Nothing is written yet.
     pub(super) fn note(&self, slot: DraftSlot, unsaved: Option<Unsaved>) {
         lock(&self.shared.waiting)[slot as usize] = Some(unsaved.map_or(Change::Remove, Change::Keep));
     }
 
-    /// Whether anything that was noted is not on disk yet.
+    /// Whether there are changes that are not on disk yet.
     pub(super) fn is_waiting(&self) -> bool {
         lock(&self.shared.waiting).iter().any(Option::is_some)
     }
 
-    /// Writes what was noted; it is on disk when this returns. What cannot be written goes on waiting.
+    /// Writes the noted changes. They are on disk when this returns. Changes that cannot be written are kept.
     ///
     /// # Errors
-    /// Why something could not be written.
+    /// A change could not be written.
     pub(super) fn flush(&self) -> Result<(), Diagnostic> {
         self.shared.flush()
     }
 
-    /// Writes what was noted, as long as the window has not dropped all of this.
+    /// A function that writes the noted changes, unless the window has been dropped.
     pub(super) fn last_resort(&self) -> impl Fn() + Send + Sync + use<> {
         let shared = Arc::downgrade(&self.shared);
         move || {
             if let Some(shared) = shared.upgrade() {
-                // The program is ending: nobody is left to hear that it failed.
+                // The program is ending, so nobody can be told of an error.
                 let _ = Autosave { shared }.flush();
             }
         }
     }
 
-    /// The drafts themselves, while no other thread writes any.
+    /// The drafts. No other thread writes them while they are borrowed.
     pub(super) fn drafts(&self) -> MutexGuard<'_, Drafts> {
         lock(&self.shared.drafts)
     }
@@ -107,7 +107,7 @@ impl Autosave {
 
 impl Shared {
     fn flush(&self) -> Result<(), Diagnostic> {
-        // Changes are taken under this lock, so a later one is never overtaken by an earlier one on another thread.
+        // This lock is held while changes are taken, so a later change is never overwritten by an earlier one.
         let mut drafts = lock(&self.drafts);
         let changes = std::mem::take(&mut *lock(&self.waiting));
         let mut outcome = Ok(());
@@ -119,7 +119,7 @@ impl Shared {
             };
             if let Err(error) = done {
                 outcome = Err(error);
-                // Unless something newer was noted meanwhile.
+                // Unless a newer change was noted meanwhile.
                 lock(&self.waiting)[slot as usize].get_or_insert(change);
             }
         }
@@ -128,7 +128,7 @@ impl Shared {
 }
 
 impl Drop for Shared {
-    /// Where the interface panics, what it noted last is written here.
+    /// Writes the last changes if the interface panics.
     fn drop(&mut self) {
         let _ = self.flush();
     }

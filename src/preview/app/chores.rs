@@ -1,28 +1,29 @@
-//! What takes its time and leads to files: done one after the other on a thread of its own, so that the interface does not wait for disks.
+//! Jobs that take time and write files. They run one after the other on a background thread, so the interface does not
+//! wait for disks.
 
 use crate::lang::diagnostic::Diagnostic;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::JoinHandle;
 
-/// Something to be done.
+/// A job.
 type Chore = Box<dyn FnOnce() -> Option<Told> + Send>;
 
-/// What there is to say of something that was done.
+/// The result of a job.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Told {
-    /// For the log.
+    /// A line for the log.
     Said(String),
-    /// What must not be missed: a title, and a text.
+    /// A message for the user, with a title.
     Failed(String, String),
-    /// Unsaved work was kept, or could not be.
+    /// Drafts were written, or could not be.
     Kept(Result<(), Diagnostic>),
 }
 
-/// Called whenever something is done.
+/// Is called whenever a job is done.
 type Wake = Arc<dyn Fn() + Send + Sync>;
 
-/// The thread, which begins with the first thing to do.
+/// The jobs. The thread starts with the first of them.
 pub(super) struct Chores {
     worker: Option<Worker>,
     wake: Wake,
@@ -41,7 +42,7 @@ impl Worker {
         let thread = std::thread::Builder::new().name("chores".to_owned());
         let work = move || {
             for chore in incoming {
-                // Whoever listens is gone only when all ends.
+                // The receiver is only gone when the program ends.
                 let _ = outgoing.send(chore());
                 wake();
             }
@@ -51,12 +52,12 @@ impl Worker {
 }
 
 impl Chores {
-    /// `wake` is called, on the thread, whenever something is done.
+    /// `wake` is called, on the thread, whenever a job is done.
     pub(super) fn new(wake: impl Fn() + Send + Sync + 'static) -> Self {
         Self { worker: None, wake: Arc::new(wake) }
     }
 
-    /// Does something when all before it is done. Where there is no thread it is done at once, and there is this to say of it.
+    /// Runs a job after all earlier ones. If there is no thread, it runs at once, and its result is returned.
     pub(super) fn add(&mut self, chore: impl FnOnce() -> Option<Told> + Send + 'static) -> Option<Told> {
         if self.worker.is_none() {
             self.worker = Worker::new(Arc::clone(&self.wake));
@@ -64,17 +65,17 @@ impl Chores {
         let Some(worker) = &self.worker else { return chore() };
         match worker.chores.send(Box::new(chore)) {
             Ok(()) => None,
-            // The thread is gone: so is what it would have said.
+            // The thread is gone, and so are the results of its jobs.
             Err(refused) => refused.0(),
         }
     }
 
-    /// What there is to say of what was done since it was asked last.
+    /// The results since the last call.
     pub(super) fn told(&self) -> Vec<Told> {
         self.worker.iter().flat_map(|worker| worker.done.try_iter().flatten()).collect()
     }
 
-    /// Waits until all that there is now is done.
+    /// Waits until all current jobs are done.
     #[cfg(test)]
     pub(super) fn wait(&self) {
         let Some(worker) = &self.worker else { return };
@@ -88,11 +89,11 @@ impl Chores {
         }
     }
 
-    /// Waits until all is done.
+    /// Waits until all jobs are done.
     pub(super) fn finish(&mut self) {
         if let Some(Worker { chores, thread, .. }) = self.worker.take() {
             drop(chores);
-            // One that panicked has said so.
+            // A thread that panicked has printed its message.
             let _ = thread.join();
         }
     }

@@ -1,4 +1,4 @@
-//! What can be done in the workshop, whoever asks for it: a menu, a key, a button, a dialog.
+//! The actions of the user interface, which menus, keys, buttons and dialogs cause.
 
 use crate::backends::BackendChoice;
 use crate::preview::app::theme::Theme;
@@ -8,62 +8,62 @@ use crate::workspace::Location;
 use egui::{Key, KeyboardShortcut, Modifiers, Ui};
 use std::path::PathBuf;
 
-/// Something to be done.
+/// An action.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Command {
-    /// Begin a new text of this kind.
+    /// Start a new text of this kind.
     New(FileKind),
-    /// Do this although a text that is not saved is lost by it.
+    /// Perform this action, although unsaved work is lost.
     Surely(Box<Command>),
-    /// Ask for a file of this kind, and open it.
+    /// Show the dialog that opens a file of this kind.
     AskToOpen(FileKind),
     /// Open a file of this kind.
     Open(FileKind, Location),
-    /// Save the text that is seen.
+    /// Save the text in view.
     Save,
-    /// Ask where to save what is seen, of this kind.
+    /// Show the dialog that saves something of this kind.
     AskToSave(FileKind),
-    /// Save it there; the picture where there is no kind.
+    /// Save something of this kind to a path; the picture if there is no kind.
     SaveTo(Option<FileKind>, PathBuf),
-    /// Ask where to save the picture.
+    /// Show the dialog that saves the picture.
     AskToSavePicture,
-    /// Copy the picture that is seen to the clipboard.
+    /// Copy the picture in view to the clipboard.
     CopyPicture,
-    /// Save the session where it is.
+    /// Save the session to its file.
     SaveSession,
-    /// Take the text that is seen for the picture.
+    /// Apply the text in view to the picture.
     Apply,
-    /// Apply texts while they are typed, whenever they are sound; or not.
+    /// Apply texts while they are typed, whenever they have no errors; or stop doing so.
     ApplyAsYouType(bool),
     /// Undo the last change of a value.
     Undo,
-    /// Do it again.
+    /// Redo the change that was undone last.
     Redo,
-    /// Keep the picture with its values in a place.
+    /// Keep the picture and its values as a snapshot.
     Keep(usize),
-    /// Go back to what is kept there.
+    /// Restore the values of a snapshot.
     GoBackTo(usize),
-    /// Evaluate by this backend.
+    /// Evaluate with this backend.
     Evaluate(BackendChoice),
-    /// Look like this.
+    /// Use this theme.
     Look(Theme),
-    /// Draw widgets so large, in pixels a point.
+    /// Draw widgets at this scale, in pixels per point.
     Scale(f32),
     /// Show or hide a panel.
     Toggle(Panel),
-    /// Open the unsaved texts that a program left behind, or throw them away.
+    /// Open the drafts of earlier runs, or discard them.
     TakeLeft(bool),
-    /// Ask what to do with what was left unsaved.
+    /// Ask what to do with the drafts of earlier runs.
     AskForLeft,
-    /// Open the session that is open now at the next start.
+    /// Open this session at the next start.
     StartWithThis,
-    /// Begin a new session: the same formula and scene, and values as the settings have them.
+    /// Start a new session: the same formula and scene, with the values of the settings.
     NewSession,
-    /// Ask for settings.
+    /// Show the dialog for settings.
     AskForSettings,
-    /// Keep these settings.
+    /// Save these settings.
     Settle(Box<Settings>),
-    /// Show the shortcuts.
+    /// Show the list of shortcuts.
     ShowShortcuts,
     /// End the program.
     Quit,
@@ -84,7 +84,7 @@ pub enum Panel {
     Inspector,
 }
 
-/// Every shortcut: the key, what it does, and how that is said.
+/// Every shortcut: its key, its action, and a description.
 pub(super) fn shortcuts() -> Vec<(KeyboardShortcut, Command, &'static str)> {
     let command = |key| KeyboardShortcut::new(Modifiers::COMMAND, key);
     let shifted = |key| KeyboardShortcut::new(Modifiers::COMMAND.plus(Modifiers::SHIFT), key);
@@ -113,7 +113,7 @@ pub(super) fn shortcuts() -> Vec<(KeyboardShortcut, Command, &'static str)> {
     ]
 }
 
-/// What undoes and redoes where no text is typed, which has its own undo.
+/// The shortcuts that undo and redo value changes while no text is edited. The text editor has its own undo.
 fn beside_texts() -> [(KeyboardShortcut, Command); 3] {
     let command = |key| KeyboardShortcut::new(Modifiers::COMMAND, key);
     [
@@ -123,16 +123,16 @@ fn beside_texts() -> [(KeyboardShortcut, Command); 3] {
     ]
 }
 
-/// The shortcut of a command, as people read it; empty where there is none.
+/// The shortcut of an action for the user; empty if there is none.
 pub(super) fn shortcut_of(command: &Command, ui: &Ui) -> String {
     let found = shortcuts().into_iter().find(|(_, other, _)| other == command);
     found.map(|(shortcut, ..)| ui.ctx().format_shortcut(&shortcut)).unwrap_or_default()
 }
 
-/// The commands whose keys were pressed, while a text is typed or not.
+/// The actions whose shortcuts were pressed. `typing` says whether a text is edited.
 pub(super) fn pressed(ui: &Ui, typing: bool) -> Vec<Command> {
     let mut all = shortcuts();
-    // Those with more modifiers first: a shorter one would match too.
+    // Shortcuts with Shift come first, because the ones without it would match too.
     all.sort_by_key(|(shortcut, ..)| std::cmp::Reverse(shortcut.modifiers.shift));
     let mut commands = Vec::new();
     ui.input_mut(|input| {

@@ -1,4 +1,4 @@
-//! What is asked for in a window of its own: files, what went wrong, and the list of shortcuts.
+//! Dialogs: for files, messages, questions, and the list of shortcuts.
 
 use crate::lang::display_text::{many_lines, one_line};
 use crate::preview::app::Command;
@@ -9,10 +9,10 @@ use egui::{Align2, Context, Frame, Grid, Key, Modal, ModalResponse, Modifiers, S
 use egui_file_dialog::{DialogState, FileDialog};
 use std::collections::VecDeque;
 
-/// What a box needs of a window's height beside its content: title, button, edges.
+/// The height that a dialog needs beside its content: title, button and margins.
 const AROUND: f32 = 150.0;
 
-/// A box over everything, with room at its edges and a title.
+/// A modal dialog with margins and a title.
 pub(super) fn modal<R>(context: &Context, title: &str, content: impl FnOnce(&mut Ui) -> R) -> ModalResponse<R> {
     let frame = Frame::popup(&context.global_style()).inner_margin(18.0);
     Modal::new(egui::Id::new(("modal", title))).frame(frame).show(context, |ui| {
@@ -22,12 +22,12 @@ pub(super) fn modal<R>(context: &Context, title: &str, content: impl FnOnce(&mut
     })
 }
 
-/// A dialog for files, in the middle.
+/// A file dialog in the middle of the window.
 fn file_dialog(title: &str) -> FileDialog {
     FileDialog::new().title(title).anchor(Align2::CENTER_CENTER, [0.0, 0.0])
 }
 
-/// Keys that a text knows beside those.
+/// More shortcuts, which the text editor has.
 const IN_TEXTS: [(&str, &str); 4] = [
     ("Ctrl+F", "Find in the text, and replace"),
     ("Ctrl+Space", "Complete the word"),
@@ -35,7 +35,7 @@ const IN_TEXTS: [(&str, &str); 4] = [
     ("Ctrl+Y", "Redo in the text"),
 ];
 
-/// What a file is asked for.
+/// What a file dialog is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Purpose {
     Open(FileKind),
@@ -46,24 +46,24 @@ enum Purpose {
 #[derive(Default)]
 pub(super) struct Dialogs {
     file: Option<(FileDialog, Purpose)>,
-    /// Titles and texts, to be read one after the other.
+    /// Messages that wait to be read, each with a title.
     messages: VecDeque<(String, String)>,
     shortcuts: bool,
-    /// What was left unsaved, and is offered.
+    /// The drafts that are offered.
     offered: Vec<String>,
-    /// What is to be done if the user says so once more, and a text about what is lost by it.
+    /// An action that waits for a confirmation, and the question.
     asked_back: Option<(Command, String)>,
 }
 
 impl Dialogs {
-    /// Asks for a file to be opened.
+    /// Shows the dialog that opens a file.
     pub(super) fn ask_to_open(&mut self, kind: FileKind) {
         let mut dialog = file_dialog(&format!("Open {}", kind.noun()));
         dialog.pick_file();
         self.file = Some((dialog, Purpose::Open(kind)));
     }
 
-    /// Asks where to save something of this kind, or the picture.
+    /// Shows the dialog that saves something of this kind, or the picture.
     pub(super) fn ask_to_save(&mut self, kind: Option<FileKind>, name: &str) {
         let title = format!("Save {}", kind.map_or("picture (.png, .bmp, .exr)", FileKind::noun));
         let mut dialog = file_dialog(&title).default_file_name(name);
@@ -71,7 +71,7 @@ impl Dialogs {
         self.file = Some((dialog, Purpose::Save(kind)));
     }
 
-    /// Tells something that must not be missed.
+    /// Shows a message that the user must not miss.
     pub(super) fn tell(&mut self, title: impl AsRef<str>, text: impl AsRef<str>) {
         let message = (one_line(title.as_ref()), many_lines(text.as_ref()));
         if !self.messages.contains(&message) {
@@ -79,12 +79,12 @@ impl Dialogs {
         }
     }
 
-    /// Asks whether a command is meant although work is lost by it, as the text says.
+    /// Asks whether to perform an action although work is lost, as the text says.
     pub(super) fn ask_back(&mut self, text: impl AsRef<str>, command: Command) {
         self.asked_back = Some((command, many_lines(text.as_ref())));
     }
 
-    /// Offers what was left unsaved.
+    /// Offers the drafts of earlier runs.
     pub(super) fn offer(&mut self, left: Vec<String>) {
         self.offered = left.iter().map(|text| one_line(text)).collect();
     }
@@ -94,18 +94,18 @@ impl Dialogs {
         self.shortcuts = true;
     }
 
-    /// What is told, if anything is.
+    /// The newest message, if there is one.
     #[cfg(test)]
     pub(super) fn told(&self) -> Option<&str> {
         self.messages.back().map(|(_, text)| text.as_str())
     }
 
-    /// Whether a file is asked for: that dialog is none of egui's modal ones.
+    /// Whether a file dialog is open, which is not one of egui's modal dialogs.
     pub(super) fn asks_for_file(&self) -> bool {
         self.file.as_ref().is_some_and(|(dialog, _)| *dialog.state() == DialogState::Open)
     }
 
-    /// Draws whatever is open.
+    /// Draws all open dialogs.
     pub(super) fn ui(&mut self, context: &Context, commands: &mut Vec<Command>) {
         self.file_ui(context, commands);
         self.message_ui(context);
@@ -114,10 +114,10 @@ impl Dialogs {
         self.shortcuts_ui(context);
     }
 
-    /// Draws the dialog for files.
+    /// Draws the file dialog.
     fn file_ui(&mut self, context: &Context, commands: &mut Vec<Command>) {
         if let Some((dialog, purpose)) = &mut self.file {
-            // Its field is black whatever the theme, and what is typed there would be dark in the light one.
+            // The search field is black in any theme, so its text would be unreadable in the light theme.
             dialog.config_mut().show_search = context.global_style().visuals.dark_mode;
             dialog.update(context);
             if let Some(path) = dialog.take_picked() {
@@ -130,12 +130,12 @@ impl Dialogs {
         }
     }
 
-    /// Draws the first message.
+    /// Draws the oldest message.
     fn message_ui(&mut self, context: &Context) {
         if let Some((title, text)) = self.messages.front() {
             let modal = modal(context, title, |ui| {
                 ui.set_max_width(640.0);
-                // Marks stand below places in an indented line of source.
+                // Markers stand below the marked places, so this needs a monospaced font.
                 if text.contains("\n    ") {
                     ui.monospace(text)
                 } else {
@@ -151,7 +151,7 @@ impl Dialogs {
         }
     }
 
-    /// Draws the question whether a command is meant although work is lost by it.
+    /// Draws the question whether to perform an action although work is lost.
     fn question_ui(&mut self, context: &Context, commands: &mut Vec<Command>) {
         if let Some((command, text)) = &self.asked_back {
             let mut answer = None;
@@ -176,7 +176,7 @@ impl Dialogs {
         }
     }
 
-    /// Draws the offer of unsaved work.
+    /// Draws the offer of drafts.
     fn offer_ui(&mut self, context: &Context, commands: &mut Vec<Command>) {
         if !self.offered.is_empty() {
             modal(context, "Unsaved work", |ui| {

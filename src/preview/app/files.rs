@@ -1,4 +1,4 @@
-//! Doing what commands say: opening, saving, applying, and the rest.
+//! Performing actions: opening, saving, applying, and the others.
 
 use crate::files::{Readable, replace_text};
 use crate::lang::source::Source;
@@ -14,7 +14,7 @@ use crate::workspace::FileKind;
 use crate::workspace::Location;
 use std::path::{Path, PathBuf};
 
-/// What a new formula and a new scene begin with: something that works.
+/// The texts of a new formula and a new scene, which work as they are.
 const NEW_FORMULA: &str = "formula;\n= IL*Cd*max(0, N.L);\n";
 const NEW_SCENE: &str = "bodies;
 ball: sphere, center <0, 1, 0>, radius 1;
@@ -31,21 +31,21 @@ fov 40;
 ";
 
 impl App {
-    /// The texts that are not saved and that a command would put others in the place of.
+    /// The unsaved texts that an action would replace.
     fn lost_by(&self, command: &Command) -> Vec<String> {
         let (Command::New(kind) | Command::Open(kind, _)) = command else { return Vec::new() };
         let replaced = |tab: &TextTab| TextTab::of(*kind).is_none_or(|only| only == *tab);
         let documents = TextTab::ALL.into_iter().filter(replaced).map(|tab| &self.documents[tab]);
         let unsaved = documents.filter(|document| document.unsaved());
         let mut lost: Vec<String> = unsaved.map(Document::name).collect();
-        // Values alone are no reason to ask: whoever looks through sessions moves sliders.
+        // Unsaved values alone are no reason to ask: users move sliders while they look through sessions.
         if !lost.is_empty() && *kind == FileKind::Session && self.session_is_unsaved() {
             lost.push("the values".to_owned());
         }
         lost
     }
 
-    /// Does what was asked for, after asking back where a text would be lost.
+    /// Performs an action. If unsaved texts would be lost, the user is asked first.
     pub fn perform(&mut self, command: Command) {
         let lost = self.lost_by(&command);
         if lost.is_empty() {
@@ -123,7 +123,7 @@ impl App {
         }
     }
 
-    /// Makes the session that is open the one with which the program starts.
+    /// Makes the open session the startup session.
     fn start_with_this(&mut self) {
         if let Some(location) = self.session.clone() {
             self.remembered.settings.startup = match location {
@@ -134,7 +134,7 @@ impl App {
         }
     }
 
-    /// Shows a panel, or hides it.
+    /// Shows or hides a panel.
     fn toggle(&mut self, panel: Panel) {
         let panels = &mut self.panels;
         let seen = match panel {
@@ -152,7 +152,7 @@ impl App {
         }
     }
 
-    /// Ends the program once unsaved work is kept, and asks where it cannot be.
+    /// Ends the program after saving drafts. If they cannot be saved, the user is asked first.
     fn quit(&mut self) {
         let is_work = self.documents.values().any(Document::unsaved)
             || (self.session_is_unsaved() && matches!(self.session, Some(Location::File(_))));
@@ -198,7 +198,7 @@ impl App {
         self.note_saved_session();
     }
 
-    /// Opens the texts and values that a program left behind, unsaved as they are.
+    /// Opens the drafts of earlier runs, still unsaved.
     fn take_left(&mut self) {
         let drafts = self.remembered.take_left();
         if let Some(session) = drafts.iter().find(|draft| draft.kind == FileKind::Session) {
@@ -207,7 +207,7 @@ impl App {
         for draft in drafts {
             let Some(tab) = TextTab::of(draft.kind) else { continue };
             let mut document = match &draft.location {
-                // Beside the file as it is, so that it can be told what is not saved.
+                // The file's text is opened first, so the document knows what is unsaved.
                 Some(location) => match location.read(draft.kind, Readable::Regular) {
                     Ok(source) => Document::opened(draft.kind, location.clone(), source.text()),
                     Err(_) => Document::untitled(draft.kind, ""),
@@ -221,7 +221,7 @@ impl App {
         }
     }
 
-    /// Opens the values that were left behind, of the texts that were left with them where these are right.
+    /// Opens a draft of a session, with the drafts of its texts if they have no errors.
     fn take_session(&mut self, draft: &Draft, texts: &[Draft]) {
         let source = Source::new("the kept session", draft.text.as_str());
         let kept = |kind: FileKind| {
@@ -295,7 +295,8 @@ impl App {
         }
     }
 
-    /// Says what of a session was not taken as it is written: saved again, the session would lose it.
+    /// Shows a notice about values of a session that are not used as written. If the session is saved now, they are
+    /// lost.
     pub(super) fn notify_of_session(&mut self, location: &Location, warnings: &[String]) {
         self.notices.clear(Topic::Session);
         if !warnings.is_empty() {
@@ -304,7 +305,7 @@ impl App {
         }
     }
 
-    /// Shows a notice, and puts it into the log.
+    /// Shows a notice, and adds it to the log.
     pub(super) fn notify(&mut self, notice: Notice) {
         let line = match notice.details.as_str() {
             "" => notice.title.clone(),
@@ -315,7 +316,7 @@ impl App {
         }
     }
 
-    /// Applies a text; a wrong one changes nothing but its marks.
+    /// Applies a text. If it has errors, they are marked, and nothing else changes.
     fn apply(&mut self, tab: TextTab) {
         let document = &mut self.documents[tab];
         document.check();
@@ -375,7 +376,7 @@ impl App {
         }
     }
 
-    /// A session names the files of its texts: what was changed and not saved there is not in it.
+    /// Warns that a session file holds the names of its texts, but not their unsaved changes.
     fn warn_of_unsaved_texts(&mut self) {
         let unsaved = self.documents.values().filter(|document| document.unsaved());
         let texts: Vec<&str> = unsaved.map(|document| document.kind().noun()).collect();

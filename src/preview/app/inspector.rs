@@ -1,4 +1,4 @@
-//! One pixel with its numbers: the tree of its rays, what each adds, and the formula as it was computed there.
+//! The pixel inspector: the ray tree of a pixel, what each ray adds, and the formula with its numbers.
 
 use crate::evaluate::inspect::{
     End, InspectedHit, InspectedLight, Inspection, Inspector, Onward, Visibility, figures, vector_figures,
@@ -10,21 +10,21 @@ use egui::{CollapsingHeader, Color32, Context, Rect, RichText, ScrollArea, Sense
 /// The inspector.
 #[derive(Default)]
 pub(super) struct Inspecting {
-    /// Whether it is shown.
+    /// Whether the inspector is open.
     pub(super) open: bool,
-    /// What is inspected, and of which values it was.
+    /// The inspected pixel, and the stamp of its values.
     inspection: Option<(Inspection, u64)>,
 }
 
 impl Inspecting {
-    /// Looks into a pixel.
+    /// Inspects a pixel.
     pub(super) fn look_into(&mut self, workshop: &Workshop, pixel: [u32; 2]) {
         let Ok(view) = workshop.view() else { return };
         let inspector = Inspector::new(workshop.formula(), workshop.world(), workshop.values().numbers());
         self.inspection = inspector.inspect(&view, pixel).map(|inspection| (inspection, workshop.stamp()));
     }
 
-    /// Draws it, of the values as they are now; at first in a corner of the picture's pane.
+    /// Draws the inspector with the current values. It first appears in a corner of the picture's pane.
     pub(super) fn ui(&mut self, context: &Context, workshop: &Workshop, pane: Rect) {
         if !self.open {
             return;
@@ -47,7 +47,7 @@ impl Inspecting {
     }
 }
 
-/// A square of a colour as pictures show it.
+/// A square of a colour, as in pictures.
 fn swatch(ui: &mut Ui, colour: [f32; 3]) {
     let [red, green, blue] = colour.map(|component| (255.0 * component.clamp(0.0, 1.0)).round() as u8);
     let (rect, _) = ui.allocate_exact_size(vec2(14.0, 14.0), Sense::hover());
@@ -103,10 +103,10 @@ fn ray_ui(ui: &mut Ui, workshop: &Workshop, inspection: &Inspection, index: usiz
     });
 }
 
-/// What a ray adds to the pixel with all that go on from it.
+/// What a ray and all rays that continue it add to the pixel.
 fn sum_below(inspection: &Inspection, index: usize) -> [f32; 3] {
     let own = inspection.rays.get(index).map_or([0.0; 3], |ray| ray.contribution);
-    // Rays come after those that they go on from: the tree ends.
+    // Rays come after those that they continue, so this ends.
     let children = (index + 1..inspection.rays.len()).filter(|child| inspection.rays[*child].parent == Some(index));
     children.fold(own, |sum, child| {
         let below = sum_below(inspection, child);

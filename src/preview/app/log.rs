@@ -1,4 +1,4 @@
-//! What happened: times of compiling and tracing, what was found, how drags ran; and a strip of the last frames.
+//! The log: times of compiling and tracing, numbers of hits, statistics of drags, and a chart of the last frames.
 
 use crate::lang::display_text::one_line;
 use crate::plan::Method;
@@ -9,7 +9,7 @@ use egui::{Color32, Pos2, Rect, ScrollArea, Sense, Stroke, Ui, pos2, vec2};
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
-/// So many lines, and frames, are kept.
+/// How many lines and frames are kept.
 const LINES: usize = 500;
 const FRAMES: usize = 160;
 
@@ -17,39 +17,39 @@ const FRAMES: usize = 160;
 #[derive(Default)]
 pub(super) struct Log {
     lines: VecDeque<String>,
-    /// Milliseconds of the last pictures.
+    /// The times of the last pictures, in milliseconds.
     frames: VecDeque<f32>,
     drag: Option<DragTimes>,
-    /// What the window did: milliseconds of layout, painting and present.
+    /// The times of the last frame: layout, painting and present, in milliseconds.
     window: [f32; 3],
     bytes_per_pixel: Option<f64>,
-    /// How many pixels were said to hold what is no number.
+    /// How many NaN pixels the log has reported.
     undefined: usize,
-    /// Who hears every line too.
+    /// Receives every line too.
     listener: Option<Listener>,
 }
 
 type Listener = Box<dyn FnMut(&str)>;
 
-/// How a drag runs.
+/// Statistics of a drag.
 #[derive(Default)]
 struct DragTimes {
     label: String,
     method: Option<Method>,
-    /// Milliseconds of its pictures.
+    /// The times of its pictures, in milliseconds.
     times: Vec<f32>,
-    /// The values of the last movement, by their number.
+    /// The stamp of the values after the last pointer movement.
     moved: Option<u64>,
-    /// The values that the pointer moved to and that are not on the screen, by their number, and when it moved.
+    /// The stamps of values that are not on the screen yet, with the time of the pointer movement.
     awaited: VecDeque<(u64, Instant)>,
-    /// Milliseconds from a movement of the pointer to its picture on the screen.
+    /// The times from a pointer movement to its picture on the screen, in milliseconds.
     delays: Vec<f32>,
-    /// Milliseconds of layout, painting and present of the frames that brought them.
+    /// The sums of layout, painting and present times of these frames, in milliseconds.
     window: [f32; 3],
 }
 
 impl Log {
-    /// Adds a line, in which names may hold anything.
+    /// Adds a line. Names in it may hold any characters.
     pub(super) fn say(&mut self, line: impl AsRef<str>) {
         let line = one_line(line.as_ref());
         if let Some(listener) = &mut self.listener {
@@ -61,18 +61,18 @@ impl Log {
         self.lines.push_back(line);
     }
 
-    /// Adds lines that are safe already, such as diagnostics with their places.
+    /// Adds lines that are safe to display already, such as diagnostics with source lines.
     pub(super) fn say_lines(&mut self, text: &str) {
         text.lines().for_each(|line| self.say(line));
     }
 
-    /// Has every line told to somebody else too, those that are there first.
+    /// Passes every line to a listener too, starting with those that are there.
     pub(super) fn repeat(&mut self, mut listener: impl FnMut(&str) + 'static) {
         self.lines.iter().for_each(|line| listener(line));
         self.listener = Some(Box::new(listener));
     }
 
-    /// Takes note of what happened in the background.
+    /// Records an event of the renderer.
     pub(super) fn take(&mut self, event: &Event, workshop: &Workshop) {
         match event {
             Event::Compiled(time) => self.say(format!("compiled in {}", milliseconds(*time))),
@@ -115,7 +115,7 @@ impl Log {
         }
     }
 
-    /// Takes note of what is held. Whether anything is.
+    /// Records which slider is held. Returns whether one is.
     fn dragged(&mut self, workshop: &Workshop) -> bool {
         let label = workshop.held().map(|(owner, id)| workshop.values().table().label(owner, id));
         if self.drag.as_ref().map(|drag| &drag.label) != label.as_ref() {
@@ -138,7 +138,7 @@ impl Log {
             return;
         }
         delays.sort_by(f32::total_cmp);
-        // Not beyond the last.
+        // Never beyond the last one.
         let share = |part: f32| delays[((delays.len() - 1) as f32 * part).round() as usize];
         let [layout, painting, present] = window.map(|sum| sum / delays.len() as f32);
         self.say(format!(
@@ -148,17 +148,17 @@ impl Log {
         ));
     }
 
-    /// The memory at rest, in bytes a pixel, as far as it is known.
+    /// The memory of the picture at rest, in bytes per pixel, if it is known.
     pub(super) fn bytes_per_pixel(&self) -> Option<f64> {
         self.bytes_per_pixel
     }
 
-    /// What the last picture took, in milliseconds.
+    /// The time of the last picture, in milliseconds.
     pub(super) fn last_frame(&self) -> Option<f32> {
         self.frames.back().copied()
     }
 
-    /// Takes note of what the window did.
+    /// Records the times of a frame.
     pub(super) fn note_frame(&mut self, times: &FrameTimes, workshop: &Workshop) {
         let present = times.present.unwrap_or_default();
         self.window = [times.layout, times.painting, present].map(|time| time.as_secs_f32() * 1e3);
@@ -166,21 +166,21 @@ impl Log {
             return;
         }
         let Some(drag) = &mut self.drag else { return };
-        // A movement that moved no value has no picture to wait for.
+        // A movement that changed no value has no picture.
         if let Some(motion) = times.motion
             && drag.moved.replace(workshop.stamp()) != Some(workshop.stamp())
         {
             drag.awaited.push_back((workshop.stamp(), motion));
         }
         let (Some(_), Some(finished)) = (times.present, times.finished) else { return };
-        // All that came before is in the picture too; what it was itself waited longest.
+        // The picture also shows all earlier values. The earliest movement has waited longest.
         while let Some((_, motion)) = drag.awaited.pop_front_if(|(stamp, _)| *stamp <= workshop.shown().values) {
             drag.delays.push((finished - motion).as_secs_f32() * 1e3);
             drag.window.iter_mut().zip(self.window).for_each(|(sum, time)| *sum += time);
         }
     }
 
-    /// Draws it.
+    /// Draws the log.
     pub(super) fn ui(&self, ui: &mut Ui) {
         ui.horizontal_top(|ui| {
             let strip = vec2(2.0 * FRAMES as f32, (ui.available_height() - 40.0).clamp(24.0, 90.0));
@@ -212,7 +212,7 @@ impl Log {
             let bar = Rect::from_min_max(pos2(left, height(*time)), Pos2::new(left + 1.5, rect.bottom()));
             painter.rect_filled(bar, 0.0, ui.visuals().selection.stroke.color);
         }
-        // A sixtieth of a second, where it is in sight.
+        // The line of 60 frames per second, if it is within the chart.
         if most > 16.7 {
             let line = Stroke::new(1.0, Color32::from_rgb(200, 120, 60));
             painter.hline(rect.x_range(), height(1000.0 / 60.0), line);
@@ -222,13 +222,13 @@ impl Log {
     }
 }
 
-/// How it is said that some pixels hold what is no number.
+/// A message about pixels that are NaN.
 pub(super) fn undefined_pixels(count: usize) -> String {
     let plural = if count == 1 { "pixel" } else { "pixels" };
     format!("{} {plural} where the formula yields no number (NaN); black there", thousands(count as u64))
 }
 
-/// A time for people.
+/// A time for the user.
 pub(super) fn milliseconds(time: Duration) -> String {
     let time = time.as_secs_f64() * 1e3;
     if time < 10.0 {
@@ -240,7 +240,7 @@ pub(super) fn milliseconds(time: Duration) -> String {
     }
 }
 
-/// A count for people: 4 193 257.
+/// A count for the user: 4 193 257.
 pub(super) fn thousands(count: u64) -> String {
     let digits = count.to_string();
     let mut text = String::new();

@@ -1,6 +1,6 @@
-//! What the workshop looks like, by its own painter: against pictures that were looked at.
+//! Screenshots of the workshop, made with its own painter, are compared with stored ones.
 //!
-//! Where a look is meant to be another, run these tests with `UPDATE_LOOKS=1`, and look at what that writes.
+//! After an intended change, run these tests with `UPDATE_SCREENSHOTS=1` and look at the new screenshots.
 
 use super::*;
 use egui_kittest::kittest::Queryable;
@@ -12,10 +12,10 @@ use std::rc::Rc;
 use crate::preview::paint;
 
 const SIZE: [usize; 2] = [1000, 620];
-/// The status bar tells times.
+/// The height of the status bar, which shows times and is not compared.
 const LEFT_OUT: usize = 26;
 
-/// Hands textures to a painter.
+/// Passes textures to a painter.
 struct Textures(Rc<RefCell<paint::Painter>>);
 
 impl TestRenderer for Textures {
@@ -24,7 +24,7 @@ impl TestRenderer for Textures {
     }
 }
 
-/// A workshop, with what paints it.
+/// A workshop with a painter.
 struct Stage {
     harness: Harness<'static, App>,
     painter: Rc<RefCell<paint::Painter>>,
@@ -47,7 +47,7 @@ impl Stage {
         stage
     }
 
-    /// Waits until everything is as it will be.
+    /// Waits until nothing changes any more.
     fn settle(&mut self) {
         for _ in 0..30_000 {
             self.harness.step();
@@ -57,19 +57,19 @@ impl Stage {
             std::thread::sleep(Duration::from_millis(1));
         }
         self.harness.remove_cursor();
-        // Longer than anything fades.
+        // Longer than any animation.
         self.harness.run_steps(40);
         assert!(self.harness.state().workshop.is_up_to_date());
     }
 
-    /// What is seen, as red, green and blue.
+    /// The screenshot, as red, green and blue.
     fn look(&mut self) -> image::RgbImage {
         let context = self.harness.ctx.clone();
         let output = self.harness.output();
         let scale = output.pixels_per_point;
         let ground = context.global_style().visuals.panel_fill;
         let pane = self.harness.state().pane.place();
-        // The harness puts a ground under everything; in the window the picture lies there.
+        // The harness draws a background under everything. In the window, the picture is there.
         let covers = |shape: &egui::Shape| matches!(shape, egui::Shape::Rect(rect) if rect.fill == ground && rect.rect.contains_rect(pane));
         let shapes = output.shapes.iter().filter(|clipped| !covers(&clipped.shape)).cloned().collect();
         let widgets = context.tessellate(shapes, scale);
@@ -83,7 +83,7 @@ impl Stage {
         image::RgbImage::from_raw(width, height, bytes).expect("as many bytes")
     }
 
-    /// Holds it against the picture of this name.
+    /// Compares the screenshot with the stored one of this name.
     fn is_as_in(&mut self, name: &str) {
         let seen = self.look();
         let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("src/preview/app/looks").join(name).with_extension("png");
@@ -93,7 +93,7 @@ impl Stage {
         let wanted = image::open(&path).expect("a picture").to_rgb8();
         assert_eq!(wanted.dimensions(), seen.dimensions());
         let compared = (SIZE[1] - LEFT_OUT) * SIZE[0];
-        // Processors differ in the last place of a number: by a step of a colour, and at edges by more.
+        // Processors round differently: colours differ by one step, and by more at edges.
         let differs = |(a, b): &(&image::Rgb<u8>, &image::Rgb<u8>)| a.0.iter().zip(b.0).any(|(a, b)| a.abs_diff(b) > 8);
         let differing = wanted.pixels().zip(seen.pixels()).take(compared).filter(differs).count();
         if differing * 1000 > compared {

@@ -1,4 +1,4 @@
-//! The row of materials: those of the formula's library, for the body that is selected.
+//! The row of materials: those of the formula's library, for the selected body.
 
 use crate::files::Readable;
 use crate::lang::display_text::one_line;
@@ -8,13 +8,13 @@ use crate::workspace::{Location, OwnerId};
 use egui::{ComboBox, TextEdit, Ui};
 use std::path::Path;
 
-/// The library that is open.
+/// The row, with the open library.
 pub(super) struct MaterialRow {
-    /// Or why there is none.
+    /// The materials, or why there are none.
     library: Result<Materials, String>,
-    /// The material that was given to the body last.
+    /// The material that the body was given last.
     chosen: String,
-    /// The name under which a material is going to be saved.
+    /// The name for the next material to save.
     name: String,
     /// Whether the list was open in the last frame.
     open: bool,
@@ -29,7 +29,7 @@ impl Default for MaterialRow {
 }
 
 impl MaterialRow {
-    /// Opens the library that a formula names; what is to be said of it.
+    /// Opens the library that a formula names. Returns errors and warnings as text.
     pub(super) fn open(&mut self, uses: Option<&str>, formula: Option<&Location>, data: Option<&Path>) -> Option<String> {
         let place = LibraryLocation::find(uses, formula, data).map_err(|reason| reason.message().to_owned());
         let (library, told) = match place.map(|place| Materials::open(place, Readable::Regular)) {
@@ -42,15 +42,15 @@ impl MaterialRow {
         told
     }
 
-    /// Whether there is a library that can be used.
+    /// Whether there is a usable library.
     pub(super) fn is_open(&self) -> bool {
         self.library.is_ok()
     }
 
-    /// Draws the row; what is to be told.
+    /// Draws the row. Returns an error message if there is one.
     pub(super) fn ui(&mut self, ui: &mut Ui, workshop: &mut Workshop, owner: OwnerId) -> Option<String> {
         if self.of.replace(owner) != Some(owner) {
-            // What was given to one is not that of another.
+            // Another body has another material.
             self.chosen.clear();
             self.name.clear();
         }
@@ -88,7 +88,7 @@ impl MaterialRow {
                     values.assign(&given);
                 });
                 self.chosen = material.name().to_owned();
-                // One of the user's own can be saved again; a built-in one stays as it is.
+                // Only the user's own materials can be saved under the same name.
                 self.name = if library.is_built_in(&self.chosen) { String::new() } else { self.chosen.clone() };
             }
             let own = library.get(&self.chosen).is_some() && !library.is_built_in(&self.chosen);

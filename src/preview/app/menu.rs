@@ -12,7 +12,7 @@ use crate::workspace::{FileKind, presets};
 use egui::containers::menu::{MenuButton, MenuConfig};
 use egui::{Button, MenuBar, PopupCloseBehavior, ScrollArea, Ui};
 
-/// An entry, with its shortcut.
+/// A menu entry with its shortcut.
 fn entry(ui: &mut Ui, name: &str, command: Command, commands: &mut Vec<Command>) {
     entry_if(ui, true, name, command, commands);
 }
@@ -25,22 +25,22 @@ fn entry_if(ui: &mut Ui, enabled: bool, name: &str, command: Command, commands: 
     }
 }
 
-/// What a menu needs of a window's height beside its entries: the bar above, and its edges.
+/// The height that a menu needs beside its entries: the menu bar, and margins.
 const BESIDE: f32 = 70.0;
 
-/// A menu that stays open while something is set in it.
+/// A menu that stays open while the user changes something in it.
 fn staying(ui: &mut Ui, name: &str, content: impl FnOnce(&mut Ui)) {
     let config = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
     MenuButton::new(name).config(config).ui(ui, |ui| scrolled(ui, content));
 }
 
-/// What is longer than the window can be scrolled.
+/// Content that scrolls if it is higher than the window.
 fn scrolled(ui: &mut Ui, content: impl FnOnce(&mut Ui)) {
     let room = (ui.ctx().content_rect().height() - BESIDE).max(60.0);
     ScrollArea::vertical().max_height(room).min_scrolled_height(room).show(ui, content);
 }
 
-/// Draws the bar.
+/// Draws the menu bar.
 pub(super) fn bar(app: &mut App, ui: &mut Ui, commands: &mut Vec<Command>) {
     MenuBar::new().ui(ui, |ui| {
         ui.menu_button("File", |ui| scrolled(ui, |ui| file(ui, app, commands)));
@@ -133,7 +133,7 @@ fn picture(ui: &mut Ui, app: &mut App, commands: &mut Vec<Command>) {
     });
     ui.checkbox(&mut settings.srgb, "sRGB transfer").on_hover_text("Linear values through the sRGB curve; brighter on screens");
     if settings != before {
-        // Widgets keep to the ranges.
+        // The widgets keep the values within their ranges.
         let _ = app.workshop.set_picture(settings);
     }
     ui.separator();

@@ -3,35 +3,35 @@
 use crate::lang::display_text::{many_lines, one_line};
 use egui::{Color32, CornerRadius, Frame, Margin, RichText, ScrollArea, Stroke, Ui, vec2};
 
-/// What a notice is about. There is one notice on a subject at a time.
+/// The topic of a notice. There is at most one notice on a topic.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Topic {
-    /// Where to remember anything.
+    /// The folder for user data.
     Home,
-    /// Reading the settings.
+    /// Reading settings.
     Settings,
-    /// Saving the settings.
+    /// Saving settings.
     SavingSettings,
     /// The list of recent files.
     Recent,
     /// Drafts of unsaved work.
     Drafts,
-    /// Drafts that earlier runs left.
+    /// Drafts of earlier runs.
     LeftDrafts,
-    /// The session that opens at the start.
+    /// The startup session.
     Startup,
-    /// The session that is open.
+    /// The open session.
     Session,
-    /// The library that the formula names.
+    /// The material library.
     Materials,
     /// The picture.
     Picture,
 }
 
-/// How serious it is.
+/// How serious a notice is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Severity {
-    /// Something is other than the user may expect.
+    /// Something differs from what the user may expect.
     Warning,
     /// Work is in danger, or something does not work.
     Error,
@@ -42,9 +42,9 @@ pub(super) enum Severity {
 pub(super) struct Notice {
     pub(super) topic: Topic,
     pub(super) severity: Severity,
-    /// What is the matter, in a few words.
+    /// A short summary.
     pub(super) title: String,
-    /// Why, what follows from it, and what helps; may have several lines.
+    /// The reason, the consequences, and what helps; may have several lines.
     pub(super) details: String,
 }
 
@@ -57,7 +57,7 @@ impl Notice {
         Self::new(topic, Severity::Error, title.as_ref(), details.as_ref())
     }
 
-    /// A notice with safe texts: names in them may hold anything.
+    /// A notice whose texts are safe to display. Names in them may hold any characters.
     fn new(topic: Topic, severity: Severity, title: &str, details: &str) -> Self {
         Self { topic, severity, title: one_line(title), details: many_lines(details) }
     }
@@ -66,14 +66,14 @@ impl Notice {
 /// The notices.
 #[derive(Default)]
 pub(super) struct Notices {
-    /// In the order in which they are drawn: errors first, newer ones before older ones.
+    /// In the order of drawing: errors first, newer ones before older ones.
     shown: Vec<Notice>,
-    /// What was dismissed and is still true. It is not shown again.
+    /// Notices that were dismissed and are still true. They are not shown again.
     dismissed: Vec<Notice>,
 }
 
 impl Notices {
-    /// Shows a notice, in place of an earlier one on its topic. The answer is whether it says anything new.
+    /// Shows a notice instead of an earlier one on its topic. Returns whether it is new.
     pub(super) fn show(&mut self, notice: Notice) -> bool {
         if self.dismissed.contains(&notice) || self.shown.contains(&notice) {
             return false;
@@ -84,7 +84,7 @@ impl Notices {
         true
     }
 
-    /// Removes what is no longer true. The answer is whether there was anything, dismissed or not.
+    /// Removes the notice on a topic, dismissed or not, because it is no longer true. Returns whether there was one.
     pub(super) fn clear(&mut self, topic: Topic) -> bool {
         let before = self.shown.len() + self.dismissed.len();
         for notices in [&mut self.shown, &mut self.dismissed] {
@@ -93,7 +93,7 @@ impl Notices {
         self.shown.len() + self.dismissed.len() < before
     }
 
-    /// Whether there is anything to draw.
+    /// Whether there is nothing to draw.
     pub(super) fn is_empty(&self) -> bool {
         self.shown.is_empty()
     }
@@ -104,7 +104,7 @@ impl Notices {
         &self.shown
     }
 
-    /// Draws the notices in view, each with a button that dismisses it.
+    /// Draws the notices in view, each with a button to dismiss it.
     pub(super) fn ui(&mut self, ui: &mut Ui) {
         let most_height = (0.3 * ui.ctx().content_rect().height()).max(80.0);
         let mut dismissed = None;
@@ -130,7 +130,7 @@ impl Notices {
     }
 }
 
-/// Draws a notice; whether it is dismissed.
+/// Draws a notice. Returns whether it is dismissed.
 fn notice_ui(ui: &mut Ui, notice: &Notice) -> bool {
     const BUTTON_WIDTH: f32 = 64.0;
     let [fill, edge] = colours(notice.severity, ui.visuals().dark_mode);
@@ -142,7 +142,7 @@ fn notice_ui(ui: &mut Ui, notice: &Notice) -> bool {
             ui.vertical(|ui| {
                 ui.set_width(room.max(80.0));
                 ui.strong(&notice.title);
-                // What marks places in a text stands below them.
+                // Markers stand below the marked places, so this needs a monospaced font.
                 if notice.details.contains('│') {
                     ui.monospace(&notice.details);
                 } else if !notice.details.is_empty() {
@@ -156,7 +156,7 @@ fn notice_ui(ui: &mut Ui, notice: &Notice) -> bool {
     shown.inner
 }
 
-/// The fill and the edge of a notice.
+/// The fill and the edge colour of a notice.
 fn colours(severity: Severity, dark: bool) -> [Color32; 2] {
     match (severity, dark) {
         (Severity::Warning, true) => [Color32::from_rgb(54, 46, 28), Color32::from_rgb(222, 170, 62)],
@@ -193,7 +193,7 @@ mod tests {
         notices.show(full());
         notices.dismissed.append(&mut notices.shown);
         assert!(!notices.show(full()) && notices.is_empty());
-        // Another reason is news, and so is the same after it was no longer true.
+        // Another reason is new, and so is the same reason after it was no longer true.
         assert!(notices.show(Notice::error(Topic::Drafts, "not kept", "permission denied")));
         assert!(notices.show(full()));
         notices.dismissed.append(&mut notices.shown);

@@ -1,4 +1,5 @@
-//! The picture's pane: how large the picture is in it, where it is, what is pointed at and clicked; and snapshots beside it.
+//! The pane of the picture: size, zoom and position of the picture, the pixel under the pointer, and snapshots beside
+//! it.
 
 use crate::preview::PictureView;
 use crate::preview::app::theme::Theme;
@@ -9,55 +10,55 @@ use crate::trace::{MAX_SIDE, Tracer};
 use crate::workspace::OwnerId;
 use egui::{Rect, Sense, Ui, vec2};
 
-/// A new size of the pane is taken over when it has not changed for so many seconds.
+/// The picture takes a new size of the pane after this many seconds without a change.
 const SETTLE: f64 = 0.2;
 
-/// So near, in points, the line between two pictures is taken.
+/// How close to the line between two pictures the pointer must be to move it, in points.
 const NEAR: f32 = 6.0;
 
-/// What snapshots are called.
+/// The names of the snapshots.
 pub(super) const SNAPSHOTS: [&str; 2] = ["A", "B"];
 
-/// What is seen in the pane.
+/// What the pane shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) enum Seen {
-    /// The picture.
+    /// The current picture.
     #[default]
     Now,
     /// A snapshot.
     Kept(usize),
-    /// A snapshot on the left, the picture on the right.
+    /// A snapshot on the left, the current picture on the right.
     Split(usize),
 }
 
 /// The pane.
 pub(super) struct Pane {
-    /// Whether the picture is as large as the pane.
+    /// Whether the picture has the size of the pane.
     pub(super) follows: bool,
-    /// Pixels of the screen a pixel of the picture.
+    /// Screen pixels per picture pixel.
     pub(super) zoom: u32,
     pub(super) seen: Seen,
     offset: [i32; 2],
     place: Rect,
-    /// The size that the pane was last seen with, and when that was new.
+    /// The last size of the pane, and since when.
     size: ([u32; 2], f64),
     selected: Option<OwnerId>,
     pointed: Option<[u32; 2]>,
     clicked: Option<[u32; 2]>,
     around: u32,
     split: Split,
-    /// Where the line between them is, 0..1, and whether it is being moved.
+    /// The position of the line between two pictures, 0..1 of their width, and whether the user is moving it.
     line: f32,
     moves_line: bool,
 }
 
-/// Two pictures beside each other.
+/// Two pictures side by side.
 #[derive(Default)]
 struct Split {
     picture: Picture,
-    /// Of these versions.
+    /// The versions of the two pictures.
     versions: [u64; 2],
-    /// How many columns are of the first.
+    /// How many columns the first picture has.
     columns: usize,
 }
 
@@ -87,12 +88,12 @@ impl Pane {
         self.selected
     }
 
-    /// The pixel of the picture that is pointed at.
+    /// The picture pixel under the pointer.
     pub(super) fn pointed(&self) -> Option<[u32; 2]> {
         self.pointed
     }
 
-    /// Where the pane is, in points.
+    /// The area of the pane, in points.
     pub(super) fn place(&self) -> Rect {
         self.place
     }
@@ -102,7 +103,7 @@ impl Pane {
         self.clicked
     }
 
-    /// Lays the pane out in all the room there is; the body that was clicked.
+    /// Draws the pane into all free space. Returns the body that was clicked.
     pub(super) fn ui(&mut self, ui: &mut Ui, workshop: &mut Workshop, scale: f32) -> Option<OwnerId> {
         self.around = Theme::around(ui.visuals().dark_mode);
         let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
@@ -112,7 +113,7 @@ impl Pane {
             let (shown, versions) = (workshop.shown(), [kept.version, workshop.shown().version]);
             let columns = (self.line * shown.width as f32).round() as usize;
             if (self.split.versions, self.split.columns) != (versions, columns) {
-                // Another number than any picture's own, and than that of the one before.
+                // A version that no picture has, and that differs from the previous one.
                 let version = 1 << 63 | (self.split.picture.version + 1);
                 self.split = Split { picture: Picture { version, ..beside(kept, shown, columns) }, versions, columns };
             }
@@ -130,7 +131,7 @@ impl Pane {
         if response.dragged() && self.moves_line {
             let width = self.picture(workshop).full_size[0] as f32 * self.zoom.max(1) as f32 / scale;
             self.line = (self.line + response.drag_delta().x / width.max(1.0)).clamp(0.0, 1.0);
-            // What is drawn follows in the next frame.
+            // The line is drawn at its new place in the next frame.
             ui.ctx().request_repaint();
         } else if response.dragged() {
             let moved = response.drag_delta() * scale;
@@ -155,7 +156,7 @@ impl Pane {
         self.selected
     }
 
-    /// Says which picture is seen, where it is not that of the sliders.
+    /// Labels the pictures if a snapshot is in view.
     fn name_pictures(&self, ui: &Ui, workshop: &Workshop, scale: f32) {
         let (Seen::Kept(place) | Seen::Split(place)) = self.seen else { return };
         let Some(name) = SNAPSHOTS.get(place).filter(|_| workshop.kept(place).is_some()) else { return };
@@ -178,7 +179,7 @@ impl Pane {
         }
     }
 
-    /// The picture takes the size of the pane, once that stays as it is; or that of the snapshot which it is beside.
+    /// Gives the picture the size of the pane, once that no longer changes; or the size of the snapshot beside it.
     fn follow(&mut self, ui: &Ui, workshop: &mut Workshop, scale: f32) {
         let side = |length: f32| ((length * scale) as u32).clamp(16, MAX_SIDE);
         let size = match self.seen {
@@ -187,7 +188,7 @@ impl Pane {
         };
         let now = ui.input(|input| input.time);
         if self.size.0 != size {
-            // The first size is taken at once.
+            // The first size is used at once.
             let first = self.size.0 == [0, 0];
             self.size = (size, if first { now - SETTLE } else { now });
         }
@@ -196,7 +197,7 @@ impl Pane {
             let rest = self.size.1 + SETTLE - now;
             if rest <= 0.0 {
                 settings.size = size;
-                // The size is within what views take.
+                // The size is within the limits of a view.
                 let _ = workshop.set_picture(settings);
             } else {
                 ui.ctx().request_repaint_after(std::time::Duration::from_secs_f64(rest));
@@ -211,7 +212,7 @@ impl Pane {
         }
     }
 
-    /// The picture that is seen.
+    /// The picture in view.
     pub(super) fn picture<'p>(&'p self, workshop: &'p Workshop) -> &'p Picture {
         match (self.seen, self.kept(workshop)) {
             (Seen::Kept(_), Some(kept)) => kept,
@@ -220,13 +221,13 @@ impl Pane {
         }
     }
 
-    /// Pixels of the screen for a pixel of the picture that is there: a coarse one's are larger.
+    /// Screen pixels per pixel of a picture. A coarse picture has larger pixels.
     fn zoom_of(&self, picture: &Picture) -> u32 {
         let coarse = picture.full_size[0].div_ceil(picture.width.max(1)).max(1);
         self.zoom * coarse
     }
 
-    /// Zooms; what is in this place of the pane, in pixels of the screen, stays there.
+    /// Zooms. The point at `place`, in screen pixels of the pane, stays where it is.
     fn zoom_to(&mut self, zoom: u32, place: egui::Vec2) {
         let ratio = zoom as f32 / self.zoom.max(1) as f32;
         for (offset, place) in self.offset.iter_mut().zip([place.x, place.y]) {
@@ -242,7 +243,7 @@ impl Pane {
         self.kept(workshop).map(|_| self.place.left() + (self.offset[0] as f32 + self.line * width) / scale)
     }
 
-    /// Centres what is smaller than the pane, and keeps what is larger from leaving it.
+    /// Centres a picture that is smaller than the pane. A larger one always covers the pane.
     fn settle_offset(&mut self, workshop: &Workshop, scale: f32) {
         let picture = self.picture(workshop);
         let zoom = self.zoom_of(picture) as i32;
@@ -253,7 +254,7 @@ impl Pane {
         }
     }
 
-    /// The pixel at a place on the screen, in the numbers of the full picture.
+    /// The pixel of the full-size picture at a point of the screen.
     fn pixel_at(&self, at: egui::Pos2, workshop: &Workshop, scale: f32) -> Option<[u32; 2]> {
         let picture = self.picture(workshop);
         let from = (at - self.place.min) * scale - vec2(self.offset[0] as f32, self.offset[1] as f32);
@@ -263,7 +264,7 @@ impl Pane {
         inside.then(|| pixel.map(|place| place as u32))
     }
 
-    /// What the window draws under the widgets.
+    /// The picture for the window to draw under the widgets.
     pub(super) fn view<'p>(&'p self, workshop: &'p Workshop) -> Option<PictureView<'p>> {
         let picture = self.picture(workshop);
         (picture.version > 0).then(|| PictureView {
@@ -279,13 +280,13 @@ impl Pane {
     }
 }
 
-/// How far an event turns the wheel: 1 is a notch away from the user.
+/// How far a wheel event turns; 1 is one notch away from the user.
 fn notch(event: &egui::Event) -> i32 {
     let egui::Event::MouseWheel { delta, .. } = event else { return 0 };
     i32::from(delta.y > 0.0) - i32::from(delta.y < 0.0)
 }
 
-/// The body that is seen in a pixel.
+/// The body that is visible in a pixel.
 pub(super) fn body_at(workshop: &Workshop, [x, y]: [u32; 2]) -> Option<BodyId> {
     let view = workshop.view().ok()?;
     if x >= view.width() || y >= view.height() {
@@ -295,7 +296,7 @@ pub(super) fn body_at(workshop: &Workshop, [x, y]: [u32; 2]) -> Option<BodyId> {
     tracer.hit(&tracer.primary(y * view.width() + x)).map(|hit| hit.body)
 }
 
-/// So many columns of one picture and the rest of the other, with a line between.
+/// Some columns of one picture, a line, and the rest of the other picture.
 fn beside(one: &Picture, other: &Picture, columns: usize) -> Picture {
     let mut both = other.clone();
     if one.width != other.width || one.height != other.height {

@@ -1,4 +1,4 @@
-//! Whose parameters there are, and the sliders of what is selected.
+//! The parameter panel: the owners, and the sliders of the selected one.
 
 use crate::formula::{Parameter, ParameterId};
 use crate::lang::types::Type;
@@ -11,12 +11,12 @@ use egui::{Color32, DragValue, Response, ScrollArea, Slider, TextEdit, Ui};
 /// The panel.
 pub(super) struct Parameters {
     selected: OwnerId,
-    /// Of the scene, only what makes the ambient light.
+    /// Whether only the parameters of ambient light are shown.
     ambient: bool,
     search: String,
-    /// Whether the list is yet to show what was selected elsewhere.
+    /// Whether the list must scroll to an owner that was selected elsewhere.
     hidden: bool,
-    /// The value that was to be set where it cannot be, and why.
+    /// A value that could not be set as wanted, and why.
     stopped: Option<(OwnerId, ParameterId, String)>,
 }
 
@@ -26,22 +26,22 @@ impl Default for Parameters {
     }
 }
 
-/// What makes the ambient light.
+/// The parameters of ambient light.
 const AMBIENT: [Predefined; 2] = [Predefined::Ambient, Predefined::AmbientColour];
 
-/// What was done with a value.
+/// What the user did with a value.
 enum Act {
-    /// It is held and was moved.
+    /// Moved it while holding it.
     Drag([f32; 3]),
-    /// It was set.
+    /// Set it.
     Set([f32; 3]),
-    /// It was let go, and may have moved a last time with that.
+    /// Released it, maybe with a last movement.
     LetGo([f32; 3]),
     Copy,
 }
 
 impl Parameters {
-    /// Shows the parameters of an owner.
+    /// Selects an owner.
     pub(super) fn select(&mut self, owner: OwnerId) {
         self.selected = owner;
         self.ambient = false;
@@ -49,7 +49,8 @@ impl Parameters {
         self.hidden = true;
     }
 
-    /// Draws the panel; `picked` is the body that was clicked in the picture last. What is to be told.
+    /// Draws the panel. `picked` is the body that was clicked in the picture last. Returns an error message if there
+    /// is one.
     pub(super) fn ui(
         &mut self,
         ui: &mut Ui,
@@ -69,7 +70,7 @@ impl Parameters {
             self.owners_ui(ui, workshop.values());
         });
         ui.separator();
-        // Among what a search finds, none would know whose material it is.
+        // While searching, it would not be clear which body a material is for.
         let told = if self.search.trim().is_empty() { materials.ui(ui, workshop, self.selected) } else { None };
         ui.separator();
         let wanted = self.wanted(workshop.values());
@@ -116,7 +117,7 @@ impl Parameters {
         told
     }
 
-    /// Notes why a value is not what it was to be, if so.
+    /// Notes why a value is not what the user wanted, if so.
     fn note_stop(&mut self, values: &Values, owner: OwnerId, id: ParameterId, wanted: [f32; 3]) {
         let taken = values.get(owner, id);
         let is_near = |(taken, wanted): (&f32, &f32)| (taken - wanted).abs() <= 1e-4 * wanted.abs().max(1.0);
@@ -155,7 +156,7 @@ impl Parameters {
         }
     }
 
-    /// The parameters that are shown: those of what is selected, or what the search finds.
+    /// The parameters to show: those of the selected owner, or those that the search finds.
     fn wanted(&self, values: &Values) -> Vec<(OwnerId, ParameterId)> {
         let table = values.table();
         let search = self.search.trim().to_lowercase();
@@ -169,12 +170,12 @@ impl Parameters {
     }
 }
 
-/// What an owner is called.
+/// The name of an owner.
 fn owner_name(values: &Values, owner: OwnerId) -> &str {
     values.table().owners().name(owner).unwrap_or("Scene")
 }
 
-/// A value with its name.
+/// Draws a value with its name.
 fn value_ui(ui: &mut Ui, values: &Values, owner: OwnerId, id: ParameterId) -> Option<Act> {
     let parameter = values.table().parameter(id);
     let lock = values.lock_of(owner, id);
@@ -214,7 +215,7 @@ fn value_ui(ui: &mut Ui, values: &Values, owner: OwnerId, id: ParameterId) -> Op
     .inner
 }
 
-/// A name in the column of names.
+/// Draws a name in the column of names.
 fn name_ui(ui: &mut Ui, name: &str) -> Response {
     let (rect, response) = ui.allocate_exact_size(egui::vec2(78.0, 20.0), egui::Sense::click());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Label, true, name));
@@ -224,7 +225,7 @@ fn name_ui(ui: &mut Ui, name: &str) -> Response {
     response
 }
 
-/// What a parameter is, for whoever points at it.
+/// A description of a parameter for the tooltip.
 fn explained(parameter: &Parameter, lock: Option<&str>) -> String {
     let mut text = format!("{}: {}", parameter.name, parameter.ty);
     if let Some([low, high]) = parameter.range {
@@ -240,7 +241,7 @@ fn explained(parameter: &Parameter, lock: Option<&str>) -> String {
     text
 }
 
-/// How a value came to change.
+/// How the user changed a value.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum How {
     Held,
@@ -248,7 +249,7 @@ enum How {
     LetGo,
 }
 
-/// What a widget did.
+/// How a widget was used.
 fn how(response: &Response) -> Option<How> {
     if response.drag_stopped() {
         Some(How::LetGo)
@@ -259,7 +260,7 @@ fn how(response: &Response) -> Option<How> {
     }
 }
 
-/// A range over more than two decades is passed through by ratios.
+/// A slider is logarithmic if its range covers more than two decades.
 fn is_logarithmic([low, high]: [f32; 2]) -> bool {
     low > 0.0 && high / low > 100.0
 }
@@ -275,24 +276,24 @@ fn scalar_ui(ui: &mut Ui, parameter: &Parameter, mut number: f32) -> Option<(f32
     done.or(entered).map(|how| (number, how))
 }
 
-/// A number to be typed, or dragged.
+/// A number that can be typed or dragged.
 fn number_ui(ui: &mut Ui, parameter: &Parameter, number: &mut f32) -> Option<How> {
     let speed = match parameter.range {
         Some([low, high]) => f64::from(high - low) / 400.0,
         None => f64::from(number.abs()).max(0.1) / 100.0,
     };
-    // Without a range: what lies beyond is brought back, with a word, where values are.
+    // The widget has no limits: a number out of range is corrected later, with a message.
     let field = DragValue::new(number).speed(speed).max_decimals(4).update_while_editing(false);
     how(&ui.add_sized([62.0, 20.0], field))
 }
 
-/// Three sliders, with a button for the colour that they are.
+/// Three sliders, and a button for their colour.
 fn vector_ui(ui: &mut Ui, parameter: &Parameter, value: [f32; 3]) -> Option<([f32; 3], How)> {
     let mut done = None;
     let mut edited = value;
     ui.vertical(|ui| {
         if parameter.colour || parameter.predefined.is_some() {
-            // As the picture shows it: without gamma.
+            // Linear, as in the picture.
             let mut bytes = value.map(|component| (255.0 * component.clamp(0.0, 1.0)).round() as u8);
             let response = ui.color_edit_button_srgb(&mut bytes);
             if response.changed() {

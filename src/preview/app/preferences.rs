@@ -1,4 +1,4 @@
-//! The dialog for settings: what new sessions begin with.
+//! The dialog for settings, which new sessions start with.
 
 use crate::lang::types::Type;
 use crate::lang::variables::Predefined;
@@ -10,17 +10,17 @@ use egui::{Context, DragValue, Grid, ScrollArea, Slider, Ui};
 /// The dialog.
 #[derive(Default)]
 pub(super) struct Preferences {
-    /// The settings as they are edited, while the dialog is open.
+    /// The edited settings, while the dialog is open.
     edited: Option<Settings>,
 }
 
 impl Preferences {
-    /// Opens the dialog on these settings.
+    /// Opens the dialog.
     pub(super) fn open(&mut self, settings: &Settings) {
         self.edited = Some(settings.clone());
     }
 
-    /// Draws it; the settings that are to be kept from now on.
+    /// Draws the dialog. Returns the settings when the user saves them.
     pub(super) fn ui(&mut self, context: &Context) -> Option<Settings> {
         let edited = self.edited.as_mut()?;
         let shown = modal(context, "Settings", |ui| {
@@ -94,7 +94,7 @@ fn fields(ui: &mut Ui, settings: &mut Settings) {
                 }
             });
             if value != before {
-                // It keeps to the range.
+                // `set` keeps the value within its range.
                 settings.defaults.set(parameter, value);
             }
             ui.end_row();

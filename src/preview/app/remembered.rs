@@ -1,4 +1,4 @@
-//! What outlives a window: settings, recent files, and texts and values that were not saved.
+//! What outlives a window: settings, recent files, and drafts.
 
 use crate::lang::diagnostic::{Diagnostic, Diagnostics};
 use crate::preview::app::autosave::{Autosave, DraftSlot, PerDraft, Unsaved};
@@ -12,21 +12,21 @@ use crate::workspace::Location;
 use std::cmp::Reverse;
 use std::path::{Path, PathBuf};
 
-/// What is remembered; nothing where there is no folder for it.
+/// The user data. Empty if there is no folder for it.
 #[derive(Default)]
 pub(super) struct Remembered {
     pub(super) settings: Settings,
     file: Option<SettingsFile>,
     recent: Option<Recent>,
     autosave: Option<Autosave>,
-    /// The states of the texts and of the session that were noted last.
+    /// The states of the drafts that were noted last.
     noted: PerDraft<Option<u64>>,
     left: Vec<LeftoverDraft>,
     data: Option<PathBuf>,
 }
 
 impl Remembered {
-    /// Reads what is remembered. With it come notices about what could not be read.
+    /// Reads the user data. Returns notices about what could not be read.
     pub(super) fn open(folders: Option<&Folders>) -> (Self, Vec<Notice>) {
         let Some(folders) = folders else { return (Self::default(), Vec::new()) };
         let mut file = SettingsFile::new(folders);
@@ -68,7 +68,7 @@ impl Remembered {
         self.data.as_deref()
     }
 
-    /// Saves the settings, where that is wanted at all.
+    /// Saves the settings, if there is a file for them.
     pub(super) fn save_settings(&mut self) -> Result<(), Diagnostic> {
         match &mut self.file {
             Some(file) => file.save(&self.settings).map(|_| ()),
@@ -76,18 +76,18 @@ impl Remembered {
         }
     }
 
-    /// The recent files of a kind, the newest first.
+    /// The recent files of a kind, newest first.
     pub(super) fn recent(&self, kind: FileKind) -> Vec<PathBuf> {
         self.recent.as_ref().map_or_else(Vec::new, |recent| recent.list(kind))
     }
 
-    /// Remembers a file.
+    /// Adds a recent file.
     pub(super) fn add_recent(&mut self, kind: FileKind, path: &Path) -> Result<(), Diagnostic> {
         self.recent.as_mut().map_or(Ok(()), |recent| recent.add(kind, path))
     }
 
-    /// Has these drafts, of formula, scene and session, hold what is unsaved. `states` has a number for each that tells its
-    /// state, and none where it is saved; a draft whose state has not changed is left as it is. Nothing is written yet.
+    /// Notes the unsaved work of some drafts. `states` identifies the state of each; `None` is saved. Drafts whose
+    /// state did not change are left alone. Nothing is written yet.
     pub(super) fn note_unsaved(
         &mut self,
         slots: &[DraftSlot],
@@ -104,17 +104,17 @@ impl Remembered {
         }
     }
 
-    /// The drafts; none where nothing is remembered.
+    /// The drafts; `None` if nothing is kept.
     pub(super) fn autosave(&self) -> Option<&Autosave> {
         self.autosave.as_ref()
     }
 
-    /// Whether anything changed that is not on disk yet.
+    /// Whether there are changes that are not on disk yet.
     pub(super) fn is_behind(&self, states: PerDraft<Option<u64>>) -> bool {
         self.autosave.as_ref().is_some_and(|autosave| autosave.is_waiting() || states != self.noted)
     }
 
-    /// What programs that are gone left unsaved, for people.
+    /// The drafts of earlier runs, for the user.
     pub(super) fn left(&self) -> Vec<String> {
         let name = |left: &LeftoverDraft| {
             let Ok(draft) = &left.draft else { return "what cannot be read".to_owned() };
@@ -127,12 +127,13 @@ impl Remembered {
         self.left.iter().map(name).collect()
     }
 
-    /// Whether there is more among it than values of a built-in session: those are tried and left, and nobody wants to be asked for them.
+    /// Whether there are drafts other than values of built-in sessions. Users try those and leave; they do not want to
+    /// be asked about them.
     pub(super) fn left_is_work(&self) -> bool {
         !self.left.iter().all(is_play)
     }
 
-    /// Takes those texts over that can be read, and forgets the rest of them where they may go.
+    /// Takes over the drafts of earlier runs that can be read.
     pub(super) fn take_left(&mut self) -> Vec<Draft> {
         let Some(autosave) = &self.autosave else { return Vec::new() };
         let mut drafts = autosave.drafts();
@@ -140,7 +141,7 @@ impl Remembered {
         for left in self.left.drain(..) {
             let Ok(draft) = &left.draft else { continue };
             let slot = DraftSlot::of(draft.kind);
-            // An older text of the same kind stays for the next time.
+            // An older draft of the same kind stays for the next start.
             if let Ok(draft) = drafts.take_over(&left, slot.editor()) {
                 // The draft exists from now on. Its text is noted again when it is open.
                 self.noted[slot as usize] = Some(u64::MAX);
@@ -150,7 +151,7 @@ impl Remembered {
         found
     }
 
-    /// Forgets them.
+    /// Discards the drafts of earlier runs.
     pub(super) fn discard_left(&mut self) -> Result<(), Diagnostic> {
         let Some(autosave) = &self.autosave else { return Ok(()) };
         let drafts = autosave.drafts();
@@ -158,7 +159,7 @@ impl Remembered {
     }
 }
 
-/// What a diagnostic says, without its place.
+/// The message and the hints of a diagnostic, without its place.
 pub(super) fn line(diagnostic: &Diagnostic) -> String {
     let hints = diagnostic.hints().iter().map(|hint| format!(" ({hint})"));
     std::iter::once(diagnostic.message().to_owned()).chain(hints).collect()
@@ -168,17 +169,18 @@ fn lines(diagnostics: &Diagnostics) -> String {
     diagnostics.iter().map(line).collect::<Vec<_>>().join("\n")
 }
 
-/// Whether it is nothing but values of a built-in session.
+/// Whether a draft only has values of a built-in session.
 fn is_play(left: &LeftoverDraft) -> bool {
     let built_in = |draft: &Draft| draft.kind == FileKind::Session && matches!(draft.location, Some(Location::Preset(_)));
     left.draft.as_ref().is_ok_and(built_in)
 }
 
-/// Formulas before scenes before sessions, the newest first. Of values of built-in sessions only the newest stay: they would become ever more.
+/// Sorts drafts: formulas, scenes, sessions, the newest first. Of the values of built-in sessions, only the newest
+/// draft stays, so they do not pile up.
 fn sorted_out(mut left: Vec<LeftoverDraft>, drafts: &Drafts) -> Vec<LeftoverDraft> {
     left.sort_by_key(|left| left.draft.as_ref().ok().map(|draft| (DraftSlot::of(draft.kind).editor(), Reverse(draft.time))));
     let mut seen = false;
-    // Where one cannot be removed, it is there the next time too.
+    // A draft that cannot be removed stays.
     left.retain(|left| !is_play(left) || !std::mem::replace(&mut seen, true) || drafts.discard(left).is_err());
     left
 }

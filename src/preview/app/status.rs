@@ -1,11 +1,11 @@
-//! The line at the bottom: what is pointed at, how far tracing is, what the last picture took.
+//! The status bar: the pixel under the pointer, the progress of tracing, the time of the last picture.
 
 use crate::backends::CHOICES;
 use crate::preview::app::pane::body_at;
 use crate::preview::app::{App, Command};
 use egui::{ProgressBar, Ui};
 
-/// Draws it.
+/// Draws the status bar.
 pub(super) fn bar(app: &App, ui: &mut Ui, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         let [width, height] = app.workshop.settings().size;

@@ -1,24 +1,24 @@
-//! How everything looks: a dark and a light theme, fonts and spacing.
+//! Colours, fonts and spacing, in a dark and a light theme.
 
 use egui::{Color32, Context, CornerRadius, FontId, Stroke, TextStyle, Visuals};
 
-/// A look.
+/// A theme.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Theme {
-    /// Light text on dark ground: it does not outshine the picture.
+    /// Light text on a dark background, which does not outshine the picture.
     #[default]
     Dark,
-    /// Dark text on light ground.
+    /// Dark text on a light background.
     Light,
 }
 
 impl Theme {
-    /// That of the settings.
+    /// The theme of the settings.
     pub(super) fn of(theme: crate::user_data::settings::Theme) -> Self {
         if theme.is_dark(None) { Theme::Dark } else { Theme::Light }
     }
 
-    /// As the settings have it.
+    /// The theme for the settings.
     pub(super) fn setting(self) -> crate::user_data::settings::Theme {
         match self {
             Theme::Dark => crate::user_data::settings::Theme::Dark,
@@ -26,7 +26,7 @@ impl Theme {
         }
     }
 
-    /// Its name in the menu.
+    /// The name in the menu.
     pub(super) fn name(self) -> &'static str {
         match self {
             Theme::Dark => "Dark",
@@ -34,16 +34,16 @@ impl Theme {
         }
     }
 
-    /// The ground beside a picture that does not fill its pane, `0x00RRGGBB`.
+    /// The colour of the pane around a picture that does not fill it, `0x00RRGGBB`.
     pub(super) fn around(dark: bool) -> u32 {
         if dark { 0x0013_1417 } else { 0x00b9_bcc2 }
     }
 }
 
-/// The colour of what is selected or moved.
+/// The colour of selected and active widgets.
 const ACCENT: Color32 = Color32::from_rgb(84, 148, 232);
 
-/// Makes the context look like this.
+/// Applies the theme to a context.
 pub(super) fn set_up(context: &Context, theme: Theme) {
     context.set_theme(match theme {
         Theme::Dark => egui::Theme::Dark,
@@ -77,7 +77,7 @@ pub(super) fn set_up(context: &Context, theme: Theme) {
         style.text_styles.insert(TextStyle::Heading, FontId::proportional(16.0));
         style.spacing.item_spacing = egui::vec2(8.0, 5.0);
         style.spacing.slider_width = 130.0;
-        // Nothing moves by itself: each step of an animation would be a frame to be painted.
+        // No animations: each of their steps would be a frame to paint.
         style.animation_time = 0.0;
     });
 }

@@ -1,14 +1,14 @@
-//! What values were before, and could be again.
+//! Undo and redo of value changes.
 
 use crate::formula::Formula;
 use crate::scene::Scene;
 use crate::workspace::Values;
 use std::sync::Arc;
 
-/// So many changes can be undone.
+/// How many changes can be undone.
 const MOST: usize = 500;
 
-/// Values, with what they are values of.
+/// Values with their formula and scene.
 #[derive(Clone)]
 pub(super) struct Moment {
     pub(super) values: Values,
@@ -17,7 +17,7 @@ pub(super) struct Moment {
 }
 
 impl Moment {
-    /// The values as others of this formula and scene: as they were, or by owner and name.
+    /// The values for a formula and a scene: unchanged, or carried over by owner and name.
     pub(super) fn values_for(self, formula: &Arc<Formula>, scene: &Arc<Scene>) -> Values {
         if Arc::ptr_eq(&self.formula, formula) && Arc::ptr_eq(&self.scene, scene) {
             self.values
@@ -27,7 +27,7 @@ impl Moment {
     }
 }
 
-/// Values as they were before each change, and after each that was undone.
+/// The states before each change, and after each undone change.
 #[derive(Default)]
 pub(super) struct History {
     before: Vec<Moment>,
@@ -35,7 +35,7 @@ pub(super) struct History {
 }
 
 impl History {
-    /// Keeps values that are going to change.
+    /// Adds a state that is about to change.
     pub(super) fn note(&mut self, before: Moment) {
         self.after.clear();
         if self.before.len() == MOST {
@@ -44,17 +44,17 @@ impl History {
         self.before.push(before);
     }
 
-    /// What there was before the last change, which was from there to `now`.
+    /// The state before the last change. `now` is the current state.
     pub(super) fn undo(&mut self, now: Moment) -> Option<Moment> {
         step(&mut self.before, &mut self.after, now)
     }
 
-    /// What there was after the change that was undone last.
+    /// The state after the change that was undone last.
     pub(super) fn redo(&mut self, now: Moment) -> Option<Moment> {
         step(&mut self.after, &mut self.before, now)
     }
 
-    /// Whether either is possible.
+    /// Whether there is a change to undo, and one to redo.
     pub(super) fn can_undo_and_redo(&self) -> [bool; 2] {
         [!self.before.is_empty(), !self.after.is_empty()]
     }

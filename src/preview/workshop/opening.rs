@@ -1,4 +1,4 @@
-//! Opening a session in the workshop: what is said about it is collected, to be shown.
+//! Opening a session in the workshop. Everything that is reported is collected.
 
 use crate::files::Readable;
 use crate::lang::diagnostic::{Diagnostic, Diagnostics, Severity};
@@ -8,16 +8,16 @@ use crate::workspace::Location;
 use crate::workspace::project::{Listener, OpenError, Project, Request, SessionText};
 use std::path::Path;
 
-/// A project that was opened, and what there is to say about it.
+/// An open session, and its warnings.
 #[derive(Debug)]
 pub struct Opened {
-    /// What is open.
+    /// The session.
     pub project: Project,
-    /// Everything that was not taken as it was given, for people.
+    /// Warnings about what is not used as given, for the user.
     pub warnings: Vec<String>,
 }
 
-/// Collects what is said.
+/// Collects errors and warnings.
 #[derive(Default)]
 struct Collector {
     errors: Vec<String>,
@@ -40,17 +40,18 @@ impl Listener for Collector {
 }
 
 impl Opened {
-    /// Opens a session with its files. `readable` says which files the session itself may be; those that it names must be
-    /// regular.
+    /// Opens a session with its files. `readable` says which types of file the session itself may be. The files that
+    /// it names must be regular.
     ///
     /// # Errors
-    /// What is wrong with any of the files, as lines of text with the places marked.
+    /// The errors of the files, as lines of text with the places marked.
     pub fn session(location: &Location, readable: Readable) -> Result<Opened, String> {
         let session = Some(SessionText::At(location.clone()));
         Self::open(&Request { session, session_readable: readable, ..Request::default() })
     }
 
-    /// Opens a session of this text, in `folder`, with other texts of its formula and its scene where there are any.
+    /// Opens a session from its text, in `folder`. `other` has texts to use instead of those of its formula and its
+    /// scene.
     ///
     /// # Errors
     /// As for [`session`](Self::session).

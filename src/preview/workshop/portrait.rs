@@ -1,4 +1,4 @@
-//! A picture on its way into a file: everything that it is made of, on no thread in particular.
+//! Saving a picture on a background thread, with everything that it needs.
 
 use crate::engine::{Engine, EngineError, Subject, Task};
 use crate::evaluate::Frame;
@@ -11,17 +11,18 @@ use std::sync::Arc;
 pub struct Portrait {
     pub(super) subject: Subject,
     pub(super) engine: Engine,
-    /// Its hits, if they are there already.
+    /// The hits, if they have been traced.
     pub(super) hits: Option<Arc<Hits>>,
     pub(super) numbers: Vec<f32>,
     pub(super) transfer: Transfer,
 }
 
 impl Portrait {
-    /// Computes it, and saves it in the format that the suffix names. How many of its pixels held NaN.
+    /// Computes the picture and saves it in the format of the path's suffix. Returns how many of its pixels were NaN.
     ///
     /// # Errors
-    /// There is no such format, or the file cannot be written; the text is for people. An existing file is unharmed.
+    /// The suffix names no format, or the file cannot be written. The error is for the user. An existing file is then
+    /// unchanged.
     pub fn save(&self, path: &Path) -> Result<usize, String> {
         let mut frame = self.frame().map_err(|error| error.to_string())?;
         let undefined = frame.clean();
