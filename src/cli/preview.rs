@@ -24,19 +24,19 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let folders = Folders::platform();
     let mut app = App::new(location.as_ref(), folders.as_ref().ok()).map_err(refuse)?;
     if let Err(reason) = &folders {
-        app.notify_no_home(reason);
+        app.notify_no_user_data(reason);
     }
     if options.log {
-        app.repeat_log(say_lines);
+        app.set_log_listener(say_lines);
     }
     let size = app.window_size();
     let exit = WindowExit::new(app.last_resort());
     #[cfg(unix)]
     signals::close_first(exit.clone());
     let shown = show(&mut app, WindowOptions { size }, &exit);
-    app.last_words().iter().for_each(warn);
+    app.closing_errors().iter().for_each(warn);
     shown.map_err(|error| {
-        let kept = error == WindowError::DisplayLost && app.last_words().is_empty();
+        let kept = error == WindowError::DisplayLost && app.closing_errors().is_empty();
         Failure::input(format!("{error}{}", if kept { "; unsaved work is kept and offered at the next start" } else { "" }))
     })
 }

@@ -4,25 +4,25 @@
 //! Every panel is a module. A panel draws itself and returns [`Action`]s, as menus and keys do. The
 //! [workshop](super::workshop) performs most of them. No window is known here, so tests drive all of this without one.
 
+mod action;
 mod autosave;
-mod chores;
-mod command;
 mod dialogs;
 mod files;
 mod inspector;
+mod jobs;
 mod log;
 mod materials;
 mod menu;
 mod notices;
 mod pane;
 mod parameters;
-mod preferences;
-mod remembered;
+mod settings_dialog;
 mod status;
 mod tab;
 mod theme;
+mod user_state;
 
-pub use command::Command;
+pub use action::Action;
 
 use crate::backends::BackendChoice;
 use crate::files::Readable;
@@ -30,8 +30,8 @@ use crate::lang::diagnostic::Diagnostic;
 use crate::lang::source::Span;
 use crate::preview::editor::{Document, Editor, Palette, problems_ui, reference_ui};
 use crate::preview::renderer::Event;
-use crate::preview::workshop::{Opened, Workshop};
-use crate::preview::{FrameTimes, PictureView, Shown};
+use crate::preview::workshop::{OpenedSession, Workshop};
+use crate::preview::{FrameTimes, PictureView, WindowApp};
 use crate::user_data::folders::Folders;
 use crate::workspace::Location;
 use crate::workspace::project::Project;
@@ -41,17 +41,16 @@ use crate::workspace::{
     presets::{self, DEFAULT_SESSION},
 };
 use autosave::{Autosave, DraftSlot, PerDraft, Unsaved};
-use chores::{Chores, Told};
 use dialogs::Dialogs;
 use egui::{CentralPanel, Context, Frame, Id, Panel, Ui};
-use inspector::Inspecting;
+use inspector::InspectorPanel;
+use jobs::{JobResult, Jobs};
 use log::Log;
 use materials::MaterialRow;
 use notices::{Notice, Notices, Topic};
-use pane::Pane;
-use parameters::Parameters;
-use preferences::Preferences;
-use remembered::Remembered;
+use pane::PicturePane;
+use parameters::ParameterPanel;
+use settings_dialog::SettingsDialog;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io;
 use std::path::Path;
@@ -59,6 +58,7 @@ use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 use tab::{PerTab, TextTab};
 use theme::Theme;
+use user_state::UserState;
 
 /// Windows narrower than this, in points, get narrower panels: otherwise there would be no room for the picture.
 const NARROW: f32 = 860.0;
@@ -73,18 +73,18 @@ pub struct App {
     /// The file of the session, if there is one.
     session: Option<Location>,
     saved: SavedSession,
-    parameters: Parameters,
-    pane: Pane,
+    parameters: ParameterPanel,
+    pane: PicturePane,
     log: Log,
     dialogs: Dialogs,
     notices: Notices,
-    chores: Chores,
-    preferences: Preferences,
-    inspecting: Inspecting,
+    jobs: Jobs,
+    settings_dialog: SettingsDialog,
+    inspector: InspectorPanel,
     materials: MaterialRow,
-    remembered: Remembered,
+    user_state: UserState,
     /// When drafts were written last, in seconds of egui's clock.
-    kept_at: f64,
+    drafts_written_at: f64,
     theme: Theme,
     scale: f32,
     panels: Panels,
@@ -95,7 +95,7 @@ pub struct App {
     context: Arc<OnceLock<Context>>,
     closing: bool,
     /// What could not be saved when the window closed.
-    last_words: Vec<String>,
+    closing_errors: Vec<String>,
 }
 
 /// The contents of the session file as saved last. Every frame compares them with the session, to know whether it is
@@ -132,18 +132,18 @@ impl App {
     /// # Errors
     /// The session or its files have errors: they are the text, with the places marked. Or no thread can be started.
     pub fn new(session: Option<&Location>, folders: Option<&Folders>) -> Result<Self, String> {
-        let (remembered, mut notices) = Remembered::open(folders);
-        let startup = &remembered.settings.startup;
+        let (user_state, mut notices) = UserState::open(folders);
+        let startup = &user_state.settings.startup;
         let (location, opened) = match session {
-            Some(location) => (location.clone(), Opened::session(location, Readable::RegularOrPipe)?),
-            None => match Opened::session(startup, Readable::Regular) {
+            Some(location) => (location.clone(), OpenedSession::open(location, Readable::RegularOrPipe)?),
+            None => match OpenedSession::open(startup, Readable::Regular) {
                 Ok(opened) => (startup.clone(), opened),
                 // The window must open even if the startup session is gone.
                 Err(errors) => {
                     let title = format!("The startup session {startup} was not opened; this is the built-in one");
                     notices.push(Notice::warning(Topic::Startup, title, errors));
                     let built_in = Location::Preset(DEFAULT_SESSION.to_owned());
-                    let opened = Opened::session(&built_in, Readable::Regular)?;
+                    let opened = OpenedSession::open(&built_in, Readable::Regular)?;
                     (built_in, opened)
                 }
             },
@@ -160,32 +160,32 @@ impl App {
             tab: TextTab::Formula,
             session: Some(location),
             saved,
-            parameters: Parameters::default(),
-            pane: Pane::default(),
+            parameters: ParameterPanel::default(),
+            pane: PicturePane::default(),
             log: Log::default(),
             dialogs: Dialogs::default(),
             notices: Notices::default(),
-            chores: Chores::new(waker(&context)),
-            preferences: Preferences::default(),
-            inspecting: Inspecting::default(),
+            jobs: Jobs::new(waker(&context)),
+            settings_dialog: SettingsDialog::default(),
+            inspector: InspectorPanel::default(),
             materials: MaterialRow::default(),
-            kept_at: 0.0,
-            theme: Theme::of(remembered.settings.window.theme),
-            scale: remembered.settings.window.scale,
-            panels: Panels { texts: true, parameters: true, log: remembered.settings.window.log, reference: false },
-            remembered,
+            drafts_written_at: 0.0,
+            theme: Theme::from_setting(user_state.settings.window.theme),
+            scale: user_state.settings.window.scale,
+            panels: Panels { texts: true, parameters: true, log: user_state.settings.window.log, reference: false },
+            user_state,
             query: String::new(),
             typing: false,
             context,
             closing: false,
-            last_words: Vec::new(),
+            closing_errors: Vec::new(),
         };
         notices.into_iter().for_each(|notice| app.notify(notice));
         if let Some(location) = app.session.clone() {
             app.notify_of_session(&location, &opened.warnings);
         }
-        if app.remembered.left_is_work() {
-            app.dialogs.offer(app.remembered.left());
+        if app.user_state.has_important_drafts() {
+            app.dialogs.offer_drafts(app.user_state.draft_names());
         }
         app.open_materials();
         Ok(app)
@@ -200,10 +200,10 @@ impl App {
     pub fn draw(&mut self, ui: &mut Ui) {
         self.workshop.refresh();
         let size = ui.ctx().content_rect().size() * self.scale;
-        self.remembered.settings.window.size = [size.x, size.y].map(|side| side.round() as u32);
+        self.user_state.settings.window.size = [size.x, size.y].map(|side| side.round() as u32);
         let events: Vec<_> = self.workshop.renderer().events().collect();
         for event in events {
-            self.log.take(&event, &self.workshop);
+            self.log.record(&event, &self.workshop);
             match event {
                 Event::Failed(message) => self.notify(Notice::error(Topic::Picture, "There is no picture", message)),
                 Event::Frame { .. } => {
@@ -212,18 +212,18 @@ impl App {
                 Event::Compiled(_) | Event::Traced { .. } | Event::Ready { .. } | Event::Undefined(_) => {}
             }
         }
-        for told in self.chores.told() {
-            self.hear(told);
+        for result in self.jobs.results() {
+            self.handle_job_result(result);
         }
         let typing = std::mem::take(&mut self.typing) || ui.ctx().text_edit_focused();
         // While a dialog waits for an answer, shortcuts do nothing.
-        let waits = self.dialogs.asks_for_file() || ui.memory(|memory| memory.top_modal_layer().is_some());
-        let mut commands = if waits { Vec::new() } else { command::pressed(ui, typing) };
-        Panel::top("menu").show(ui, |ui| menu::bar(self, ui, &mut commands));
+        let waits = self.dialogs.file_dialog_is_open() || ui.memory(|memory| memory.top_modal_layer().is_some());
+        let mut actions = if waits { Vec::new() } else { action::pressed(ui, typing) };
+        Panel::top("menu").show(ui, |ui| menu::bar(self, ui, &mut actions));
         if !self.notices.is_empty() {
             Panel::top("notices").show(ui, |ui| self.notices.ui(ui));
         }
-        Panel::bottom("status").show(ui, |ui| status::bar(self, ui, &mut commands));
+        Panel::bottom("status").show(ui, |ui| status::bar(self, ui, &mut actions));
         if self.panels.log {
             Panel::bottom("log").resizable(true).default_size(150.0).show(ui, |ui| self.log.ui(ui));
         }
@@ -233,7 +233,7 @@ impl App {
         let [of_texts, of_parameters] = if narrow { [260.0, 240.0] } else { [400.0, 300.0] };
         if self.panels.texts {
             Panel::left(named("texts")).resizable(true).default_size(of_texts).size_range(220.0..=900.0).show(ui, |ui| {
-                self.texts_ui(ui, &mut commands);
+                self.texts_ui(ui, &mut actions);
             });
         }
         if self.panels.parameters {
@@ -242,7 +242,7 @@ impl App {
                 |ui| {
                     let told = self.parameters.ui(ui, &mut self.workshop, &mut self.materials, self.pane.selected());
                     if let Some(told) = told {
-                        self.dialogs.tell("The material was not saved", told);
+                        self.dialogs.show_message("The material was not saved", told);
                     }
                 },
             );
@@ -252,46 +252,46 @@ impl App {
                 self.parameters.select(owner);
             }
         });
-        if self.inspecting.open
+        if self.inspector.open
             && let Some(pixel) = self.pane.clicked()
         {
-            self.inspecting.look_into(&self.workshop, pixel);
+            self.inspector.inspect(&self.workshop, pixel);
         }
-        self.inspecting.ui(ui.ctx(), &self.workshop, self.pane.place());
-        self.dialogs.ui(ui.ctx(), &mut commands);
-        if let Some(settings) = self.preferences.ui(ui.ctx()) {
-            commands.push(Command::Settle(Box::new(settings)));
+        self.inspector.ui(ui.ctx(), &self.workshop, self.pane.place());
+        self.dialogs.ui(ui.ctx(), &mut actions);
+        if let Some(settings) = self.settings_dialog.ui(ui.ctx()) {
+            actions.push(Action::SaveSettings(Box::new(settings)));
         }
-        for command in commands {
-            self.perform(command);
+        for action in actions {
+            self.perform(action);
         }
-        self.keep_texts(ui);
+        self.autosave(ui);
     }
 
     /// Notes unsaved work, and writes drafts every few seconds, which is what a crash can cost. Texts are noted in
     /// every frame, so they can still be written if the window does not close normally.
-    fn keep_texts(&mut self, ui: &Ui) {
+    fn autosave(&mut self, ui: &Ui) {
         const EVERY: f64 = 2.0;
         let states = self.unsaved_states();
         self.note_unsaved(&[DraftSlot::Formula, DraftSlot::Scene], states);
         let now = ui.input(|input| input.time);
-        if now - self.kept_at >= EVERY {
-            self.kept_at = now;
+        if now - self.drafts_written_at >= EVERY {
+            self.drafts_written_at = now;
             self.note_unsaved(&DraftSlot::ALL, states);
             self.write_drafts();
         }
         // If nothing else changes, there would be no next frame.
-        if self.remembered.is_behind(states) {
+        if self.user_state.is_behind(states) {
             ui.ctx().request_repaint_after(Duration::from_secs_f64(EVERY));
         }
     }
 
     /// Notes the unsaved state of some drafts.
     fn note_unsaved(&mut self, slots: &[DraftSlot], states: PerDraft<Option<u64>>) {
-        let Self { workshop, documents, session, remembered, .. } = self;
+        let Self { workshop, documents, session, user_state, .. } = self;
         let of_text =
             |text: &Document| Unsaved { kind: text.kind(), location: text.location().cloned(), text: text.text().to_owned() };
-        remembered.note_unsaved(slots, states, |slot| match slot {
+        user_state.note_unsaved(slots, states, |slot| match slot {
             DraftSlot::Formula => of_text(&documents.formula),
             DraftSlot::Scene => of_text(&documents.scene),
             DraftSlot::Session => {
@@ -302,65 +302,65 @@ impl App {
 
     /// Writes the noted drafts, in the background.
     fn write_drafts(&mut self) {
-        if let Some(autosave) = self.remembered.autosave().filter(|autosave| autosave.is_waiting()) {
+        if let Some(autosave) = self.user_state.autosave().filter(|autosave| autosave.is_waiting()) {
             let autosave = autosave.clone();
-            self.do_aside(move || Some(Told::Kept(autosave.flush())));
+            self.run_job(move || Some(JobResult::DraftsWritten(autosave.flush())));
         }
     }
 
     /// Saves drafts of all unsaved work, and waits until they are on disk.
-    fn keep_now(&mut self) -> Result<(), Diagnostic> {
+    fn save_drafts_now(&mut self) -> Result<(), Diagnostic> {
         self.note_unsaved(&DraftSlot::ALL, self.unsaved_states());
-        self.remembered.autosave().map_or(Ok(()), Autosave::flush)
+        self.user_state.autosave().map_or(Ok(()), Autosave::flush)
     }
 
     /// A function that writes the noted drafts, on any thread, if the window cannot close normally.
     pub fn last_resort(&self) -> impl Fn() + Send + Sync + use<> {
-        let keep = self.remembered.autosave().map(Autosave::last_resort);
+        let keep = self.user_state.autosave().map(Autosave::last_resort);
         move || keep.iter().for_each(|keep| keep())
     }
 
     /// What could not be saved when the window closed, for the user.
-    pub fn last_words(&self) -> &[String] {
-        &self.last_words
+    pub fn closing_errors(&self) -> &[String] {
+        &self.closing_errors
     }
 
     /// Shows a notice that there is no folder for user data, and why.
-    pub fn notify_no_home(&mut self, reason: &Diagnostic) {
-        let title = "Nothing is remembered: unsaved work, settings and recent files are lost when the program ends";
-        self.notify(Notice::warning(Topic::Home, title, remembered::line(reason)));
+    pub fn notify_no_user_data(&mut self, reason: &Diagnostic) {
+        let title = "Nothing is user_state: unsaved work, settings and recent files are lost when the program ends";
+        self.notify(Notice::warning(Topic::Home, title, user_state::line(reason)));
     }
 
     /// Runs a job in the background.
-    fn do_aside(&mut self, chore: impl FnOnce() -> Option<Told> + Send + 'static) {
-        if let Some(told) = self.chores.add(chore) {
-            self.hear(told);
+    fn run_job(&mut self, job: impl FnOnce() -> Option<JobResult> + Send + 'static) {
+        if let Some(result) = self.jobs.run(job) {
+            self.handle_job_result(result);
         }
     }
 
-    fn hear(&mut self, told: Told) {
-        match told {
-            Told::Said(line) => self.log.say(line),
-            Told::Failed(title, text) => self.dialogs.tell(title, text),
-            Told::Kept(Ok(())) => {
+    fn handle_job_result(&mut self, result: JobResult) {
+        match result {
+            JobResult::Log(line) => self.log.add(line),
+            JobResult::Message(title, text) => self.dialogs.show_message(title, text),
+            JobResult::DraftsWritten(Ok(())) => {
                 if self.notices.clear(Topic::Drafts) {
-                    self.log.say("unsaved work is kept again");
+                    self.log.add("unsaved work is kept again");
                 }
             }
-            Told::Kept(Err(error)) => {
+            JobResult::DraftsWritten(Err(error)) => {
                 let title = "Unsaved work is not kept: save it yourself, or it is lost when the program ends";
-                self.notify(Notice::error(Topic::Drafts, title, remembered::line(&error)));
+                self.notify(Notice::error(Topic::Drafts, title, user_state::line(&error)));
             }
         }
     }
 
     /// Passes every line of the log to a listener too.
-    pub fn repeat_log(&mut self, listener: impl FnMut(&str) + 'static) {
-        self.log.repeat(listener);
+    pub fn set_log_listener(&mut self, listener: impl FnMut(&str) + 'static) {
+        self.log.set_listener(listener);
     }
 
     /// Draws the tabs, the text in view, and the problems of both texts.
-    fn texts_ui(&mut self, ui: &mut Ui, commands: &mut Vec<Command>) {
+    fn texts_ui(&mut self, ui: &mut Ui, actions: &mut Vec<Action>) {
         ui.horizontal_wrapped(|ui| {
             for (tab, document) in self.documents.iter() {
                 let hover = document.location().map_or_else(|| "not saved yet".to_owned(), ToString::to_string);
@@ -370,7 +370,7 @@ impl App {
             }
             let name = self.tab.kind().noun();
             if ui.button(format!("Apply {name}")).on_hover_text("Ctrl+Enter: the picture follows the text").clicked() {
-                commands.push(Command::Apply);
+                actions.push(Action::Apply);
             }
         });
         let [errors, warnings] = self.documents.values().fold([0, 0], |[errors, warnings], document| {
@@ -398,14 +398,14 @@ impl App {
         let response = self.editor.ui(ui, &mut self.documents[self.tab], &palette);
         self.typing = response.focused;
         let sound = self.documents[self.tab].counts()[0] == 0;
-        if response.apply || response.changed && sound && self.remembered.settings.window.apply_as_you_type {
-            commands.push(Command::Apply);
+        if response.apply || response.changed && sound && self.user_state.settings.window.apply_as_you_type {
+            actions.push(Action::Apply);
         }
     }
 
     /// The initial width and height of the window, in pixels.
     pub fn window_size(&self) -> [usize; 2] {
-        self.remembered.settings.window.size.map(|side| side as usize)
+        self.user_state.settings.window.size.map(|side| side as usize)
     }
 
     fn backend(&self) -> BackendChoice {
@@ -480,11 +480,11 @@ fn documents(project: &Project) -> PerTab<Document> {
     PerTab { formula, scene }
 }
 
-impl Shown for App {
+impl WindowApp for App {
     fn started(&mut self, context: &Context) {
         // There is only one window, so the first context stays.
         let _ = self.context.set(context.clone());
-        theme::set_up(context, self.theme);
+        theme::apply(context, self.theme);
     }
 
     fn ui(&mut self, ui: &mut Ui) {
@@ -519,23 +519,23 @@ impl Shown for App {
 
     fn closing(&mut self) {
         // First of all, because saving a picture may take long.
-        let kept = self.keep_now();
-        self.chores.finish();
-        self.remembered.settings = self.remembered.settings.within_ranges();
-        let saved = self.remembered.save_settings();
-        if self.remembered.autosave().is_none() && self.documents.values().any(Document::unsaved) {
-            self.last_words.push("unsaved work is lost: there is no folder for it".to_owned());
+        let kept = self.save_drafts_now();
+        self.jobs.finish();
+        self.user_state.settings = self.user_state.settings.within_ranges();
+        let saved = self.user_state.save_settings();
+        if self.user_state.autosave().is_none() && self.documents.values().any(Document::unsaved) {
+            self.closing_errors.push("unsaved work is lost: there is no folder for it".to_owned());
         }
-        self.last_words.extend(kept.err().map(|error| format!("unsaved work is lost: {}", remembered::line(&error))));
-        self.last_words.extend(saved.err().map(|error| remembered::line(&error)));
+        self.closing_errors.extend(kept.err().map(|error| format!("unsaved work is lost: {}", user_state::line(&error))));
+        self.closing_errors.extend(saved.err().map(|error| user_state::line(&error)));
     }
 
-    fn timed(&mut self, times: &FrameTimes) {
-        self.log.note_frame(times, &self.workshop);
+    fn frame_shown(&mut self, times: &FrameTimes) {
+        self.log.record_frame(times, &self.workshop);
     }
 }
 
 #[cfg(test)]
-mod looks;
+mod screenshots;
 #[cfg(test)]
 mod tests;

@@ -16,7 +16,7 @@ pub mod workshop;
 ///
 /// A thread that has something new to show calls [`egui::Context::request_repaint`] on the context of
 /// [`WindowApp::started`], which wakes the window.
-pub trait Shown {
+pub trait WindowApp {
     /// The window exists and will draw widgets with `context`: set fonts and style, and keep a clone of it for other
     /// threads.
     fn started(&mut self, context: &egui::Context);
@@ -40,7 +40,7 @@ pub trait Shown {
     fn closing(&mut self);
 
     /// The times of the frame that was just shown.
-    fn timed(&mut self, times: &FrameTimes) {
+    fn frame_shown(&mut self, times: &FrameTimes) {
         let _ = times;
     }
 }

@@ -15,7 +15,7 @@ mod rows;
 mod shared;
 mod turn;
 
-use crate::preview::Shown;
+use crate::preview::WindowApp;
 pub use exit::WindowExit;
 use thiserror::Error;
 
@@ -68,7 +68,7 @@ impl WindowError {
 ///
 /// No window can be opened: `app` has then been asked for nothing but its title. Or the display is lost: `app` has then been
 /// told that the window is closing.
-pub fn run(app: &mut dyn Shown, options: WindowOptions, exit: &WindowExit) -> Result<(), WindowError> {
+pub fn run(app: &mut dyn WindowApp, options: WindowOptions, exit: &WindowExit) -> Result<(), WindowError> {
     let is_set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
     if let Some(error) = WindowError::foreseen(is_set) {
         return Err(error);

@@ -3,9 +3,9 @@
 //! There are no widgets here. Pictures come from the [renderer](super::renderer). Whatever fails leaves the workshop
 //! unchanged.
 
+mod export;
 mod history;
 mod opening;
-mod portrait;
 
 use crate::backends::{BackendChoice, DEFAULT};
 use crate::engine::{Engine, Subject};
@@ -20,9 +20,9 @@ use crate::workspace::project::{Project, view};
 use crate::workspace::session::PictureSettings;
 use crate::workspace::{Assignment, OwnerId, ParameterTable, Session, Values};
 use crate::world::World;
-use history::{History, Moment};
-pub use opening::Opened;
-pub use portrait::Portrait;
+pub use export::PictureExport;
+use history::{History, HistoryEntry};
+pub use opening::OpenedSession;
 use std::io;
 use std::path::Path;
 use std::sync::Arc;
@@ -43,7 +43,7 @@ pub struct Workshop {
     held: Option<(OwnerId, ParameterId)>,
     shown: Picture,
     /// The stamp of the values that were requested last.
-    asked: u64,
+    requested: u64,
     snapshots: [Option<Snapshot>; 2],
 }
 
@@ -74,10 +74,10 @@ impl Workshop {
             engines: Vec::new(),
             held: None,
             shown: Picture::default(),
-            asked: 0,
+            requested: 0,
             snapshots: [None, None],
         };
-        workshop.show();
+        workshop.request_picture();
         Ok(workshop)
     }
 
@@ -89,7 +89,7 @@ impl Workshop {
         self.picture = project.picture;
         self.history = History::default();
         self.snapshots = [None, None];
-        self.show();
+        self.request_picture();
     }
 
     /// Starts a new session with the same formula and scene, and with these settings and values.
@@ -99,7 +99,7 @@ impl Workshop {
         self.picture = if view(&picture).is_ok() { picture } else { self.picture };
         self.history = History::default();
         self.snapshots = [None, None];
-        self.show();
+        self.request_picture();
     }
 
     /// The renderer.
@@ -145,12 +145,12 @@ impl Workshop {
         view(&self.picture)
     }
 
-    fn show(&mut self) {
+    fn request_picture(&mut self) {
         self.held = None;
         // The settings have been checked.
         let Ok(view) = self.view() else { return };
         let scenery = Scenery { subject: self.subject(view), engine: self.engine(), transfer: self.picture.transfer() };
-        self.asked = self.renderer.show(scenery, self.values.numbers());
+        self.requested = self.renderer.show(scenery, self.values.numbers());
     }
 
     fn subject(&self, view: View) -> Subject {
@@ -176,8 +176,8 @@ impl Workshop {
     /// Takes the picture of the current values. While a slider is held, this waits a little for it, so the slider and
     /// its picture are in the same frame.
     pub fn refresh_while_held(&mut self, longest: Duration) {
-        if self.held.is_some() && self.shown.values < self.asked {
-            self.renderer.wait_for(self.asked, longest);
+        if self.held.is_some() && self.shown.values < self.requested {
+            self.renderer.wait_for(self.requested, longest);
             self.refresh();
         }
     }
@@ -189,12 +189,12 @@ impl Workshop {
 
     /// Identifies what is requested. It changes with values, formula, scene and view.
     pub fn stamp(&self) -> u64 {
-        self.asked
+        self.requested
     }
 
     /// Whether the picture has the current values and all its pixels.
     pub fn is_up_to_date(&self) -> bool {
-        self.shown.values == self.asked && self.shown.is_full()
+        self.shown.values == self.requested && self.shown.is_full()
     }
 
     /// Applies a formula. Values are kept by owner and name. Returns the warnings.
@@ -205,7 +205,7 @@ impl Workshop {
         let (formula, warnings) = Formula::parse(source)?;
         let (values, _) = self.values.carry_over(&formula, self.scene());
         self.formula = Arc::new(formula);
-        self.arrive(values);
+        self.replace_values(values);
         Ok(warnings)
     }
 
@@ -217,30 +217,30 @@ impl Workshop {
         let (scene, warnings) = Scene::parse(source)?;
         let (values, _) = self.values.carry_over(&self.formula, &scene);
         self.world = Arc::new(World::new(scene));
-        self.arrive(values);
+        self.replace_values(values);
         Ok(warnings)
     }
 
-    fn arrive(&mut self, values: Values) {
+    fn replace_values(&mut self, values: Values) {
         self.values = values;
-        self.show();
+        self.request_picture();
     }
 
     /// Moves a slider that the user holds.
     pub fn drag(&mut self, owner: OwnerId, id: ParameterId, value: [f32; 3]) {
         if self.held != Some((owner, id)) {
-            self.history.note(self.moment());
+            self.history.push(self.entry());
             self.held = Some((owner, id));
         }
         self.values.move_to(owner, id, value);
         let places = self.values.moved_indices(owner, id);
-        self.asked = self.renderer.move_to(self.values.numbers(), Some(places));
+        self.requested = self.renderer.move_to(self.values.numbers(), Some(places));
     }
 
     /// Releases the slider that is held.
-    pub fn let_go(&mut self) {
+    pub fn release(&mut self) {
         if self.held.take().is_some() {
-            self.asked = self.renderer.move_to(self.values.numbers(), None);
+            self.requested = self.renderer.move_to(self.values.numbers(), None);
         }
     }
 
@@ -270,38 +270,38 @@ impl Workshop {
 
     /// Changes values. The change can be undone.
     pub fn change(&mut self, change: impl FnOnce(&mut Values)) {
-        let before = self.moment();
+        let before = self.entry();
         change(&mut self.values);
         if before.values != self.values {
-            self.history.note(before);
+            self.history.push(before);
             self.held = None;
-            self.asked = self.renderer.move_to(self.values.numbers(), None);
+            self.requested = self.renderer.move_to(self.values.numbers(), None);
         }
     }
 
     /// Undoes the last change of values. Returns whether there was one.
     pub fn undo(&mut self) -> bool {
-        let other = self.history.undo(self.moment());
+        let other = self.history.undo(self.entry());
         self.move_to(other)
     }
 
     /// Redoes the change that was undone last. Returns whether there was one.
     pub fn redo(&mut self) -> bool {
-        let other = self.history.redo(self.moment());
+        let other = self.history.redo(self.entry());
         self.move_to(other)
     }
 
     /// Uses other values, which may be of another formula or scene.
-    fn move_to(&mut self, other: Option<Moment>) -> bool {
+    fn move_to(&mut self, other: Option<HistoryEntry>) -> bool {
         let Some(other) = other else { return false };
         self.values = other.values_for(&self.formula, self.world.scene());
         self.held = None;
-        self.asked = self.renderer.move_to(self.values.numbers(), None);
+        self.requested = self.renderer.move_to(self.values.numbers(), None);
         true
     }
 
-    fn moment(&self) -> Moment {
-        Moment { values: self.values.clone(), formula: Arc::clone(&self.formula), scene: Arc::clone(self.scene()) }
+    fn entry(&self) -> HistoryEntry {
+        HistoryEntry { values: self.values.clone(), formula: Arc::clone(&self.formula), scene: Arc::clone(self.scene()) }
     }
 
     /// Whether there is a change to undo, and one to redo.
@@ -317,7 +317,7 @@ impl Workshop {
         view(&picture)?;
         if picture != self.picture {
             self.picture = picture;
-            self.show();
+            self.request_picture();
         }
         Ok(())
     }
@@ -326,12 +326,12 @@ impl Workshop {
     pub fn set_backend(&mut self, backend: BackendChoice) {
         if backend != self.backend {
             self.backend = backend;
-            self.show();
+            self.request_picture();
         }
     }
 
     /// Keeps the picture in view and the values as a snapshot.
-    pub fn keep(&mut self, place: usize) {
+    pub fn take_snapshot(&mut self, place: usize) {
         let snapshot = Snapshot {
             picture: self.shown.clone(),
             values: self.values.clone(),
@@ -344,20 +344,20 @@ impl Workshop {
     }
 
     /// A snapshot, if there is one in this slot.
-    pub fn kept(&self, place: usize) -> Option<&Snapshot> {
+    pub fn snapshot(&self, place: usize) -> Option<&Snapshot> {
         self.snapshots.get(place)?.as_ref()
     }
 
     /// Restores the values, formula and scene of a snapshot.
-    pub fn go_back_to(&mut self, place: usize) {
-        let Some(snapshot) = self.kept(place).cloned() else { return };
+    pub fn restore_snapshot(&mut self, place: usize) {
+        let Some(snapshot) = self.snapshot(place).cloned() else { return };
         if Arc::ptr_eq(&snapshot.formula, &self.formula) && Arc::ptr_eq(&snapshot.world, &self.world) {
             self.change(|values| *values = snapshot.values);
         } else {
-            self.history.note(self.moment());
+            self.history.push(self.entry());
             self.formula = snapshot.formula;
             self.world = snapshot.world;
-            self.arrive(snapshot.values);
+            self.replace_values(snapshot.values);
         }
     }
 
@@ -378,9 +378,9 @@ impl Workshop {
     ///
     /// # Errors
     /// A setting is out of range.
-    pub fn portrait(&mut self) -> Result<Portrait, ViewError> {
+    pub fn export(&mut self) -> Result<PictureExport, ViewError> {
         let view = self.view()?;
-        Ok(Portrait {
+        Ok(PictureExport {
             subject: self.subject(view),
             engine: self.engine(),
             hits: self.renderer.hits(&view),

@@ -1,8 +1,8 @@
 //! Dialogs: for files, messages, questions, and the list of shortcuts.
 
 use crate::lang::display_text::{many_lines, one_line};
-use crate::preview::app::Command;
-use crate::preview::app::command::shortcuts;
+use crate::preview::app::Action;
+use crate::preview::app::action::shortcuts;
 use crate::workspace::FileKind;
 use crate::workspace::Location;
 use egui::{Align2, Context, Frame, Grid, Key, Modal, ModalResponse, Modifiers, ScrollArea, Ui};
@@ -10,7 +10,7 @@ use egui_file_dialog::{DialogState, FileDialog};
 use std::collections::VecDeque;
 
 /// The height that a dialog needs beside its content: title, button and margins.
-const AROUND: f32 = 150.0;
+const EXTRA_HEIGHT: f32 = 150.0;
 
 /// A modal dialog with margins and a title.
 pub(super) fn modal<R>(context: &Context, title: &str, content: impl FnOnce(&mut Ui) -> R) -> ModalResponse<R> {
@@ -28,7 +28,7 @@ fn file_dialog(title: &str) -> FileDialog {
 }
 
 /// More shortcuts, which the text editor has.
-const IN_TEXTS: [(&str, &str); 4] = [
+const EDITOR_SHORTCUTS: [(&str, &str); 4] = [
     ("Ctrl+F", "Find in the text, and replace"),
     ("Ctrl+Space", "Complete the word"),
     ("Ctrl+Z", "Undo in the text"),
@@ -49,22 +49,22 @@ pub(super) struct Dialogs {
     /// Messages that wait to be read, each with a title.
     messages: VecDeque<(String, String)>,
     shortcuts: bool,
-    /// The drafts that are offered.
-    offered: Vec<String>,
+    /// The drafts that are offered_drafts.
+    offered_drafts: Vec<String>,
     /// An action that waits for a confirmation, and the question.
-    asked_back: Option<(Command, String)>,
+    question: Option<(Action, String)>,
 }
 
 impl Dialogs {
     /// Shows the dialog that opens a file.
-    pub(super) fn ask_to_open(&mut self, kind: FileKind) {
+    pub(super) fn show_open_dialog(&mut self, kind: FileKind) {
         let mut dialog = file_dialog(&format!("Open {}", kind.noun()));
         dialog.pick_file();
         self.file = Some((dialog, Purpose::Open(kind)));
     }
 
     /// Shows the dialog that saves something of this kind, or the picture.
-    pub(super) fn ask_to_save(&mut self, kind: Option<FileKind>, name: &str) {
+    pub(super) fn show_save_dialog(&mut self, kind: Option<FileKind>, name: &str) {
         let title = format!("Save {}", kind.map_or("picture (.png, .bmp, .exr)", FileKind::noun));
         let mut dialog = file_dialog(&title).default_file_name(name);
         dialog.save_file();
@@ -72,7 +72,7 @@ impl Dialogs {
     }
 
     /// Shows a message that the user must not miss.
-    pub(super) fn tell(&mut self, title: impl AsRef<str>, text: impl AsRef<str>) {
+    pub(super) fn show_message(&mut self, title: impl AsRef<str>, text: impl AsRef<str>) {
         let message = (one_line(title.as_ref()), many_lines(text.as_ref()));
         if !self.messages.contains(&message) {
             self.messages.push_back(message);
@@ -80,13 +80,13 @@ impl Dialogs {
     }
 
     /// Asks whether to perform an action although work is lost, as the text says.
-    pub(super) fn ask_back(&mut self, text: impl AsRef<str>, command: Command) {
-        self.asked_back = Some((command, many_lines(text.as_ref())));
+    pub(super) fn ask_to_confirm(&mut self, text: impl AsRef<str>, action: Action) {
+        self.question = Some((action, many_lines(text.as_ref())));
     }
 
     /// Offers the drafts of earlier runs.
-    pub(super) fn offer(&mut self, left: Vec<String>) {
-        self.offered = left.iter().map(|text| one_line(text)).collect();
+    pub(super) fn offer_drafts(&mut self, left: Vec<String>) {
+        self.offered_drafts = left.iter().map(|text| one_line(text)).collect();
     }
 
     /// Shows the shortcuts.
@@ -96,34 +96,34 @@ impl Dialogs {
 
     /// The newest message, if there is one.
     #[cfg(test)]
-    pub(super) fn told(&self) -> Option<&str> {
+    pub(super) fn message(&self) -> Option<&str> {
         self.messages.back().map(|(_, text)| text.as_str())
     }
 
     /// Whether a file dialog is open, which is not one of egui's modal dialogs.
-    pub(super) fn asks_for_file(&self) -> bool {
+    pub(super) fn file_dialog_is_open(&self) -> bool {
         self.file.as_ref().is_some_and(|(dialog, _)| *dialog.state() == DialogState::Open)
     }
 
     /// Draws all open dialogs.
-    pub(super) fn ui(&mut self, context: &Context, commands: &mut Vec<Command>) {
-        self.file_ui(context, commands);
+    pub(super) fn ui(&mut self, context: &Context, actions: &mut Vec<Action>) {
+        self.file_ui(context, actions);
         self.message_ui(context);
-        self.question_ui(context, commands);
-        self.offer_ui(context, commands);
+        self.question_ui(context, actions);
+        self.offer_ui(context, actions);
         self.shortcuts_ui(context);
     }
 
     /// Draws the file dialog.
-    fn file_ui(&mut self, context: &Context, commands: &mut Vec<Command>) {
+    fn file_ui(&mut self, context: &Context, actions: &mut Vec<Action>) {
         if let Some((dialog, purpose)) = &mut self.file {
             // The search field is black in any theme, so its text would be unreadable in the light theme.
             dialog.config_mut().show_search = context.global_style().visuals.dark_mode;
             dialog.update(context);
             if let Some(path) = dialog.take_picked() {
-                commands.push(match *purpose {
-                    Purpose::Open(kind) => Command::Open(kind, Location::File(path)),
-                    Purpose::Save(kind) => Command::SaveTo(kind, path),
+                actions.push(match *purpose {
+                    Purpose::Open(kind) => Action::Open(kind, Location::File(path)),
+                    Purpose::Save(kind) => Action::SaveTo(kind, path),
                 });
                 self.file = None;
             }
@@ -152,8 +152,8 @@ impl Dialogs {
     }
 
     /// Draws the question whether to perform an action although work is lost.
-    fn question_ui(&mut self, context: &Context, commands: &mut Vec<Command>) {
-        if let Some((command, text)) = &self.asked_back {
+    fn question_ui(&mut self, context: &Context, actions: &mut Vec<Action>) {
+        if let Some((action, text)) = &self.question {
             let mut answer = None;
             let shown = modal(context, "Not saved", |ui| {
                 ui.set_max_width(560.0);
@@ -168,32 +168,32 @@ impl Dialogs {
                 });
             });
             if answer == Some(true) {
-                commands.push(Command::Surely(Box::new(command.clone())));
+                actions.push(Action::Confirmed(Box::new(action.clone())));
             }
             if answer.is_some() || shown.should_close() {
-                self.asked_back = None;
+                self.question = None;
             }
         }
     }
 
     /// Draws the offer of drafts.
-    fn offer_ui(&mut self, context: &Context, commands: &mut Vec<Command>) {
-        if !self.offered.is_empty() {
+    fn offer_ui(&mut self, context: &Context, actions: &mut Vec<Action>) {
+        if !self.offered_drafts.is_empty() {
             modal(context, "Unsaved work", |ui| {
                 ui.label("When Illuminator was closed last, this was not saved, and was kept:");
-                for left in &self.offered {
+                for left in &self.offered_drafts {
                     ui.label(format!("   {left}"));
                 }
                 ui.add_space(8.0);
                 ui.horizontal(|ui| {
-                    for (name, take) in [("Open it again", true), ("Throw it away", false)] {
+                    for (name, action) in [("Open it again", Action::RestoreDrafts), ("Throw it away", Action::DiscardDrafts)] {
                         if ui.button(name).clicked() {
-                            commands.push(Command::TakeLeft(take));
-                            self.offered.clear();
+                            actions.push(action);
+                            self.offered_drafts.clear();
                         }
                     }
                     if ui.button("Later").clicked() {
-                        self.offered.clear();
+                        self.offered_drafts.clear();
                     }
                 });
             });
@@ -204,7 +204,7 @@ impl Dialogs {
     fn shortcuts_ui(&mut self, context: &Context) {
         if self.shortcuts {
             let modal = modal(context, "Shortcuts", |ui| {
-                let room = (ui.ctx().content_rect().height() - AROUND).max(60.0);
+                let room = (ui.ctx().content_rect().height() - EXTRA_HEIGHT).max(60.0);
                 ScrollArea::vertical().max_height(room).min_scrolled_height(room).show(ui, |ui| {
                     Grid::new("shortcuts").num_columns(2).spacing([24.0, 5.0]).show(ui, |ui| {
                         for (shortcut, _, told) in shortcuts() {
@@ -212,7 +212,7 @@ impl Dialogs {
                             ui.label(told);
                             ui.end_row();
                         }
-                        for (keys, told) in IN_TEXTS {
+                        for (keys, told) in EDITOR_SHORTCUTS {
                             ui.monospace(keys);
                             ui.label(told);
                             ui.end_row();

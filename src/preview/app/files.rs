@@ -2,13 +2,13 @@
 
 use crate::files::{Readable, replace_text};
 use crate::lang::source::Source;
-use crate::preview::app::chores::Told;
-use crate::preview::app::command::Panel;
+use crate::preview::app::action::PanelId;
+use crate::preview::app::jobs::JobResult;
 use crate::preview::app::notices::{Notice, Topic};
 use crate::preview::app::tab::TextTab;
-use crate::preview::app::{App, Command, SavedSession, documents, remembered, theme};
+use crate::preview::app::{Action, App, SavedSession, documents, theme, user_state};
 use crate::preview::editor::Document;
-use crate::preview::workshop::Opened;
+use crate::preview::workshop::OpenedSession;
 use crate::user_data::drafts::Draft;
 use crate::workspace::FileKind;
 use crate::workspace::Location;
@@ -32,8 +32,8 @@ fov 40;
 
 impl App {
     /// The unsaved texts that an action would replace.
-    fn lost_by(&self, command: &Command) -> Vec<String> {
-        let (Command::New(kind) | Command::Open(kind, _)) = command else { return Vec::new() };
+    fn texts_lost_by(&self, action: &Action) -> Vec<String> {
+        let (Action::New(kind) | Action::Open(kind, _)) = action else { return Vec::new() };
         let replaced = |tab: &TextTab| TextTab::of(*kind).is_none_or(|only| only == *tab);
         let documents = TextTab::ALL.into_iter().filter(replaced).map(|tab| &self.documents[tab]);
         let unsaved = documents.filter(|document| document.unsaved());
@@ -46,87 +46,87 @@ impl App {
     }
 
     /// Performs an action. If unsaved texts would be lost, the user is asked first.
-    pub fn perform(&mut self, command: Command) {
-        let lost = self.lost_by(&command);
+    pub fn perform(&mut self, action: Action) {
+        let lost = self.texts_lost_by(&action);
         if lost.is_empty() {
-            self.perform_surely(command);
+            self.perform_confirmed(action);
         } else {
-            self.dialogs.ask_back(format!("What you changed in {} would be lost.", lost.join(" and ")), command);
+            self.dialogs.ask_to_confirm(format!("What you changed in {} would be lost.", lost.join(" and ")), action);
         }
     }
 
-    fn perform_surely(&mut self, command: Command) {
-        match command {
-            Command::Surely(command) if *command == Command::Quit => self.closing = true,
-            Command::Surely(command) => self.perform_surely(*command),
-            Command::New(kind) => self.begin(kind),
-            Command::AskToOpen(kind) => self.dialogs.ask_to_open(kind),
-            Command::Open(kind, location) => self.open(kind, location),
-            Command::Save => self.save(),
-            Command::AskToSave(kind) => {
+    fn perform_confirmed(&mut self, action: Action) {
+        match action {
+            Action::Confirmed(action) if *action == Action::Quit => self.closing = true,
+            Action::Confirmed(action) => self.perform_confirmed(*action),
+            Action::New(kind) => self.begin(kind),
+            Action::ShowOpenDialog(kind) => self.dialogs.show_open_dialog(kind),
+            Action::Open(kind, location) => self.open(kind, location),
+            Action::Save => self.save(),
+            Action::ShowSaveDialog(kind) => {
                 let name = format!("new.{}", if kind == FileKind::Session { "toml" } else { kind.noun() });
-                self.dialogs.ask_to_save(Some(kind), &name);
+                self.dialogs.show_save_dialog(Some(kind), &name);
             }
-            Command::SaveTo(Some(kind), path) => self.save_to(kind, path),
-            Command::SaveTo(None, path) => self.save_picture(path),
-            Command::AskToSavePicture => self.dialogs.ask_to_save(None, "picture.png"),
-            Command::CopyPicture => self.copy_picture(),
-            Command::SaveSession => match self.session.clone() {
+            Action::SaveTo(Some(kind), path) => self.save_to(kind, path),
+            Action::SaveTo(None, path) => self.save_picture(path),
+            Action::ShowSavePictureDialog => self.dialogs.show_save_dialog(None, "picture.png"),
+            Action::CopyPicture => self.copy_picture(),
+            Action::SaveSession => match self.session.clone() {
                 Some(Location::File(path)) => self.save_to(FileKind::Session, path),
-                Some(Location::Preset(_)) | None => self.dialogs.ask_to_save(Some(FileKind::Session), "new.toml"),
+                Some(Location::Preset(_)) | None => self.dialogs.show_save_dialog(Some(FileKind::Session), "new.toml"),
             },
-            Command::Apply => self.apply(self.tab),
-            Command::ApplyAsYouType(wanted) => {
-                self.remembered.settings.window.apply_as_you_type = wanted;
+            Action::Apply => self.apply(self.tab),
+            Action::ApplyAsYouType(wanted) => {
+                self.user_state.settings.window.apply_as_you_type = wanted;
                 self.save_settings();
             }
-            Command::Undo => {
+            Action::Undo => {
                 self.workshop.undo();
             }
-            Command::Redo => {
+            Action::Redo => {
                 self.workshop.redo();
             }
-            Command::Keep(place) => self.workshop.keep(place),
-            Command::GoBackTo(place) => self.workshop.go_back_to(place),
-            Command::Evaluate(backend) => self.workshop.set_backend(backend),
-            Command::Look(theme) => {
+            Action::TakeSnapshot(place) => self.workshop.take_snapshot(place),
+            Action::RestoreSnapshot(place) => self.workshop.restore_snapshot(place),
+            Action::SetBackend(backend) => self.workshop.set_backend(backend),
+            Action::SetTheme(theme) => {
                 self.theme = theme;
-                self.remembered.settings.window.theme = theme.setting();
+                self.user_state.settings.window.theme = theme.setting();
                 self.save_settings();
                 if let Some(context) = self.context.get() {
-                    theme::set_up(context, theme);
+                    theme::apply(context, theme);
                 }
             }
-            Command::Scale(scale) => {
-                self.remembered.settings.window.scale = scale;
-                self.remembered.settings = self.remembered.settings.within_ranges();
-                self.scale = self.remembered.settings.window.scale;
+            Action::SetScale(scale) => {
+                self.user_state.settings.window.scale = scale;
+                self.user_state.settings = self.user_state.settings.within_ranges();
+                self.scale = self.user_state.settings.window.scale;
                 self.save_settings();
             }
-            Command::AskForLeft => self.dialogs.offer(self.remembered.left()),
-            Command::TakeLeft(true) => self.take_left(),
-            Command::TakeLeft(false) => {
-                if let Err(error) = self.remembered.discard_left() {
-                    self.dialogs.tell("Not thrown away", error.message());
+            Action::OfferDrafts => self.dialogs.offer_drafts(self.user_state.draft_names()),
+            Action::RestoreDrafts => self.restore_drafts(),
+            Action::DiscardDrafts => {
+                if let Err(error) = self.user_state.discard_drafts() {
+                    self.dialogs.show_message("Not thrown away", error.message());
                 }
             }
-            Command::StartWithThis => self.start_with_this(),
-            Command::Toggle(panel) => self.toggle(panel),
-            Command::NewSession => self.begin_session(),
-            Command::AskForSettings => self.preferences.open(&self.remembered.settings),
-            Command::Settle(settings) => {
-                self.remembered.settings = *settings;
+            Action::UseAsStartupSession => self.start_with_this(),
+            Action::TogglePanel(panel) => self.toggle(panel),
+            Action::NewSession => self.begin_session(),
+            Action::ShowSettings => self.settings_dialog.open(&self.user_state.settings),
+            Action::SaveSettings(settings) => {
+                self.user_state.settings = *settings;
                 self.save_settings();
             }
-            Command::ShowShortcuts => self.dialogs.show_shortcuts(),
-            Command::Quit => self.quit(),
+            Action::ShowShortcuts => self.dialogs.show_shortcuts(),
+            Action::Quit => self.quit(),
         }
     }
 
     /// Makes the open session the startup session.
     fn start_with_this(&mut self) {
         if let Some(location) = self.session.clone() {
-            self.remembered.settings.startup = match location {
+            self.user_state.settings.startup = match location {
                 Location::File(path) => Location::File(std::path::absolute(&path).unwrap_or(path)),
                 Location::Preset(name) => Location::Preset(name),
             };
@@ -135,19 +135,19 @@ impl App {
     }
 
     /// Shows or hides a panel.
-    fn toggle(&mut self, panel: Panel) {
+    fn toggle(&mut self, panel: PanelId) {
         let panels = &mut self.panels;
         let seen = match panel {
-            Panel::Texts => &mut panels.texts,
-            Panel::Parameters => &mut panels.parameters,
-            Panel::Log => &mut panels.log,
-            Panel::Reference => &mut panels.reference,
-            Panel::Inspector => &mut self.inspecting.open,
+            PanelId::Texts => &mut panels.texts,
+            PanelId::Parameters => &mut panels.parameters,
+            PanelId::Log => &mut panels.log,
+            PanelId::Reference => &mut panels.reference,
+            PanelId::Inspector => &mut self.inspector.open,
         };
         *seen = !*seen;
-        panels.texts |= panel == Panel::Reference && panels.reference;
-        if panel == Panel::Log {
-            self.remembered.settings.window.log = panels.log;
+        panels.texts |= panel == PanelId::Reference && panels.reference;
+        if panel == PanelId::Log {
+            self.user_state.settings.window.log = panels.log;
             self.save_settings();
         }
     }
@@ -156,51 +156,51 @@ impl App {
     fn quit(&mut self) {
         let is_work = self.documents.values().any(Document::unsaved)
             || (self.session_is_unsaved() && matches!(self.session, Some(Location::File(_))));
-        let reason = match (self.keep_now(), self.remembered.autosave()) {
-            (Err(error), _) => remembered::line(&error),
+        let reason = match (self.save_drafts_now(), self.user_state.autosave()) {
+            (Err(error), _) => user_state::line(&error),
             (Ok(()), None) => "there is no folder for it".to_owned(),
             (Ok(()), Some(_)) => return self.closing = true,
         };
         if is_work {
             let text =
                 format!("What you changed and did not save would be lost. It cannot be kept for the next start: {reason}.");
-            self.dialogs.ask_back(text, Command::Quit);
+            self.dialogs.ask_to_confirm(text, Action::Quit);
         } else {
             self.closing = true;
         }
     }
 
     fn save_settings(&mut self) {
-        match self.remembered.save_settings() {
+        match self.user_state.save_settings() {
             Ok(()) => {
                 self.notices.clear(Topic::SavingSettings);
             }
             Err(error) => {
                 let title = "Settings are not saved: they last until the program ends";
-                self.notify(Notice::warning(Topic::SavingSettings, title, remembered::line(&error)));
+                self.notify(Notice::warning(Topic::SavingSettings, title, user_state::line(&error)));
             }
         }
     }
 
     fn note_recent(&mut self, kind: FileKind, location: &Location) {
         if let Location::File(path) = location
-            && let Err(error) = self.remembered.add_recent(kind, path)
+            && let Err(error) = self.user_state.add_recent(kind, path)
         {
             let title = "The list of recent files is not saved: it lasts until the program ends";
-            self.notify(Notice::warning(Topic::Recent, title, remembered::line(&error)));
+            self.notify(Notice::warning(Topic::Recent, title, user_state::line(&error)));
         }
     }
 
     fn begin_session(&mut self) {
-        let settings = &self.remembered.settings;
+        let settings = &self.user_state.settings;
         self.workshop.begin_session(settings.picture(), |table| settings.initial_values(table));
         self.session = None;
         self.note_saved_session();
     }
 
     /// Opens the drafts of earlier runs, still unsaved.
-    fn take_left(&mut self) {
-        let drafts = self.remembered.take_left();
+    fn restore_drafts(&mut self) {
+        let drafts = self.user_state.restore_drafts();
         if let Some(session) = drafts.iter().find(|draft| draft.kind == FileKind::Session) {
             self.take_session(session, &drafts);
         }
@@ -228,7 +228,7 @@ impl App {
             let text = texts.iter().find(|text| text.kind == kind)?;
             Some(Source::new(format!("the kept {}", kind.noun()), text.text.as_str()))
         };
-        let open = |texts: &dyn Fn(FileKind) -> Option<Source>| Opened::session_of(&source, Path::new("/"), texts);
+        let open = |texts: &dyn Fn(FileKind) -> Option<Source>| OpenedSession::from_text(&source, Path::new("/"), texts);
         match open(&kept).or_else(|_| open(&|_| None)) {
             Ok(opened) => {
                 self.workshop.open(&opened.project);
@@ -237,7 +237,7 @@ impl App {
                 self.session = draft.location.clone();
                 self.saved = SavedSession::default();
             }
-            Err(errors) => self.dialogs.tell("The values that were kept cannot be opened", errors),
+            Err(errors) => self.dialogs.show_message("The values that were kept cannot be opened", errors),
         }
     }
 
@@ -261,23 +261,23 @@ impl App {
                 self.tab = tab;
                 self.apply(tab);
             }
-            Err(error) => self.dialogs.tell("Not opened", error.message()),
+            Err(error) => self.dialogs.show_message("Not opened", error.message()),
         }
     }
 
     fn open_session(&mut self, location: Location) {
-        match Opened::session(&location, Readable::Regular) {
+        match OpenedSession::open(&location, Readable::Regular) {
             Ok(opened) => {
                 self.workshop.open(&opened.project);
                 self.documents = documents(&opened.project);
-                self.log.say(format!("opened {location}"));
+                self.log.add(format!("opened {location}"));
                 self.note_recent(FileKind::Session, &location);
                 self.notify_of_session(&location, &opened.warnings);
                 self.open_materials();
                 self.session = Some(location);
                 self.note_saved_session();
             }
-            Err(errors) => self.dialogs.tell(format!("{location} was not opened"), errors),
+            Err(errors) => self.dialogs.show_message(format!("{location} was not opened"), errors),
         }
     }
 
@@ -285,7 +285,7 @@ impl App {
     pub(super) fn open_materials(&mut self) {
         let (formula, place) = (self.workshop.formula(), self.documents.formula.location());
         self.notices.clear(Topic::Materials);
-        if let Some(told) = self.materials.open(formula.uses.as_deref(), place, self.remembered.data()) {
+        if let Some(told) = self.materials.open(formula.uses.as_deref(), place, self.user_state.data()) {
             let title = if self.materials.is_open() {
                 "The material library has warnings"
             } else {
@@ -329,13 +329,13 @@ impl App {
         let name = document.name();
         match applied {
             Ok(_) => {
-                self.log.say(format!("{name}: read in {}", super::log::milliseconds(start.elapsed())));
+                self.log.add(format!("{name}: read in {}", super::log::milliseconds(start.elapsed())));
                 self.open_materials();
             }
             Err(errors) => {
                 let count = errors.len();
                 let mistakes = if count == 1 { "mistake" } else { "mistakes" };
-                self.log.say(format!("{name}: {count} {mistakes}; the picture stays as it was"));
+                self.log.add(format!("{name}: {count} {mistakes}; the picture stays as it was"));
                 document.set_diagnostics(errors);
             }
         }
@@ -348,7 +348,7 @@ impl App {
                 let path = path.clone();
                 self.save_to(document.kind(), path);
             }
-            Some(Location::Preset(_)) | None => self.perform(Command::AskToSave(document.kind())),
+            Some(Location::Preset(_)) | None => self.perform(Action::ShowSaveDialog(document.kind())),
         }
     }
 
@@ -360,7 +360,7 @@ impl App {
         };
         match saved {
             Ok(()) => {
-                self.log.say(format!("saved {}", path.display()));
+                self.log.add(format!("saved {}", path.display()));
                 let location = Location::File(path);
                 self.note_recent(kind, &location);
                 match tab {
@@ -372,7 +372,9 @@ impl App {
                     }
                 }
             }
-            Err(error) => self.dialogs.tell("Not saved", format!("{}: {error}\nWhat was there is unharmed.", path.display())),
+            Err(error) => {
+                self.dialogs.show_message("Not saved", format!("{}: {error}\nWhat was there is unharmed.", path.display()))
+            }
         }
     }
 
@@ -386,7 +388,7 @@ impl App {
                  and then the session once more.",
                 texts.join(" and the ")
             );
-            self.dialogs.tell("The session is saved without a changed text", told);
+            self.dialogs.show_message("The session is saved without a changed text", told);
         }
     }
 
@@ -411,25 +413,25 @@ impl App {
         let size = [picture.width as usize, picture.height as usize];
         if let Some(context) = self.context.get() {
             context.copy_image(egui::ColorImage::from_rgb(size, &rgb));
-            self.log.say(format!("copied {}×{}", size[0], size[1]));
+            self.log.add(format!("copied {}×{}", size[0], size[1]));
         }
     }
 
     fn save_picture(&mut self, path: PathBuf) {
-        match self.workshop.portrait() {
-            Ok(portrait) => {
-                self.log.say(format!("saving {}", path.display()));
-                self.do_aside(move || {
-                    Some(match portrait.save(&path) {
-                        Ok(0) => Told::Said(format!("saved {}", path.display())),
+        match self.workshop.export() {
+            Ok(export) => {
+                self.log.add(format!("saving {}", path.display()));
+                self.run_job(move || {
+                    Some(match export.save(&path) {
+                        Ok(0) => JobResult::Log(format!("saved {}", path.display())),
                         Ok(undefined) => {
-                            Told::Said(format!("saved {}; {}", path.display(), super::log::undefined_pixels(undefined)))
+                            JobResult::Log(format!("saved {}; {}", path.display(), super::log::undefined_pixels(undefined)))
                         }
-                        Err(error) => Told::Failed("Not saved".to_owned(), error),
+                        Err(error) => JobResult::Message("Not saved".to_owned(), error),
                     })
                 });
             }
-            Err(error) => self.dialogs.tell("Not saved", error.to_string()),
+            Err(error) => self.dialogs.show_message("Not saved", error.to_string()),
         }
     }
 }

@@ -9,16 +9,16 @@ use egui::{CollapsingHeader, Color32, Context, Rect, RichText, ScrollArea, Sense
 
 /// The inspector.
 #[derive(Default)]
-pub(super) struct Inspecting {
+pub(super) struct InspectorPanel {
     /// Whether the inspector is open.
     pub(super) open: bool,
     /// The inspected pixel, and the stamp of its values.
     inspection: Option<(Inspection, u64)>,
 }
 
-impl Inspecting {
+impl InspectorPanel {
     /// Inspects a pixel.
-    pub(super) fn look_into(&mut self, workshop: &Workshop, pixel: [u32; 2]) {
+    pub(super) fn inspect(&mut self, workshop: &Workshop, pixel: [u32; 2]) {
         let Ok(view) = workshop.view() else { return };
         let inspector = Inspector::new(workshop.formula(), workshop.world(), workshop.values().numbers());
         self.inspection = inspector.inspect(&view, pixel).map(|inspection| (inspection, workshop.stamp()));
@@ -33,7 +33,7 @@ impl Inspecting {
             && *stamp != workshop.stamp()
         {
             let pixel = inspection.pixel;
-            self.look_into(workshop, pixel);
+            self.inspect(workshop, pixel);
         }
         let mut open = true;
         let window = Window::new("Pixel inspector").open(&mut open).default_size([480.0, 420.0]).resizable(true);

@@ -50,7 +50,7 @@ struct DragTimes {
 
 impl Log {
     /// Adds a line. Names in it may hold any characters.
-    pub(super) fn say(&mut self, line: impl AsRef<str>) {
+    pub(super) fn add(&mut self, line: impl AsRef<str>) {
         let line = one_line(line.as_ref());
         if let Some(listener) = &mut self.listener {
             listener(&line);
@@ -63,23 +63,23 @@ impl Log {
 
     /// Adds lines that are safe to display already, such as diagnostics with source lines.
     pub(super) fn say_lines(&mut self, text: &str) {
-        text.lines().for_each(|line| self.say(line));
+        text.lines().for_each(|line| self.add(line));
     }
 
     /// Passes every line to a listener too, starting with those that are there.
-    pub(super) fn repeat(&mut self, mut listener: impl FnMut(&str) + 'static) {
+    pub(super) fn set_listener(&mut self, mut listener: impl FnMut(&str) + 'static) {
         self.lines.iter().for_each(|line| listener(line));
         self.listener = Some(Box::new(listener));
     }
 
     /// Records an event of the renderer.
-    pub(super) fn take(&mut self, event: &Event, workshop: &Workshop) {
+    pub(super) fn record(&mut self, event: &Event, workshop: &Workshop) {
         match event {
-            Event::Compiled(time) => self.say(format!("compiled in {}", milliseconds(*time))),
+            Event::Compiled(time) => self.add(format!("compiled in {}", milliseconds(*time))),
             Event::Traced { time, counts, size: [width, height], full } => {
                 let pixels = (u64::from(*width) * u64::from(*height)).max(1) as f64;
                 let kind = if *full { "traced" } else { "traced coarsely" };
-                self.say(format!(
+                self.add(format!(
                     "{kind} {width}×{height} in {}: {} hits, {} lit records, {:.1} records a pixel",
                     milliseconds(*time),
                     thousands(counts.hits),
@@ -89,15 +89,15 @@ impl Log {
             }
             Event::Ready { time, bytes_per_pixel } => {
                 self.bytes_per_pixel = Some(*bytes_per_pixel);
-                self.say(format!("ready in {}: {bytes_per_pixel:.1} bytes a pixel", milliseconds(*time)));
+                self.add(format!("ready in {}: {bytes_per_pixel:.1} bytes a pixel", milliseconds(*time)));
             }
             Event::Frame { method, time } => self.frame(*method, *time, workshop),
             Event::Undefined(pixels) => {
                 if std::mem::replace(&mut self.undefined, *pixels) != *pixels && *pixels > 0 {
-                    self.say(format!("the picture has {}", undefined_pixels(*pixels)));
+                    self.add(format!("the picture has {}", undefined_pixels(*pixels)));
                 }
             }
-            Event::Failed(message) => self.say(format!("error: {message}")),
+            Event::Failed(message) => self.add(format!("error: {message}")),
         }
     }
 
@@ -133,7 +133,7 @@ impl Log {
         let mean = times.iter().sum::<f32>() / times.len() as f32;
         let method = method.map_or("interpreter", Method::name);
         let frames = times.len();
-        self.say(format!("dragged {label}: {method}, {frames} frames, {mean:.2} ms a frame, {:.0} frames/s", 1e3 / mean));
+        self.add(format!("dragged {label}: {method}, {frames} frames, {mean:.2} ms a frame, {:.0} frames/s", 1e3 / mean));
         if delays.is_empty() {
             return;
         }
@@ -141,7 +141,7 @@ impl Log {
         // Never beyond the last one.
         let share = |part: f32| delays[((delays.len() - 1) as f32 * part).round() as usize];
         let [layout, painting, present] = window.map(|sum| sum / delays.len() as f32);
-        self.say(format!(
+        self.add(format!(
             "  from pointer to screen {:.1} ms, 99 % within {:.1} ms; layout {layout:.1}, painting {painting:.1}, present {present:.1} ms",
             share(0.5),
             share(0.99),
@@ -159,7 +159,7 @@ impl Log {
     }
 
     /// Records the times of a frame.
-    pub(super) fn note_frame(&mut self, times: &FrameTimes, workshop: &Workshop) {
+    pub(super) fn record_frame(&mut self, times: &FrameTimes, workshop: &Workshop) {
         let present = times.present.unwrap_or_default();
         self.window = [times.layout, times.painting, present].map(|time| time.as_secs_f32() * 1e3);
         if !self.dragged(workshop) {
@@ -187,7 +187,7 @@ impl Log {
             ui.vertical(|ui| {
                 ui.label("Evaluation of the last pictures");
                 let (rect, _) = ui.allocate_exact_size(strip, Sense::hover());
-                self.strip(ui, rect);
+                self.chart(ui, rect);
                 let [layout, painting, present] = self.window;
                 ui.small(format!("window: layout {layout:.1}, painting {painting:.1}, present {present:.1} ms"));
             });
@@ -202,7 +202,7 @@ impl Log {
         });
     }
 
-    fn strip(&self, ui: &Ui, rect: Rect) {
+    fn chart(&self, ui: &Ui, rect: Rect) {
         let painter = ui.painter_at(rect);
         painter.rect_filled(rect, 3.0, ui.visuals().extreme_bg_color);
         let most = self.frames.iter().copied().fold(4.0_f32, f32::max);
@@ -260,7 +260,7 @@ mod tests {
     #[test]
     fn lines_are_safe_and_short() {
         let mut log = Log::default();
-        log.say(format!("saved {}\u{1b}[31m\n\u{202e}", "x".repeat(1 << 20)));
+        log.add(format!("saved {}\u{1b}[31m\n\u{202e}", "x".repeat(1 << 20)));
         log.say_lines("one\n  two\n");
         let lines: Vec<&str> = log.lines.iter().map(String::as_str).collect();
         assert!(lines[0].ends_with("x\\u{1b}[31m\\n\\u{202e}") && lines[0].len() < 200, "{}", lines[0]);

@@ -2,92 +2,92 @@
 
 use crate::backends::CHOICES;
 use crate::lang::display_text::one_line;
-use crate::preview::app::command::{Panel, shortcut_of};
-use crate::preview::app::pane::{SNAPSHOTS, Seen};
+use crate::preview::app::action::{PanelId, shortcut_of};
+use crate::preview::app::pane::{PaneMode, SNAPSHOTS};
 use crate::preview::app::tab::TextTab;
 use crate::preview::app::theme::Theme;
-use crate::preview::app::{App, Command};
+use crate::preview::app::{Action, App};
 use crate::workspace::Location;
 use crate::workspace::{FileKind, presets};
 use egui::containers::menu::{MenuButton, MenuConfig};
 use egui::{Button, MenuBar, PopupCloseBehavior, ScrollArea, Ui};
 
 /// A menu entry with its shortcut.
-fn entry(ui: &mut Ui, name: &str, command: Command, commands: &mut Vec<Command>) {
-    entry_if(ui, true, name, command, commands);
+fn entry(ui: &mut Ui, name: &str, action: Action, actions: &mut Vec<Action>) {
+    entry_if(ui, true, name, action, actions);
 }
 
-fn entry_if(ui: &mut Ui, enabled: bool, name: &str, command: Command, commands: &mut Vec<Command>) {
-    let button = Button::new(name).shortcut_text(shortcut_of(&command, ui));
+fn entry_if(ui: &mut Ui, enabled: bool, name: &str, action: Action, actions: &mut Vec<Action>) {
+    let button = Button::new(name).shortcut_text(shortcut_of(&action, ui));
     if ui.add_enabled(enabled, button).clicked() {
-        commands.push(command);
+        actions.push(action);
         ui.close();
     }
 }
 
 /// The height that a menu needs beside its entries: the menu bar, and margins.
-const BESIDE: f32 = 70.0;
+const EXTRA_HEIGHT: f32 = 70.0;
 
 /// A menu that stays open while the user changes something in it.
-fn staying(ui: &mut Ui, name: &str, content: impl FnOnce(&mut Ui)) {
+fn persistent_menu(ui: &mut Ui, name: &str, content: impl FnOnce(&mut Ui)) {
     let config = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
     MenuButton::new(name).config(config).ui(ui, |ui| scrolled(ui, content));
 }
 
 /// Content that scrolls if it is higher than the window.
 fn scrolled(ui: &mut Ui, content: impl FnOnce(&mut Ui)) {
-    let room = (ui.ctx().content_rect().height() - BESIDE).max(60.0);
+    let room = (ui.ctx().content_rect().height() - EXTRA_HEIGHT).max(60.0);
     ScrollArea::vertical().max_height(room).min_scrolled_height(room).show(ui, content);
 }
 
 /// Draws the menu bar.
-pub(super) fn bar(app: &mut App, ui: &mut Ui, commands: &mut Vec<Command>) {
+pub(super) fn bar(app: &mut App, ui: &mut Ui, actions: &mut Vec<Action>) {
     MenuBar::new().ui(ui, |ui| {
-        ui.menu_button("File", |ui| scrolled(ui, |ui| file(ui, app, commands)));
+        ui.menu_button("File", |ui| scrolled(ui, |ui| file(ui, app, actions)));
         ui.menu_button("Edit", |ui| {
             let [undo, redo] = app.workshop.can_undo_and_redo();
-            entry_if(ui, undo, "Undo value change", Command::Undo, commands);
-            entry_if(ui, redo, "Redo value change", Command::Redo, commands);
+            entry_if(ui, undo, "Undo value change", Action::Undo, actions);
+            entry_if(ui, redo, "Redo value change", Action::Redo, actions);
             ui.separator();
-            entry(ui, "Apply text", Command::Apply, commands);
-            let mut typing = app.remembered.settings.window.apply_as_you_type;
+            entry(ui, "Apply text", Action::Apply, actions);
+            let mut typing = app.user_state.settings.window.apply_as_you_type;
             if ui.checkbox(&mut typing, "Apply as you type").changed() {
-                commands.push(Command::ApplyAsYouType(typing));
+                actions.push(Action::ApplyAsYouType(typing));
             }
         });
-        staying(ui, "Picture", |ui| picture(ui, app, commands));
-        staying(ui, "Compare", |ui| compare(ui, app, commands));
-        staying(ui, "View", |ui| view(ui, app, commands));
+        persistent_menu(ui, "Picture", |ui| picture(ui, app, actions));
+        persistent_menu(ui, "Compare", |ui| compare(ui, app, actions));
+        persistent_menu(ui, "View", |ui| view(ui, app, actions));
         ui.menu_button("Help", |ui| {
-            entry(ui, "Reference of the language", Command::Toggle(Panel::Reference), commands);
-            entry(ui, "Shortcuts", Command::ShowShortcuts, commands);
+            entry(ui, "Reference of the language", Action::TogglePanel(PanelId::Reference), actions);
+            entry(ui, "Shortcuts", Action::ShowShortcuts, actions);
         });
     });
 }
 
-fn file(ui: &mut Ui, app: &App, commands: &mut Vec<Command>) {
+fn file(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
     for kind in TextTab::ALL.map(TextTab::kind) {
-        entry(ui, &format!("New {}", kind.noun()), Command::New(kind), commands);
+        entry(ui, &format!("New {}", kind.noun()), Action::New(kind), actions);
     }
-    entry(ui, "New session", Command::NewSession, commands);
+    entry(ui, "New session", Action::NewSession, actions);
     ui.separator();
     for kind in [FileKind::Formula, FileKind::Scene, FileKind::Session] {
-        entry(ui, &format!("Open {}…", kind.noun()), Command::AskToOpen(kind), commands);
+        entry(ui, &format!("Open {}…", kind.noun()), Action::ShowOpenDialog(kind), actions);
     }
     for kind in [FileKind::Formula, FileKind::Scene, FileKind::Session] {
         ui.menu_button(format!("Built-in {}s", kind.noun()), |ui| {
             for name in presets::names(kind) {
-                entry(ui, name, Command::Open(kind, Location::Preset(name.to_owned())), commands);
+                entry(ui, name, Action::Open(kind, Location::Preset(name.to_owned())), actions);
             }
         });
     }
     ui.menu_button("Recent", |ui| {
         let mut none = true;
         for kind in [FileKind::Session, FileKind::Formula, FileKind::Scene] {
-            for path in app.remembered.recent(kind) {
+            for path in app.user_state.recent(kind) {
                 none = false;
                 let name = one_line(&path.display().to_string());
-                entry(ui, &name, Command::Open(kind, Location::File(path)), commands);
+                entry(ui, &name, Action::Open(kind, Location::File(path)), actions);
             }
         }
         if none {
@@ -96,20 +96,20 @@ fn file(ui: &mut Ui, app: &App, commands: &mut Vec<Command>) {
     });
     ui.separator();
     let kind = app.tab.kind();
-    entry(ui, &format!("Save {}", kind.noun()), Command::Save, commands);
-    entry(ui, &format!("Save {} as…", kind.noun()), Command::AskToSave(kind), commands);
-    entry(ui, "Save session", Command::SaveSession, commands);
-    entry(ui, "Save session as…", Command::AskToSave(FileKind::Session), commands);
-    entry(ui, "Save picture as…", Command::AskToSavePicture, commands);
-    entry(ui, "Copy picture", Command::CopyPicture, commands);
-    entry(ui, "Start with this session", Command::StartWithThis, commands);
-    entry(ui, "Settings…", Command::AskForSettings, commands);
+    entry(ui, &format!("Save {}", kind.noun()), Action::Save, actions);
+    entry(ui, &format!("Save {} as…", kind.noun()), Action::ShowSaveDialog(kind), actions);
+    entry(ui, "Save session", Action::SaveSession, actions);
+    entry(ui, "Save session as…", Action::ShowSaveDialog(FileKind::Session), actions);
+    entry(ui, "Save picture as…", Action::ShowSavePictureDialog, actions);
+    entry(ui, "Copy picture", Action::CopyPicture, actions);
+    entry(ui, "Start with this session", Action::UseAsStartupSession, actions);
+    entry(ui, "Settings…", Action::ShowSettings, actions);
     ui.separator();
-    entry_if(ui, !app.remembered.left().is_empty(), "Unsaved work of last time…", Command::AskForLeft, commands);
-    entry(ui, "Quit", Command::Quit, commands);
+    entry_if(ui, !app.user_state.draft_names().is_empty(), "Unsaved work of last time…", Action::OfferDrafts, actions);
+    entry(ui, "Quit", Action::Quit, actions);
 }
 
-fn picture(ui: &mut Ui, app: &mut App, commands: &mut Vec<Command>) {
+fn picture(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
     let mut settings = app.workshop.settings();
     let before = settings;
     ui.checkbox(&mut app.pane.follows, "As large as its pane");
@@ -146,46 +146,46 @@ fn picture(ui: &mut Ui, app: &mut App, commands: &mut Vec<Command>) {
     ui.separator();
     for backend in CHOICES {
         if ui.radio(app.backend() == backend, backend.title).clicked() {
-            commands.push(Command::Evaluate(backend));
+            actions.push(Action::SetBackend(backend));
         }
     }
 }
 
-fn compare(ui: &mut Ui, app: &mut App, commands: &mut Vec<Command>) {
+fn compare(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
     for (place, name) in SNAPSHOTS.into_iter().enumerate() {
-        entry(ui, &format!("Keep as {name}"), Command::Keep(place), commands);
-        let kept = app.workshop.kept(place).is_some();
-        entry_if(ui, kept, &format!("Go back to {name}"), Command::GoBackTo(place), commands);
+        entry(ui, &format!("Keep as {name}"), Action::TakeSnapshot(place), actions);
+        let kept = app.workshop.snapshot(place).is_some();
+        entry_if(ui, kept, &format!("Go back to {name}"), Action::RestoreSnapshot(place), actions);
     }
     ui.separator();
-    ui.radio_value(&mut app.pane.seen, Seen::Now, "Picture as it is now");
+    ui.radio_value(&mut app.pane.mode, PaneMode::Current, "Picture as it is now");
     for (place, name) in SNAPSHOTS.into_iter().enumerate() {
-        let kept = app.workshop.kept(place).is_some();
+        let kept = app.workshop.snapshot(place).is_some();
         ui.add_enabled_ui(kept, |ui| {
-            ui.radio_value(&mut app.pane.seen, Seen::Kept(place), name);
-            ui.radio_value(&mut app.pane.seen, Seen::Split(place), format!("{name} | now"));
+            ui.radio_value(&mut app.pane.mode, PaneMode::Snapshot(place), name);
+            ui.radio_value(&mut app.pane.mode, PaneMode::Split(place), format!("{name} | now"));
         });
     }
 }
 
-fn view(ui: &mut Ui, app: &mut App, commands: &mut Vec<Command>) {
+fn view(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
     let panels = app.panels;
     for (panel, name, seen) in [
-        (Panel::Texts, "Texts", panels.texts),
-        (Panel::Parameters, "Parameters", panels.parameters),
-        (Panel::Log, "Log", panels.log),
-        (Panel::Reference, "Reference of the language", panels.reference),
-        (Panel::Inspector, "Pixel inspector", app.inspecting.open),
+        (PanelId::Texts, "Texts", panels.texts),
+        (PanelId::Parameters, "Parameters", panels.parameters),
+        (PanelId::Log, "Log", panels.log),
+        (PanelId::Reference, "Reference of the language", panels.reference),
+        (PanelId::Inspector, "Pixel inspector", app.inspector.open),
     ] {
         let mut seen = seen;
         if ui.checkbox(&mut seen, name).changed() {
-            commands.push(Command::Toggle(panel));
+            actions.push(Action::TogglePanel(panel));
         }
     }
     ui.separator();
     for theme in [Theme::Dark, Theme::Light] {
         if ui.radio(app.theme == theme, theme.name()).clicked() {
-            commands.push(Command::Look(theme));
+            actions.push(Action::SetTheme(theme));
         }
     }
     ui.separator();
@@ -193,7 +193,7 @@ fn view(ui: &mut Ui, app: &mut App, commands: &mut Vec<Command>) {
         ui.label("Scale");
         for scale in [1.0, 1.25, 1.5, 2.0] {
             if ui.selectable_label(app.scale == scale, format!("{:.0} %", 100.0 * scale)).clicked() {
-                commands.push(Command::Scale(scale));
+                actions.push(Action::SetScale(scale));
             }
         }
     });

@@ -11,33 +11,33 @@ use crate::workspace::OwnerId;
 use egui::{Rect, Sense, Ui, vec2};
 
 /// The picture takes a new size of the pane after this many seconds without a change.
-const SETTLE: f64 = 0.2;
+const RESIZE_DELAY: f64 = 0.2;
 
 /// How close to the line between two pictures the pointer must be to move it, in points.
-const NEAR: f32 = 6.0;
+const LINE_REACH: f32 = 6.0;
 
 /// The names of the snapshots.
 pub(super) const SNAPSHOTS: [&str; 2] = ["A", "B"];
 
 /// What the pane shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(super) enum Seen {
+pub(super) enum PaneMode {
     /// The current picture.
     #[default]
-    Now,
+    Current,
     /// A snapshot.
-    Kept(usize),
+    Snapshot(usize),
     /// A snapshot on the left, the current picture on the right.
     Split(usize),
 }
 
 /// The pane.
-pub(super) struct Pane {
+pub(super) struct PicturePane {
     /// Whether the picture has the size of the pane.
     pub(super) follows: bool,
     /// Screen pixels per picture pixel.
     pub(super) zoom: u32,
-    pub(super) seen: Seen,
+    pub(super) mode: PaneMode,
     offset: [i32; 2],
     place: Rect,
     /// The last size of the pane, and since when.
@@ -49,7 +49,7 @@ pub(super) struct Pane {
     split: Split,
     /// The position of the line between two pictures, 0..1 of their width, and whether the user is moving it.
     line: f32,
-    moves_line: bool,
+    drags_line: bool,
 }
 
 /// Two pictures side by side.
@@ -62,12 +62,12 @@ struct Split {
     columns: usize,
 }
 
-impl Default for Pane {
+impl Default for PicturePane {
     fn default() -> Self {
         Self {
             follows: true,
             zoom: 1,
-            seen: Seen::Now,
+            mode: PaneMode::Current,
             offset: [0, 0],
             place: Rect::NOTHING,
             size: ([0, 0], 0.0),
@@ -77,12 +77,12 @@ impl Default for Pane {
             around: 0,
             split: Split::default(),
             line: 0.5,
-            moves_line: false,
+            drags_line: false,
         }
     }
 }
 
-impl Pane {
+impl PicturePane {
     /// The body that was clicked last.
     pub(super) fn selected(&self) -> Option<OwnerId> {
         self.selected
@@ -105,30 +105,30 @@ impl Pane {
 
     /// Draws the pane into all free space. Returns the body that was clicked.
     pub(super) fn ui(&mut self, ui: &mut Ui, workshop: &mut Workshop, scale: f32) -> Option<OwnerId> {
-        self.around = Theme::around(ui.visuals().dark_mode);
+        self.around = Theme::pane_background(ui.visuals().dark_mode);
         let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
         self.place = rect;
-        self.follow(ui, workshop, scale);
-        if let (Seen::Split(_), Some(kept)) = (self.seen, self.kept(workshop)) {
+        self.update_size(ui, workshop, scale);
+        if let (PaneMode::Split(_), Some(kept)) = (self.mode, self.kept(workshop)) {
             let (shown, versions) = (workshop.shown(), [kept.version, workshop.shown().version]);
             let columns = (self.line * shown.width as f32).round() as usize;
             if (self.split.versions, self.split.columns) != (versions, columns) {
                 // A version that no picture has, and that differs from the previous one.
                 let version = 1 << 63 | (self.split.picture.version + 1);
-                self.split = Split { picture: Picture { version, ..beside(kept, shown, columns) }, versions, columns };
+                self.split = Split { picture: Picture { version, ..join_pictures(kept, shown, columns) }, versions, columns };
             }
         }
-        self.settle_offset(workshop, scale);
+        self.clamp_offset(workshop, scale);
         if let Some(at) = self.line_at(workshop, scale) {
-            let near = |at: Option<egui::Pos2>, line: f32| at.is_some_and(|at| (at.x - line).abs() < NEAR);
+            let near = |at: Option<egui::Pos2>, line: f32| at.is_some_and(|at| (at.x - line).abs() < LINE_REACH);
             if response.drag_started() {
-                self.moves_line = near(ui.input(|input| input.pointer.press_origin()), at);
+                self.drags_line = near(ui.input(|input| input.pointer.press_origin()), at);
             }
-            if self.moves_line || near(response.hover_pos(), at) {
+            if self.drags_line || near(response.hover_pos(), at) {
                 ui.ctx().set_cursor_icon(egui::CursorIcon::ResizeHorizontal);
             }
         }
-        if response.dragged() && self.moves_line {
+        if response.dragged() && self.drags_line {
             let width = self.picture(workshop).full_size[0] as f32 * self.zoom.max(1) as f32 / scale;
             self.line = (self.line + response.drag_delta().x / width.max(1.0)).clamp(0.0, 1.0);
             // The line is drawn at its new place in the next frame.
@@ -137,16 +137,16 @@ impl Pane {
             let moved = response.drag_delta() * scale;
             self.offset[0] += moved.x.round() as i32;
             self.offset[1] += moved.y.round() as i32;
-            self.settle_offset(workshop, scale);
+            self.clamp_offset(workshop, scale);
         }
-        self.moves_line &= response.dragged();
-        self.name_pictures(ui, workshop, scale);
+        self.drags_line &= response.dragged();
+        self.label_pictures(ui, workshop, scale);
         if let Some(at) = response.hover_pos() {
-            let notches = ui.input(|input| input.events.iter().map(notch).sum::<i32>());
+            let notches = ui.input(|input| input.events.iter().map(wheel_notches).sum::<i32>());
             if notches != 0 {
                 let zoom = if notches > 0 { self.zoom << notches.min(4) } else { self.zoom >> notches.unsigned_abs().min(4) };
                 self.zoom_to(zoom.clamp(1, 16), (at - rect.min) * scale);
-                self.settle_offset(workshop, scale);
+                self.clamp_offset(workshop, scale);
             }
         }
         self.pointed = response.hover_pos().and_then(|at| self.pixel_at(at, workshop, scale));
@@ -157,9 +157,9 @@ impl Pane {
     }
 
     /// Labels the pictures if a snapshot is in view.
-    fn name_pictures(&self, ui: &Ui, workshop: &Workshop, scale: f32) {
-        let (Seen::Kept(place) | Seen::Split(place)) = self.seen else { return };
-        let Some(name) = SNAPSHOTS.get(place).filter(|_| workshop.kept(place).is_some()) else { return };
+    fn label_pictures(&self, ui: &Ui, workshop: &Workshop, scale: f32) {
+        let (PaneMode::Snapshot(place) | PaneMode::Split(place)) = self.mode else { return };
+        let Some(name) = SNAPSHOTS.get(place).filter(|_| workshop.snapshot(place).is_some()) else { return };
         let painter = ui.painter_at(self.place);
         let say = |at: egui::Pos2, align: egui::Align2, text: String| {
             let font = egui::TextStyle::Body.resolve(ui.style());
@@ -180,21 +180,23 @@ impl Pane {
     }
 
     /// Gives the picture the size of the pane, once that no longer changes; or the size of the snapshot beside it.
-    fn follow(&mut self, ui: &Ui, workshop: &mut Workshop, scale: f32) {
+    fn update_size(&mut self, ui: &Ui, workshop: &mut Workshop, scale: f32) {
         let side = |length: f32| ((length * scale) as u32).clamp(16, MAX_SIDE);
-        let size = match self.seen {
-            Seen::Split(place) if let Some(kept) = workshop.kept(place) => kept.picture.full_size,
-            Seen::Now | Seen::Kept(_) | Seen::Split(_) => [side(self.place.width()), side(self.place.height())],
+        let size = match self.mode {
+            PaneMode::Split(place) if let Some(kept) = workshop.snapshot(place) => kept.picture.full_size,
+            PaneMode::Current | PaneMode::Snapshot(_) | PaneMode::Split(_) => {
+                [side(self.place.width()), side(self.place.height())]
+            }
         };
         let now = ui.input(|input| input.time);
         if self.size.0 != size {
             // The first size is used at once.
             let first = self.size.0 == [0, 0];
-            self.size = (size, if first { now - SETTLE } else { now });
+            self.size = (size, if first { now - RESIZE_DELAY } else { now });
         }
         let mut settings = workshop.settings();
         if self.follows && settings.size != size {
-            let rest = self.size.1 + SETTLE - now;
+            let rest = self.size.1 + RESIZE_DELAY - now;
             if rest <= 0.0 {
                 settings.size = size;
                 // The size is within the limits of a view.
@@ -206,18 +208,18 @@ impl Pane {
     }
 
     fn kept<'w>(&self, workshop: &'w Workshop) -> Option<&'w Picture> {
-        match self.seen {
-            Seen::Now => None,
-            Seen::Kept(place) | Seen::Split(place) => workshop.kept(place).map(|kept| &kept.picture),
+        match self.mode {
+            PaneMode::Current => None,
+            PaneMode::Snapshot(place) | PaneMode::Split(place) => workshop.snapshot(place).map(|kept| &kept.picture),
         }
     }
 
     /// The picture in view.
     pub(super) fn picture<'p>(&'p self, workshop: &'p Workshop) -> &'p Picture {
-        match (self.seen, self.kept(workshop)) {
-            (Seen::Kept(_), Some(kept)) => kept,
-            (Seen::Split(_), Some(_)) => &self.split.picture,
-            (Seen::Now | Seen::Kept(_) | Seen::Split(_), _) => workshop.shown(),
+        match (self.mode, self.kept(workshop)) {
+            (PaneMode::Snapshot(_), Some(kept)) => kept,
+            (PaneMode::Split(_), Some(_)) => &self.split.picture,
+            (PaneMode::Current | PaneMode::Snapshot(_) | PaneMode::Split(_), _) => workshop.shown(),
         }
     }
 
@@ -238,13 +240,13 @@ impl Pane {
 
     /// Where the line between two pictures is on the screen, in points.
     fn line_at(&self, workshop: &Workshop, scale: f32) -> Option<f32> {
-        let Seen::Split(_) = self.seen else { return None };
+        let PaneMode::Split(_) = self.mode else { return None };
         let width = (self.picture(workshop).full_size[0] * self.zoom) as f32;
         self.kept(workshop).map(|_| self.place.left() + (self.offset[0] as f32 + self.line * width) / scale)
     }
 
     /// Centres a picture that is smaller than the pane. A larger one always covers the pane.
-    fn settle_offset(&mut self, workshop: &Workshop, scale: f32) {
+    fn clamp_offset(&mut self, workshop: &Workshop, scale: f32) {
         let picture = self.picture(workshop);
         let zoom = self.zoom_of(picture) as i32;
         let sizes = [picture.width as i32 * zoom, picture.height as i32 * zoom];
@@ -280,8 +282,8 @@ impl Pane {
     }
 }
 
-/// How far a wheel event turns; 1 is one notch away from the user.
-fn notch(event: &egui::Event) -> i32 {
+/// How far a wheel event turns; 1 is one wheel_notches away from the user.
+fn wheel_notches(event: &egui::Event) -> i32 {
     let egui::Event::MouseWheel { delta, .. } = event else { return 0 };
     i32::from(delta.y > 0.0) - i32::from(delta.y < 0.0)
 }
@@ -297,7 +299,7 @@ pub(super) fn body_at(workshop: &Workshop, [x, y]: [u32; 2]) -> Option<BodyId> {
 }
 
 /// Some columns of one picture, a line, and the rest of the other picture.
-fn beside(one: &Picture, other: &Picture, columns: usize) -> Picture {
+fn join_pictures(one: &Picture, other: &Picture, columns: usize) -> Picture {
     let mut both = other.clone();
     if one.width != other.width || one.height != other.height {
         return both;

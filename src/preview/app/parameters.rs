@@ -9,7 +9,7 @@ use crate::workspace::{OwnerId, Values};
 use egui::{Color32, DragValue, Response, ScrollArea, Slider, TextEdit, Ui};
 
 /// The panel.
-pub(super) struct Parameters {
+pub(super) struct ParameterPanel {
     selected: OwnerId,
     /// Whether only the parameters of ambient light are shown.
     ambient: bool,
@@ -17,12 +17,12 @@ pub(super) struct Parameters {
     /// Whether the list must scroll to an owner that was selected elsewhere.
     hidden: bool,
     /// A value that could not be set as wanted, and why.
-    stopped: Option<(OwnerId, ParameterId, String)>,
+    limited: Option<(OwnerId, ParameterId, String)>,
 }
 
-impl Default for Parameters {
+impl Default for ParameterPanel {
     fn default() -> Self {
-        Self { selected: OwnerId::Global, ambient: false, search: String::new(), hidden: false, stopped: None }
+        Self { selected: OwnerId::Global, ambient: false, search: String::new(), hidden: false, limited: None }
     }
 }
 
@@ -30,17 +30,17 @@ impl Default for Parameters {
 const AMBIENT: [Predefined; 2] = [Predefined::Ambient, Predefined::AmbientColour];
 
 /// What the user did with a value.
-enum Act {
+enum ValueEdit {
     /// Moved it while holding it.
     Drag([f32; 3]),
     /// Set it.
     Set([f32; 3]),
     /// Released it, maybe with a last movement.
-    LetGo([f32; 3]),
+    Release([f32; 3]),
     Copy,
 }
 
-impl Parameters {
+impl ParameterPanel {
     /// Selects an owner.
     pub(super) fn select(&mut self, owner: OwnerId) {
         self.selected = owner;
@@ -74,7 +74,7 @@ impl Parameters {
         let told = if self.search.trim().is_empty() { materials.ui(ui, workshop, self.selected) } else { None };
         ui.separator();
         let wanted = self.wanted(workshop.values());
-        let mut acts = Vec::new();
+        let mut edits = Vec::new();
         ScrollArea::vertical().id_salt("values").auto_shrink(false).show(ui, |ui| {
             if wanted.is_empty() {
                 ui.weak("Nothing is called so.");
@@ -86,49 +86,49 @@ impl Parameters {
                     ui.strong(owner_name(workshop.values(), owner));
                     before = Some(owner);
                 }
-                if let Some(act) = value_ui(ui, workshop.values(), owner, id) {
-                    acts.push((owner, id, act));
+                if let Some(edit) = value_ui(ui, workshop.values(), owner, id) {
+                    edits.push((owner, id, edit));
                 }
-                if let Some((_, _, reason)) = self.stopped.as_ref().filter(|(of, stopped, _)| (*of, *stopped) == (owner, id)) {
+                if let Some((_, _, reason)) = self.limited.as_ref().filter(|(of, limited, _)| (*of, *limited) == (owner, id)) {
                     ui.small(reason);
                 }
             }
         });
-        for (owner, id, act) in acts {
-            match act {
-                Act::Drag(value) => {
+        for (owner, id, edit) in edits {
+            match edit {
+                ValueEdit::Drag(value) => {
                     workshop.drag(owner, id, value);
-                    self.note_stop(workshop.values(), owner, id, value);
+                    self.note_limit(workshop.values(), owner, id, value);
                 }
-                Act::Set(value) => {
+                ValueEdit::Set(value) => {
                     workshop.set(owner, id, value);
-                    self.note_stop(workshop.values(), owner, id, value);
+                    self.note_limit(workshop.values(), owner, id, value);
                 }
-                Act::LetGo(value) => {
+                ValueEdit::Release(value) => {
                     if workshop.values().get(owner, id).iter().zip(value).any(|(there, wanted)| *there != wanted) {
                         workshop.drag(owner, id, value);
-                        self.note_stop(workshop.values(), owner, id, value);
+                        self.note_limit(workshop.values(), owner, id, value);
                     }
-                    workshop.let_go();
+                    workshop.release();
                 }
-                Act::Copy => workshop.copy_to_all(owner, id),
+                ValueEdit::Copy => workshop.copy_to_all(owner, id),
             }
         }
         told
     }
 
     /// Notes why a value is not what the user wanted, if so.
-    fn note_stop(&mut self, values: &Values, owner: OwnerId, id: ParameterId, wanted: [f32; 3]) {
+    fn note_limit(&mut self, values: &Values, owner: OwnerId, id: ParameterId, wanted: [f32; 3]) {
         let taken = values.get(owner, id);
         let is_near = |(taken, wanted): (&f32, &f32)| (taken - wanted).abs() <= 1e-4 * wanted.abs().max(1.0);
-        self.stopped = None;
+        self.limited = None;
         if !taken.iter().zip(&wanted).all(is_near)
             && let Some([low, high]) = values.range_of(owner, id)
         {
             let name = &values.table().parameter(id).name;
             let by = if Some([low, high]) == values.table().parameter(id).range { "" } else { ", by invariants" };
             let [low, high] = [low, high].map(|bound| (bound * 1e4).round() / 1e4);
-            self.stopped = Some((owner, id, format!("{name} is from {low} to {high} here{by}")));
+            self.limited = Some((owner, id, format!("{name} is from {low} to {high} here{by}")));
         }
     }
 
@@ -176,41 +176,43 @@ fn owner_name(values: &Values, owner: OwnerId) -> &str {
 }
 
 /// Draws a value with its name.
-fn value_ui(ui: &mut Ui, values: &Values, owner: OwnerId, id: ParameterId) -> Option<Act> {
+fn value_ui(ui: &mut Ui, values: &Values, owner: OwnerId, id: ParameterId) -> Option<ValueEdit> {
     let parameter = values.table().parameter(id);
     let lock = values.lock_of(owner, id);
     let mut value = [0.0; 3];
     values.get(owner, id).iter().zip(&mut value).for_each(|(from, to)| *to = *from);
     ui.push_id((owner, id), |ui| {
-        let mut act = None;
+        let mut edit = None;
         ui.horizontal(|ui| {
-            let name = name_ui(ui, &parameter.name).on_hover_text(explained(parameter, lock.as_deref()));
+            let name = name_ui(ui, &parameter.name).on_hover_text(tooltip(parameter, lock.as_deref()));
             name.context_menu(|ui| {
                 if ui.button("Default").clicked() {
-                    act = Some(Act::Set(parameter.default));
+                    edit = Some(ValueEdit::Set(parameter.default));
                 }
                 if owner.kind() != Owner::Global && ui.button("Copy to all of its kind").clicked() {
-                    act = Some(Act::Copy);
+                    edit = Some(ValueEdit::Copy);
                 }
             });
             if name.double_clicked() {
-                act = Some(Act::Set(parameter.default));
+                edit = Some(ValueEdit::Set(parameter.default));
             }
             let edited = ui.add_enabled_ui(lock.is_none(), |ui| match parameter.ty {
                 Type::Vector => vector_ui(ui, parameter, value),
-                Type::Scalar | Type::Truth => scalar_ui(ui, parameter, value[0]).map(|(number, how)| ([number, 0.0, 0.0], how)),
+                Type::Scalar | Type::Truth => {
+                    scalar_ui(ui, parameter, value[0]).map(|(number, phase)| ([number, 0.0, 0.0], phase))
+                }
             });
-            act = match edited.inner {
-                Some((value, How::Held)) => Some(Act::Drag(value)),
-                Some((value, How::Set)) => Some(Act::Set(value)),
-                Some((value, How::LetGo)) => Some(Act::LetGo(value)),
-                None => act.take(),
+            edit = match edited.inner {
+                Some((value, EditPhase::Dragged)) => Some(ValueEdit::Drag(value)),
+                Some((value, EditPhase::Set)) => Some(ValueEdit::Set(value)),
+                Some((value, EditPhase::Released)) => Some(ValueEdit::Release(value)),
+                None => edit.take(),
             };
         });
         if let Some(lock) = lock {
             ui.small(format!("locked: {lock}"));
         }
-        act
+        edit
     })
     .inner
 }
@@ -226,7 +228,7 @@ fn name_ui(ui: &mut Ui, name: &str) -> Response {
 }
 
 /// A description of a parameter for the tooltip.
-fn explained(parameter: &Parameter, lock: Option<&str>) -> String {
+fn tooltip(parameter: &Parameter, lock: Option<&str>) -> String {
     let mut text = format!("{}: {}", parameter.name, parameter.ty);
     if let Some([low, high]) = parameter.range {
         text.push_str(&format!(", {low} to {high}"));
@@ -241,20 +243,20 @@ fn explained(parameter: &Parameter, lock: Option<&str>) -> String {
     text
 }
 
-/// How the user changed a value.
+/// EditPhase the user changed a value.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum How {
-    Held,
+enum EditPhase {
+    Dragged,
     Set,
-    LetGo,
+    Released,
 }
 
-/// How a widget was used.
-fn how(response: &Response) -> Option<How> {
+/// EditPhase a widget was used.
+fn phase(response: &Response) -> Option<EditPhase> {
     if response.drag_stopped() {
-        Some(How::LetGo)
+        Some(EditPhase::Released)
     } else if response.changed() {
-        Some(if response.dragged() { How::Held } else { How::Set })
+        Some(if response.dragged() { EditPhase::Dragged } else { EditPhase::Set })
     } else {
         None
     }
@@ -265,30 +267,30 @@ fn is_logarithmic([low, high]: [f32; 2]) -> bool {
     low > 0.0 && high / low > 100.0
 }
 
-fn scalar_ui(ui: &mut Ui, parameter: &Parameter, mut number: f32) -> Option<(f32, How)> {
+fn scalar_ui(ui: &mut Ui, parameter: &Parameter, mut number: f32) -> Option<(f32, EditPhase)> {
     let mut done = None;
     if let Some([low, high]) = parameter.range {
         let slider = Slider::new(&mut number, low..=high).show_value(false).logarithmic(is_logarithmic([low, high]));
         ui.spacing_mut().slider_width = (ui.available_width() - 74.0).max(60.0);
-        done = how(&ui.add(slider));
+        done = phase(&ui.add(slider));
     }
     let entered = number_ui(ui, parameter, &mut number);
-    done.or(entered).map(|how| (number, how))
+    done.or(entered).map(|phase| (number, phase))
 }
 
 /// A number that can be typed or dragged.
-fn number_ui(ui: &mut Ui, parameter: &Parameter, number: &mut f32) -> Option<How> {
+fn number_ui(ui: &mut Ui, parameter: &Parameter, number: &mut f32) -> Option<EditPhase> {
     let speed = match parameter.range {
         Some([low, high]) => f64::from(high - low) / 400.0,
         None => f64::from(number.abs()).max(0.1) / 100.0,
     };
     // The widget has no limits: a number out of range is corrected later, with a message.
     let field = DragValue::new(number).speed(speed).max_decimals(4).update_while_editing(false);
-    how(&ui.add_sized([62.0, 20.0], field))
+    phase(&ui.add_sized([62.0, 20.0], field))
 }
 
 /// Three sliders, and a button for their colour.
-fn vector_ui(ui: &mut Ui, parameter: &Parameter, value: [f32; 3]) -> Option<([f32; 3], How)> {
+fn vector_ui(ui: &mut Ui, parameter: &Parameter, value: [f32; 3]) -> Option<([f32; 3], EditPhase)> {
     let mut done = None;
     let mut edited = value;
     ui.vertical(|ui| {
@@ -298,7 +300,7 @@ fn vector_ui(ui: &mut Ui, parameter: &Parameter, value: [f32; 3]) -> Option<([f3
             let response = ui.color_edit_button_srgb(&mut bytes);
             if response.changed() {
                 edited = bytes.map(|byte| f32::from(byte) / 255.0);
-                done = Some(How::Set);
+                done = Some(EditPhase::Set);
             }
         }
         let marks = [Color32::from_rgb(226, 92, 92), Color32::from_rgb(96, 190, 104), Color32::from_rgb(96, 140, 232)];
@@ -307,13 +309,13 @@ fn vector_ui(ui: &mut Ui, parameter: &Parameter, value: [f32; 3]) -> Option<([f3
                 ui.horizontal(|ui| {
                     let (rect, _) = ui.allocate_exact_size(egui::vec2(6.0, 20.0), egui::Sense::hover());
                     ui.painter().rect_filled(rect.shrink2(egui::vec2(1.5, 4.0)), 1.0, mark);
-                    if let Some((number, how)) = scalar_ui(ui, parameter, *component) {
+                    if let Some((number, phase)) = scalar_ui(ui, parameter, *component) {
                         *component = number;
-                        done = Some(how);
+                        done = Some(phase);
                     }
                 });
             });
         }
     });
-    done.map(|how| (edited, how))
+    done.map(|phase| (edited, phase))
 }

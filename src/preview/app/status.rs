@@ -2,11 +2,11 @@
 
 use crate::backends::CHOICES;
 use crate::preview::app::pane::body_at;
-use crate::preview::app::{App, Command};
+use crate::preview::app::{Action, App};
 use egui::{ProgressBar, Ui};
 
 /// Draws the status bar.
-pub(super) fn bar(app: &App, ui: &mut Ui, commands: &mut Vec<Command>) {
+pub(super) fn bar(app: &App, ui: &mut Ui, actions: &mut Vec<Action>) {
     ui.horizontal(|ui| {
         let [width, height] = app.workshop.settings().size;
         ui.label(format!("{width} × {height}"));
@@ -17,7 +17,7 @@ pub(super) fn bar(app: &App, ui: &mut Ui, commands: &mut Vec<Command>) {
         let told =
             "By what formulas are evaluated: machine code made for this formula, or the reference interpreter. Click to change.";
         if ui.small_button(backend.title).on_hover_text(told).clicked() {
-            commands.push(Command::Evaluate(next));
+            actions.push(Action::SetBackend(next));
         }
         if let Some(time) = app.log.last_frame() {
             ui.separator();

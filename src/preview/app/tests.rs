@@ -159,22 +159,22 @@ fn nothing_is_done_behind_a_dialog_and_enter_answers_a_message() {
         harness.state().panels.log != before
     };
     assert!(toggled(&mut harness));
-    harness.state_mut().perform(Command::AskForSettings);
+    harness.state_mut().perform(Action::ShowSettings);
     harness.run_steps(3);
     assert!(!toggled(&mut harness), "behind the settings");
     harness.get_by_label("Cancel").click();
     harness.run_steps(3);
-    harness.state_mut().perform(Command::AskToOpen(FileKind::Scene));
+    harness.state_mut().perform(Action::ShowOpenDialog(FileKind::Scene));
     harness.run_steps(3);
     assert!(!toggled(&mut harness), "behind the dialog for files");
     harness.key_press(egui::Key::Escape);
     harness.run_steps(3);
-    harness.state_mut().dialogs.tell("A title", "a text");
+    harness.state_mut().dialogs.show_message("A title", "a text");
     harness.run_steps(3);
     assert!(!toggled(&mut harness), "behind a message");
     harness.key_press(egui::Key::Enter);
     harness.run_steps(3);
-    assert!(harness.state().dialogs.told().is_none() && toggled(&mut harness));
+    assert!(harness.state().dialogs.message().is_none() && toggled(&mut harness));
 }
 
 #[test]
@@ -196,25 +196,25 @@ fn sessions_and_texts_are_saved_and_come_back() {
     let [session, formula] = ["my.toml", "my.formula"].map(|name| folder.path().join(name));
     let app = harness.state_mut();
     app.documents.formula.replace_text("formula;\n= IL*Cd*max(0, N.L);\n");
-    app.perform(Command::Apply);
-    app.perform(Command::SaveTo(Some(FileKind::Formula), formula.clone()));
-    app.perform(Command::SaveTo(Some(FileKind::Session), session.clone()));
-    assert!(!app.is_unsaved(), "{:?}", app.dialogs.told());
+    app.perform(Action::Apply);
+    app.perform(Action::SaveTo(Some(FileKind::Formula), formula.clone()));
+    app.perform(Action::SaveTo(Some(FileKind::Session), session.clone()));
+    assert!(!app.is_unsaved(), "{:?}", app.dialogs.message());
     let before = settle(&mut harness);
     let app = harness.state_mut();
-    app.perform(Command::Open(FileKind::Session, Location::Preset("glass".to_owned())));
-    app.perform(Command::Open(FileKind::Session, Location::File(session.clone())));
+    app.perform(Action::Open(FileKind::Session, Location::Preset("glass".to_owned())));
+    app.perform(Action::Open(FileKind::Session, Location::File(session.clone())));
     assert!(!app.is_unsaved());
     assert_eq!(app.documents.formula.text(), "formula;\n= IL*Cd*max(0, N.L);\n");
     assert!(settle(&mut harness) == before);
     let app = harness.state_mut();
-    app.perform(Command::Open(FileKind::Session, Location::new("nowhere.toml")));
-    assert!(app.dialogs.told().is_some_and(|told| told.contains("nowhere.toml")));
-    app.perform(Command::SaveTo(Some(FileKind::Session), folder.path().join("no/such/folder.toml")));
-    assert!(app.dialogs.told().is_some_and(|told| told.contains("unharmed")));
+    app.perform(Action::Open(FileKind::Session, Location::new("nowhere.toml")));
+    assert!(app.dialogs.message().is_some_and(|told| told.contains("nowhere.toml")));
+    app.perform(Action::SaveTo(Some(FileKind::Session), folder.path().join("no/such/folder.toml")));
+    assert!(app.dialogs.message().is_some_and(|told| told.contains("unharmed")));
     let picture = folder.path().join("picture.png");
-    app.perform(Command::SaveTo(None, picture.clone()));
-    app.chores.finish();
+    app.perform(Action::SaveTo(None, picture.clone()));
+    app.jobs.finish();
     assert!(std::fs::read(picture).is_ok_and(|bytes| bytes.starts_with(&[0x89, b'P', b'N', b'G'])));
 }
 
@@ -224,17 +224,17 @@ fn what_is_unsaved_is_offered_again_and_settings_last() {
     let folders = Folders::below(home.path());
     let mut app = App::new(Some(&Location::Preset("studio".to_owned())), Some(&folders)).expect("a built-in session");
     app.documents.formula.replace_text("formula;\n= N;\n");
-    app.perform(Command::Look(Theme::Light));
-    app.perform(Command::ApplyAsYouType(true));
-    app.perform(Command::StartWithThis);
+    app.perform(Action::SetTheme(Theme::Light));
+    app.perform(Action::ApplyAsYouType(true));
+    app.perform(Action::UseAsStartupSession);
     app.closing();
     drop(app);
     let mut app = App::new(None, Some(&folders)).expect("the startup session");
     assert_eq!((app.theme, app.session.clone()), (Theme::Light, Some(Location::Preset("studio".to_owned()))));
-    assert!(app.remembered.settings.window.apply_as_you_type && app.remembered.left().len() == 1);
-    app.perform(Command::TakeLeft(true));
+    assert!(app.user_state.settings.window.apply_as_you_type && app.user_state.draft_names().len() == 1);
+    app.perform(Action::RestoreDrafts);
     assert_eq!(app.documents.formula.text(), "formula;\n= N;\n");
-    assert!(app.documents.formula.unsaved() && app.remembered.left().is_empty());
+    assert!(app.documents.formula.unsaved() && app.user_state.draft_names().is_empty());
 }
 
 #[test]
@@ -244,9 +244,9 @@ fn values_that_are_unsaved_are_offered_again_with_the_texts_that_they_are_of() {
     let session = Location::Preset("studio".to_owned());
     let mut app = App::new(Some(&session), Some(&folders)).expect("a built-in session");
     // A parameter that only the unsaved text has, of a text without a file.
-    app.perform(Command::New(FileKind::Formula));
+    app.perform(Action::New(FileKind::Formula));
     app.documents.formula.replace_text("body_specific; own: scalar, constraint 0..1; formula; = own*IL*Cd;");
-    app.perform(Command::Apply);
+    app.perform(Action::Apply);
     let label = |app: &App, wanted: &str| {
         let values = app.workshop.values();
         let mut all = values.iter();
@@ -260,20 +260,20 @@ fn values_that_are_unsaved_are_offered_again_with_the_texts_that_they_are_of() {
     app.closing();
     drop(app);
     let mut app = App::new(None, Some(&folders)).expect("the startup session");
-    assert_eq!(app.remembered.left(), ["formula without a file", "values of the session preset:studio"]);
+    assert_eq!(app.user_state.draft_names(), ["formula without a file", "values of the session preset:studio"]);
     assert!(app.workshop.values().numbers() != numbers);
-    app.perform(Command::TakeLeft(true));
+    app.perform(Action::RestoreDrafts);
     assert_eq!(app.workshop.values().numbers(), numbers);
     assert_eq!((app.session.as_ref(), app.documents.scene.location()), (Some(&session), Some(&session)));
-    assert!(app.is_unsaved() && app.remembered.left().is_empty());
+    assert!(app.is_unsaved() && app.user_state.draft_names().is_empty());
     // What is saved is not offered.
     let path = home.path().join("own.formula");
-    app.perform(Command::SaveTo(Some(FileKind::Formula), path));
-    app.perform(Command::SaveTo(Some(FileKind::Session), home.path().join("own.toml")));
+    app.perform(Action::SaveTo(Some(FileKind::Formula), path));
+    app.perform(Action::SaveTo(Some(FileKind::Session), home.path().join("own.toml")));
     assert!(!app.is_unsaved());
     app.closing();
     drop(app);
-    assert!(App::new(None, Some(&folders)).expect("the startup session").remembered.left().is_empty());
+    assert!(App::new(None, Some(&folders)).expect("the startup session").user_state.draft_names().is_empty());
 }
 
 #[test]
@@ -287,7 +287,11 @@ fn values_of_built_in_sessions_are_left_once_and_not_asked_for() {
         app.closing();
         drop(app);
         let app = App::new(None, Some(&folders)).expect("the startup session");
-        assert!(app.remembered.left().len() == 1 && !app.remembered.left_is_work(), "{:?}", app.remembered.left());
+        assert!(
+            app.user_state.draft_names().len() == 1 && !app.user_state.has_important_drafts(),
+            "{:?}",
+            app.user_state.draft_names()
+        );
     }
 }
 
@@ -295,8 +299,8 @@ fn values_of_built_in_sessions_are_left_once_and_not_asked_for() {
 fn keep(app: &mut App) {
     app.note_unsaved(&DraftSlot::ALL, app.unsaved_states());
     app.write_drafts();
-    app.chores.wait();
-    app.chores.told().into_iter().for_each(|told| app.hear(told));
+    app.jobs.wait();
+    app.jobs.results().into_iter().for_each(|result| app.handle_job_result(result));
 }
 
 /// Where drafts go, with something in the way of their folder.
@@ -345,7 +349,7 @@ fn what_endangers_work_is_in_view_until_it_is_dismissed_or_over() {
     assert!(!seen(&mut harness), "the same is not said again");
     std::fs::remove_file(folders.state.join("drafts")).expect("the file");
     keep(harness.state_mut());
-    assert!(!harness.state().remembered.is_behind(harness.state().unsaved_states()));
+    assert!(!harness.state().user_state.is_behind(harness.state().unsaved_states()));
     // A new failure is news.
     std::fs::remove_dir_all(folders.state.join("drafts")).expect("the drafts");
     std::fs::write(folders.state.join("drafts"), "").expect("a file");
@@ -383,20 +387,24 @@ fn quitting_asks_where_work_cannot_be_kept() {
     for folders in [Some(&folders), None] {
         let mut harness = harness_in(folders);
         harness.state_mut().documents.formula.replace_text("formula;\n= N;\n");
-        harness.state_mut().perform(Command::Quit);
+        harness.state_mut().perform(Action::Quit);
         harness.run_steps(3);
         assert!(!harness.state().closing);
         assert!(harness.query_by_label_contains("It cannot be kept for the next start").is_some());
         harness.get_by_label("Cancel").click();
         harness.run_steps(3);
-        harness.state_mut().perform(Command::Quit);
+        harness.state_mut().perform(Action::Quit);
         harness.run_steps(3);
         harness.get_by_label("Throw it away").click();
         harness.run_steps(3);
         assert!(harness.state().closing);
         // Whoever closes the window in another way is at least told on the terminal.
         harness.state_mut().closing();
-        assert!(harness.state().last_words()[0].starts_with("unsaved work is lost: "), "{:?}", harness.state().last_words());
+        assert!(
+            harness.state().closing_errors()[0].starts_with("unsaved work is lost: "),
+            "{:?}",
+            harness.state().closing_errors()
+        );
     }
 }
 
@@ -410,9 +418,9 @@ fn what_is_typed_is_noted_at_once_and_written_where_the_window_does_not_close() 
     let last_resort = harness.state().last_resort();
     std::thread::spawn(last_resort).join().expect("an end");
     // The window is still there, as where Xlib ends the program; its lock goes with it.
-    harness.state_mut().remembered = remembered::Remembered::default();
+    harness.state_mut().user_state = user_state::UserState::default();
     let app = App::new(None, Some(&folders)).expect("the startup session");
-    assert!(app.remembered.left().contains(&"formula preset:phong".to_owned()), "{:?}", app.remembered.left());
+    assert!(app.user_state.draft_names().contains(&"formula preset:phong".to_owned()), "{:?}", app.user_state.draft_names());
 }
 
 #[cfg(unix)]
@@ -450,14 +458,14 @@ fn pipes_in_place_of_what_the_window_reads_by_itself_do_not_hold_it_up() {
     let formula = home.path().join("own.formula");
     std::fs::write(&formula, "#uses startup.toml;\nformula;\n= IL*Cd;\n").expect("a file");
     let mut app = App::new(Some(&Location::Preset("studio".to_owned())), None).expect("a built-in session");
-    app.perform(Command::Open(FileKind::Formula, Location::File(formula)));
+    app.perform(Action::Open(FileKind::Formula, Location::File(formula)));
     assert!(details(&app, Topic::Materials).contains("is a pipe, not a material library"));
     for kind in [FileKind::Formula, FileKind::Scene, FileKind::Session] {
-        app.perform(Command::Open(kind, Location::File(startup.clone())));
-        assert!(app.dialogs.told().is_some_and(|told| told.contains("is a pipe")), "{:?}", app.dialogs.told());
+        app.perform(Action::Open(kind, Location::File(startup.clone())));
+        assert!(app.dialogs.message().is_some_and(|told| told.contains("is a pipe")), "{:?}", app.dialogs.message());
     }
-    app.perform(Command::SaveTo(Some(FileKind::Formula), startup.clone()));
-    assert!(app.dialogs.told().is_some_and(|told| told.contains("is a pipe")), "{:?}", app.dialogs.told());
+    app.perform(Action::SaveTo(Some(FileKind::Formula), startup.clone()));
+    assert!(app.dialogs.message().is_some_and(|told| told.contains("is a pipe")), "{:?}", app.dialogs.message());
     // The settings themselves.
     std::fs::remove_file(folders.configuration.join("settings.toml")).expect("the file");
     pipe(&folders.configuration.join("settings.toml"));
@@ -472,7 +480,7 @@ fn texts_that_could_not_be_kept_are_kept_as_soon_as_that_is_possible() {
     let mut app = App::new(Some(&Location::Preset("studio".to_owned())), Some(&folders)).expect("a built-in session");
     let lines = Rc::new(RefCell::new(Vec::new()));
     let told = Rc::clone(&lines);
-    app.repeat_log(move |line| told.borrow_mut().push(line.to_owned()));
+    app.set_log_listener(move |line| told.borrow_mut().push(line.to_owned()));
     // Something is in the way of the folder.
     std::fs::create_dir_all(&folders.state).expect("a folder");
     let place = folders.state.join("drafts");
@@ -480,13 +488,13 @@ fn texts_that_could_not_be_kept_are_kept_as_soon_as_that_is_possible() {
     app.documents.formula.replace_text("formula;\n= N;\n");
     keep(&mut app);
     assert!(lines.borrow().iter().any(|line| line.starts_with("Unsaved work is not kept")), "{:?}", lines.borrow());
-    assert!(app.remembered.is_behind(app.unsaved_states()));
+    assert!(app.user_state.is_behind(app.unsaved_states()));
     std::fs::remove_file(&place).expect("the file");
     keep(&mut app);
-    assert!(!app.remembered.is_behind(app.unsaved_states()));
+    assert!(!app.user_state.is_behind(app.unsaved_states()));
     drop(app);
     let app = App::new(None, Some(&folders)).expect("the startup session");
-    assert_eq!(app.remembered.left().len(), 1);
+    assert_eq!(app.user_state.draft_names().len(), 1);
 }
 
 #[test]
@@ -507,7 +515,7 @@ fn materials_are_given_to_bodies_and_undone() {
         values.assign(&given);
     });
     assert!(settle(&mut harness) != before);
-    harness.state_mut().perform(Command::Undo);
+    harness.state_mut().perform(Action::Undo);
     assert!(settle(&mut harness) == before && harness.state().workshop.values().numbers() == numbers);
 }
 
@@ -517,7 +525,7 @@ fn a_slider_is_dragged_and_reported_of_and_undone_by_keys() {
     let before = settle(&mut harness);
     let lines = Rc::new(RefCell::new(Vec::new()));
     let told = Rc::clone(&lines);
-    harness.state_mut().repeat_log(move |line| told.borrow_mut().push(line.to_owned()));
+    harness.state_mut().set_log_listener(move |line| told.borrow_mut().push(line.to_owned()));
     let place = harness.get_all_by_role(Role::Slider).next().expect("the slider of ka").rect();
     harness.drag_at(place.left_center() + egui::vec2(30.0, 0.0));
     harness.run_steps(2);
@@ -564,12 +572,12 @@ fn a_slider_is_dragged_and_reported_of_and_undone_by_keys() {
 fn a_snapshot_is_compared_with_the_picture_along_a_line_that_moves() {
     let mut harness = harness();
     let kept = settle(&mut harness);
-    harness.state_mut().perform(Command::Keep(0));
+    harness.state_mut().perform(Action::TakeSnapshot(0));
     let workshop = &mut harness.state_mut().workshop;
     let id = workshop.formula().predefined(crate::lang::variables::Predefined::Ambient);
     workshop.set(crate::workspace::OwnerId::Global, id, [1.0; 3]);
     let now = settle(&mut harness);
-    harness.state_mut().pane.seen = pane::Seen::Split(0);
+    harness.state_mut().pane.mode = pane::PaneMode::Split(0);
     harness.run_steps(2);
     // How many columns of the last row, which is the floor's, are those of the snapshot.
     let last = 64 * 47..64 * 48;
@@ -602,15 +610,15 @@ fn a_picture_beside_a_snapshot_has_its_size_whatever_the_pane_has() {
         harness.state().workshop.settings().size
     };
     let wide = size(&mut harness);
-    harness.state_mut().perform(Command::Keep(0));
-    harness.state_mut().perform(Command::Toggle(command::Panel::Log));
+    harness.state_mut().perform(Action::TakeSnapshot(0));
+    harness.state_mut().perform(Action::TogglePanel(action::PanelId::Log));
     let narrow = size(&mut harness);
     assert!(narrow[1] < wide[1]);
-    harness.state_mut().pane.seen = pane::Seen::Split(0);
+    harness.state_mut().pane.mode = pane::PaneMode::Split(0);
     assert_eq!(size(&mut harness), wide);
     let app = harness.state();
     assert_eq!(app.pane.picture(&app.workshop).full_size, wide);
-    harness.state_mut().pane.seen = pane::Seen::Now;
+    harness.state_mut().pane.mode = pane::PaneMode::Current;
     assert_eq!(size(&mut harness), narrow);
 }
 
@@ -640,11 +648,15 @@ fn a_session_is_saved_with_a_word_of_what_is_not_in_it() {
     let mut harness = harness();
     let folder = tempfile::tempdir().expect("a folder");
     let app = harness.state_mut();
-    app.perform(Command::SaveTo(Some(FileKind::Session), folder.path().join("one.toml")));
-    assert_eq!(app.dialogs.told(), None);
+    app.perform(Action::SaveTo(Some(FileKind::Session), folder.path().join("one.toml")));
+    assert_eq!(app.dialogs.message(), None);
     app.documents.formula.replace_text("formula;\n= IL*Cd*max(0, N.L);\n");
-    app.perform(Command::SaveTo(Some(FileKind::Session), folder.path().join("other.toml")));
-    assert!(app.dialogs.told().is_some_and(|told| told.contains("in the formula is in no file yet")), "{:?}", app.dialogs.told());
+    app.perform(Action::SaveTo(Some(FileKind::Session), folder.path().join("other.toml")));
+    assert!(
+        app.dialogs.message().is_some_and(|told| told.contains("in the formula is in no file yet")),
+        "{:?}",
+        app.dialogs.message()
+    );
 }
 
 #[test]
@@ -678,7 +690,7 @@ fn a_material_is_saved_under_a_name_and_given_again() {
     harness.state_mut().closing();
     drop(harness);
     let mut harness = harness_in(Some(&Folders::below(home.path())));
-    assert!(harness.state().remembered.left().len() == 1 && !harness.state().remembered.left_is_work());
+    assert!(harness.state().user_state.draft_names().len() == 1 && !harness.state().user_state.has_important_drafts());
     harness.get_all_by_label("ball").next().expect("a body").click();
     harness.run_steps(3);
     harness.get_by_role(Role::ComboBox).click();
@@ -690,37 +702,37 @@ fn a_material_is_saved_under_a_name_and_given_again() {
 fn new_sessions_begin_as_the_settings_say() {
     let mut harness = harness();
     let app = harness.state_mut();
-    let mut settings = crate::user_data::settings::Settings { depth: 1, size: [40, 30], ..app.remembered.settings.clone() };
+    let mut settings = crate::user_data::settings::Settings { depth: 1, size: [40, 30], ..app.user_state.settings.clone() };
     settings.defaults.set(crate::lang::variables::Predefined::Background, [0.25, 0.5, 0.75]);
-    app.perform(Command::Settle(Box::new(settings)));
-    app.perform(Command::NewSession);
+    app.perform(Action::SaveSettings(Box::new(settings)));
+    app.perform(Action::NewSession);
     assert_eq!((app.workshop.settings().depth, app.workshop.settings().size), (1, [40, 30]));
     let background = app.workshop.formula().predefined(crate::lang::variables::Predefined::Background);
     assert_eq!(app.workshop.values().global(background), [0.25, 0.5, 0.75]);
     assert_eq!(settle(&mut harness).len(), 40 * 30);
     // The dialog shows what is kept, and keeps nothing that is cancelled.
-    harness.state_mut().perform(Command::AskForSettings);
+    harness.state_mut().perform(Action::ShowSettings);
     harness.run_steps(3);
     harness.get_by_label("Cancel").click();
     harness.run_steps(3);
-    assert!(harness.query_by_label("Cancel").is_none() && harness.state().remembered.settings.depth == 1);
+    assert!(harness.query_by_label("Cancel").is_none() && harness.state().user_state.settings.depth == 1);
 }
 
 #[test]
 fn a_text_that_is_not_saved_is_not_lost_without_asking() {
     let mut harness = harness();
     harness.state_mut().documents.formula.replace_text("formula;\n= IL;\n");
-    for command in [Command::New(FileKind::Formula), Command::Open(FileKind::Session, Location::Preset("glass".to_owned()))] {
-        harness.state_mut().perform(command);
+    for action in [Action::New(FileKind::Formula), Action::Open(FileKind::Session, Location::Preset("glass".to_owned()))] {
+        harness.state_mut().perform(action);
         harness.run_steps(3);
         harness.get_by_label("Cancel").click();
         harness.run_steps(3);
         assert_eq!(harness.state().documents.formula.text(), "formula;\n= IL;\n");
     }
     // The scene is as it was: nothing is lost by another one.
-    harness.state_mut().perform(Command::New(FileKind::Scene));
+    harness.state_mut().perform(Action::New(FileKind::Scene));
     assert!(harness.query_by_label("Throw it away").is_none());
-    harness.state_mut().perform(Command::New(FileKind::Formula));
+    harness.state_mut().perform(Action::New(FileKind::Formula));
     harness.run_steps(3);
     harness.get_by_label("Throw it away").click();
     harness.run_steps(3);

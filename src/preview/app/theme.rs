@@ -14,7 +14,7 @@ pub enum Theme {
 
 impl Theme {
     /// The theme of the settings.
-    pub(super) fn of(theme: crate::user_data::settings::Theme) -> Self {
+    pub(super) fn from_setting(theme: crate::user_data::settings::Theme) -> Self {
         if theme.is_dark(None) { Theme::Dark } else { Theme::Light }
     }
 
@@ -35,7 +35,7 @@ impl Theme {
     }
 
     /// The colour of the pane around a picture that does not fill it, `0x00RRGGBB`.
-    pub(super) fn around(dark: bool) -> u32 {
+    pub(super) fn pane_background(dark: bool) -> u32 {
         if dark { 0x0013_1417 } else { 0x00b9_bcc2 }
     }
 }
@@ -44,7 +44,7 @@ impl Theme {
 const ACCENT: Color32 = Color32::from_rgb(84, 148, 232);
 
 /// Applies the theme to a context.
-pub(super) fn set_up(context: &Context, theme: Theme) {
+pub(super) fn apply(context: &Context, theme: Theme) {
     context.set_theme(match theme {
         Theme::Dark => egui::Theme::Dark,
         Theme::Light => egui::Theme::Light,

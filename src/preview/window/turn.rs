@@ -11,7 +11,7 @@ use super::keys::{Keyboard, Stroke, Strokes};
 use super::polled::Polled;
 use super::{cursor, printable};
 use crate::preview::paint::{Frame, Painter, Region};
-use crate::preview::{FrameTimes, Shown};
+use crate::preview::{FrameTimes, WindowApp};
 use egui::{Event, FullOutput, OutputCommand, RawInput, ViewportCommand, ViewportId};
 use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
@@ -124,7 +124,7 @@ impl Shell {
     }
 
     /// Waits, and does what there is to do. The answer is how the window ends, if it does.
-    pub(super) fn turn(&mut self, app: &mut dyn Shown) -> Option<Ending> {
+    pub(super) fn turn(&mut self, app: &mut dyn WindowApp) -> Option<Ending> {
         let signals = self.wait();
         if signals.contains(&Signal::Broken) {
             self.lose_connection();
@@ -267,7 +267,7 @@ impl Shell {
     }
 
     /// Shows a frame. False where the window is to close.
-    fn frame(&mut self, app: &mut dyn Shown) -> bool {
+    fn frame(&mut self, app: &mut dyn WindowApp) -> bool {
         let start = Instant::now();
         self.last = start;
         self.due = self.due.filter(|due| *due > start);
@@ -305,7 +305,7 @@ impl Shell {
             self.present(&if self.lost { vec![self.whole()] } else { changed });
         }
         let finished = Instant::now();
-        app.timed(&FrameTimes {
+        app.frame_shown(&FrameTimes {
             layout: laid_out - start,
             painting: painted - laid_out,
             present: presents.then(|| finished - painted),
@@ -356,7 +356,7 @@ impl Shell {
         root.commands.iter().any(|command| matches!(command, ViewportCommand::Close))
     }
 
-    fn rename(&mut self, app: &dyn Shown) {
+    fn rename(&mut self, app: &dyn WindowApp) {
         let title = printable(&app.title());
         if title != self.title {
             self.window.set_title(&title);

@@ -10,7 +10,7 @@ use std::path::Path;
 
 /// An open session, and its warnings.
 #[derive(Debug)]
-pub struct Opened {
+pub struct OpenedSession {
     /// The session.
     pub project: Project,
     /// Warnings about what is not used as given, for the user.
@@ -39,15 +39,15 @@ impl Listener for Collector {
     }
 }
 
-impl Opened {
+impl OpenedSession {
     /// Opens a session with its files. `readable` says which types of file the session itself may be. The files that
     /// it names must be regular.
     ///
     /// # Errors
     /// The errors of the files, as lines of text with the places marked.
-    pub fn session(location: &Location, readable: Readable) -> Result<Opened, String> {
+    pub fn open(location: &Location, readable: Readable) -> Result<OpenedSession, String> {
         let session = Some(SessionText::At(location.clone()));
-        Self::open(&Request { session, session_readable: readable, ..Request::default() })
+        Self::open_request(&Request { session, session_readable: readable, ..Request::default() })
     }
 
     /// Opens a session from its text, in `folder`. `other` has texts to use instead of those of its formula and its
@@ -55,15 +55,19 @@ impl Opened {
     ///
     /// # Errors
     /// As for [`session`](Self::session).
-    pub fn session_of(source: &Source, folder: &Path, other: &dyn Fn(FileKind) -> Option<Source>) -> Result<Opened, String> {
+    pub fn from_text(
+        source: &Source,
+        folder: &Path,
+        other: &dyn Fn(FileKind) -> Option<Source>,
+    ) -> Result<OpenedSession, String> {
         let session = SessionText::Text(source.clone(), folder.to_owned());
-        Self::open(&Request { session: Some(session), texts: Some(other), ..Request::default() })
+        Self::open_request(&Request { session: Some(session), texts: Some(other), ..Request::default() })
     }
 
-    fn open(request: &Request) -> Result<Opened, String> {
+    fn open_request(request: &Request) -> Result<OpenedSession, String> {
         let mut collector = Collector::default();
         match Project::open(request, &mut collector) {
-            Ok(project) => Ok(Opened { project, warnings: collector.warnings }),
+            Ok(project) => Ok(OpenedSession { project, warnings: collector.warnings }),
             Err(error) => {
                 let mut errors = collector.errors;
                 if let OpenError::Input(diagnostic) | OpenError::Request(diagnostic) = error {

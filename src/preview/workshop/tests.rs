@@ -6,7 +6,7 @@ use crate::lang::source::Source;
 use std::time::Duration;
 
 fn workshop() -> Workshop {
-    let mut opened = Opened::session(&Location::Preset("studio".to_owned()), Readable::Regular).expect("a built-in session");
+    let mut opened = OpenedSession::open(&Location::Preset("studio".to_owned()), Readable::Regular).expect("a built-in session");
     opened.project.picture.size = [64, 48];
     opened.project.picture.depth = 2;
     Workshop::new(&opened.project, || {}).expect("threads")
@@ -38,7 +38,7 @@ fn sliders_move_the_picture_and_changes_are_undone_drag_by_drag() {
     for step in 0..10 {
         workshop.drag(owner, id, [0.05 * step as f32; 3]);
     }
-    workshop.let_go();
+    workshop.release();
     let second = settle(&mut workshop);
     assert!(first != second);
     workshop.set(owner, id, [0.0; 3]);
@@ -90,18 +90,18 @@ fn changes_are_undone_across_formulas_by_owner_and_name() {
 fn snapshots_bring_values_and_formulas_back() {
     let mut workshop = workshop();
     let first = settle(&mut workshop);
-    workshop.keep(0);
+    workshop.take_snapshot(0);
     let (owner, id) = slider(&workshop, "ball.kd");
     workshop.set(owner, id, [0.0; 3]);
     let second = settle(&mut workshop);
-    workshop.keep(1);
+    workshop.take_snapshot(1);
     workshop.apply_formula(&Source::new("new", "formula; = IL*Cd*max(0, N.L);")).expect("no mistake");
     settle(&mut workshop);
-    workshop.go_back_to(0);
+    workshop.restore_snapshot(0);
     assert!(settle(&mut workshop) == first);
-    workshop.go_back_to(1);
+    workshop.restore_snapshot(1);
     assert!(settle(&mut workshop) == second);
-    assert!(workshop.kept(0).is_some_and(|kept| kept.picture.pixels == first));
+    assert!(workshop.snapshot(0).is_some_and(|kept| kept.picture.pixels == first));
 }
 
 #[test]
@@ -117,10 +117,10 @@ fn a_value_is_copied_to_all_bodies_and_a_session_holds_everything() {
     let path = folder.path().join("my.toml");
     let [formula, scene] = ["phong", "studio"].map(|name| Location::Preset(name.to_owned()));
     workshop.save_session(&path, formula, scene).expect("saved");
-    let opened = Opened::session(&Location::File(path), Readable::Regular).expect("a session");
+    let opened = OpenedSession::open(&Location::File(path), Readable::Regular).expect("a session");
     assert_eq!(opened.project.values.numbers(), workshop.values().numbers());
     assert_eq!((opened.project.picture, opened.warnings), (workshop.settings(), Vec::new()));
-    let missing = Opened::session(&Location::new("nowhere.toml"), Readable::Regular).expect_err("no such file");
+    let missing = OpenedSession::open(&Location::new("nowhere.toml"), Readable::Regular).expect_err("no such file");
     assert!(missing.contains("nowhere.toml"), "{missing}");
     assert!(workshop.set_picture(PictureSettings { depth: 10, ..workshop.settings() }).is_err());
     settle(&mut workshop);

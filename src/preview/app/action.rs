@@ -10,23 +10,23 @@ use std::path::PathBuf;
 
 /// An action.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Command {
+pub enum Action {
     /// Start a new text of this kind.
     New(FileKind),
     /// Perform this action, although unsaved work is lost.
-    Surely(Box<Command>),
+    Confirmed(Box<Action>),
     /// Show the dialog that opens a file of this kind.
-    AskToOpen(FileKind),
+    ShowOpenDialog(FileKind),
     /// Open a file of this kind.
     Open(FileKind, Location),
     /// Save the text in view.
     Save,
     /// Show the dialog that saves something of this kind.
-    AskToSave(FileKind),
+    ShowSaveDialog(FileKind),
     /// Save something of this kind to a path; the picture if there is no kind.
     SaveTo(Option<FileKind>, PathBuf),
     /// Show the dialog that saves the picture.
-    AskToSavePicture,
+    ShowSavePictureDialog,
     /// Copy the picture in view to the clipboard.
     CopyPicture,
     /// Save the session to its file.
@@ -40,29 +40,31 @@ pub enum Command {
     /// Redo the change that was undone last.
     Redo,
     /// Keep the picture and its values as a snapshot.
-    Keep(usize),
+    TakeSnapshot(usize),
     /// Restore the values of a snapshot.
-    GoBackTo(usize),
+    RestoreSnapshot(usize),
     /// Evaluate with this backend.
-    Evaluate(BackendChoice),
+    SetBackend(BackendChoice),
     /// Use this theme.
-    Look(Theme),
+    SetTheme(Theme),
     /// Draw widgets at this scale, in pixels per point.
-    Scale(f32),
+    SetScale(f32),
     /// Show or hide a panel.
-    Toggle(Panel),
-    /// Open the drafts of earlier runs, or discard them.
-    TakeLeft(bool),
+    TogglePanel(PanelId),
+    /// Open the drafts of earlier runs.
+    RestoreDrafts,
+    /// Discard the drafts of earlier runs.
+    DiscardDrafts,
     /// Ask what to do with the drafts of earlier runs.
-    AskForLeft,
+    OfferDrafts,
     /// Open this session at the next start.
-    StartWithThis,
+    UseAsStartupSession,
     /// Start a new session: the same formula and scene, with the values of the settings.
     NewSession,
     /// Show the dialog for settings.
-    AskForSettings,
+    ShowSettings,
     /// Save these settings.
-    Settle(Box<Settings>),
+    SaveSettings(Box<Settings>),
     /// Show the list of shortcuts.
     ShowShortcuts,
     /// End the program.
@@ -71,7 +73,7 @@ pub enum Command {
 
 /// A panel that can be hidden.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Panel {
+pub enum PanelId {
     /// The texts.
     Texts,
     /// The parameters.
@@ -85,67 +87,67 @@ pub enum Panel {
 }
 
 /// Every shortcut: its key, its action, and a description.
-pub(super) fn shortcuts() -> Vec<(KeyboardShortcut, Command, &'static str)> {
-    let command = |key| KeyboardShortcut::new(Modifiers::COMMAND, key);
-    let shifted = |key| KeyboardShortcut::new(Modifiers::COMMAND.plus(Modifiers::SHIFT), key);
+pub(super) fn shortcuts() -> Vec<(KeyboardShortcut, Action, &'static str)> {
+    let ctrl = |key| KeyboardShortcut::new(Modifiers::COMMAND, key);
+    let ctrl_shift = |key| KeyboardShortcut::new(Modifiers::COMMAND.plus(Modifiers::SHIFT), key);
     let plain = |key| KeyboardShortcut::new(Modifiers::NONE, key);
     vec![
-        (command(Key::Enter), Command::Apply, "Apply the text that is seen to the picture"),
-        (command(Key::S), Command::Save, "Save the text that is seen"),
-        (shifted(Key::S), Command::SaveSession, "Save the session"),
-        (command(Key::O), Command::AskToOpen(FileKind::Formula), "Open a formula"),
-        (shifted(Key::O), Command::AskToOpen(FileKind::Session), "Open a session"),
-        (command(Key::E), Command::AskToSavePicture, "Save the picture"),
-        (shifted(Key::E), Command::CopyPicture, "Copy the picture to the clipboard"),
+        (ctrl(Key::Enter), Action::Apply, "Apply the text that is seen to the picture"),
+        (ctrl(Key::S), Action::Save, "Save the text that is seen"),
+        (ctrl_shift(Key::S), Action::SaveSession, "Save the session"),
+        (ctrl(Key::O), Action::ShowOpenDialog(FileKind::Formula), "Open a formula"),
+        (ctrl_shift(Key::O), Action::ShowOpenDialog(FileKind::Session), "Open a session"),
+        (ctrl(Key::E), Action::ShowSavePictureDialog, "Save the picture"),
+        (ctrl_shift(Key::E), Action::CopyPicture, "Copy the picture to the clipboard"),
         (
             KeyboardShortcut::new(Modifiers::ALT, Key::Z),
-            Command::Undo,
+            Action::Undo,
             "Undo a change of a value; Ctrl+Z too, where no text is typed",
         ),
-        (KeyboardShortcut::new(Modifiers::ALT.plus(Modifiers::SHIFT), Key::Z), Command::Redo, "Do it again"),
-        (plain(Key::F1), Command::ShowShortcuts, "Show these shortcuts"),
-        (plain(Key::F2), Command::Toggle(Panel::Reference), "Show or hide the reference of the language"),
-        (plain(Key::F3), Command::Toggle(Panel::Texts), "Show or hide the texts"),
-        (plain(Key::F4), Command::Toggle(Panel::Parameters), "Show or hide the parameters"),
-        (plain(Key::F5), Command::Toggle(Panel::Inspector), "Show or hide the pixel inspector"),
-        (plain(Key::F12), Command::Toggle(Panel::Log), "Show or hide the log"),
-        (command(Key::Q), Command::Quit, "Quit"),
+        (KeyboardShortcut::new(Modifiers::ALT.plus(Modifiers::SHIFT), Key::Z), Action::Redo, "Do it again"),
+        (plain(Key::F1), Action::ShowShortcuts, "Show these shortcuts"),
+        (plain(Key::F2), Action::TogglePanel(PanelId::Reference), "Show or hide the reference of the language"),
+        (plain(Key::F3), Action::TogglePanel(PanelId::Texts), "Show or hide the texts"),
+        (plain(Key::F4), Action::TogglePanel(PanelId::Parameters), "Show or hide the parameters"),
+        (plain(Key::F5), Action::TogglePanel(PanelId::Inspector), "Show or hide the pixel inspector"),
+        (plain(Key::F12), Action::TogglePanel(PanelId::Log), "Show or hide the log"),
+        (ctrl(Key::Q), Action::Quit, "Quit"),
     ]
 }
 
 /// The shortcuts that undo and redo value changes while no text is edited. The text editor has its own undo.
-fn beside_texts() -> [(KeyboardShortcut, Command); 3] {
-    let command = |key| KeyboardShortcut::new(Modifiers::COMMAND, key);
+fn beside_texts() -> [(KeyboardShortcut, Action); 3] {
+    let ctrl = |key| KeyboardShortcut::new(Modifiers::COMMAND, key);
     [
-        (KeyboardShortcut::new(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::Z), Command::Redo),
-        (command(Key::Y), Command::Redo),
-        (command(Key::Z), Command::Undo),
+        (KeyboardShortcut::new(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::Z), Action::Redo),
+        (ctrl(Key::Y), Action::Redo),
+        (ctrl(Key::Z), Action::Undo),
     ]
 }
 
 /// The shortcut of an action for the user; empty if there is none.
-pub(super) fn shortcut_of(command: &Command, ui: &Ui) -> String {
-    let found = shortcuts().into_iter().find(|(_, other, _)| other == command);
+pub(super) fn shortcut_of(action: &Action, ui: &Ui) -> String {
+    let found = shortcuts().into_iter().find(|(_, other, _)| other == action);
     found.map(|(shortcut, ..)| ui.ctx().format_shortcut(&shortcut)).unwrap_or_default()
 }
 
 /// The actions whose shortcuts were pressed. `typing` says whether a text is edited.
-pub(super) fn pressed(ui: &Ui, typing: bool) -> Vec<Command> {
+pub(super) fn pressed(ui: &Ui, typing: bool) -> Vec<Action> {
     let mut all = shortcuts();
     // Shortcuts with Shift come first, because the ones without it would match too.
     all.sort_by_key(|(shortcut, ..)| std::cmp::Reverse(shortcut.modifiers.shift));
-    let mut commands = Vec::new();
+    let mut actions = Vec::new();
     ui.input_mut(|input| {
-        for (shortcut, command, _) in all {
+        for (shortcut, action, _) in all {
             if input.consume_shortcut(&shortcut) {
-                commands.push(command);
+                actions.push(action);
             }
         }
-        for (shortcut, command) in beside_texts() {
+        for (shortcut, action) in beside_texts() {
             if !typing && input.consume_shortcut(&shortcut) {
-                commands.push(command);
+                actions.push(action);
             }
         }
     });
-    commands
+    actions
 }

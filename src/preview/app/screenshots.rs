@@ -86,8 +86,8 @@ impl Stage {
     /// Compares the screenshot with the stored one of this name.
     fn is_as_in(&mut self, name: &str) {
         let seen = self.look();
-        let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("src/preview/app/looks").join(name).with_extension("png");
-        if std::env::var_os("UPDATE_LOOKS").is_some() {
+        let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("src/preview/app/screenshots").join(name).with_extension("png");
+        if std::env::var_os("UPDATE_SCREENSHOTS").is_some() {
             seen.save(&path).expect("a file that can be written");
         }
         let wanted = image::open(&path).expect("a picture").to_rgb8();

@@ -7,63 +7,63 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::JoinHandle;
 
 /// A job.
-type Chore = Box<dyn FnOnce() -> Option<Told> + Send>;
+type Job = Box<dyn FnOnce() -> Option<JobResult> + Send>;
 
 /// The result of a job.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Told {
+pub(super) enum JobResult {
     /// A line for the log.
-    Said(String),
+    Log(String),
     /// A message for the user, with a title.
-    Failed(String, String),
+    Message(String, String),
     /// Drafts were written, or could not be.
-    Kept(Result<(), Diagnostic>),
+    DraftsWritten(Result<(), Diagnostic>),
 }
 
 /// Is called whenever a job is done.
 type Wake = Arc<dyn Fn() + Send + Sync>;
 
 /// The jobs. The thread starts with the first of them.
-pub(super) struct Chores {
+pub(super) struct Jobs {
     worker: Option<Worker>,
     wake: Wake,
 }
 
 struct Worker {
-    chores: Sender<Chore>,
-    done: Receiver<Option<Told>>,
+    jobs: Sender<Job>,
+    done: Receiver<Option<JobResult>>,
     thread: JoinHandle<()>,
 }
 
 impl Worker {
     fn new(wake: Wake) -> Option<Self> {
-        let (chores, incoming) = channel::<Chore>();
+        let (jobs, incoming) = channel::<Job>();
         let (outgoing, done) = channel();
-        let thread = std::thread::Builder::new().name("chores".to_owned());
+        let thread = std::thread::Builder::new().name("jobs".to_owned());
         let work = move || {
-            for chore in incoming {
+            for job in incoming {
                 // The receiver is only gone when the program ends.
-                let _ = outgoing.send(chore());
+                let _ = outgoing.send(job());
                 wake();
             }
         };
-        Some(Self { chores, done, thread: thread.spawn(work).ok()? })
+        Some(Self { jobs, done, thread: thread.spawn(work).ok()? })
     }
 }
 
-impl Chores {
+impl Jobs {
     /// `wake` is called, on the thread, whenever a job is done.
     pub(super) fn new(wake: impl Fn() + Send + Sync + 'static) -> Self {
         Self { worker: None, wake: Arc::new(wake) }
     }
 
     /// Runs a job after all earlier ones. If there is no thread, it runs at once, and its result is returned.
-    pub(super) fn add(&mut self, chore: impl FnOnce() -> Option<Told> + Send + 'static) -> Option<Told> {
+    pub(super) fn run(&mut self, job: impl FnOnce() -> Option<JobResult> + Send + 'static) -> Option<JobResult> {
         if self.worker.is_none() {
             self.worker = Worker::new(Arc::clone(&self.wake));
         }
-        let Some(worker) = &self.worker else { return chore() };
-        match worker.chores.send(Box::new(chore)) {
+        let Some(worker) = &self.worker else { return job() };
+        match worker.jobs.send(Box::new(job)) {
             Ok(()) => None,
             // The thread is gone, and so are the results of its jobs.
             Err(refused) => refused.0(),
@@ -71,7 +71,7 @@ impl Chores {
     }
 
     /// The results since the last call.
-    pub(super) fn told(&self) -> Vec<Told> {
+    pub(super) fn results(&self) -> Vec<JobResult> {
         self.worker.iter().flat_map(|worker| worker.done.try_iter().flatten()).collect()
     }
 
@@ -79,20 +79,20 @@ impl Chores {
     #[cfg(test)]
     pub(super) fn wait(&self) {
         let Some(worker) = &self.worker else { return };
-        let (done, told) = channel();
+        let (done, result) = channel();
         let last = move || {
             let _ = done.send(());
             None
         };
-        if worker.chores.send(Box::new(last)).is_ok() {
-            let _ = told.recv();
+        if worker.jobs.send(Box::new(last)).is_ok() {
+            let _ = result.recv();
         }
     }
 
     /// Waits until all jobs are done.
     pub(super) fn finish(&mut self) {
-        if let Some(Worker { chores, thread, .. }) = self.worker.take() {
-            drop(chores);
+        if let Some(Worker { jobs, thread, .. }) = self.worker.take() {
+            drop(jobs);
             // A thread that panicked has printed its message.
             let _ = thread.join();
         }

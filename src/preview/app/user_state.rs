@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 
 /// The user data. Empty if there is no folder for it.
 #[derive(Default)]
-pub(super) struct Remembered {
+pub(super) struct UserState {
     pub(super) settings: Settings,
     file: Option<SettingsFile>,
     recent: Option<Recent>,
@@ -25,7 +25,7 @@ pub(super) struct Remembered {
     data: Option<PathBuf>,
 }
 
-impl Remembered {
+impl UserState {
     /// Reads the user data. Returns notices about what could not be read.
     pub(super) fn open(folders: Option<&Folders>) -> (Self, Vec<Notice>) {
         let Some(folders) = folders else { return (Self::default(), Vec::new()) };
@@ -34,7 +34,7 @@ impl Remembered {
         let (recent, recent_warning) = Recent::open(folders);
         let drafts = Drafts::new(folders);
         let (left, left_warnings) = drafts.leftover_drafts();
-        let left = sorted_out(left, &drafts);
+        let left = sort_drafts(left, &drafts);
         let mut notices = Vec::new();
         if !reading.diagnostics.is_empty() {
             let details = reading.diagnostics.iter().map(|diagnostic| match diagnostic.span() {
@@ -51,7 +51,7 @@ impl Remembered {
             let title = "Unsaved work of earlier runs may be missing";
             notices.push(Notice::warning(Topic::LeftDrafts, title, lines(&left_warnings)));
         }
-        let remembered = Self {
+        let user_state = Self {
             settings: reading.settings,
             file: Some(file),
             recent: Some(recent),
@@ -60,7 +60,7 @@ impl Remembered {
             left,
             data: Some(folders.data.clone()),
         };
-        (remembered, notices)
+        (user_state, notices)
     }
 
     /// The folder for materials of built-in formulas.
@@ -115,7 +115,7 @@ impl Remembered {
     }
 
     /// The drafts of earlier runs, for the user.
-    pub(super) fn left(&self) -> Vec<String> {
+    pub(super) fn draft_names(&self) -> Vec<String> {
         let name = |left: &LeftoverDraft| {
             let Ok(draft) = &left.draft else { return "what cannot be read".to_owned() };
             let what = if draft.kind == FileKind::Session { "values of the session" } else { draft.kind.noun() };
@@ -129,12 +129,12 @@ impl Remembered {
 
     /// Whether there are drafts other than values of built-in sessions. Users try those and leave; they do not want to
     /// be asked about them.
-    pub(super) fn left_is_work(&self) -> bool {
-        !self.left.iter().all(is_play)
+    pub(super) fn has_important_drafts(&self) -> bool {
+        !self.left.iter().all(is_preset_session)
     }
 
     /// Takes over the drafts of earlier runs that can be read.
-    pub(super) fn take_left(&mut self) -> Vec<Draft> {
+    pub(super) fn restore_drafts(&mut self) -> Vec<Draft> {
         let Some(autosave) = &self.autosave else { return Vec::new() };
         let mut drafts = autosave.drafts();
         let mut found = Vec::new();
@@ -152,7 +152,7 @@ impl Remembered {
     }
 
     /// Discards the drafts of earlier runs.
-    pub(super) fn discard_left(&mut self) -> Result<(), Diagnostic> {
+    pub(super) fn discard_drafts(&mut self) -> Result<(), Diagnostic> {
         let Some(autosave) = &self.autosave else { return Ok(()) };
         let drafts = autosave.drafts();
         self.left.drain(..).try_for_each(|left| drafts.discard(&left))
@@ -170,17 +170,17 @@ fn lines(diagnostics: &Diagnostics) -> String {
 }
 
 /// Whether a draft only has values of a built-in session.
-fn is_play(left: &LeftoverDraft) -> bool {
+fn is_preset_session(left: &LeftoverDraft) -> bool {
     let built_in = |draft: &Draft| draft.kind == FileKind::Session && matches!(draft.location, Some(Location::Preset(_)));
     left.draft.as_ref().is_ok_and(built_in)
 }
 
 /// Sorts drafts: formulas, scenes, sessions, the newest first. Of the values of built-in sessions, only the newest
 /// draft stays, so they do not pile up.
-fn sorted_out(mut left: Vec<LeftoverDraft>, drafts: &Drafts) -> Vec<LeftoverDraft> {
+fn sort_drafts(mut left: Vec<LeftoverDraft>, drafts: &Drafts) -> Vec<LeftoverDraft> {
     left.sort_by_key(|left| left.draft.as_ref().ok().map(|draft| (DraftSlot::of(draft.kind).editor(), Reverse(draft.time))));
     let mut seen = false;
     // A draft that cannot be removed stays.
-    left.retain(|left| !is_play(left) || !std::mem::replace(&mut seen, true) || drafts.discard(left).is_err());
+    left.retain(|left| !is_preset_session(left) || !std::mem::replace(&mut seen, true) || drafts.discard(left).is_err());
     left
 }

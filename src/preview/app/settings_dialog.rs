@@ -9,12 +9,12 @@ use egui::{Context, DragValue, Grid, ScrollArea, Slider, Ui};
 
 /// The dialog.
 #[derive(Default)]
-pub(super) struct Preferences {
+pub(super) struct SettingsDialog {
     /// The edited settings, while the dialog is open.
     edited: Option<Settings>,
 }
 
-impl Preferences {
+impl SettingsDialog {
     /// Opens the dialog.
     pub(super) fn open(&mut self, settings: &Settings) {
         self.edited = Some(settings.clone());

@@ -8,7 +8,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// A picture to be saved.
-pub struct Portrait {
+pub struct PictureExport {
     pub(super) subject: Subject,
     pub(super) engine: Engine,
     /// The hits, if they have been traced.
@@ -17,7 +17,7 @@ pub struct Portrait {
     pub(super) transfer: Transfer,
 }
 
-impl Portrait {
+impl PictureExport {
     /// Computes the picture and saves it in the format of the path's suffix. Returns how many of its pixels were NaN.
     ///
     /// # Errors
