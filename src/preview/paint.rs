@@ -1,11 +1,11 @@
-//! Widgets and the picture into pixels, on the CPU.
+//! Painting widgets and the picture on the CPU.
 //!
-//! The window is cut into tiles. Everything that is to be drawn is put down as *items* in order, each tile knows those that touch it and a
-//! hash of them, and only tiles whose hash is another than that of what they show are drawn again. The picture lies under all items and is
-//! copied, not blended. Colours are blended as egui has them: in gamma space, with premultiplied alpha.
+//! The window is divided into tiles. Everything to draw becomes a list of *items*. Each tile knows the items that
+//! touch it, and a hash of them. Only a tile whose hash changed is drawn again. The picture is below all items, and is
+//! copied, not blended. Colours are blended as in egui: in gamma space, with premultiplied alpha.
 //!
-//! Here is what is kept from frame to frame and which tiles are drawn; how triangles become items is in `item`, items become pixels in
-//! `raster`, and the textures are in `texture`. Nothing here knows a window.
+//! This module keeps the state between frames, and decides which tiles are drawn. `item` turns triangles into items,
+//! `raster` draws items, `picture` places the picture, and `texture` holds the textures. No window is known here.
 
 mod colour;
 mod item;
@@ -24,16 +24,16 @@ use rayon::prelude::*;
 use std::hash::Hasher;
 use texture::Textures;
 
-/// Width and height of a tile.
+/// The width and height of a tile.
 const TILE: usize = 64;
 
-/// So many tiles, drawn anew, are worth waking other threads for.
+/// Other threads help to draw if at least this many tiles changed.
 const MANY: usize = 12;
 
-/// More threads than this do not draw faster: the time goes into memory.
+/// More threads are not faster, because memory is the limit.
 const THREADS: usize = 4;
 
-/// Paints frames, each onto what the last one left.
+/// Paints frames, each over the previous one.
 #[derive(Debug)]
 pub struct Painter {
     pixels: Vec<u32>,
@@ -42,35 +42,35 @@ pub struct Painter {
     textures: Textures,
     items: Vec<Item>,
     changed: Vec<Region>,
-    /// Threads of its own: those of the engine may be in the middle of a picture, and a click would wait for them.
+    /// A thread pool of its own: the threads of the engine may be busy, and a click would wait for them.
     threads: Option<rayon::ThreadPool>,
 }
 
-/// What is to be drawn.
+/// What to paint.
 #[derive(Debug, Clone, Copy)]
 pub struct Frame<'a> {
     /// Width and height, in pixels.
     pub size: [usize; 2],
-    /// Pixels a point.
+    /// Pixels per point.
     pub scale: f32,
-    /// The colour below everything, `0x00RRGGBB`.
+    /// The background colour, `0x00RRGGBB`.
     pub background: u32,
     /// The widgets, from back to front.
     pub widgets: &'a [ClippedPrimitive],
-    /// The picture under them.
+    /// The picture below the widgets.
     pub picture: Option<PictureView<'a>>,
 }
 
-/// A part of the window.
+/// A tile of the window.
 #[derive(Debug, Default)]
 struct Tile {
-    /// What it shows; `None` where it was never drawn.
+    /// The hash of what it shows; `None` if it was never drawn.
     shown: Option<u64>,
-    /// What it is to show.
+    /// The hash of what it should show.
     due: u64,
     /// The items that touch it, from back to front.
     items: Vec<u32>,
-    /// Nothing behind the first of `items` is seen.
+    /// Whether the first of `items` hides everything below it.
     covered: bool,
 }
 
@@ -87,7 +87,7 @@ impl Default for Painter {
 }
 
 impl Painter {
-    /// A painter that has painted nothing.
+    /// A painter that has not painted yet.
     #[must_use]
     pub fn new() -> Self {
         let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
@@ -103,7 +103,8 @@ impl Painter {
         }
     }
 
-    /// Takes over what became of the textures, and leaves `delta` empty. What is set counts at once, what is freed is so after the next frame.
+    /// Applies changes of textures, and leaves `delta` empty. New textures can be used at once; freed ones are dropped
+    /// after the next frame.
     pub fn update_textures(&mut self, delta: &mut TexturesDelta) {
         self.textures.update(delta);
     }
@@ -120,13 +121,14 @@ impl Painter {
         self.size
     }
 
-    /// Where the last frame differs from the one before.
+    /// The regions where the last frame differs from the previous one.
     #[must_use]
     pub fn changed(&self) -> &[Region] {
         &self.changed
     }
 
-    /// Paints `frame`, and says where it differs from the last one: in places that do not overlap, none of them empty.
+    /// Paints a frame. Returns the regions that differ from the previous frame. They do not overlap, and none is
+    /// empty.
     pub fn paint(&mut self, frame: &Frame<'_>) -> &[Region] {
         self.resize(frame.size);
         let picture = frame.picture.as_ref().and_then(|view| Placed::new(view, frame.scale, self.whole()));
@@ -153,7 +155,7 @@ impl Painter {
         self.tiles.resize_with(size[0].div_ceil(TILE) * size[1].div_ceil(TILE), Tile::default);
     }
 
-    /// Finds the items and what each tile is to show.
+    /// Collects the items, and computes what each tile should show.
     fn plan(&mut self, frame: &Frame<'_>, picture: Option<&Placed<'_>>) {
         let whole = self.whole();
         let columns = self.size[0].div_ceil(TILE);
@@ -188,7 +190,7 @@ impl Painter {
         }
     }
 
-    /// Draws the tiles that are to show something new.
+    /// Draws the tiles that changed.
     fn draw(&mut self, background: u32, picture: Option<&Placed<'_>>) {
         let whole = self.whole();
         let [width, columns] = [self.size[0], self.size[0].div_ceil(TILE)];
@@ -224,7 +226,7 @@ impl Painter {
         }
     }
 
-    /// Notes where tiles changed, runs of them as one.
+    /// Collects the regions of changed tiles, merged where possible.
     fn collect(&mut self) {
         let whole = self.whole();
         let columns = self.size[0].div_ceil(TILE);
@@ -250,14 +252,14 @@ impl Painter {
     }
 }
 
-/// Where a tile is.
+/// The area of a tile.
 fn place(index: usize, columns: usize, whole: Region) -> Region {
     let side = TILE as i32;
     let [left, top] = [index % columns, index / columns].map(|tile| tile as i32 * side);
     Region { left, top, right: left + side, bottom: top + side }.meet(whole)
 }
 
-/// The hash of what `write` writes. It need not be the same in another run.
+/// The hash of what `write` writes. It may differ between runs.
 fn hash(write: impl FnOnce(&mut foldhash::quality::FoldHasher<'static>)) -> u64 {
     use std::hash::BuildHasher;
     let mut hasher = foldhash::quality::FixedState::with_seed(0x696c_6c75).build_hasher();
@@ -265,17 +267,17 @@ fn hash(write: impl FnOnce(&mut foldhash::quality::FoldHasher<'static>)) -> u64 
     hasher.finish()
 }
 
-/// The picture, and where on the window it is.
+/// The picture and its position in the window.
 struct Placed<'a> {
     view: PictureView<'a>,
     place: Region,
-    /// Where its left upper corner is.
+    /// The position of its upper left corner.
     corner: [i64; 2],
     zoom: i64,
 }
 
 impl<'a> Placed<'a> {
-    /// `None` where nothing of its pane is seen, or where there are fewer pixels than it says.
+    /// `None` if no part of the pane is visible, or there are too few pixels.
     fn new(view: &PictureView<'a>, scale: f32, whole: Region) -> Option<Self> {
         let pane = Region::of(view.place, scale);
         let place = pane.meet(whole);
@@ -334,7 +336,7 @@ impl<'a> Placed<'a> {
 }
 
 impl Item {
-    /// Whether it hides whatever is behind its whole place.
+    /// Whether it hides everything below its area.
     fn is_opaque(&self) -> bool {
         matches!(self.content, Content::Fill(colour) if colour >> 24 == 0xff)
     }

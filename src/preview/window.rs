@@ -1,8 +1,10 @@
-//! The window itself: the one room, with those below it, that knows the screen, the keyboard, the pointer and the clipboard.
+//! The window. This module and those below it are the only ones that know the screen, the keyboard, the pointer and
+//! the clipboard.
 //!
-//! Two connections to the display share the work. That of `minifb` has the window, its keys and its bar; a second one (`display`) hears of
-//! every click at the moment it happens, where minifb asks now and then, and hands over only those pixels that changed. Without the second one minifb
-//! does it all. Here is how a window begins and ends; its days are in `turn`.
+//! There are two connections to the display. The one of `minifb` owns the window, and has its keys and its title bar.
+//! The second one (`display`) receives every click at once, while minifb only polls, and it sends only the pixels that
+//! changed. Without the second connection, minifb does everything. This module opens and closes the window;
+//! `event_loop` runs it.
 
 mod clipboard;
 mod cursor;
@@ -19,7 +21,7 @@ use crate::preview::WindowApp;
 pub use exit::WindowExit;
 use thiserror::Error;
 
-/// How a window begins.
+/// The options of a window.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct WindowOptions {
     /// Width and height, in pixels of the screen.
@@ -32,27 +34,27 @@ impl Default for WindowOptions {
     }
 }
 
-/// Why there is no window.
+/// Why there is no window, or no window any more.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum WindowError {
-    /// There is no screen to open it on.
+    /// There is no display.
     #[error("there is no display to open a window on (DISPLAY is not set); `illuminator render` works without one")]
     NoDisplay,
-    /// There is one, but of a kind that this program does not speak.
+    /// The display is of a kind that this program does not support.
     #[error(
         "the window speaks X11, and there is only Wayland here: start XWayland (DISPLAY is not set), or use `illuminator render`"
     )]
     WaylandOnly,
-    /// The display refused.
+    /// The display refused to open the window.
     #[error("the display does not open a window ({0}); `illuminator render` works without one")]
     Refused(String),
-    /// The display is gone, and the window with it.
+    /// The display is gone.
     #[error("the connection to the display is lost")]
     DisplayLost,
 }
 
 impl WindowError {
-    /// What the variables of the environment already say.
+    /// The error that the environment variables predict.
     fn foreseen(variable: impl Fn(&str) -> bool) -> Option<Self> {
         match (variable("DISPLAY"), variable("WAYLAND_DISPLAY")) {
             (true, _) => None,
@@ -62,12 +64,12 @@ impl WindowError {
     }
 }
 
-/// Shows `app` in a window until either wants it closed, or `exit` does.
+/// Shows `app` in a window, until `app`, the user or `exit` closes it.
 ///
 /// # Errors
 ///
-/// No window can be opened: `app` has then been asked for nothing but its title. Or the display is lost: `app` has then been
-/// told that the window is closing.
+/// The window cannot be opened; nothing but the title of `app` has been used then. Or the display is lost; `app` has
+/// been told then that the window is closing.
 pub fn run(app: &mut dyn WindowApp, options: WindowOptions, exit: &WindowExit) -> Result<(), WindowError> {
     let is_set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
     if let Some(error) = WindowError::foreseen(is_set) {
@@ -91,14 +93,14 @@ pub fn run(app: &mut dyn WindowApp, options: WindowOptions, exit: &WindowExit) -
     match ending {
         turn::Ending::Closed => Ok(()),
         turn::Ending::DisplayLost => {
-            // Closing the window now would have Xlib end the program before it can say why.
+            // Closing the window would make Xlib end the program before the error is shown.
             std::mem::forget(shell);
             Err(WindowError::DisplayLost)
         }
     }
 }
 
-/// A title without characters that act on the display, such as the zero that ends texts there.
+/// A title without control characters, such as a zero byte, which ends texts in Xlib.
 fn printable(title: &str) -> String {
     crate::lang::display_text::one_line(title)
 }

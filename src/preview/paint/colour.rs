@@ -1,17 +1,18 @@
-//! Arithmetic on premultiplied colours `0xAARRGGBB`, on pixels `0x00RRGGBB` below them.
+//! Arithmetic with premultiplied colours, `0xAARRGGBB`, over opaque pixels, `0x00RRGGBB`.
 
 /// `[red, green, blue, alpha]` as `0xAARRGGBB`.
 pub(super) fn pack([red, green, blue, alpha]: [u8; 4]) -> u32 {
     u32::from_le_bytes([blue, green, red, alpha])
 }
 
-/// The products of two channels side by side with a factor of at most 255, divided by 255 and rounded.
+/// Two channels of a pair, each times a factor up to 255, divided by 255 and rounded.
 fn scaled(pair: u32, factor: u32) -> u32 {
     let product = pair * factor + 0x0080_0080;
     ((product + ((product >> 8) & 0x00ff_00ff)) >> 8) & 0x00ff_00ff
 }
 
-/// What is seen of `below` through `colour`. Colours that add light without hiding (alpha too small for them) end at white.
+/// A colour blended over a pixel. Colours that add light without hiding (with too small an alpha) are clamped to
+/// white.
 pub(super) fn over(colour: u32, below: u32) -> u32 {
     let through = 255 - (colour >> 24);
     let add = |own: u32, below: u32| {
@@ -23,7 +24,7 @@ pub(super) fn over(colour: u32, below: u32) -> u32 {
     outer | ((middle & 0xff) << 8)
 }
 
-/// A texel in a colour: their product, channel by channel.
+/// The product of a texel and a colour, channel by channel.
 pub(super) fn tinted(texel: u32, colour: u32) -> u32 {
     match (texel, colour) {
         (0, _) | (_, 0) => 0,
@@ -40,7 +41,7 @@ pub(super) fn tinted(texel: u32, colour: u32) -> u32 {
     }
 }
 
-/// Puts a colour on a pixel.
+/// Blends a colour over a pixel.
 pub(super) fn blend(pixel: &mut u32, colour: u32) {
     match colour >> 24 {
         0xff => *pixel = colour & 0x00ff_ffff,
@@ -49,7 +50,7 @@ pub(super) fn blend(pixel: &mut u32, colour: u32) {
     }
 }
 
-/// Puts one colour on pixels side by side.
+/// Blends a colour over a row of pixels.
 pub(super) fn span(row: &mut [u32], colour: u32) {
     if colour >> 24 == 0xff {
         row.fill(colour & 0x00ff_ffff);

@@ -1,7 +1,7 @@
-//! Triangles of widgets into items: what is drawn in one go, where, and a hash of it.
+//! Turning triangles into items: what is drawn at once, its area, and its hash.
 //!
-//! Most triangles come in pairs that make an upright rectangle of one colour, plain (fills, bars) or with a letter on it; those are taken
-//! together. What has no extent or no number for a place is left out.
+//! Most triangles come in pairs that form an axis-aligned rectangle of one colour, plain or with a letter. Such a pair
+//! becomes one item. Triangles that are empty or not finite are left out.
 
 use super::colour::pack;
 use super::hash;
@@ -10,44 +10,44 @@ use super::texture::{Texture, Textures};
 use egui::epaint::{ClippedPrimitive, Mesh, Primitive, TextureId, Vertex};
 use std::hash::{Hash, Hasher};
 
-/// How far a texel may be from its pixel for the two to be the same.
+/// The largest distance between texels and pixels that still counts as aligned.
 const EXACT: f64 = 0.02;
 
-/// Something to draw.
+/// An item.
 #[derive(Debug)]
 pub(super) struct Item {
-    /// The pixels that it may touch; never empty.
+    /// The pixels that it may change; never empty.
     pub(super) place: Region,
     pub(super) content: Content,
-    /// Of everything that its pixels depend on.
+    /// A hash of everything that its pixels depend on.
     pub(super) hash: u64,
 }
 
-/// What is drawn. Colours are premultiplied, `0xAARRGGBB`.
+/// The content of an item. Colours are premultiplied, `0xAARRGGBB`.
 #[derive(Debug)]
 pub(super) enum Content {
     /// One colour.
     Fill(u32),
-    /// Texels that lie exactly on pixels, the texel `shift` away from the pixel.
+    /// Texels aligned with pixels. The texel of a pixel is `shift` away from it.
     Copy { texture: TextureId, shift: [i64; 2], tint: u32 },
-    /// Texels of an upright rectangle: at pixel 0 there is texel `from`, and `step` more at each next.
+    /// A scaled rectangle of texels: pixel 0 has texel `from`, and each next pixel is `step` texels further.
     Stretch { texture: TextureId, from: [f64; 2], step: [f64; 2], tint: u32 },
-    /// A triangle with colours between those of its corners, and a texture where it has one.
+    /// A triangle with interpolated colours, and a texture if it has one.
     Triangle(Box<Triangle>),
 }
 
 /// A triangle.
 #[derive(Debug)]
 pub(super) struct Triangle {
-    /// Its corners, in pixels.
+    /// The corners, in pixels.
     pub(super) corners: [[f64; 2]; 3],
-    /// The colours there.
+    /// The colours at the corners.
     pub(super) colours: [u32; 3],
-    /// The texture and where the corners are on it, in texels.
+    /// The texture, and the position of the corners on it, in texels.
     pub(super) texture: Option<(TextureId, [[f64; 2]; 3])>,
 }
 
-/// A corner on the way from points to pixels.
+/// A corner in pixels.
 #[derive(Clone, Copy)]
 struct Corner {
     at: [f64; 2],
@@ -55,10 +55,10 @@ struct Corner {
     colour: u32,
 }
 
-/// Puts down the items of `widgets` in order.
+/// Collects the items of `widgets`, in order.
 pub(super) fn collect(widgets: &[ClippedPrimitive], scale: f32, whole: Region, textures: &Textures, items: &mut Vec<Item>) {
     for widget in widgets {
-        // What paints itself by a graphics card's means has no place here.
+        // Callbacks paint with a graphics card, which is not used here.
         let Primitive::Mesh(mesh) = &widget.primitive else { continue };
         let clip = Region::of(widget.clip_rect, scale).meet(whole);
         let Some(texture) = textures.get(mesh.texture_id).filter(|_| !clip.is_empty()) else { continue };
@@ -103,14 +103,14 @@ impl Collector<'_> {
         Some([corner(a)?, corner(b)?, corner(c)?])
     }
 
-    /// The pixels whose middles are between `low` and `high`.
+    /// The pixels with their centre between `low` and `high`.
     fn place(&self, low: [f64; 2], high: [f64; 2]) -> Option<Region> {
         let [left, top] = low.map(edge);
         let [right, bottom] = high.map(edge);
         Some(Region { left, top, right, bottom }.meet(self.clip)).filter(|place| !place.is_empty())
     }
 
-    /// Takes two triangles as one rectangle, where they are one.
+    /// Turns two triangles into one rectangle, if they form one.
     fn rectangle(&mut self, first: &[Corner; 3], second: &[Corner; 3]) -> bool {
         let all = || first.iter().chain(second);
         let colour = first[0].colour;
@@ -123,7 +123,7 @@ impl Collector<'_> {
         for (triangle, missing) in [first, second].into_iter().zip(&mut missing) {
             let mut seen = 0;
             for corner in triangle {
-                // Which corner of the rectangle it is: a bit says right, another below.
+                // The corner of the rectangle: one bit for right, another one for below.
                 let mut number = 0;
                 for axis in 0..2 {
                     if corner.at[axis] == high[axis] {
@@ -142,7 +142,7 @@ impl Collector<'_> {
                 return false;
             }
         }
-        // Each triangle lacks a corner; they are the two halves where those face each other.
+        // Each triangle lacks one corner. They form a rectangle if the missing corners are opposite.
         let [Some(a), Some(b), Some(c), Some(d)] = texels else { return false };
         if missing[0] ^ missing[1] != 3 || a[0] != c[0] || b[0] != d[0] || a[1] != b[1] || c[1] != d[1] {
             return false;
@@ -153,7 +153,7 @@ impl Collector<'_> {
         true
     }
 
-    /// What a rectangle with texels `from` to `to` is.
+    /// The content of a rectangle with the texels `from` to `to`.
     fn textured(&self, tint: u32, [low, high]: [[f64; 2]; 2], [from, to]: [[f64; 2]; 2]) -> Content {
         let texture = self.mesh.texture_id;
         if from == to {
@@ -174,7 +174,7 @@ impl Collector<'_> {
         }
     }
 
-    /// A colour with the texel that all of it has.
+    /// The colour of a rectangle that has a single texel.
     fn plain(&self, colour: u32, texel: [f64; 2]) -> u32 {
         super::colour::tinted(self.texture.sample(texel.map(|at| at as f32), false), colour)
     }
@@ -189,7 +189,7 @@ impl Collector<'_> {
             colours = colours.map(|colour| self.plain(colour, texels[0]));
             texture = None;
         }
-        // What adds nothing and hides nothing: the outer rim of soft edges has one such corner, never three.
+        // Corners that neither add nor hide anything: the outer edge of a soft border has one or two, never three.
         if colours == [0; 3] {
             return;
         }
@@ -235,7 +235,7 @@ impl Content {
     }
 }
 
-/// The first pixel whose middle is not before `at`.
+/// The first pixel with its centre at or after `at`.
 pub(super) fn edge(at: f64) -> i32 {
     (at - 0.5).ceil() as i32
 }

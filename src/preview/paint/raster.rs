@@ -1,25 +1,26 @@
-//! Items into the pixels of one tile.
+//! Drawing items into one tile.
 //!
-//! A pixel belongs to a shape where its middle is inside; a middle on a border belongs to the shape to the right of it and below. So shapes that
-//! share a border neither overlap nor leave a gap: borders are found row by row, from their upper end, whichever shape asks.
+//! A pixel belongs to a shape if its centre is inside. A centre on an edge belongs to the shape to the right or below.
+//! Edges are computed row by row from their upper end, whichever shape they belong to, so shapes that share an edge
+//! neither overlap nor leave a gap.
 
 use super::colour::{blend, span, tinted};
 use super::item::{Content, Item, Triangle, edge};
 use super::region::Region;
 use super::texture::{Texture, Textures};
 
-/// A tile that is being drawn.
+/// The tile to draw into.
 pub(super) struct Canvas<'a> {
-    /// The rows of the window in which the tile is.
+    /// The rows of pixels that contain the tile.
     band: &'a mut [u32],
     width: usize,
-    /// The row of the window that is the band's first.
+    /// The window row of the first of them.
     top: i32,
     place: Region,
 }
 
 impl<'a> Canvas<'a> {
-    /// The tile at `place`, in a band of whole rows from `top`.
+    /// The tile with this area, in a band of whole rows that starts at row `top`.
     pub(super) fn new(band: &'a mut [u32], width: usize, top: i32, place: Region) -> Self {
         Self { band, width, top, place }
     }
@@ -28,7 +29,7 @@ impl<'a> Canvas<'a> {
         self.place
     }
 
-    /// The pixels of a row from `left` to before `right`; all of them in the tile.
+    /// The pixels of a row from `left` up to `right`, which must be in the tile.
     pub(super) fn row(&mut self, y: i32, left: i32, right: i32) -> &mut [u32] {
         let start = (y - self.top) as usize * self.width;
         &mut self.band[start + left as usize..start + right.max(left) as usize]
@@ -130,7 +131,7 @@ impl<'a> Canvas<'a> {
     }
 }
 
-/// Where the middle of a row enters and leaves a triangle.
+/// Where the centre of a row enters and leaves a triangle.
 fn crossing(corners: &[[f64; 2]; 3], y: f64) -> Option<(f64, f64)> {
     let mut found = [None; 2];
     for [from, to] in [[0, 1], [1, 2], [2, 0]].map(|ends| ends.map(|end| corners[end])) {
@@ -144,13 +145,13 @@ fn crossing(corners: &[[f64; 2]; 3], y: f64) -> Option<(f64, f64)> {
     Some((a.min(b), a.max(b)))
 }
 
-/// Numbers that change evenly over a triangle.
+/// Numbers that are interpolated linearly over a triangle.
 struct Slope<const N: usize> {
     origin: [f64; 2],
     start: [f64; N],
     across: [f64; N],
     down: [f64; N],
-    /// What the corners have; between them there is nothing beyond.
+    /// The smallest and largest numbers at the corners, which limit the others.
     low: [f32; N],
     high: [f32; N],
 }
@@ -175,7 +176,7 @@ impl<const N: usize> Slope<N> {
         }
     }
 
-    /// The numbers at a point, and one pixel further to the right each time.
+    /// The numbers at a point, and then one pixel further to the right each time.
     fn along(&self, at: [f64; 2]) -> impl Iterator<Item = [f32; N]> {
         let [right, below] = [at[0] - self.origin[0], at[1] - self.origin[1]];
         let start: [f32; N] = std::array::from_fn(|channel| {

@@ -2,7 +2,7 @@
 
 use std::hash::Hasher;
 
-/// A rectangle of whole pixels: the first column and row in it, and those right after the last.
+/// A rectangle of whole pixels: the first column and row, and those after the last.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Region {
     /// The first column.
@@ -16,15 +16,15 @@ pub struct Region {
 }
 
 impl Region {
-    /// The pixels that a rectangle in points has at a scale: its borders rounded to the nearest ones between pixels.
+    /// The pixels of a rectangle in points, with its edges rounded to the nearest pixel edges.
     #[must_use]
     pub fn of(place: egui::Rect, scale: f32) -> Self {
-        // A conversion saturates, and makes 0 of what is no number.
+        // The conversion saturates, and turns NaN into 0.
         let pixel = |at: f32| (at * scale).round().clamp(-1e8, 1e8) as i32;
         Self { left: pixel(place.min.x), top: pixel(place.min.y), right: pixel(place.max.x), bottom: pixel(place.max.y) }
     }
 
-    /// What is in both.
+    /// The intersection.
     #[must_use]
     pub fn meet(self, other: Self) -> Self {
         Self {
@@ -35,13 +35,13 @@ impl Region {
         }
     }
 
-    /// Whether no pixel is in it.
+    /// Whether it has no pixels.
     #[must_use]
     pub fn is_empty(self) -> bool {
         self.left >= self.right || self.top >= self.bottom
     }
 
-    /// Whether all of `other` is in it.
+    /// Whether it contains all of `other`.
     #[must_use]
     pub fn holds(self, other: Self) -> bool {
         self.left <= other.left && self.top <= other.top && self.right >= other.right && self.bottom >= other.bottom

@@ -6,7 +6,7 @@ use proptest::prelude::*;
 
 const GROUND: u32 = 0x0010_2030;
 
-/// A painter with a white texel at the corner of a texture of 4×4, whose others are half there.
+/// A painter with a texture of 4×4: the texel in the corner is white, the others are half transparent.
 fn painter() -> Painter {
     let mut painter = Painter::new();
     set_texture(&mut painter, Color32::from_rgba_premultiplied(80, 60, 40, 128));
@@ -129,7 +129,7 @@ fn texels_on_pixels_are_copied_and_others_are_between() {
     let mut between = Mesh::default();
     between.add_rect_with_uv(rect(5.5), Rect::from_min_max(Pos2::ZERO, pos2(1.0, 1.0)), Color32::WHITE);
     let pixels = paint([16, 16], &[clipped(Rect::EVERYTHING, between)]);
-    // Half way between the white texel and its neighbour, (255 + 128) / 2 of alpha.
+    // Halfway between the white texel and its neighbour: alpha is (255 + 128) / 2.
     let [_, _, red, _] = pixels[5 * 16 + 6].to_le_bytes();
     let exact = f64::midpoint(255.0, 80.0) + f64::from(0x10) * (1.0 - 191.5 / 255.0);
     assert!((f64::from(red) - exact).abs() < 1.5, "{red}, not {exact}");
@@ -207,7 +207,7 @@ fn fewer_pixels_than_a_picture_says_are_none() {
     assert!(painter.pixels().iter().all(|pixel| *pixel == GROUND));
 }
 
-/// What egui makes of a few widgets.
+/// The primitives that egui makes of a few widgets.
 fn widgets(context: &egui::Context, painter: &mut Painter, scale: f32, typed: &str) -> Vec<ClippedPrimitive> {
     let mut input =
         egui::RawInput { screen_rect: Some(Rect::from_min_size(Pos2::ZERO, vec2(300.0, 200.0))), ..egui::RawInput::default() };
@@ -246,7 +246,7 @@ fn copies(painter: &Painter) -> usize {
     painter.items.iter().filter(|item| matches!(item.content, Content::Copy { .. })).count()
 }
 
-/// Numbers that break arithmetic as well as common ones.
+/// Numbers that break arithmetic, and usual ones.
 fn number() -> impl Strategy<Value = f32> {
     prop_oneof![
         8 => -20.0_f32..220.0,
@@ -283,7 +283,8 @@ fn widget() -> impl Strategy<Value = ClippedPrimitive> {
     (clip, prop_oneof![triangles, rectangles]).prop_map(|(clip, mesh)| clipped(clip, mesh))
 }
 
-/// A step of a session: whether the texture changes, the size, the scale, which widgets are kept, and what comes in addition.
+/// A step of a random session: whether the texture changes, the size, the scale, the widgets to keep, and those to
+/// add.
 type Step = (Option<Color32>, [usize; 2], f32, u8, Vec<ClippedPrimitive>, Option<(u64, Rect, u32, [i32; 2])>);
 
 fn step() -> impl Strategy<Value = Step> {

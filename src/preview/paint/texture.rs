@@ -1,4 +1,4 @@
-//! The textures of the widgets: letters above all, and what images egui was given.
+//! The textures of the widgets: mostly letters, and images that egui was given.
 
 use super::colour::pack;
 use egui::epaint::{
@@ -7,7 +7,7 @@ use egui::epaint::{
 };
 use std::collections::HashMap;
 
-/// All textures, by the names that egui gave them.
+/// All textures by egui's identifiers.
 #[derive(Debug, Default)]
 pub(super) struct Textures {
     all: HashMap<TextureId, Texture>,
@@ -15,14 +15,14 @@ pub(super) struct Textures {
     version: u64,
 }
 
-/// An image that triangles take their colours from.
+/// A texture.
 #[derive(Debug)]
 pub(super) struct Texture {
     pub(super) size: [usize; 2],
     /// Premultiplied, `0xAARRGGBB`; never empty.
     texels: Vec<u32>,
     options: TextureOptions,
-    /// Changes whenever anything of it does.
+    /// Changes whenever the texture does.
     pub(super) version: u64,
 }
 
@@ -32,7 +32,7 @@ impl Textures {
     }
 
     pub(super) fn update(&mut self, delta: &mut TexturesDelta) {
-        // In which order different textures are set does not matter.
+        // The order in which different textures are set does not matter.
         for (id, images) in delta.set.drain() {
             self.doomed.retain(|doomed| *doomed != id);
             for image in &images {
@@ -43,7 +43,7 @@ impl Textures {
         self.doomed.extend(delta.free.drain());
     }
 
-    /// Drops what was freed.
+    /// Drops the freed textures.
     pub(super) fn free(&mut self) {
         for id in self.doomed.drain(..) {
             self.all.remove(&id);
@@ -77,13 +77,13 @@ impl Textures {
 }
 
 impl Texture {
-    /// Part of a row; as far as it is there.
+    /// A part of a row, as far as it exists.
     pub(super) fn row(&self, line: usize, from: usize, count: usize) -> &[u32] {
         let start = line * self.size[0] + from;
         self.texels.get(start..start + count).unwrap_or_default()
     }
 
-    /// The colour at a point that is measured in texels. `fine` says that texels are smaller than pixels there.
+    /// The colour at a point, in texels. `fine` says that texels are smaller than pixels there.
     pub(super) fn sample(&self, at: [f32; 2], fine: bool) -> u32 {
         let filter = if fine { self.options.minification } else { self.options.magnification };
         match filter {

@@ -1,10 +1,10 @@
-//! The clipboard, as far as there is one: what cannot be read is empty, and what cannot be written is lost.
+//! The clipboard. If there is none, reading gives nothing and writing does nothing.
 
 use crate::lang::lines::with_line_feeds;
 use arboard::ImageData;
 use egui::ColorImage;
 
-/// Opened when it is first asked for: most sessions never do.
+/// The clipboard, opened when it is first used. Most sessions never use it.
 #[derive(Default)]
 pub(super) struct Clipboard {
     opened: Option<Option<arboard::Clipboard>>,
@@ -15,7 +15,7 @@ impl Clipboard {
         self.opened.get_or_insert_with(|| arboard::Clipboard::new().ok()).as_mut()
     }
 
-    /// The text in it. Lines end as they do here.
+    /// The text in the clipboard, with line feeds as line ends.
     pub(super) fn text(&mut self) -> Option<String> {
         let text = self.open()?.get_text().ok()?;
         Some(with_line_feeds(&text)).filter(|text| !text.is_empty())

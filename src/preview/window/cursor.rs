@@ -1,9 +1,9 @@
-//! The shapes of the pointer: those that minifb has, for those that egui asks for.
+//! The pointer shapes of minifb for those of egui.
 
 use egui::CursorIcon;
 use minifb::CursorStyle;
 
-/// The nearest shape.
+/// The closest shape.
 pub(super) fn style(icon: CursorIcon) -> CursorStyle {
     match icon {
         CursorIcon::Text | CursorIcon::VerticalText => CursorStyle::Ibeam,

@@ -1,7 +1,8 @@
-//! A second connection to the display: it hears of clicks and movements when they happen, and hands over the pixels that changed.
+//! The second connection to the display. It receives clicks and movements at once, and sends the pixels that changed.
 //!
-//! Only one connection can hear of a window's clicks, and minifb's does. So a window that is nothing but an ear lies over it, as large as windows
-//! get; clicks go there, and keys, which nobody listens for there, go on to minifb's.
+//! A window's clicks go to one connection only, which is that of minifb. So the second connection lays an invisible
+//! input window over it, as large as windows can be, which gets the clicks. It does not ask for keys, so they go on to
+//! minifb's window.
 
 use super::rows::Rows;
 use super::shared::{Canvas, SharedPixels};
@@ -18,20 +19,20 @@ use x11rb::protocol::xproto::{
 };
 use x11rb::rust_connection::RustConnection;
 
-/// What happened on the display or elsewhere while the window slept.
+/// What wakes the event loop.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Signal {
-    /// The pointer did something.
+    /// The pointer moved, or a button or the wheel was used.
     Pointer(Pointer, Modifiers, Instant),
-    /// A key went down or up; minifb knows which.
+    /// A key was pressed or released. minifb knows which.
     Key,
-    /// Pixels of the window were lost.
+    /// Pixels of the window must be sent again.
     Exposed,
-    /// The window can be seen from now on, or not.
+    /// The window became visible, or invisible.
     Mapped(bool),
-    /// Something that minifb will know of.
+    /// An event that minifb will handle.
     Other,
-    /// Somebody wants a frame at that time; `own` says that the last frame itself did.
+    /// A frame is wanted at this time. `own` says that the last frame itself asked for it.
     Repaint { at: Instant, own: bool },
     /// The window should close.
     Close,
@@ -39,7 +40,7 @@ pub(super) enum Signal {
     Broken,
 }
 
-/// What the pointer did; places are in pixels.
+/// What the pointer did. Positions are in pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Pointer {
     Moved([f32; 2]),
@@ -58,13 +59,13 @@ pub(super) struct Display {
     connection: Arc<RustConnection>,
     ear: u32,
     canvas: Canvas,
-    /// The way of pixels where the display shares memory.
+    /// Memory shared with the display, if it supports that.
     shared: Option<SharedPixels>,
     rows: Rows,
 }
 
 impl Display {
-    /// Listens at `window`, and tells `told` from then on; `None` where that cannot be.
+    /// Receives the input of `window`, and sends it to `sender` from then on. `None` if the display does not allow it.
     pub(super) fn open(window: u32, told: Sender<Signal>) -> Option<Self> {
         let display = Self::connect(window).ok().flatten()?;
         let (connection, ear) = (Arc::clone(&display.connection), display.ear);
@@ -105,22 +106,22 @@ impl Display {
         Ok(Some(Self { connection: Arc::new(connection), ear, canvas, shared, rows: Rows::default() }))
     }
 
-    /// Hands over what changed of `pixels`, rows of `width`.
+    /// Sends the changed regions of `pixels`, which has rows of `width`.
     pub(super) fn present(&mut self, pixels: &[u32], width: usize, changed: &[Region]) -> Result<(), ConnectionError> {
         if let Some(shared) = &mut self.shared {
             if shared.present(&self.connection, self.canvas, pixels, width, changed).is_ok() {
                 return Ok(());
             }
-            // Where the connection itself is lost, so is the other way.
+            // If the connection itself is broken, sending without shared memory fails too.
             self.shared = None;
         }
         self.send(pixels, width, changed)
     }
 
-    /// The same through the connection.
+    /// Sends the changed regions over the connection, without shared memory.
     fn send(&mut self, pixels: &[u32], width: usize, changed: &[Region]) -> Result<(), ConnectionError> {
         let Canvas { window, pen, depth } = self.canvas;
-        // What goes with the pixels of a request takes less than this.
+        // The header of a request is smaller than this.
         let room = (self.connection.maximum_request_bytes().saturating_sub(64) / 4).max(1);
         let connection = &self.connection;
         for place in changed {
@@ -138,13 +139,13 @@ impl Display {
 
 impl Drop for Display {
     fn drop(&mut self) {
-        // The thread that listens hears of it, and ends.
+        // The listening thread receives the event, and ends.
         let _ = self.connection.destroy_window(self.ear);
         let _ = self.connection.flush();
     }
 }
 
-/// Passes on what happens, until the ear is gone or nobody wants to know.
+/// Forwards events until the input window is destroyed, or the receiver is gone.
 fn listen(connection: &RustConnection, ear: u32, told: &Sender<Signal>) {
     while let Ok(event) = connection.wait_for_event() {
         if matches!(&event, Event::DestroyNotify(gone) if gone.window == ear) {
@@ -157,7 +158,7 @@ fn listen(connection: &RustConnection, ear: u32, told: &Sender<Signal>) {
     let _ = told.send(Signal::Broken);
 }
 
-/// Whether there is no display any more. A connection can also break by itself, where somebody has the display close it.
+/// Whether the display is gone. A connection can also break alone, if another client asks the display to close it.
 pub(super) fn is_gone() -> bool {
     RustConnection::connect(None).is_err()
 }
@@ -165,7 +166,7 @@ pub(super) fn is_gone() -> bool {
 fn signal(event: &Event, ear: u32) -> Option<Signal> {
     let now = Instant::now();
     let place = |x: i16, y: i16| [f32::from(x), f32::from(y)];
-    // Crossings that come of menus of the window manager, and of buttons going down, are none.
+    // Crossings caused by menus of the window manager or by pressed buttons do not count.
     let crossing = |mode: NotifyMode| mode == NotifyMode::NORMAL;
     #[allow(clippy::wildcard_enum_match_arm, reason = "a hundred kinds of events are none of this window's")]
     Some(match event {
@@ -175,7 +176,7 @@ fn signal(event: &Event, ear: u32) -> Option<Signal> {
         Event::EnterNotify(event) if crossing(event.mode) => {
             Signal::Pointer(Pointer::Moved(place(event.event_x, event.event_y)), modifiers(event.state), now)
         }
-        // While a button is held, the pointer is followed beyond the window.
+        // While a button is held, the pointer is followed outside the window.
         Event::LeaveNotify(event) if crossing(event.mode) && !holds(event.state) => {
             Signal::Pointer(Pointer::Gone, modifiers(event.state), now)
         }

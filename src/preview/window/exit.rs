@@ -1,4 +1,4 @@
-//! How a window ends from outside: a signal closes it, or Xlib ends the whole program because the display is gone.
+//! Ending a window from outside: a signal closes it, or Xlib ends the program because the display is gone.
 
 use super::display::Signal;
 use std::cell::RefCell;
@@ -14,20 +14,20 @@ pub struct WindowExit {
 
 struct Shared {
     wanted: AtomicBool,
-    /// Wakes the window, once there is one.
+    /// Wakes the event loop, once there is one.
     wake: OnceLock<Sender<Signal>>,
     last_resort: Box<dyn Fn() + Send + Sync>,
 }
 
 impl WindowExit {
-    /// `last_resort` saves what can be saved without the window. It is called, from any thread, when the program ends and the
-    /// window did not close.
+    /// `last_resort` saves what can be saved without the window. It is called, from any thread, if the program ends
+    /// and the window could not close.
     pub fn new(last_resort: impl Fn() + Send + Sync + 'static) -> Self {
         let last_resort = Box::new(last_resort);
         Self { shared: Arc::new(Shared { wanted: AtomicBool::new(false), wake: OnceLock::new(), last_resort }) }
     }
 
-    /// Closes the window as its own close button does. It may be busy, so this does not wait.
+    /// Closes the window, as its close button does. The window may be busy; this does not wait for it.
     pub fn close(&self) {
         self.shared.wanted.store(true, Ordering::SeqCst);
         if let Some(wake) = self.shared.wake.get() {
@@ -40,9 +40,9 @@ impl WindowExit {
         (self.shared.last_resort)();
     }
 
-    /// Has [`close`](Self::close) wake the window.
+    /// Makes [`close`](Self::close) wake the event loop.
     pub(super) fn wakes(&self, window: Sender<Signal>) {
-        // The first window stays: there is one.
+        // There is only one window, so the first sender stays.
         let _ = self.shared.wake.set(window);
     }
 
@@ -51,8 +51,8 @@ impl WindowExit {
     }
 }
 
-/// Where Xlib finds that the display is gone, it calls `exit`, and this thread never comes back from the call. The C library
-/// then runs the destructors of this thread's local variables, which is how the last resort is reached.
+/// Calls the last resort when this thread's local variables are destroyed. If Xlib finds that the display is gone, it
+/// calls `exit`, and the call never returns. The C library then destroys the local variables of the thread.
 struct OnExit(Option<WindowExit>);
 
 impl Drop for OnExit {
@@ -67,10 +67,10 @@ thread_local! {
     static ON_EXIT: RefCell<Option<OnExit>> = const { RefCell::new(None) };
 }
 
-/// Ends the watch over this thread when dropped.
+/// While it lives, the last resort is called if the program ends on this thread.
 pub(super) struct Guard;
 
-/// Has the last resort called where the program ends on this thread while the answer lives.
+/// Guards this thread, see [`Guard`].
 pub(super) fn guard_this_thread(exit: &WindowExit) -> Guard {
     ON_EXIT.set(Some(OnExit(Some(exit.clone()))));
     Guard

@@ -1,24 +1,24 @@
-//! What came in and waits to be seen by the widgets, in order and in portions that a frame can see apart.
+//! The queue of input events, which is split into frames.
 //!
-//! egui finds out what is under the pointer once a frame, and a widget is clicked once a frame. So a frame sees no more than one
-//! click, and no movement after a press. It sees no key after a click either: the widget that was clicked has the keyboard from
-//! the next frame on.
+//! egui determines what is under the pointer once per frame, and a widget can be clicked once per frame. So a frame
+//! gets at most one click, and no movement after a press. It gets no key after a click either: the clicked widget has
+//! the keyboard from the next frame on.
 
 use egui::Event;
 use std::collections::VecDeque;
 use std::time::Instant;
 
-/// Events that wait.
+/// The queue.
 #[derive(Debug, Default)]
 pub(super) struct Incoming {
     waiting: VecDeque<(Event, Instant)>,
 }
 
-/// What one frame sees.
+/// The input of one frame.
 #[derive(Debug, Default, PartialEq)]
 pub(super) struct Portion {
     pub(super) events: Vec<Event>,
-    /// When the earliest movement of the pointer in it came in.
+    /// When its earliest pointer movement arrived.
     pub(super) motion: Option<Instant>,
 }
 
@@ -31,12 +31,12 @@ impl Incoming {
         self.waiting.is_empty()
     }
 
-    /// Whether something waits that is more than a movement.
+    /// Whether the queue has anything but pointer movements.
     pub(super) fn is_urgent(&self) -> bool {
         self.waiting.iter().any(|(event, _)| !matches!(event, Event::PointerMoved(_)))
     }
 
-    /// Takes what the next frame is to see.
+    /// Takes the input of the next frame.
     pub(super) fn portion(&mut self) -> Portion {
         let mut portion = Portion::default();
         let [mut pressed, mut released] = [false, false];

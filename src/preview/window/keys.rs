@@ -1,4 +1,4 @@
-//! The keyboard: keys and characters in the order in which they were typed, as egui wants them.
+//! The keyboard: keys and characters in the order of typing, translated for egui.
 
 use super::clipboard::Clipboard;
 use egui::{Event, Key, Modifiers};
@@ -7,16 +7,16 @@ use std::cell::RefCell;
 use std::collections::BTreeSet;
 use std::rc::Rc;
 
-/// A stroke, as the window tells it.
+/// Input from the keyboard.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Stroke {
-    /// A key went down (again and again, while it is held) or up.
+    /// A key was pressed (repeatedly, while it is held) or released.
     Key(Typed, bool),
-    /// What was written by it.
+    /// A character was typed.
     Character(char),
 }
 
-/// Strokes that nobody has looked at yet. The window has one end of it.
+/// Input that was not handled yet. minifb pushes to a clone of it.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Strokes(Rc<RefCell<Vec<Stroke>>>);
 
@@ -40,7 +40,7 @@ impl Strokes {
     }
 }
 
-/// Which keys are held.
+/// The keys that are held.
 #[derive(Debug, Default)]
 pub(super) struct Keyboard {
     held: BTreeSet<Typed>,
@@ -52,7 +52,7 @@ impl Keyboard {
         self.modifiers
     }
 
-    /// What is known of the modifiers from elsewhere; keys may have gone up or down while the window was not looking.
+    /// Sets the modifiers to what another source says: keys may have changed while the window had no focus.
     pub(super) fn correct(&mut self, modifiers: Modifiers) -> Option<Event> {
         (modifiers != self.modifiers).then(|| {
             self.modifiers = modifiers;
@@ -60,7 +60,7 @@ impl Keyboard {
         })
     }
 
-    /// The events of a stroke.
+    /// Translates an input into events.
     pub(super) fn stroke(&mut self, stroke: Stroke, clipboard: &mut Clipboard, told: &mut Vec<Event>) {
         match stroke {
             Stroke::Key(key, down) => {
@@ -89,7 +89,7 @@ impl Keyboard {
         }
     }
 
-    /// The window no longer hears of keys: all of them count as up.
+    /// The window lost the keyboard, so all keys count as released.
     pub(super) fn release(&mut self, told: &mut Vec<Event>) {
         self.modifiers = Modifiers::NONE;
         for key in std::mem::take(&mut self.held) {
@@ -121,7 +121,7 @@ enum Edit {
     Paste,
 }
 
-/// What egui wants told by another name than that of the key.
+/// The clipboard shortcuts, for which egui has events of their own.
 fn edit(key: Key, modifiers: Modifiers) -> Option<Edit> {
     let Modifiers { ctrl, shift, alt, .. } = modifiers;
     let [with_ctrl, with_shift] = [ctrl && !alt, shift && !ctrl && !alt];
@@ -140,20 +140,20 @@ fn is_modifier(key: Typed) -> bool {
     [Typed::LeftCtrl, Typed::RightCtrl, Typed::LeftShift, Typed::RightShift, Typed::LeftAlt, Typed::RightAlt].contains(&key)
 }
 
-/// Keys that go by the same name in both, and those that do not.
+/// Maps keys with the same name in both libraries, and keys with different names.
 macro_rules! keys {
     ($given:expr, same: $($same:ident)*, other: $($typed:ident $key:ident)*) => {
         match $given {
             $(Typed::$same => Some(Key::$same),)*
             $(Typed::$typed => Some(Key::$key),)*
-            // egui has no keys for these; of `*` there is the character.
+            // egui has no such keys. For `*` there is the character.
             Typed::Menu | Typed::Pause | Typed::NumLock | Typed::CapsLock | Typed::ScrollLock => None,
             Typed::NumPadAsterisk | Typed::Unknown | Typed::Count => None,
         }
     };
 }
 
-/// The key that egui knows for one of the window's.
+/// The key of egui for one of minifb.
 fn known(key: Typed) -> Option<Key> {
     keys!(key,
         same: A B C D E F G H I J K L M N O P Q R S T U V W X Y Z F1 F2 F3 F4 F5 F6 F7 F8 F9 F10 F11 F12 F13 F14 F15

@@ -1,4 +1,5 @@
-//! The pointer as minifb knows it, for want of anything better: where it is now, which buttons are down now. A click between two looks is lost.
+//! The pointer as minifb reports it, if there is no second connection: its current position and buttons. A click
+//! between two polls is lost.
 
 use super::display::Pointer;
 use egui::PointerButton;
@@ -12,7 +13,7 @@ const BUTTONS: [(MouseButton, PointerButton); 5] = [
     (MouseButton::Forward, PointerButton::Extra2),
 ];
 
-/// What was so at the last look.
+/// The state at the last poll.
 #[derive(Debug, Default)]
 pub(super) struct Polled {
     at: Option<[f32; 2]>,
@@ -20,11 +21,11 @@ pub(super) struct Polled {
 }
 
 impl Polled {
-    /// What is different now.
+    /// The changes since the last poll.
     pub(super) fn look(&mut self, window: &Window) -> Vec<Pointer> {
         let mut told = Vec::new();
         let held = self.down.contains(&true);
-        // While a button is held, the pointer is followed beyond the window.
+        // While a button is held, the pointer is followed outside the window.
         let mode = if held { MouseMode::Pass } else { MouseMode::Discard };
         let at = window.get_unscaled_mouse_pos(mode).map(|(x, y)| [x, y]);
         if at != self.at {

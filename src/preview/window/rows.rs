@@ -1,17 +1,17 @@
-//! Rows of a part of the window, side by side as the display takes them.
+//! Packing the rows of a region for the display.
 
 use crate::preview::paint::Region;
 
-/// Room for rows that are narrower than the window.
+/// A buffer for rows that are narrower than the window.
 #[derive(Default)]
 pub(super) struct Rows(Vec<u32>);
 
 impl Rows {
-    /// Does something with the pixels of a place, of `pixels` in rows of `width`: with the first of some rows, and their pixels, at most so many unless one
-    /// row has more.
+    /// Calls a function for each block of rows of a region. `pixels` has rows of `width`. The function gets the first
+    /// row of the block and its packed pixels, at most `max_pixels` unless one row has more.
     ///
     /// # Errors
-    /// Those of what is done.
+    /// The first error of the function.
     pub(super) fn each<E>(
         &mut self,
         pixels: &[u32],

@@ -1,5 +1,5 @@
-//! Pixels on their way to the display through memory that it shares with the program (MIT-SHM), rather than through the connection to it: a file
-//! in memory, which is written to, and of which the display reads. Only a display on the same machine can do that.
+//! Sending pixels through memory that is shared with the display (MIT-SHM), instead of the connection. The memory is a
+//! file that this program writes and the display reads. This only works on the same machine.
 
 use super::rows::Rows;
 use crate::preview::paint::Region;
@@ -12,25 +12,25 @@ use x11rb::protocol::shm::{ConnectionExt as _, Seg};
 use x11rb::protocol::xproto::{ConnectionExt as _, Gcontext, ImageFormat};
 use x11rb::rust_connection::RustConnection;
 
-/// Where a system keeps files in memory.
+/// A folder for files in memory.
 const FOLDER: &str = "/dev/shm";
 
-/// So many pixels are written at a time: they stay in a cache where they are first put side by side.
+/// How many pixels are packed and written at a time; they fit into a cache.
 const BLOCK: usize = 1 << 16;
 
-/// Why pixels cannot go this way; another is taken then, whatever it is.
+/// Why shared memory cannot be used. Any reason leads to the same fallback.
 type Refusal = Box<dyn std::error::Error>;
 
-/// What pixels are drawn on, and with what.
+/// The window to draw on.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Canvas {
     pub(super) window: u32,
     pub(super) pen: Gcontext,
-    /// Bits of a pixel.
+    /// Bits per pixel.
     pub(super) depth: u8,
 }
 
-/// Two pieces of memory in turns: one is written while the display still reads the other.
+/// Two segments that are used in turn: one is written while the display still reads the other.
 #[derive(Default)]
 pub(super) struct SharedPixels {
     segments: [Option<Segment>; 2],
@@ -42,24 +42,24 @@ struct Segment {
     id: Seg,
     file: File,
     bytes: usize,
-    /// The display answers this when it has read what was last written.
+    /// The display answers this request when it has read the segment.
     answer: Option<SequenceNumber>,
-    /// Whether the display has read of it without complaint.
+    /// Whether the display has read the segment without an error.
     proved: bool,
 }
 
 impl SharedPixels {
-    /// Whether the display can, as far as it says.
+    /// Whether the display supports shared memory.
     pub(super) fn are_possible(connection: &RustConnection) -> bool {
         let version = || connection.shm_query_version().ok()?.reply().ok();
-        // Only those from 1.2 on take files.
+        // Older versions do not accept files.
         version().is_some_and(|version| (version.major_version, version.minor_version) >= (1, 2))
     }
 
-    /// Hands over what changed of `pixels`, rows of `width`.
+    /// Sends the changed regions of `pixels`, which has rows of `width`.
     ///
     /// # Errors
-    /// The display, or the system, does not take part; then it has to go another way.
+    /// The display or the system does not support it. The pixels must be sent in another way.
     pub(super) fn present(
         &mut self,
         connection: &RustConnection,
@@ -75,7 +75,7 @@ impl SharedPixels {
         {
             connection.wait_for_reply(answer)?;
         }
-        // Regions do not lie over each other.
+        // Regions do not overlap.
         let needed = size_of_val(pixels);
         let segment = match slot {
             Some(segment) if segment.bytes >= needed => segment,
@@ -92,7 +92,7 @@ impl SharedPixels {
             self.rows.each(pixels, width, place, BLOCK, |first, part| {
                 segment.write(part, offset + 4 * (first - top as usize) * wide as usize)
             })?;
-            // No window is larger than the protocol's numbers, nor are its pixels.
+            // The window and its pixels fit the numbers of the protocol.
             let [wide, high] = [wide, high].map(|side| side as u16);
             let [x, y] = [left, top].map(|at| at as i16);
             let Canvas { window, pen, depth } = canvas;
@@ -108,10 +108,10 @@ impl SharedPixels {
             }
             offset += 4 * usize::from(wide) * usize::from(high);
         }
-        // Requests are done in turn: what answers this one has read the pixels.
+        // Requests are handled in order, so the answer to this one comes after the pixels have been read.
         let asked = connection.get_input_focus()?;
         segment.answer = Some(asked.sequence_number());
-        // Whoever drops it does not want the answer.
+        // Dropping the cookie would discard the answer.
         std::mem::forget(asked);
         connection.flush()?;
         Ok(())

@@ -1,7 +1,8 @@
-//! The days of a window: wait until something happens, let the widgets see it, paint what changed, hand it over.
+//! The event loop of the window: wait for input, run the widgets, paint what changed, send it to the display.
 //!
-//! Where nothing happens, nothing is done: the window sleeps until the display or another thread wakes it, and looks up a few times a second for
-//! what comes without a signal. A frame in which nothing changed is not handed over: that costs more than all the rest.
+//! If nothing happens, nothing is done. The loop sleeps until the display or another thread wakes it, and polls a few
+//! times per second for what comes without an event. A frame without changes is not sent, because sending costs more
+//! than everything else.
 
 use super::clipboard::Clipboard;
 use super::display::{self, Display, Pointer, Signal};
@@ -16,23 +17,23 @@ use egui::{Event, FullOutput, OutputCommand, RawInput, ViewportCommand, Viewport
 use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
-/// How soon after a frame the next may follow for a movement of the pointer.
+/// The shortest time between two frames because of pointer movements.
 const MOTION: Duration = Duration::from_millis(4);
 
-/// How soon after a frame the next may follow that it asked for itself, as for an animation.
+/// The shortest time between two frames that egui asks for, for instance for animations.
 const ANIMATION: Duration = Duration::from_millis(16);
 
-/// How often minifb is asked for news while there are any, and long after there were.
+/// How often minifb is polled, during and after input.
 const AWAKE: Duration = Duration::from_millis(8);
 const ASLEEP: Duration = Duration::from_millis(100);
 
-/// How long after the last news there may be more of a kind that gives no signal, as from an input method.
+/// How long after the last input minifb is polled often: an input method gives no events.
 const LATE: Duration = Duration::from_millis(300);
 
-/// How often the pixels are handed over again where nobody says that they were lost.
+/// How often the pixels are sent again if the display does not say when they are lost.
 const AGAIN: Duration = Duration::from_millis(400);
 
-/// A window and what it needs to live.
+/// The window and its state.
 pub(super) struct Shell {
     window: minifb::Window,
     display: Option<Display>,
@@ -46,28 +47,29 @@ pub(super) struct Shell {
     painter: Painter,
     title: String,
     size: [usize; 2],
-    /// Whether minifb says that the window has the focus, whether keys came since it last lost it, and what the widgets were told.
+    /// Whether minifb says that the window has the focus, whether keys came since it last lost it, and what egui was
+    /// told.
     active: bool,
     typed: bool,
     focused: bool,
     hidden: bool,
-    /// All pixels are to be handed over, whether they changed or not.
+    /// Whether all pixels must be sent, changed or not.
     lost: bool,
     begun: Instant,
     news: Instant,
     last: Instant,
     presented: Instant,
-    /// When the next frame is wanted though nothing comes in.
+    /// When the next frame is wanted, even without input.
     due: Option<Instant>,
     exit: WindowExit,
-    /// Whether the display is gone: from then on minifb is not called, for Xlib would end the program.
+    /// Whether the display is gone. minifb must not be called any more then, because Xlib would end the program.
     display_lost: bool,
 }
 
-/// How a window ends.
+/// Why the loop ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Ending {
-    /// It closes.
+    /// The window was closed.
     Closed,
     /// The display is gone.
     DisplayLost,
@@ -81,7 +83,7 @@ impl Shell {
         let (sender, signals) = channel();
         exit.wakes(sender.clone());
         let context = egui::Context::default();
-        // The size of widgets is the application's to set.
+        // The application sets the size of widgets.
         context.options_mut(|options| options.zoom_with_keyboard = false);
         let (own, waker) = (std::thread::current().id(), sender.clone());
         context.set_request_repaint_callback(move |wish| {
@@ -123,7 +125,7 @@ impl Shell {
         &self.context
     }
 
-    /// Waits, and does what there is to do. The answer is how the window ends, if it does.
+    /// Waits, and does what is due. Returns why the loop ends, if it does.
     pub(super) fn turn(&mut self, app: &mut dyn WindowApp) -> Option<Ending> {
         let signals = self.wait();
         if signals.contains(&Signal::Broken) {
@@ -148,20 +150,20 @@ impl Shell {
         None
     }
 
-    /// Goes on without the second connection, if there is still a display.
+    /// Continues without the second connection, if the display still exists.
     fn lose_connection(&mut self) {
         self.display = None;
         self.display_lost |= display::is_gone();
     }
 
-    /// When the next frame is wanted.
+    /// When the next frame is due.
     fn next(&self) -> Option<Instant> {
         let now = Instant::now();
         let seen = if self.incoming.is_urgent() { Some(now) } else { (!self.incoming.is_empty()).then(|| self.last + MOTION) };
         seen.into_iter().chain(self.due).min()
     }
 
-    /// Sleeps until there is something to do or to look at.
+    /// Sleeps until there is something to do.
     fn wait(&self) -> Vec<Signal> {
         let now = Instant::now();
         let rest = if self.display.is_some() && now.duration_since(self.news) > LATE { ASLEEP } else { AWAKE };
@@ -170,13 +172,13 @@ impl Shell {
         first.into_iter().chain(self.signals.try_iter()).collect()
     }
 
-    /// Puts what was heard and what was typed into one order.
+    /// Puts pointer and keyboard input into one order.
     fn sort(&mut self, signals: Vec<Signal>, scale: f32) {
         let strokes = self.strokes.take();
         if !signals.is_empty() || !strokes.is_empty() {
             self.news = Instant::now();
         }
-        // Keys are heard of twice. Where the counts agree, it is known between which clicks they were typed.
+        // Both connections report keys. If the counts agree, it is known between which clicks they were typed.
         let is_key = |stroke: &Stroke| matches!(stroke, Stroke::Key(..));
         let known = strokes.iter().filter(|stroke| is_key(stroke)).count()
             == signals.iter().filter(|signal| **signal == Signal::Key).count();
@@ -240,7 +242,7 @@ impl Shell {
         self.incoming.push(event, at);
     }
 
-    /// Notices what minifb knows without telling: size and focus.
+    /// Updates size and focus, for which minifb gives no events.
     fn look(&mut self) {
         let (width, height) = self.window.get_size();
         if self.size != [width, height] {
@@ -253,7 +255,7 @@ impl Shell {
             self.typed = false;
         }
         self.active = active;
-        // Without a window manager nobody gives the focus, but keys come all the same.
+        // Without a window manager no window has the focus, but keys arrive.
         let focused = active || self.typed;
         if self.focused != focused {
             self.focused = focused;
@@ -266,7 +268,7 @@ impl Shell {
         }
     }
 
-    /// Shows a frame. False where the window is to close.
+    /// Runs and shows a frame. Returns false if the window should close.
     fn frame(&mut self, app: &mut dyn WindowApp) -> bool {
         let start = Instant::now();
         self.last = start;
@@ -338,13 +340,13 @@ impl Shell {
         input
     }
 
-    /// Does what the widgets ask of the system. True where they want the window closed.
+    /// Does what egui asks of the platform. Returns whether the window should close.
     fn obey(&mut self, output: &mut FullOutput) -> bool {
         for command in output.platform_output.commands.drain(..) {
             match command {
                 OutputCommand::CopyText(text) => self.clipboard.set_text(text),
                 OutputCommand::CopyImage(image) => self.clipboard.set_image(&image),
-                // There is nothing in the workshop that leads to the web.
+                // Nothing in the workshop opens URLs.
                 OutputCommand::OpenUrl(_) => {}
             }
         }
@@ -369,7 +371,7 @@ impl Shell {
         Region { left: 0, top: 0, right, bottom }
     }
 
-    /// Hands pixels over to the display.
+    /// Sends changed regions to the display.
     fn present(&mut self, changed: &[Region]) {
         let [width, height] = self.painter.size();
         if width == 0 || height == 0 {
@@ -386,7 +388,7 @@ impl Shell {
         }
         if self.display.is_none() {
             let pixels = self.painter.pixels();
-            // It can only refuse pixels that are fewer than it is told.
+            // It only fails if there are fewer pixels than it is told.
             let _ = self.window.update_with_buffer(pixels, width, height);
         }
         self.lost = false;
@@ -394,7 +396,7 @@ impl Shell {
     }
 }
 
-/// A scale that widgets can be laid out at.
+/// A valid scale for widgets.
 fn sound(scale: f32) -> f32 {
     if scale.is_finite() { scale.clamp(0.5, 4.0) } else { 1.0 }
 }
