@@ -58,7 +58,7 @@ pub struct PictureView<'a> {
     /// Changes whenever `pixels` may have changed. A picture with the same version is not drawn again.
     pub version: u64,
     /// The pane, in points. Where the picture does not cover it, it has the colour `around`.
-    pub place: egui::Rect,
+    pub pane: egui::Rect,
     /// Screen pixels per picture pixel; 0 counts as 1.
     pub zoom: u32,
     /// The upper left corner of the picture, in screen pixels from that of the pane. Negative if the picture is moved

@@ -25,20 +25,20 @@ use std::hash::Hasher;
 use texture::Textures;
 
 /// The width and height of a tile.
-const TILE: usize = 64;
+const TILE_SIZE: usize = 64;
 
 /// Other threads help to draw if at least this many tiles changed.
-const MANY: usize = 12;
+const PARALLEL_TILES: usize = 12;
 
 /// More threads are not faster, because memory is the limit.
-const THREADS: usize = 4;
+const MAX_THREADS: usize = 4;
 
 /// Paints frames, each over the previous one.
 #[derive(Debug)]
 pub struct Painter {
     pixels: Vec<u32>,
     size: [usize; 2],
-    tiles: Vec<Tile>,
+    tiles: Vec<ScreenTile>,
     textures: Textures,
     items: Vec<Item>,
     changed: Vec<Region>,
@@ -48,7 +48,7 @@ pub struct Painter {
 
 /// What to paint.
 #[derive(Debug, Clone, Copy)]
-pub struct Frame<'a> {
+pub struct PaintInput<'a> {
     /// Width and height, in pixels.
     pub size: [usize; 2],
     /// Pixels per point.
@@ -63,20 +63,20 @@ pub struct Frame<'a> {
 
 /// A tile of the window.
 #[derive(Debug, Default)]
-struct Tile {
+struct ScreenTile {
     /// The hash of what it shows; `None` if it was never drawn.
-    shown: Option<u64>,
+    shown_hash: Option<u64>,
     /// The hash of what it should show.
-    due: u64,
+    wanted_hash: u64,
     /// The items that touch it, from back to front.
     items: Vec<u32>,
     /// Whether the first of `items` hides everything below it.
     covered: bool,
 }
 
-impl Tile {
+impl ScreenTile {
     fn is_stale(&self) -> bool {
-        self.shown != Some(self.due)
+        self.shown_hash != Some(self.wanted_hash)
     }
 }
 
@@ -91,7 +91,7 @@ impl Painter {
     #[must_use]
     pub fn new() -> Self {
         let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-        let threads = rayon::ThreadPoolBuilder::new().num_threads(cores.min(THREADS)).thread_name(|_| "paint".into());
+        let threads = rayon::ThreadPoolBuilder::new().num_threads(cores.min(MAX_THREADS)).thread_name(|_| "paint".into());
         Self {
             pixels: Vec::new(),
             size: [0, 0],
@@ -129,17 +129,17 @@ impl Painter {
 
     /// Paints a frame. Returns the regions that differ from the previous frame. They do not overlap, and none is
     /// empty.
-    pub fn paint(&mut self, frame: &Frame<'_>) -> &[Region] {
+    pub fn paint(&mut self, frame: &PaintInput<'_>) -> &[Region] {
         self.resize(frame.size);
-        let picture = frame.picture.as_ref().and_then(|view| Placed::new(view, frame.scale, self.whole()));
-        self.plan(frame, picture.as_ref());
+        let picture = frame.picture.as_ref().and_then(|view| PlacedPicture::new(view, frame.scale, self.bounds()));
+        self.assign_items(frame, picture.as_ref());
         self.draw(frame.background, picture.as_ref());
         self.textures.free();
-        self.collect();
+        self.collect_changes();
         &self.changed
     }
 
-    fn whole(&self) -> Region {
+    fn bounds(&self) -> Region {
         let side = |length: usize| i32::try_from(length).unwrap_or(i32::MAX);
         Region { left: 0, top: 0, right: side(self.size[0]), bottom: side(self.size[1]) }
     }
@@ -152,37 +152,37 @@ impl Painter {
         self.pixels.clear();
         self.pixels.resize(size[0] * size[1], 0);
         self.tiles.clear();
-        self.tiles.resize_with(size[0].div_ceil(TILE) * size[1].div_ceil(TILE), Tile::default);
+        self.tiles.resize_with(size[0].div_ceil(TILE_SIZE) * size[1].div_ceil(TILE_SIZE), ScreenTile::default);
     }
 
     /// Collects the items, and computes what each tile should show.
-    fn plan(&mut self, frame: &Frame<'_>, picture: Option<&Placed<'_>>) {
-        let whole = self.whole();
-        let columns = self.size[0].div_ceil(TILE);
+    fn assign_items(&mut self, frame: &PaintInput<'_>, picture: Option<&PlacedPicture<'_>>) {
+        let bounds = self.bounds();
+        let columns = self.size[0].div_ceil(TILE_SIZE);
         self.items.clear();
-        item::collect(frame.widgets, frame.scale, whole, &self.textures, &mut self.items);
+        item::collect(frame.widgets, frame.scale, bounds, &self.textures, &mut self.items);
 
         let ground = hash(|hasher| hasher.write_u32(frame.background));
-        let under = picture.map(|picture| (picture.place, picture.hash(ground)));
+        let under = picture.map(|picture| (picture.area, picture.hash(ground)));
         for (index, tile) in self.tiles.iter_mut().enumerate() {
             tile.items.clear();
             tile.covered = false;
-            let place = place(index, columns, whole);
-            tile.due = under.filter(|(pane, _)| !pane.meet(place).is_empty()).map_or(ground, |(_, hash)| hash);
+            let area = tile_area(index, columns, bounds);
+            tile.wanted_hash = under.filter(|(pane, _)| !pane.intersection(area).is_empty()).map_or(ground, |(_, hash)| hash);
         }
         for (number, item) in (0..).zip(&self.items) {
-            let [left, right] = [item.place.left, item.place.right - 1].map(|x| x as usize / TILE);
-            let [top, bottom] = [item.place.top, item.place.bottom - 1].map(|y| y as usize / TILE);
+            let [left, right] = [item.area.left, item.area.right - 1].map(|x| x as usize / TILE_SIZE);
+            let [top, bottom] = [item.area.top, item.area.bottom - 1].map(|y| y as usize / TILE_SIZE);
             for row in top..=bottom {
                 for (column, tile) in (left..).zip(&mut self.tiles[row * columns + left..=row * columns + right]) {
-                    if item.is_opaque() && item.place.holds(place(row * columns + column, columns, whole)) {
+                    if item.is_opaque() && item.area.contains(tile_area(row * columns + column, columns, bounds)) {
                         tile.items.clear();
                         tile.covered = true;
-                        tile.due = 0;
+                        tile.wanted_hash = 0;
                     }
                     tile.items.push(number);
-                    tile.due = hash(|hasher| {
-                        hasher.write_u64(tile.due);
+                    tile.wanted_hash = hash(|hasher| {
+                        hasher.write_u64(tile.wanted_hash);
                         hasher.write_u64(item.hash);
                     });
                 }
@@ -191,9 +191,9 @@ impl Painter {
     }
 
     /// Draws the tiles that changed.
-    fn draw(&mut self, background: u32, picture: Option<&Placed<'_>>) {
-        let whole = self.whole();
-        let [width, columns] = [self.size[0], self.size[0].div_ceil(TILE)];
+    fn draw(&mut self, background: u32, picture: Option<&PlacedPicture<'_>>) {
+        let bounds = self.bounds();
+        let [width, columns] = [self.size[0], self.size[0].div_ceil(TILE_SIZE)];
         let stale = self.tiles.iter().filter(|tile| tile.is_stale()).count();
         if stale == 0 {
             return;
@@ -204,8 +204,8 @@ impl Painter {
                 if !tile.is_stale() {
                     continue;
                 }
-                let place = place(index, columns, whole);
-                let mut canvas = raster::Canvas::new(band, width, (row * TILE) as i32, place);
+                let area = tile_area(index, columns, bounds);
+                let mut canvas = raster::Canvas::new(band, width, (row * TILE_SIZE) as i32, area);
                 if !tile.covered {
                     canvas.clear(background);
                     if let Some(picture) = picture {
@@ -218,28 +218,28 @@ impl Painter {
             }
         };
         match &self.threads {
-            Some(threads) if stale >= MANY => {
+            Some(threads) if stale >= PARALLEL_TILES => {
                 let pixels = &mut self.pixels;
-                threads.install(|| pixels.par_chunks_mut(width * TILE).enumerate().for_each(draw_band));
+                threads.install(|| pixels.par_chunks_mut(width * TILE_SIZE).enumerate().for_each(draw_band));
             }
-            Some(_) | None => self.pixels.chunks_mut(width * TILE).enumerate().for_each(draw_band),
+            Some(_) | None => self.pixels.chunks_mut(width * TILE_SIZE).enumerate().for_each(draw_band),
         }
     }
 
     /// Collects the regions of changed tiles, merged where possible.
-    fn collect(&mut self) {
-        let whole = self.whole();
-        let columns = self.size[0].div_ceil(TILE);
+    fn collect_changes(&mut self) {
+        let bounds = self.bounds();
+        let columns = self.size[0].div_ceil(TILE_SIZE);
         self.changed.clear();
         for (index, tile) in self.tiles.iter_mut().enumerate() {
             if !tile.is_stale() {
                 continue;
             }
-            tile.shown = Some(tile.due);
-            let place = place(index, columns, whole);
+            tile.shown_hash = Some(tile.wanted_hash);
+            let area = tile_area(index, columns, bounds);
             match self.changed.last_mut() {
-                Some(last) if last.top == place.top && last.right == place.left => last.right = place.right,
-                Some(_) | None => self.changed.push(place),
+                Some(last) if last.top == area.top && last.right == area.left => last.right = area.right,
+                Some(_) | None => self.changed.push(area),
             }
         }
         self.changed.dedup_by(|below, above| {
@@ -253,10 +253,10 @@ impl Painter {
 }
 
 /// The area of a tile.
-fn place(index: usize, columns: usize, whole: Region) -> Region {
-    let side = TILE as i32;
+fn tile_area(index: usize, columns: usize, bounds: Region) -> Region {
+    let side = TILE_SIZE as i32;
     let [left, top] = [index % columns, index / columns].map(|tile| tile as i32 * side);
-    Region { left, top, right: left + side, bottom: top + side }.meet(whole)
+    Region { left, top, right: left + side, bottom: top + side }.intersection(bounds)
 }
 
 /// The hash of what `write` writes. It may differ between runs.
@@ -268,29 +268,29 @@ fn hash(write: impl FnOnce(&mut foldhash::quality::FoldHasher<'static>)) -> u64 
 }
 
 /// The picture and its position in the window.
-struct Placed<'a> {
+struct PlacedPicture<'a> {
     view: PictureView<'a>,
-    place: Region,
+    area: Region,
     /// The position of its upper left corner.
     corner: [i64; 2],
     zoom: i64,
 }
 
-impl<'a> Placed<'a> {
+impl<'a> PlacedPicture<'a> {
     /// `None` if no part of the pane is visible, or there are too few pixels.
-    fn new(view: &PictureView<'a>, scale: f32, whole: Region) -> Option<Self> {
-        let pane = Region::of(view.place, scale);
-        let place = pane.meet(whole);
+    fn new(view: &PictureView<'a>, scale: f32, bounds: Region) -> Option<Self> {
+        let pane = Region::of(view.pane, scale);
+        let area = pane.intersection(bounds);
         let enough = view.width.checked_mul(view.height).is_some_and(|count| count <= view.pixels.len());
         let corner = [i64::from(pane.left) + i64::from(view.offset[0]), i64::from(pane.top) + i64::from(view.offset[1])];
-        (enough && !place.is_empty()).then_some(Self { view: *view, place, corner, zoom: i64::from(view.zoom.max(1)) })
+        (enough && !area.is_empty()).then_some(Self { view: *view, area, corner, zoom: i64::from(view.zoom.max(1)) })
     }
 
     fn hash(&self, ground: u64) -> u64 {
         hash(|hasher| {
             hasher.write_u64(ground);
             hasher.write_u64(self.view.version);
-            self.place.write(hasher);
+            self.area.write(hasher);
             self.corner.iter().for_each(|&at| hasher.write_i64(at));
             [self.view.width, self.view.height].iter().for_each(|&side| hasher.write_usize(side));
             hasher.write_i64(self.zoom);
@@ -299,7 +299,7 @@ impl<'a> Placed<'a> {
     }
 
     fn draw(&self, canvas: &mut raster::Canvas<'_>) {
-        let pane = self.place.meet(canvas.place());
+        let pane = self.area.intersection(canvas.area());
         let beyond = |side: usize| (side as i64).saturating_mul(self.zoom);
         let [left, top] = self.corner;
         let clamp = |at: i64| at.clamp(i64::from(pane.left), i64::from(pane.right).max(i64::from(pane.left)));

@@ -9,13 +9,13 @@
 mod clipboard;
 mod cursor;
 mod display;
+mod event_loop;
 mod exit;
-mod incoming;
+mod input_queue;
 mod keys;
 mod polled;
 mod rows;
 mod shared;
-mod turn;
 
 use crate::preview::WindowApp;
 pub use exit::WindowExit;
@@ -55,7 +55,7 @@ pub enum WindowError {
 
 impl WindowError {
     /// The error that the environment variables predict.
-    fn foreseen(variable: impl Fn(&str) -> bool) -> Option<Self> {
+    fn predicted(variable: impl Fn(&str) -> bool) -> Option<Self> {
         match (variable("DISPLAY"), variable("WAYLAND_DISPLAY")) {
             (true, _) => None,
             (false, true) => Some(Self::WaylandOnly),
@@ -72,7 +72,7 @@ impl WindowError {
 /// been told then that the window is closing.
 pub fn run(app: &mut dyn WindowApp, options: WindowOptions, exit: &WindowExit) -> Result<(), WindowError> {
     let is_set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
-    if let Some(error) = WindowError::foreseen(is_set) {
+    if let Some(error) = WindowError::predicted(is_set) {
         return Err(error);
     }
     let [width, height] = options.size.map(|side| side.clamp(1, 1 << 14));
@@ -81,20 +81,20 @@ pub fn run(app: &mut dyn WindowApp, options: WindowOptions, exit: &WindowExit) -
     let window =
         minifb::Window::new(&title, width, height, appearance).map_err(|error| WindowError::Refused(one_line(&error)))?;
     let guard = exit::guard_this_thread(exit);
-    let mut shell = turn::Shell::new(window, title, exit);
-    app.started(shell.context());
+    let mut event_loop = event_loop::EventLoop::new(window, title, exit);
+    app.started(event_loop.context());
     let ending = loop {
-        if let Some(ending) = shell.turn(app) {
+        if let Some(ending) = event_loop.run_once(app) {
             break ending;
         }
     };
     app.closing();
     drop(guard);
     match ending {
-        turn::Ending::Closed => Ok(()),
-        turn::Ending::DisplayLost => {
+        event_loop::Ending::Closed => Ok(()),
+        event_loop::Ending::DisplayLost => {
             // Closing the window would make Xlib end the program before the error is shown.
-            std::mem::forget(shell);
+            std::mem::forget(event_loop);
             Err(WindowError::DisplayLost)
         }
     }
@@ -115,10 +115,10 @@ mod tests {
 
     #[test]
     fn what_is_missing_is_said_in_one_line_that_points_to_a_way_without() {
-        let foreseen = |set: &'static [&str]| WindowError::foreseen(move |name| set.contains(&name));
-        assert_eq!(foreseen(&["DISPLAY", "WAYLAND_DISPLAY"]), None);
-        assert_eq!(foreseen(&["WAYLAND_DISPLAY"]), Some(WindowError::WaylandOnly));
-        assert_eq!(foreseen(&[]), Some(WindowError::NoDisplay));
+        let predicted = |set: &'static [&str]| WindowError::predicted(move |name| set.contains(&name));
+        assert_eq!(predicted(&["DISPLAY", "WAYLAND_DISPLAY"]), None);
+        assert_eq!(predicted(&["WAYLAND_DISPLAY"]), Some(WindowError::WaylandOnly));
+        assert_eq!(predicted(&[]), Some(WindowError::NoDisplay));
         for error in [WindowError::NoDisplay, WindowError::WaylandOnly, WindowError::Refused("no".into())] {
             let text = error.to_string();
             assert!(text.contains("`illuminator render`") && text.lines().count() == 1, "{text}");

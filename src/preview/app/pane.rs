@@ -274,7 +274,7 @@ impl PicturePane {
             width: picture.width as usize,
             height: picture.height as usize,
             version: picture.version,
-            place: self.place,
+            pane: self.place,
             zoom: self.zoom_of(picture),
             offset: self.offset,
             around: self.around,

@@ -77,7 +77,7 @@ impl Stage {
         let background = u32::from_be_bytes([0, background[0], background[1], background[2]]);
         let picture = self.harness.state_mut().picture();
         let mut painter = self.painter.borrow_mut();
-        painter.paint(&paint::Frame { size: SIZE, scale, background, widgets: &widgets, picture });
+        painter.paint(&paint::PaintInput { size: SIZE, scale, background, widgets: &widgets, picture });
         let [width, height] = SIZE.map(|side| side as u32);
         let bytes = painter.pixels().iter().flat_map(|word| word.to_be_bytes().into_iter().skip(1)).collect();
         image::RgbImage::from_raw(width, height, bytes).expect("as many bytes")

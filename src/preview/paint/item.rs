@@ -17,7 +17,7 @@ const EXACT: f64 = 0.02;
 #[derive(Debug)]
 pub(super) struct Item {
     /// The pixels that it may change; never empty.
-    pub(super) place: Region,
+    pub(super) area: Region,
     pub(super) content: Content,
     /// A hash of everything that its pixels depend on.
     pub(super) hash: u64,
@@ -56,11 +56,11 @@ struct Corner {
 }
 
 /// Collects the items of `widgets`, in order.
-pub(super) fn collect(widgets: &[ClippedPrimitive], scale: f32, whole: Region, textures: &Textures, items: &mut Vec<Item>) {
+pub(super) fn collect(widgets: &[ClippedPrimitive], scale: f32, bounds: Region, textures: &Textures, items: &mut Vec<Item>) {
     for widget in widgets {
         // Callbacks paint with a graphics card, which is not used here.
         let Primitive::Mesh(mesh) = &widget.primitive else { continue };
-        let clip = Region::of(widget.clip_rect, scale).meet(whole);
+        let clip = Region::of(widget.clip_rect, scale).intersection(bounds);
         let Some(texture) = textures.get(mesh.texture_id).filter(|_| !clip.is_empty()) else { continue };
         Collector { mesh, texture, scale, clip, items }.run();
     }
@@ -104,10 +104,10 @@ impl Collector<'_> {
     }
 
     /// The pixels with their centre between `low` and `high`.
-    fn place(&self, low: [f64; 2], high: [f64; 2]) -> Option<Region> {
+    fn area(&self, low: [f64; 2], high: [f64; 2]) -> Option<Region> {
         let [left, top] = low.map(edge);
         let [right, bottom] = high.map(edge);
-        Some(Region { left, top, right, bottom }.meet(self.clip)).filter(|place| !place.is_empty())
+        Some(Region { left, top, right, bottom }.intersection(self.clip)).filter(|area| !area.is_empty())
     }
 
     /// Turns two triangles into one rectangle, if they form one.
@@ -147,8 +147,8 @@ impl Collector<'_> {
         if missing[0] ^ missing[1] != 3 || a[0] != c[0] || b[0] != d[0] || a[1] != b[1] || c[1] != d[1] {
             return false;
         }
-        if let Some(place) = self.place(low, high) {
-            self.push(place, self.textured(colour, [low, high], [a, d]));
+        if let Some(area) = self.area(low, high) {
+            self.push(area, self.textured(colour, [low, high], [a, d]));
         }
         true
     }
@@ -181,7 +181,7 @@ impl Collector<'_> {
 
     fn triangle(&mut self, corners: &[Corner; 3]) {
         let [low, high] = bounds(corners);
-        let Some(place) = self.place(low, high) else { return };
+        let Some(area) = self.area(low, high) else { return };
         let texels = corners.map(|corner| corner.texel);
         let mut colours = corners.map(|corner| corner.colour);
         let mut texture = Some((self.mesh.texture_id, texels));
@@ -193,18 +193,18 @@ impl Collector<'_> {
         if colours == [0; 3] {
             return;
         }
-        self.push(place, Content::Triangle(Box::new(Triangle { corners: corners.map(|corner| corner.at), colours, texture })));
+        self.push(area, Content::Triangle(Box::new(Triangle { corners: corners.map(|corner| corner.at), colours, texture })));
     }
 
-    fn push(&mut self, place: Region, content: Content) {
+    fn push(&mut self, area: Region, content: Content) {
         if matches!(content, Content::Fill(0)) {
             return;
         }
         let hash = hash(|hasher| {
-            place.write(hasher);
+            area.write(hasher);
             content.write(self.texture.version, hasher);
         });
-        self.items.push(Item { place, content, hash });
+        self.items.push(Item { area, content, hash });
     }
 }
 

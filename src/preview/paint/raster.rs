@@ -16,17 +16,17 @@ pub(super) struct Canvas<'a> {
     width: usize,
     /// The window row of the first of them.
     top: i32,
-    place: Region,
+    area: Region,
 }
 
 impl<'a> Canvas<'a> {
-    /// The tile with this area, in a band of whole rows that starts at row `top`.
-    pub(super) fn new(band: &'a mut [u32], width: usize, top: i32, place: Region) -> Self {
-        Self { band, width, top, place }
+    /// The tile with this area, in a band of bounds rows that starts at row `top`.
+    pub(super) fn new(band: &'a mut [u32], width: usize, top: i32, area: Region) -> Self {
+        Self { band, width, top, area }
     }
 
-    pub(super) fn place(&self) -> Region {
-        self.place
+    pub(super) fn area(&self) -> Region {
+        self.area
     }
 
     /// The pixels of a row from `left` up to `right`, which must be in the tile.
@@ -36,43 +36,43 @@ impl<'a> Canvas<'a> {
     }
 
     pub(super) fn clear(&mut self, colour: u32) {
-        self.fill(self.place, colour | 0xff00_0000);
+        self.fill(self.area, colour | 0xff00_0000);
     }
 
     pub(super) fn draw(&mut self, item: &Item, textures: &Textures) {
-        let place = item.place.meet(self.place);
-        if place.is_empty() {
+        let area = item.area.intersection(self.area);
+        if area.is_empty() {
             return;
         }
         match &item.content {
-            Content::Fill(colour) => self.fill(place, *colour),
+            Content::Fill(colour) => self.fill(area, *colour),
             Content::Copy { texture, shift, tint } => {
                 if let Some(texture) = textures.get(*texture) {
-                    self.copy(place, texture, *shift, *tint);
+                    self.copy(area, texture, *shift, *tint);
                 }
             }
             Content::Stretch { texture, from, step, tint } => {
                 if let Some(texture) = textures.get(*texture) {
-                    self.stretch(place, texture, *from, *step, *tint);
+                    self.stretch(area, texture, *from, *step, *tint);
                 }
             }
-            Content::Triangle(triangle) => self.triangle(place, triangle, textures),
+            Content::Triangle(triangle) => self.triangle(area, triangle, textures),
         }
     }
 
-    fn fill(&mut self, place: Region, colour: u32) {
-        for y in place.top..place.bottom {
-            span(self.row(y, place.left, place.right), colour);
+    fn fill(&mut self, area: Region, colour: u32) {
+        for y in area.top..area.bottom {
+            span(self.row(y, area.left, area.right), colour);
         }
     }
 
-    fn copy(&mut self, place: Region, texture: &Texture, shift: [i64; 2], tint: u32) {
-        for y in place.top..place.bottom {
-            let row = self.row(y, place.left, place.right);
-            let [Ok(from), Ok(line)] = [i64::from(place.left) + shift[0], i64::from(y) + shift[1]].map(usize::try_from) else {
+    fn copy(&mut self, area: Region, texture: &Texture, shift: [i64; 2], tint: u32) {
+        for y in area.top..area.bottom {
+            let row = self.row(y, area.left, area.right);
+            let [Ok(from), Ok(line)] = [i64::from(area.left) + shift[0], i64::from(y) + shift[1]].map(usize::try_from) else {
                 continue;
             };
-            for (pixel, &texel) in row.iter_mut().zip(texture.row(line, from, (place.right - place.left) as usize)) {
+            for (pixel, &texel) in row.iter_mut().zip(texture.row(line, from, (area.right - area.left) as usize)) {
                 if texel != 0 {
                     blend(pixel, tinted(texel, tint));
                 }
@@ -80,19 +80,19 @@ impl<'a> Canvas<'a> {
         }
     }
 
-    fn stretch(&mut self, place: Region, texture: &Texture, from: [f64; 2], step: [f64; 2], tint: u32) {
+    fn stretch(&mut self, area: Region, texture: &Texture, from: [f64; 2], step: [f64; 2], tint: u32) {
         let fine = step.iter().all(|step| step.abs() > 1.0);
-        for y in place.top..place.bottom {
+        for y in area.top..area.bottom {
             let line = (from[1] + f64::from(y) * step[1]) as f32;
-            let row = self.row(y, place.left, place.right);
-            for (x, pixel) in (place.left..).zip(row) {
+            let row = self.row(y, area.left, area.right);
+            for (x, pixel) in (area.left..).zip(row) {
                 let at = (from[0] + f64::from(x) * step[0]) as f32;
                 blend(pixel, tinted(texture.sample([at, line], fine), tint));
             }
         }
     }
 
-    fn triangle(&mut self, place: Region, triangle: &Triangle, textures: &Textures) {
+    fn triangle(&mut self, area: Region, triangle: &Triangle, textures: &Textures) {
         let plain = triangle.texture.is_none() && triangle.colours.iter().all(|colour| *colour == triangle.colours[0]);
         let colours = Slope::of(triangle, triangle.colours.map(|colour| colour.to_le_bytes().map(f64::from)));
         let texels =
@@ -100,9 +100,9 @@ impl<'a> Canvas<'a> {
         if triangle.texture.is_some() && texels.is_none() {
             return;
         }
-        for y in place.top..place.bottom {
+        for y in area.top..area.bottom {
             let Some((left, right)) = crossing(&triangle.corners, f64::from(y) + 0.5) else { continue };
-            let [left, right] = [edge(left).max(place.left), edge(right).min(place.right)];
+            let [left, right] = [edge(left).max(area.left), edge(right).min(area.right)];
             if left >= right {
                 continue;
             }

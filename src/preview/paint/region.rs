@@ -1,8 +1,8 @@
-//! Rectangles of whole pixels.
+//! Rectangles of bounds pixels.
 
 use std::hash::Hasher;
 
-/// A rectangle of whole pixels: the first column and row, and those after the last.
+/// A rectangle of bounds pixels: the first column and row, and those after the last.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Region {
     /// The first column.
@@ -26,7 +26,7 @@ impl Region {
 
     /// The intersection.
     #[must_use]
-    pub fn meet(self, other: Self) -> Self {
+    pub fn intersection(self, other: Self) -> Self {
         Self {
             left: self.left.max(other.left),
             top: self.top.max(other.top),
@@ -43,7 +43,7 @@ impl Region {
 
     /// Whether it contains all of `other`.
     #[must_use]
-    pub fn holds(self, other: Self) -> bool {
+    pub fn contains(self, other: Self) -> bool {
         self.left <= other.left && self.top <= other.top && self.right >= other.right && self.bottom >= other.bottom
     }
 

@@ -37,8 +37,8 @@ fn rectangle(rect: Rect, color: Color32) -> Mesh {
     mesh
 }
 
-fn frame(size: [usize; 2], widgets: &[ClippedPrimitive]) -> Frame<'_> {
-    Frame { size, scale: 1.0, background: GROUND, widgets, picture: None }
+fn frame(size: [usize; 2], widgets: &[ClippedPrimitive]) -> PaintInput<'_> {
+    PaintInput { size, scale: 1.0, background: GROUND, widgets, picture: None }
 }
 
 fn paint(size: [usize; 2], widgets: &[ClippedPrimitive]) -> Vec<u32> {
@@ -66,11 +66,11 @@ fn a_triangle_has_the_colours_between_those_of_its_corners() {
     let pixels = paint([128, 100], &[clipped(Rect::EVERYTHING, mesh)]);
     let area =
         |a: Pos2, b: Pos2, c: Pos2| f64::from(b.x - a.x) * f64::from(c.y - a.y) - f64::from(c.x - a.x) * f64::from(b.y - a.y);
-    let whole = area(corners[0], corners[1], corners[2]);
+    let bounds = area(corners[0], corners[1], corners[2]);
     for (place, pixel) in pixels.iter().enumerate() {
         let middle = pos2((place % 128) as f32 + 0.5, (place / 128) as f32 + 0.5);
         let [a, b, c] = corners;
-        let parts = [area(middle, b, c), area(a, middle, c), area(a, b, middle)].map(|part| part / whole);
+        let parts = [area(middle, b, c), area(a, middle, c), area(a, b, middle)].map(|part| part / bounds);
         if parts.iter().any(|part| *part < -1e-6) {
             assert_eq!(*pixel, GROUND, "{middle:?}");
         } else if parts.iter().all(|part| *part > 1e-6) {
@@ -165,7 +165,7 @@ fn only_what_changed_is_drawn_again() {
 
 fn view(pixels: &[u32], version: u64) -> PictureView<'_> {
     let place = Rect::from_min_max(pos2(10.0, 20.0), pos2(90.0, 80.0));
-    PictureView { pixels, width: 30, height: 20, version, place, zoom: 2, offset: [4, -6], around: 0x0077_7777 }
+    PictureView { pixels, width: 30, height: 20, version, pane: place, zoom: 2, offset: [4, -6], around: 0x0077_7777 }
 }
 
 #[test]
@@ -174,7 +174,7 @@ fn the_picture_lies_under_the_widgets_at_its_place() {
     let menu = Rect::from_min_max(pos2(20.0, 0.0), pos2(40.0, 30.0));
     let widgets = [clipped(Rect::EVERYTHING, rectangle(menu, Color32::RED))];
     let mut painter = painter();
-    painter.paint(&Frame { picture: Some(view(&pixels, 1)), ..frame([100, 90], &widgets) });
+    painter.paint(&PaintInput { picture: Some(view(&pixels, 1)), ..frame([100, 90], &widgets) });
     for (place, pixel) in painter.pixels().iter().enumerate() {
         let [x, y] = [place % 100, place / 100];
         let expected = if (20..40).contains(&x) && y < 30 {
@@ -190,11 +190,11 @@ fn the_picture_lies_under_the_widgets_at_its_place() {
     }
     let other = vec![5; 600];
     assert_eq!(
-        painter.paint(&Frame { picture: Some(view(&other, 1)), ..frame([100, 90], &widgets) }),
+        painter.paint(&PaintInput { picture: Some(view(&other, 1)), ..frame([100, 90], &widgets) }),
         [],
         "the version is the same"
     );
-    assert!(!painter.paint(&Frame { picture: Some(view(&other, 2)), ..frame([100, 90], &widgets) }).is_empty());
+    assert!(!painter.paint(&PaintInput { picture: Some(view(&other, 2)), ..frame([100, 90], &widgets) }).is_empty());
     assert_eq!(painter.pixels()[40 * 100 + 50], 5);
     painter.paint(&frame([100, 90], &widgets));
     assert_eq!(painter.pixels()[40 * 100 + 50], GROUND, "the picture is gone");
@@ -203,7 +203,7 @@ fn the_picture_lies_under_the_widgets_at_its_place() {
 #[test]
 fn fewer_pixels_than_a_picture_says_are_none() {
     let mut painter = painter();
-    painter.paint(&Frame { picture: Some(view(&[1, 2, 3], 1)), ..frame([100, 90], &[]) });
+    painter.paint(&PaintInput { picture: Some(view(&[1, 2, 3], 1)), ..frame([100, 90], &[]) });
     assert!(painter.pixels().iter().all(|pixel| *pixel == GROUND));
 }
 
@@ -229,7 +229,7 @@ fn what_egui_makes_is_painted_at_any_scale_and_not_again_unless_it_is_another() 
         let size = [300.0, 200.0].map(|side: f32| (side * scale) as usize);
         let mut paint = |typed: &str| {
             let shown = widgets(&context, &mut painter, scale, typed);
-            let changed = painter.paint(&Frame { scale, ..frame(size, &shown) }).len();
+            let changed = painter.paint(&PaintInput { scale, ..frame(size, &shown) }).len();
             (changed, painter.pixels().to_vec(), copies(&painter))
         };
         paint("kd = 1");
@@ -250,7 +250,7 @@ fn copies(painter: &Painter) -> usize {
 fn number() -> impl Strategy<Value = f32> {
     prop_oneof![
         8 => -20.0_f32..220.0,
-        4 => (-10_i32..200).prop_map(|whole| whole as f32),
+        4 => (-10_i32..200).prop_map(|bounds| bounds as f32),
         1 => prop::sample::select(vec![f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e7, -1e7, f32::MAX, f32::MIN, f32::MIN_POSITIVE]),
     ]
 }
@@ -314,9 +314,9 @@ proptest! {
             widgets.extend(more);
             let pictures: Vec<Vec<u32>> = (0..3).map(|version| (0..20 * 15).map(|at| at * 999 + version).collect()).collect();
             let picture = picture.map(|(version, place, zoom, offset)| PictureView {
-                pixels: &pictures[version as usize], width: 20, height: 15, version, place, zoom, offset, around: 0x0055_5555,
+                pixels: &pictures[version as usize], width: 20, height: 15, version, pane: place, zoom, offset, around: 0x0055_5555,
             });
-            let frame = Frame { scale, picture, ..frame(size, &widgets) };
+            let frame = PaintInput { scale, picture, ..frame(size, &widgets) };
             let before = kept.pixels().to_vec();
             let changed = kept.paint(&frame).to_vec();
             let mut fresh = painter();
@@ -326,7 +326,7 @@ proptest! {
             if before.len() == kept.pixels().len() {
                 for (at, (old, new)) in before.iter().zip(kept.pixels()).enumerate() {
                     let [x, y] = [(at % size[0]) as i32, (at / size[0]) as i32];
-                    let told = changed.iter().filter(|place| place.holds(Region { left: x, top: y, right: x + 1, bottom: y + 1 })).count();
+                    let told = changed.iter().filter(|place| place.contains(Region { left: x, top: y, right: x + 1, bottom: y + 1 })).count();
                     prop_assert!(told <= 1 && (old == new || told == 1), "{x}, {y}: {old:x} became {new:x}, and is in {told} of {changed:?}");
                 }
             }

@@ -11,7 +11,7 @@ use std::collections::HashMap;
 #[derive(Debug, Default)]
 pub(super) struct Textures {
     all: HashMap<TextureId, Texture>,
-    doomed: Vec<TextureId>,
+    freed: Vec<TextureId>,
     version: u64,
 }
 
@@ -34,18 +34,18 @@ impl Textures {
     pub(super) fn update(&mut self, delta: &mut TexturesDelta) {
         // The order in which different textures are set does not matter.
         for (id, images) in delta.set.drain() {
-            self.doomed.retain(|doomed| *doomed != id);
+            self.freed.retain(|freed| *freed != id);
             for image in &images {
                 self.version += 1;
                 self.set(id, image);
             }
         }
-        self.doomed.extend(delta.free.drain());
+        self.freed.extend(delta.free.drain());
     }
 
     /// Drops the freed textures.
     pub(super) fn free(&mut self) {
-        for id in self.doomed.drain(..) {
+        for id in self.freed.drain(..) {
             self.all.remove(&id);
         }
     }

@@ -4,8 +4,8 @@
 //! input window over it, as large as windows can be, which gets the clicks. It does not ask for keys, so they go on to
 //! minifb's window.
 
-use super::rows::Rows;
-use super::shared::{Canvas, SharedPixels};
+use super::rows::RowBuffer;
+use super::shared::{DrawTarget, SharedPixels};
 use crate::preview::paint::Region;
 use egui::{Modifiers, PointerButton};
 use std::sync::{Arc, mpsc::Sender};
@@ -21,9 +21,9 @@ use x11rb::rust_connection::RustConnection;
 
 /// What wakes the event loop.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) enum Signal {
+pub(super) enum LoopEvent {
     /// The pointer moved, or a button or the wheel was used.
-    Pointer(Pointer, Modifiers, Instant),
+    Pointer(PointerInput, Modifiers, Instant),
     /// A key was pressed or released. minifb knows which.
     Key,
     /// Pixels of the window must be sent again.
@@ -42,9 +42,9 @@ pub(super) enum Signal {
 
 /// What the pointer did. Positions are in pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Pointer {
+pub(super) enum PointerInput {
     Moved([f32; 2]),
-    Gone,
+    Left,
     Button {
         at: [f32; 2],
         button: PointerButton,
@@ -57,19 +57,19 @@ pub(super) enum Pointer {
 /// The second connection.
 pub(super) struct Display {
     connection: Arc<RustConnection>,
-    ear: u32,
-    canvas: Canvas,
+    input_window: u32,
+    target: DrawTarget,
     /// Memory shared with the display, if it supports that.
     shared: Option<SharedPixels>,
-    rows: Rows,
+    rows: RowBuffer,
 }
 
 impl Display {
     /// Receives the input of `window`, and sends it to `sender` from then on. `None` if the display does not allow it.
-    pub(super) fn open(window: u32, told: Sender<Signal>) -> Option<Self> {
+    pub(super) fn open(window: u32, sender: Sender<LoopEvent>) -> Option<Self> {
         let display = Self::connect(window).ok().flatten()?;
-        let (connection, ear) = (Arc::clone(&display.connection), display.ear);
-        std::thread::Builder::new().name("display".into()).spawn(move || listen(&connection, ear, &told)).ok()?;
+        let (connection, input_window) = (Arc::clone(&display.connection), display.input_window);
+        std::thread::Builder::new().name("display".into()).spawn(move || listen(&connection, input_window, &sender)).ok()?;
         Some(display)
     }
 
@@ -82,34 +82,36 @@ impl Display {
         if setup.image_byte_order != order || !wide {
             return Ok(None);
         }
-        let [ear, pen] = [connection.generate_id()?, connection.generate_id()?];
-        let of_window = EventMask::EXPOSURE
+        let [input_window, gc] = [connection.generate_id()?, connection.generate_id()?];
+        let window_mask = EventMask::EXPOSURE
             | EventMask::STRUCTURE_NOTIFY
             | EventMask::FOCUS_CHANGE
             | EventMask::KEY_PRESS
             | EventMask::KEY_RELEASE;
-        let attributes = ChangeWindowAttributesAux::new().event_mask(of_window);
+        let attributes = ChangeWindowAttributesAux::new().event_mask(window_mask);
         connection.change_window_attributes(window, &attributes)?.check()?;
-        connection.create_gc(pen, window, &CreateGCAux::new().graphics_exposures(0))?.check()?;
-        let of_ear = EventMask::BUTTON_PRESS
+        connection.create_gc(gc, window, &CreateGCAux::new().graphics_exposures(0))?.check()?;
+        let input_mask = EventMask::BUTTON_PRESS
             | EventMask::BUTTON_RELEASE
             | EventMask::POINTER_MOTION
             | EventMask::ENTER_WINDOW
             | EventMask::LEAVE_WINDOW
             | EventMask::STRUCTURE_NOTIFY;
         let side = u16::MAX >> 1;
-        let attributes = CreateWindowAux::new().event_mask(of_ear);
-        connection.create_window(0, ear, window, 0, 0, side, side, 0, WindowClass::INPUT_ONLY, 0, &attributes)?.check()?;
-        connection.map_window(ear)?.check()?;
+        let attributes = CreateWindowAux::new().event_mask(input_mask);
+        connection
+            .create_window(0, input_window, window, 0, 0, side, side, 0, WindowClass::INPUT_ONLY, 0, &attributes)?
+            .check()?;
+        connection.map_window(input_window)?.check()?;
         let shared = SharedPixels::are_possible(&connection).then(SharedPixels::default);
-        let canvas = Canvas { window, pen, depth };
-        Ok(Some(Self { connection: Arc::new(connection), ear, canvas, shared, rows: Rows::default() }))
+        let target = DrawTarget { window, gc, depth };
+        Ok(Some(Self { connection: Arc::new(connection), input_window, target, shared, rows: RowBuffer::default() }))
     }
 
     /// Sends the changed regions of `pixels`, which has rows of `width`.
     pub(super) fn present(&mut self, pixels: &[u32], width: usize, changed: &[Region]) -> Result<(), ConnectionError> {
         if let Some(shared) = &mut self.shared {
-            if shared.present(&self.connection, self.canvas, pixels, width, changed).is_ok() {
+            if shared.present(&self.connection, self.target, pixels, width, changed).is_ok() {
                 return Ok(());
             }
             // If the connection itself is broken, sending without shared memory fails too.
@@ -120,17 +122,17 @@ impl Display {
 
     /// Sends the changed regions over the connection, without shared memory.
     fn send(&mut self, pixels: &[u32], width: usize, changed: &[Region]) -> Result<(), ConnectionError> {
-        let Canvas { window, pen, depth } = self.canvas;
+        let DrawTarget { window, gc, depth } = self.target;
         // The header of a request is smaller than this.
         let room = (self.connection.maximum_request_bytes().saturating_sub(64) / 4).max(1);
         let connection = &self.connection;
         for place in changed {
             let wide = (place.right - place.left) as u16;
-            self.rows.each(pixels, width, place, room, |first, part| {
+            self.rows.for_each_block(pixels, width, place, room, |first, part| {
                 let high = (part.len() / usize::from(wide).max(1)) as u16;
                 let [x, y] = [place.left, first as i32].map(|at| at as i16);
                 let bytes = bytemuck::cast_slice(part);
-                connection.put_image(ImageFormat::Z_PIXMAP, window, pen, wide, high, x, y, 0, depth, bytes).map(drop)
+                connection.put_image(ImageFormat::Z_PIXMAP, window, gc, wide, high, x, y, 0, depth, bytes).map(drop)
             })?;
         }
         self.connection.flush()
@@ -140,22 +142,22 @@ impl Display {
 impl Drop for Display {
     fn drop(&mut self) {
         // The listening thread receives the event, and ends.
-        let _ = self.connection.destroy_window(self.ear);
+        let _ = self.connection.destroy_window(self.input_window);
         let _ = self.connection.flush();
     }
 }
 
 /// Forwards events until the input window is destroyed, or the receiver is gone.
-fn listen(connection: &RustConnection, ear: u32, told: &Sender<Signal>) {
+fn listen(connection: &RustConnection, input_window: u32, sender: &Sender<LoopEvent>) {
     while let Ok(event) = connection.wait_for_event() {
-        if matches!(&event, Event::DestroyNotify(gone) if gone.window == ear) {
+        if matches!(&event, Event::DestroyNotify(gone) if gone.window == input_window) {
             return;
         }
-        if signal(&event, ear).is_some_and(|signal| told.send(signal).is_err()) {
+        if loop_event(&event, input_window).is_some_and(|event| sender.send(event).is_err()) {
             return;
         }
     }
-    let _ = told.send(Signal::Broken);
+    let _ = sender.send(LoopEvent::Broken);
 }
 
 /// Whether the display is gone. A connection can also break alone, if another client asks the display to close it.
@@ -163,7 +165,7 @@ pub(super) fn is_gone() -> bool {
     RustConnection::connect(None).is_err()
 }
 
-fn signal(event: &Event, ear: u32) -> Option<Signal> {
+fn loop_event(event: &Event, input_window: u32) -> Option<LoopEvent> {
     let now = Instant::now();
     let place = |x: i16, y: i16| [f32::from(x), f32::from(y)];
     // Crossings caused by menus of the window manager or by pressed buttons do not count.
@@ -171,31 +173,35 @@ fn signal(event: &Event, ear: u32) -> Option<Signal> {
     #[allow(clippy::wildcard_enum_match_arm, reason = "a hundred kinds of events are none of this window's")]
     Some(match event {
         Event::MotionNotify(event) => {
-            Signal::Pointer(Pointer::Moved(place(event.event_x, event.event_y)), modifiers(event.state), now)
+            LoopEvent::Pointer(PointerInput::Moved(place(event.event_x, event.event_y)), modifiers(event.state), now)
         }
         Event::EnterNotify(event) if crossing(event.mode) => {
-            Signal::Pointer(Pointer::Moved(place(event.event_x, event.event_y)), modifiers(event.state), now)
+            LoopEvent::Pointer(PointerInput::Moved(place(event.event_x, event.event_y)), modifiers(event.state), now)
         }
         // While a button is held, the pointer is followed outside the window.
-        Event::LeaveNotify(event) if crossing(event.mode) && !holds(event.state) => {
-            Signal::Pointer(Pointer::Gone, modifiers(event.state), now)
+        Event::LeaveNotify(event) if crossing(event.mode) && !any_button_down(event.state) => {
+            LoopEvent::Pointer(PointerInput::Left, modifiers(event.state), now)
         }
         Event::ButtonPress(event) => {
             let at = place(event.event_x, event.event_y);
             let pointer = button(event.detail)
-                .map(|button| Pointer::Button { at, button, pressed: true })
+                .map(|button| PointerInput::Button { at, button, pressed: true })
                 .or_else(|| wheel(event.detail))?;
-            Signal::Pointer(pointer, modifiers(event.state), now)
+            LoopEvent::Pointer(pointer, modifiers(event.state), now)
         }
         Event::ButtonRelease(event) => {
             let at = place(event.event_x, event.event_y);
-            Signal::Pointer(Pointer::Button { at, button: button(event.detail)?, pressed: false }, modifiers(event.state), now)
+            LoopEvent::Pointer(
+                PointerInput::Button { at, button: button(event.detail)?, pressed: false },
+                modifiers(event.state),
+                now,
+            )
         }
-        Event::KeyPress(_) | Event::KeyRelease(_) => Signal::Key,
-        Event::Expose(event) if event.count == 0 => Signal::Exposed,
-        Event::MapNotify(event) if event.window != ear => Signal::Mapped(true),
-        Event::UnmapNotify(event) if event.window != ear => Signal::Mapped(false),
-        Event::ConfigureNotify(_) | Event::FocusIn(_) | Event::FocusOut(_) | Event::ClientMessage(_) => Signal::Other,
+        Event::KeyPress(_) | Event::KeyRelease(_) => LoopEvent::Key,
+        Event::Expose(event) if event.count == 0 => LoopEvent::Exposed,
+        Event::MapNotify(event) if event.window != input_window => LoopEvent::Mapped(true),
+        Event::UnmapNotify(event) if event.window != input_window => LoopEvent::Mapped(false),
+        Event::ConfigureNotify(_) | Event::FocusIn(_) | Event::FocusOut(_) | Event::ClientMessage(_) => LoopEvent::Other,
         _ => return None,
     })
 }
@@ -211,12 +217,12 @@ fn button(number: u8) -> Option<PointerButton> {
     }
 }
 
-fn wheel(number: u8) -> Option<Pointer> {
+fn wheel(number: u8) -> Option<PointerInput> {
     match number {
-        4 => Some(Pointer::Wheel([0.0, 1.0])),
-        5 => Some(Pointer::Wheel([0.0, -1.0])),
-        6 => Some(Pointer::Wheel([1.0, 0.0])),
-        7 => Some(Pointer::Wheel([-1.0, 0.0])),
+        4 => Some(PointerInput::Wheel([0.0, 1.0])),
+        5 => Some(PointerInput::Wheel([0.0, -1.0])),
+        6 => Some(PointerInput::Wheel([1.0, 0.0])),
+        7 => Some(PointerInput::Wheel([-1.0, 0.0])),
         _ => None,
     }
 }
@@ -232,6 +238,6 @@ fn modifiers(state: KeyButMask) -> Modifiers {
     }
 }
 
-fn holds(state: KeyButMask) -> bool {
+fn any_button_down(state: KeyButMask) -> bool {
     [KeyButMask::BUTTON1, KeyButMask::BUTTON2, KeyButMask::BUTTON3].into_iter().any(|button| state.contains(button))
 }

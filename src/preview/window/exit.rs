@@ -1,6 +1,6 @@
 //! Ending a window from outside: a signal closes it, or Xlib ends the program because the display is gone.
 
-use super::display::Signal;
+use super::display::LoopEvent;
 use std::cell::RefCell;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::Sender;
@@ -15,7 +15,7 @@ pub struct WindowExit {
 struct Shared {
     wanted: AtomicBool,
     /// Wakes the event loop, once there is one.
-    wake: OnceLock<Sender<Signal>>,
+    wake: OnceLock<Sender<LoopEvent>>,
     last_resort: Box<dyn Fn() + Send + Sync>,
 }
 
@@ -31,7 +31,7 @@ impl WindowExit {
     pub fn close(&self) {
         self.shared.wanted.store(true, Ordering::SeqCst);
         if let Some(wake) = self.shared.wake.get() {
-            let _ = wake.send(Signal::Close);
+            let _ = wake.send(LoopEvent::Close);
         }
     }
 
@@ -41,7 +41,7 @@ impl WindowExit {
     }
 
     /// Makes [`close`](Self::close) wake the event loop.
-    pub(super) fn wakes(&self, window: Sender<Signal>) {
+    pub(super) fn wakes(&self, window: Sender<LoopEvent>) {
         // There is only one window, so the first sender stays.
         let _ = self.shared.wake.set(window);
     }

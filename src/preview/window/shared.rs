@@ -1,7 +1,7 @@
 //! Sending pixels through memory that is shared with the display (MIT-SHM), instead of the connection. The memory is a
 //! file that this program writes and the display reads. This only works on the same machine.
 
-use super::rows::Rows;
+use super::rows::RowBuffer;
 use crate::preview::paint::Region;
 use std::fs::File;
 use std::io;
@@ -23,9 +23,9 @@ type Refusal = Box<dyn std::error::Error>;
 
 /// The window to draw on.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Canvas {
+pub(super) struct DrawTarget {
     pub(super) window: u32,
-    pub(super) pen: Gcontext,
+    pub(super) gc: Gcontext,
     /// Bits per pixel.
     pub(super) depth: u8,
 }
@@ -35,7 +35,7 @@ pub(super) struct Canvas {
 pub(super) struct SharedPixels {
     segments: [Option<Segment>; 2],
     next: usize,
-    rows: Rows,
+    rows: RowBuffer,
 }
 
 struct Segment {
@@ -63,7 +63,7 @@ impl SharedPixels {
     pub(super) fn present(
         &mut self,
         connection: &RustConnection,
-        canvas: Canvas,
+        target: DrawTarget,
         pixels: &[u32],
         width: usize,
         changed: &[Region],
@@ -89,17 +89,17 @@ impl SharedPixels {
         let mut offset = 0;
         for place in changed {
             let [left, top, wide, high] = [place.left, place.top, place.right - place.left, place.bottom - place.top];
-            self.rows.each(pixels, width, place, BLOCK, |first, part| {
+            self.rows.for_each_block(pixels, width, place, BLOCK, |first, part| {
                 segment.write(part, offset + 4 * (first - top as usize) * wide as usize)
             })?;
             // The window and its pixels fit the numbers of the protocol.
             let [wide, high] = [wide, high].map(|side| side as u16);
             let [x, y] = [left, top].map(|at| at as i16);
-            let Canvas { window, pen, depth } = canvas;
+            let DrawTarget { window, gc, depth } = target;
             let format = ImageFormat::Z_PIXMAP.into();
             let place_in = offset as u32;
             let asked = connection
-                .shm_put_image(window, pen, wide, high, 0, 0, wide, high, x, y, depth, format, false, segment.id, place_in)?;
+                .shm_put_image(window, gc, wide, high, 0, 0, wide, high, x, y, depth, format, false, segment.id, place_in)?;
             if segment.proved {
                 asked.ignore_error();
             } else {

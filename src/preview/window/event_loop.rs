@@ -5,44 +5,44 @@
 //! than everything else.
 
 use super::clipboard::Clipboard;
-use super::display::{self, Display, Pointer, Signal};
+use super::display::{self, Display, LoopEvent, PointerInput};
 use super::exit::WindowExit;
-use super::incoming::Incoming;
-use super::keys::{Keyboard, Stroke, Strokes};
-use super::polled::Polled;
+use super::input_queue::InputQueue;
+use super::keys::{KeyInput, KeyQueue, Keyboard};
+use super::polled::PolledPointer;
 use super::{cursor, printable};
-use crate::preview::paint::{Frame, Painter, Region};
+use crate::preview::paint::{PaintInput, Painter, Region};
 use crate::preview::{FrameTimes, WindowApp};
 use egui::{Event, FullOutput, OutputCommand, RawInput, ViewportCommand, ViewportId};
 use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
 /// The shortest time between two frames because of pointer movements.
-const MOTION: Duration = Duration::from_millis(4);
+const MIN_MOTION_INTERVAL: Duration = Duration::from_millis(4);
 
 /// The shortest time between two frames that egui asks for, for instance for animations.
-const ANIMATION: Duration = Duration::from_millis(16);
+const MIN_REPAINT_INTERVAL: Duration = Duration::from_millis(16);
 
 /// How often minifb is polled, during and after input.
-const AWAKE: Duration = Duration::from_millis(8);
-const ASLEEP: Duration = Duration::from_millis(100);
+const POLL_ACTIVE: Duration = Duration::from_millis(8);
+const POLL_IDLE: Duration = Duration::from_millis(100);
 
 /// How long after the last input minifb is polled often: an input method gives no events.
-const LATE: Duration = Duration::from_millis(300);
+const ACTIVE_PERIOD: Duration = Duration::from_millis(300);
 
 /// How often the pixels are sent again if the display does not say when they are lost.
-const AGAIN: Duration = Duration::from_millis(400);
+const RESEND_INTERVAL: Duration = Duration::from_millis(400);
 
 /// The window and its state.
-pub(super) struct Shell {
+pub(super) struct EventLoop {
     window: minifb::Window,
     display: Option<Display>,
-    polled: Polled,
-    signals: Receiver<Signal>,
-    strokes: Strokes,
+    polled: PolledPointer,
+    events: Receiver<LoopEvent>,
+    keys: KeyQueue,
     keyboard: Keyboard,
     clipboard: Clipboard,
-    incoming: Incoming,
+    input_queue: InputQueue,
     context: egui::Context,
     painter: Painter,
     title: String,
@@ -54,13 +54,13 @@ pub(super) struct Shell {
     focused: bool,
     hidden: bool,
     /// Whether all pixels must be sent, changed or not.
-    lost: bool,
-    begun: Instant,
-    news: Instant,
-    last: Instant,
-    presented: Instant,
+    send_all: bool,
+    started: Instant,
+    last_input: Instant,
+    last_frame: Instant,
+    last_sent: Instant,
     /// When the next frame is wanted, even without input.
-    due: Option<Instant>,
+    repaint_at: Option<Instant>,
     exit: WindowExit,
     /// Whether the display is gone. minifb must not be called any more then, because Xlib would end the program.
     display_lost: bool,
@@ -75,12 +75,12 @@ pub(super) enum Ending {
     DisplayLost,
 }
 
-impl Shell {
+impl EventLoop {
     pub(super) fn new(mut window: minifb::Window, title: String, exit: &WindowExit) -> Self {
-        let strokes = Strokes::default();
-        window.set_input_callback(Box::new(strokes.clone()));
+        let keys = KeyQueue::default();
+        window.set_input_callback(Box::new(keys.clone()));
         window.set_target_fps(0);
-        let (sender, signals) = channel();
+        let (sender, events) = channel();
         exit.wakes(sender.clone());
         let context = egui::Context::default();
         // The application sets the size of widgets.
@@ -88,7 +88,7 @@ impl Shell {
         let (own, waker) = (std::thread::current().id(), sender.clone());
         context.set_request_repaint_callback(move |wish| {
             if let Some(at) = Instant::now().checked_add(wish.delay) {
-                let _ = waker.send(Signal::Repaint { at, own: std::thread::current().id() == own });
+                let _ = waker.send(LoopEvent::Repaint { at, own: std::thread::current().id() == own });
             }
         });
         let display = u32::try_from(window.get_window_handle() as usize).ok().and_then(|handle| Display::open(handle, sender));
@@ -96,12 +96,12 @@ impl Shell {
         Self {
             window,
             display,
-            polled: Polled::default(),
-            signals,
-            strokes,
+            polled: PolledPointer::default(),
+            events,
+            keys,
             keyboard: Keyboard::default(),
             clipboard: Clipboard::default(),
-            incoming: Incoming::default(),
+            input_queue: InputQueue::default(),
             context,
             painter: Painter::new(),
             title,
@@ -110,12 +110,12 @@ impl Shell {
             typed: false,
             focused: true,
             hidden: false,
-            lost: true,
-            begun: now,
-            news: now,
-            last: now,
-            presented: now,
-            due: Some(now),
+            send_all: true,
+            started: now,
+            last_input: now,
+            last_frame: now,
+            last_sent: now,
+            repaint_at: Some(now),
             exit: exit.clone(),
             display_lost: false,
         }
@@ -125,10 +125,10 @@ impl Shell {
         &self.context
     }
 
-    /// Waits, and does what is due. Returns why the loop ends, if it does.
-    pub(super) fn turn(&mut self, app: &mut dyn WindowApp) -> Option<Ending> {
-        let signals = self.wait();
-        if signals.contains(&Signal::Broken) {
+    /// Waits, and does what is repaint_at. Returns why the loop ends, if it does.
+    pub(super) fn run_once(&mut self, app: &mut dyn WindowApp) -> Option<Ending> {
+        let events = self.wait();
+        if events.contains(&LoopEvent::Broken) {
             self.lose_connection();
         }
         if self.display_lost {
@@ -138,14 +138,14 @@ impl Shell {
         if !self.window.is_open() || self.exit.is_wanted() {
             return Some(Ending::Closed);
         }
-        let scale = sound(app.scale()) * self.context.zoom_factor();
-        self.sort(signals, scale);
-        self.look();
-        if self.next().is_some_and(|at| at <= Instant::now()) {
+        let scale = valid_scale(app.scale()) * self.context.zoom_factor();
+        self.queue_input(events, scale);
+        self.update_window_state();
+        if self.next_frame_time().is_some_and(|at| at <= Instant::now()) {
             return (!self.frame(app)).then_some(Ending::Closed);
         }
-        if self.lost || (self.display.is_none() && self.presented.elapsed() > AGAIN) {
-            self.present(&[self.whole()]);
+        if self.send_all || (self.display.is_none() && self.last_sent.elapsed() > RESEND_INTERVAL) {
+            self.present(&[self.full_region()]);
         }
         None
     }
@@ -156,99 +156,104 @@ impl Shell {
         self.display_lost |= display::is_gone();
     }
 
-    /// When the next frame is due.
-    fn next(&self) -> Option<Instant> {
+    /// When the next frame is repaint_at.
+    fn next_frame_time(&self) -> Option<Instant> {
         let now = Instant::now();
-        let seen = if self.incoming.is_urgent() { Some(now) } else { (!self.incoming.is_empty()).then(|| self.last + MOTION) };
-        seen.into_iter().chain(self.due).min()
+        let seen = if self.input_queue.is_urgent() {
+            Some(now)
+        } else {
+            (!self.input_queue.is_empty()).then(|| self.last_frame + MIN_MOTION_INTERVAL)
+        };
+        seen.into_iter().chain(self.repaint_at).min()
     }
 
     /// Sleeps until there is something to do.
-    fn wait(&self) -> Vec<Signal> {
+    fn wait(&self) -> Vec<LoopEvent> {
         let now = Instant::now();
-        let rest = if self.display.is_some() && now.duration_since(self.news) > LATE { ASLEEP } else { AWAKE };
-        let until = self.next().map_or(rest, |at| at.saturating_duration_since(now).min(rest));
-        let first = if self.strokes.is_empty() && !until.is_zero() { self.signals.recv_timeout(until).ok() } else { None };
-        first.into_iter().chain(self.signals.try_iter()).collect()
+        let rest =
+            if self.display.is_some() && now.duration_since(self.last_input) > ACTIVE_PERIOD { POLL_IDLE } else { POLL_ACTIVE };
+        let until = self.next_frame_time().map_or(rest, |at| at.saturating_duration_since(now).min(rest));
+        let first = if self.keys.is_empty() && !until.is_zero() { self.events.recv_timeout(until).ok() } else { None };
+        first.into_iter().chain(self.events.try_iter()).collect()
     }
 
     /// Puts pointer and keyboard input into one order.
-    fn sort(&mut self, signals: Vec<Signal>, scale: f32) {
-        let strokes = self.strokes.take();
-        if !signals.is_empty() || !strokes.is_empty() {
-            self.news = Instant::now();
+    fn queue_input(&mut self, events: Vec<LoopEvent>, scale: f32) {
+        let keys = self.keys.take();
+        if !events.is_empty() || !keys.is_empty() {
+            self.last_input = Instant::now();
         }
         // Both connections report keys. If the counts agree, it is known between which clicks they were typed.
-        let is_key = |stroke: &Stroke| matches!(stroke, Stroke::Key(..));
-        let known = strokes.iter().filter(|stroke| is_key(stroke)).count()
-            == signals.iter().filter(|signal| **signal == Signal::Key).count();
-        let mut strokes = strokes.into_iter().peekable();
-        for signal in signals {
-            match signal {
-                Signal::Pointer(pointer, modifiers, at) => self.pointer(pointer, modifiers, at, scale),
-                Signal::Key if known => {
-                    while let Some(stroke) = strokes.next() {
-                        self.stroke(stroke);
-                        if strokes.peek().is_some_and(is_key) {
+        let is_key = |input: &KeyInput| matches!(input, KeyInput::Key(..));
+        let known =
+            keys.iter().filter(|input| is_key(input)).count() == events.iter().filter(|event| **event == LoopEvent::Key).count();
+        let mut keys = keys.into_iter().peekable();
+        for event in events {
+            match event {
+                LoopEvent::Pointer(pointer, modifiers, at) => self.pointer(pointer, modifiers, at, scale),
+                LoopEvent::Key if known => {
+                    while let Some(input) = keys.next() {
+                        self.key(input);
+                        if keys.peek().is_some_and(is_key) {
                             break;
                         }
                     }
                 }
-                Signal::Exposed => self.lost = true,
-                Signal::Mapped(mapped) => {
+                LoopEvent::Exposed => self.send_all = true,
+                LoopEvent::Mapped(mapped) => {
                     self.hidden = !mapped;
-                    self.lost |= mapped;
+                    self.send_all |= mapped;
                 }
-                Signal::Repaint { at, own } => {
-                    let at = if own { at.max(self.last + ANIMATION) } else { at };
-                    self.due = self.due.into_iter().chain([at]).min();
+                LoopEvent::Repaint { at, own } => {
+                    let at = if own { at.max(self.last_frame + MIN_REPAINT_INTERVAL) } else { at };
+                    self.repaint_at = self.repaint_at.into_iter().chain([at]).min();
                 }
-                Signal::Key | Signal::Other | Signal::Close | Signal::Broken => {}
+                LoopEvent::Key | LoopEvent::Other | LoopEvent::Close | LoopEvent::Broken => {}
             }
         }
-        strokes.for_each(|stroke| self.stroke(stroke));
+        keys.for_each(|input| self.key(input));
         if self.display.is_none() {
             let modifiers = self.keyboard.modifiers();
-            for pointer in self.polled.look(&self.window) {
-                self.news = Instant::now();
+            for pointer in self.polled.poll(&self.window) {
+                self.last_input = Instant::now();
                 self.pointer(pointer, modifiers, Instant::now(), scale);
             }
         }
     }
 
-    fn stroke(&mut self, stroke: Stroke) {
+    fn key(&mut self, input: KeyInput) {
         self.typed = true;
         let mut told = Vec::new();
-        self.keyboard.stroke(stroke, &mut self.clipboard, &mut told);
-        told.into_iter().for_each(|event| self.incoming.push(event, Instant::now()));
+        self.keyboard.handle(input, &mut self.clipboard, &mut told);
+        told.into_iter().for_each(|event| self.input_queue.push(event, Instant::now()));
     }
 
-    fn pointer(&mut self, pointer: Pointer, modifiers: egui::Modifiers, at: Instant, scale: f32) {
-        if let Some(event) = self.keyboard.correct(modifiers) {
-            self.incoming.push(event, at);
+    fn pointer(&mut self, pointer: PointerInput, modifiers: egui::Modifiers, at: Instant, scale: f32) {
+        if let Some(event) = self.keyboard.sync_modifiers(modifiers) {
+            self.input_queue.push(event, at);
         }
         let point = |[x, y]: [f32; 2]| egui::pos2(x, y) / scale;
         let event = match pointer {
-            Pointer::Moved(place) => Event::PointerMoved(point(place)),
-            Pointer::Gone => Event::PointerGone,
-            Pointer::Button { at, button, pressed } => Event::PointerButton { pos: point(at), button, pressed, modifiers },
-            Pointer::Wheel(notches) => Event::MouseWheel {
+            PointerInput::Moved(place) => Event::PointerMoved(point(place)),
+            PointerInput::Left => Event::PointerGone,
+            PointerInput::Button { at, button, pressed } => Event::PointerButton { pos: point(at), button, pressed, modifiers },
+            PointerInput::Wheel(notches) => Event::MouseWheel {
                 unit: egui::MouseWheelUnit::Line,
                 delta: notches.into(),
                 phase: egui::TouchPhase::Move,
                 modifiers,
             },
         };
-        self.incoming.push(event, at);
+        self.input_queue.push(event, at);
     }
 
     /// Updates size and focus, for which minifb gives no events.
-    fn look(&mut self) {
+    fn update_window_state(&mut self) {
         let (width, height) = self.window.get_size();
         if self.size != [width, height] {
             self.size = [width, height];
-            self.lost = true;
-            self.due = Some(Instant::now());
+            self.send_all = true;
+            self.repaint_at = Some(Instant::now());
         }
         let active = self.window.is_active();
         if self.active && !active {
@@ -264,25 +269,25 @@ impl Shell {
                 self.keyboard.release(&mut told);
             }
             told.push(Event::WindowFocused(focused));
-            told.into_iter().for_each(|event| self.incoming.push(event, Instant::now()));
+            told.into_iter().for_each(|event| self.input_queue.push(event, Instant::now()));
         }
     }
 
     /// Runs and shows a frame. Returns false if the window should close.
     fn frame(&mut self, app: &mut dyn WindowApp) -> bool {
         let start = Instant::now();
-        self.last = start;
-        self.due = self.due.filter(|due| *due > start);
+        self.last_frame = start;
+        self.repaint_at = self.repaint_at.filter(|repaint_at| *repaint_at > start);
         let mut motion = None;
         let mut closes = false;
         let mut output = loop {
-            let portion = self.incoming.portion();
-            motion = motion.or(portion.motion);
-            let input = self.input(portion.events, sound(app.scale()));
+            let frame_input = self.input_queue.next_frame();
+            motion = motion.or(frame_input.motion);
+            let input = self.input(frame_input.events, valid_scale(app.scale()));
             let mut output = self.context.run_ui(input, |ui| app.ui(ui));
             self.painter.update_textures(&mut output.textures_delta);
-            closes |= self.obey(&mut output);
-            if self.incoming.is_empty() {
+            closes |= self.handle_output(&mut output);
+            if self.input_queue.is_empty() {
                 break output;
             }
         };
@@ -292,7 +297,7 @@ impl Shell {
 
         let picture = app.picture();
         let version = picture.as_ref().map(|picture| picture.version);
-        let frame = Frame {
+        let frame = PaintInput {
             size: self.size,
             scale: output.pixels_per_point,
             background: u32::from_be_bytes([0, background[0], background[1], background[2]]),
@@ -302,9 +307,9 @@ impl Shell {
         let changed = self.painter.paint(&frame).to_vec();
         let painted = Instant::now();
 
-        let presents = !self.hidden && (self.lost || !changed.is_empty());
+        let presents = !self.hidden && (self.send_all || !changed.is_empty());
         if presents {
-            self.present(&if self.lost { vec![self.whole()] } else { changed });
+            self.present(&if self.send_all { vec![self.full_region()] } else { changed });
         }
         let finished = Instant::now();
         app.frame_shown(&FrameTimes {
@@ -316,7 +321,7 @@ impl Shell {
             picture: version,
         });
         if !self.display_lost {
-            self.rename(app);
+            self.update_title(app);
         }
         !closes && !app.wants_close()
     }
@@ -326,7 +331,7 @@ impl Shell {
         let mut input = RawInput {
             screen_rect: Some(egui::Rect::from_min_size(egui::Pos2::ZERO, size)),
             max_texture_side: Some(1 << 13),
-            time: Some(self.begun.elapsed().as_secs_f64()),
+            time: Some(self.started.elapsed().as_secs_f64()),
             events,
             focused: self.focused,
             ..RawInput::default()
@@ -341,7 +346,7 @@ impl Shell {
     }
 
     /// Does what egui asks of the platform. Returns whether the window should close.
-    fn obey(&mut self, output: &mut FullOutput) -> bool {
+    fn handle_output(&mut self, output: &mut FullOutput) -> bool {
         for command in output.platform_output.commands.drain(..) {
             match command {
                 OutputCommand::CopyText(text) => self.clipboard.set_text(text),
@@ -353,12 +358,12 @@ impl Shell {
         self.window.set_cursor_style(cursor::style(output.platform_output.cursor_icon));
         let Some(root) = output.viewport_output.get(&ViewportId::ROOT) else { return false };
         if let Some(at) = Instant::now().checked_add(root.repaint_delay) {
-            self.due = self.due.into_iter().chain([at.max(self.last + ANIMATION)]).min();
+            self.repaint_at = self.repaint_at.into_iter().chain([at.max(self.last_frame + MIN_REPAINT_INTERVAL)]).min();
         }
         root.commands.iter().any(|command| matches!(command, ViewportCommand::Close))
     }
 
-    fn rename(&mut self, app: &dyn WindowApp) {
+    fn update_title(&mut self, app: &dyn WindowApp) {
         let title = printable(&app.title());
         if title != self.title {
             self.window.set_title(&title);
@@ -366,7 +371,7 @@ impl Shell {
         }
     }
 
-    fn whole(&self) -> Region {
+    fn full_region(&self) -> Region {
         let [right, bottom] = self.painter.size().map(|side| side as i32);
         Region { left: 0, top: 0, right, bottom }
     }
@@ -391,12 +396,12 @@ impl Shell {
             // It only fails if there are fewer pixels than it is told.
             let _ = self.window.update_with_buffer(pixels, width, height);
         }
-        self.lost = false;
-        self.presented = Instant::now();
+        self.send_all = false;
+        self.last_sent = Instant::now();
     }
 }
 
 /// A valid scale for widgets.
-fn sound(scale: f32) -> f32 {
+fn valid_scale(scale: f32) -> f32 {
     if scale.is_finite() { scale.clamp(0.5, 4.0) } else { 1.0 }
 }
