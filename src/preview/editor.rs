@@ -1,8 +1,9 @@
-//! The editor of formulas and scenes: text in colours, marks where something is wrong, completion, search, undo.
+//! The text editor for formulas and scenes: colours, marks of errors, completion, search, undo.
 //!
-//! [`Document`] is what is edited; [`Editor`] is the widget for one of them at a time. Beside it stand [`problems_ui`] and [`reference_ui`].
-//! Nothing here opens files or windows. What the widget is made of: `words` and `completion` know the languages, `lines`, `history` and
-//! `commands` texts, `keys` the keyboard, `colouring`, `marks`, `list` and `palette` the looks, `find` the bar for searching.
+//! [`Document`] is the text, [`Editor`] is the widget that edits one document at a time. [`problems_ui`] and
+//! [`reference_ui`] are panels beside it. No files or windows are known here. The modules: `words` and `completion`
+//! know the languages; `lines`, `history` and `commands` work on texts; `keys` handles the keyboard; `colouring`,
+//! `marks`, `list` and `palette` draw; `find` is the search bar.
 
 mod colouring;
 mod commands;
@@ -41,23 +42,23 @@ use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// A text that takes long to check is checked when so many seconds passed without a change.
+/// A text that is slow to check is checked after this many seconds without a change.
 const CHECK_AFTER: f64 = 0.5;
 
-/// What an editor did in a frame.
+/// What happened in the editor in a frame.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct EditorResponse {
     /// Whether the text was changed.
     pub changed: bool,
-    /// Whether the text is to be taken for the picture: Ctrl+Enter was pressed.
+    /// Whether the text should be applied: Ctrl+Enter was pressed.
     pub apply: bool,
-    /// Whether the keyboard is the text's.
+    /// Whether the text has the keyboard.
     pub focused: bool,
-    /// Line and column of the cursor, counted from 1, the column in characters.
+    /// Line and column of the cursor, counted from 1. The column counts characters.
     pub place: (usize, usize),
 }
 
-/// How the text is drawn, with the context to lay it out.
+/// How the text is drawn, and the context for its layout.
 #[derive(Clone, Copy)]
 struct Look<'a> {
     context: &'a Context,
@@ -65,28 +66,28 @@ struct Look<'a> {
     palette: &'a Palette,
 }
 
-/// The widget that edits a [`Document`]; each pane has one of its own, which may show one document after the other.
+/// The widget that edits a [`Document`]. It can show different documents one after the other.
 #[derive(Default)]
 pub struct Editor {
     colouring: Colouring,
     queue: Queue,
     list: List,
     find: Find,
-    /// The document that was shown last, and what is selected in each.
+    /// The document that was shown last, and the selection in each document.
     shown: Option<u64>,
     selections: HashMap<u64, Selection>,
     selection: Selection,
-    /// Whether the widget does not know the selection yet.
+    /// Whether egui's widget does not know the selection yet.
     moved: bool,
-    /// Whether the cursor is to be scrolled into view, in the middle.
+    /// Whether to scroll to the cursor; whether to centre it.
     reveal: bool,
     wants_focus: bool,
-    /// What was asked for from outside since the last frame.
+    /// Requests from outside since the last frame.
     ordered: Vec<Order>,
     changed_at: f64,
 }
 
-/// What was asked for from outside.
+/// A request from outside.
 enum Order {
     Jump(Span),
     Insert(String),
@@ -94,17 +95,17 @@ enum Order {
 }
 
 impl Editor {
-    /// Selects a place of the document that is shown next, scrolls it into view and takes the keyboard.
+    /// Selects a span of the document that is shown next, scrolls to it, and takes the keyboard.
     pub fn jump_to(&mut self, span: Span) {
         self.ordered.push(Order::Jump(span));
     }
 
-    /// Puts a text in the place of what is selected, and takes the keyboard.
+    /// Replaces the selection by a text, and takes the keyboard.
     pub fn insert(&mut self, text: impl Into<String>) {
         self.ordered.push(Order::Insert(text.into()));
     }
 
-    /// Does what a key does: for menus and buttons.
+    /// Performs a command, as its key does: for menus and buttons.
     pub fn order(&mut self, command: Command) {
         self.ordered.push(Order::Command(command));
     }
@@ -114,12 +115,12 @@ impl Editor {
         self.wants_focus = true;
     }
 
-    /// The id of the widget of a document, for whoever asks for the keyboard's owner.
+    /// The identifier of a document's widget in egui.
     pub fn id_of(document: &Document) -> Id {
         Id::new(("editor of a document", document.id()))
     }
 
-    /// Draws the editor into all the room there is, and handles what is typed and clicked.
+    /// Draws the editor into all free space, and handles keys and clicks.
     pub fn ui(&mut self, ui: &mut Ui, document: &mut Document, palette: &Palette) -> EditorResponse {
         let (context, font) = (ui.ctx().clone(), TextStyle::Monospace.resolve(ui.style()));
         let look = Look { context: &context, font: &font, palette };
@@ -165,7 +166,7 @@ impl Editor {
         response
     }
 
-    /// Takes up a document where it was left.
+    /// Switches to a document, with the selection that it had.
     fn turn_to(&mut self, document: &Document) {
         if self.shown != Some(document.id()) {
             self.shown = Some(document.id());
@@ -174,7 +175,7 @@ impl Editor {
             self.queue.clear();
             self.list.close();
         }
-        // Someone else may have changed the text.
+        // The text may have been changed elsewhere.
         let fit = |at: usize| floor(&document.text, at);
         self.selection = Selection { anchor: fit(self.selection.anchor), head: fit(self.selection.head) };
     }
@@ -183,7 +184,8 @@ impl Editor {
         Open { list: self.list.is_open(), find: self.find.is_open() }
     }
 
-    /// Does the commands that were typed first, and gives the widget what was typed up to the next.
+    /// Performs the commands at the start of the typed input, and passes the input up to the next command to the
+    /// widget.
     fn before_typing(&mut self, look: Look<'_>, document: &mut Document, response: &mut EditorResponse) -> Vec<Event> {
         look.context.input_mut(|input| self.queue.take_from(&mut input.events));
         while let Some(command) = self.queue.next_command(self.open()) {
@@ -194,11 +196,11 @@ impl Editor {
         typed
     }
 
-    /// Draws the bar for searching and does what it asks for.
+    /// Draws the search bar, and does what it asks for.
     fn find_ui(&mut self, ui: &mut Ui, document: &mut Document) {
         let of = (document.id(), document.revision());
         let wish = self.find.ui(ui, of, &document.text, self.selection.range());
-        // Only where Esc is nobody else's: a field of the bar gives the keyboard up by the very key.
+        // Only if no widget has the keyboard: a field of the bar gives it up when Esc is pressed.
         let escaped = ui.memory(|memory| memory.focused().is_none()) && ui.input(|input| input.key_pressed(Key::Escape));
         match wish {
             Some(Wish::Show(range)) => self.show_range(document, range, false),
@@ -233,7 +235,7 @@ impl Editor {
         (self.wants_focus, self.moved) = (true, true);
     }
 
-    /// Selects a range and scrolls it into view.
+    /// Selects a range, and scrolls to it.
     fn show_range(&mut self, document: &Document, range: std::ops::Range<usize>, focus: bool) {
         let range = fitting(&document.text, range);
         self.selection = Selection { anchor: range.start, head: range.end };
@@ -242,7 +244,7 @@ impl Editor {
         self.list.close();
     }
 
-    /// Does an edit, as a step of its own.
+    /// Makes an edit that is undone on its own.
     fn edit(&mut self, document: &mut Document, edit: Edit, after: Selection) {
         document.edit(edit, self.selection, after);
         self.selection = after;
@@ -322,7 +324,7 @@ impl Editor {
         }
     }
 
-    /// Shows what may be written at the cursor, if anything.
+    /// Shows completions for the cursor, if there are any.
     fn offer(&mut self, look: Look<'_>, document: &Document, asked: bool) {
         let laid = self.lay(look, document);
         let cursor = self.selection.head;
@@ -330,7 +332,7 @@ impl Editor {
         self.list.offer(completion.filter(|_| self.selection.range().is_empty()), &document.text, asked);
     }
 
-    /// Checks the text: at once, or after a pause where that would be felt.
+    /// Checks the text: at once, or after a pause if it is slow.
     fn check(&mut self, look: Look<'_>, document: &mut Document, changed: bool) {
         let now = look.context.input(|input| input.time);
         if changed {
@@ -347,7 +349,7 @@ impl Editor {
         }
     }
 
-    /// The text as it is laid out now.
+    /// The current layout of the text.
     fn lay(&mut self, look: Look<'_>, document: &Document) -> Arc<Laid> {
         self.colouring.lay(look.context, document.kind(), &document.text, look.font, look.palette)
     }

@@ -1,7 +1,8 @@
-//! A text laid out in colours, line by line, so that a change costs the line that changed.
+//! The coloured layout of a text. It is made line by line, so a change costs only the changed line.
 //!
-//! The widget asks for its layout at least once a frame. What is at hand is given again where the text is the same; else the lines that
-//! are the same keep their layout. Layouts point into the atlas of glyphs, so all are dropped when that may have been cleared.
+//! The widget asks for the layout at least once per frame. If the text has not changed, it is the same layout again;
+//! otherwise the unchanged lines keep theirs. Layouts refer to the atlas of glyphs, so all are dropped when the atlas
+//! may have been cleared.
 
 use super::lines::Lines;
 use super::palette::Palette;
@@ -14,7 +15,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::ops::Range;
 use std::sync::Arc;
 
-/// What the look of a line depends on beside its words.
+/// What the appearance of a line depends on, beside its words.
 #[derive(Debug, Clone, PartialEq)]
 struct Look {
     font: FontId,
@@ -23,31 +24,31 @@ struct Look {
     options: egui::epaint::TextOptions,
 }
 
-/// A text with its words, its lines and its layout.
+/// A text with its words, lines and layout.
 pub(super) struct Laid {
     kind: FileKind,
     text: String,
-    /// Its words.
+    /// The words.
     pub words: Words,
-    /// Where its lines begin.
+    /// The positions of the lines.
     pub lines: Lines,
-    /// Its layout: a row for every line.
+    /// The layout: one row per line.
     pub galley: Arc<Galley>,
 }
 
-/// The layout of the text at hand, and what is kept for the next.
+/// The current layout, and the cached lines for the next one.
 #[derive(Default)]
 pub(super) struct Colouring {
     look: Option<Look>,
     laid: Option<Arc<Laid>>,
-    /// Layouts by line and the classes in it.
+    /// Layouts by line and by the classes in it.
     kept: HashMap<u64, Arc<Galley>>,
-    /// The last pass in which layouts were asked for, and how full the atlas of glyphs was.
+    /// The last pass that asked for a layout, and how full the atlas of glyphs was then.
     seen: (u64, f32),
 }
 
 impl Colouring {
-    /// The layout of a text, from what is at hand where possible.
+    /// The layout of a text; the current one if nothing changed.
     pub(super) fn lay(&mut self, context: &Context, kind: FileKind, text: &str, font: &FontId, palette: &Palette) -> Arc<Laid> {
         self.drop_stale(context, font, palette);
         let same = self.laid.take().filter(|laid| laid.kind == kind && laid.text == text);
@@ -60,8 +61,8 @@ impl Colouring {
         Arc::clone(self.laid.insert(laid))
     }
 
-    /// Drops what was laid out for another look, or may point to glyphs that are no longer where they were: the atlas is cleared
-    /// between two passes and is less full then; of passes in which nothing was asked for nothing is known.
+    /// Drops cached lines that look different now, or whose glyphs may have moved. The atlas is cleared between two
+    /// passes, and is less full then. After passes without a layout, nothing is known.
     fn drop_stale(&mut self, context: &Context, font: &FontId, palette: &Palette) {
         let pass = context.cumulative_pass_nr();
         let (full, options) = context.fonts(|fonts| (fonts.font_atlas_fill_ratio(), *fonts.options()));
@@ -114,7 +115,7 @@ impl Colouring {
     }
 }
 
-/// A line in its colours.
+/// A coloured line.
 fn job(line: &str, pieces: &[(Range<usize>, Class)], font: &FontId, palette: &Palette) -> LayoutJob {
     let mut job = LayoutJob { text: line.to_owned(), keep_trailing_whitespace: true, ..LayoutJob::default() };
     let mut push = |range: Range<usize>, class| {
@@ -130,7 +131,7 @@ fn job(line: &str, pieces: &[(Range<usize>, Class)], font: &FontId, palette: &Pa
         push(range.clone(), *class);
         at = range.end;
     }
-    // An empty line needs a section too: it says how high the line is.
+    // An empty line needs a section too, which gives its height.
     if at < line.len() || line.is_empty() {
         push(at..line.len(), Class::Plain);
     }

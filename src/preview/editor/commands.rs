@@ -1,6 +1,6 @@
-//! What keys do to a text beyond what the widget does by itself: line breaks that keep the indentation, indenting, comments.
+//! Editing commands that egui's widget does not have: line breaks that keep the indentation, indenting, comments.
 //!
-//! Text and selection go in, an edit and a selection come out; no widget is known here.
+//! They turn a text and a selection into an edit and a new selection. No widget is known here.
 
 use super::history::{Edit, Selection};
 use std::ops::Range;
@@ -9,7 +9,7 @@ use std::ops::Range;
 pub(super) const INDENT: &str = "    ";
 const COMMENT: &str = "//";
 
-/// A line break, with the blanks before the line that it breaks.
+/// A line break that keeps the indentation of the line.
 pub(super) fn line_break(text: &str, selection: Selection) -> (Edit, Selection) {
     let range = selection.range();
     let line = &text[line_start(text, range.start)..range.start];
@@ -18,7 +18,7 @@ pub(super) fn line_break(text: &str, selection: Selection) -> (Edit, Selection) 
     (Edit::replacing(text, range, inserted), cursor)
 }
 
-/// Four spaces, or each line moved right by them where several are selected.
+/// Four spaces; or, if several lines are selected, each moved right by four spaces.
 pub(super) fn indent(text: &str, selection: Selection) -> Option<(Edit, Selection)> {
     let range = selection.range();
     if !text[range.clone()].contains('\n') {
@@ -28,7 +28,7 @@ pub(super) fn indent(text: &str, selection: Selection) -> Option<(Edit, Selectio
     by_lines(text, selection, |line| if line.trim().is_empty() { line.to_owned() } else { format!("{INDENT}{line}") })
 }
 
-/// Each selected line moved left by up to four spaces, or a tab.
+/// Each selected line moved left, by up to four spaces or a tab.
 pub(super) fn outdent(text: &str, selection: Selection) -> Option<(Edit, Selection)> {
     by_lines(text, selection, |line| {
         let spaces = line.bytes().take(INDENT.len()).take_while(|byte| *byte == b' ').count();
@@ -36,7 +36,7 @@ pub(super) fn outdent(text: &str, selection: Selection) -> Option<(Edit, Selecti
     })
 }
 
-/// Makes comments of the selected lines, or lines again where all of them are comments.
+/// Comments the selected lines out; or removes the comments if all lines have them.
 pub(super) fn toggle_comment(text: &str, selection: Selection) -> Option<(Edit, Selection)> {
     let block = &text[lines_around(text, selection.range())];
     let full = || block.lines().filter(|line| !line.trim().is_empty());
@@ -56,7 +56,7 @@ pub(super) fn toggle_comment(text: &str, selection: Selection) -> Option<(Edit, 
     })
 }
 
-/// Changes every line that the selection touches. A cursor stays with what it stands at; a selection becomes that of the lines.
+/// Changes every line of the selection. A cursor stays at its character; a selection becomes all of the lines.
 fn by_lines(text: &str, selection: Selection, change: impl Fn(&str) -> String) -> Option<(Edit, Selection)> {
     let block = lines_around(text, selection.range());
     let old = &text[block.clone()];
@@ -66,7 +66,7 @@ fn by_lines(text: &str, selection: Selection, change: impl Fn(&str) -> String) -
         return None;
     }
     let after = if selection.range().is_empty() {
-        // From the end of its line, what is before changes and what is behind does not.
+        // Counted from the end of the line, because only its start changes.
         let behind = block.end - selection.head;
         let kept = new.len().saturating_sub(behind);
         Selection::cursor(block.start + new.floor_char_boundary(kept))
@@ -76,7 +76,7 @@ fn by_lines(text: &str, selection: Selection, change: impl Fn(&str) -> String) -
     Some((Edit::replacing(text, block, new), after))
 }
 
-/// The whole lines that a range touches, without the last line break. A line of which only the beginning is reached is not touched.
+/// The lines of a range, without the last line break. A line is not included if the range only reaches its start.
 fn lines_around(text: &str, range: Range<usize>) -> Range<usize> {
     let start = line_start(text, range.start);
     let last = if range.end > range.start && text[..range.end].ends_with('\n') { range.end - 1 } else { range.end };
@@ -88,7 +88,7 @@ fn line_start(text: &str, at: usize) -> usize {
     text[..at].rfind('\n').map_or(0, |newline| newline + 1)
 }
 
-/// How many bytes of blanks a line begins with.
+/// The bytes of white space at the start of a line.
 fn blanks(line: &str) -> usize {
     line.len() - line.trim_start_matches([' ', '\t']).len()
 }

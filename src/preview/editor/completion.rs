@@ -1,6 +1,6 @@
-//! What may be written at a place: names and keywords that go on with what is typed there, from the language's tables and the text.
+//! Completions: names and keywords from the language's tables and from the text that continue what was typed.
 //!
-//! Decides by the words before the place. No widgets.
+//! They are chosen by the words before the cursor. No widget is known here.
 
 use super::words::{Class, Section, Words, scene_words, signatures};
 use crate::lang::builtins::{self, Form};
@@ -12,35 +12,35 @@ use crate::scene::{LightKind, Shape};
 use crate::workspace::FileKind;
 use std::ops::Range;
 
-/// Something that may be written.
+/// A completion.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Candidate {
     /// The name or keyword.
     pub name: String,
-    /// What is written where it is chosen.
+    /// The text to insert.
     pub insert: String,
     /// Operands and types.
     pub types: String,
-    /// What it means.
+    /// A description.
     pub doc: String,
-    /// What it is, for its colour.
+    /// The class, which gives the colour.
     pub class: Class,
 }
 
-/// What may be written at a place, best first.
+/// The completions at a cursor, best first.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Completion {
-    /// The bytes of the word that is there so far.
+    /// The bytes of the word that was typed so far.
     pub word: Range<usize>,
-    /// What may take its place.
+    /// The completions of it.
     pub candidates: Vec<Candidate>,
 }
 
-/// What may be written at a cursor; `None` where nothing is known that could.
+/// The completions at a cursor; `None` if there are none.
 pub(super) fn complete(kind: FileKind, text: &str, words: &Words, cursor: usize) -> Option<Completion> {
     let word = word_before(text, cursor);
     let typed = &text[word.clone()];
-    // Within a comment, a number or a path, nothing is to be completed; behind a finished one it is.
+    // Nothing is completed inside a comment, number or path, but it is after its end.
     let inside = |class| matches!(class, Class::Comment | Class::Number | Class::Uses | Class::Unknown);
     let in_comment = cursor > 0 && words.class_at(cursor - 1) == Class::Comment && !text[..cursor].ends_with("*/");
     if in_comment || (!typed.is_empty() && inside(words.class_at(word.start))) || typed.starts_with(|c: char| c.is_ascii_digit())
@@ -67,7 +67,7 @@ fn word_before(text: &str, cursor: usize) -> Range<usize> {
     cursor - letters..cursor
 }
 
-/// How well a name goes on with what is typed, the least best; `None` where it does not.
+/// How well a name matches what was typed; smaller is better. `None` if it does not match.
 fn rank(name: &str, typed: &str) -> Option<usize> {
     let (lower, small) = (name.to_lowercase(), typed.to_lowercase());
     if name == typed {
@@ -107,7 +107,8 @@ fn in_formula(text: &str, words: &Words, word: Range<usize>) -> Vec<Candidate> {
     }
 }
 
-/// Everything that an expression may name, what the text declares first: it is nearest to hand, and its meaning wins.
+/// Everything that can be named in an expression. Names of the text come first, because they are the most likely, and
+/// hide others.
 fn expression(text: &str, words: &Words, word: &Range<usize>) -> Vec<Candidate> {
     let mut candidates: Vec<Candidate> = own(text, words, word).collect();
     let variables = Variable::ALL.iter().map(|variable| Candidate {
@@ -125,7 +126,7 @@ fn expression(text: &str, words: &Words, word: &Range<usize>) -> Vec<Candidate> 
     candidates
 }
 
-/// The parameters and macros of the text, but for the one whose statement is being typed.
+/// The parameters and macros of the text, except the one whose statement is being typed.
 fn own<'t>(text: &'t str, words: &'t Words, word: &Range<usize>) -> impl Iterator<Item = Candidate> + use<'t> {
     let cursor = word.start;
     words.declared.iter().filter(move |one| !one.statement.contains(&cursor)).map(|one| {
@@ -196,7 +197,7 @@ fn in_scene(words: &Words, start: usize) -> Vec<Candidate> {
 mod tests {
     use super::*;
 
-    /// The names that may be written at the `|`.
+    /// The completions at the `|`.
     fn names(kind: FileKind, marked: &str) -> Vec<String> {
         let cursor = marked.find('|').unwrap();
         let text = marked.replace('|', "");

@@ -1,7 +1,7 @@
-//! A text that is edited: what it is, where it is kept, what was done to it and what is wrong with it.
+//! An edited text: its kind, its location, its history and its diagnostics.
 //!
-//! Reads and writes no files and knows no widgets. At hand a text has no byte order mark and `\n` between lines; as a file it has what
-//! it came with.
+//! No files are read or written here, and no widget is known. While it is edited, a text has no byte order mark, and `
+//! ` as line ends. Its file gets the ones that it had.
 
 use super::history::{Edit, History, Selection};
 use crate::formula::Formula;
@@ -14,7 +14,7 @@ use crate::workspace::FileKind;
 use crate::workspace::Location;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Texts up to so many bytes are checked at every change; it takes no longer than drawing them.
+/// Texts up to this many bytes are checked at every change. That takes no longer than drawing them.
 const CHECKED_AT_ONCE: usize = 32 << 10;
 
 /// A text with its history and its diagnostics.
@@ -34,7 +34,7 @@ pub struct Document {
 }
 
 impl Document {
-    /// A text that is not kept anywhere yet. It counts as saved until it is changed.
+    /// A text that is in no file yet. It counts as saved until it is changed.
     pub fn untitled(kind: FileKind, text: &str) -> Self {
         static NEXT: AtomicU64 = AtomicU64::new(0);
         let marked = text.starts_with(BYTE_ORDER_MARK);
@@ -58,50 +58,51 @@ impl Document {
         document
     }
 
-    /// A text as it was read from where it is kept.
+    /// A text that was read from a location.
     pub fn opened(kind: FileKind, location: Location, text: &str) -> Self {
         let mut document = Self { location: Some(location), ..Self::untitled(kind, text) };
         document.check();
         document
     }
 
-    /// A number that no other document of this run has.
+    /// Identifies the document in this run.
     pub fn id(&self) -> u64 {
         self.id
     }
 
-    /// What the text is.
+    /// The kind of text.
     pub fn kind(&self) -> FileKind {
         self.kind
     }
 
-    /// Where it is kept; `None` where it never was.
+    /// Where the text is saved; `None` if it never was.
     pub fn location(&self) -> Option<&Location> {
         self.location.as_ref()
     }
 
-    /// The text, lines ending in `\n`.
+    /// The text, with `
+    /// ` as line ends.
     pub fn text(&self) -> &str {
         &self.text
     }
 
-    /// The text under its name, for parsers. Places in their diagnostics are places in [`text`](Self::text).
+    /// The text with its name, for parsers. Spans in their diagnostics refer to [`text`](Self::text).
     pub fn source(&self) -> Source {
         Source::new(self.name(), self.text.clone())
     }
 
-    /// The text as it belongs into a file: with the line ends and the byte order mark it came with.
+    /// The text for its file, with the line ends and the byte order mark that it had.
     pub fn file_text(&self) -> String {
         let mark = if self.marked { String::from(BYTE_ORDER_MARK) } else { String::new() };
         mark + &self.text.replace('\n', self.line_end.text())
     }
 
-    /// Whether something is changed that is not saved.
+    /// Whether there are unsaved changes.
     pub fn unsaved(&self) -> bool {
         self.text != self.saved
     }
 
-    /// Notes that the text as it is now is kept at a place.
+    /// Notes that the current text was saved at a location.
     pub fn note_saved(&mut self, location: Location) {
         self.saved.clone_from(&self.text);
         if self.location.as_ref() != Some(&location) {
@@ -109,7 +110,7 @@ impl Document {
         }
     }
 
-    /// The whole name, safe to show: where the text is kept, or that it is kept nowhere.
+    /// The full name, safe to display: the location, or that there is none.
     pub fn name(&self) -> String {
         match &self.location {
             Some(location) => one_line(&location.to_string()),
@@ -126,18 +127,18 @@ impl Document {
         name.unwrap_or_else(|| self.name())
     }
 
-    /// What a tab shows: the name without folders, with a mark where something is not saved.
+    /// The title of a tab: the name without folders, with a mark if there are unsaved changes.
     pub fn title(&self) -> String {
         let name = self.short_name();
         if self.unsaved() { format!("{name} •") } else { name }
     }
 
-    /// A number that is another one after every change of the text.
+    /// Changes with every change of the text.
     pub fn revision(&self) -> u64 {
         self.revision
     }
 
-    /// Puts another text in the place of the whole, as one step that can be undone.
+    /// Replaces the whole text, as one step of the history.
     pub fn replace_text(&mut self, text: &str) {
         let text = with_line_feeds(text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text));
         if let Some(edit) = Edit::between(&self.text, &text) {
@@ -146,27 +147,27 @@ impl Document {
         }
     }
 
-    /// What is wrong with the text, if [`check`](Self::check) was called since it was changed last; else of the text before.
+    /// The diagnostics of the last [`check`](Self::check). The text may have changed since.
     pub fn diagnostics(&self) -> &[Diagnostic] {
         &self.diagnostics
     }
 
-    /// Whether the diagnostics are those of the text as it is now.
+    /// Whether the diagnostics are those of the current text.
     pub fn is_checked(&self) -> bool {
         self.checked == Some(self.revision)
     }
 
-    /// Whether checking is so quick that it may be done at every change.
+    /// Whether checking is fast enough to do it at every change.
     pub fn is_checked_at_once(&self) -> bool {
         self.text.len() <= CHECKED_AT_ONCE
     }
 
-    /// How many errors and how many warnings there are.
+    /// The number of errors and of warnings.
     pub fn counts(&self) -> [usize; 2] {
         [Severity::Error, Severity::Warning].map(|grave| self.diagnostics.iter().filter(|one| one.severity() == grave).count())
     }
 
-    /// Checks the text by the rules of its language, where it changed since. Texts that are no formula and no scene are not checked.
+    /// Checks the text if it has changed. Only formulas and scenes are checked.
     pub fn check(&mut self) {
         if self.is_checked() {
             return;
@@ -180,45 +181,45 @@ impl Document {
         self.set_diagnostics(diagnostics);
     }
 
-    /// Takes what was found wrong with the text as it is now.
+    /// Sets the diagnostics of the current text.
     pub fn set_diagnostics(&mut self, mut diagnostics: Diagnostics) {
         diagnostics.sort();
         self.diagnostics = diagnostics.into_iter().collect();
         self.checked = Some(self.revision);
     }
 
-    /// Whether there is a step to take back.
+    /// Whether there is a step to undo.
     pub fn can_undo(&self) -> bool {
         self.history.can_undo()
     }
 
-    /// Whether there is a step to do again.
+    /// Whether there is a step to redo.
     pub fn can_redo(&self) -> bool {
         self.history.can_redo()
     }
 
-    /// Takes the last step back; what is selected then.
+    /// Undoes the last step. Returns the selection to restore.
     pub(super) fn undo(&mut self) -> Option<Selection> {
         let selection = self.history.undo(&mut self.text)?;
         self.revision += 1;
         Some(selection)
     }
 
-    /// Does again what was taken back last; what is selected then.
+    /// Redoes the step that was undone last. Returns the selection to restore.
     pub(super) fn redo(&mut self) -> Option<Selection> {
         let selection = self.history.redo(&mut self.text)?;
         self.revision += 1;
         Some(selection)
     }
 
-    /// Does an edit, as a step of its own.
+    /// Makes an edit that is undone on its own.
     pub(super) fn edit(&mut self, edit: Edit, before: Selection, after: Selection) {
         edit.apply(&mut self.text);
         self.history.note(edit, before, after, None);
         self.revision += 1;
     }
 
-    /// Notes that the widget changed the text by itself at a time in seconds.
+    /// Notes that the widget has changed the text, at a time in seconds.
     pub(super) fn note_typed(&mut self, edit: Edit, before: Selection, after: Selection, time: f64) {
         self.history.note(edit, before, after, Some(time));
         self.revision += 1;

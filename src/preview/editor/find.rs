@@ -1,10 +1,10 @@
-//! Searching in a text, and the bar that does it.
+//! Searching in a text, and the search bar.
 
 use super::lines::floor;
 use egui::{Key, Modifiers, TextEdit, Ui};
 use std::ops::Range;
 
-/// The places, in bytes, at which a text has what is searched for, none over another.
+/// The places of all matches in a text, in bytes. They do not overlap.
 pub(super) fn find_all(text: &str, sought: &str, exact_case: bool) -> Vec<Range<usize>> {
     if sought.is_empty() {
         return Vec::new();
@@ -33,7 +33,7 @@ pub(super) fn find_all(text: &str, sought: &str, exact_case: bool) -> Vec<Range<
     found
 }
 
-/// What is left to find behind a character; `None` where it is another one.
+/// The rest of a search text after a character; `None` if it starts with another one.
 fn strip(sought: &[char], character: char) -> Option<&[char]> {
     let mut left = sought;
     for lower in character.to_lowercase() {
@@ -42,20 +42,20 @@ fn strip(sought: &[char], character: char) -> Option<&[char]> {
     Some(left)
 }
 
-/// What the bar asks for.
+/// What the search bar asks for.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) enum Wish {
-    /// Select what was found, and show it.
+    /// Select a match, and scroll to it.
     Show(Range<usize>),
-    /// Put another text in the place of what was found, and show the next.
+    /// Replace a match, and show the next one.
     Replace(Range<usize>),
-    /// Put another text in the place of everything found.
+    /// Replace all matches.
     ReplaceAll,
     /// The bar was closed.
     Close,
 }
 
-/// The state of the bar.
+/// The search bar.
 #[derive(Debug, Default)]
 pub(super) struct Find {
     open: bool,
@@ -64,22 +64,22 @@ pub(super) struct Find {
     replacement: String,
     exact_case: bool,
     found: Vec<Range<usize>>,
-    /// Of which text and search `found` is.
+    /// The text and the search that `found` belongs to.
     of: Option<(u64, u64, String, bool)>,
 }
 
 impl Find {
-    /// Whether the bar is shown.
+    /// Whether the bar is open.
     pub(super) fn is_open(&self) -> bool {
         self.open
     }
 
-    /// What to put in the place of what was found.
+    /// The replacement.
     pub(super) fn replacement(&self) -> &str {
         &self.replacement
     }
 
-    /// Shows the bar; what is selected on one line becomes what is searched for.
+    /// Opens the bar. A selection within one line becomes the search text.
     pub(super) fn open(&mut self, selected: &str) {
         (self.open, self.wants_focus) = (true, true);
         if !selected.is_empty() && !selected.contains('\n') {
@@ -87,17 +87,17 @@ impl Find {
         }
     }
 
-    /// Hides the bar.
+    /// Closes the bar.
     pub(super) fn close(&mut self) {
         self.open = false;
     }
 
-    /// What was found, in the order of the text; nothing while the bar is hidden.
+    /// The matches, in order; none while the bar is closed.
     pub(super) fn found(&self) -> &[Range<usize>] {
         if self.open { &self.found } else { &[] }
     }
 
-    /// Searches a text, `document` and `revision` telling which it is, unless that is done already.
+    /// Searches a text, unless that was done already. `document` and `revision` identify the text.
     pub(super) fn search(&mut self, document: u64, revision: u64, text: &str) {
         let of = (document, revision, self.sought.clone(), self.exact_case);
         if self.open && self.of.as_ref() != Some(&of) {
@@ -106,20 +106,20 @@ impl Find {
         }
     }
 
-    /// The first place found behind a byte, from the beginning again where there is none.
+    /// The first match after a byte, or the first of all.
     pub(super) fn next(&self, behind: usize) -> Option<Range<usize>> {
         self.found.iter().find(|range| range.start >= behind).or(self.found.first()).cloned()
     }
 
-    /// The last place found before a byte, from the end again where there is none.
+    /// The last match before a byte, or the last of all.
     pub(super) fn previous(&self, before: usize) -> Option<Range<usize>> {
         self.found.iter().rev().find(|range| range.end <= before).or(self.found.last()).cloned()
     }
 
-    /// Draws the bar. `selected` is what is selected in the text.
+    /// Draws the bar. `selected` is the selected text.
     pub(super) fn ui(&mut self, ui: &mut Ui, document: (u64, u64), text: &str, selected: Range<usize>) -> Option<Wish> {
         let mut wish = None;
-        // Two rows of the same columns: what is sought, and what it becomes.
+        // Two rows with the same columns: search text and replacement.
         let width = (ui.available_width() * 0.3).clamp(60.0, 220.0);
         let is_selected = ui
             .horizontal(|ui| {
@@ -134,7 +134,7 @@ impl Find {
                 let onward = entered && pressed(ui, Modifiers::NONE);
                 self.search(document.0, document.1, text);
                 if field.changed() {
-                    // While typing, from where the selection begins: it must not run ahead.
+                    // While the user types, search from the start of the selection, so the match does not move on.
                     wish = self.next(selected.start).map(Wish::Show);
                 }
                 if back || onward {
@@ -175,7 +175,7 @@ impl Find {
     }
 }
 
-/// What a field is called, in a column of such.
+/// The label of a field, in a column of labels.
 fn name_ui(ui: &mut Ui, name: &str) -> egui::Response {
     let size = egui::vec2(68.0, ui.spacing().interact_size.y);
     ui.allocate_ui_with_layout(size, egui::Layout::left_to_right(egui::Align::Center), |ui| {

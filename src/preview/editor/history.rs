@@ -1,25 +1,25 @@
-//! What was done to a text, so that it can be undone: edits, of which those that belong together are one step.
+//! The undo history of a text. Edits that belong together form one step.
 //!
-//! Held are the pieces that changed, not whole texts. Moving the cursor is no step.
+//! Only the changed parts are kept, not whole texts. Moving the cursor is not a step.
 
 use std::ops::Range;
 
-/// How long a pause, in seconds, parts what is typed into steps.
+/// A pause of this many seconds starts a new step.
 const PAUSE: f64 = 1.5;
-/// How many bytes of removed and inserted text are kept at most; the oldest steps go first.
+/// The largest size of all removed and inserted texts, in bytes. The oldest steps are dropped first.
 const KEPT_BYTES: usize = 16 << 20;
 
-/// The selected text, in bytes: from where it was begun to where the cursor is.
+/// A selection, in bytes: from where it was started to the cursor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) struct Selection {
-    /// Where selecting began; where nothing is selected, the cursor.
+    /// Where the selection was started; the cursor if nothing is selected.
     pub anchor: usize,
     /// The cursor.
     pub head: usize,
 }
 
 impl Selection {
-    /// A cursor without a selection.
+    /// A cursor without selected text.
     pub(super) fn cursor(at: usize) -> Self {
         Self { anchor: at, head: at }
     }
@@ -30,24 +30,24 @@ impl Selection {
     }
 }
 
-/// A piece of a text that another takes the place of.
+/// The replacement of a part of a text.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Edit {
-    /// The byte with which it begins.
+    /// The byte where the part starts.
     pub at: usize,
-    /// What was there.
+    /// The old text.
     pub removed: String,
-    /// What is there now.
+    /// The new text.
     pub inserted: String,
 }
 
 impl Edit {
-    /// The edit that puts `inserted` in the place of a range of `text`.
+    /// The edit that replaces a range of `text` by `inserted`.
     pub(super) fn replacing(text: &str, range: Range<usize>, inserted: impl Into<String>) -> Self {
         Self { at: range.start, removed: text[range].to_owned(), inserted: inserted.into() }
     }
 
-    /// The smallest edit that makes `new` of `old`; none where they are the same.
+    /// The smallest edit that turns `old` into `new`; `None` if they are equal.
     pub(super) fn between(old: &str, new: &str) -> Option<Self> {
         if old == new {
             return None;
@@ -67,12 +67,12 @@ impl Edit {
         Some(Self { at: start, removed: piece(rest_old), inserted: piece(rest_new) })
     }
 
-    /// Does it to a text.
+    /// Applies the edit to a text.
     pub(super) fn apply(&self, text: &mut String) {
         text.replace_range(self.at..self.at + self.removed.len(), &self.inserted);
     }
 
-    /// The edit that undoes it.
+    /// The edit that undoes this one.
     #[must_use]
     pub(super) fn reversed(&self) -> Self {
         Self { at: self.at, removed: self.inserted.clone(), inserted: self.removed.clone() }
@@ -83,17 +83,17 @@ impl Edit {
     }
 }
 
-/// An edit with the selections before and after it.
+/// A step: an edit with the selections before and after it.
 #[derive(Debug, Clone)]
 struct Step {
     edit: Edit,
     before: Selection,
     after: Selection,
-    /// When it was last added to, in seconds; `None` once nothing may be added.
+    /// When it was last extended, in seconds; `None` if it must not be extended.
     time: Option<f64>,
 }
 
-/// The steps that can be undone and done again.
+/// The steps to undo and to redo.
 #[derive(Debug, Clone, Default)]
 pub(super) struct History {
     done: Vec<Step>,
@@ -101,8 +101,8 @@ pub(super) struct History {
 }
 
 impl History {
-    /// Notes an edit that was done. What is typed on at the same place without a pause belongs to one step; `time` is in seconds, and
-    /// `None` keeps the edit a step of its own.
+    /// Adds an edit. Typing on at the same place without a pause extends the last step. `time` is in seconds; `None`
+    /// makes the edit a step of its own.
     pub(super) fn note(&mut self, edit: Edit, before: Selection, after: Selection, time: Option<f64>) {
         self.undone.clear();
         if let (Some(last), Some(now)) = (self.done.last_mut(), time)
@@ -118,12 +118,12 @@ impl History {
             kept += step.edit.bytes();
             kept <= KEPT_BYTES
         });
-        // The last step is kept however large.
+        // The last step is kept, whatever its size.
         let fits = fits.count().max(1);
         self.done.drain(..self.done.len() - fits);
     }
 
-    /// Takes the last step back, and says what is selected then; `None` where there is none.
+    /// Undoes the last step. Returns the selection to restore; `None` if there is no step.
     pub(super) fn undo(&mut self, text: &mut String) -> Option<Selection> {
         let mut step = self.done.pop()?;
         step.time = None;
@@ -133,7 +133,7 @@ impl History {
         Some(selection)
     }
 
-    /// Does again what was taken back last, and says what is selected then; `None` where nothing was.
+    /// Redoes the step that was undone last. Returns the selection to restore; `None` if there is no step.
     pub(super) fn redo(&mut self, text: &mut String) -> Option<Selection> {
         let step = self.undone.pop()?;
         step.edit.apply(text);
@@ -142,21 +142,21 @@ impl History {
         Some(selection)
     }
 
-    /// Whether there is a step to take back.
+    /// Whether there is a step to undo.
     pub(super) fn can_undo(&self) -> bool {
         !self.done.is_empty()
     }
 
-    /// Whether there is a step to do again.
+    /// Whether there is a step to redo.
     pub(super) fn can_redo(&self) -> bool {
         !self.undone.is_empty()
     }
 }
 
-/// Adds an edit to the one before it where it goes on with it: typing on within a line, or deleting on either way.
+/// Extends an edit by another one that continues it: typing on within a line, or deleting in either direction.
 fn joined(last: &mut Edit, next: &Edit) -> bool {
     let typed = next.removed.is_empty() && !next.inserted.contains('\n') && next.at == last.at + last.inserted.len();
-    // A word begun after a blank is a step of its own.
+    // A new word after a space is a step of its own.
     let new_word = last.inserted.ends_with(char::is_whitespace) && !next.inserted.starts_with(char::is_whitespace);
     if typed && !last.inserted.is_empty() && !new_word {
         last.inserted.push_str(&next.inserted);

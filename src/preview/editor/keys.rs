@@ -1,57 +1,57 @@
-//! Which keys are commands of the editor, and the order in which what was typed is handled.
+//! The keys of editor commands, and the order of typed input.
 //!
-//! Several keys may come with one frame where frames are slow. The widget gets what is typed before a command, the command is done next,
-//! and what comes behind waits for the next frame, so that everything happens in the order in which it was typed.
+//! Slow frames can have several keys. The widget gets the input before a command, then the command is performed, and
+//! the input after it waits for the next frame. So everything happens in the order of typing.
 
 use crate::lang::lines::with_line_feeds;
 use egui::{Event, Key, Modifiers};
 use std::collections::VecDeque;
 
-/// What a key asks of the editor, beyond what the widget does by itself.
+/// A command of the editor, which egui's widget does not have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Command {
-    /// Take the text as it is for the picture.
+    /// Apply the text.
     Apply,
-    /// Take the last step back.
+    /// Undo the last step.
     Undo,
-    /// Do it again.
+    /// Redo the step that was undone last.
     Redo,
-    /// A line break.
+    /// Insert a line break.
     LineBreak,
-    /// Four spaces, or the selected lines to the right.
+    /// Insert four spaces, or indent the selected lines.
     Indent,
-    /// The selected lines to the left.
+    /// Unindent the selected lines.
     Outdent,
-    /// The selected lines into comments, or back.
+    /// Comment the selected lines out, or remove the comments.
     Comment,
-    /// Show the bar for searching.
+    /// Open the search bar.
     Find,
-    /// The next that was found.
+    /// Go to the next match.
     FindNext,
-    /// The one before.
+    /// Go to the previous match.
     FindPrevious,
-    /// Show what may be written here.
+    /// Show completions.
     Complete,
-    /// The one above in the list of what may be written.
+    /// Select the previous completion.
     ListUp,
-    /// The one below.
+    /// Select the next completion.
     ListDown,
-    /// Write the one at hand.
+    /// Insert the selected completion.
     Accept,
-    /// Close what is open: the list, or the bar.
+    /// Close the list of completions, or the search bar.
     Dismiss,
 }
 
-/// What is open, and so has keys of its own.
+/// What is open and has keys of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) struct Open {
-    /// The list of what may be written.
+    /// The list of completions.
     pub list: bool,
-    /// The bar for searching.
+    /// The search bar.
     pub find: bool,
 }
 
-/// The command that an event is, if it is one.
+/// The command of an event, if it is one.
 #[expect(clippy::wildcard_enum_match_arm, reason = "there are a hundred keys, and a new one is no command")]
 pub(super) fn command(event: &Event, open: Open) -> Option<Command> {
     let Event::Key { key, pressed: true, modifiers, .. } = event else { return None };
@@ -78,35 +78,35 @@ pub(super) fn command(event: &Event, open: Open) -> Option<Command> {
     }
 }
 
-/// Whether an event is of the keyboard or the clipboard, so that its place among others matters.
+/// Whether an event comes from the keyboard or the clipboard, so its order matters.
 fn is_typed(event: &Event) -> bool {
     matches!(event, Event::Key { .. } | Event::Text(_) | Event::Paste(_) | Event::Copy | Event::Cut | Event::Ime(_))
 }
 
-/// What was typed and is not handled yet, in order.
+/// The typed input that was not handled yet, in order.
 #[derive(Debug, Default)]
 pub(super) struct Queue {
     waiting: VecDeque<Event>,
 }
 
 impl Queue {
-    /// Forgets everything: the editor is not the one that is typed into.
+    /// Drops everything, because another widget has the keyboard.
     pub(super) fn clear(&mut self) {
         self.waiting.clear();
     }
 
-    /// Whether something waits for the next frame.
+    /// Whether input waits for the next frame.
     pub(super) fn is_empty(&self) -> bool {
         self.waiting.is_empty()
     }
 
-    /// Takes what was typed out of the events of a frame.
+    /// Takes the typed input out of the events of a frame.
     pub(super) fn take_from(&mut self, events: &mut Vec<Event>) {
         events.retain_mut(|event| {
             if !is_typed(event) {
                 return true;
             }
-            // Lines end in one way within the editor, wherever a text comes from.
+            // The editor only uses line feeds, wherever a text comes from.
             if let Event::Paste(text) = event {
                 *text = with_line_feeds(text);
             }
@@ -115,18 +115,19 @@ impl Queue {
         });
     }
 
-    /// The command that is next, if it is one.
+    /// The next event as a command, if it is one.
     pub(super) fn next_command(&mut self, open: Open) -> Option<Command> {
         let found = command(self.waiting.front()?, open)?;
         self.waiting.pop_front();
-        // A key that is a command may come with the character it types, as Ctrl+Space does.
+        // The key of a command may be followed by the character that it types, as with Ctrl+Space.
         if found == Command::Complete && self.waiting.front() == Some(&Event::Text(" ".to_owned())) {
             self.waiting.pop_front();
         }
         Some(found)
     }
 
-    /// What comes before the next event that is a command, or may be one once the widget has handled what is before it.
+    /// The input before the next event that is a command, or that may become one when the widget has handled the input
+    /// before it.
     pub(super) fn up_to_command(&mut self, open: Open) -> Vec<Event> {
         let mut typed = Vec::new();
         let mut changes = false;

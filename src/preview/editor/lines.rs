@@ -1,20 +1,21 @@
-//! Where a text's lines begin, in bytes and in characters: diagnostics count bytes, widgets count characters.
+//! The positions of lines in bytes and in characters: diagnostics count bytes, and widgets count characters.
 //!
-//! Every place is made to fit the text: what is beyond its end is its end, what is within a character is that character's beginning.
+//! Every position is adjusted to the text: one beyond its end becomes its end, and one inside a character becomes the
+//! start of the character.
 
 use std::ops::Range;
 
-/// The beginnings of the lines of a text.
+/// The positions of the lines of a text.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Lines {
-    /// Byte and character with which each line begins.
+    /// The byte and the character where each line starts.
     starts: Vec<[usize; 2]>,
-    /// How many bytes and characters there are.
+    /// The length in bytes and in characters.
     end: [usize; 2],
 }
 
 impl Lines {
-    /// The lines of a text; one more than it has line breaks.
+    /// The lines of a text: one more than it has line breaks.
     pub(super) fn new(text: &str) -> Self {
         let mut starts = vec![[0, 0]];
         let mut at = [0, 0];
@@ -27,36 +28,36 @@ impl Lines {
         Self { starts, end: at }
     }
 
-    /// How many lines there are, at least one.
+    /// The number of lines, at least one.
     pub(super) fn count(&self) -> usize {
         self.starts.len()
     }
 
-    /// The line, counted from 0, in which a byte stands.
+    /// The line of a byte, counted from 0.
     pub(super) fn line_of(&self, byte: usize) -> usize {
         self.starts.partition_point(|start| start[0] <= byte).saturating_sub(1)
     }
 
-    /// The bytes of a line with its line break.
+    /// The bytes of a line, with its line break.
     pub(super) fn bytes(&self, line: usize) -> Range<usize> {
         let start = |line: usize| self.starts.get(line).map_or(self.end[0], |start| start[0]);
         start(line)..start(line + 1)
     }
 
-    /// Line and column of a byte, both counted from 0, the column in characters.
+    /// Line and column of a byte, both counted from 0. The column counts characters.
     pub(super) fn place(&self, text: &str, byte: usize) -> (usize, usize) {
         let byte = floor(text, byte);
         let line = self.line_of(byte);
         (line, text[self.starts[line][0]..byte].chars().count())
     }
 
-    /// How many characters stand before a byte.
+    /// The number of characters before a byte.
     pub(super) fn char_of(&self, text: &str, byte: usize) -> usize {
         let (line, column) = self.place(text, byte);
         self.starts[line][1] + column
     }
 
-    /// The byte with which a character begins.
+    /// The byte where a character starts.
     pub(super) fn byte_of(&self, text: &str, character: usize) -> usize {
         if character >= self.end[1] {
             return text.len();
@@ -67,12 +68,12 @@ impl Lines {
     }
 }
 
-/// The nearest place at or before a byte where a character begins.
+/// The start of the character at a byte.
 pub(super) fn floor(text: &str, byte: usize) -> usize {
     text.floor_char_boundary(byte)
 }
 
-/// A range of bytes made to fit the text.
+/// A range of bytes, adjusted to the text.
 pub(super) fn fitting(text: &str, range: Range<usize>) -> Range<usize> {
     let start = floor(text, range.start);
     start..floor(text, range.end).max(start)

@@ -1,36 +1,36 @@
-//! The list of what may be written at the cursor, as it drops down below it.
+//! The list of completions, below the cursor.
 
 use super::completion::{Candidate, Completion};
 use super::palette::Palette;
 use egui::text::LayoutJob;
 use egui::{Align, Area, Color32, Context, FontId, Frame, Id, LayerId, Order, Pos2, ScrollArea, TextFormat, pos2, vec2};
 
-/// How high and wide it may become, in points.
+/// The largest height and width, in points.
 const MOST: [f32; 2] = [220.0, 560.0];
-/// How high a line of it is at most, in points.
+/// The height of a line, in points.
 const ROW: f32 = 24.0;
 
-/// The list with the one at hand.
+/// The list with its selected completion.
 #[derive(Debug, Default)]
 pub(super) struct List {
     shown: Option<Completion>,
     chosen: usize,
-    /// Where the one at hand is to be scrolled into view.
+    /// Whether to scroll to the selected completion.
     moved: bool,
-    /// The word at which the user closed the list: it stays closed there.
+    /// The word at which the user closed the list. It stays closed there.
     dismissed: Option<usize>,
-    /// Whether the user asked for it, or chose in it.
+    /// Whether the user opened the list, or selected something in it.
     asked: bool,
 }
 
 impl List {
-    /// Whether it is shown.
+    /// Whether the list is open.
     pub(super) fn is_open(&self) -> bool {
         self.shown.is_some()
     }
 
-    /// Shows what may be written, or hides the list. One that opens by itself stays away from words that are whole as they are: the
-    /// keys are the text's then.
+    /// Shows completions, or closes the list. The list does not open by itself at a word that is complete, so the keys
+    /// stay the text's.
     pub(super) fn offer(&mut self, completion: Option<Completion>, text: &str, asked: bool) {
         self.asked |= asked;
         if completion.as_ref().is_some_and(|completion| self.dismissed.is_some_and(|at| at != completion.word.start)) || asked {
@@ -51,18 +51,18 @@ impl List {
         }
     }
 
-    /// Hides the list.
+    /// Closes the list.
     pub(super) fn close(&mut self) {
         (self.shown, self.asked) = (None, false);
     }
 
-    /// Hides the list until another word is typed.
+    /// Closes the list until another word is typed.
     pub(super) fn dismiss(&mut self) {
         self.dismissed = self.shown.as_ref().map(|shown| shown.word.start);
         self.close();
     }
 
-    /// Goes down, or up, by one, and round at the ends.
+    /// Selects the next or the previous completion, from the end back to the start.
     pub(super) fn step(&mut self, down: bool) {
         if let Some(shown) = &self.shown {
             let count = shown.candidates.len();
@@ -71,18 +71,18 @@ impl List {
         }
     }
 
-    /// The one at hand, with the word in whose place it goes.
+    /// The selected completion, and the word that it replaces.
     pub(super) fn chosen(&self) -> Option<(std::ops::Range<usize>, &Candidate)> {
         let shown = self.shown.as_ref()?;
         Some((shown.word.clone(), shown.candidates.get(self.chosen)?))
     }
 
-    /// The layer in which it is drawn.
+    /// The layer that the list is drawn in.
     pub(super) fn layer(id: Id) -> LayerId {
         LayerId::new(Order::Foreground, id.with("list"))
     }
 
-    /// Draws it below (or above) the place from `top` to `bottom`; says whether one was chosen with the pointer.
+    /// Draws the list below (or above) the line from `top` to `bottom`. Returns whether a completion was clicked.
     pub(super) fn ui(&mut self, context: &Context, id: Id, [top, bottom]: [Pos2; 2], font: &FontId, palette: &Palette) -> bool {
         let Some(shown) = &self.shown else { return false };
         let screen = context.content_rect();
@@ -128,14 +128,14 @@ impl List {
     }
 }
 
-/// A line of the list: the name, and dimmed behind it what it means.
+/// A line of the list: the name, and a dimmed description.
 fn line(candidate: &Candidate, widest: usize, font: &FontId, (palette, said): (&Palette, Color32), width: f32) -> LayoutJob {
     let mut job = LayoutJob::default();
     let gap = " ".repeat((widest + 2).saturating_sub(candidate.name.chars().count()));
     job.append(&(candidate.name.clone() + &gap), 0.0, TextFormat::simple(font.clone(), palette.of(candidate.class)));
     let small = FontId::proportional(font.size * 0.92);
     if !candidate.types.is_empty() {
-        // Not every font has the arrow of signatures.
+        // Some fonts lack the arrow of signatures.
         let even = FontId::monospace(font.size * 0.92);
         job.append(&format!("{}   ", candidate.types), 0.0, TextFormat::simple(even, palette.plain));
     }

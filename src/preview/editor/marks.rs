@@ -1,6 +1,6 @@
-//! What is drawn around the text: the gutter with its numbers, the line of the cursor, underlines of what is wrong, parentheses.
+//! The marks around the text: line numbers, the line of the cursor, underlines of errors, parentheses.
 //!
-//! Works on rows that are laid out already, and only on those in sight.
+//! They are drawn for the rows of a layout, and only for those in view.
 
 use super::colouring::Laid;
 use super::lines::fitting;
@@ -10,25 +10,25 @@ use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, pos2, ve
 use std::ops::Range;
 use std::sync::Arc;
 
-/// A text as it stands on the screen.
+/// A text on the screen.
 pub(super) struct Sheet {
-    /// What is laid out.
+    /// The layout.
     pub laid: Arc<Laid>,
-    /// Where it begins on the screen.
+    /// Where it starts on the screen.
     pub origin: Pos2,
-    /// What of the screen shows it.
+    /// The part of the screen that shows it.
     pub clip: Rect,
 }
 
 impl Sheet {
-    /// The lines in sight.
+    /// The lines in view.
     fn visible(&self) -> Range<usize> {
         let rows = &self.laid.galley.rows;
         let [top, bottom] = [self.clip.top() - self.origin.y, self.clip.bottom() - self.origin.y];
         rows.partition_point(|row| row.max_y() < top)..rows.partition_point(|row| row.min_y() <= bottom)
     }
 
-    /// Top and bottom of a line on the screen.
+    /// The top and the bottom of a line on the screen.
     fn heights(&self, line: usize) -> [f32; 2] {
         let rows = &self.laid.galley.rows;
         rows.get(line)
@@ -36,14 +36,15 @@ impl Sheet {
             .map_or([self.origin.y; 2], |row| [self.origin.y + row.min_y(), self.origin.y + row.max_y()])
     }
 
-    /// Where a byte stands on the screen: a line as high as its row.
+    /// Where a byte is on the screen: a vertical line, as high as its row.
     pub(super) fn place(&self, text: &str, byte: usize) -> [Pos2; 2] {
         let (line, column) = self.laid.lines.place(text, byte);
         let x = self.laid.galley.rows.get(line).map_or(0.0, |row| row.pos.x + row.x_offset(column.into()));
         self.heights(line).map(|y| pos2(self.origin.x + x, y))
     }
 
-    /// The rectangles, one a line, that a range of bytes covers of what is in sight. Each has some width, so that there is something to see.
+    /// The rectangles, one per line, that cover a range of bytes, as far as they are in view. Each has a minimum
+    /// width, so it is visible.
     pub(super) fn rectangles(&self, text: &str, range: Range<usize>) -> Vec<Rect> {
         let range = fitting(text, range);
         let lines = &self.laid.lines;
@@ -54,7 +55,7 @@ impl Sheet {
                 let bytes = lines.bytes(line);
                 let end = if text[bytes.clone()].ends_with('\n') { bytes.end - 1 } else { bytes.end };
                 let [from, to] = [range.start.max(bytes.start), range.end.min(end)];
-                // A line of which only the beginning is reached is not part of it.
+                // A line is not included if the range only reaches its start.
                 if from > end || (to <= from && range.start < bytes.start) {
                     return None;
                 }
@@ -64,7 +65,7 @@ impl Sheet {
             .collect()
     }
 
-    /// What lies behind the text: the line of the cursor, what was found, and the parentheses at the cursor.
+    /// Draws what is behind the text: the line of the cursor, matches, and the parentheses at the cursor.
     pub(super) fn behind(
         &self,
         text: &str,
@@ -93,7 +94,7 @@ impl Sheet {
         shapes
     }
 
-    /// Underlines what is wrong; the diagnostics whose mark is under the pointer.
+    /// Underlines errors and warnings. Returns the diagnostics under the pointer.
     pub(super) fn underline<'d>(
         &self,
         painter: &Painter,
@@ -103,7 +104,7 @@ impl Sheet {
         palette: &Palette,
     ) -> Vec<&'d Diagnostic> {
         let mut under = Vec::new();
-        // The graver ones last, so that they are on top.
+        // Errors are drawn last, on top of warnings.
         let mut ordered: Vec<&Diagnostic> = diagnostics.iter().collect();
         ordered.sort_by_key(|diagnostic| diagnostic.severity());
         for diagnostic in ordered {
@@ -118,13 +119,13 @@ impl Sheet {
         under
     }
 
-    /// How wide a gutter must be for the numbers of all lines.
+    /// The width of the gutter for the numbers of all lines.
     pub(super) fn gutter_width(laid: &Laid, digit: f32) -> f32 {
         let digits = laid.lines.count().max(100).ilog10() + 1;
         digits as f32 * digit + 24.0
     }
 
-    /// Draws the gutter; the diagnostics of the line under the pointer.
+    /// Draws the gutter. Returns the diagnostics of the line under the pointer.
     pub(super) fn gutter<'d>(
         &self,
         painter: &Painter,
@@ -161,7 +162,7 @@ impl Sheet {
     }
 }
 
-/// The colour of what is said.
+/// The colour of a severity.
 pub(super) fn colour_of(severity: Severity, palette: &Palette) -> Color32 {
     match severity {
         Severity::Error => palette.error,
@@ -169,10 +170,10 @@ pub(super) fn colour_of(severity: Severity, palette: &Palette) -> Color32 {
     }
 }
 
-/// A wavy line under a rectangle.
+/// Draws a wavy line at the bottom of a rectangle.
 fn wave(rect: Rect, colour: Color32) -> Shape {
     const STEP: f32 = 2.0;
-    // Long marks need no more points than a screen has room for.
+    // A long mark needs no more points than fit on a screen.
     let count = ((rect.width() / STEP).ceil() as usize).clamp(3, 2000);
     let points = (0..=count).map(|at| {
         let up = if at % 2 == 0 { 0.0 } else { -2.0 };

@@ -1,18 +1,18 @@
-//! The colours of the editor, for dark and for light surroundings.
+//! The colours of the editor, in a dark and a light theme.
 
 use super::words::Class;
 use egui::Color32;
 
-/// The colours in which an editor is drawn.
+/// The colours of the editor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Palette {
-    /// Behind the text.
+    /// The background.
     pub background: Color32,
-    /// Behind the line of the cursor.
+    /// The background of the line of the cursor.
     pub line: Color32,
-    /// The numbers of lines.
+    /// Line numbers.
     pub number_of_line: Color32,
-    /// Text without a class of its own.
+    /// Plain text.
     pub plain: Color32,
     /// Keywords.
     pub keyword: Color32,
@@ -32,20 +32,20 @@ pub struct Palette {
     pub comment: Color32,
     /// `#uses`.
     pub uses: Color32,
-    /// Marks of errors, and what is no word.
+    /// Marks of errors, and characters that are no word.
     pub error: Color32,
     /// Marks of warnings.
     pub warning: Color32,
-    /// Around matching parentheses.
+    /// The frame of matching parentheses.
     pub bracket: Color32,
-    /// Behind what was searched for.
+    /// The background of matches.
     pub found: Color32,
-    /// Behind the one that is at hand.
+    /// The background of the selected completion.
     pub found_here: Color32,
 }
 
 impl Palette {
-    /// On dark ground.
+    /// The dark theme.
     pub const DARK: Palette = Palette {
         background: Color32::from_rgb(24, 25, 28),
         line: Color32::from_rgb(36, 38, 43),
@@ -67,7 +67,7 @@ impl Palette {
         found_here: Color32::from_rgb(142, 112, 20),
     };
 
-    /// On light ground.
+    /// The light theme.
     pub const LIGHT: Palette = Palette {
         background: Color32::from_rgb(252, 252, 250),
         line: Color32::from_rgb(238, 240, 244),
@@ -89,12 +89,12 @@ impl Palette {
         found_here: Color32::from_rgb(255, 206, 84),
     };
 
-    /// The colours that suit the surroundings.
+    /// The colours for the theme of egui.
     pub fn suiting(visuals: &egui::Visuals) -> Palette {
         if visuals.dark_mode { Palette::DARK } else { Palette::LIGHT }
     }
 
-    /// The colour of a class of words.
+    /// The colour of a class.
     pub fn of(&self, class: Class) -> Color32 {
         match class {
             Class::Plain => self.plain,

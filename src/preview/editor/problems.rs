@@ -1,4 +1,4 @@
-//! The list of what is wrong in the documents at hand, with a way to each place.
+//! The list of errors and warnings. A click on one leads to its place.
 
 use super::document::Document;
 use super::marks::colour_of;
@@ -8,11 +8,11 @@ use crate::lang::source::Span;
 use egui::text::LayoutJob;
 use egui::{FontId, ScrollArea, TextFormat, TextStyle, Ui, vec2};
 
-/// How far what is said beyond a message stands to the right, in points.
+/// The indentation of details, in points.
 const INDENT: f32 = 18.0;
 
-/// Lists the errors and warnings of documents, errors first within each, with file, line and column. The answer is the one that
-/// was clicked: the key of its document, and its span.
+/// Lists the errors and warnings of documents, errors first, with file, line and column. Returns the key of the
+/// document and the span of the one that was clicked.
 pub fn problems_ui<K: Copy>(ui: &mut Ui, documents: &[(K, &Document)]) -> Option<(K, Span)> {
     let palette = Palette::suiting(ui.visuals());
     let mut clicked = None;
@@ -51,7 +51,7 @@ pub fn problems_ui<K: Copy>(ui: &mut Ui, documents: &[(K, &Document)]) -> Option
     clicked
 }
 
-/// What the first line of a diagnostic says: severity, place and message.
+/// The first line of a diagnostic: severity, place and message.
 fn line_of(ui: &Ui, place: &str, diagnostic: &Diagnostic, palette: &Palette) -> LayoutJob {
     let font: FontId = TextStyle::Body.resolve(ui.style());
     let (strong, dim) = (ui.visuals().strong_text_color(), ui.visuals().text_color());
@@ -67,13 +67,13 @@ fn line_of(ui: &Ui, place: &str, diagnostic: &Diagnostic, palette: &Palette) -> 
     job
 }
 
-/// What is said of a diagnostic beyond its message: what is said of the place, and the hints.
+/// The details of a diagnostic: its label and its hints.
 pub(super) fn details(diagnostic: &Diagnostic) -> impl Iterator<Item = &str> {
     let label = diagnostic.labels().first().map(|label| label.text.as_str()).filter(|text| !text.is_empty());
     label.into_iter().chain(diagnostic.hints().iter().map(String::as_str))
 }
 
-/// A diagnostic as a hint beside the pointer shows it.
+/// A diagnostic as a tooltip.
 pub(super) fn hover_ui(ui: &mut Ui, diagnostics: &[&Diagnostic]) {
     let palette = Palette::suiting(ui.visuals());
     ui.set_max_width(420.0);

@@ -1,4 +1,4 @@
-//! The reference of the formula language beside the editor: everything that a formula may name, to be searched and inserted.
+//! The reference of the formula language: everything that a formula can name, to search and insert.
 
 use super::palette::Palette;
 use crate::lang::keywords::{self, Keyword};
@@ -6,7 +6,7 @@ use crate::lang::reference::{Row, Table, tables};
 use crate::lang::types::Origin;
 use egui::{CollapsingHeader, RichText, ScrollArea, TextEdit, Ui};
 
-/// Draws the reference, of which `query` (words, all of which must occur) chooses; what is to be inserted where a name was clicked.
+/// Draws the reference. `query` has words that must all occur. Returns the text to insert if a name was clicked.
 pub fn reference_ui(ui: &mut Ui, query: &mut String) -> Option<String> {
     let palette = Palette::suiting(ui.visuals());
     let mut chosen = None;
@@ -24,7 +24,7 @@ pub fn reference_ui(ui: &mut Ui, query: &mut String) -> Option<String> {
             }
             nothing = false;
             let header = CollapsingHeader::new(&table.title).default_open(true);
-            // What is searched for is shown even where the table was closed.
+            // Search results are shown even if their table was collapsed.
             header.open((!sought.is_empty()).then_some(true)).show(ui, |ui| {
                 for row in rows {
                     if row_ui(ui, row, &palette) {
@@ -40,7 +40,7 @@ pub fn reference_ui(ui: &mut Ui, query: &mut String) -> Option<String> {
     chosen
 }
 
-/// The tables of the language, the other words of formula files first.
+/// The tables of the language; the words of formula files come first.
 fn all_tables() -> Vec<Table> {
     let row = |keyword: &Keyword, ending: &str| Row {
         name: keyword.word,
@@ -62,13 +62,13 @@ fn all_tables() -> Vec<Table> {
     all
 }
 
-/// Whether all that is sought occurs in a row or the title of its table.
+/// Whether all searched words occur in a row or in the title of its table.
 fn fits(row: &Row, title: &str, sought: &[String]) -> bool {
     let whole = format!("{} {} {} {title}", row.form, row.types, row.doc).to_lowercase();
     sought.iter().all(|word| whole.contains(word))
 }
 
-/// What a row inserts: the name, with what must follow it.
+/// The text that a row inserts: the name, with what must follow it.
 fn insertion(row: &Row) -> String {
     let rest = row.form.strip_prefix(row.name).unwrap_or("");
     match rest.chars().next() {
@@ -78,7 +78,7 @@ fn insertion(row: &Row) -> String {
     }
 }
 
-/// Draws a row; whether its name was clicked.
+/// Draws a row. Returns whether its name was clicked.
 fn row_ui(ui: &mut Ui, row: &Row, palette: &Palette) -> bool {
     let response = ui.horizontal_wrapped(|ui| {
         let name = RichText::new(&row.form).monospace().color(palette.function);

@@ -1,4 +1,4 @@
-//! The editor driven without a window, as a user's hands do.
+//! The editor driven without a window, as a user would.
 
 use super::*;
 use crate::workspace::{FileKind, presets};
@@ -6,7 +6,7 @@ use egui::{Modifiers, Rect};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 
-/// An editor with its document beside the lists that belong to it.
+/// An editor with its document and the list of problems.
 struct Desk {
     editor: Editor,
     document: Document,
@@ -108,7 +108,7 @@ fn what_is_wrong_is_listed_and_found_by_a_click() {
     let desk = harness.state();
     assert_eq!((desk.selected(), desk.response.place), ("unknwn", (3, 19)));
     assert!(desk.response.focused);
-    // What is typed goes in the place of what is wrong.
+    // Typing replaces the wrong text.
     type_text(&mut harness, "kd");
     assert!(harness.state().document.text().contains("/* č */ kd;"));
     harness.get_by_label_contains("`č` is not part of the language").click();
@@ -161,7 +161,7 @@ fn completion_writes_the_rest() {
     press(&mut harness, Modifiers::NONE, Key::Tab);
     assert_eq!(harness.state().document.text(), "formula;\n= smoothstep(");
     assert!(!harness.state().editor.list.is_open());
-    // A name that is whole needs no list: Enter is a line break there.
+    // A complete name needs no list, so Enter is a line break.
     type_text(&mut harness, "IL\n");
     assert!(harness.state().document.text().ends_with("smoothstep(IL\n"));
     type_text(&mut harness, "ma");
@@ -309,7 +309,7 @@ fn the_reference_inserts_what_is_clicked() {
     assert_eq!(harness.state().1.as_deref(), Some("clamp("));
 }
 
-/// Measures rather than tests; run it by name, with `--nocapture`.
+/// A measurement, not a test; run it by name, with `--nocapture`.
 #[test]
 #[ignore = "takes seconds and prints times"]
 fn times_of_a_large_text() {

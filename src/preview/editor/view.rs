@@ -1,4 +1,4 @@
-//! The editor on the screen: gutter, text and list, and what the text's widget did in a frame.
+//! Drawing the editor: gutter, text and list; and what egui's widget did in a frame.
 
 use super::colouring::Laid;
 use super::history::{Edit, Selection};
@@ -15,7 +15,7 @@ use egui::{TextEdit, Ui, UiBuilder, pos2, vec2};
 use std::sync::Arc;
 
 impl Editor {
-    /// Draws gutter and text, lets the widget handle what was typed, and drops the list down.
+    /// Draws gutter and text, lets the widget handle the typed input, and draws the list.
     pub(super) fn text_ui(&mut self, ui: &mut Ui, look: Look<'_>, document: &mut Document, typed: &[Event], summoned: bool) {
         let room = ui.available_rect_before_wrap();
         ui.painter().rect_filled(room, 0.0, look.palette.background);
@@ -49,7 +49,8 @@ impl Editor {
         ui.advance_cursor_after_rect(room);
     }
 
-    /// Draws the widget and takes over what it did; where its text begins on the screen, and its response.
+    /// Draws the widget and handles its output. Returns where the text starts on the screen, and the widget's
+    /// response.
     fn widget(
         &mut self,
         ui: &mut Ui,
@@ -61,7 +62,8 @@ impl Editor {
         let id = Self::id_of(document);
         let (kind, laid) = (document.kind(), self.lay(look, document));
         let margin = Margin { left: 4, right: 24, top: 2, bottom: 2 };
-        // As wide as its longest line: lines are not wrapped. And at least what is in sight, so that a click anywhere is one into the text.
+        // Lines are not wrapped, so the widget is as wide as the longest one. It covers the visible area, so clicks
+        // anywhere reach the text.
         let least = laid.galley.size() + margin.sum();
         let least = least.max(ui.available_size());
         self.tell_widget(look.context, id, document, &laid);
@@ -72,7 +74,7 @@ impl Editor {
         let mut layouter = |_: &Ui, text: &dyn egui::TextBuffer, _: f32| {
             Arc::clone(&colouring.lay(look.context, kind, text.as_str(), look.font, look.palette).galley)
         };
-        // A click into the list must not take the keyboard from the text, nor one that gave it the keyboard.
+        // A click into the list must not take the keyboard away from the text.
         let on_list = self.list.is_open()
             && look.context.pointer_interact_pos().and_then(|at| look.context.layer_id_at(at)) == Some(List::layer(id));
         let surrender = look.context.options(|options| options.input_options.surrender_focus_on);
@@ -89,7 +91,7 @@ impl Editor {
             .layouter(&mut layouter)
             .show(ui);
         look.context.options_mut(|options| options.input_options.surrender_focus_on = surrender);
-        // Whoever reads the screen aloud, and tests, know it by its name.
+        // Screen readers and tests find the widget by its name.
         look.context.accesskit_node_builder(id, |node| node.set_label(document.title()));
         let laid = self.lay(look, document);
         if let Some(range) = output.state.cursor.char_range().filter(|_| look.context.memory(|memory| memory.has_focus(id))) {
@@ -114,14 +116,14 @@ impl Editor {
         (output.galley_pos, output.response.response.clone())
     }
 
-    /// Tells the widget what is selected, where it cannot know.
+    /// Tells the widget what is selected, if it cannot know.
     fn tell_widget(&mut self, context: &Context, id: Id, document: &Document, laid: &Laid) {
         let state = TextEditState::load(context, id);
         if !self.moved && state.is_some() {
             return;
         }
         let mut state = state.unwrap_or_default();
-        // The document has a history of its own.
+        // The document has its own history.
         state.set_undoer(Undoer::with_settings(Settings { max_undos: 0, ..Default::default() }));
         let character = |byte: usize| CCursor::new(laid.lines.char_of(&document.text, byte));
         let range = CCursorRange::two(character(self.selection.anchor), character(self.selection.head));
@@ -134,7 +136,7 @@ impl Editor {
         Sheet { laid: self.lay(look, document), origin, clip }
     }
 
-    /// Draws what lies over the text and beside it, and says what is wrong under the pointer.
+    /// Draws what is above the text and beside it, and tooltips for diagnostics under the pointer.
     fn draw(&mut self, ui: &Ui, look: Look<'_>, document: &Document, (origin, hovered): (Pos2, Response), gutter: Rect) {
         let cursor = self.selection.head;
         let diagnostics = if document.is_checked() { document.diagnostics() } else { &[] };

@@ -1,7 +1,7 @@
-//! What the words of a text are: keywords, names by whose they are, numbers, comments; and which names the text itself gives.
+//! The words of a text and their classes: keywords, names, numbers, comments; and the names that the text defines.
 //!
-//! Works on the words of the language's own lexer and by its tables, also on texts that are half typed and no parser would take. No
-//! colours, no widgets.
+//! This uses the lexer and the tables of the language, so it works on unfinished texts that no parser accepts. No
+//! colours or widgets are known here.
 
 use crate::lang::builtins::{self, Form, Operation};
 use crate::lang::keywords::{self, Keyword};
@@ -15,12 +15,12 @@ use crate::workspace::FileKind;
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
-/// What a piece of a text is.
+/// The class of a part of a text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Class {
-    /// Punctuation, and names that nobody gave a meaning.
+    /// Punctuation, and names without a meaning.
     Plain,
-    /// A word of the language that is no name.
+    /// A keyword.
     Keyword,
     /// A function or constant of the language.
     Function,
@@ -42,14 +42,14 @@ pub enum Class {
     Unknown,
 }
 
-/// A part of a text with rules of its own.
+/// A section of a text, which has its own rules.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Section {
-    /// Before the head of any section.
+    /// Before the first section.
     Head,
     /// Declarations of parameters.
     Parameters(Owner),
-    /// Sums of parameters.
+    /// Invariants.
     Invariants,
     /// Macros and the last line.
     Formula,
@@ -61,7 +61,7 @@ pub(super) enum Section {
     Camera,
 }
 
-/// A name that the text gives: a parameter, a macro, a body or a light.
+/// A name that the text defines: a parameter, a macro, a body or a light.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Declared {
     /// The name.
@@ -70,42 +70,42 @@ pub(super) struct Declared {
     pub class: Class,
     /// The type of a parameter.
     pub ty: Option<Type>,
-    /// What gives it, up to the `;`.
+    /// Its definition, up to the `;`.
     pub statement: Range<usize>,
 }
 
 /// The words of a text, classified.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Words {
-    /// The words of the lexer, but for the end.
+    /// The tokens of the lexer, without the end of the text.
     pub tokens: Vec<Token>,
-    /// Pieces that are not plain, in the order of the text, none over another.
+    /// The parts that are not plain, in order. They do not overlap.
     pub pieces: Vec<(Range<usize>, Class)>,
-    /// The names that the text gives, in its order.
+    /// The names that the text defines, in order.
     pub declared: Vec<Declared>,
-    /// Where each section begins.
+    /// Where each section starts.
     sections: Vec<(usize, Section)>,
 }
 
 impl Words {
-    /// The words of a text. Texts other than formulas and scenes are plain.
+    /// The words of a text. Only formulas and scenes have other classes than plain.
     pub(super) fn new(kind: FileKind, text: &str) -> Self {
         match kind {
             FileKind::Formula | FileKind::Scene => {}
             FileKind::Session | FileKind::Material => return Self::default(),
         }
-        // A source is what the lexer takes; its name is for messages, which others report.
+        // The lexer needs a source. Its name is only used in messages, which are not shown here.
         let (mut tokens, _) = tokenize(&Source::new("", text));
         tokens.pop();
         let mut reader = Reader { kind, tokens: &tokens, section: Section::Head, declared: Vec::new(), sections: Vec::new() };
         let mut classes: Vec<Class> = (0..tokens.len()).map(|at| reader.class(at)).collect();
         let Reader { declared, sections, .. } = reader;
-        // Names may be used above where they are given.
+        // A name may be used before it is defined.
         let mut meanings: HashMap<&str, Class> =
             declared.iter().rev().map(|declared| (declared.name.as_str(), declared.class)).collect();
         for (class, token) in classes.iter_mut().zip(&tokens) {
             if let (Class::Plain, TokenKind::Word(word)) = (*class, &token.kind) {
-                // Searching the tables for every word anew would take longer than all the rest.
+                // Searching the tables again for every word would take longer than everything else.
                 let meaning = || if kind == FileKind::Formula { known(word) } else { Class::Plain };
                 *class = *meanings.entry(word).or_insert_with(meaning);
             }
@@ -124,19 +124,19 @@ impl Words {
         Self { tokens, pieces, declared, sections }
     }
 
-    /// The section in which a byte stands.
+    /// The section of a byte.
     pub(super) fn section(&self, byte: usize) -> Section {
         let behind = self.sections.partition_point(|(start, _)| *start <= byte);
         behind.checked_sub(1).map_or(Section::Head, |last| self.sections[last].1)
     }
 
-    /// What a byte is part of.
+    /// The class of a byte.
     pub(super) fn class_at(&self, byte: usize) -> Class {
         let at = self.pieces.partition_point(|(range, _)| range.end <= byte);
         self.pieces.get(at).filter(|(range, _)| range.contains(&byte)).map_or(Class::Plain, |(_, class)| *class)
     }
 
-    /// The parenthesis beside a cursor and the one that it belongs to, as places of bytes; the second is `None` where it has none.
+    /// The parenthesis beside a cursor and its partner, in bytes. The partner is `None` if there is none.
     pub(super) fn brackets(&self, cursor: usize) -> Option<(usize, Option<usize>)> {
         let bracket = |token: &Token| matches!(token.kind, TokenKind::Mark(Mark::Open | Mark::Close));
         let touches = |token: &&Token| token.span.range().end == cursor || token.span.range().start == cursor;
@@ -163,7 +163,7 @@ impl Words {
     }
 }
 
-/// What the language means by a name in an expression.
+/// The class of a name in an expression.
 fn known(word: &str) -> Class {
     if word == Form::Conditional.spelling() {
         Class::Keyword
@@ -178,7 +178,8 @@ fn known(word: &str) -> Class {
     }
 }
 
-/// Comments between two words. What follows a stray `#` on its line was most likely meant as one, and is marked as wrong.
+/// The comments between two words. A stray `#` was most likely meant as a comment, so the rest of its line is marked
+/// as wrong.
 fn between(text: &str, gap: Range<usize>, pieces: &mut Vec<(Range<usize>, Class)>) {
     let all = text[gap.clone()].trim_start_matches('\u{feff}');
     let inner = all.trim();
@@ -196,7 +197,7 @@ fn between(text: &str, gap: Range<usize>, pieces: &mut Vec<(Range<usize>, Class)
     }
 }
 
-/// Goes through the words from first to last and knows where it is.
+/// Visits the words in order, and keeps track of the section.
 struct Reader<'t> {
     kind: FileKind,
     tokens: &'t [Token],
@@ -230,7 +231,7 @@ impl Reader<'_> {
         Class::Keyword
     }
 
-    /// Notes the name that a statement begins with.
+    /// Records the name that a statement defines.
     fn declare(&mut self, at: usize, class: Class, ty: Option<Type>) -> Class {
         let TokenKind::Word(name) = &self.tokens[at].kind else { return class };
         let rest = &self.tokens[at..];
@@ -277,7 +278,7 @@ fn is_in(table: &[Keyword], word: &str) -> bool {
     table.iter().any(|keyword| keyword.word == word)
 }
 
-/// The section of a formula file that a word heads.
+/// The section of a formula file that a word starts.
 fn formula_section(word: &str) -> Option<Section> {
     let owner = Owner::ALL.into_iter().find(|owner| owner.section() == word).map(Section::Parameters);
     let others = [Section::Invariants, Section::Formula];
@@ -285,13 +286,13 @@ fn formula_section(word: &str) -> Option<Section> {
     owner.or_else(|| rest.filter(|(keyword, _)| keyword.word == word).map(|(_, section)| section).next())
 }
 
-/// The section of a scene file that a word heads.
+/// The section of a scene file that a word starts.
 fn scene_section(word: &str) -> Option<Section> {
     let sections = [Section::Bodies, Section::Lights, Section::Camera];
     keywords::SCENE_SECTIONS.iter().zip(sections).find(|(keyword, _)| keyword.word == word).map(|(_, section)| section)
 }
 
-/// The words that mean something in a section of a scene file, each once.
+/// The words that have a meaning in a section of a scene file, without duplicates.
 pub(super) fn scene_words(section: Section) -> Vec<&'static Keyword> {
     let mut words: Vec<&Keyword> = match section {
         Section::Bodies => Shape::SYNTAX.iter().flat_map(Syntax::words).chain(&keywords::BODY_ATTRIBUTES).collect(),
@@ -304,7 +305,7 @@ pub(super) fn scene_words(section: Section) -> Vec<&'static Keyword> {
     words
 }
 
-/// The overloads of a function or constant, each as it is written, with its types.
+/// The overloads of a function or constant, with their types.
 pub(super) fn signatures(form: Form) -> String {
     let written = |operation: Operation| match form {
         Form::Function(_) | Form::Conditional => format!("({})  {}", operation.operand_names().join(", "), operation.signature()),
@@ -318,7 +319,7 @@ mod tests {
     use super::*;
     use crate::workspace::presets;
 
-    /// The pieces of a text, each with its class.
+    /// The parts of a text with their classes.
     fn pieces(kind: FileKind, text: &str) -> Vec<(&str, Class)> {
         Words::new(kind, text).pieces.into_iter().map(|(range, class)| (&text[range], class)).collect()
     }
