@@ -1,5 +1,5 @@
-//! Opening files. A pipe waits for the program at its other end, and some devices never end, so what may be opened is checked
-//! twice: by the path, to leave devices alone, and by the opened file, which nobody can exchange any more.
+//! Opening files. A pipe waits for the program at its other end, and some devices never end, so what may be opened is
+//! checked twice: by the path, to leave devices alone, and by the opened file, which nobody can exchange any more.
 
 use std::fmt;
 use std::fs::{self, File, Metadata, OpenOptions};
@@ -12,7 +12,8 @@ pub enum Readable {
     /// Regular files. Neither opening nor reading one waits for another program.
     #[default]
     Regular,
-    /// Regular files and pipes. A pipe waits for the program that writes to it, so this is for what a command line names.
+    /// Regular files and pipes. A pipe waits for the program that writes to it, so this is for what a command line
+    /// names.
     RegularOrPipe,
 }
 
@@ -79,8 +80,8 @@ impl From<OpenError> for io::Error {
 /// Opens a file for reading; with it comes what the system says about it.
 ///
 /// # Errors
-/// There is no such file, it may not be read, or it is not of an allowed type. With [`Readable::Regular`] this never waits for
-/// another program.
+/// There is no such file, it may not be read, or it is not of an allowed type. With [`Readable::Regular`] this never
+/// waits for another program.
 pub fn open(path: &Path, readable: Readable) -> Result<(File, Metadata), OpenError> {
     let found = FileType::irregular(&fs::metadata(path)?);
     if found == Some(FileType::Pipe) && readable == Readable::RegularOrPipe {
@@ -94,7 +95,8 @@ pub fn open(path: &Path, readable: Readable) -> Result<(File, Metadata), OpenErr
     open_regular(path, OpenOptions::new().read(true))
 }
 
-/// Opens a regular file as the options say; with it comes what the system says about it. This never waits for another program.
+/// Opens a regular file as the options say; with it comes what the system says about it. This never waits for another
+/// program.
 ///
 /// # Errors
 /// The path leads to something else, or the system refuses.

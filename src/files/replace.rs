@@ -1,8 +1,8 @@
 //! Replacing a file whole or not at all: the new contents go to a file beside it, which then takes its place.
 //!
-//! A signal can end the program at any moment. The unfinished files of this process are therefore on a list, and whoever
-//! handles signals calls [`remove_unfinished`] last. Files without a name (`O_TMPFILE`) would need no list, but not every file
-//! system has them, and one must get a name before it can replace another file.
+//! A signal can end the program at any moment. The unfinished files of this process are therefore on a list, and
+//! whoever handles signals calls [`remove_unfinished`] last. Files without a name (`O_TMPFILE`) would need no list, but
+//! not every file system has them, and one must get a name before it can replace another file.
 
 use crate::files::open::{FileType, OpenError};
 use std::collections::BTreeSet;
@@ -17,14 +17,16 @@ pub const UNFINISHED_PREFIX: &str = ".illuminator-";
 
 /// The unfinished files of this process.
 ///
-/// The lock is held whenever a file is created, renamed or removed, so the list and the disk never differ while it is free.
+/// The lock is held whenever a file is created, renamed or removed, so the list and the disk never differ while it is
+/// free.
 static UNFINISHED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
 fn unfinished() -> MutexGuard<'static, BTreeSet<PathBuf>> {
     UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Removes all unfinished files, and lets nobody create or finish one from now on: call it when the process is about to end.
+/// Removes all unfinished files, and lets nobody create or finish one from now on: call it when the process is about to
+/// end.
 pub fn remove_unfinished() {
     let mut list = unfinished();
     for path in std::mem::take(&mut *list) {
@@ -96,12 +98,12 @@ pub fn follow_links(path: &Path) -> io::Result<PathBuf> {
     Err(io::Error::other("its symbolic links lead in a circle"))
 }
 
-/// Writes a file whole or not at all: beside it first, then in its place. A file that is there keeps its permissions. A symbolic
-/// link stays, and the file that it names is replaced, or created if it does not exist yet.
+/// Writes a file whole or not at all: beside it first, then in its place. A file that is there keeps its permissions. A
+/// symbolic link stays, and the file that it names is replaced, or created if it does not exist yet.
 ///
 /// # Errors
-/// The folder does not exist or cannot be written to, the path leads to something that is not a regular file, the disk is full,
-/// or `write` fails; the old file is then as it was.
+/// The folder does not exist or cannot be written to, the path leads to something that is not a regular file, the disk
+/// is full, or `write` fails; the old file is then as it was.
 pub fn replace_file(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> io::Result<()> {
     let target = follow_links(path)?;
     let old = fs::metadata(path).ok();

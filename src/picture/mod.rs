@@ -18,7 +18,8 @@ use rayon::prelude::*;
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::Path;
 
-/// Colours as bytes, red, green and blue of each pixel: clamped to 0..1, NaN as 0, and rounded to the nearest of 0..=255.
+/// Colours as bytes, red, green and blue of each pixel: clamped to 0..1, NaN as 0, and rounded to the nearest of
+/// 0..=255.
 pub fn quantise(linear: &[[f32; 3]], transfer: Transfer) -> Vec<u8> {
     // No byte is larger than 255.
     with_bytes!(transfer, bytes => {
@@ -26,11 +27,12 @@ pub fn quantise(linear: &[[f32; 3]], transfer: Transfer) -> Vec<u8> {
     })
 }
 
-/// Writes a picture, whole or not at all, in the format of the path's suffix. The transfer is that of the 8-bit formats.
+/// Writes a picture, whole or not at all, in the format of the path's suffix. The transfer is that of the 8-bit
+/// formats.
 ///
 /// # Errors
-/// The suffix names no format, or the file cannot be written; a file that was there before is then unharmed. The message is
-/// for users.
+/// The suffix names no format, or the file cannot be written; a file that was there before is then unharmed. The
+/// message is for users.
 pub fn save(path: &Path, frame: &Frame, transfer: Transfer) -> Result<(), String> {
     let name = path.display();
     let format = Format::of(path).ok_or_else(|| format!("`{name}` names no format of pictures"))?;

@@ -240,9 +240,9 @@ impl App {
             Panel::right(named("parameters")).resizable(true).default_size(of_parameters).size_range(230.0..=520.0).show(
                 ui,
                 |ui| {
-                    let told = self.parameters.ui(ui, &mut self.workshop, &mut self.materials, self.pane.selected());
-                    if let Some(told) = told {
-                        self.dialogs.show_message("The material was not saved", told);
+                    let error = self.parameters.ui(ui, &mut self.workshop, &mut self.materials, self.pane.selected());
+                    if let Some(error) = error {
+                        self.dialogs.show_message("The material was not saved", error);
                     }
                 },
             );
@@ -327,7 +327,7 @@ impl App {
 
     /// Shows a notice that there is no folder for user data, and why.
     pub fn notify_no_user_data(&mut self, reason: &Diagnostic) {
-        let title = "Nothing is user_state: unsaved work, settings and recent files are lost when the program ends";
+        let title = "Nothing is remembered: unsaved work, settings and recent files are lost when the program ends";
         self.notify(Notice::warning(Topic::Home, title, user_state::line(reason)));
     }
 
@@ -369,7 +369,7 @@ impl App {
                 }
             }
             let name = self.tab.kind().noun();
-            if ui.button(format!("Apply {name}")).on_hover_text("Ctrl+Enter: the picture follows the text").clicked() {
+            if ui.button(format!("Apply {name}")).on_hover_text("Apply the text to the picture (Ctrl+Enter)").clicked() {
                 actions.push(Action::Apply);
             }
         });

@@ -41,12 +41,10 @@ pub enum WindowError {
     #[error("there is no display to open a window on (DISPLAY is not set); `illuminator render` works without one")]
     NoDisplay,
     /// The display is of a kind that this program does not support.
-    #[error(
-        "the window speaks X11, and there is only Wayland here: start XWayland (DISPLAY is not set), or use `illuminator render`"
-    )]
+    #[error("the window needs X11, and there is only Wayland: start XWayland (DISPLAY is not set), or use `illuminator render`")]
     WaylandOnly,
     /// The display refused to open the window.
-    #[error("the display does not open a window ({0}); `illuminator render` works without one")]
+    #[error("the display refused to open a window ({0}); `illuminator render` works without one")]
     Refused(String),
     /// The display is gone.
     #[error("the connection to the display is lost")]

@@ -1,4 +1,5 @@
-//! Values for parameters: by name, as in `ball.kd=0.3`, and resolved to an owner and a parameter of a formula on a scene.
+//! Values for parameters: by name, as in `ball.kd=0.3`, and resolved to an owner and a parameter of a formula on a
+//! scene.
 
 use crate::formula::ParameterId;
 use crate::lang::ast::Constant;
@@ -145,8 +146,8 @@ impl FromStr for NamedAssignment {
 }
 
 impl NamedAssignment {
-    /// Resolves the names for a formula on a scene: to one assignment, or with `*` to one for each body and light that has the
-    /// parameter.
+    /// Resolves the names for a formula on a scene: to one assignment, or with `*` to one for each body and light that
+    /// has the parameter.
     ///
     /// # Errors
     /// A name is unknown, the parameter belongs to another kind of owner, or it has the other type.

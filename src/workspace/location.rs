@@ -101,7 +101,8 @@ pub(super) fn unknown_preset(kind: FileKind, name: &str) -> Diagnostic {
 /// Reads a text file. With a `kind`, messages name it.
 ///
 /// # Errors
-/// There is no such file; it cannot be read, is not of an allowed file type, is larger than [`MAX_BYTES`], or is not UTF-8.
+/// There is no such file; it cannot be read, is not of an allowed file type, is larger than [`MAX_BYTES`], or is not
+/// UTF-8.
 pub fn read_source(path: &Path, kind: Option<FileKind>, readable: Readable) -> Result<Source, Diagnostic> {
     let (name, noun) = (path.display().to_string(), kind.map_or("text", FileKind::noun));
     let failed = |error: &io::Error| {

@@ -82,8 +82,8 @@ impl ParameterTable {
         }
     }
 
-    /// The indices of a parameter's numbers in the array of all numbers; `None` if there is no such owner, or it has no such
-    /// parameter.
+    /// The indices of a parameter's numbers in the array of all numbers; `None` if there is no such owner, or it has no
+    /// such parameter.
     pub fn indices(&self, owner: OwnerId, id: ParameterId) -> Option<Range<usize>> {
         let parameter = self.parameters.get(id.0 as usize)?;
         if parameter.owner != owner.kind() || !self.owners.has(owner) {

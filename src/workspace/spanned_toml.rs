@@ -53,15 +53,15 @@ pub(crate) fn parse(source: &Source) -> Result<DeTable<'_>, Diagnostics> {
     let (table, errors) = DeTable::parse_recoverable(source.text());
     let mut diagnostics = Diagnostics::new();
     // Duplicates up to here have been reported.
-    let mut said = 0;
+    let mut reported_until = 0;
     for error in errors {
         let place = error.span().unwrap_or(0..0);
         if error.message() == DUPLICATE && !place.is_empty() {
-            if place.start >= said {
+            if place.start >= reported_until {
                 let key = source.slice(span(place.clone()));
                 let message = format!("`{key}` occurs twice");
                 diagnostics.push(Diagnostic::error(message).at(span(place.clone()), "").help("each name may occur only once"));
-                said = end_of_table(source.text(), place.start);
+                reported_until = end_of_table(source.text(), place.start);
             }
             continue;
         }

@@ -1,8 +1,8 @@
 //! The value of every parameter of every owner. Values are always within their ranges and satisfy the invariants.
 //!
-//! There are two arrays of numbers, both in the order of [`Layout`](crate::formula::layout::Layout). The *settled* values satisfy
-//! ranges and invariants as if no body were opaque or matte. The *effective* values, which evaluation reads, are the same except
-//! that `kt` of opaque bodies and `kr` of matte bodies are 0.
+//! There are two arrays of numbers, both in the order of [`Layout`](crate::formula::layout::Layout). The *settled*
+//! values satisfy ranges and invariants as if no body were opaque or matte. The *effective* values, which evaluation
+//! reads, are the same except that `kt` of opaque bodies and `kr` of matte bodies are 0.
 
 mod settle;
 
@@ -33,20 +33,21 @@ impl Values {
         Self::new(formula, scene, &[]).0
     }
 
-    /// The given values, and defaults for all others. Of two given values for one parameter the later one counts. There is a
-    /// warning for each given value that is not used as given, and for each default that changes because of given values.
+    /// The given values, and defaults for all others. Of two given values for one parameter the later one counts. There
+    /// is a warning for each given value that is not used as given, and for each default that changes because of given
+    /// values.
     pub fn new(formula: &Formula, scene: &Scene, given: &[Assignment]) -> (Values, Vec<ValueWarning>) {
         Self::build(ParameterTable::new(formula, scene), given, AssignmentMode::Initial)
     }
 
-    /// As [`new`](Self::new), for values that were made for another formula or scene, such as those of a session whose formula is
-    /// replaced. There is no warning then that a value follows from others, or is 0 for an opaque body.
+    /// As [`new`](Self::new), for values that were made for another formula or scene, such as those of a session whose
+    /// formula is replaced. There is no warning then that a value follows from others, or is 0 for an opaque body.
     pub fn carried_over(formula: &Formula, scene: &Scene, kept: &[Assignment]) -> (Values, Vec<ValueWarning>) {
         Self::build(ParameterTable::new(formula, scene), kept, AssignmentMode::CarryOver)
     }
 
-    /// The values for another formula or scene. A value is kept if its owner and its parameter exist there, with the same names
-    /// and the same type, and if the new ranges and invariants allow it.
+    /// The values for another formula or scene. A value is kept if its owner and its parameter exist there, with the
+    /// same names and the same type, and if the new ranges and invariants allow it.
     pub fn carry_over(&self, formula: &Formula, scene: &Scene) -> (Values, Vec<ValueWarning>) {
         let table = ParameterTable::new(formula, scene);
         let mut kept = Vec::new();
@@ -86,16 +87,16 @@ impl Values {
         (values, warnings)
     }
 
-    /// Sets several values at once. Of two values for one parameter the later one counts. There is a warning for each value that
-    /// is not used as given, and for each other value that changes because of them. Assignments to owners or parameters that do
-    /// not exist are ignored.
+    /// Sets several values at once. Of two values for one parameter the later one counts. There is a warning for each
+    /// value that is not used as given, and for each other value that changes because of them. Assignments to owners or
+    /// parameters that do not exist are ignored.
     pub fn assign(&mut self, given: &[Assignment]) -> Vec<ValueWarning> {
         self.set_all(given, AssignmentMode::Update)
     }
 
-    /// Moves one value, as a slider does: to the nearest value that range and invariants allow while other independent values
-    /// stay the same. Values that follow from it change too. Returns the parameters that changed; none if the value is locked
-    /// or fixed.
+    /// Moves one value, as a slider does: to the nearest value that range and invariants allow while other independent
+    /// values stay the same. Values that follow from it change too. Returns the parameters that changed; none if the
+    /// value is locked or fixed.
     pub fn move_to(&mut self, owner: OwnerId, id: ParameterId, value: [f32; 3]) -> Vec<ParameterId> {
         if self.table.fixed(owner, id).is_some() || self.table.indices(owner, id).is_none() {
             return Vec::new();
@@ -122,8 +123,8 @@ impl Values {
         moved
     }
 
-    /// The range of a slider, which is the same for each component of a vector. For a scalar it is what invariants leave of the
-    /// parameter's range. `None` means no limits.
+    /// The range of a slider, which is the same for each component of a vector. For a scalar it is what invariants
+    /// leave of the parameter's range. `None` means no limits.
     pub fn range_of(&self, owner: OwnerId, id: ParameterId) -> Option<[f32; 2]> {
         if self.table.fixed(owner, id).is_some() {
             return Some([0.0; 2]);
@@ -143,8 +144,8 @@ impl Values {
         }
     }
 
-    /// The parameters that change when this one is moved, with their slopes: the parameter itself first, then those that follow
-    /// from it. Values that evaluation always reads as 0 are left out.
+    /// The parameters that change when this one is moved, with their slopes: the parameter itself first, then those
+    /// that follow from it. Values that evaluation always reads as 0 are left out.
     pub fn moved_with(&self, owner: OwnerId, id: ParameterId) -> Vec<(ParameterId, f64)> {
         if self.table.fixed(owner, id).is_some() {
             return Vec::new();
@@ -159,8 +160,8 @@ impl Values {
         moved.into_iter().filter_map(|(id, _)| self.table.indices(owner, id)).flatten().collect()
     }
 
-    /// The value of a body's parameter for a material: the effective value, or the settled one if an `=` invariant involves it.
-    /// The weights of opaque and matte bodies, which are effectively 0, would contradict the invariant.
+    /// The value of a body's parameter for a material: the effective value, or the settled one if an `=` invariant
+    /// involves it. The weights of opaque and matte bodies, which are effectively 0, would contradict the invariant.
     pub(super) fn material_value(&self, body: OwnerId, id: ParameterId) -> &[f32] {
         let system = self.table.system(body.kind());
         let bound = system.is_locked(id) || system.moved_with(id).len() > 1;

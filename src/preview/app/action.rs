@@ -92,8 +92,8 @@ pub(super) fn shortcuts() -> Vec<(KeyboardShortcut, Action, &'static str)> {
     let ctrl_shift = |key| KeyboardShortcut::new(Modifiers::COMMAND.plus(Modifiers::SHIFT), key);
     let plain = |key| KeyboardShortcut::new(Modifiers::NONE, key);
     vec![
-        (ctrl(Key::Enter), Action::Apply, "Apply the text that is seen to the picture"),
-        (ctrl(Key::S), Action::Save, "Save the text that is seen"),
+        (ctrl(Key::Enter), Action::Apply, "Apply the text in view"),
+        (ctrl(Key::S), Action::Save, "Save the text in view"),
         (ctrl_shift(Key::S), Action::SaveSession, "Save the session"),
         (ctrl(Key::O), Action::ShowOpenDialog(FileKind::Formula), "Open a formula"),
         (ctrl_shift(Key::O), Action::ShowOpenDialog(FileKind::Session), "Open a session"),
@@ -102,11 +102,11 @@ pub(super) fn shortcuts() -> Vec<(KeyboardShortcut, Action, &'static str)> {
         (
             KeyboardShortcut::new(Modifiers::ALT, Key::Z),
             Action::Undo,
-            "Undo a change of a value; Ctrl+Z too, where no text is typed",
+            "Undo a change of a value; also Ctrl+Z while no text is edited",
         ),
-        (KeyboardShortcut::new(Modifiers::ALT.plus(Modifiers::SHIFT), Key::Z), Action::Redo, "Do it again"),
+        (KeyboardShortcut::new(Modifiers::ALT.plus(Modifiers::SHIFT), Key::Z), Action::Redo, "Redo a change of a value"),
         (plain(Key::F1), Action::ShowShortcuts, "Show these shortcuts"),
-        (plain(Key::F2), Action::TogglePanel(PanelId::Reference), "Show or hide the reference of the language"),
+        (plain(Key::F2), Action::TogglePanel(PanelId::Reference), "Show or hide the language reference"),
         (plain(Key::F3), Action::TogglePanel(PanelId::Texts), "Show or hide the texts"),
         (plain(Key::F4), Action::TogglePanel(PanelId::Parameters), "Show or hide the parameters"),
         (plain(Key::F5), Action::TogglePanel(PanelId::Inspector), "Show or hide the pixel inspector"),

@@ -29,7 +29,7 @@ fn file_dialog(title: &str) -> FileDialog {
 
 /// More shortcuts, which the text editor has.
 const EDITOR_SHORTCUTS: [(&str, &str); 4] = [
-    ("Ctrl+F", "Find in the text, and replace"),
+    ("Ctrl+F", "Find and replace"),
     ("Ctrl+Space", "Complete the word"),
     ("Ctrl+Z", "Undo in the text"),
     ("Ctrl+Y", "Redo in the text"),
@@ -180,7 +180,7 @@ impl Dialogs {
     fn offer_ui(&mut self, context: &Context, actions: &mut Vec<Action>) {
         if !self.offered_drafts.is_empty() {
             modal(context, "Unsaved work", |ui| {
-                ui.label("When Illuminator was closed last, this was not saved, and was kept:");
+                ui.label("When Illuminator was closed last, this was unsaved, and has been kept:");
                 for left in &self.offered_drafts {
                     ui.label(format!("   {left}"));
                 }
@@ -207,14 +207,14 @@ impl Dialogs {
                 let room = (ui.ctx().content_rect().height() - EXTRA_HEIGHT).max(60.0);
                 ScrollArea::vertical().max_height(room).min_scrolled_height(room).show(ui, |ui| {
                     Grid::new("shortcuts").num_columns(2).spacing([24.0, 5.0]).show(ui, |ui| {
-                        for (shortcut, _, told) in shortcuts() {
+                        for (shortcut, _, description) in shortcuts() {
                             ui.monospace(ui.ctx().format_shortcut(&shortcut));
-                            ui.label(told);
+                            ui.label(description);
                             ui.end_row();
                         }
-                        for (keys, told) in EDITOR_SHORTCUTS {
+                        for (keys, description) in EDITOR_SHORTCUTS {
                             ui.monospace(keys);
-                            ui.label(told);
+                            ui.label(description);
                             ui.end_row();
                         }
                     });

@@ -51,7 +51,7 @@ impl App {
         if lost.is_empty() {
             self.perform_confirmed(action);
         } else {
-            self.dialogs.ask_to_confirm(format!("What you changed in {} would be lost.", lost.join(" and ")), action);
+            self.dialogs.ask_to_confirm(format!("Your changes in {} would be lost.", lost.join(" and ")), action);
         }
     }
 
@@ -107,7 +107,7 @@ impl App {
             Action::RestoreDrafts => self.restore_drafts(),
             Action::DiscardDrafts => {
                 if let Err(error) = self.user_state.discard_drafts() {
-                    self.dialogs.show_message("Not thrown away", error.message());
+                    self.dialogs.show_message("Not discarded", error.message());
                 }
             }
             Action::UseAsStartupSession => self.start_with_this(),
@@ -162,8 +162,7 @@ impl App {
             (Ok(()), Some(_)) => return self.closing = true,
         };
         if is_work {
-            let text =
-                format!("What you changed and did not save would be lost. It cannot be kept for the next start: {reason}.");
+            let text = format!("Your unsaved changes would be lost. They cannot be kept for the next start: {reason}.");
             self.dialogs.ask_to_confirm(text, Action::Quit);
         } else {
             self.closing = true;
@@ -223,10 +222,10 @@ impl App {
 
     /// Opens a draft of a session, with the drafts of its texts if they have no errors.
     fn take_session(&mut self, draft: &Draft, texts: &[Draft]) {
-        let source = Source::new("the kept session", draft.text.as_str());
+        let source = Source::new("the draft of the session", draft.text.as_str());
         let kept = |kind: FileKind| {
             let text = texts.iter().find(|text| text.kind == kind)?;
-            Some(Source::new(format!("the kept {}", kind.noun()), text.text.as_str()))
+            Some(Source::new(format!("the draft of the {}", kind.noun()), text.text.as_str()))
         };
         let open = |texts: &dyn Fn(FileKind) -> Option<Source>| OpenedSession::from_text(&source, Path::new("/"), texts);
         match open(&kept).or_else(|_| open(&|_| None)) {
@@ -237,7 +236,7 @@ impl App {
                 self.session = draft.location.clone();
                 self.saved = SavedSession::default();
             }
-            Err(errors) => self.dialogs.show_message("The values that were kept cannot be opened", errors),
+            Err(errors) => self.dialogs.show_message("The saved values cannot be opened", errors),
         }
     }
 
@@ -285,13 +284,13 @@ impl App {
     pub(super) fn open_materials(&mut self) {
         let (formula, place) = (self.workshop.formula(), self.documents.formula.location());
         self.notices.clear(Topic::Materials);
-        if let Some(told) = self.materials.open(formula.uses.as_deref(), place, self.user_state.data()) {
+        if let Some(message) = self.materials.open(formula.uses.as_deref(), place, self.user_state.data()) {
             let title = if self.materials.is_open() {
                 "The material library has warnings"
             } else {
-                "MaterialRow are off: the material library cannot be read"
+                "Materials are off: the material library cannot be read"
             };
-            self.notify(Notice::warning(Topic::Materials, title, told));
+            self.notify(Notice::warning(Topic::Materials, title, message));
         }
     }
 
@@ -300,7 +299,7 @@ impl App {
     pub(super) fn notify_of_session(&mut self, location: &Location, warnings: &[String]) {
         self.notices.clear(Topic::Session);
         if !warnings.is_empty() {
-            let title = format!("Not all of the session {location} was taken as it is written");
+            let title = format!("Some values of the session {location} are not used as written");
             self.notify(Notice::warning(Topic::Session, title, warnings.join("\n")));
         }
     }
@@ -383,12 +382,12 @@ impl App {
         let unsaved = self.documents.values().filter(|document| document.unsaved());
         let texts: Vec<&str> = unsaved.map(|document| document.kind().noun()).collect();
         if !texts.is_empty() {
-            let told = format!(
-                "A session names the files of its texts. What you changed in the {} is in no file yet: save that too, \
+            let message = format!(
+                "A session names the files of its texts. What you changed in the {} is in no file yet: save it too, \
                  and then the session once more.",
                 texts.join(" and the ")
             );
-            self.dialogs.show_message("The session is saved without a changed text", told);
+            self.dialogs.show_message("The session was saved without the changes of a text", message);
         }
     }
 

@@ -91,7 +91,7 @@ fn ray_ui(ui: &mut Ui, workshop: &Workshop, inspection: &Inspection, index: usiz
     let title = if ray.weight == 0.0 { RichText::new(title).weak() } else { RichText::new(title) };
     CollapsingHeader::new(title).id_salt(index).default_open(ray.depth == 1).show(ui, |ui| {
         if leads_on {
-            ui.weak(format!("of that itself {}, the rest by the rays that go on", colour_text(ray.contribution)));
+            ui.weak(format!("{} from this hit itself, the rest from rays that continue", colour_text(ray.contribution)));
         }
         if let End::Hit(hit) = &ray.end {
             hit_ui(ui, workshop, hit);
@@ -129,7 +129,7 @@ fn hit_ui(ui: &mut Ui, workshop: &Workshop, hit: &InspectedHit) {
             Onward::Matte => "the body is matte",
             Onward::Opaque => "the body is opaque",
             Onward::TotalReflection => "total reflection",
-            Onward::Depth => "the greatest depth",
+            Onward::Depth => "the depth limit",
         };
         facts.push_str(&format!("; not {name}: {why}"));
     }

@@ -185,7 +185,7 @@ impl Log {
         ui.horizontal_top(|ui| {
             let strip = vec2(2.0 * FRAMES as f32, (ui.available_height() - 40.0).clamp(24.0, 90.0));
             ui.vertical(|ui| {
-                ui.label("Evaluation of the last pictures");
+                ui.label("Evaluation times of the last pictures");
                 let (rect, _) = ui.allocate_exact_size(strip, Sense::hover());
                 self.chart(ui, rect);
                 let [layout, painting, present] = self.window;

@@ -32,14 +32,14 @@ impl MaterialRow {
     /// Opens the library that a formula names. Returns errors and warnings as text.
     pub(super) fn open(&mut self, uses: Option<&str>, formula: Option<&Location>, data: Option<&Path>) -> Option<String> {
         let place = LibraryLocation::find(uses, formula, data).map_err(|reason| reason.message().to_owned());
-        let (library, told) = match place.map(|place| Materials::open(place, Readable::Regular)) {
+        let (library, message) = match place.map(|place| Materials::open(place, Readable::Regular)) {
             Ok(Ok((library, findings))) => (Ok(library), Some(format!("{findings:#}")).filter(|text| !text.is_empty())),
             Ok(Err(findings)) => (Err(findings.to_string()), Some(format!("{findings:#}"))),
             Err(reason) => (Err(reason), None),
         };
         self.library = library;
         self.chosen.clear();
-        told
+        message
     }
 
     /// Whether there is a usable library.
@@ -57,7 +57,7 @@ impl MaterialRow {
         let library = match &mut self.library {
             Ok(library) => library,
             Err(reason) => {
-                ui.add_enabled_ui(false, |ui| ui.button("MaterialRow are off")).response.on_disabled_hover_text(reason.as_str());
+                ui.add_enabled_ui(false, |ui| ui.button("Materials are off")).response.on_disabled_hover_text(reason.as_str());
                 return None;
             }
         };
@@ -65,7 +65,7 @@ impl MaterialRow {
             ui.add_enabled_ui(false, |ui| ui.button("Material")).response.on_disabled_hover_text("Choose a body first");
             return None;
         };
-        let mut told = None;
+        let mut error = None;
         ui.horizontal(|ui| {
             let mut wanted = None;
             let title = if self.chosen.is_empty() { "Material".to_owned() } else { one_line(&self.chosen) };
@@ -93,8 +93,8 @@ impl MaterialRow {
             }
             let own = library.get(&self.chosen).is_some() && !library.is_built_in(&self.chosen);
             let delete = ui.add_enabled(own, egui::Button::new("Delete"));
-            if delete.on_disabled_hover_text("Built-in materials stay").clicked() {
-                told = library.remove(&self.chosen).err().map(|findings| format!("{findings:#}"));
+            if delete.on_disabled_hover_text("Built-in materials cannot be deleted").clicked() {
+                error = library.remove(&self.chosen).err().map(|findings| format!("{findings:#}"));
                 self.chosen.clear();
                 self.name.clear();
             }
@@ -102,14 +102,14 @@ impl MaterialRow {
         ui.horizontal(|ui| {
             ui.add(TextEdit::singleline(&mut self.name).hint_text("new name").desired_width(122.0));
             let save = ui.add_enabled(!self.name.trim().is_empty(), egui::Button::new("Save material"));
-            if save.on_hover_text("Keep this body's values under this name").clicked() {
+            if save.on_hover_text("Save the values of this body under this name").clicked() {
                 let kept = Material::of_body(self.name.trim(), workshop.values(), body).map_err(|error| error.to_string());
                 match kept.and_then(|material| library.put(material).map_err(|findings| format!("{findings:#}"))) {
                     Ok(()) => self.name.trim().clone_into(&mut self.chosen),
-                    Err(message) => told = Some(message),
+                    Err(message) => error = Some(message),
                 }
             }
         });
-        told
+        error
     }
 }

@@ -59,7 +59,7 @@ pub(super) fn bar(app: &mut App, ui: &mut Ui, actions: &mut Vec<Action>) {
         persistent_menu(ui, "Compare", |ui| compare(ui, app, actions));
         persistent_menu(ui, "View", |ui| view(ui, app, actions));
         ui.menu_button("Help", |ui| {
-            entry(ui, "Reference of the language", Action::TogglePanel(PanelId::Reference), actions);
+            entry(ui, "Language reference", Action::TogglePanel(PanelId::Reference), actions);
             entry(ui, "Shortcuts", Action::ShowShortcuts, actions);
         });
     });
@@ -102,17 +102,17 @@ fn file(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
     entry(ui, "Save session as…", Action::ShowSaveDialog(FileKind::Session), actions);
     entry(ui, "Save picture as…", Action::ShowSavePictureDialog, actions);
     entry(ui, "Copy picture", Action::CopyPicture, actions);
-    entry(ui, "Start with this session", Action::UseAsStartupSession, actions);
+    entry(ui, "Use as startup session", Action::UseAsStartupSession, actions);
     entry(ui, "Settings…", Action::ShowSettings, actions);
     ui.separator();
-    entry_if(ui, !app.user_state.draft_names().is_empty(), "Unsaved work of last time…", Action::OfferDrafts, actions);
+    entry_if(ui, !app.user_state.draft_names().is_empty(), "Unsaved work of earlier runs…", Action::OfferDrafts, actions);
     entry(ui, "Quit", Action::Quit, actions);
 }
 
 fn picture(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
     let mut settings = app.workshop.settings();
     let before = settings;
-    ui.checkbox(&mut app.pane.follows, "As large as its pane");
+    ui.checkbox(&mut app.pane.follows, "Fit to pane");
     ui.add_enabled_ui(!app.pane.follows, |ui| {
         ui.horizontal(|ui| {
             ui.label("Size");
@@ -123,15 +123,15 @@ fn picture(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
         });
     });
     ui.horizontal(|ui| {
-        ui.label("Depth").on_hover_text("How often rays are reflected or refracted; 1: not at all");
+        ui.label("Depth").on_hover_text("The longest path of rays; 1 means no reflection and no refraction");
         ui.add(egui::Slider::new(&mut settings.depth, 1..=crate::trace::MAX_DEPTH));
     });
     ui.checkbox(&mut settings.shadows, "Shadow rays");
     ui.horizontal(|ui| {
-        ui.label("Refractive index of bodies that give none");
+        ui.label("Refractive index of bodies without their own");
         ui.add(egui::DragValue::new(&mut settings.default_index).range(0.1..=10.0).speed(0.01).update_while_editing(false));
     });
-    ui.checkbox(&mut settings.srgb, "sRGB transfer").on_hover_text("Linear values through the sRGB curve; brighter on screens");
+    ui.checkbox(&mut settings.srgb, "sRGB transfer").on_hover_text("Encode linear values with the sRGB curve; looks brighter");
     if settings != before {
         // The widgets keep the values within their ranges.
         let _ = app.workshop.set_picture(settings);
@@ -158,7 +158,7 @@ fn compare(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
         entry_if(ui, kept, &format!("Go back to {name}"), Action::RestoreSnapshot(place), actions);
     }
     ui.separator();
-    ui.radio_value(&mut app.pane.mode, PaneMode::Current, "Picture as it is now");
+    ui.radio_value(&mut app.pane.mode, PaneMode::Current, "Current picture");
     for (place, name) in SNAPSHOTS.into_iter().enumerate() {
         let kept = app.workshop.snapshot(place).is_some();
         ui.add_enabled_ui(kept, |ui| {
@@ -174,7 +174,7 @@ fn view(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
         (PanelId::Texts, "Texts", panels.texts),
         (PanelId::Parameters, "Parameters", panels.parameters),
         (PanelId::Log, "Log", panels.log),
-        (PanelId::Reference, "Reference of the language", panels.reference),
+        (PanelId::Reference, "Language reference", panels.reference),
         (PanelId::Inspector, "Pixel inspector", app.inspector.open),
     ] {
         let mut seen = seen;

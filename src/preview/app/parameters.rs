@@ -71,13 +71,13 @@ impl ParameterPanel {
         });
         ui.separator();
         // While searching, it would not be clear which body a material is for.
-        let told = if self.search.trim().is_empty() { materials.ui(ui, workshop, self.selected) } else { None };
+        let message = if self.search.trim().is_empty() { materials.ui(ui, workshop, self.selected) } else { None };
         ui.separator();
         let wanted = self.wanted(workshop.values());
         let mut edits = Vec::new();
         ScrollArea::vertical().id_salt("values").auto_shrink(false).show(ui, |ui| {
             if wanted.is_empty() {
-                ui.weak("Nothing is called so.");
+                ui.weak("No match.");
             }
             let mut before = None;
             for (owner, id) in wanted {
@@ -114,7 +114,7 @@ impl ParameterPanel {
                 ValueEdit::Copy => workshop.copy_to_all(owner, id),
             }
         }
-        told
+        message
     }
 
     /// Notes why a value is not what the user wanted, if so.
@@ -189,7 +189,7 @@ fn value_ui(ui: &mut Ui, values: &Values, owner: OwnerId, id: ParameterId) -> Op
                 if ui.button("Default").clicked() {
                     edit = Some(ValueEdit::Set(parameter.default));
                 }
-                if owner.kind() != Owner::Global && ui.button("Copy to all of its kind").clicked() {
+                if owner.kind() != Owner::Global && ui.button("Copy to all owners of this kind").clicked() {
                     edit = Some(ValueEdit::Copy);
                 }
             });

@@ -25,7 +25,7 @@ impl SettingsDialog {
         let edited = self.edited.as_mut()?;
         let shown = modal(context, "Settings", |ui| {
             ui.set_width(430.0);
-            ui.weak("What new sessions begin with. Sessions that are opened keep what they say.");
+            ui.weak("Settings for new sessions. Existing sessions keep their own.");
             ui.add_space(8.0);
             ScrollArea::vertical().max_height(460.0).show(ui, |ui| fields(ui, edited));
             ui.add_space(10.0);
@@ -36,7 +36,7 @@ impl SettingsDialog {
                         choice = Some(keep);
                     }
                 }
-                if ui.button("Defaults").on_hover_text("As they were in the beginning; the window's stay").clicked() {
+                if ui.button("Defaults").on_hover_text("Restore the original settings, except those of the window").clicked() {
                     *edited = Settings { window: edited.window, startup: edited.startup.clone(), ..Settings::default() };
                 }
             });
@@ -64,7 +64,7 @@ fn fields(ui: &mut Ui, settings: &mut Settings) {
         ui.label("Shadow rays");
         ui.checkbox(&mut settings.shadows, "");
         ui.end_row();
-        ui.label("Depth").on_hover_text("How often rays are reflected or refracted; 1: not at all");
+        ui.label("Depth").on_hover_text("The longest path of rays; 1 means no reflection and no refraction");
         ui.add(Slider::new(&mut settings.depth, 1..=MAX_DEPTH));
         ui.end_row();
         ui.label("Picture");
@@ -75,7 +75,7 @@ fn fields(ui: &mut Ui, settings: &mut Settings) {
             ui.add(DragValue::new(height).range(1..=MAX_SIDE));
         });
         ui.end_row();
-        ui.label("Refractive index").on_hover_text("Of bodies that give none");
+        ui.label("Refractive index").on_hover_text("For bodies without one of their own");
         ui.add(DragValue::new(&mut settings.default_index).range(0.1..=10.0).speed(0.01));
         ui.end_row();
         for parameter in Predefined::ALL.iter().copied() {

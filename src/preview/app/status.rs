@@ -14,18 +14,18 @@ pub(super) fn bar(app: &App, ui: &mut Ui, actions: &mut Vec<Action>) {
         let backend = app.backend();
         let place = CHOICES.iter().position(|choice| *choice == backend).unwrap_or(0);
         let next = CHOICES[(place + 1) % CHOICES.len()];
-        let told =
-            "By what formulas are evaluated: machine code made for this formula, or the reference interpreter. Click to change.";
-        if ui.small_button(backend.title).on_hover_text(told).clicked() {
+        let tooltip =
+            "How formulas are evaluated: as machine code compiled for them, or by the reference interpreter. Click to change.";
+        if ui.small_button(backend.title).on_hover_text(tooltip).clicked() {
             actions.push(Action::SetBackend(next));
         }
         if let Some(time) = app.log.last_frame() {
             ui.separator();
-            ui.label(format!("{time:.2} ms")).on_hover_text("What the last picture took to evaluate");
+            ui.label(format!("{time:.2} ms")).on_hover_text("Evaluation time of the last picture");
         }
         if let Some(bytes) = app.log.bytes_per_pixel() {
             ui.separator();
-            ui.label(format!("{bytes:.0} B/px")).on_hover_text("Memory of hits and their static values, a pixel");
+            ui.label(format!("{bytes:.0} B/px")).on_hover_text("Memory for hits and their static values, per pixel");
         }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             if let Some(progress) = app.workshop.renderer().progress() {

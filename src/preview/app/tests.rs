@@ -390,7 +390,7 @@ fn quitting_asks_where_work_cannot_be_kept() {
         harness.state_mut().perform(Action::Quit);
         harness.run_steps(3);
         assert!(!harness.state().closing);
-        assert!(harness.query_by_label_contains("It cannot be kept for the next start").is_some());
+        assert!(harness.query_by_label_contains("They cannot be kept for the next start").is_some());
         harness.get_by_label("Cancel").click();
         harness.run_steps(3);
         harness.state_mut().perform(Action::Quit);
@@ -451,7 +451,8 @@ fn pipes_in_place_of_what_the_window_reads_by_itself_do_not_hold_it_up() {
         assert!(details(&app, topic).contains("a pipe"), "{}", details(&app, topic));
     }
     drop(app);
-    // A session whose texts are pipes, one with a formula whose library is one, and pipes that are chosen in the window.
+    // A session whose texts are pipes, one with a formula whose library is one, and pipes that are chosen in the
+    // window.
     let session = home.path().join("session.toml");
     std::fs::write(&session, "version = 1\nformula = \"startup.toml\"\nscene = \"startup.toml\"\n").expect("a file");
     assert!(App::new(Some(&Location::File(session)), None).is_err_and(|error| error.contains("is a pipe, not a formula")));

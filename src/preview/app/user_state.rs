@@ -42,7 +42,7 @@ impl UserState {
                 None => line(diagnostic),
             });
             let details = details.collect::<Vec<_>>().join("\n");
-            notices.push(Notice::warning(Topic::Settings, "The file of the settings has mistakes", details));
+            notices.push(Notice::warning(Topic::Settings, "The settings file has errors", details));
         }
         if let Some(warning) = recent_warning {
             notices.push(Notice::warning(Topic::Recent, "The list of recent files starts empty", line(&warning)));

@@ -164,7 +164,8 @@ impl Document {
 
     /// The number of errors and of warnings.
     pub fn counts(&self) -> [usize; 2] {
-        [Severity::Error, Severity::Warning].map(|grave| self.diagnostics.iter().filter(|one| one.severity() == grave).count())
+        [Severity::Error, Severity::Warning]
+            .map(|severity| self.diagnostics.iter().filter(|one| one.severity() == severity).count())
     }
 
     /// Checks the text if it has changed. Only formulas and scenes are checked.

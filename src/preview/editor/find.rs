@@ -141,13 +141,13 @@ impl Find {
                     field.request_focus();
                 }
                 let place = self.found.iter().position(|range| *range == selected);
-                if ui.small_button("⏶").on_hover_text("The one before: Shift+F3").clicked() || back {
+                if ui.small_button("⏶").on_hover_text("Previous match (Shift+F3)").clicked() || back {
                     wish = self.previous(selected.start).map(Wish::Show);
                 }
-                if ui.small_button("⏷").on_hover_text("The next: F3").clicked() || onward {
+                if ui.small_button("⏷").on_hover_text("Next match (F3)").clicked() || onward {
                     wish = self.next(selected.end).map(Wish::Show);
                 }
-                ui.toggle_value(&mut self.exact_case, "Aa").on_hover_text("Tell capitals from small letters");
+                ui.toggle_value(&mut self.exact_case, "Aa").on_hover_text("Match case");
                 ui.label(match (place, self.found.len()) {
                     (_, 0) if self.sought.is_empty() => String::new(),
                     (_, 0) => "none".to_owned(),
@@ -158,7 +158,7 @@ impl Find {
             })
             .inner;
         ui.horizontal(|ui| {
-            let label = name_ui(ui, "Replace by");
+            let label = name_ui(ui, "Replace with");
             ui.add(TextEdit::singleline(&mut self.replacement).desired_width(width)).labelled_by(label.id);
             if ui.add_enabled(!self.found.is_empty(), egui::Button::new("Replace").small()).clicked() {
                 let at = floor(text, selected.start);

@@ -104,8 +104,8 @@ impl List {
                 scroll.show(ui, |ui| {
                     ui.spacing_mut().item_spacing = vec2(0.0, 0.0);
                     for (at, candidate) in shown.candidates.iter().enumerate() {
-                        let said = if at == self.chosen { palette.plain } else { palette.comment };
-                        let job = line(candidate, widest, font, (palette, said), width);
+                        let dimmed = if at == self.chosen { palette.plain } else { palette.comment };
+                        let job = line(candidate, widest, font, (palette, dimmed), width);
                         let button = egui::Button::selectable(at == self.chosen, job).min_size(vec2(ui.available_width(), 0.0));
                         let response = ui.add(button);
                         if at == self.chosen && self.moved {
@@ -129,7 +129,7 @@ impl List {
 }
 
 /// A line of the list: the name, and a dimmed description.
-fn line(candidate: &Candidate, widest: usize, font: &FontId, (palette, said): (&Palette, Color32), width: f32) -> LayoutJob {
+fn line(candidate: &Candidate, widest: usize, font: &FontId, (palette, dimmed): (&Palette, Color32), width: f32) -> LayoutJob {
     let mut job = LayoutJob::default();
     let gap = " ".repeat((widest + 2).saturating_sub(candidate.name.chars().count()));
     job.append(&(candidate.name.clone() + &gap), 0.0, TextFormat::simple(font.clone(), palette.of(candidate.class)));
@@ -139,7 +139,7 @@ fn line(candidate: &Candidate, widest: usize, font: &FontId, (palette, said): (&
         let even = FontId::monospace(font.size * 0.92);
         job.append(&format!("{}   ", candidate.types), 0.0, TextFormat::simple(even, palette.plain));
     }
-    job.append(&candidate.doc, 0.0, TextFormat::simple(small, said));
+    job.append(&candidate.doc, 0.0, TextFormat::simple(small, dimmed));
     job.wrap = egui::text::TextWrapping::truncate_at_width(width - 16.0);
     job
 }

@@ -151,8 +151,8 @@ impl Sheet {
             let colour = if line == current { palette.plain } else { palette.number_of_line };
             painter.text(pos2(rect.right() - 8.0, middle), Align2::RIGHT_CENTER, line + 1, font.clone(), colour);
             let of_line = || marked.iter().filter(|(of, _)| *of == line).map(|(_, diagnostic)| *diagnostic);
-            if let Some(grave) = of_line().map(Diagnostic::severity).max() {
-                painter.circle_filled(pos2(rect.left() + 8.0, middle), 3.5, colour_of(grave, palette));
+            if let Some(severity) = of_line().map(Diagnostic::severity).max() {
+                painter.circle_filled(pos2(rect.left() + 8.0, middle), 3.5, colour_of(severity, palette));
                 if pointer.is_some_and(|pointer| here.contains(pointer)) {
                     under.extend(of_line());
                 }

@@ -24,8 +24,8 @@ pub fn problems_ui<K: Copy>(ui: &mut Ui, documents: &[(K, &Document)]) -> Option
         ui.spacing_mut().item_spacing.y = 2.0;
         for (key, document) in documents {
             let source = document.source();
-            for grave in [Severity::Error, Severity::Warning] {
-                for diagnostic in document.diagnostics().iter().filter(|diagnostic| diagnostic.severity() == grave) {
+            for severity in [Severity::Error, Severity::Warning] {
+                for diagnostic in document.diagnostics().iter().filter(|diagnostic| diagnostic.severity() == severity) {
                     let span = diagnostic.span().unwrap_or_default();
                     let (line, column) = source.position(source.mark(span).start as u32);
                     let place = format!("{}:{line}:{column}", document.short_name());

@@ -34,7 +34,7 @@ pub fn reference_ui(ui: &mut Ui, query: &mut String) -> Option<String> {
             });
         }
         if nothing {
-            ui.weak("Nothing of that name or meaning.");
+            ui.weak("No match.");
         }
     });
     chosen

@@ -192,7 +192,7 @@ fn a_damaged_file_is_kept_aside() {
         let told = format!("{:#}", reading.diagnostics.located(&reading.source));
         assert!(reading.diagnostics.has_errors() && told.contains("settings.toml.damaged`"), "{told}");
         let settings = Settings { shadows: false, ..reading.settings };
-        let renamed = file.save(&settings).unwrap().expect("kept renamed");
+        let renamed = file.save(&settings).unwrap().expect("renamed and kept");
         assert_eq!(fs::read(&renamed).unwrap(), damaged);
         assert_eq!(names(&folders.configuration), ["settings.toml", "settings.toml.damaged"]);
         assert_eq!(file.read().settings, settings);

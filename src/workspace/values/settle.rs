@@ -1,5 +1,5 @@
-//! Setting several values at once: they are clamped to their ranges and made to satisfy the invariants, with a warning for each
-//! that is not used as given.
+//! Setting several values at once: they are clamped to their ranges and made to satisfy the invariants, with a warning
+//! for each that is not used as given.
 
 use crate::formula::ParameterId;
 use crate::formula::invariants::differ;
@@ -19,7 +19,8 @@ pub(super) enum AssignmentMode {
     Initial,
     /// From the user, over values that satisfy the invariants.
     Update,
-    /// From another formula, scene or session, by name. The user did not ask for them now, so some warnings are left out.
+    /// From another formula, scene or session, by name. The user did not ask for them now, so some warnings are left
+    /// out.
     CarryOver,
 }
 
