@@ -301,7 +301,7 @@ fn the_reference_inserts_what_is_clicked() {
     assert!(harness.query_by_label_contains("clamp").is_none());
     harness.state_mut().0 = "hermite".to_owned();
     harness.run_steps(3);
-    harness.get_by_label_contains("Nothing");
+    harness.get_by_label_contains("No match");
     harness.state_mut().0 = "clamp(x, lo".to_owned();
     harness.run_steps(8);
     harness.get_by_label("clamp(x, lo, hi)").click();
