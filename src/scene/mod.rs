@@ -5,15 +5,15 @@
 //! this is computed in [`crate::world`]; what the bodies look like is the formula's business.
 
 mod camera;
-mod light;
+pub mod light;
 mod parser;
 mod print;
-mod shape;
+pub mod shape;
 mod syntax;
 
 pub use camera::{Camera, CameraError};
-pub use light::{Light, LightKind, PointLight};
-pub use shape::{Rectangle, RectangleError, Shape, Sphere, SphereError};
+pub use light::{Light, LightKind};
+pub use shape::Shape;
 pub use syntax::Syntax;
 
 use crate::lang::diagnostic::Diagnostics;

@@ -14,6 +14,8 @@ pub(super) trait Declaration: Display + Sized {
     const KEYWORD: Keyword;
     /// The words between its values.
     const CLAUSES: &'static [Keyword];
+    /// An example, as `Display` prints it.
+    const EXAMPLE: &'static str;
 
     /// Reads what follows the keyword, up to the attributes or the `;`. `None` where a value is out of range: that is
     /// reported, and the parser goes on behind it.
@@ -30,6 +32,8 @@ pub struct Syntax<T: 'static> {
     pub keyword: Keyword,
     /// The words between its values.
     pub clauses: &'static [Keyword],
+    /// An example, as `Display` prints it.
+    pub example: &'static str,
     /// Reads what follows the keyword, see [`Declaration::parse`].
     pub(super) parse: fn(&mut Parser) -> Result<Option<T>, Reported>,
 }
@@ -66,6 +70,7 @@ macro_rules! declarations {
                 $($crate::scene::syntax::Syntax {
                     keyword: <$value as $crate::scene::syntax::Declaration>::KEYWORD,
                     clauses: <$value as $crate::scene::syntax::Declaration>::CLAUSES,
+                    example: <$value as $crate::scene::syntax::Declaration>::EXAMPLE,
                     parse: |parser| {
                         let value = <$value as $crate::scene::syntax::Declaration>::parse(parser)?;
                         Ok(value.map($name::$kind))
@@ -90,21 +95,49 @@ pub(super) use declarations;
 mod tests {
     use super::Syntax;
     use crate::lang::keywords::Keyword;
-    use crate::scene::{LightKind, Shape};
+    use crate::lang::source::Source;
+    use crate::scene::{LightKind, Scene, Shape};
+
+    /// Of every shape and light: its keyword, all its words, and its example.
+    fn all() -> impl Iterator<Item = (Keyword, Vec<&'static str>, &'static str)> {
+        fn of<T>(syntax: &'static Syntax<T>) -> (Keyword, Vec<&'static str>, &'static str) {
+            (syntax.keyword, syntax.words().map(|keyword| keyword.word).collect(), syntax.example)
+        }
+        Shape::SYNTAX.iter().map(of).chain(LightKind::SYNTAX.iter().map(of))
+    }
 
     #[test]
-    fn the_language_reference_shows_every_shape_and_light() {
+    fn the_language_reference_shows_every_word() {
         let reference = include_str!("../../docs/language.md");
-        for Keyword { word, .. } in
-            Shape::SYNTAX.iter().flat_map(Syntax::words).chain(LightKind::SYNTAX.iter().flat_map(Syntax::words))
-        {
+        for word in all().flat_map(|(_, words, _)| words) {
             assert!(reference.contains(&format!("\"{word}\"")), "docs/language.md does not show `{word}` in its grammar");
         }
-        for Keyword { word, doc } in
-            Shape::SYNTAX.iter().map(|kind| kind.keyword).chain(LightKind::SYNTAX.iter().map(|kind| kind.keyword))
-        {
-            // The line begins with the whole form, in backquotes.
+    }
+
+    #[test]
+    fn the_line_about_a_keyword_begins_with_its_form() {
+        for (Keyword { word, doc }, ..) in all() {
             assert!(doc.starts_with(&format!("`{word}")), "{doc}");
+        }
+    }
+
+    #[test]
+    fn every_example_reads_back_unchanged() {
+        let bodies: String = Shape::SYNTAX.iter().map(|shape| format!("{}: {};\n", shape.keyword.word, shape.example)).collect();
+        let lights: String =
+            LightKind::SYNTAX.iter().map(|light| format!("l_{}: {};\n", light.keyword.word, light.example)).collect();
+        let text =
+            format!("bodies;\n{bodies}lights;\n{lights}camera;\nposition <0, 0, 9>;\ngaze <0, 0, -1>;\nup <0, 1, 0>;\nfov 45;\n");
+        let source = Source::new("scene", text.clone());
+        let (scene, warnings) = Scene::parse(&source).unwrap_or_else(|errors| panic!("{errors:?}"));
+        assert!(warnings.is_empty());
+        assert_eq!(scene.to_string(), text);
+        for text in all().map(|(_, _, example)| example) {
+            // Every example without one of its words is an error of this declaration alone.
+            for (at, _) in text.match_indices(' ') {
+                let broken = format!("bodies; b: {}; lights; camera;", &text[..at]);
+                assert!(Scene::parse(&Source::new("scene", broken)).is_err());
+            }
         }
     }
 }

@@ -39,7 +39,7 @@ pub fn replay(
             let end = begin + pixels.len() as u32;
             for hit in begin.max(hits.start)..end.min(hits.end) {
                 let pixel = tile.pixels.start + pixels.start as u32 + (hit - begin);
-                let (_, surface) = last_ray(tracer, pixel, &steps).ok_or(Mismatch)?;
+                let surface = last_ray(tracer, pixel, &steps).and_then(|ray| tracer.hit_on(&ray, group.body));
                 visit(hit, pixel, &surface.ok_or(Mismatch)?);
             }
             if end >= hits.end {
@@ -60,27 +60,22 @@ pub fn replay_misses(tracer: &Tracer, tile: &Tile, span: &Span, mut visit: impl 
     let steps = tile.steps(span.path);
     for pixel in tile.miss_segments_of(span).iter().flat_map(|segment| segment.pixels()) {
         let pixel = tile.pixels.start + pixel as u32;
-        let (ray, _) = last_ray(tracer, pixel, &steps).ok_or(Mismatch)?;
-        visit(pixel, ray.direction);
+        visit(pixel, last_ray(tracer, pixel, &steps).ok_or(Mismatch)?.direction);
     }
     Ok(())
 }
 
-/// The last ray of a known path, and the surface that it hits where the path ends on a body.
-fn last_ray(tracer: &Tracer, pixel: u32, steps: &[(Edge, Option<BodyId>)]) -> Option<(Ray, Option<SurfaceHit>)> {
-    let mut last = None;
-    let mut hit: Option<SurfaceHit> = None;
-    for (edge, body) in steps {
-        let ray = match edge {
-            Edge::Primary => tracer.primary(pixel),
-            Edge::Reflected => tracer.reflected(&hit?)?,
-            Edge::Refracted => tracer.refracted(&hit?)?,
-        };
-        hit = match body {
-            Some(body) => Some(tracer.hit_on(&ray, *body)?),
-            None => None,
-        };
-        last = Some(ray);
+/// The last ray of a known path.
+fn last_ray(tracer: &Tracer, pixel: u32, steps: &[(Edge, Option<BodyId>)]) -> Option<Ray> {
+    let ((last, _), before) = steps.split_last()?;
+    let next_ray = |edge: Edge, hit: &Option<SurfaceHit>| match edge {
+        Edge::Primary => Some(tracer.primary(pixel)),
+        Edge::Reflected => tracer.reflected(hit.as_ref()?),
+        Edge::Refracted => tracer.refracted(hit.as_ref()?),
+    };
+    let mut hit = None;
+    for (edge, body) in before {
+        hit = tracer.hit_on(&next_ray(*edge, &hit)?, (*body)?);
     }
-    Some((last?, hit))
+    next_ray(*last, &hit)
 }

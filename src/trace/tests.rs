@@ -3,7 +3,8 @@
 
 use super::*;
 use crate::lang::source::Source;
-use crate::scene::{BodyId, Light, LightKind, PointLight, Scene};
+use crate::scene::light::PointLight;
+use crate::scene::{BodyId, Light, LightKind, Scene};
 use crate::world::EmitterId;
 use std::collections::BTreeMap;
 use std::sync::Mutex;

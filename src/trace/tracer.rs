@@ -8,7 +8,7 @@ mod tests;
 
 use crate::scene::BodyId;
 use crate::trace::View;
-use crate::world::{EmitterId, Intersection, LightSample, Ray, Side, SurfaceHit, World};
+use crate::world::{EmitterId, Intersection, Ray, Side, SurfaceHit, World};
 
 /// Traces single rays in a world under a view. It is cheap to make.
 #[derive(Debug, Clone, Copy)]
@@ -55,7 +55,7 @@ impl<'w> Tracer<'w> {
             return true;
         }
         let sample = self.world.emitter(emitter).sample(hit);
-        hit.faces(sample.direction) && self.between(hit, &sample).next().is_none()
+        hit.faces(sample.direction) && !self.world.is_occluded(&hit.ray(sample.direction, hit.side), sample.distance)
     }
 
     /// The emitters that reach the hit, in the order of their lights.
@@ -70,12 +70,9 @@ impl<'w> Tracer<'w> {
 
     /// What lies strictly between a hit and an emitter that it faces, in the order of declaration of the bodies; distances
     /// are from the hit. It does not matter whether shadow rays are on.
-    pub fn occluders(&self, emitter: EmitterId, hit: &SurfaceHit) -> impl Iterator<Item = Intersection> {
-        self.between(hit, &self.world.emitter(emitter).sample(hit))
-    }
-
-    fn between(&self, hit: &SurfaceHit, sample: &LightSample) -> impl Iterator<Item = Intersection> + use<'w> {
-        self.world.occluders(hit.ray(sample.direction, hit.side), sample.distance)
+    pub fn occluders(&self, emitter: EmitterId, hit: &SurfaceHit) -> Vec<Intersection> {
+        let sample = self.world.emitter(emitter).sample(hit);
+        self.world.occluders(&hit.ray(sample.direction, hit.side), sample.distance).collect()
     }
 
     /// The reflected ray, 2(N·V)N − V (thesis 3.2.4); none from a matte body.

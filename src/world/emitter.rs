@@ -5,7 +5,6 @@ mod point;
 use crate::scene::{LightId, LightKind};
 use crate::world::SurfaceHit;
 use glam::DVec3;
-use point::Point;
 
 /// What a kind of emitter answers. Each kind implements it in a file of its own.
 trait Emit {
@@ -59,18 +58,18 @@ impl Emitter {
     }
 }
 
-/// Declares [`Source`] from the kinds of emitters. Each has the name of the [`LightKind`] that it is built from.
+/// Declares [`Source`] from the kinds of emitters, each with its module. Its name is that of the [`LightKind`] that it is built from.
 macro_rules! sources {
-    ($($kind:ident)*) => {
+    ($($module:ident::$kind:ident,)*) => {
         #[derive(Debug, Clone, PartialEq)]
         enum Source {
-            $($kind($kind),)*
+            $($kind($module::$kind),)*
         }
 
         impl Source {
             fn new(kind: &LightKind) -> Self {
                 match kind {
-                    $(LightKind::$kind(light) => Source::$kind($kind::new(light)),)*
+                    $(LightKind::$kind(light) => Source::$kind($module::$kind::new(light)),)*
                 }
             }
         }
@@ -87,5 +86,5 @@ macro_rules! sources {
 }
 
 sources! {
-    Point
+    point::Point,
 }

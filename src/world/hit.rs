@@ -1,6 +1,7 @@
 //! Where a ray meets a surface: first cheaply, then with all that tracing and formulas need of it.
 
 use crate::scene::BodyId;
+use crate::world::surface::Meeting;
 use crate::world::{Departure, Ray, Side};
 use glam::DVec3;
 
@@ -22,6 +23,12 @@ pub struct Intersection {
     pub primitive: PrimitiveId,
     /// The distance from the origin of the ray in world units, greater than 0.
     pub distance: f64,
+}
+
+impl Intersection {
+    pub(super) fn new(body: BodyId, met: Meeting) -> Self {
+        Self { body, primitive: met.primitive, distance: met.distance }
+    }
 }
 
 /// The surface where a ray met it.

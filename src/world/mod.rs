@@ -2,8 +2,8 @@
 //!
 //! 1. A [`Scene`] says what a text declares; a [`World`] answers rays: what a ray hits first, what lies between two points,
 //!    in which direction a hit sees a light. All of it in f64 and world coordinates.
-//! 2. Each kind of surface has a file of its own with its intersection (`sphere`, `rectangle`), and one row in `surface`.
-//!    Each kind of emitter has a file of its own (`emitter/point`), and one row in `emitter`.
+//! 2. Each kind of surface has a file of its own with its intersection (`surface/sphere`), and a row in `surface`.
+//!    Each kind of emitter has a file of its own (`emitter/point`), and a row in `emitter`.
 //! 3. An [`Intersection`] is cheap: which body, which part of it, how far. A [`SurfaceHit`] is what tracing needs of it.
 //!    Tangents and surface coordinates are computed on demand, because few formulas read them.
 //! 4. A ray that leaves a surface is not moved away from it by a small distance. It knows the surface that it leaves and to
@@ -15,8 +15,6 @@ mod bounds;
 mod emitter;
 mod hit;
 mod ray;
-mod rectangle;
-mod sphere;
 mod surface;
 
 pub use emitter::{Emitter, EmitterId, LightSample};
@@ -27,7 +25,7 @@ use crate::scene::{BodyId, LightId, Scene};
 use bounds::Bounds;
 use glam::DVec3;
 use std::sync::Arc;
-use surface::{Geometry, Surface};
+use surface::{Geometry, Meeting, Surface};
 
 /// The tolerance as a share of the extent, see [`World::tolerance`].
 const TOLERANCE: f64 = 1e-9;
@@ -111,38 +109,51 @@ impl World {
     /// # Panics
     /// If the id is another scene's, and this one has fewer bodies.
     pub fn intersect(&self, ray: &Ray, body: BodyId) -> Option<Intersection> {
-        self.meet(ray, body, &self.surfaces[body.index()])
+        self.meet(ray, body, &self.surfaces[body.index()]).map(|met| Intersection::new(body, met))
     }
 
     /// What the ray meets first; of several surfaces at equal distance the one declared first.
     pub fn nearest(&self, ray: &Ray) -> Option<Intersection> {
-        // Distances that are equal but for rounding are equal: otherwise coincident surfaces would show in patches.
-        self.meetings(ray).reduce(|best, next| if next.distance < best.distance - self.tolerance { next } else { best })
+        let mut nearest: Option<(BodyId, Meeting)> = None;
+        for (body, met) in self.meetings(ray) {
+            // Distances that are equal but for rounding are equal: otherwise coincident surfaces would show in patches.
+            if nearest.is_none_or(|(_, nearest)| met.distance < nearest.distance - self.tolerance) {
+                nearest = Some((body, met));
+            }
+        }
+        nearest.map(|(body, met)| Intersection::new(body, met))
     }
 
-    /// The bodies that the ray meets before `distance` (in world units), in the order of declaration.
+    /// Whether the ray meets anything before `distance` (in world units), see [`occluders`](Self::occluders).
+    pub fn is_occluded(&self, ray: &Ray, distance: f64) -> bool {
+        let end = distance - self.tolerance;
+        self.meetings(ray).any(|(_, met)| met.distance < end)
+    }
+
+    /// Where the ray meets the bodies that it meets before `distance` (in world units), in the order of declaration.
     ///
     /// Surfaces within the tolerance of the end do not count: a lamp may be fixed to a body without being buried in it.
-    pub fn occluders(&self, ray: Ray, distance: f64) -> impl Iterator<Item = Intersection> {
-        let surfaces = self.surfaces.iter().enumerate();
-        let met = surfaces.filter_map(move |(body, surface)| self.meet(&ray, BodyId(body as u32), surface));
-        met.filter(move |met| met.distance < distance - self.tolerance)
+    pub fn occluders(&self, ray: &Ray, distance: f64) -> impl Iterator<Item = Intersection> {
+        let end = distance - self.tolerance;
+        self.meetings(ray).filter(move |(_, met)| met.distance < end).map(|(body, met)| Intersection::new(body, met))
     }
 
     /// Where the ray meets each body that it meets, in the order of declaration.
     #[inline]
-    fn meetings(&self, ray: &Ray) -> impl Iterator<Item = Intersection> {
-        self.surfaces.iter().enumerate().filter_map(move |(body, surface)| self.meet(ray, BodyId(body as u32), surface))
+    fn meetings(&self, ray: &Ray) -> impl Iterator<Item = (BodyId, Meeting)> {
+        self.surfaces.iter().enumerate().filter_map(move |(index, surface)| {
+            let body = BodyId(index as u32);
+            Some((body, self.meet(ray, body, surface)?))
+        })
     }
 
     /// Where the ray meets the surface of this body.
     #[inline]
-    fn meet(&self, ray: &Ray, body: BodyId, surface: &Surface) -> Option<Intersection> {
-        let met = match ray.leaves {
+    fn meet(&self, ray: &Ray, body: BodyId, surface: &Surface) -> Option<Meeting> {
+        match ray.leaves {
             Some(departure) if departure.body == body => surface.intersect_again(ray, departure, self.tolerance),
             Some(_) | None => surface.intersect(ray, self.tolerance),
-        };
-        met.map(|met| Intersection { body, primitive: met.primitive, distance: met.distance })
+        }
     }
 
     /// The surface where the ray meets it.
@@ -237,10 +248,13 @@ mod tests {
     fn occluders_end_short_of_the_light() {
         let world = world("near: sphere, center <0,0,-4>, radius 1; far: sphere, center <0,0,-8>, radius 1;");
         let ray = ray([0.0; 3], [0.0, 0.0, -1.0]);
-        let before = |distance: f64| world.occluders(ray, distance).map(|met| met.body.0).collect::<Vec<_>>();
+        let before = |distance: f64| world.occluders(&ray, distance).map(|met| met.body.0).collect::<Vec<_>>();
         assert_eq!(before(20.0), [0, 1]);
         assert_eq!(before(7.0), [0]);
         assert_eq!(before(7.0 + 2.0 * world.tolerance()), [0, 1]);
         assert!(before(3.0).is_empty());
+        for distance in [20.0, 7.0, 3.0, 3.1] {
+            assert_eq!(world.is_occluded(&ray, distance), !before(distance).is_empty(), "{distance}");
+        }
     }
 }

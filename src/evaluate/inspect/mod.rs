@@ -22,7 +22,7 @@ use crate::lang::scalars::{Floats, Scalars, flush};
 use crate::lang::variables::{Owner, Predefined};
 use crate::scene::{BodyId, LightId};
 use crate::trace::{Child, Edge, HitVariables, LightVariables, Node, Tracer, Tree, View, ray_tree, variable};
-use crate::world::{EmitterId, Intersection, Ray, Side, World};
+use crate::world::{EmitterId, Ray, Side, World};
 
 /// A formula on a scene with the values of its parameters, to be looked into.
 #[derive(Debug, Clone, Copy)]
@@ -159,7 +159,7 @@ impl<'i> Inspector<'i> {
         let visibility = if node.emitters.contains(&emitter) {
             Visibility::Lit
         } else if tracer.faces(emitter, surface) {
-            let mut occluders: Vec<Intersection> = tracer.occluders(emitter, surface).collect();
+            let mut occluders = tracer.occluders(emitter, surface);
             occluders.sort_by(|one, other| one.distance.total_cmp(&other.distance));
             Visibility::Shadowed(occluders.into_iter().map(|occluder| occluder.body).collect())
         } else {

@@ -30,6 +30,7 @@ impl PointLight {
 impl Declaration for PointLight {
     const KEYWORD: Keyword = Keyword { word: "point", doc: "`point, <x, y, z>`: a light in one point" };
     const CLAUSES: &'static [Keyword] = &[];
+    const EXAMPLE: &'static str = "point, <3, 5, 4>";
 
     fn parse(parser: &mut Parser) -> Result<Option<Self>, Reported> {
         parser.cursor.expect(Mark::Comma, "after `point`")?;

@@ -75,6 +75,7 @@ impl Declaration for Rectangle {
     const KEYWORD: Keyword =
         Keyword { word: "rectangle", doc: "`rectangle, A, B, C`: three corners, clockwise as seen from the front" };
     const CLAUSES: &'static [Keyword] = &[];
+    const EXAMPLE: &'static str = "rectangle, <-2, 0, -1>, <2, 0, -1>, <2, 0, 1>";
 
     fn parse(parser: &mut Parser) -> Result<Option<Self>, Reported> {
         let mut corners = [Placed { value: DVec3::ZERO, span: parser.cursor.span() }; 3];

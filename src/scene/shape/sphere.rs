@@ -60,6 +60,7 @@ impl Declaration for Sphere {
         Keyword { word: "center", doc: "the centre of the sphere: `center <x, y, z>`" },
         Keyword { word: "radius", doc: "the radius of the sphere, greater than 0" },
     ];
+    const EXAMPLE: &'static str = "sphere, center <0, 1, 0>, radius 1";
 
     fn parse(parser: &mut Parser) -> Result<Option<Self>, Reported> {
         parser.cursor.expect(Mark::Comma, "after `sphere`")?;

@@ -1,7 +1,7 @@
 //! Points that emit light in all directions.
 
 use super::{Emit, LightSample};
-use crate::scene;
+use crate::scene::light::PointLight;
 use crate::world::SurfaceHit;
 use glam::DVec3;
 
@@ -13,7 +13,7 @@ pub(super) struct Point {
 
 impl Point {
     /// The emitter of a point light.
-    pub(super) fn new(light: &scene::PointLight) -> Self {
+    pub(super) fn new(light: &PointLight) -> Self {
         Self { position: light.position() }
     }
 }

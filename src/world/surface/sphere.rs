@@ -1,8 +1,8 @@
 //! Spheres.
 
-use crate::scene;
+use super::{FrontPoint, Geometry, Meeting};
+use crate::scene::shape;
 use crate::world::bounds::Bounds;
-use crate::world::surface::{FrontPoint, Geometry, Meeting};
 use crate::world::{Departure, PrimitiveId, Ray, Side, SurfaceHit};
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
@@ -12,14 +12,14 @@ const POLE: f64 = 1e-12;
 
 /// A sphere; its front is the outside.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Sphere {
+pub(in crate::world) struct Sphere {
     center: DVec3,
     radius: f64,
 }
 
 impl Sphere {
     /// The surface of a sphere.
-    pub(super) fn new(shape: &scene::Sphere) -> Self {
+    pub(super) fn new(shape: &shape::Sphere) -> Self {
         Self { center: shape.center(), radius: shape.radius() }
     }
 
@@ -96,7 +96,7 @@ mod tests {
     use crate::scene::BodyId;
 
     fn sphere(center: DVec3, radius: f64) -> Sphere {
-        Sphere::new(&scene::Sphere::new(center, radius).unwrap())
+        Sphere::new(&shape::Sphere::new(center, radius).unwrap())
     }
 
     fn ray(origin: [f64; 3], direction: [f64; 3]) -> Ray {

@@ -1,14 +1,14 @@
 //! Rectangles.
 
-use crate::scene;
+use super::{FrontPoint, Geometry, Meeting};
+use crate::scene::shape;
 use crate::world::bounds::Bounds;
-use crate::world::surface::{FrontPoint, Geometry, Meeting};
 use crate::world::{Departure, PrimitiveId, Ray, SurfaceHit};
 use glam::DVec3;
 
 /// A rectangle A, B, C and A + C − B; its front is the side from which the corners are clockwise.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Rectangle {
+pub(in crate::world) struct Rectangle {
     /// The corner B.
     corner: DVec3,
     /// The front normal, of unit length.
@@ -22,7 +22,7 @@ pub(super) struct Rectangle {
 
 impl Rectangle {
     /// The surface of a rectangle.
-    pub(super) fn new(shape: &scene::Rectangle) -> Self {
+    pub(super) fn new(shape: &shape::Rectangle) -> Self {
         let ([a, b, c], normal) = (shape.corners(), shape.normal());
         let (first, second) = (a - b, c - b);
         let (across_second, across_first) = (second.cross(normal), first.cross(normal));
@@ -80,7 +80,7 @@ mod tests {
     use crate::world::Side;
 
     fn rectangle(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> Rectangle {
-        Rectangle::new(&scene::Rectangle::new(a.into(), b.into(), c.into()).unwrap())
+        Rectangle::new(&shape::Rectangle::new(a.into(), b.into(), c.into()).unwrap())
     }
 
     fn square() -> Rectangle {
