@@ -10,6 +10,7 @@ mod parser;
 mod print;
 pub mod shape;
 mod syntax;
+mod values;
 
 pub use camera::{Camera, CameraError};
 pub use light::{Light, LightKind};

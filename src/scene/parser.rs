@@ -14,10 +14,9 @@ use crate::lang::keywords;
 use crate::lang::source::{Source, Span};
 use crate::lang::token::{Mark, TokenKind};
 use crate::lang::variables::RESERVED;
-use crate::scene::print::Number;
 use crate::scene::syntax::Syntax;
-use crate::scene::{Body, Camera, Light, LightKind, MAX_COORDINATE, MIN_LENGTH, Scene, Shape};
-use glam::DVec3;
+use crate::scene::values::positive;
+use crate::scene::{Body, Camera, Light, LightKind, Scene, Shape};
 use std::collections::HashMap;
 
 /// The sections in their order.
@@ -44,10 +43,9 @@ pub(super) fn parse(source: &Source) -> Result<(Scene, Diagnostics), Diagnostics
     }
 }
 
-/// A place in the text of a scene, with what has been parsed so far. Shapes and lights parse their own values, see
-/// [`Declaration`](crate::scene::syntax::Declaration).
-pub(super) struct Parser {
-    pub(super) cursor: Cursor,
+/// A place in the text of a scene, with what has been parsed so far.
+struct Parser {
+    cursor: Cursor,
     /// Every name so far, and where it is declared first.
     names: HashMap<String, Span>,
     /// Where each of [`SECTIONS`] begins first.
@@ -240,7 +238,7 @@ impl Parser {
         let word = self.cursor.word(0).unwrap_or_default();
         if let Some(kind) = kinds.iter().find(|kind| kind.keyword.word == word) {
             self.cursor.advance();
-            return Ok((kind, (kind.parse)(self)?));
+            return Ok((kind, (kind.parse)(&mut self.cursor)?));
         }
         let words = || kinds.iter().map(|kind| kind.keyword.word);
         let hint = match elsewhere.find(|(other, _)| *other == word) {
@@ -250,39 +248,6 @@ impl Parser {
         let message = format!("expected {}, found {}", one_of(words()), self.cursor.kind(0).describe());
         let diagnostic = Diagnostic::error(message).at(self.cursor.span(), format!("not a {what}"));
         Err(self.cursor.report(diagnostic.help_if(hint)))
-    }
-
-    /// Parses a vector of numbers up to [`MAX_COORDINATE`]; `what` names it in messages. A larger component is reported and becomes
-    /// NaN, which no shape and no camera accepts without a further error.
-    pub(super) fn vector(&mut self, what: &str) -> Result<Placed<DVec3>, Reported> {
-        let vector = self.cursor.vector(what)?;
-        let components = vector.value.map(|number| {
-            if number.value.abs() <= MAX_COORDINATE {
-                return number.value;
-            }
-            let diagnostic = Diagnostic::error(format!("a component of {what} is too large"));
-            self.cursor
-                .report(diagnostic.at(number.span, format!("scenes reach from {:e} to {MAX_COORDINATE:e}", -MAX_COORDINATE)));
-            f64::NAN
-        });
-        Ok(Placed { value: DVec3::from(components), span: vector.span })
-    }
-
-    /// Parses a number within [`MIN_LENGTH`]..[`MAX_COORDINATE`]; any other is reported, and gives `None`.
-    pub(super) fn positive(&mut self, what: &str) -> Result<Option<f64>, Reported> {
-        let number = self.cursor.number(what)?;
-        if (MIN_LENGTH..=MAX_COORDINATE).contains(&number.value) {
-            return Ok(Some(number.value));
-        }
-        let (message, mark) = if number.value > MAX_COORDINATE {
-            (format!("{what} is too large"), format!("at most {MAX_COORDINATE:e}"))
-        } else if number.value > 0.0 {
-            (format!("{what} is too small"), format!("at least {MIN_LENGTH:e}"))
-        } else {
-            (format!("{what} must be greater than 0"), format!("it is {}", Number(number.value)))
-        };
-        self.cursor.report(Diagnostic::error(message).at(number.span, mark));
-        Ok(None)
     }
 
     /// Parses `{ , ATTRIBUTE }` of a body with a shape of this kind.
@@ -302,7 +267,7 @@ impl Parser {
             seen[attribute].get_or_insert(span);
             self.cursor.advance();
             match attribute {
-                0 => attributes.refractive_index = self.positive("the refractive index")?,
+                0 => attributes.refractive_index = positive(&mut self.cursor, "the refractive index")?,
                 1 => attributes.opaque = true,
                 _ => attributes.matte = true,
             }

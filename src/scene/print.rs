@@ -1,29 +1,9 @@
 //! A scene as text of the scene language, in one canonical form: one declaration a line, every number in the shortest form that
 //! reads back exactly.
 
+use crate::scene::values::{Number, Vector};
 use crate::scene::{Camera, Light, Scene};
-use glam::DVec3;
 use std::fmt::{Display, Formatter, Result};
-
-/// A number as the scene language writes it.
-pub(super) struct Number(pub(super) f64);
-
-impl Display for Number {
-    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        let size = self.0.abs();
-        // Both forms are the shortest that read back exactly. The exponent avoids rows of zeros.
-        if size != 0.0 && !(1e-5..1e16).contains(&size) { write!(f, "{:e}", self.0) } else { write!(f, "{}", self.0) }
-    }
-}
-
-/// A vector as the scene language writes it.
-pub(super) struct Vector(pub(super) DVec3);
-
-impl Display for Vector {
-    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
-        write!(f, "<{}, {}, {}>", Number(self.0.x), Number(self.0.y), Number(self.0.z))
-    }
-}
 
 impl Display for Scene {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
@@ -58,6 +38,7 @@ impl Display for Camera {
 mod tests {
     use super::*;
     use crate::lang::source::Source;
+    use glam::DVec3;
     use proptest::prelude::*;
 
     /// Numbers of any size that a scene may hold.

@@ -3,9 +3,8 @@
 //! A shape or a kind of light is one file (its values, [`Declaration`] and `Display`) and one row in the table of its enumeration.
 //! The parser, its messages and the editor read the tables; nothing else names a shape.
 
-use crate::lang::cursor::Reported;
+use crate::lang::cursor::{Cursor, Reported};
 use crate::lang::keywords::Keyword;
-use crate::scene::parser::Parser;
 use std::fmt::Display;
 
 /// How a shape or a kind of light is written. `Display` prints what [`parse`](Self::parse) reads, the keyword included.
@@ -18,11 +17,11 @@ pub(super) trait Declaration: Display + Sized {
     const EXAMPLE: &'static str;
 
     /// Reads what follows the keyword, up to the attributes or the `;`. `None` where a value is out of range: that is
-    /// reported, and the parser goes on behind it.
+    /// reported, and parsing continues behind it.
     ///
     /// # Errors
     /// The text has another form; that is reported, and the rest of the declaration is passed over.
-    fn parse(parser: &mut Parser) -> Result<Option<Self>, Reported>;
+    fn parse(cursor: &mut Cursor) -> Result<Option<Self>, Reported>;
 }
 
 /// A row of a table: how one kind of `T` is written.
@@ -35,7 +34,7 @@ pub struct Syntax<T: 'static> {
     /// An example, as `Display` prints it.
     pub example: &'static str,
     /// Reads what follows the keyword, see [`Declaration::parse`].
-    pub(super) parse: fn(&mut Parser) -> Result<Option<T>, Reported>,
+    pub(super) parse: fn(&mut Cursor) -> Result<Option<T>, Reported>,
 }
 
 impl<T> Syntax<T> {
@@ -71,8 +70,8 @@ macro_rules! declarations {
                     keyword: <$value as $crate::scene::syntax::Declaration>::KEYWORD,
                     clauses: <$value as $crate::scene::syntax::Declaration>::CLAUSES,
                     example: <$value as $crate::scene::syntax::Declaration>::EXAMPLE,
-                    parse: |parser| {
-                        let value = <$value as $crate::scene::syntax::Declaration>::parse(parser)?;
+                    parse: |cursor| {
+                        let value = <$value as $crate::scene::syntax::Declaration>::parse(cursor)?;
                         Ok(value.map($name::$kind))
                     },
                 },)*

@@ -3,7 +3,7 @@
 mod point;
 
 use crate::scene::{LightId, LightKind};
-use crate::world::SurfaceHit;
+use crate::world::hit::SurfaceHit;
 use glam::DVec3;
 
 /// What a kind of emitter answers. Each kind implements it in a file of its own.

@@ -1,17 +1,16 @@
 //! Where a ray meets a surface: first cheaply, then with all that tracing and formulas need of it.
 
 use crate::scene::BodyId;
-use crate::world::surface::Meeting;
-use crate::world::{Departure, Ray, Side};
+use crate::world::ray::{Departure, PrimitiveId, Ray, Side};
 use glam::DVec3;
 
-/// A part of the surface of one body, counted from 0. Spheres and rectangles have one.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct PrimitiveId(pub u32);
-
-impl PrimitiveId {
-    /// The only part of a surface that has no others.
-    pub const ONLY: PrimitiveId = PrimitiveId(0);
+/// Where a ray meets the surface of one body.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Meeting {
+    /// The part of the surface.
+    pub(super) primitive: PrimitiveId,
+    /// The distance from the origin of the ray in world units, greater than 0.
+    pub(super) distance: f64,
 }
 
 /// That a ray meets a body, and where.

@@ -18,14 +18,15 @@ mod ray;
 mod surface;
 
 pub use emitter::{Emitter, EmitterId, LightSample};
-pub use hit::{Intersection, PrimitiveId, SurfaceHit};
-pub use ray::{Departure, Ray, Side};
+pub use hit::{Intersection, SurfaceHit};
+pub use ray::{Departure, PrimitiveId, Ray, Side};
 
 use crate::scene::{BodyId, LightId, Scene};
 use bounds::Bounds;
 use glam::DVec3;
+use hit::Meeting;
 use std::sync::Arc;
-use surface::{Geometry, Meeting, Surface};
+use surface::{Geometry, Surface};
 
 /// The tolerance as a share of the extent, see [`World::tolerance`].
 const TOLERANCE: f64 = 1e-9;

@@ -1,8 +1,16 @@
 //! Rays, and the sides of surfaces that they leave.
 
 use crate::scene::BodyId;
-use crate::world::PrimitiveId;
 use glam::DVec3;
+
+/// A part of the surface of one body, counted from 0. Spheres and rectangles have one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct PrimitiveId(pub u32);
+
+impl PrimitiveId {
+    /// The only part of a surface that has no others.
+    pub const ONLY: PrimitiveId = PrimitiveId(0);
+}
 
 /// A half-line, with the surface that it leaves.
 #[derive(Debug, Clone, Copy, PartialEq)]

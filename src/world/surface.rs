@@ -5,7 +5,8 @@ mod sphere;
 
 use crate::scene::Shape;
 use crate::world::bounds::Bounds;
-use crate::world::{Departure, PrimitiveId, Ray, SurfaceHit};
+use crate::world::hit::{Meeting, SurfaceHit};
+use crate::world::ray::{Departure, PrimitiveId, Ray};
 use glam::DVec3;
 
 /// What a surface answers. Each kind implements it in a file of its own.
@@ -31,15 +32,6 @@ pub(super) trait Geometry {
 
     /// The surface coordinates of a hit, see [`World::coordinates`](super::World::coordinates).
     fn coordinates(&self, hit: &SurfaceHit) -> [f64; 2];
-}
-
-/// Where a ray meets a surface.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Meeting {
-    /// The part of the surface.
-    pub(super) primitive: PrimitiveId,
-    /// The distance from the origin of the ray in world units, greater than 0.
-    pub(super) distance: f64,
 }
 
 /// A point of a surface with its normals on the front, of unit length.

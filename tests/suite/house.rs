@@ -50,14 +50,6 @@ const ROOMS: [(&str, &[&str]); 18] = [
     ),
 ];
 
-/// Cycles of imports that are still there: a module, and those of its children that import each other. Nothing is to be
-/// added; an entry that is no longer needed must be removed.
-const KNOWN_CYCLES: [(&str, &[&str]); 3] = [
-    ("scene", &["light", "parser", "print", "shape", "syntax"]),
-    ("world", &["hit", "ray"]),
-    ("world", &["rectangle", "sphere", "surface"]),
-];
-
 /// The libraries that widgets are made with, and those of windows, each with the folder that may name them. Widgets
 /// know no window: tests drive them without one.
 const WIDGETS: (&[&str], &str) = (&["egui"], "src/preview");
@@ -132,23 +124,10 @@ fn imports_go_one_way() {
 #[test]
 fn imports_do_not_go_round_in_circles() {
     let mut problems = Vec::new();
-    let mut needed = BTreeSet::new();
     for cycle in modules(&sources()).cycles() {
-        let covers = |(parent, names): &(&str, &[&str])| {
-            *parent == cycle.parent && cycle.members.iter().all(|name| names.contains(&name.as_str()))
-        };
-        match KNOWN_CYCLES.iter().position(covers) {
-            Some(entry) => {
-                needed.insert(entry);
-            }
-            None => {
-                let (members, reasons) = (Vec::from_iter(&cycle.members), cycle.reasons.join("\n  "));
-                problems.push(format!("modules of `{}` import each other: {members:?}\n  {reasons}", cycle.parent));
-            }
-        }
+        let (members, reasons) = (Vec::from_iter(&cycle.members), cycle.reasons.join("\n  "));
+        problems.push(format!("modules of `{}` import each other: {members:?}\n  {reasons}", cycle.parent));
     }
-    let unneeded = KNOWN_CYCLES.iter().enumerate().filter(|(entry, _)| !needed.contains(entry));
-    problems.extend(unneeded.map(|(_, entry)| format!("the cycle {entry:?} is gone: remove it from the list")));
     assert!(problems.is_empty(), "{}", problems.join("\n"));
 }
 

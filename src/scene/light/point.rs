@@ -1,11 +1,10 @@
 //! Point lights: `point, <x, y, z>`.
 
-use crate::lang::cursor::Reported;
+use crate::lang::cursor::{Cursor, Reported};
 use crate::lang::keywords::Keyword;
 use crate::lang::token::Mark;
-use crate::scene::parser::Parser;
-use crate::scene::print::Vector;
 use crate::scene::syntax::Declaration;
+use crate::scene::values::{Vector, vector};
 use glam::DVec3;
 use std::fmt::{Display, Formatter, Result as FmtResult};
 
@@ -32,9 +31,9 @@ impl Declaration for PointLight {
     const CLAUSES: &'static [Keyword] = &[];
     const EXAMPLE: &'static str = "point, <3, 5, 4>";
 
-    fn parse(parser: &mut Parser) -> Result<Option<Self>, Reported> {
-        parser.cursor.expect(Mark::Comma, "after `point`")?;
-        let position = parser.vector("the position of the light")?;
+    fn parse(cursor: &mut Cursor) -> Result<Option<Self>, Reported> {
+        cursor.expect(Mark::Comma, "after `point`")?;
+        let position = vector(cursor, "the position of the light")?;
         // A component out of range is reported where it stands.
         Ok(position.value.is_finite().then(|| Self::new(position.value)))
     }

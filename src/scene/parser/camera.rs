@@ -6,7 +6,7 @@ use crate::lang::diagnostic::{Diagnostic, nearest};
 use crate::lang::keywords;
 use crate::lang::source::Span;
 use crate::lang::token::{Mark, TokenKind};
-use crate::scene::print::{Number, Vector};
+use crate::scene::values::{Number, Vector, vector};
 use crate::scene::{Camera, CameraError};
 use glam::DVec3;
 
@@ -89,7 +89,7 @@ impl Parser {
         }
         // The first of two equal clauses counts.
         if let Some(slot) = clauses.vectors.get_mut(clause) {
-            let vector = self.vector(&format!("the camera's {word}"))?;
+            let vector = vector(&mut self.cursor, &format!("the camera's {word}"))?;
             slot.get_or_insert(vector);
         } else {
             let fov = self.cursor.number("the camera's angle in degrees")?;

@@ -66,7 +66,7 @@ fn an_index_without_use_is_warned_of() {
 #[test]
 fn independent_errors_are_reported_in_one_go() {
     let text = "bodies;
-ball: spere, center <0,0,0>, radius 1;
+ball: sphere, <0,0,0>, radius 1;
 ball2: sphere, centre <0,0,0>, radius 1;
 ball3: sphere, center (0,0,0), radius 1;
 ball4: sphere, center <0,0,0>, radius -2, refractive_index 0;
@@ -75,7 +75,7 @@ formula: sphere, center <0,0,0>, radius 1 matte;
 ball5: sphere, center <0,0,0,1>, radius 1
 ball6: sphere, center <0,0,1e300>, radius 1, matte, matte;
 lights;
-key: lamp, <1,2,3>;
+key: point, 1;
 ball: point, <1,2,3>;
 camera;
 position <0,1,5>;
@@ -84,7 +84,7 @@ up <0,0,2>;
 fov 180;
 ";
     assert_snapshot!(messages(text), @r"
-    expected `sphere` or `rectangle`, found `spere`
+    expected `center` of the sphere, found `<`
     expected `center` of the sphere, found `centre`
     expected the centre, found `(`
     the radius must be greater than 0
@@ -96,11 +96,41 @@ fov 180;
     the centre has more than three components
     a component of the centre is too large
     `matte` is given twice
-    expected `point`, found `lamp`
+    expected the position of the light, found the number 1
     the name `ball` is already taken
     the camera's `gaze` and `up` are parallel
     the camera's `fov` must be greater than 0 and less than 180
     ");
+}
+
+#[test]
+fn an_unknown_shape_or_light_is_answered_with_all_that_exist() {
+    fn choice<T>(table: &[Syntax<T>]) -> String {
+        let words: Vec<String> = table.iter().map(|syntax| format!("`{}`", syntax.keyword.word)).collect();
+        let (last, others) = words.split_last().unwrap();
+        if others.is_empty() { last.clone() } else { format!("{} or {last}", others.join(", ")) }
+    }
+    let text = format!("bodies; a: spere, 1; b: point, <0,0,0>; lights; c: pint, 1; {CAMERA}");
+    let (shapes, lights) = (choice(Shape::SYNTAX), choice(LightKind::SYNTAX));
+    let found = errors(&text);
+    for expected in [
+        &format!("expected {shapes}, found `spere`"),
+        "did you mean `sphere`?",
+        &format!("expected {shapes}, found `point`"),
+        "lights stand in the section `lights;`",
+        &format!("expected {lights}, found `pint`"),
+        "did you mean `point`?",
+    ] {
+        assert!(found.contains(expected), "{expected}\n{found}");
+    }
+}
+
+#[test]
+fn a_misplaced_clause_is_answered_with_the_form_of_its_shape() {
+    let found = errors(&bodies("b: sphere, center <0,0,0>, radius 1, radius 2;"));
+    assert!(found.contains("a sphere is written `sphere, center <x, y, z>, radius R`"), "{found}");
+    let found = errors(&bodies("b: rectangle, <0,0,0>, <0,1,0>, <1,1,0>, <1,0,0>;"));
+    assert!(found.contains("a rectangle is written `rectangle, A, B, C`"), "{found}");
 }
 
 #[test]

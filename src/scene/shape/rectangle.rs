@@ -1,12 +1,11 @@
 //! Rectangles: `rectangle, A, B, C`.
 
-use crate::lang::cursor::{Placed, Reported};
+use crate::lang::cursor::{Cursor, Placed, Reported};
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::keywords::Keyword;
 use crate::lang::token::Mark;
-use crate::scene::parser::Parser;
-use crate::scene::print::Vector;
 use crate::scene::syntax::Declaration;
+use crate::scene::values::{Vector, vector};
 use crate::scene::{MIN_LENGTH, is_within_reach};
 use glam::DVec3;
 use std::fmt::{Display, Formatter, Result as FmtResult};
@@ -77,11 +76,11 @@ impl Declaration for Rectangle {
     const CLAUSES: &'static [Keyword] = &[];
     const EXAMPLE: &'static str = "rectangle, <-2, 0, -1>, <2, 0, -1>, <2, 0, 1>";
 
-    fn parse(parser: &mut Parser) -> Result<Option<Self>, Reported> {
-        let mut corners = [Placed { value: DVec3::ZERO, span: parser.cursor.span() }; 3];
+    fn parse(cursor: &mut Cursor) -> Result<Option<Self>, Reported> {
+        let mut corners = [Placed { value: DVec3::ZERO, span: cursor.span() }; 3];
         for (corner, letter) in corners.iter_mut().zip(["A", "B", "C"]) {
-            parser.cursor.expect(Mark::Comma, &format!("before corner {letter} of the rectangle"))?;
-            *corner = parser.vector(&format!("corner {letter}"))?;
+            cursor.expect(Mark::Comma, &format!("before corner {letter} of the rectangle"))?;
+            *corner = vector(cursor, &format!("corner {letter}"))?;
         }
         let [a, b, c] = corners.map(|corner| corner.value);
         match Self::new(a, b, c) {
@@ -91,10 +90,10 @@ impl Declaration for Rectangle {
                     .at(corners[second].span, "the same as the corner before")
                     .at(corners[first].span, "the corner before");
                 let form = "give three corners in order, clockwise as seen from the front; the fourth follows";
-                parser.cursor.report(diagnostic.help(form));
+                cursor.report(diagnostic.help(form));
             }
             Err(RectangleError::Skewed(cosine)) => {
-                parser.cursor.report(skewed(&corners, cosine));
+                cursor.report(skewed(&corners, cosine));
             }
             // Reported where the coordinate stands.
             Err(RectangleError::TooFar) => {}

@@ -1,11 +1,10 @@
 //! Spheres: `sphere, center <x, y, z>, radius R`.
 
-use crate::lang::cursor::Reported;
+use crate::lang::cursor::{Cursor, Reported};
 use crate::lang::keywords::Keyword;
 use crate::lang::token::Mark;
-use crate::scene::parser::Parser;
-use crate::scene::print::{Number, Vector};
 use crate::scene::syntax::Declaration;
+use crate::scene::values::{Number, Vector, positive, vector};
 use crate::scene::{MAX_COORDINATE, MIN_LENGTH, is_within_reach};
 use glam::DVec3;
 use std::fmt::{Display, Formatter, Result as FmtResult};
@@ -62,13 +61,13 @@ impl Declaration for Sphere {
     ];
     const EXAMPLE: &'static str = "sphere, center <0, 1, 0>, radius 1";
 
-    fn parse(parser: &mut Parser) -> Result<Option<Self>, Reported> {
-        parser.cursor.expect(Mark::Comma, "after `sphere`")?;
-        parser.cursor.expect_word("center", "of the sphere")?;
-        let center = parser.vector("the centre")?;
-        parser.cursor.expect(Mark::Comma, "after the centre")?;
-        parser.cursor.expect_word("radius", "of the sphere")?;
-        let radius = parser.positive("the radius")?;
+    fn parse(cursor: &mut Cursor) -> Result<Option<Self>, Reported> {
+        cursor.expect(Mark::Comma, "after `sphere`")?;
+        cursor.expect_word("center", "of the sphere")?;
+        let center = vector(cursor, "the centre")?;
+        cursor.expect(Mark::Comma, "after the centre")?;
+        cursor.expect_word("radius", "of the sphere")?;
+        let radius = positive(cursor, "the radius")?;
         // Values out of range are reported where they stand.
         Ok(radius.and_then(|radius| Self::new(center.value, radius).ok()))
     }

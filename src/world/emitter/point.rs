@@ -2,7 +2,7 @@
 
 use super::{Emit, LightSample};
 use crate::scene::light::PointLight;
-use crate::world::SurfaceHit;
+use crate::world::hit::SurfaceHit;
 use glam::DVec3;
 
 /// A point of light.

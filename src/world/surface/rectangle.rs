@@ -1,9 +1,10 @@
 //! Rectangles.
 
-use super::{FrontPoint, Geometry, Meeting};
+use super::{FrontPoint, Geometry};
 use crate::scene::shape;
 use crate::world::bounds::Bounds;
-use crate::world::{Departure, PrimitiveId, Ray, SurfaceHit};
+use crate::world::hit::{Meeting, SurfaceHit};
+use crate::world::ray::{Departure, PrimitiveId, Ray};
 use glam::DVec3;
 
 /// A rectangle A, B, C and A + C − B; its front is the side from which the corners are clockwise.
@@ -77,7 +78,7 @@ impl Geometry for Rectangle {
 mod tests {
     use super::*;
     use crate::scene::BodyId;
-    use crate::world::Side;
+    use crate::world::ray::Side;
 
     fn rectangle(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> Rectangle {
         Rectangle::new(&shape::Rectangle::new(a.into(), b.into(), c.into()).unwrap())

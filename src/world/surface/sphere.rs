@@ -1,9 +1,10 @@
 //! Spheres.
 
-use super::{FrontPoint, Geometry, Meeting};
+use super::{FrontPoint, Geometry};
 use crate::scene::shape;
 use crate::world::bounds::Bounds;
-use crate::world::{Departure, PrimitiveId, Ray, Side, SurfaceHit};
+use crate::world::hit::{Meeting, SurfaceHit};
+use crate::world::ray::{Departure, PrimitiveId, Ray, Side};
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
