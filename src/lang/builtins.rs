@@ -1,8 +1,9 @@
 //! Every operator and function of the language, defined once.
 //!
-//! A row of the table gives an overload's name in the bytecode, how it is written, its types, where it comes from, a line for the
-//! reference, and its meaning in terms of the [`Scalars`] primitives. The parser's and checker's knowledge, the interpreter, the
-//! expression graph (and so the compiled code), constant folding, the printed reference and the tests all derive from here.
+//! A row of the table gives an overload's name in the bytecode, how it is written, its types, where it comes from, a
+//! line for the reference, and its meaning in terms of the [`Scalars`] primitives. The parser's and checker's
+//! knowledge, the interpreter, the expression graph (and so the compiled code), constant folding, the printed reference
+//! and the tests all derive from here.
 
 use crate::lang::scalars::{Floats, Scalars};
 use crate::lang::token::Mark;
@@ -375,8 +376,8 @@ impl Form {
 }
 
 impl Operation {
-    /// Its result on numbers, by the reference meaning; scalars, operands and result, stand three times. There are as many operands as it
-    /// takes; `stack` is scratch for sixteen numbers that is empty before and after.
+    /// Its result on numbers, by the reference meaning; scalars, operands and result, stand three times. There are as
+    /// many operands as it takes; `stack` is scratch for sixteen numbers that is empty before and after.
     pub fn on_numbers(self, operands: &[[f32; 3]], stack: &mut Stack<f32>) -> [f32; 3] {
         for (value, ty) in operands.iter().zip(self.operands()) {
             value[..ty.slots()].iter().for_each(|number| stack.push(*number));

@@ -66,8 +66,8 @@ impl Interval {
         }
     }
 
-    /// The results in `f32` of exact values in this interval: ends rounded outwards, infinite beyond the largest number, and zero
-    /// with the same sign below the smallest normal one.
+    /// The results in `f32` of exact values in this interval: ends rounded outwards, infinite beyond the largest
+    /// number, and zero with the same sign below the smallest normal one.
     pub fn rounded(mut self) -> Self {
         if self.low.is_nan() || self.high.is_nan() {
             return Self::ANYTHING;

@@ -1,4 +1,5 @@
-//! Perlin's improved noise (Ken Perlin, "Improving Noise", SIGGRAPH 2002), with his permutation table, in `f32` and `f64`.
+//! Perlin's improved noise (Ken Perlin, "Improving Noise", SIGGRAPH 2002), with his permutation table, in `f32` and
+//! `f64`.
 
 use std::ops::{Add, AddAssign, Div, Mul, MulAssign, Neg, Sub};
 

@@ -1,11 +1,12 @@
 //! The scalar operations (primitives) of which all operations of the language are made, each defined once.
 //!
-//! A row of the table defines a primitive: its name, its operands, its meaning, what it costs, and which values it can yield.
-//! From the table follow the [`Primitive`] enumeration and the [`Scalars`] trait with a method for every primitive. [`Floats`]
-//! computes them in `f32`, which is the meaning of the language; [`Doubles`] computes the same in `f64`, to judge results in
-//! `f32`. Other implementations of [`Scalars`] give the primitives another meaning: the expression graph records them, the code
-//! generator emits instructions for them. One that lacks a primitive does not compile. Operators and functions of the language
-//! are written in terms of these methods, in [`builtins`](crate::lang::builtins).
+//! A row of the table defines a primitive: its name, its operands, its meaning, what it costs, and which values it can
+//! yield. From the table follow the [`Primitive`] enumeration and the [`Scalars`] trait with a method for every
+//! primitive. [`Floats`] computes them in `f32`, which is the meaning of the language; [`Doubles`] computes the same in
+//! `f64`, to judge results in `f32`. Other implementations of [`Scalars`] give the primitives another meaning: the
+//! expression graph records them, the code generator emits instructions for them. One that lacks a primitive does not
+//! compile. Operators and functions of the language are written in terms of these methods, in
+//! [`builtins`](crate::lang::builtins).
 
 use crate::lang::interval::Interval;
 use crate::lang::noise;
@@ -140,8 +141,8 @@ macro_rules! primitives {
 }
 // `Variant method(operands) -> kind of result = meaning, cost, interval of the result;`
 //
-// The meaning is written once for `f32` and `f64`. Truth values are 1 and 0. Every operand is normal, zero, infinite or NaN, and so is
-// every result, see `flush`. In the last column operands are intervals.
+// The meaning is written once for `f32` and `f64`. Truth values are 1 and 0. Every operand is normal, zero, infinite or
+// NaN, and so is every result, see `flush`. In the last column operands are intervals.
 primitives! {
     /// −x
     Neg neg(x) -> Number = -x, cost 1, interval -x;
@@ -207,7 +208,8 @@ primitives! {
     Select select(p, x, y) -> Number = if p != 0.0 { x } else { y }, cost 1, interval x.hull(y);
 }
 
-/// A meaning of the scalar operations that treats all of them alike: as nodes of a graph, or computed and then perturbed.
+/// A meaning of the scalar operations that treats all of them alike: as nodes of a graph, or computed and then
+/// perturbed.
 pub trait Recorder {
     /// The type of a scalar, and of a truth value.
     type Value: Copy;
@@ -221,7 +223,8 @@ pub trait Recorder {
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Floats;
 
-/// The primitives computed in `f64`: nearly the exact results, without the rounding of `f32`, and without its overflow and underflow.
+/// The primitives computed in `f64`: nearly the exact results, without the rounding of `f32`, and without its overflow
+/// and underflow.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Doubles;
 
@@ -235,7 +238,8 @@ fn truth<T: From<u8>>(holds: bool) -> T {
     T::from(u8::from(holds))
 }
 
-/// Zeros, the ends of the normal numbers, infinities, NaN, and numbers where functions turn: operands for tests of every primitive.
+/// Zeros, the ends of the normal numbers, infinities, NaN, and numbers where functions turn: operands for tests of
+/// every primitive.
 #[cfg(test)]
 pub(crate) const AWKWARD: [f32; 32] = [
     0.0,
@@ -272,7 +276,8 @@ pub(crate) const AWKWARD: [f32; 32] = [
     f32::NAN,
 ];
 
-/// Operands for tests of a primitive: every pair of [`AWKWARD`] numbers where it takes one or two, a spread of them where it takes more.
+/// Operands for tests of a primitive: every pair of [`AWKWARD`] numbers where it takes one or two, a spread of them
+/// where it takes more.
 #[cfg(test)]
 pub(crate) fn awkward_operands(primitive: Primitive) -> Vec<Vec<f32>> {
     let number = |place: usize| AWKWARD[place % AWKWARD.len()];
