@@ -2,8 +2,9 @@
 //!
 //! While a slider is dragged, a few numbers *move* and all others are *fixed*. A contribution is *separable* where the graph proves
 //! that it is a sum Σ factor · part, with factors made of moved numbers alone and parts made of fixed ones alone. Then each part, summed
-//! up over all hits, is an image that can be kept, and a frame is a weighted sum of images. Any other contribution is split into a fixed
-//! part and a *live* part, which has to be computed again; of the live part, every expensive fixed sub-expression can be kept for each record.
+//! up over all hits, is an image that can be stored, and a frame is a weighted sum of images. Any other contribution is split into a fixed
+//! part and a *moving* part, which has to be computed again. Of the moving part, every expensive fixed sub-expression can be stored for
+//! each record.
 
 use crate::formula::ParameterId;
 use crate::formula::binding::Bindings;
@@ -15,12 +16,12 @@ use std::collections::{HashMap, HashSet};
 
 /// With more terms than this, images are no faster than to compute the contribution again.
 const MOST_TERMS: usize = 6;
-/// The cost from which on a sub-expression is kept rather than computed again: about that of loading it, in simple instructions.
-const WORTH_KEEPING: u32 = 12;
+/// The cost from which on a sub-expression is stored rather than computed again: about that of loading it, in simple instructions.
+const WORTH_STORING: u32 = 12;
 
 /// A term of a separable contribution, for red, green and blue: a moved factor and a fixed part. A part that is missing is 1.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Term {
+pub struct SeparableTerm {
     /// Made of moved numbers and constants. None where the component has no such term.
     pub factors: [Option<NodeId>; 3],
     /// Made of fixed numbers.
@@ -33,13 +34,13 @@ pub enum Dependence {
     /// Not at all.
     None,
     /// As a sum of terms, beside a fixed part.
-    Separable(Vec<Term>),
+    Separable(Vec<SeparableTerm>),
     /// In another way.
-    Live {
-        /// What has to be computed again for every frame, of the components that depend on moved numbers.
-        live: [Option<NodeId>; 3],
-        /// Fixed, dynamic sub-expressions of it that are worth keeping for each record.
-        kept: Vec<NodeId>,
+    Inseparable {
+        /// The part that has to be computed again for every frame, of the components that depend on moved numbers.
+        moving: [Option<NodeId>; 3],
+        /// Fixed, dynamic sub-expressions of it that are worth storing for each record.
+        stored: Vec<NodeId>,
     },
 }
 
@@ -48,8 +49,8 @@ pub enum Dependence {
 pub struct Separation {
     /// The formula's graph, extended by the nodes below.
     pub bindings: Bindings,
-    /// The fixed part of red, green and blue, beside the terms or the live part.
-    pub resting: [Option<NodeId>; 3],
+    /// The fixed part of red, green and blue, beside the terms or the moving part.
+    pub fixed: [Option<NodeId>; 3],
     /// The part that depends on moved numbers.
     pub dependence: Dependence,
 }
@@ -61,19 +62,19 @@ impl Separation {
         separator.analyse_new_nodes();
         let contribution = bindings.contribution;
         if contribution.iter().all(|component| separator.is_fixed(*component)) {
-            let resting = contribution.map(Some);
-            return Self { bindings: separator.bindings, resting, dependence: Dependence::None };
+            let fixed = contribution.map(Some);
+            return Self { bindings: separator.bindings, fixed, dependence: Dependence::None };
         }
         match separator.separable(contribution) {
-            Some((resting, terms)) => Self { bindings: separator.bindings, resting, dependence: Dependence::Separable(terms) },
+            Some((fixed, terms)) => Self { bindings: separator.bindings, fixed, dependence: Dependence::Separable(terms) },
             None => {
-                let mut resting = [None; 3];
-                let mut live = [None; 3];
+                let mut fixed = [None; 3];
+                let mut moving = [None; 3];
                 for (component, root) in contribution.into_iter().enumerate() {
-                    (resting[component], live[component]) = separator.split(root);
+                    (fixed[component], moving[component]) = separator.split(root);
                 }
-                let kept = separator.worth_keeping(&live);
-                Self { bindings: separator.bindings, resting, dependence: Dependence::Live { live, kept } }
+                let stored = separator.worth_storing(&moving);
+                Self { bindings: separator.bindings, fixed, dependence: Dependence::Inseparable { moving, stored } }
             }
         }
     }
@@ -107,9 +108,9 @@ struct Separator {
 }
 
 /// The fixed part of each component, and the terms.
-type Separated = ([Option<NodeId>; 3], Vec<Term>);
+type Separated = ([Option<NodeId>; 3], Vec<SeparableTerm>);
 
-/// The fixed part and the live part of a value, which is their sum.
+/// The fixed part and the moving part of a value, which is their sum.
 type Split = (Option<NodeId>, Option<NodeId>);
 
 impl Separator {
@@ -139,36 +140,36 @@ impl Separator {
 
     /// The components as sums of terms. None where one of them is not such a sum, or there are too many terms.
     fn separable(&mut self, contribution: [NodeId; 3]) -> Option<Separated> {
-        let mut resting = [None; 3];
-        let mut terms: Vec<Term> = Vec::new();
+        let mut fixed = [None; 3];
+        let mut terms: Vec<SeparableTerm> = Vec::new();
         for (component, root) in contribution.into_iter().enumerate() {
             let mut place = 0;
             for product in self.sum_of_products(root)? {
                 let Some(factor) = product.outer else {
                     let one = self.constant(1.0);
-                    resting[component] = Some(product.inner.unwrap_or(one));
+                    fixed[component] = Some(product.inner.unwrap_or(one));
                     continue;
                 };
                 if place == terms.len() {
-                    terms.push(Term { factors: [None; 3], parts: [None; 3] });
+                    terms.push(SeparableTerm { factors: [None; 3], parts: [None; 3] });
                 }
                 terms[place].factors[component] = Some(factor);
                 terms[place].parts[component] = product.inner;
                 place += 1;
             }
         }
-        (terms.len() <= MOST_TERMS).then_some((resting, terms))
+        (terms.len() <= MOST_TERMS).then_some((fixed, terms))
     }
 
-    /// The fixed and the live addends of a sum.
+    /// The fixed and the moving addends of a sum.
     fn split(&mut self, root: NodeId) -> Split {
         let mut splits: HashMap<NodeId, Split> = HashMap::new();
         for id in walk(root, |id| self.addends(id).map_or(Vec::new(), |(_, operands)| operands.to_vec())) {
             let split = match self.addends(id) {
                 _ if self.is_fixed(id) => (Some(id), None),
                 Some((primitive, operands)) => {
-                    let [(x, live_x), (y, live_y)] = operands.map(|operand| splits[&operand]);
-                    (self.joined(primitive, x, y), self.joined(primitive, live_x, live_y))
+                    let [(x, moving_x), (y, moving_y)] = operands.map(|operand| splits[&operand]);
+                    (self.joined(primitive, x, y), self.joined(primitive, moving_x, moving_y))
                 }
                 None => (None, Some(id)),
             };
@@ -195,26 +196,26 @@ impl Separator {
         }
     }
 
-    /// The largest dynamic sub-expressions of `live` that are fixed and cost more to compute than to load.
-    fn worth_keeping(&self, live: &[Option<NodeId>; 3]) -> Vec<NodeId> {
-        let mut kept = Vec::new();
+    /// The largest dynamic sub-expressions of `moving` that are fixed and cost more to compute than to load.
+    fn worth_storing(&self, moving: &[Option<NodeId>; 3]) -> Vec<NodeId> {
+        let mut stored = Vec::new();
         let mut seen = vec![false; self.bindings.graph.len()];
-        let mut pending: Vec<NodeId> = live.iter().flatten().copied().collect();
+        let mut pending: Vec<NodeId> = moving.iter().flatten().copied().collect();
         while let Some(id) = pending.pop() {
             if std::mem::replace(&mut seen[id.0 as usize], true) || self.bindings.time(id) != BindingTime::Dynamic {
                 continue;
             }
             if !self.is_fixed(id) {
                 pending.extend_from_slice(self.bindings.graph.node(id).operands());
-            } else if self.cost(id) >= WORTH_KEEPING {
-                kept.push(id);
+            } else if self.cost(id) >= WORTH_STORING {
+                stored.push(id);
             }
         }
-        kept.sort_unstable();
-        kept
+        stored.sort_unstable();
+        stored
     }
 
-    /// What a dynamic node costs, in simple instructions. The count stops where the node is worth keeping.
+    /// What a dynamic node costs, in simple instructions. The count stops where the node is worth storing.
     fn cost(&self, id: NodeId) -> u32 {
         let mut seen = HashSet::new();
         let mut pending = vec![id];
@@ -226,7 +227,7 @@ impl Separator {
             if let Node::Apply(primitive, _) = self.bindings.graph.node(id) {
                 cost += primitive.cost();
             }
-            if cost >= WORTH_KEEPING {
+            if cost >= WORTH_STORING {
                 break;
             }
             pending.extend_from_slice(self.bindings.graph.node(id).operands());
@@ -330,20 +331,20 @@ mod tests {
         let bindings = Bindings::new(formula);
         near(&values(&bindings.graph, &bindings.contribution.map(Some)), "rewritten");
         let kd = formula.parameter_named("kd").expect("a parameter");
-        let Separation { bindings, resting, dependence } = Separation::new(&bindings, &[(kd, 0)]);
+        let Separation { bindings, fixed, dependence } = Separation::new(&bindings, &[(kd, 0)]);
         assert!(bindings.graph.len() < 2000, "{} nodes", bindings.graph.len());
-        let mut sum = values(&bindings.graph, &resting);
+        let mut sum = values(&bindings.graph, &fixed);
         match &dependence {
             Dependence::None => {}
             Dependence::Separable(terms) => {
-                for Term { factors, parts } in terms {
+                for SeparableTerm { factors, parts } in terms {
                     let factors = values(&bindings.graph, factors);
                     let whole = |component: usize| parts[component].map(|part| values(&bindings.graph, &[Some(part)])[0]);
                     (0..3).for_each(|component| sum[component] += factors[component] * whole(component).unwrap_or(1.0));
                 }
             }
-            Dependence::Live { live, .. } => {
-                sum.iter_mut().zip(values(&bindings.graph, live)).for_each(|(sum, live)| *sum += live);
+            Dependence::Inseparable { moving, .. } => {
+                sum.iter_mut().zip(values(&bindings.graph, moving)).for_each(|(sum, moving)| *sum += moving);
             }
         }
         near(&sum, "taken apart");
@@ -375,16 +376,16 @@ mod tests {
         // A power of kd, and a polynomial of too high a degree.
         assert!(matches!(check(&chain(45, "kd*(N.L)", "M*M", "M*Cd")), Dependence::Separable(_)));
         assert!(matches!(check(&chain(2, DYNAMIC, "M*M", "M*Cd")), Dependence::Separable(_)));
-        assert!(matches!(check(&chain(45, DYNAMIC, "M*M", "M*Cd")), Dependence::Live { .. }));
+        assert!(matches!(check(&chain(45, DYNAMIC, "M*M", "M*Cd")), Dependence::Inseparable { .. }));
     }
 
     #[test]
-    fn what_is_live_is_split_off_once() {
+    fn the_moving_part_is_split_off_once() {
         for step in ["M + M", "M - M*0.5 - M"] {
             let dependence = check(&chain(45, "exp(-kd*alpha) + ks*(N.L)", step, "Cd*(M*1e-12)"));
-            assert!(matches!(dependence, Dependence::Live { .. }), "{step}: {dependence:?}");
+            assert!(matches!(dependence, Dependence::Inseparable { .. }), "{step}: {dependence:?}");
         }
         let sum = check(&chain(45, "<1, 2, 3>*(exp(-kd*alpha)) + Cd*ks*alpha", "M + M", "M"));
-        assert!(matches!(sum, Dependence::Live { .. }));
+        assert!(matches!(sum, Dependence::Inseparable { .. }));
     }
 }

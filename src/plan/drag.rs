@@ -3,7 +3,7 @@
 use crate::formula::binding::Bindings;
 use crate::formula::equation::{Equation, REFLECTED, REFRACTED, Site, TERMS, Term, index_of};
 use crate::formula::graph::NodeId;
-use crate::formula::separation::Dependence;
+use crate::formula::separation::{Dependence, SeparableTerm};
 use crate::formula::{Parameter, ParameterId};
 use crate::lang::scalars::flush;
 use crate::lang::variables::{Owner, Predefined};
@@ -134,15 +134,15 @@ impl DragPlan {
             let place = (owner.0 == weight.owner()).then(|| equation.place(weight, owner.1))?;
             node_at(place).map(|_| place)
         });
-        let live = matches!(slider.separation.dependence, Dependence::Live { .. });
-        let terms = if live { Vec::new() } else { image_terms(&slider.separation.dependence, &found) };
-        // No slider moves more than one owner, or two factors of one term. A part that is live has no powers of kr and kt, and is
+        let inseparable = matches!(slider.separation.dependence, Dependence::Inseparable { .. });
+        let terms = if inseparable { Vec::new() } else { image_terms(&slider.separation.dependence, &found) };
+        // No slider moves more than one owner, or two factors of one term. An inseparable part has no powers of kr and kt, and is
         // not seen where a ray leaves the scene.
         let twice = found.windows(2).any(|pair| pair[0].0.term == pair[1].0.term);
         let weights_move = weights.iter().any(Option::is_some);
         let at_misses = found.iter().any(|(moved, _)| TERMS[moved.term].site == Site::Miss);
-        let method = match live {
-            _ if !single || twice || live && (weights_move || at_misses) => Method::General,
+        let method = match inseparable {
+            _ if !single || twice || inseparable && (weights_move || at_misses) => Method::General,
             true => Method::Specialised,
             false => Method::Images,
         };
@@ -286,9 +286,9 @@ fn moving_terms(
 fn image_terms(dependence: &Dependence, found: &[(MovedTerm, [Option<NodeId>; 3])]) -> Vec<ImageTerm> {
     let separable = match dependence {
         Dependence::Separable(terms) => &terms[..],
-        Dependence::None | Dependence::Live { .. } => &[],
+        Dependence::None | Dependence::Inseparable { .. } => &[],
     };
-    let term = |(place, term): (usize, &crate::formula::separation::Term)| ImageTerm {
+    let term = |(place, term): (usize, &SeparableTerm)| ImageTerm {
         factors: term.factors,
         contribution: Some(place),
         moved_terms: Vec::new(),

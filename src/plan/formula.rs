@@ -55,14 +55,14 @@ impl FormulaPlan {
 }
 
 impl ContributionPlan {
-    /// Plans the computation of `outputs`; `kept` are dynamic nodes that are read from columns of a drag.
-    pub(super) fn new(name: &'static str, bindings: &Bindings, outputs: Vec<NodeId>, kept: &[NodeId], sink: Sink) -> Self {
-        let Frontier { uniforms, .. } = bindings.frontier_of(&outputs, kept);
+    /// Plans the computation of `outputs`; `stored` are dynamic nodes that are read from columns of a drag.
+    pub(super) fn new(name: &'static str, bindings: &Bindings, outputs: Vec<NodeId>, stored: &[NodeId], sink: Sink) -> Self {
+        let Frontier { uniforms, .. } = bindings.frontier_of(&outputs, stored);
         let leaves = bindings.leaves(&uniforms);
         let records = KernelPlan {
             name,
             domain: Domain::LitRecords,
-            streams: [bindings.frontier.hits.clone(), bindings.frontier.records.clone(), kept.to_vec()],
+            streams: [bindings.frontier.hits.clone(), bindings.frontier.records.clone(), stored.to_vec()],
             uniforms: uniforms.clone(),
             outputs,
             sink,

@@ -35,9 +35,9 @@ pub struct SliderPlan {
     pub channels: Vec<usize>,
     /// The part of the contribution of moved pairs that does not move, where it is not 0. All three components.
     pub fixed: Option<ContributionPlan>,
-    /// The image of each term of a separable contribution, in the order of the terms, or the live part of another.
+    /// The image of each term of a separable contribution, in the order of the terms, or the moving part of another.
     pub moving: Vec<ContributionPlan>,
-    /// Values that do not move and that the live part reads from columns, one for each lit record.
+    /// Values that do not move and that the moving part reads from columns, one for each lit record.
     pub columns: Option<ContributionPlan>,
 }
 
@@ -52,7 +52,7 @@ impl SliderPlan {
     pub fn new(bindings: &Bindings, moved: &Moved) -> Self {
         let mut separation = Separation::new(bindings, moved);
         let [zero, one] = [0.0, 1.0].map(|value| separation.bindings.constant(value));
-        let (mut channels, mut moving, kept) = moving_outputs(&separation.dependence, zero, one);
+        let (mut channels, mut moving, stored) = moving_outputs(&separation.dependence, zero, one);
         // Kernels compute one component or all three: with two, the third is 0.
         if channels.len() == 2 {
             let given = std::mem::replace(&mut channels, vec![0, 1, 2]);
@@ -64,14 +64,15 @@ impl SliderPlan {
         let bindings = &separation.bindings;
         let moving = moving
             .into_iter()
-            .map(|wanted| ContributionPlan::new(wanted.name, bindings, wanted.outputs, &kept, Sink::Sums))
+            .map(|wanted| ContributionPlan::new(wanted.name, bindings, wanted.outputs, &stored, Sink::Sums))
             .collect();
-        let some = separation.resting.iter().flatten().any(|node| *node != zero);
+        let some = separation.fixed.iter().flatten().any(|node| *node != zero);
         let fixed = (some && separation.dependence != Dependence::None).then(|| {
-            let outputs = separation.resting.map(|node| node.unwrap_or(zero)).to_vec();
+            let outputs = separation.fixed.map(|node| node.unwrap_or(zero)).to_vec();
             ContributionPlan::new("fixed", bindings, outputs, &[], Sink::Sums)
         });
-        let columns = (!kept.is_empty()).then(|| ContributionPlan::new("columns", bindings, kept.clone(), &[], Sink::Columns));
+        let columns =
+            (!stored.is_empty()).then(|| ContributionPlan::new("columns", bindings, stored.clone(), &[], Sink::Columns));
         Self { channels, fixed, moving, columns, separation }
     }
 }
@@ -92,10 +93,10 @@ fn moving_outputs(dependence: &Dependence, zero: NodeId, one: NodeId) -> (Vec<us
             });
             (channels.clone(), wanted.collect(), Vec::new())
         }
-        Dependence::Live { live, kept } => {
-            let channels: Vec<usize> = (0..3).filter(|channel| live[*channel].is_some()).collect();
-            let outputs = channels.iter().map(|channel| live[*channel].unwrap_or(zero)).collect();
-            (channels, vec![Wanted { name: "live", outputs }], kept.clone())
+        Dependence::Inseparable { moving, stored } => {
+            let channels: Vec<usize> = (0..3).filter(|channel| moving[*channel].is_some()).collect();
+            let outputs = channels.iter().map(|channel| moving[*channel].unwrap_or(zero)).collect();
+            (channels, vec![Wanted { name: "moving", outputs }], stored.clone())
         }
     }
 }
