@@ -4,8 +4,9 @@
 //! parse (texts) ─▶ compile (formula) ─▶ trace (world, view) ─▶ prepare ─▶ frames and drags
 //! ```
 //!
-//! An [`Engine`] owns this sequence, with its backend and its memory budget; long work tells its progress to a [`Task`] and can be
-//! cancelled through it. Which files a formula and a scene come from, and what the values of their parameters are, is not known here.
+//! An [`Engine`] owns this sequence, with its backend and its memory budget; long work tells its progress to a [`Task`]
+//! and can be cancelled through it. Which files a formula and a scene come from, and what the values of their
+//! parameters are, is not known here.
 
 use crate::evaluate::{Backend, EvaluateError, Evaluator, Footprint, Frame};
 use crate::formula::Formula;
@@ -155,7 +156,8 @@ impl Engine {
         Ok(())
     }
 
-    /// Traces the scene, within the memory that is left beside what evaluation of the formula will keep; on all threads of the current pool.
+    /// Traces the scene, within the memory that is left beside what evaluation of the formula will keep; on all threads
+    /// of the current pool.
     ///
     /// # Errors
     /// The picture needs more memory than it may take, the task was cancelled, or the backend cannot take the formula.

@@ -1,5 +1,6 @@
-//! How linear components of colours become the bytes of a picture: clamped to 0..1, NaN as 0, and rounded to the nearest of 0..=255, as they are
-//! (thesis 9.1.6) or by the transfer function of sRGB. Files and windows take their bytes from here, so that both show the same.
+//! How linear components of colours become the bytes of a picture: clamped to 0..1, NaN as 0, and rounded to the
+//! nearest of 0..=255, as they are (thesis 9.1.6) or by the transfer function of sRGB. Files and windows take their
+//! bytes from here, so that both show the same.
 
 use std::sync::LazyLock;
 
@@ -36,9 +37,10 @@ impl Bytes for LinearBytes {
     }
 }
 
-/// Bytes for [`Transfer::Srgb`], without a power for each. The bits of positive numbers are in the order of the numbers, and the first of them say in which
-/// cell of a table a number lies. Cells are so narrow that the byte goes up in each at most once. An entry plus the bits of a number is the byte, followed by
-/// [`WITHIN`](Self::WITHIN) bits of no meaning: the last bits carry into the byte exactly where it goes up.
+/// Bytes for [`Transfer::Srgb`], without a power for each. The bits of positive numbers are in the order of the
+/// numbers, and the first of them say in which cell of a table a number lies. Cells are so narrow that the byte goes up
+/// in each at most once. An entry plus the bits of a number is the byte, followed by [`WITHIN`](Self::WITHIN) bits of
+/// no meaning: the last bits carry into the byte exactly where it goes up.
 #[derive(Clone, Copy)]
 pub(crate) struct SrgbBytes(&'static SrgbTable);
 
@@ -56,7 +58,7 @@ const CELLS: usize = cell(1.0) + 1;
 const ENTRIES: usize = CELLS.next_power_of_two();
 
 impl SrgbBytes {
-    /// So many bits of a number say where in its cell it is.
+    /// How many of a number's low bits give its place in the cell.
     pub(crate) const WITHIN: u32 = 16;
 
     /// Below, every byte is 0. The first cell begins here.

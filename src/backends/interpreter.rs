@@ -17,7 +17,8 @@ pub const NAME: &str = "interpreter";
 
 /// A thread takes this many pixels at a time.
 const PIXELS: usize = 512;
-/// Programs of this many bytes are written before they are run. Programs of all pixels would take gigabytes on deep scenes.
+/// Programs of this many bytes are written before they are run. Programs of all pixels would take gigabytes on deep
+/// scenes.
 const BATCH_BYTES: usize = 1 << 20;
 
 /// The backend.

@@ -1,8 +1,8 @@
 //! Both backends on the same input: how far apart they are, and whether that is an error.
 //!
-//! They agree where every component differs by at most [`TOLERANCE`] and is NaN or infinite in both or neither. A larger
-//! difference is excused only where the formula is so ill-conditioned that the interpreter's own result moves as much when its
-//! intermediate results are perturbed by a few units in the last place, see `judge`.
+//! They agree where every component differs by at most [`TOLERANCE`] and is NaN or infinite in both or neither. A
+//! larger difference is excused only where the formula is so ill-conditioned that the interpreter's own result moves as
+//! much when its intermediate results are perturbed by a few units in the last place, see `judge`.
 
 mod judge;
 
@@ -11,7 +11,7 @@ use crate::evaluate::{Evaluator, Frame};
 
 /// The largest difference of two components, absolute or relative to the interpreter's where that is beyond 1.
 pub const TOLERANCE: f32 = 1e-4;
-/// With so many unexcused differences the backends disagree, whatever the others are: those are not judged.
+/// With this many unexcused differences the backends disagree. The other differences are not judged.
 const MOST_JUDGED: usize = 256;
 /// The share of 8-bit components that may differ, each by one step.
 const STEPS_SHARE: f64 = 1e-3;
@@ -30,8 +30,8 @@ pub struct Difference {
 }
 
 impl Difference {
-    /// The difference, relative where the interpreter's value is beyond 1. Infinite where one is NaN or infinite and the other is not the
-    /// same.
+    /// The difference, relative where the interpreter's value is beyond 1. Infinite where one is NaN or infinite and
+    /// the other is not the same.
     pub fn size(&self) -> f32 {
         distance(self.compiled, self.interpreted)
     }

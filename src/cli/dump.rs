@@ -23,7 +23,8 @@ pub(super) struct Options {
     /// What to show
     #[arg(long, value_enum)]
     stage: Stage,
-    /// With `--stage rays`: the pixel, counted from the top left; with `--stage bytecode`: the program of this pixel too
+    /// With `--stage rays`: the pixel, counted from the top left; with `--stage bytecode`: the program of this pixel
+    /// too
     #[arg(long, value_name = "X,Y", value_parser = pixel, required_if_eq("stage", "rays"))]
     pixel: Option<[u32; 2]>,
     /// With `--stage hits`: the folder that the columns are written to

@@ -1,6 +1,7 @@
 //! `illuminator dump --stage hits`: everything that tracing found, as columns of numbers for other programs.
 //!
-//! Four tables, a file for each column, little-endian and without a head; `index.json`, written last, names, types and counts them:
+//! Four tables, a file for each column, little-endian and without a head; `index.json`, written last, names, types and
+//! counts them:
 //!
 //! - `hits`: pixel (row by row from the top left), body, path, and the variables of the hit;
 //! - `records`: a hit and a light that reaches it, and the variables of both;

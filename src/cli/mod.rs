@@ -1,7 +1,7 @@
 //! The command line: what may be said on it, and which command does it.
 //!
-//! Commands load their input ([`input`]), have the engine work on it ([`engine`]) and tell what came of it ([`report`]). Nothing
-//! about pictures, formulas or scenes is decided here.
+//! A command loads its input ([`input`]), runs the engine on it ([`engine`]) and reports the result ([`report`]).
+//! Nothing about pictures, formulas or scenes is decided here.
 
 mod bench;
 mod check;

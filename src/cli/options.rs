@@ -22,7 +22,8 @@ pub(super) struct InputOptions {
     /// Scene file; values are kept where owner and name exist in it too
     #[arg(long, short, value_name = "FILE")]
     pub(super) scene: Option<OsString>,
-    /// Give a body a material of the library that the formula names, or *=NAME to all; values set by --set count over it
+    /// Give a body a material of the library that the formula names, or *=NAME to all; values set by --set count over
+    /// it
     #[arg(long = "material", value_name = "BODY=NAME", value_parser = read::<MaterialAssignment>)]
     pub(super) materials: Vec<MaterialAssignment>,
     /// Set a value: ball.kd=0.3, key.IL=<1,0.9,0.8>, ka=0.1, *.kd=0.3 for all
@@ -61,7 +62,7 @@ pub(super) struct MachineOptions {
     pub(super) memory: Option<u64>,
 }
 
-/// A colour as given; a type of its own, lest the parser of arguments take it for a list.
+/// A colour as given. It is a type of its own because the parser of arguments takes arrays for lists.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Colour(pub(super) [f32; 3]);
 

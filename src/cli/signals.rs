@@ -1,5 +1,6 @@
-//! Signals that end the program. What is half written is removed first, and a window keeps what is unsaved in it. Then the
-//! program ends as if it had not handled the signal, so whoever started it sees the usual status, 128 + the signal's number.
+//! Signals that end the program. What is half written is removed first, and a window keeps what is unsaved in it. Then
+//! the program ends as if it had not handled the signal, so whoever started it sees the usual status, 128 + the
+//! signal's number.
 
 use illuminator::files::remove_unfinished;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGXFSZ};
@@ -37,7 +38,8 @@ pub(super) fn close_first(window: impl Closing + 'static) {
 
 /// Handles signals from now on, on a thread of its own.
 pub(super) fn handle() {
-    // A file that grows beyond the limit of the shell then fails to be written, and is removed, instead of ending the program.
+    // A file that grows beyond the limit of the shell then fails to be written, and is removed, instead of ending the
+    // program.
     let _ = signal_hook::flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false)));
     let (ready, is_ready) = channel();
     // Where there can be no thread, signals end the program at once, as they do by default.

@@ -5,8 +5,8 @@ use crate::trace::TILE_PIXELS;
 use crate::transfer::{Bytes, Transfer, with_bytes};
 use rayon::prelude::*;
 
-/// A picture of `width` × `height` pixels, row by row from the top left, each `0x00RRGGBB`: components clamped to 0..1, NaN as 0, and
-/// rounded to the nearest of 0..=255 by the transfer.
+/// A picture of `width` × `height` pixels, row by row from the top left, each `0x00RRGGBB`: components clamped to 0..1,
+/// NaN as 0, and rounded to the nearest of 0..=255 by the transfer.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Framebuffer {
     /// Pixels in a row.

@@ -1,12 +1,14 @@
 //! What a backend does: parameter numbers and the hits of a traced scene into pictures.
 //!
-//! A [`Backend`] makes an [`Evaluator`] of a formula on a traced scene; an evaluator makes pictures of parameter numbers, and a
-//! [`Drag`] makes them while a slider is held. The backends themselves are in [`backends`](crate::backends); what they share is here:
-//! [`Frame`] and [`Framebuffer`], and the weights of ray paths. [`inspect`] explains one pixel.
+//! A [`Backend`] makes an [`Evaluator`] of a formula on a traced scene; an evaluator makes pictures of parameter
+//! numbers, and a [`Drag`] makes them while a slider is held. The backends themselves are in
+//! [`backends`](crate::backends); what they share is here: [`Frame`] and [`Framebuffer`], and the weights of ray paths.
+//! [`inspect`] explains one pixel.
 //!
-//! Parameter numbers are one array in the order of [`Layout`](crate::formula::layout::Layout). Each number lies within the range of its
-//! parameter, where that has one, and none is NaN or infinite, as [`Parameter::clamp`](crate::formula::Parameter::clamp) leaves them:
-//! compiled code relies on that, and outside the ranges a picture may differ from the formula's.
+//! Parameter numbers are one array in the order of [`Layout`](crate::formula::layout::Layout). Each number lies within
+//! the range of its parameter, where that has one, and none is NaN or infinite, as
+//! [`Parameter::clamp`](crate::formula::Parameter::clamp) leaves them: compiled code relies on that, and outside the
+//! ranges a picture may differ from the formula's.
 
 mod drag;
 mod frame;
@@ -54,12 +56,14 @@ pub trait Backend: Send + Sync {
     /// The name by which it is chosen.
     fn name(&self) -> &'static str;
 
-    /// Whether evaluators read the stored hits. One that does not gets those of [`Hits::untraced`], and traces for itself.
+    /// Whether evaluators read the stored hits. One that does not gets those of [`Hits::untraced`], and traces for
+    /// itself.
     fn reads_hits(&self) -> bool {
         true
     }
 
-    /// Does what depends on the formula alone, so that [`prepare`](Self::prepare) need not; what evaluators of it will keep.
+    /// Does what depends on the formula alone, so that [`prepare`](Self::prepare) need not; what evaluators of it will
+    /// keep.
     ///
     /// # Errors
     /// The backend cannot take the formula.
@@ -86,8 +90,8 @@ pub trait Evaluator: Send + Sync {
     /// Where the framebuffer has another size than the view, or there are too few parameter numbers.
     fn draw(&self, parameters: &[f32], framebuffer: &mut Framebuffer) -> Drawn;
 
-    /// Takes hold of numbers of one owner: `moved` are their places among `parameters`, which holds the values before the drag. At
-    /// most `budget` bytes are kept for it.
+    /// Takes hold of numbers of one owner: `moved` are their places among `parameters`, which holds the values before
+    /// the drag. At most `budget` bytes are kept for it.
     ///
     /// # Errors
     /// The backend cannot take the formula apart; pictures can still be drawn one by one.

@@ -4,8 +4,8 @@ use crate::formula::equation::{Equation, REFLECTED, REFRACTED};
 use crate::lang::scalars::flush;
 use crate::trace::{Edge, MAX_DEPTH, Path, Tile};
 
-/// The weight of a path. It is an `f64`: a product of weights other than 0 is then never 0, and an infinite term stays infinite
-/// however small its weight.
+/// The weight of a path. It is an `f64`: a product of weights other than 0 is then never 0, and an infinite term stays
+/// infinite however small its weight.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Weight(pub f64);
 
@@ -36,8 +36,8 @@ impl Weight {
     }
 }
 
-/// The path that a path continues, and the place of the parameter number that it is weighed with beyond that; `None` for a primary
-/// ray.
+/// The path that a path continues, and the place of the parameter number that it is weighed with beyond that; `None`
+/// for a primary ray.
 pub fn last_factor(tile: &Tile, path: &Path, equation: &Equation) -> Option<(usize, usize)> {
     let weight = match path.edge {
         Edge::Primary => return None,

@@ -1,7 +1,7 @@
 //! A formula's graph analysed by binding times: what is computed when, and what is stored in between.
 //!
-//! Static values that dynamic code reads are the *frontier*: they alone are stored (Guenter, Knoblock, Ruf 1995, "Specializing
-//! Shaders").
+//! Static values that dynamic code reads are the *frontier*: they alone are stored (Guenter, Knoblock, Ruf 1995,
+//! "Specializing Shaders").
 
 use crate::formula::binding_time::BindingTime;
 use crate::formula::equation::{Site, Term};
@@ -27,7 +27,8 @@ pub struct Frontier {
 pub struct Bindings {
     /// The graph.
     pub graph: Graph,
-    /// What a lit record adds to red, green and blue of its pixel, before the weight of its path: `ki` times the formula.
+    /// What a lit record adds to red, green and blue of its pixel, before the weight of its path: `ki` times the
+    /// formula.
     pub contribution: [NodeId; 3],
     /// The nodes that the contribution reads.
     pub frontier: Frontier,
@@ -112,8 +113,8 @@ impl Bindings {
         frontier
     }
 
-    /// Whether a node compares something with a constant. To compare again is cheaper than to store the result, and several
-    /// comparisons of one value store only the value.
+    /// Whether a node compares something with a constant. To compare again is cheaper than to store the result, and
+    /// several comparisons of one value store only the value.
     fn is_simple_comparison(&self, id: NodeId) -> bool {
         match self.graph.node(id) {
             Node::Apply(Primitive::Less | Primitive::LessEqual | Primitive::Equal, operands) => {
@@ -166,7 +167,8 @@ mod tests {
         );
         assert_eq!(phong.frontier.records.len(), 2);
         assert_eq!(phong.frontier.hits.len(), 0);
-        // The colours of the two terms, with ki in them, and the exponent: everything that can be multiplied once a frame is.
+        // The colours of the two terms, with ki in them, and the exponent: everything that can be multiplied once a
+        // frame is.
         assert_eq!(phong.frontier.uniforms.len(), 7);
         let called = |primitive| {
             (0..phong.graph.len() as u32).any(|id| matches!(phong.graph.node(NodeId(id)), Node::Apply(p, _) if p == primitive))
@@ -192,8 +194,8 @@ mod tests {
 
     #[test]
     fn sums_of_colours_are_multiplied_out() {
-        // A highlight whose colour turns metallic, with a bounded exponent, and with an unbounded one: then a cosine that rounding takes
-        // above 1 would have infinite powers.
+        // A highlight whose colour turns metallic, with a bounded exponent, and with an unbounded one: then a cosine
+        // that rounding takes above 1 would have infinite powers.
         for exponent in ["1 + 99*s", "3/(1 - s)"] {
             let metal = bindings(&format!(
                 "body_specific; s: scalar, constraint 0..1; m: scalar, constraint 0..1; formula; white = <1, 1, 1>;

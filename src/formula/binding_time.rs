@@ -1,7 +1,9 @@
-//! Binding times: which parts of a formula are known once rays are traced, which once a frame, which only for every record.
+//! Binding times: which parts of a formula are known once rays are traced, which once a frame, which only for every
+//! record.
 //!
-//! Each node of the graph is constant, *static* (made of variables alone: known once traced, for a hit or for a lit record),
-//! *uniform* (made of parameters alone: known once a frame, for a body and a light), or *dynamic* (made of both).
+//! Each node of the graph is constant, *static* (made of variables alone: known once traced, for a hit or for a lit
+//! record), *uniform* (made of parameters alone: known once a frame, for a body and a light), or *dynamic* (made of
+//! both).
 
 use crate::formula::graph::{Graph, Node, NodeId};
 use crate::lang::variables::Rate;

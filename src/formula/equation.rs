@@ -1,11 +1,12 @@
-//! Equation (2) of the thesis (4.2.3) as data: the terms that a lit record, a hit, or a ray that leaves the scene adds to a pixel,
-//! and the weights of child rays.
+//! Equation (2) of the thesis (4.2.3) as data: the terms that a lit record, a hit, or a ray that leaves the scene adds
+//! to a pixel, and the weights of child rays.
 //!
 //! ```text
 //! E(hit) = Σ_lit lights ki · local  +  ka · Cd · Ia  +  kr · E(reflected)  +  kt · E(refracted),     E(miss) = background
 //! ```
 //!
-//! The interpreter, the compiled code, drags and the inspector all read this table. Which lights reach a hit is not decided here.
+//! The interpreter, the compiled code, drags and the inspector all read this table. Which lights reach a hit is not
+//! decided here.
 
 use crate::formula::Formula;
 use crate::formula::layout::Layout;
@@ -32,8 +33,8 @@ pub enum Colour {
     Parameters(&'static [Predefined]),
 }
 
-/// A term: a product of a scalar weight and a colour. Where the weight is 0, the term is exactly 0, even if the colour is infinite
-/// or NaN.
+/// A term: a product of a scalar weight and a colour. Where the weight is 0, the term is exactly 0, even if the colour
+/// is infinite or NaN.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Term {
     /// Its name in reports.
@@ -78,7 +79,8 @@ impl Term {
         self.weight.into_iter().chain(colours.iter().copied())
     }
 
-    /// The product of the weight and the colours, whose values `value` gives (a scalar's three times); of the formula's term the weight alone.
+    /// The product of the weight and the colours, whose values `value` gives (a scalar's three times); of the formula's
+    /// term the weight alone.
     pub fn product(&self, value: impl Fn(Predefined) -> [f32; 3]) -> [f32; 3] {
         let multiply = |a: [f32; 3], b: [f32; 3]| std::array::from_fn(|component| Floats.mul(a[component], b[component]));
         let colour = match self.colour {

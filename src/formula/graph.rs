@@ -1,7 +1,7 @@
 //! A formula as a graph of scalar operations with shared nodes: the input of compiled code.
 //!
-//! Vectors are split into their components, equal sub-expressions and macros become one node, and constants are folded by the
-//! reference meaning. Operands have smaller numbers than their users, so walking the graph needs no recursion.
+//! Vectors are split into their components, equal sub-expressions and macros become one node, and constants are folded
+//! by the reference meaning. Operands have smaller numbers than their users, so walking the graph needs no recursion.
 
 use crate::formula::{Formula, ParameterId, Term, TermId};
 use crate::lang::builtins::Stack;
@@ -37,8 +37,8 @@ impl Node {
     }
 }
 
-/// The nodes that can be reached from `root`, each once, operands before their users. `next` returns the operands of a node that are
-/// to be followed.
+/// The nodes that can be reached from `root`, each once, operands before their users. `next` returns the operands of a
+/// node that are to be followed.
 pub(super) fn walk(root: NodeId, next: impl Fn(NodeId) -> Vec<NodeId>) -> BTreeSet<NodeId> {
     let mut found = BTreeSet::new();
     let mut pending = vec![root];
@@ -98,7 +98,8 @@ impl Graph {
         self.add(node)
     }
 
-    /// The graph of the nodes that `roots` are computed from, in the same order, and the roots in it, which become its result.
+    /// The graph of the nodes that `roots` are computed from, in the same order, and the roots in it, which become its
+    /// result.
     pub(super) fn reachable(&self, roots: [NodeId; 3]) -> (Graph, [NodeId; 3]) {
         let mut wanted = vec![false; self.len()];
         let mut pending = roots.to_vec();
@@ -202,7 +203,8 @@ impl Graph {
         roots.iter().map(|root| values[root]).collect()
     }
 
-    /// xⁿ for whole n from −4 to 4, as products: within four units in the last place of `powf`, at a fraction of the cost.
+    /// xⁿ for whole n from −4 to 4, as products: within four units in the last place of `powf`, at a fraction of the
+    /// cost.
     fn small_power(&mut self, x: NodeId, exponent: f32) -> Option<NodeId> {
         if exponent.fract() != 0.0 || !(1.0..=4.0).contains(&exponent.abs()) {
             return None;

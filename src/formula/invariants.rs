@@ -1,8 +1,8 @@
 //! Invariants: sums of parameters that are to be 1, or at most 1 (thesis 4.2.7, 8.2).
 //!
-//! The `=` lines of one kind of owner form a linear system. Each makes one parameter follow from the others; what is left is free
-//! within the bounds that ranges and `<=` lines set. Held here is that system and what it says about given values; the values
-//! themselves, and who is told when one gives way, are the workspace's.
+//! The `=` lines of one kind of owner form a linear system. Each makes one parameter follow from the others; what is
+//! left is free within the bounds that ranges and `<=` lines set. Held here is that system and what it says about given
+//! values; the values themselves, and who is told when one gives way, are the workspace's.
 
 mod elimination;
 mod polytope;
@@ -65,8 +65,8 @@ pub struct InvariantSystem {
 }
 
 impl InvariantSystem {
-    /// Solves the invariants of one kind of owner; with the system come the indices of redundant `=` lines, which say nothing
-    /// that the lines before them do not. Indices are into `invariants`; lines of other owners are passed over.
+    /// Solves the invariants of one kind of owner; with the system come the indices of redundant `=` lines, which say
+    /// nothing that the lines before them do not. Indices are into `invariants`; lines of other owners are passed over.
     ///
     /// # Errors
     /// The lines contradict each other, or leave no values within 0..1.
@@ -172,8 +172,9 @@ impl InvariantSystem {
         Some(text)
     }
 
-    /// Where a free parameter may be moved, the other free ones staying as `values` has them: there every parameter of the
-    /// owner stays in 0..1 and every `<=` holds. A locked parameter stays where it is. None where no invariant names it.
+    /// Where a free parameter may be moved, the other free ones staying as `values` has them: there every parameter of
+    /// the owner stays in 0..1 and every `<=` holds. A locked parameter stays where it is. None where no invariant
+    /// names it.
     pub fn range_of(&self, parameter: ParameterId, values: impl Fn(ParameterId) -> f32) -> Option<[f32; 2]> {
         if let Some(dependent) = self.dependent(parameter) {
             return Some([dependent.value(values); 2]);
@@ -183,8 +184,8 @@ impl InvariantSystem {
         Some([tidy(low), tidy(high)])
     }
 
-    /// What moves along with a parameter, itself included: the value of each is an affine function of it, with this slope,
-    /// as long as the other free ones stay. Nothing moves with a locked parameter, which cannot be moved.
+    /// What moves along with a parameter, itself included: the value of each is an affine function of it, with this
+    /// slope, as long as the other free ones stay. Nothing moves with a locked parameter, which cannot be moved.
     pub fn moved_with(&self, parameter: ParameterId) -> Vec<(ParameterId, f64)> {
         if self.is_locked(parameter) {
             return Vec::new();
@@ -196,8 +197,8 @@ impl InvariantSystem {
         std::iter::once((parameter, 1.0)).chain(followers).collect()
     }
 
-    /// Moves a free parameter to a value or as near to it as its range allows; all values that are others afterwards, its own
-    /// first. Nothing where the parameter is locked.
+    /// Moves a free parameter to a value or as near to it as its range allows; all values that are others afterwards,
+    /// its own first. Nothing where the parameter is locked.
     pub fn move_one(&self, parameter: ParameterId, value: f32, values: impl Fn(ParameterId) -> f32) -> Vec<(ParameterId, f32)> {
         if self.is_locked(parameter) {
             return Vec::new();
@@ -216,9 +217,9 @@ impl InvariantSystem {
         std::iter::once((parameter, value)).chain(followers).collect()
     }
 
-    /// Settles values that arrive together: the free parameters in the order of naming, each taken to the nearest value for
-    /// which the later ones can still satisfy everything, then the locked ones. Values of all parameters that invariants name,
-    /// free ones first.
+    /// Settles values that arrive together: the free parameters in the order of naming, each taken to the nearest value
+    /// for which the later ones can still satisfy everything, then the locked ones. Values of all parameters that
+    /// invariants name, free ones first.
     pub fn settle(&self, wanted: impl Fn(ParameterId) -> f32) -> Vec<(ParameterId, f32)> {
         let wanted: Vec<f32> = self.free.iter().map(|id| within_unit(wanted(*id))).collect();
         let settled = if self.polytope.miss(|index| f64::from(wanted[index])) <= TOLERANCE {
@@ -256,8 +257,8 @@ impl InvariantSystem {
     }
 }
 
-/// The defaults that give way to the invariants, or that are given to locked parameters and differ from what these follow to be.
-/// Invariants that are inconsistent make none give way.
+/// The defaults that give way to the invariants, or that are given to locked parameters and differ from what these
+/// follow to be. Invariants that are inconsistent make none give way.
 pub fn default_conflicts(parameters: &[Parameter], invariants: &[Invariant]) -> Vec<DefaultConflict> {
     let given = |id: ParameterId| parameters[id.0 as usize].default[0];
     Owner::ALL

@@ -1,9 +1,10 @@
 //! Values as sums of products, each of an *outer* and an *inner* factor: `Σ outer · inner`.
 //!
-//! Two analyses take a contribution apart in this way. [`rewrite`](super::rewrite) wants everything uniform in the outer factors,
-//! so that it is multiplied once a frame. [`separation`](super::separation) wants everything that a dragged slider moves in the outer
-//! factors, so that images of the inner ones can be kept. What is common to both stands here: which primitives are linear in their
-//! operands, and the arithmetic of sums of products. What goes to which side, and which sums are worth having, they say by [`LinearForm`].
+//! Two analyses take a contribution apart in this way. [`rewrite`](super::rewrite) wants everything uniform in the
+//! outer factors, so that it is multiplied once a frame. [`separation`](super::separation) wants everything that a
+//! dragged slider moves in the outer factors, so that images of the inner ones can be kept. What is common to both
+//! stands here: which primitives are linear in their operands, and the arithmetic of sums of products. What goes to
+//! which side, and which sums are worth having, they say by [`LinearForm`].
 
 use crate::formula::graph::{Graph, Node, NodeId, walk};
 use crate::lang::scalars::Primitive;
@@ -44,7 +45,8 @@ pub(super) trait LinearForm {
     /// The factor by which two products can be put together as one.
     fn common(&self, one: &Product, other: &Product) -> Option<Common>;
 
-    /// A value as a sum of products. None where it is not linear and [`whole`](Self::whole) does not let a node stand for itself.
+    /// A value as a sum of products. None where it is not linear and [`whole`](Self::whole) does not let a node stand
+    /// for itself.
     fn sum_of_products(&mut self, root: NodeId) -> Option<Vec<Product>> {
         let mut sums: HashMap<NodeId, Vec<Product>> = HashMap::new();
         for id in walk(root, |id| self.linear_operands(id)) {

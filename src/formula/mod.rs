@@ -1,4 +1,5 @@
-//! A checked illumination model: its parameters, their invariants, and its expression with every name and type resolved.
+//! A checked illumination model: its parameters, their invariants, and its expression with every name and type
+//! resolved.
 //!
 //! Bytecode and compiled code are made from it. It holds no values: those belong to bodies, lights and the scene.
 //! [`Formula::parse`] turns text into a [`Formula`]. [`graph`] to [`separation`] analyse it for compiled code.
@@ -88,7 +89,8 @@ pub enum Term {
 pub struct Formula {
     /// The path of the material library, as written.
     pub uses: Option<String>,
-    /// All parameters: the predefined ones first, in the order of their table, then the declared ones in the order of the file.
+    /// All parameters: the predefined ones first, in the order of their table, then the declared ones in the order of
+    /// the file.
     pub parameters: Vec<Parameter>,
     /// All invariants, in the order of the file.
     pub invariants: Vec<Invariant>,

@@ -1,12 +1,15 @@
-//! Rewrites of a formula's graph that make more of it static or uniform, so that less is left to do for every record and frame.
+//! Rewrites of a formula's graph that make more of it static or uniform, so that less is left to do for every record
+//! and frame.
 //!
-//! 1. A power of a static base becomes 2 to the power of the exponent times the logarithm of the base, which is static (`power`).
+//! 1. A power of a static base becomes 2 to the power of the exponent times the logarithm of the base, which is static
+//!    (`power`).
 //! 2. Products are regrouped: uniform factors together, static factors together, dynamic ones as they are.
-//! 3. The contribution, which is linear in its terms, becomes a sum of products `uniform · other`, so that ki, colours and weights
-//!    are multiplied once a frame and not once a record.
+//! 3. The contribution, which is linear in its terms, becomes a sum of products `uniform · other`, so that ki, colours
+//!    and weights are multiplied once a frame and not once a record.
 //!
-//! Sums are regrouped only in the contribution (3). There, rounding errors stay as small as those of a term; inside a power, say, they
-//! could be amplified. Every rewrite is done only where intervals prove that it makes nothing infinite or NaN that was not so before.
+//! Sums are regrouped only in the contribution (3). There, rounding errors stay as small as those of a term; inside a
+//! power, say, they could be amplified. Every rewrite is done only where intervals prove that it makes nothing infinite
+//! or NaN that was not so before.
 
 mod power;
 
@@ -126,7 +129,8 @@ impl<'f> Rewriter<'f> {
         self.times(uniform, varying).unwrap_or(plain)
     }
 
-    /// The factors of a product in the form that [`product`](Self::product) gives it, uniform · (static · dynamic), at most one of each.
+    /// The factors of a product in the form that [`product`](Self::product) gives it, uniform · (static · dynamic), at
+    /// most one of each.
     fn factors(&self, id: NodeId) -> Vec<NodeId> {
         let mut factors = Vec::with_capacity(3);
         let mut product = id;
@@ -172,8 +176,8 @@ impl<'f> Rewriter<'f> {
 
     /// Whether to multiply each term of a sum by something uniform is no more work than to multiply the sum.
     fn may_scale(&self, sum: &[Product]) -> bool {
-        // A term without a uniform factor costs one more multiplication; that of the sum is saved. The factors of a large term must
-        // not be multiplied in another order: some alone may be too small for a number.
+        // A term without a uniform factor costs one more multiplication; that of the sum is saved. The factors of a
+        // large term must not be multiplied in another order: some alone may be too small for a number.
         let without = sum.iter().filter(|term| term.outer.is_none()).count();
         without <= 1 && sum.iter().all(|term| self.is_small(term))
     }
@@ -213,8 +217,8 @@ impl LinearForm for Rewriter<'_> {
     }
 
     fn multiplies(&self, x: &[Product], y: &[Product]) -> bool {
-        /// A factor that is not uniform is multiplied into sums of up to so many terms that are not uniform either. Components mostly
-        /// differ in what is uniform and share the rest.
+        /// A factor that is not uniform is multiplied into sums of at most this many terms that are not uniform either.
+        /// Most components differ in uniform factors only and share the rest.
         const MOST_PRODUCTS: usize = 2;
         match (x, y) {
             ([Product { outer: Some(uniform), inner: None }], sum) | (sum, [Product { outer: Some(uniform), inner: None }]) => {

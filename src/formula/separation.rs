@@ -1,10 +1,10 @@
 //! How a contribution depends on the parameters that a dragged slider moves.
 //!
-//! While a slider is dragged, a few numbers *move* and all others are *fixed*. A contribution is *separable* where the graph proves
-//! that it is a sum Σ factor · part, with factors made of moved numbers alone and parts made of fixed ones alone. Then each part, summed
-//! up over all hits, is an image that can be stored, and a frame is a weighted sum of images. Any other contribution is split into a fixed
-//! part and a *moving* part, which has to be computed again. Of the moving part, every expensive fixed sub-expression can be stored for
-//! each record.
+//! While a slider is dragged, a few numbers *move* and all others are *fixed*. A contribution is *separable* where the
+//! graph proves that it is a sum Σ factor · part, with factors made of moved numbers alone and parts made of fixed ones
+//! alone. Then each part, summed up over all hits, is an image that can be stored, and a frame is a weighted sum of
+//! images. Any other contribution is split into a fixed part and a *moving* part, which has to be computed again. Of
+//! the moving part, every expensive fixed sub-expression can be stored for each record.
 
 use crate::formula::ParameterId;
 use crate::formula::binding::Bindings;
@@ -16,10 +16,12 @@ use std::collections::{HashMap, HashSet};
 
 /// With more terms than this, images are no faster than to compute the contribution again.
 const MOST_TERMS: usize = 6;
-/// The cost from which on a sub-expression is stored rather than computed again: about that of loading it, in simple instructions.
+/// The cost from which on a sub-expression is stored rather than computed again: about that of loading it, in simple
+/// instructions.
 const WORTH_STORING: u32 = 12;
 
-/// A term of a separable contribution, for red, green and blue: a moved factor and a fixed part. A part that is missing is 1.
+/// A term of a separable contribution, for red, green and blue: a moved factor and a fixed part. A part that is missing
+/// is 1.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SeparableTerm {
     /// Made of moved numbers and constants. None where the component has no such term.

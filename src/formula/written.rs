@@ -10,8 +10,9 @@ use crate::lang::source::Span;
 use std::collections::HashMap;
 
 impl Formula {
-    /// An expression as text, with no more parentheses than it needs. Where `stand_in` returns a text for a part, it takes the place of
-    /// that part, without parentheses, like a name. Without stand-ins macros are written out at every use.
+    /// An expression as text, with no more parentheses than it needs. Where `stand_in` returns a text for a part, it
+    /// takes the place of that part, without parentheses, like a name. Without stand-ins macros are written out at
+    /// every use.
     pub fn written(&self, root: TermId, stand_in: impl Fn(TermId) -> Option<String>) -> String {
         let mut texts: HashMap<TermId, Option<String>> = HashMap::new();
         let mut pending = vec![root];

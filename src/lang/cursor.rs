@@ -41,7 +41,7 @@ impl Cursor {
         self.diagnostics
     }
 
-    /// The word `ahead` words after the current one; the end of the text if there are not so many.
+    /// The word `ahead` words after the current one, or the end of the text.
     pub fn peek(&self, ahead: usize) -> &Token {
         // The lexer always ends the list with `End`.
         &self.tokens[(self.at + ahead).min(self.tokens.len() - 1)]

@@ -7,7 +7,7 @@ use crate::lang::parser::Parser;
 use crate::lang::source::Span;
 use crate::lang::token::{Mark, TokenKind};
 
-/// How deeply expressions may be nested. Nobody writes so many levels, and they fit the stack of any thread.
+/// How deeply expressions may be nested. Nobody writes more levels, and this many fit the stack of any thread.
 const MAX_NESTING: usize = 256;
 
 /// The surroundings of an expression, as far as parsing depends on them.

@@ -1,7 +1,8 @@
 //! Pictures made in the background: what is wanted goes in, the newest picture comes out, and nobody waits.
 //!
-//! One thread traces, coarsely at first and then in full; another evaluates. Both look at what is wanted *now*: values that were overtaken are never
-//! drawn, and tracing that nobody wants any more ends soon. Nothing here knows of widgets.
+//! One thread traces, coarsely at first and then in full; another evaluates. Both look at what is wanted *now*: values
+//! that were overtaken are never drawn, and tracing that nobody wants any more ends soon. Nothing here knows of
+//! widgets.
 
 mod drawing;
 
@@ -81,7 +82,7 @@ pub enum Event {
         /// How long it took.
         time: Duration,
     },
-    /// So many pixels of the picture at rest hold what is no number, and are black there.
+    /// The number of pixels with a component that is not a number, in a picture at rest. They are black there.
     Undefined(usize),
     /// There is no picture, and why.
     Failed(String),
@@ -138,7 +139,7 @@ pub struct Renderer {
 const SMALL: u32 = 320 * 200;
 /// A picture that has not changed for so long is looked through for what is no number.
 const REST: Duration = Duration::from_millis(250);
-/// A coarse picture has one pixel in so many, along each side.
+/// Along each side, a coarse picture has one pixel for each of this many.
 const COARSE: u32 = 4;
 
 impl Renderer {
@@ -200,7 +201,8 @@ impl Renderer {
         stamp
     }
 
-    /// Waits until the picture of these values, by their number, or of later ones is there to be taken, but not longer than so.
+    /// Waits until the picture of these values, by their number, or of later ones is there to be taken, but not longer
+    /// than so.
     pub fn wait_for(&self, values: u64, longest: Duration) {
         let newest = self.shared.newest.lock().unwrap_or_else(PoisonError::into_inner);
         let is_missing = |newest: &mut Option<Picture>| newest.as_ref().is_none_or(|picture| picture.values < values);

@@ -18,8 +18,8 @@ pub struct Camera {
     plane: ImagePlane,
 }
 
-/// The image plane. `forward` leads from the camera to its middle, one unit away. From there `above` leads to its upper edge, and
-/// `right`, which has the same length, to the right.
+/// The image plane. `forward` leads from the camera to its middle, one unit away. From there `above` leads to its upper
+/// edge, and `right`, which has the same length, to the right.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct ImagePlane {
     forward: DVec3,
@@ -48,11 +48,12 @@ pub enum CameraError {
 }
 
 impl Camera {
-    /// A camera at `position` that looks along `gaze`, with the vertical angle of view `fov` in degrees, 0 < fov < 180. `up` points
-    /// upwards in the picture. It may have any length, and need not be perpendicular to the gaze.
+    /// A camera at `position` that looks along `gaze`, with the vertical angle of view `fov` in degrees, 0 < fov < 180.
+    /// `up` points upwards in the picture. It may have any length, and need not be perpendicular to the gaze.
     ///
     /// # Errors
-    /// Numbers beyond [`MAX_COORDINATE`](crate::scene::MAX_COORDINATE), directions that are zero or parallel, and angles out of range.
+    /// Numbers beyond [`MAX_COORDINATE`](crate::scene::MAX_COORDINATE), directions that are zero or parallel, and
+    /// angles out of range.
     pub fn new(position: DVec3, gaze: DVec3, up: DVec3, fov: f64) -> Result<Self, CameraError> {
         if ![position, gaze, up].into_iter().all(is_within_reach) {
             return Err(CameraError::TooLarge);
@@ -97,8 +98,8 @@ impl Camera {
         self.fov
     }
 
-    /// The unit direction to the point (`x`, `y`) of the image plane: (0, 0) is the middle of the picture, `y` is 1 at its
-    /// upper edge, and `x` grows to the right in the same unit.
+    /// The unit direction to the point (`x`, `y`) of the image plane: (0, 0) is the middle of the picture, `y` is 1 at
+    /// its upper edge, and `x` grows to the right in the same unit.
     pub fn direction(&self, x: f64, y: f64) -> DVec3 {
         (self.plane.forward + x * self.plane.right + y * self.plane.above).normalize()
     }

@@ -1,8 +1,8 @@
 //! Scenes: bodies, lights and a camera, as a text declares them (thesis 3.2.6, 9.3).
 //!
-//! Holds what a scene *says*, how it is read from the scene language and printed in it. Each shape and each kind of light has a
-//! file of its own (`shape/sphere`, `light/point`) and a row in the table of its enumeration, see `syntax`. Where rays meet all
-//! this is computed in [`crate::world`]; what the bodies look like is the formula's business.
+//! Holds what a scene *says*, how it is read from the scene language and printed in it. Each shape and each kind of
+//! light has a file of its own (`shape/sphere`, `light/point`) and a row in the table of its enumeration, see `syntax`.
+//! Where rays meet all this is computed in [`crate::world`]; what the bodies look like is the formula's business.
 
 mod camera;
 pub mod light;

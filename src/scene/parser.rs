@@ -1,8 +1,8 @@
-//! Parses the text of a scene: sections, bodies, lights (thesis 9.3.1). The clauses of the camera are parsed in `parser/camera.rs`,
-//! the values of shapes and lights where these are defined.
+//! Parses the text of a scene: sections, bodies, lights (thesis 9.3.1). The clauses of the camera are parsed in
+//! `parser/camera.rs`, the values of shapes and lights where these are defined.
 //!
-//! The language is flat, so nothing recurses. After an error the parser skips the rest of the declaration, so every declaration
-//! is checked on its own. A value out of range is reported, and parsing continues behind it.
+//! The language is flat, so nothing recurses. After an error the parser skips the rest of the declaration, so every
+//! declaration is checked on its own. A value out of range is reported, and parsing continues behind it.
 
 mod camera;
 #[cfg(test)]
@@ -183,7 +183,8 @@ impl Parser {
         }
     }
 
-    /// Parses the name of a body or light and the `:` after it. A name that is not allowed is reported, and parsing continues.
+    /// Parses the name of a body or light and the `:` after it. A name that is not allowed is reported, and parsing
+    /// continues.
     fn name(&mut self, what: &str) -> Result<Placed<String>, Reported> {
         let span = self.cursor.span();
         let Some(name) = self.cursor.word(0).map(str::to_owned) else {
@@ -227,8 +228,8 @@ impl Parser {
         Ok(())
     }
 
-    /// Parses a kind of shape or light and its values; `what` names it in messages. `elsewhere` are words of other sections, each
-    /// with a hint where it belongs. The value is `None` where it is out of range, which is reported.
+    /// Parses a kind of shape or light and its values; `what` names it in messages. `elsewhere` are words of other
+    /// sections, each with a hint where it belongs. The value is `None` where it is out of range, which is reported.
     fn kind<T>(
         &mut self,
         what: &str,

@@ -1,5 +1,5 @@
-//! A scene as text of the scene language, in one canonical form: one declaration a line, every number in the shortest form that
-//! reads back exactly.
+//! A scene as text of the scene language, in one canonical form: one declaration a line, every number in the shortest
+//! form that reads back exactly.
 
 use crate::scene::values::{Number, Vector};
 use crate::scene::{Camera, Light, Scene};

@@ -1,7 +1,7 @@
 //! How shapes and kinds of lights are written: what each of them says about its own text, and the tables of all.
 //!
-//! A shape or a kind of light is one file (its values, [`Declaration`] and `Display`) and one row in the table of its enumeration.
-//! The parser, its messages and the editor read the tables; nothing else names a shape.
+//! A shape or a kind of light is one file (its values, [`Declaration`] and `Display`) and one row in the table of its
+//! enumeration. The parser, its messages and the editor read the tables; nothing else names a shape.
 
 use crate::lang::cursor::{Cursor, Reported};
 use crate::lang::keywords::Keyword;

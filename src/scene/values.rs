@@ -26,8 +26,8 @@ impl Display for Vector {
     }
 }
 
-/// Parses a vector of numbers up to [`MAX_COORDINATE`]; `what` names it in messages. A larger component is reported and becomes
-/// NaN, which no shape and no camera accepts without a further error.
+/// Parses a vector of numbers up to [`MAX_COORDINATE`]; `what` names it in messages. A larger component is reported and
+/// becomes NaN, which no shape and no camera accepts without a further error.
 pub(super) fn vector(cursor: &mut Cursor, what: &str) -> Result<Placed<DVec3>, Reported> {
     let vector = cursor.vector(what)?;
     let components = vector.value.map(|number| {

@@ -1,4 +1,5 @@
-//! How much memory a picture may take: what is allowed, what is estimated before tracing, and what is counted meanwhile.
+//! How much memory a picture may take: what is allowed, what is estimated before tracing, and what is counted
+//! meanwhile.
 
 use crate::trace::tracer::Tracer;
 use crate::trace::walk::{RayEnd, trace_pixel};
@@ -13,8 +14,8 @@ const PIXELS_PER_SAMPLE: u32 = 64;
 const MIN_SAMPLES: u32 = 512;
 /// at most this many.
 const MAX_SAMPLES: u32 = 20_000;
-/// What the store is estimated to take for a hit or a miss, in bytes: at most six for its pixel, the rest for its share of paths
-/// and spans. Large scenes stay below it.
+/// What the store is estimated to take for a hit or a miss, in bytes: at most six for its pixel, the rest for its share
+/// of paths and spans. Large scenes stay below it.
 const STORE_BYTES_PER_HIT: u64 = 8;
 
 /// The memory that a picture may take, and what its evaluation will add to the store of hits.
@@ -99,8 +100,8 @@ impl Estimate {
     }
 }
 
-/// The pixel of a sample. The points of the R₂ sequence (Roberts 2018) are spread evenly, however few there are, and do not
-/// align with rows and columns.
+/// The pixel of a sample. The points of the R₂ sequence (Roberts 2018) are spread evenly, however few there are, and do
+/// not align with rows and columns.
 fn sampled_pixel(sample: u32, view: &View) -> u32 {
     let along = |ratio: f64, side: u32| ((0.5 + f64::from(sample) * ratio).fract() * f64::from(side)) as u32;
     let row = along(0.569_840_290_998_053_2, view.height()).min(view.height() - 1);
@@ -108,8 +109,8 @@ fn sampled_pixel(sample: u32, view: &View) -> u32 {
     row * view.width() + column
 }
 
-/// Counts the memory of a picture while several threads trace it. The count only grows, so the order of the threads does not
-/// decide whether it exceeds the budget.
+/// Counts the memory of a picture while several threads trace it. The count only grows, so the order of the threads
+/// does not decide whether it exceeds the budget.
 pub(super) struct MemoryMeter<'b> {
     budget: &'b Budget,
     estimate: Estimate,

@@ -1,7 +1,7 @@
 //! Builds a tile of the store: sorts the hits of its pixels, as they are traced, into groups and spans.
 //!
-//! Pixels come in order, and a path ends at most once in a pixel. So the list of pixels of each (path, emitter set) is sorted as it
-//! grows, and only the lists themselves are sorted at the end.
+//! Pixels come in order, and a path ends at most once in a pixel. So the list of pixels of each (path, emitter set) is
+//! sorted as it grows, and only the lists themselves are sorted at the end.
 
 use crate::scene::BodyId;
 use crate::segment::{CHUNK_HITS, Segment};
@@ -12,8 +12,8 @@ use smallvec::SmallVec;
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
-/// About what a path, a emitter set or a list of pixels takes in the tables of the builder, hits aside, in bytes. A quarter of
-/// it remains in the store.
+/// About what a path, a emitter set or a list of pixels takes in the tables of the builder, hits aside, in bytes. A
+/// quarter of it remains in the store.
 pub(super) const BYTES_PER_ENTRY: u64 = 64;
 
 /// The hits of a tile so far.
@@ -116,7 +116,8 @@ impl TileBuilder {
     }
 }
 
-/// The group of these lists, which share body and emitters, behind the hits and spans so far. There is at least one list.
+/// The group of these lists, which share body and emitters, behind the hits and spans so far. There is at least one
+/// list.
 fn group(lists: &[HitList], all: &mut Pixels, spans: &mut Vec<Span>) -> Group {
     let start = all.begin_group();
     let first = spans.len() as u32;
@@ -138,7 +139,8 @@ fn group(lists: &[HitList], all: &mut Pixels, spans: &mut Vec<Span>) -> Group {
     Group { body: *body, emitters: emitters.clone(), scattered: *scattered, hits, spans }
 }
 
-/// The hits of one path on a body that one emitter set reaches; or scattered ones that one emitter reaches, among others.
+/// The hits of one path on a body that one emitter set reaches; or scattered ones that one emitter reaches, among
+/// others.
 struct HitList {
     body: BodyId,
     emitters: SmallVec<[EmitterId; 6]>,
@@ -154,13 +156,14 @@ impl HitList {
     }
 }
 
-/// Groups of fewer hits may be scattered. Starting with an emitter of a group costs as much as about thirty hits. Adding to pixels
-/// for each emitter separately costs less, the longer the groups are that result.
+/// Groups of fewer hits may be scattered. Starting with an emitter of a group costs as much as about thirty hits.
+/// Adding to pixels for each emitter separately costs less, the longer the groups are that result.
 const SMALL_GROUP: usize = 24;
 /// They are scattered if that leaves at most one in this many pairs of a group and an emitter.
 const MIN_REDUCTION: usize = 4;
 
-/// The hits by what groups and spans share, in the order of these; and how many copies there are of hits that are in several groups.
+/// The hits by what groups and spans share, in the order of these; and how many copies there are of hits that are in
+/// several groups.
 fn hit_lists(hits: HashMap<(PathId, u32), Vec<u16>>, sets: &[(Vec<EmitterId>, u32)], paths: &[Path]) -> (Vec<HitList>, u32) {
     let body_of = |path: PathId| paths.get(path.index()).and_then(|path| path.body);
     let emitters_of = |set: u32| sets.get(set as usize).map_or(&[][..], |(emitters, _)| emitters);
@@ -224,7 +227,8 @@ impl Pixels {
         CHUNK_HITS - (self.hits - self.group) as usize % CHUNK_HITS
     }
 
-    /// Adds the pixels of a path, in segments of their own, behind those so far. `in_chunk` is the number of the span in its chunk.
+    /// Adds the pixels of a path, in segments of their own, behind those so far. `in_chunk` is the number of the span
+    /// in its chunk.
     fn span(&mut self, path: PathId, pixels: &[u16], in_chunk: usize) -> Span {
         let (start, first) = (self.segments.len(), self.hits);
         for pixel in pixels {

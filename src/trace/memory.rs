@@ -6,8 +6,8 @@ use sysinfo::System;
 /// The limit where nothing is known of the machine, in bytes.
 const FALLBACK: u64 = 1 << 30;
 
-/// The default limit for a picture in bytes: half of what this process can still get, within the limits of control groups (versions 1
-/// and 2) and of the process.
+/// The default limit for a picture in bytes: half of what this process can still get, within the limits of control
+/// groups (versions 1 and 2) and of the process.
 pub fn usable_memory() -> u64 {
     let limits = [system_free(), control_group_free(), process_free()];
     limits.into_iter().flatten().min().map_or(FALLBACK, |free| free / 2)
@@ -55,7 +55,8 @@ fn group_free(groups: &str, read: &dyn Fn(&Path) -> Option<String>) -> Option<u6
             _ if controllers.split(',').any(|controller| controller == "memory") => VERSION_1,
             _ => return None,
         };
-        // The limits of groups above hold too. Within a container the path may be one of the host: then only the root is there.
+        // The limits of groups above hold too. Within a container the path may be one of the host: then only the root
+        // is there.
         let path = Path::new(path.trim_start_matches('/'));
         path.ancestors().filter_map(|group| free_in(&files, &Path::new(files.root).join(group), read)).min()
     };

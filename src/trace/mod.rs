@@ -108,7 +108,8 @@ impl std::fmt::Display for Bytes {
 
 /// Traces `world` under `view`, on all threads of the current rayon pool; the result does not depend on their number.
 ///
-/// `progress` receives the share that is done, 0..=1, from time to time, on any thread. Setting `cancelled` ends the work soon.
+/// `progress` receives the share that is done, 0..=1, from time to time, on any thread. Setting `cancelled` ends the
+/// work soon.
 ///
 /// ```
 /// # use illuminator::{lang::source::Source, scene::Scene, trace::{Budget, View, trace}, world::World};
@@ -124,7 +125,8 @@ impl std::fmt::Display for Bytes {
 /// ```
 ///
 /// # Errors
-/// [`TraceError::Memory`] where the picture needs more than `budget`, by the estimate or by the count; [`TraceError::Cancelled`].
+/// [`TraceError::Memory`] where the picture needs more than `budget`, by the estimate or by the count;
+/// [`TraceError::Cancelled`].
 pub fn trace(
     world: &Arc<World>,
     view: &View,
@@ -156,7 +158,8 @@ pub fn trace(
     Ok(Hits { world: Arc::clone(world), view: *view, tiles })
 }
 
-/// How many steps of work a tile has: for each chunk of a group one for each of its lights, and one that adds to the pixels.
+/// How many steps of work a tile has: for each chunk of a group one for each of its lights, and one that adds to the
+/// pixels.
 fn steps_of(tile: &Tile) -> u64 {
     let of_group = |group: &Group| group.hits.len().div_ceil(CHUNK_HITS) * (group.emitters.len() + 1);
     tile.groups.iter().filter(|group| !group.emitters.is_empty()).map(of_group).sum::<usize>() as u64
@@ -196,8 +199,8 @@ fn trace_tile(
             });
             builder.finish_pixel();
         }
-        // The tables are counted in full although little of them remains when the tile is finished: the sum must not depend on
-        // which tiles are being traced at the same time.
+        // The tables are counted in full although little of them remains when the tile is finished: the sum must not
+        // depend on which tiles are being traced at the same time.
         let grown = builder.entries() - std::mem::replace(&mut entries, builder.entries());
         meter.add(hits, records, (hits + misses) * size_of::<Segment>() as u64 + grown * BYTES_PER_ENTRY)?;
         step(chunk.end - chunk.start)?;

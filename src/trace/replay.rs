@@ -1,8 +1,8 @@
 //! The rays of a pixel again, from the store alone.
 //!
-//! A stored hit knows its pixel and its path, that is the body at every step. Following them takes one intersection a step,
-//! with a known body; nothing is searched, and the numbers are those of the tracing, bit for bit. So another formula
-//! gets its variables without tracing again (thesis 4.2.1), and a ray that left the scene gets its direction.
+//! A stored hit knows its pixel and its path, that is the body at every step. Following them takes one intersection a
+//! step, with a known body; nothing is searched, and the numbers are those of the tracing, bit for bit. So another
+//! formula gets its variables without tracing again (thesis 4.2.1), and a ray that left the scene gets its direction.
 
 use crate::scene::BodyId;
 use crate::trace::store::{Group, Span, Tile};
@@ -17,8 +17,8 @@ use std::ops::Range;
 #[error("the stored hits are not those of this scene and view")]
 pub struct Mismatch;
 
-/// Passes each of `hits` (their numbers in the tile; those outside the group are skipped) to `visit`, in order: its number, its
-/// pixel counted over the picture, and its surface.
+/// Passes each of `hits` (their numbers in the tile; those outside the group are skipped) to `visit`, in order: its
+/// number, its pixel counted over the picture, and its surface.
 ///
 /// # Errors
 /// [`Mismatch`] where a stored hit does not exist: the tracer's world and view are not those that were traced.
@@ -51,8 +51,8 @@ pub fn replay(
     Ok(())
 }
 
-/// Passes the misses of a span of the tile to `visit`, in order: the pixel counted over the picture, and the direction, of unit
-/// length, in which the ray left the scene.
+/// Passes the misses of a span of the tile to `visit`, in order: the pixel counted over the picture, and the direction,
+/// of unit length, in which the ray left the scene.
 ///
 /// # Errors
 /// [`Mismatch`] where a hit on the way does not exist: the tracer's world and view are not those that were traced.

@@ -1,4 +1,5 @@
-//! The compact store of a picture's hits: which pixels have a hit at the end of which path, and which emitters of lights reach it.
+//! The compact store of a picture's hits: which pixels have a hit at the end of which path, and which emitters of
+//! lights reach it.
 //!
 //! Surfaces are not stored, see [`super::replay`].
 //!
@@ -10,9 +11,9 @@
 //!
 //! where weight(path) is the product of kr or kt of the bodies along it: equation (2) of thesis 4.2.3, multiplied out.
 //!
-//! All hits of a [`Group`] share the body and the emitters; all of a [`Span`] share the weight, too. Rays of neighbouring pixels mostly
-//! go the same way, so the pixels of a span are stored as [`Segment`]s: what is computed for the hits of a segment, side by side, is
-//! added to neighbouring pixels at once.
+//! All hits of a [`Group`] share the body and the emitters; all of a [`Span`] share the weight, too. Rays of
+//! neighbouring pixels mostly go the same way, so the pixels of a span are stored as [`Segment`]s: what is computed for
+//! the hits of a segment, side by side, is added to neighbouring pixels at once.
 
 use crate::scene::BodyId;
 use crate::segment::{Segment, TILE_PIXELS};
@@ -45,20 +46,21 @@ pub struct Path {
     pub body: Option<BodyId>,
 }
 
-/// Consecutive hits, or misses, of one path, in the order of their pixels. The hits lie in one chunk of their group, which is
-/// [`CHUNK_HITS`](crate::segment::CHUNK_HITS) hits.
+/// Consecutive hits, or misses, of one path, in the order of their pixels. The hits lie in one chunk of their group,
+/// which is [`CHUNK_HITS`](crate::segment::CHUNK_HITS) hits.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Span {
     /// The path.
     pub path: PathId,
-    /// Their numbers. The hits of a tile are counted in the order of groups, spans and pixels; misses are counted separately.
+    /// Their numbers. The hits of a tile are counted in the order of groups, spans and pixels; misses are counted
+    /// separately.
     pub hits: Range<u32>,
     /// Their pixels: indices into [`Tile::segments`], for misses into [`Tile::miss_segments`].
     pub segments: Range<u32>,
 }
 
-/// The hits of a tile on one body that exactly these emitters reach. Where many lights cast many shadows, few hits share their
-/// emitters. Such hits are *scattered*: they are in one group for each of their emitters.
+/// The hits of a tile on one body that exactly these emitters reach. Where many lights cast many shadows, few hits
+/// share their emitters. Such hits are *scattered*: they are in one group for each of their emitters.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Group {
     /// The body.
@@ -69,7 +71,8 @@ pub struct Group {
     pub scattered: bool,
     /// The numbers of its hits.
     pub hits: Range<u32>,
-    /// The same hits path by path, in the order of path ids: indices into [`Tile::spans`]. A pixel occurs at most once in a path.
+    /// The same hits path by path, in the order of path ids: indices into [`Tile::spans`]. A pixel occurs at most once
+    /// in a path.
     pub spans: Range<u32>,
 }
 
@@ -130,8 +133,8 @@ pub struct Tile {
     pub misses: Vec<Span>,
     /// The pixels of all such rays, span by span.
     pub miss_segments: Vec<Segment>,
-    /// All pixels in order, by the paths of their rays. What a ray adds regardless of its end point, such as the ambient light, is the
-    /// same for all pixels of a region.
+    /// All pixels in order, by the paths of their rays. What a ray adds regardless of its end point, such as the
+    /// ambient light, is the same for all pixels of a region.
     pub regions: Vec<Region>,
     /// The paths of the rays of each region.
     pub path_sets: PathSets,

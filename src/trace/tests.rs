@@ -1,5 +1,5 @@
-//! What holds of every tracing: the store says what the trees of rays say, replaying it gives the same bits, and neither
-//! scale nor threads matter.
+//! What holds of every tracing: the store says what the trees of rays say, replaying it gives the same bits, and
+//! neither scale nor threads matter.
 
 use super::*;
 use crate::lang::source::Source;
@@ -53,7 +53,7 @@ fn room(scale: f64) -> Arc<World> {
     ))
 }
 
-/// The same room, with so many lamps more, around it.
+/// The same room, with this many more lamps around it.
 fn bright_room(lamps: u32) -> Arc<World> {
     let mut scene = Scene::clone(room(1.0).scene());
     for lamp in 0..lamps {

@@ -1,5 +1,5 @@
-//! One ray: where a pixel's ray starts, what a ray hits, which emitters reach the hit, and where its reflected and refracted
-//! rays go (thesis 3.2.1 to 3.2.5). All in f64.
+//! One ray: where a pixel's ray starts, what a ray hits, which emitters reach the hit, and where its reflected and
+//! refracted rays go (thesis 3.2.1 to 3.2.5). All in f64.
 //!
 //! How rays follow one another is decided in [`super::walk`], what formulas see of a hit in [`super::variables`].
 
@@ -48,8 +48,9 @@ impl<'w> Tracer<'w> {
         self.world.intersect(ray, body).map(|intersection| self.world.surface_hit(ray, &intersection))
     }
 
-    /// Whether the light of an emitter reaches the hit: always without shadow rays; with them, if the hit [faces](SurfaceHit::faces) it
-    /// and no body, this one and transparent ones too, lies strictly between (thesis 3.2.1).
+    /// Whether the light of an emitter reaches the hit: always without shadow rays; with them, if the hit
+    /// [faces](SurfaceHit::faces) it and no body, this one and transparent ones too, lies strictly between (thesis
+    /// 3.2.1).
     pub fn reaches(&self, emitter: EmitterId, hit: &SurfaceHit) -> bool {
         if !self.view.shadows() {
             return true;
@@ -68,8 +69,8 @@ impl<'w> Tracer<'w> {
         hit.faces(self.world.emitter(emitter).sample(hit).direction)
     }
 
-    /// What lies strictly between a hit and an emitter that it faces, in the order of declaration of the bodies; distances
-    /// are from the hit. It does not matter whether shadow rays are on.
+    /// What lies strictly between a hit and an emitter that it faces, in the order of declaration of the bodies;
+    /// distances are from the hit. It does not matter whether shadow rays are on.
     pub fn occluders(&self, emitter: EmitterId, hit: &SurfaceHit) -> Vec<Intersection> {
         let sample = self.world.emitter(emitter).sample(hit);
         self.world.occluders(&hit.ray(sample.direction, hit.side), sample.distance).collect()
@@ -101,8 +102,8 @@ impl<'w> Tracer<'w> {
         Some(hit.ray(direction.normalize(), hit.side.opposite()))
     }
 
-    /// n₁/n₂ for the ray that met this surface, whether it is refracted or not: on the front it goes from index 1 into the
-    /// body, on the back the reverse.
+    /// n₁/n₂ for the ray that met this surface, whether it is refracted or not: on the front it goes from index 1 into
+    /// the body, on the back the reverse.
     pub fn relative_index(&self, hit: &SurfaceHit) -> f64 {
         let index = self.world.scene().body(hit.body).refractive_index.unwrap_or(self.view.default_index());
         match hit.side {

@@ -1,5 +1,5 @@
-//! The settings of tracing: picture size, depth, shadows, default index of refraction; and the primary ray of each pixel
-//! (thesis 3.2.1, 8.4).
+//! The settings of tracing: picture size, depth, shadows, default index of refraction; and the primary ray of each
+//! pixel (thesis 3.2.1, 8.4).
 
 use crate::scene::Camera;
 use crate::world::Ray;
@@ -35,8 +35,8 @@ pub enum ViewError {
 }
 
 impl View {
-    /// A view of `width` × `height` pixels (1..=[`MAX_SIDE`] each), depth 5, with shadow rays, default index 1.5, and rays
-    /// through the centres of pixels.
+    /// A view of `width` × `height` pixels (1..=[`MAX_SIDE`] each), depth 5, with shadow rays, default index 1.5, and
+    /// rays through the centres of pixels.
     ///
     /// # Errors
     /// A size out of range.
@@ -116,8 +116,8 @@ impl View {
         self.offset
     }
 
-    /// The primary ray of a pixel, counted row by row from the top left. Pixels are square, and the camera's angle of view spans
-    /// the height of the picture.
+    /// The primary ray of a pixel, counted row by row from the top left. Pixels are square, and the camera's angle of
+    /// view spans the height of the picture.
     pub fn primary_ray(&self, camera: &Camera, pixel: u32) -> Ray {
         let (width, height) = (f64::from(self.width), f64::from(self.height));
         let column = f64::from(pixel % self.width) + self.offset[0];

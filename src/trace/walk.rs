@@ -1,8 +1,8 @@
-//! The tree of rays of one pixel (thesis 3.2.2, 3.2.3): the one place that decides which rays follow which, and the tree
-//! itself for those who want to see a whole pixel.
+//! The tree of rays of one pixel (thesis 3.2.2, 3.2.3): the one place that decides which rays follow which, and the
+//! tree itself for those who want to see a whole pixel.
 //!
-//! All children are traced whatever their weight, which may be changed later (thesis 6.2.1), except those that the scene
-//! rules out (matte, opaque) or that do not exist (total reflection, maximum depth). Nothing here recurses.
+//! All children are traced whatever their weight, which may be changed later (thesis 6.2.1), except those that the
+//! scene rules out (matte, opaque) or that do not exist (total reflection, maximum depth). Nothing here recurses.
 
 use crate::trace::tracer::Tracer;
 use crate::world::{EmitterId, Ray, SurfaceHit};
@@ -39,8 +39,8 @@ pub(super) struct Pending<T> {
 
 /// Traces all rays of a pixel, parents before their children and the reflected child's whole tree before the refracted.
 ///
-/// `visit` learns where each ray came from, how, and where it ended. What it returns is passed to it as the origin of the
-/// ray's children. `stack` is scratch memory, empty before and after.
+/// `visit` learns where each ray came from, how, and where it ended. What it returns is passed to it as the origin of
+/// the ray's children. `stack` is scratch memory, empty before and after.
 pub(super) fn trace_pixel<T: Copy>(
     tracer: &Tracer,
     pixel: u32,

@@ -32,8 +32,9 @@ impl EmitterId {
     }
 }
 
-/// What emits the light of a [`Light`](crate::scene::Light), or a part of it. The light owns the parameters, its emitters the
-/// geometry. Each kind of light has one emitter today; hits are stored with emitters, so a kind may have several.
+/// What emits the light of a [`Light`](crate::scene::Light), or a part of it. The light owns the parameters, its
+/// emitters the geometry. Each kind of light has one emitter today; hits are stored with emitters, so a kind may have
+/// several.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Emitter {
     light: LightId,
@@ -58,7 +59,8 @@ impl Emitter {
     }
 }
 
-/// Declares [`Source`] from the kinds of emitters, each with its module. Its name is that of the [`LightKind`] that it is built from.
+/// Declares [`Source`] from the kinds of emitters, each with its module. Its name is that of the [`LightKind`] that it
+/// is built from.
 macro_rules! sources {
     ($($module:ident::$kind:ident,)*) => {
         #[derive(Debug, Clone, PartialEq)]

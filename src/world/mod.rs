@@ -1,13 +1,14 @@
-//! What rays meet: the surfaces of bodies and the emitters of lights, built once from a scene and shared by all who trace.
+//! What rays meet: the surfaces of bodies and the emitters of lights, built once from a scene and shared by all who
+//! trace.
 //!
-//! 1. A [`Scene`] says what a text declares; a [`World`] answers rays: what a ray hits first, what lies between two points,
-//!    in which direction a hit sees a light. All of it in f64 and world coordinates.
+//! 1. A [`Scene`] says what a text declares; a [`World`] answers rays: what a ray hits first, what lies between two
+//!    points, in which direction a hit sees a light. All of it in f64 and world coordinates.
 //! 2. Each kind of surface has a file of its own with its intersection (`surface/sphere`), and a row in `surface`.
 //!    Each kind of emitter has a file of its own (`emitter/point`), and a row in `emitter`.
-//! 3. An [`Intersection`] is cheap: which body, which part of it, how far. A [`SurfaceHit`] is what tracing needs of it.
-//!    Tangents and surface coordinates are computed on demand, because few formulas read them.
-//! 4. A ray that leaves a surface is not moved away from it by a small distance. It knows the surface that it leaves and to
-//!    which side, so the root at its origin is left out of the solution. This works alike at any scale.
+//! 3. An [`Intersection`] is cheap: which body, which part of it, how far. A [`SurfaceHit`] is what tracing needs of
+//!    it. Tangents and surface coordinates are computed on demand, because few formulas read them.
+//! 4. A ray that leaves a surface is not moved away from it by a small distance. It knows the surface that it leaves
+//!    and to which side, so the root at its origin is left out of the solution. This works alike at any scale.
 //!
 //! How rays follow one another is decided in [`crate::trace`].
 
@@ -69,14 +70,14 @@ impl World {
 
     /// The diagonal of the bounding box of all bodies, in world units; 0 without bodies.
     ///
-    /// Lights and camera are left out: the extent measures how finely surfaces must be told apart, and a sun set far away
-    /// does not make them coarser.
+    /// Lights and camera are left out: the extent measures how finely surfaces must be told apart, and a sun set far
+    /// away does not make them coarser.
     pub fn extent(&self) -> f64 {
         self.extent
     }
 
-    /// The distance in world units within which two surfaces count as one: a ray that leaves one does not meet the other, and
-    /// of two that a ray meets the one declared first is hit.
+    /// The distance in world units within which two surfaces count as one: a ray that leaves one does not meet the
+    /// other, and of two that a ray meets the one declared first is hit.
     pub fn tolerance(&self) -> f64 {
         self.tolerance
     }
@@ -176,17 +177,17 @@ impl World {
 
     /// The tangent at a hit, of unit length: the direction in which u grows, see [`coordinates`](Self::coordinates).
     ///
-    /// On a rectangle it is the direction from A to B, on a sphere normalize(<0,1,0> × outward normal), or <1,0,0> at the poles.
-    /// It does not depend on the side that was hit.
+    /// On a rectangle it is the direction from A to B, on a sphere normalize(<0,1,0> × outward normal), or <1,0,0> at
+    /// the poles. It does not depend on the side that was hit.
     pub fn tangent(&self, hit: &SurfaceHit) -> DVec3 {
         self.surfaces[hit.body.index()].tangent(hit)
     }
 
     /// The surface coordinates (u, v) of a hit, each 0..1.
     ///
-    /// On a rectangle u grows from A to B and v from B to C. On a sphere u is the longitude / 2π, from +z towards +x about
-    /// the y axis (0 at the poles), and v is the angle from the south pole (−y) / π. Seen from outside, with +y upwards, u grows
-    /// to the right and v upwards.
+    /// On a rectangle u grows from A to B and v from B to C. On a sphere u is the longitude / 2π, from +z towards +x
+    /// about the y axis (0 at the poles), and v is the angle from the south pole (−y) / π. Seen from outside, with +y
+    /// upwards, u grows to the right and v upwards.
     pub fn coordinates(&self, hit: &SurfaceHit) -> [f64; 2] {
         self.surfaces[hit.body.index()].coordinates(hit)
     }

@@ -16,8 +16,8 @@ pub(super) trait Geometry {
 
     /// Where a ray from elsewhere first meets the surface, at a distance greater than 0.
     ///
-    /// A surface within `tolerance` (in world units, ≥ 0) of the origin is not met: it coincides with the surface that the
-    /// ray comes from.
+    /// A surface within `tolerance` (in world units, ≥ 0) of the origin is not met: it coincides with the surface that
+    /// the ray comes from.
     fn intersect(&self, ray: &Ray, tolerance: f64) -> Option<Meeting>;
 
     /// Where a ray that starts on this very surface meets it again. The root at the origin is left out analytically.
@@ -42,7 +42,8 @@ pub(super) struct FrontPoint {
     pub(super) shading_normal: DVec3,
 }
 
-/// Declares [`Surface`] from the kinds of surfaces, each with its module. Its name is that of the [`Shape`] that it is built from.
+/// Declares [`Surface`] from the kinds of surfaces, each with its module. Its name is that of the [`Shape`] that it is
+/// built from.
 macro_rules! surfaces {
     ($($module:ident::$kind:ident,)*) => {
         /// The surface of a body.
@@ -164,7 +165,8 @@ mod tests {
         }
     }
 
-    /// Nothing is between a hit and the origin of its ray, and a ray that goes on meets what one meets that starts just beyond.
+    /// Nothing is between a hit and the origin of its ray, and a ray that goes on meets what one meets that starts just
+    /// beyond.
     fn check_leaving(world: &World, ray: &Ray, hit: &SurfaceHit, name: &str) {
         assert!(!world.is_occluded(&hit.ray(hit.view, hit.side), hit.distance), "{name}: something is before {hit:?}");
         let step = 1e-6 * world.extent();
@@ -186,7 +188,7 @@ mod tests {
         let Some(met) = world.nearest(&ray).filter(|met| met.distance < 2.0 * step) else { return };
         let next = world.surface_hit(&ray, &met);
         let ([u, v], [next_u, next_v]) = (world.coordinates(hit), world.coordinates(&next));
-        // Where a surface is closed, u begins anew.
+        // Where a surface is closed, u starts again at 0.
         let grown = (next_u - u).rem_euclid(1.0);
         assert!(grown > 0.0 && grown < 0.1, "{name}: u goes from {u} to {next_u} at {hit:?}");
         assert!((next_v - v).abs() < 1e-3 * grown, "{name}: v goes from {v} to {next_v} at {hit:?}");

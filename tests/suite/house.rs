@@ -1,7 +1,8 @@
-//! The order of the house: which rooms may import which, that imports do not go round in circles, and where unsafe code
-//! may live.
+//! The order of the house: which rooms may import which, that imports do not go round in circles, where unsafe code may
+//! live, and what comments and documents look like.
 
 mod modules;
+mod prose;
 mod tokens;
 
 use modules::Modules;

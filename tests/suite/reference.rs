@@ -1,5 +1,6 @@
-//! Pictures against those of an independent renderer: `tests/reference/reference.py`, written from the description of the languages
-//! alone, in double precision. Of the pixels that are stable under a shift of a hundredth of a pixel, 99.9 % must agree within 2e-3.
+//! Pictures against those of an independent renderer: `tests/reference/reference.py`, written from the description of
+//! the languages alone, in double precision. Of the pixels that are stable under a shift of a hundredth of a pixel,
+//! 99.9 % must agree within 2e-3.
 
 use std::fs;
 use std::path::{Path, PathBuf};

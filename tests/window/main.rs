@@ -24,7 +24,8 @@ impl Screen {
 
     /// On a display that is told this too.
     fn with(session: &str, told: &[&str]) -> Self {
-        // It takes a number that is free, and tells it when it can be connected to; and it goes on when nobody is connected for a moment.
+        // It takes a number that is free, and tells it when it can be connected to; and it goes on when nobody is
+        // connected for a moment.
         let mut server = Command::new("Xvfb");
         let server = server.args(["-displayfd", "1", "-noreset", "-screen", "0", "1300x820x24"]).args(told);
         let mut server = server.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().expect("Xvfb, of Debian's package xvfb");

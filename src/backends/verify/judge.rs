@@ -2,14 +2,16 @@
 //!
 //! A difference is excused in three cases:
 //!
-//! 1. The compiled result is that of the same program in `f64`, where intermediate results are hardly rounded and do not overflow.
-//!    Then the interpreter is the one that is off.
+//! 1. The compiled result is that of the same program in `f64`, where intermediate results are hardly rounded and do
+//!    not overflow. Then the interpreter is the one that is off.
 //! 2. In `f64` with the range of `f32`, the result is at least as far away from the interpreter's.
-//! 3. So it is if intermediate results are perturbed by up to [`PERTURBATION`] units in the last place, by some perturbations that a search
-//!    finds. A step of the search replaces the perturbations of some consecutive operations by random ones, and keeps them if the
-//!    result moves further. So the contributions of different records to a pixel can be moved one after the other.
+//! 3. So it is if intermediate results are perturbed by up to [`PERTURBATION`] units in the last place, by some
+//!    perturbations that a search finds. A step of the search replaces the perturbations of some consecutive operations
+//!    by random ones, and keeps them if the result moves further. So the contributions of different records to a pixel
+//!    can be moved one after the other.
 //!
-//! Below the smallest normal number, which is where results are flushed to 0, that number is the unit in the last place.
+//! Below the smallest normal number, which is where results are flushed to 0, that number is the unit in the last
+//! place.
 
 use crate::backends::interpreter::Interpreted;
 use crate::backends::verify::{Difference, TOLERANCE, distance};
@@ -18,7 +20,8 @@ use std::f32::consts::FRAC_PI_2;
 
 /// By how many units in the last place intermediate results are perturbed, at most.
 const PERTURBATION: f32 = 8.0;
-/// Sine, cosine and tangent are accurate up to this angle in radians. Beyond, the language promises only the range of the result.
+/// Sine, cosine and tangent are accurate up to this angle in radians. Beyond, the language promises only the range of
+/// the result.
 const ACCURATE_ANGLE: f32 = 1e5;
 /// How many perturbed results are looked at before a difference counts as unexcused.
 const TRIALS: u32 = 1024;
@@ -74,8 +77,8 @@ impl Recorder for Unrounded {
 /// The reference meaning with every result perturbed.
 #[derive(Clone, Default)]
 struct Perturbations {
-    /// By how much to perturb the result of each operation, in the order in which a program runs them: from −1, by [`PERTURBATION`] units
-    /// down, to 1. 0 for the operations beyond.
+    /// By how much to perturb the result of each operation, in the order in which a program runs them: from −1, by
+    /// [`PERTURBATION`] units down, to 1. 0 for the operations beyond.
     shares: Vec<f32>,
     /// The operation that is run next.
     next: usize,
@@ -196,8 +199,9 @@ mod tests {
         assert_eq!(results.map(f32::round), [0.0, 0.0, 0.0, -4.0, -8.0]);
     }
 
-    /// Whether a difference in red of a formula's value is excused, on a ball in front of the camera and this many lights. `ki`, `IL` and
-    /// the colours are 1, every other parameter is 0. `difference` gives the compiled value from the interpreted one.
+    /// Whether a difference in red of a formula's value is excused, on a ball in front of the camera and this many
+    /// lights. `ki`, `IL` and the colours are 1, every other parameter is 0. `difference` gives the compiled value from
+    /// the interpreted one.
     fn is_excused(formula: &str, lights: usize, difference: impl Fn(f32) -> f32) -> bool {
         let lights_text: String = (0..lights).map(|light| format!("l{light}: point, <{}, 3, 9>; ", light + 1)).collect();
         let scene = format!(
@@ -229,8 +233,8 @@ mod tests {
 
     #[test]
     fn the_exact_value_is_excused() {
-        // The cross product of parallel vectors is 0, which has no direction. Rounding gives it one, and perturbation another one, but
-        // hardly ever none.
+        // The cross product of parallel vectors is 0, which has no direction. Rounding gives it one, and perturbation
+        // another one, but hardly ever none.
         let difference = |value: f32| {
             assert!(value.is_finite(), "the interpreter's cross product is not 0");
             f32::NAN

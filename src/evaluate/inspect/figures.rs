@@ -7,7 +7,8 @@ use std::fmt;
 
 /// How many digits are written.
 const DIGITS: usize = 4;
-/// A component is written as 0 if it is smaller than this share of the largest: what rounding leaves of a direction along an axis.
+/// A component is written as 0 if it is smaller than this share of the largest: what rounding leaves of a direction
+/// along an axis.
 const NOTHING: f64 = 1e-6;
 /// Powers of ten of the first digit within which numbers are written out.
 const WRITTEN_OUT: std::ops::RangeInclusive<i32> = -4..=5;

@@ -20,8 +20,8 @@ pub struct InstanceLine {
     pub name: Option<String>,
     /// The expression as in the formula, without parentheses that change nothing: `kd*IL*Cd*max(0, N.L)`.
     pub written: String,
-    /// The same with rounded numbers for names: `0.6*<1, 1, 1>*<0.9, 0.2, 0.1>*max(0, 0.8333)`. The dot product of two variables, a cosine
-    /// mostly, is one number.
+    /// The same with rounded numbers for names: `0.6*<1, 1, 1>*<0.9, 0.2, 0.1>*max(0, 0.8333)`. The dot product of two
+    /// variables, a cosine mostly, is one number.
     pub numbers: String,
     /// What it yields; to be written, it is rounded likewise.
     pub value: Quantity,
@@ -54,7 +54,8 @@ impl Instance {
     }
 }
 
-/// The terms that some operator is written before, and bases of powers: a negative number in their place is easier to read in parentheses.
+/// The terms that some operator is written before, and bases of powers: a negative number in their place is easier to
+/// read in parentheses.
 fn behind_operators(formula: &Formula) -> HashSet<TermId> {
     let mut behind = HashSet::new();
     for term in &formula.terms {

@@ -1,8 +1,9 @@
-//! One pixel looked into: its tree of rays with bodies, angles and lights, what each of them adds, and the formula with its numbers.
+//! One pixel looked into: its tree of rays with bodies, angles and lights, what each of them adds, and the formula with
+//! its numbers.
 //!
-//! The pixel is traced anew: no store of hits is needed. Numbers are added up as the interpreter
-//! does it, so a pixel's total is the interpreter's. What is found is plain data ([`report`](Inspection)); [`text`](Inspector::text)
-//! writes it for a terminal. Nothing here knows how it is shown, and nothing is kept.
+//! The inspector traces the pixel itself and needs no stored hits. It adds numbers up in the same order as the
+//! interpreter, so the total of a pixel is the same. The result is plain data ([`Inspection`]);
+//! [`text`](Inspector::text) writes it for a terminal. Nothing is kept.
 
 mod figures;
 mod instance;
@@ -45,7 +46,8 @@ struct Pending {
 }
 
 impl<'i> Inspector<'i> {
-    /// Looks into `formula` in `world` with these parameter numbers, those of [`Evaluator::frame`](crate::evaluate::Evaluator::frame).
+    /// Looks into `formula` in `world` with these parameter numbers, those of
+    /// [`Evaluator::frame`](crate::evaluate::Evaluator::frame).
     ///
     /// # Panics
     /// Where there are fewer numbers than the [`Layout`](crate::formula::layout::Layout) of formula and scene has.
@@ -73,7 +75,8 @@ impl<'i> Inspector<'i> {
         Some(Inspection { pixel, rays, total })
     }
 
-    /// The formula at a hit for a light, whether that reaches it or not, with its numbers; `None` for a light that the scene does not have.
+    /// The formula at a hit for a light, whether that reaches it or not, with its numbers; `None` for a light that the
+    /// scene does not have.
     pub fn instance(&self, hit: &InspectedHit, light: LightId) -> Option<Instance> {
         let light = hit.lights.iter().find(|inspected| inspected.light == light)?;
         let values = self.values(hit.body(), light.light, &hit.variables, &light.variables);

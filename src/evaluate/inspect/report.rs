@@ -9,7 +9,8 @@ use crate::world::{Ray, SurfaceHit};
 pub struct Inspection {
     /// The pixel: column and row, from the top left.
     pub pixel: [u32; 2],
-    /// Its rays, parents before children and the reflected child's whole tree before the refracted; the primary ray is the first.
+    /// Its rays, parents before children and the reflected child's whole tree before the refracted; the primary ray is
+    /// the first.
     pub rays: Vec<InspectedRay>,
     /// The pixel's linear red, green and blue, unclamped: the interpreter's, bit for bit.
     pub total: [f32; 3],
@@ -34,7 +35,8 @@ pub struct InspectedRay {
     pub end: End,
     /// Light at its end, linear RGB: Σ ki·local + ka·Cd·Ia of the hit, or the background.
     pub own: [f32; 3],
-    /// Light that it brings, linear RGB, equation (2) of thesis 4.2.3: `own` and what its children bring, times their factors.
+    /// Light that it brings, linear RGB, equation (2) of thesis 4.2.3: `own` and what its children bring, times their
+    /// factors.
     pub total: [f32; 3],
     /// What its end adds to the pixel, linear RGB: `weight`·`own`, and 0 where the weight is 0.
     pub contribution: [f32; 3],
@@ -89,7 +91,8 @@ pub struct Crossing {
 }
 
 impl Crossing {
-    /// The critical angle in degrees, 0..90: beyond it all light is reflected; `None` where n12 is at most 1 and there is none.
+    /// The critical angle in degrees, 0..90: beyond it all light is reflected; `None` where n12 is at most 1 and there
+    /// is none.
     pub fn critical(&self) -> Option<f64> {
         (self.n12 > 1.0).then(|| (1.0 / self.n12).asin().to_degrees())
     }

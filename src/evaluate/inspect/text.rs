@@ -11,7 +11,8 @@ use crate::trace::Edge;
 use crate::world::Side;
 use glam::DVec3;
 
-/// What is equal is written on one line up to this length in characters, without its indentation; else one below the other.
+/// What is equal is written on one line up to this length in characters, without its indentation; else one below the
+/// other.
 const WIDTH: usize = 120;
 
 struct Writer<'w> {

@@ -1,4 +1,5 @@
-//! Expressions with names and types settled: macros in the order of their use, overloads by operand types (thesis 5.3.2).
+//! Expressions with names and types settled: macros in the order of their use, overloads by operand types (thesis
+//! 5.3.2).
 
 use crate::formula::check::names::{Meaning, Names};
 use crate::formula::{Parameter, Term, TermId};
@@ -64,7 +65,8 @@ struct Checker<'c> {
 }
 
 impl Checker<'_> {
-    /// The macros in such an order that each comes after those it uses. Macros that use themselves are reported and left out.
+    /// The macros in such an order that each comes after those it uses. Macros that use themselves are reported and
+    /// left out.
     fn macro_order(&mut self) -> Vec<usize> {
         #[derive(Clone, Copy, PartialEq)]
         enum State {
@@ -325,7 +327,8 @@ impl Checker<'_> {
         );
     }
 
-    /// `Cd*N.L` is read `(Cd*N).L`: where an expression holds such a product and the types do not fit, that is the likely cause.
+    /// `Cd*N.L` is read `(Cd*N).L`: where an expression holds such a product and the types do not fit, that is the
+    /// likely cause.
     fn regrouping(&self, root: ExprId) -> Option<String> {
         let mut pending = vec![root];
         // Looking through macros could go round in circles; a few steps find what there is to find.

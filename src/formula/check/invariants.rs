@@ -71,10 +71,12 @@ fn parameter(term: &Name, parameters: &[Parameter], names: &Names, diagnostics: 
     None
 }
 
-/// The most invariants that a formula may have. Models have two or three; solving grows with more than the cube of their number.
+/// The most invariants that a formula may have. Models have two or three; solving grows with more than the cube of
+/// their number.
 const MOST_INVARIANTS: usize = 64;
 
-/// Reports invariants that contradict each other, and warns of those that say nothing new and of defaults that give way.
+/// Reports invariants that contradict each other, and warns of those that say nothing new and of defaults that give
+/// way.
 pub(super) fn solve(
     file: &FormulaFile,
     parameters: &[Parameter],

@@ -1,7 +1,8 @@
-//! Syntax into a [`Formula`]: whose each name is, of what type each expression, whether parameters and invariants make sense.
+//! Syntax into a [`Formula`]: whose each name is, of what type each expression, whether parameters and invariants make
+//! sense.
 //!
-//! Everything that can be found wrong is reported in one go; an expression that holds a mistake has no type, and nothing more is
-//! said of what uses it.
+//! Everything that can be found wrong is reported in one go; an expression that holds a mistake has no type, and
+//! nothing more is said of what uses it.
 
 mod expressions;
 mod invariants;

@@ -1,5 +1,5 @@
-//! Macros stand for their value. In the thesis's program they were replaced as text; where that would give another value, an
-//! old formula may have meant the other, and this says so.
+//! Macros stand for their value. In the thesis's program they were replaced as text; where that would give another
+//! value, an old formula may have meant the other, and this says so.
 
 use crate::formula::check::expressions::Checked;
 use crate::formula::check::names::{Meaning, Names};
@@ -37,8 +37,8 @@ pub(super) fn warn(file: &FormulaFile, names: &Names, checked: &Checked, diagnos
     }
 }
 
-/// For each macro the expression whose text would replace its name: its own, or that of the macro it merely names; none where
-/// macros name each other in a circle.
+/// For each macro the expression whose text would replace its name: its own, or that of the macro it merely names; none
+/// where macros name each other in a circle.
 fn texts_of_macros(file: &FormulaFile, names: &Names) -> Vec<Option<ExprId>> {
     let named = |index: usize| {
         let expression = file.expr(file.macros[index].body);

@@ -76,8 +76,8 @@ pub(super) fn substituted(line: &Line, locked: &[Locked]) -> (f64, Sum) {
     (constant, sum)
 }
 
-/// Solves the `=` lines in their order: places that follow, each with its constant and its sum over places that are free in
-/// the end; and the redundant lines.
+/// Solves the `=` lines in their order: places that follow, each with its constant and its sum over places that are
+/// free in the end; and the redundant lines.
 pub(super) fn eliminate(lines: &[Line]) -> (Vec<Locked>, Vec<usize>) {
     let mut locked: Vec<Locked> = Vec::new();
     let mut redundant = Vec::new();

@@ -1,7 +1,8 @@
 //! The values that a set of linear conditions leaves: points of the unit cube in which sums lie within bounds.
 //!
-//! Only numbers here, no parameters: coordinates are indices. Questions are put to a linear program. Because values are `f32` and
-//! conditions hold only to rounding, everything is answered relative to a *slack* by which conditions may be missed.
+//! Only numbers here, no parameters: coordinates are indices. Questions are put to a linear program. Because values are
+//! `f32` and conditions hold only to rounding, everything is answered relative to a *slack* by which conditions may be
+//! missed.
 
 use microlp::{ComparisonOp, LinearExpr, OptimizationDirection, Problem, Variable};
 
@@ -44,8 +45,8 @@ impl Polytope {
         self.conditions.iter().map(|condition| condition.miss(&point)).fold(0.0, f64::max)
     }
 
-    /// The interval in which one coordinate of a point may move while the others stay: empty intervals shrink to where the
-    /// point is, which then misses some condition already.
+    /// The interval in which one coordinate of a point may move while the others stay: empty intervals shrink to where
+    /// the point is, which then misses some condition already.
     pub(super) fn reach(&self, coordinate: usize, point: impl Fn(usize) -> f64) -> [f64; 2] {
         let (mut low, mut high) = (0.0_f64, 1.0_f64);
         for condition in &self.conditions {
@@ -66,13 +67,14 @@ impl Polytope {
         program.add_conditions(Some(slack), 0.0);
         match program.problem.solve() {
             Ok(solution) => solution.objective().max(0.0),
-            // There is always a point with a large enough slack, so only a failure of the solver's arithmetic ends here.
+            // There is always a point with a large enough slack, so only a failure of the solver's arithmetic ends
+            // here.
             Err(_) => f64::INFINITY,
         }
     }
 
-    /// The interval of the coordinate behind the `fixed` ones among the points that miss no condition by more than `slack`;
-    /// none where there is no such point.
+    /// The interval of the coordinate behind the `fixed` ones among the points that miss no condition by more than
+    /// `slack`; none where there is no such point.
     pub(super) fn interval(&self, fixed: &[f64], slack: f64) -> Option<[f64; 2]> {
         let end = |direction| {
             let mut program = Program::new(self, fixed, direction, Some(fixed.len()));

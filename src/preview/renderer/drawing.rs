@@ -25,8 +25,8 @@ struct Held {
 enum Readiness {
     /// Nothing yet. These are the numbers of its first picture.
     First(Vec<f32>),
-    /// Kernels are compiled beside the pictures, which are drawn in full meanwhile; nothing comes of it where they cannot be. The flag is set when
-    /// that is done, and the thread is about to end.
+    /// A thread compiles kernels, while pictures are drawn in full. Its result is `None` if they cannot be compiled.
+    /// It sets the flag when it is about to end.
     Making(JoinHandle<Option<Box<dyn Drag>>>, Arc<AtomicBool>),
     Made(Box<dyn Drag>),
     /// There are no kernels for it, and every picture is drawn in full.
@@ -182,7 +182,8 @@ impl Artist {
     }
 }
 
-/// Copies pixels, on all threads of the current pool: of a large picture that takes longer than drawing what a slider changes.
+/// Copies pixels, on all threads of the current pool: of a large picture that takes longer than drawing what a slider
+/// changes.
 fn copy(from: &[u32], to: &mut Vec<u32>) {
     const PART: usize = 1 << 16;
     to.resize(from.len(), 0);

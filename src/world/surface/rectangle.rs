@@ -42,8 +42,8 @@ impl Geometry for Rectangle {
     #[inline]
     fn intersect(&self, ray: &Ray, tolerance: f64) -> Option<Meeting> {
         let height = (self.corner - ray.origin).dot(self.normal);
-        // Measured across the plane, not along the ray: a ray that starts in a second, coincident rectangle is not let in
-        // however flat it goes.
+        // Measured across the plane, not along the ray: a ray that starts in a second, coincident rectangle is not let
+        // in however flat it goes.
         if height.abs() <= tolerance {
             return None;
         }

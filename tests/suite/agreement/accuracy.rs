@@ -1,4 +1,5 @@
-//! How accurate the compiled elementary functions are: dense samples against double precision, in units in the last place.
+//! How accurate the compiled elementary functions are: dense samples against double precision, in units in the last
+//! place.
 
 use super::operations::{Operands, compiled, formula_of};
 use illuminator::jit::Width;

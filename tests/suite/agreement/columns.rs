@@ -1,6 +1,8 @@
-//! A third backend, for tests: it reads the plans literally and computes one operation at a time over whole columns, in plain Rust.
+//! A third backend, for tests: it reads the plans literally and computes one operation at a time over whole columns, in
+//! plain Rust.
 //!
-//! It does what any backend has to do: static and uniform values, contributions weighted by path, and, for drags, images or the live part.
+//! It does what any backend has to do: static and uniform values, contributions weighted by path, and, for drags,
+//! images or the live part.
 
 use illuminator::evaluate::weights::{PathMonomials, Powers, Weight, path_weights};
 use illuminator::evaluate::{Backend, Drag, Drawn, EvaluateError, Evaluator, Footprint, Frame, Framebuffer};
@@ -76,7 +78,7 @@ impl GroupColumns {
     }
 }
 
-/// Runs a kernel over columns of so many records.
+/// Runs a kernel over columns of `count` records.
 fn run(plan: &KernelPlan, graph: &Graph, streams: [&[Column]; 3], uniforms: &[f32], count: usize) -> Vec<Column> {
     let mut values: HashMap<NodeId, Column> = HashMap::new();
     for (nodes, columns) in plan.streams.iter().zip(streams) {

@@ -46,8 +46,8 @@ fn parameter_at(case: &Case, place: usize) -> Option<&Parameter> {
     case.formula.parameters.iter().find(holds)
 }
 
-/// All scalars of the owner of that number that range over 0..1, as those do that invariants bind, and the number itself: or the colour
-/// that it is a component of.
+/// All scalars of the owner of that number that range over 0..1, as those do that invariants bind, and the number
+/// itself: or the colour that it is a component of.
 fn together(case: &Case, place: usize) -> Vec<usize> {
     let Some((owner, index, slot)) = case.layout.owner_of(place) else { return Vec::new() };
     let own = parameter_at(case, place);

@@ -84,8 +84,8 @@ fn expression(ty: Type, depth: u32, macros: bool) -> BoxedStrategy<String> {
     prop_oneof![1 => leaves, 4 => applied].boxed()
 }
 
-/// A number for a parameter: mostly ordinary, sometimes at an edge. Colours so large that adding up a few of them overflows are
-/// left out: the backends add up the terms of a pixel in different order.
+/// A number for a parameter: mostly ordinary, sometimes at an edge. Colours so large that adding up a few of them
+/// overflows are left out: the backends add up the terms of a pixel in different order.
 pub(super) fn number() -> BoxedStrategy<f32> {
     prop_oneof![
         6 => 0.0..1.0_f32,
@@ -149,7 +149,8 @@ pub(super) fn ingredients() -> impl Strategy<Value = (String, String, String, Ve
     )
 }
 
-/// The same formulas at every run, so that a run says something about the code; `PROPTEST_CASES=20000` goes looking for others.
+/// The same formulas at every run, so that a run says something about the code; `PROPTEST_CASES=20000` goes looking for
+/// others.
 pub(super) fn runner(cases: u32) -> TestRunner {
     let wanted = std::env::var("PROPTEST_CASES").ok().and_then(|cases| cases.parse().ok());
     let config = ProptestConfig {

@@ -10,7 +10,8 @@ use illuminator::lang::types::Type;
 use illuminator::lang::variables::Variable;
 use illuminator::trace::ROUND_LINES;
 
-/// Zeros, the ends of the normal numbers, subnormals (which count as 0), infinities, NaN, and numbers where functions turn.
+/// Zeros, the ends of the normal numbers, subnormals (which count as 0), infinities, NaN, and numbers where functions
+/// turn.
 const AWKWARD: [f32; 38] = [
     0.0,
     -0.0,
@@ -52,8 +53,8 @@ const AWKWARD: [f32; 38] = [
     88.0,
 ];
 
-/// By how many units in the last place a result may be off: one for each rounding where the graph computes by another way
-/// (powers), four for the compiled elementary functions.
+/// By how many units in the last place a result may be off: one for each rounding where the graph computes by another
+/// way (powers), four for the compiled elementary functions.
 const UNITS: u32 = 5;
 
 /// Where the operands of an operation come from.
@@ -61,14 +62,16 @@ const UNITS: u32 = 5;
 pub(super) enum Operands {
     /// Parameters, so that the kernel of uniform values computes it.
     Uniforms,
-    /// Variables times a parameter that is 1, so that the kernel of contributions does: from columns, several blocks at a time.
+    /// Variables times a parameter that is 1, so that the kernel of contributions does: from columns, several blocks at
+    /// a time.
     Columns,
 }
 
 /// The components of variables that stand for the numbers, in order; seven are the most that an operation takes.
 const VARIABLES: [&str; 7] = ["getx(N)", "gety(N)", "getz(N)", "getx(V)", "gety(V)", "getz(V)", "getx(point)"];
 
-/// A formula whose colour is the operation on numbers from parameters p0, p1, … or from variables; and how many numbers these are.
+/// A formula whose colour is the operation on numbers from parameters p0, p1, … or from variables; and how many numbers
+/// these are.
 pub(super) fn formula_of(operation: Operation, from: Operands) -> (Formula, usize) {
     let mut declarations = String::from("body_specific;\none: scalar;\n");
     let (mut operands, mut count) = (Vec::new(), 0);
@@ -108,7 +111,7 @@ pub(super) fn formula_of(operation: Operation, from: Operands) -> (Formula, usiz
     (formula, count)
 }
 
-/// How many lines so many cases take, in whole rounds of any kernel.
+/// How many lines this number of cases takes, in whole rounds of any kernel.
 fn whole_rounds(cases: usize) -> usize {
     cases.div_ceil(Line::RECORDS).next_multiple_of(ROUND_LINES)
 }
@@ -139,7 +142,8 @@ fn run(kernel: &Kernel, input: &[Line], uniforms: &[Splat], terms: bool, cases: 
     (0..cases).map(|case| (0..outputs).map(|output| result(case, output)).collect()).collect()
 }
 
-/// The results of many cases as compiled for vectors of a width: each case is the operation's numbers, each result its components.
+/// The results of many cases as compiled for vectors of a width: each case is the operation's numbers, each result its
+/// components.
 pub(super) fn compiled(formula: &Formula, width: Width, cases: &[Vec<f32>], from: Operands) -> Vec<[f32; 3]> {
     let compiled = CompiledFormula::with_width(formula, width).expect("this machine runs compiled code");
     let bindings = &compiled.plan.bindings;
@@ -207,8 +211,8 @@ fn reference(operation: Operation, case: &[f32]) -> Vec<f32> {
     }
 }
 
-/// Whether two results are the same but for rounding; infinity is as near to the largest number as the next one would be, and
-/// around the smallest normal number rounding decides between it and 0.
+/// Whether two results are the same but for rounding; infinity is as near to the largest number as the next one would
+/// be, and around the smallest normal number rounding decides between it and 0.
 fn agree(one: f32, other: f32) -> bool {
     let near = one.is_sign_negative() == other.is_sign_negative() && one.to_bits().abs_diff(other.to_bits()) <= UNITS;
     let tiny = |x: f32| x.abs() <= f32::MIN_POSITIVE * (1.0 + UNITS as f32 * f32::EPSILON);

@@ -1,4 +1,5 @@
-//! Dragged sliders of built-in models and scenes: the ways that frames are made, budgets, and numbers that change in between.
+//! Dragged sliders of built-in models and scenes: the ways that frames are made, budgets, and numbers that change in
+//! between.
 
 use crate::agreement::backends;
 use crate::agreement::drags::wrong;
@@ -220,7 +221,7 @@ fn all_begins_anew_when_something_else_changes_by(tested: &Tested) {
             assert!(wrong(&drawn, &model.compiled.frame(model.values.numbers())) > 0, "{what}: another picture");
             model.check(&mut drag, &mut drawn, &what);
             assert!(wrong(&drawn, &before) > 0);
-            // On with what was made anew.
+            // The drag goes on with what was made again.
             while !drag.prepare() {}
             for part in [0.75, 0.5] {
                 model.move_to(slider, part);
@@ -306,8 +307,8 @@ fn work_that_is_kept_follows_what_shines_and_what_paths_weigh() {
 fn work_that_is_kept_follows_what_shines_and_what_paths_weigh_by(tested: &Tested) {
     let mut model = Model::preset(tested, "phong");
     let mut pictures: Vec<Vec<u32>> = Vec::new();
-    // Without a light; as given; without reflections, of one body and of all; with weights that single precision does not have; and
-    // back, each over what was kept of the one before. Matte bodies keep what they have.
+    // Without a light; as given; without reflections, of one body and of all; with weights that single precision does
+    // not have; and back, each over what was kept of the one before. Matte bodies keep what they have.
     let steps = [
         &["key.ki=0"][..],
         &["key.ki=1"],
@@ -324,11 +325,11 @@ fn work_that_is_kept_follows_what_shines_and_what_paths_weigh_by(tested: &Tested
             model.values.assign(&given);
         }
         let kept = model.compiled.frame(model.values.numbers());
-        let anew = Model::preset(tested, "phong").compiled.frame(model.values.numbers());
+        let fresh = Model::preset(tested, "phong").compiled.frame(model.values.numbers());
         let bits = |frame: &illuminator::evaluate::Frame| -> Vec<u32> {
             frame.linear.iter().flatten().map(|component| component.to_bits()).collect()
         };
-        assert!(bits(&kept) == bits(&anew), "{settings:?}");
+        assert!(bits(&kept) == bits(&fresh), "{settings:?}");
         let again = model.compiled.frame(model.values.numbers());
         assert!(bits(&kept) == bits(&again), "{settings:?}");
         assert!(!pictures.contains(&bits(&kept)), "a picture of its own: {settings:?}");

@@ -114,7 +114,7 @@ impl Modules {
         let module = absolute[..known].to_vec();
         let exported = absolute.get(known).and_then(|name| self.modules.get(&module)?.names.get(name));
         match exported.and_then(|written| self.absolute(&module, written)) {
-            // Nobody re-exports through so many modules: a limit for a name that stands for itself.
+            // Nobody re-exports through more modules. The limit ends the search for a name that stands for itself.
             Some(target) if depth < 8 => self.owner(&[target.as_slice(), &absolute[known + 1..]].concat(), depth + 1),
             _ => module,
         }
