@@ -8,10 +8,11 @@
 //! and can be cancelled through it. Which files a formula and a scene come from, and what the values of their
 //! parameters are, is not known here.
 
-use crate::evaluate::{Backend, EvaluateError, Evaluator, Footprint, Frame};
+use crate::evaluate::{Backend, EvaluateError, Evaluator, Footprint};
 use crate::formula::Formula;
 use crate::lang::diagnostic::Diagnostics;
 use crate::lang::source::Source;
+use crate::picture::Frame;
 use crate::scene::Scene;
 use crate::trace::{Budget, Hits, Shortage, TraceError, View, trace, usable_memory};
 use crate::world::World;

@@ -42,8 +42,6 @@ pub mod scene;
 
 pub mod world;
 
-mod segment;
-
 pub mod trace;
 
 pub mod bytecode;
@@ -51,8 +49,6 @@ pub mod bytecode;
 pub mod plan;
 
 pub mod jit;
-
-mod transfer;
 
 pub mod evaluate;
 
@@ -63,6 +59,8 @@ pub mod engine;
 pub mod workspace;
 
 pub mod picture;
+// Some files of the compiled backend still name it so.
+use picture::transfer;
 
 #[cfg(any(feature = "cli", feature = "window"))]
 pub mod user_data;

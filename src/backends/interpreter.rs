@@ -2,10 +2,11 @@
 
 use crate::bytecode::program::{Instantiation, MAX_PROGRAM_BYTES};
 use crate::bytecode::{Code, CodeTooLarge, Programs};
-use crate::evaluate::{Backend, Drag, Drawn, EvaluateError, Evaluator, Footprint, Frame, Framebuffer, WholeFrames};
+use crate::evaluate::{Backend, Drag, Drawn, EvaluateError, Evaluator, Footprint, Framebuffer, WholeFrames};
 use crate::formula::Formula;
 use crate::formula::equation::Equation;
 use crate::lang::scalars::Floats;
+use crate::picture::Frame;
 use crate::trace::{Hits, Tracer, View, ray_tree};
 use crate::world::World;
 use rayon::prelude::*;

@@ -7,7 +7,8 @@
 mod judge;
 
 use crate::backends::interpreter::Interpreted;
-use crate::evaluate::{Evaluator, Frame};
+use crate::evaluate::Evaluator;
+use crate::picture::Frame;
 
 /// The largest difference of two components, absolute or relative to the interpreter's where that is beyond 1.
 pub const TOLERANCE: f32 = 1e-4;

@@ -3,13 +3,13 @@
 use crate::bytecode::compile::Code;
 use crate::bytecode::instruction::Instruction;
 use crate::bytecode::machine;
-use crate::formula::equation::{Colour, Equation, REFLECTED, REFRACTED, Site, Term, index_of};
+use crate::formula::equation::{Colour, Equation, EquationTerm, REFLECTED, REFRACTED, Site, index_of};
 use crate::lang::builtins::{Operation, Stack};
 use crate::lang::scalars::{Scalars, flush};
 use crate::lang::types::Type;
 use crate::lang::variables::{Owner, Predefined};
 use crate::scene::LightId;
-use crate::trace::{Child, HitVariables, LightVariables, Node, Tree, variable};
+use crate::trace::{Child, HitVariables, LightVariables, RayNode, Tree, variable};
 use crate::world::World;
 
 /// A formula on a scene, as instantiation needs it.
@@ -199,19 +199,19 @@ impl Assembler<'_> {
     }
 
     /// What the lights add at a hit, and what is added whatever the lights.
-    fn local(&mut self, node: &Node) {
+    fn local(&mut self, node: &RayNode) {
         let world = self.instantiation.world;
         let hit = HitVariables::new(world, &node.hit);
         let mut count = 0;
         for emitter in &node.emitters {
             let light = world.light_of(*emitter);
             let record = LightVariables::new(&node.hit, &world.emitter(*emitter).sample(&node.hit));
-            for term in Term::at(Site::LitRecord) {
+            for term in EquationTerm::at(Site::LitRecord) {
                 let formula = |assembler: &mut Self| assembler.formula(node, light, &hit, &record);
                 self.term(term, node.hit.body.index(), light.index(), &mut count, formula);
             }
         }
-        for term in Term::at(Site::Hit) {
+        for term in EquationTerm::at(Site::Hit) {
             self.term(term, node.hit.body.index(), 0, &mut count, |_| {});
         }
     }
@@ -219,13 +219,13 @@ impl Assembler<'_> {
     /// What a ray adds that left the scene.
     fn miss(&mut self) {
         let mut count = 0;
-        for term in Term::at(Site::Miss) {
+        for term in EquationTerm::at(Site::Miss) {
             self.term(term, 0, 0, &mut count, |_| {});
         }
     }
 
     /// A term of equation (2), added to those before it, of which there are `count`.
-    fn term(&mut self, term: &Term, body: usize, light: usize, count: &mut usize, formula: impl FnOnce(&mut Self)) {
+    fn term(&mut self, term: &EquationTerm, body: usize, light: usize, count: &mut usize, formula: impl FnOnce(&mut Self)) {
         if let Some(weight) = term.weight {
             self.parameter(weight, index_of(weight, body, light));
         }
@@ -250,7 +250,7 @@ impl Assembler<'_> {
     }
 
     /// The formula with numbers for variables and references for parameters: type I into type II.
-    fn formula(&mut self, node: &Node, light: LightId, hit: &HitVariables, record: &LightVariables) {
+    fn formula(&mut self, node: &RayNode, light: LightId, hit: &HitVariables, record: &LightVariables) {
         let Instantiation { code, equation, .. } = self.instantiation;
         for instruction in code.instructions() {
             let instance = match *instruction {

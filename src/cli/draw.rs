@@ -31,7 +31,7 @@ pub(super) fn draw(diagnostic: &Diagnostic, source: &Source, colour: bool) -> St
         Severity::Warning => (ReportKind::Warning, Color::Yellow),
         Severity::Error => (ReportKind::Error, Color::Red),
     };
-    let sheet = Sheet::new(diagnostic, source);
+    let sheet = MarkedLines::new(diagnostic, source);
     let place = |index: usize| (NAME, sheet.marks[index].clone());
     let mut report = Report::build(kind, place(0))
         .with_config(Config::default().with_color(colour).with_index_type(IndexType::Byte))
@@ -65,7 +65,7 @@ fn without_place(diagnostic: &Diagnostic) -> String {
 }
 
 /// The lines of a source that a diagnostic marks, each at its line number; the other lines are empty.
-struct Sheet {
+struct MarkedLines {
     text: String,
     /// The ranges of `text` to mark, one for each label. None is empty.
     marks: Vec<Range<usize>>,
@@ -83,7 +83,7 @@ struct PartOfLine {
     ends: bool,
 }
 
-impl Sheet {
+impl MarkedLines {
     fn new(diagnostic: &Diagnostic, source: &Source) -> Self {
         // By line number: the range of the line in the source, and its marks.
         let mut lines: BTreeMap<usize, (Range<usize>, Vec<PartOfLine>)> = BTreeMap::new();
@@ -164,14 +164,14 @@ mod tests {
     use super::*;
     use illuminator::formula::Formula;
     use illuminator::lang::display_text::is_hidden;
-    use illuminator::lang::source::Span;
+    use illuminator::lang::source::SourceSpan;
     use illuminator::scene::Scene;
     use illuminator::workspace::{Library, Session};
     use proptest::prelude::*;
 
     fn error(text: &str, spans: &[(usize, usize)]) -> String {
         let marked = |all: Diagnostic, (order, (start, end)): (usize, &(usize, usize))| {
-            all.at(Span { start: *start as u32, end: *end as u32 }, format!("remark {order}"))
+            all.at(SourceSpan { start: *start as u32, end: *end as u32 }, format!("remark {order}"))
         };
         let diagnostic = spans.iter().enumerate().fold(Diagnostic::error("the message"), marked).help("the help");
         draw(&diagnostic, &Source::new("name", text), false)
@@ -332,7 +332,7 @@ mod tests {
             message in any::<String>(),
         ) {
             let source = Source::new(message.as_str(), text);
-            let marked = |all: Diagnostic, (start, end): (u32, u32)| all.at(Span { start, end }, &message);
+            let marked = |all: Diagnostic, (start, end): (u32, u32)| all.at(SourceSpan { start, end }, &message);
             let diagnostic = spans.into_iter().fold(Diagnostic::warning(&message), marked).help(&message);
             let plain = draw(&diagnostic, &source, false);
             prop_assert!(!plain.chars().any(|c| c != '\n' && is_hidden(c)), "{:?}", plain);
@@ -363,7 +363,7 @@ mod tests {
             spans in prop::collection::vec((0..30_u32, 0..30_u32), 1..4),
         ) {
             let source = Source::new("f", text);
-            let marked = |all: Diagnostic, (start, end): (u32, u32)| all.at(Span { start, end }, "here");
+            let marked = |all: Diagnostic, (start, end): (u32, u32)| all.at(SourceSpan { start, end }, "here");
             let diagnostic = spans.into_iter().fold(Diagnostic::error("wrong"), marked);
             let drawn = draw(&diagnostic, &source, false);
             let count = diagnostic.labels().len();

@@ -6,8 +6,8 @@ use crate::cli::report::Failure;
 use illuminator::backends::BackendChoice;
 use illuminator::backends::interpreter::Interpreted;
 use illuminator::engine::{Engine, EngineError, Subject, Task};
-use illuminator::evaluate::Frame;
 use illuminator::lang::diagnostic::Diagnostic;
+use illuminator::picture::Frame;
 use illuminator::workspace::project::Project;
 
 /// Does some work on as many threads as the options say.

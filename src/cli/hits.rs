@@ -118,13 +118,13 @@ fn meaning(table: &str, column: &str) -> Option<&'static str> {
 }
 
 /// A table that is being written: one file a column.
-struct Table {
+struct TableWriter {
     name: &'static str,
     count: u32,
     columns: Vec<(ColumnIndex, BufWriter<File>)>,
 }
 
-impl Table {
+impl TableWriter {
     fn new(folder: &Path, name: &'static str, numbers: &[&str], variables: &[Variable]) -> io::Result<Self> {
         let whole = numbers.iter().map(|number| (*number, "u32", 1, meaning(name, number)));
         let real = variables.iter().map(|variable| (variable.name(), "f32", variable.ty().slots(), Some(variable.doc())));
@@ -133,7 +133,7 @@ impl Table {
             let writer = BufWriter::new(File::create(folder.join(&file))?);
             Ok((ColumnIndex { name: column.to_owned(), file, r#type, components, meaning }, writer))
         };
-        Ok(Table { name, count: 0, columns: whole.chain(real).map(column).collect::<io::Result<_>>()? })
+        Ok(TableWriter { name, count: 0, columns: whole.chain(real).map(column).collect::<io::Result<_>>()? })
     }
 
     /// Adds a row: the whole numbers, then each variable's value. The number of the row.
@@ -164,10 +164,10 @@ impl Table {
 
 /// The tables as far as they are written.
 struct Dump {
-    hits: Table,
-    records: Table,
-    misses: Table,
-    paths: Table,
+    hits: TableWriter,
+    records: TableWriter,
+    misses: TableWriter,
+    paths: TableWriter,
     /// The row of each path by its last step.
     known: HashMap<(u32, Edge, u32), u32>,
     of_hit: Vec<Variable>,
@@ -179,10 +179,10 @@ impl Dump {
         let of = |rate| Variable::ALL.iter().copied().filter(|variable| variable.rate() == rate).collect::<Vec<_>>();
         let (of_hit, of_record) = (of(Rate::Hit), of(Rate::Record));
         Ok(Self {
-            hits: Table::new(folder, "hits", &["pixel", "body", "path"], &of_hit)?,
-            records: Table::new(folder, "records", &["hit", "light"], &of_record)?,
-            misses: Table::new(folder, "misses", &["pixel", "path"], &[])?,
-            paths: Table::new(folder, "paths", &["parent", "edge", "body"], &[])?,
+            hits: TableWriter::new(folder, "hits", &["pixel", "body", "path"], &of_hit)?,
+            records: TableWriter::new(folder, "records", &["hit", "light"], &of_record)?,
+            misses: TableWriter::new(folder, "misses", &["pixel", "path"], &[])?,
+            paths: TableWriter::new(folder, "paths", &["parent", "edge", "body"], &[])?,
             known: HashMap::new(),
             of_hit,
             of_record,
@@ -257,7 +257,7 @@ impl Dump {
             lights: scene.lights.iter().map(|light| light.name.clone()).collect(),
             edges: ["primary", "reflected", "refracted"],
             none: NONE,
-            tables: tables.into_iter().map(Table::finish).collect::<io::Result<_>>()?,
+            tables: tables.into_iter().map(TableWriter::finish).collect::<io::Result<_>>()?,
         })
     }
 }

@@ -1,6 +1,6 @@
 //! From options to what the engine works on, with everything said that is wrong about it.
 
-use crate::cli::options::{Colour, InputOptions};
+use crate::cli::options::{ColourArgument, InputOptions};
 use crate::cli::report::{Failure, explain, say};
 use illuminator::files::Readable;
 use illuminator::lang::diagnostic::{Diagnostic, Diagnostics};
@@ -9,7 +9,7 @@ use illuminator::trace::usable_memory;
 use illuminator::user_data::Folders;
 use illuminator::workspace::Location;
 use illuminator::workspace::presets::DEFAULT_SESSION;
-use illuminator::workspace::project::{Listener, OpenError, Project, Request, SessionText};
+use illuminator::workspace::project::{Listener, OpenProjectError, Project, Request, SessionText};
 use illuminator::workspace::session::PictureSettings;
 use std::path::PathBuf;
 
@@ -26,12 +26,12 @@ impl Listener for Speaker {
     }
 }
 
-impl From<OpenError> for Failure {
-    fn from(error: OpenError) -> Self {
+impl From<OpenProjectError> for Failure {
+    fn from(error: OpenProjectError) -> Self {
         match error {
-            OpenError::Reported => Failure::Reported,
-            OpenError::Input(diagnostic) => Failure::Input(diagnostic),
-            OpenError::Request(diagnostic) => Failure::CommandLine(diagnostic),
+            OpenProjectError::Reported => Failure::Reported,
+            OpenProjectError::Input(diagnostic) => Failure::Input(diagnostic),
+            OpenProjectError::Request(diagnostic) => Failure::CommandLine(diagnostic),
         }
     }
 }
@@ -59,7 +59,7 @@ pub(super) fn load(options: &InputOptions) -> Result<Project, Failure> {
         data: data_folder(),
         set: &options.settings,
         picture: Some(&|picture| change_picture(options, picture)),
-        background: options.background.map(|Colour(value)| value),
+        background: options.background.map(|ColourArgument(value)| value),
         memory: Some(options.machine.memory.unwrap_or_else(usable_memory)),
         session_readable: Readable::RegularOrPipe,
         readable: Readable::RegularOrPipe,

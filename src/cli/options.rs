@@ -46,7 +46,7 @@ pub(super) struct InputOptions {
     pub(super) ior: Option<f64>,
     /// Colour of rays that hit nothing, <r,g,b> or #rrggbb
     #[arg(long, value_name = "COLOUR", value_parser = colour)]
-    pub(super) background: Option<Colour>,
+    pub(super) background: Option<ColourArgument>,
     #[command(flatten)]
     pub(super) machine: MachineOptions,
 }
@@ -64,7 +64,7 @@ pub(super) struct MachineOptions {
 
 /// A colour as given. It is a type of its own because the parser of arguments takes arrays for lists.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Colour(pub(super) [f32; 3]);
+pub(super) struct ColourArgument(pub(super) [f32; 3]);
 
 /// Reads a value by its own rules. The message, which repeats the user's words, is made safe.
 fn read<T: FromStr<Err: Display>>(text: &str) -> Result<T, String> {
@@ -84,9 +84,9 @@ fn index(text: &str) -> Result<f64, String> {
     text.trim().parse().ok().filter(|index| RANGE.contains(index)).ok_or_else(|| "expected a number greater than 0".to_owned())
 }
 
-fn colour(text: &str) -> Result<Colour, String> {
+fn colour(text: &str) -> Result<ColourArgument, String> {
     match parse_value(text) {
-        Some(Constant::Vector(components)) => Ok(Colour(components)),
+        Some(Constant::Vector(components)) => Ok(ColourArgument(components)),
         Some(Constant::Scalar(_)) | None => Err("expected a colour, <r,g,b> with components 0 to 1, or #rrggbb".to_owned()),
     }
 }
@@ -146,7 +146,7 @@ mod tests {
     fn indices_and_colours_are_read() {
         assert_eq!(index("1.33"), Ok(1.33));
         assert!(["0", "-1", "nan", "inf", "x"].iter().all(|text| index(text).is_err()));
-        assert_eq!(colour("#00ff00"), Ok(Colour([0.0, 1.0, 0.0])));
+        assert_eq!(colour("#00ff00"), Ok(ColourArgument([0.0, 1.0, 0.0])));
         assert!(colour("1").is_err());
     }
 }

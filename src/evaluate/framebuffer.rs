@@ -1,8 +1,8 @@
 //! A picture as a window shows it: a word for each pixel.
 
-use crate::evaluate::Frame;
+use crate::picture::Frame;
+use crate::picture::transfer::{Bytes, Transfer, with_bytes};
 use crate::trace::TILE_PIXELS;
-use crate::transfer::{Bytes, Transfer, with_bytes};
 use rayon::prelude::*;
 
 /// A picture of `width` × `height` pixels, row by row from the top left, each `0x00RRGGBB`: components clamped to 0..1,
@@ -73,7 +73,7 @@ pub(crate) fn write_component(into: &mut [u32], component: usize, linear: &[f32]
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::transfer::LinearBytes;
+    use crate::picture::transfer::LinearBytes;
 
     #[test]
     fn a_component_leaves_the_others_alone() {

@@ -11,17 +11,16 @@
 //! ranges a picture may differ from the formula's.
 
 mod drag;
-mod frame;
 mod framebuffer;
 pub mod inspect;
 pub mod weights;
 
 pub use drag::{Drag, WholeFrames};
-pub use frame::Frame;
 pub use framebuffer::Framebuffer;
 pub(crate) use framebuffer::{Part, write, write_component};
 
 use crate::formula::Formula;
+use crate::picture::Frame;
 use crate::trace::{Hits, Mismatch};
 use std::sync::Arc;
 use std::time::{Duration, Instant};

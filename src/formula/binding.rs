@@ -4,7 +4,7 @@
 //! "Specializing Shaders").
 
 use crate::formula::binding_time::BindingTime;
-use crate::formula::equation::{Site, Term};
+use crate::formula::equation::{EquationTerm, Site};
 use crate::formula::graph::{Graph, Node, NodeId};
 use crate::formula::rewrite::rewrite;
 use crate::formula::{Formula, ParameterId};
@@ -40,7 +40,7 @@ impl Bindings {
     pub fn new(formula: &Formula) -> Self {
         let mut graph = Graph::new(formula);
         let mut contribution = graph.result();
-        for weight in Term::at(Site::LitRecord).filter_map(|term| term.weight) {
+        for weight in EquationTerm::at(Site::LitRecord).filter_map(|term| term.weight) {
             let weight = graph.parameter(formula.predefined(weight), 0);
             contribution = contribution.map(|component| graph.record(Primitive::Mul, &[weight, component]));
         }

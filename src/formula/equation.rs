@@ -36,7 +36,7 @@ pub enum Colour {
 /// A term: a product of a scalar weight and a colour. Where the weight is 0, the term is exactly 0, even if the colour
 /// is infinite or NaN.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub struct Term {
+pub struct EquationTerm {
     /// Its name in reports.
     pub name: &'static str,
     /// Where it is added.
@@ -48,15 +48,15 @@ pub struct Term {
 }
 
 /// The terms, in the order in which they are added up.
-pub const TERMS: [Term; 3] = [
-    Term { name: "local", site: Site::LitRecord, weight: Some(Predefined::Intensity), colour: Colour::Formula },
-    Term {
+pub const TERMS: [EquationTerm; 3] = [
+    EquationTerm { name: "local", site: Site::LitRecord, weight: Some(Predefined::Intensity), colour: Colour::Formula },
+    EquationTerm {
         name: "ambient",
         site: Site::Hit,
         weight: Some(Predefined::Ambient),
         colour: Colour::Parameters(&[Predefined::BodyColour, Predefined::AmbientColour]),
     },
-    Term { name: "background", site: Site::Miss, weight: None, colour: Colour::Parameters(&[Predefined::Background]) },
+    EquationTerm { name: "background", site: Site::Miss, weight: None, colour: Colour::Parameters(&[Predefined::Background]) },
 ];
 
 /// The weight of the reflected ray of a hit, a parameter of the body.
@@ -64,9 +64,9 @@ pub const REFLECTED: Predefined = Predefined::Reflection;
 /// The weight of the refracted ray of a hit, a parameter of the body.
 pub const REFRACTED: Predefined = Predefined::Refraction;
 
-impl Term {
+impl EquationTerm {
     /// The terms of a site, in their order.
-    pub fn at(site: Site) -> impl Iterator<Item = &'static Term> {
+    pub fn at(site: Site) -> impl Iterator<Item = &'static EquationTerm> {
         TERMS.iter().filter(move |term| term.site == site)
     }
 
@@ -133,19 +133,19 @@ impl Equation {
     }
 
     /// The value of a term without the formula at a hit of a body; that of a miss does not depend on a body.
-    pub fn term(&self, term: &Term, parameters: &[f32], body: usize) -> [f32; 3] {
+    pub fn term(&self, term: &EquationTerm, parameters: &[f32], body: usize) -> [f32; 3] {
         term.product(|factor| self.value(parameters, factor, index_of(factor, body, 0)))
     }
 
     /// The weight of a lit record's term for this light: where it is 0, the light adds nothing.
     pub fn light_weight(&self, parameters: &[f32], light: usize) -> f32 {
-        let weights = Term::at(Site::LitRecord).filter_map(|term| term.weight);
+        let weights = EquationTerm::at(Site::LitRecord).filter_map(|term| term.weight);
         weights.map(|weight| self.value(parameters, weight, index_of(weight, 0, light))[0]).fold(1.0, |a, b| a * b)
     }
 
     /// The sum of the terms of a site that are without the formula.
     pub fn sum(&self, site: Site, parameters: &[f32], body: usize) -> [f32; 3] {
-        let terms = Term::at(site).map(|term| self.term(term, parameters, body));
+        let terms = EquationTerm::at(site).map(|term| self.term(term, parameters, body));
         terms.reduce(|a, b| std::array::from_fn(|component| Floats.add(a[component], b[component]))).unwrap_or_default()
     }
 }
@@ -165,7 +165,7 @@ mod tests {
 
     #[test]
     fn a_weight_of_zero_leaves_nothing() {
-        let ambient = Term::at(Site::Hit).next().unwrap();
+        let ambient = EquationTerm::at(Site::Hit).next().unwrap();
         let value = |weight: f32| {
             let known = [
                 (Predefined::Ambient, [weight; 3]),
@@ -181,7 +181,7 @@ mod tests {
 
     #[test]
     fn every_parameter_of_the_equation_is_in_one_term_or_weighs_a_ray() {
-        let mut factors: Vec<Predefined> = TERMS.iter().flat_map(Term::factors).chain([REFLECTED, REFRACTED]).collect();
+        let mut factors: Vec<Predefined> = TERMS.iter().flat_map(EquationTerm::factors).chain([REFLECTED, REFRACTED]).collect();
         factors.sort_unstable();
         // The colour of a light is the formula's to use.
         let all: Vec<Predefined> = Predefined::ALL.iter().copied().filter(|one| *one != Predefined::LightColour).collect();

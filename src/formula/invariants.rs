@@ -10,7 +10,7 @@ mod polytope;
 use crate::formula::{Invariant, Parameter, ParameterId};
 use crate::lang::ast::Relation;
 use crate::lang::variables::Owner;
-use elimination::{Line, Locked, Sum, consistent, eliminate, irreducible, substituted};
+use elimination::{Locked, NamedSum, Sum, consistent, eliminate, irreducible, substituted};
 use polytope::{Condition, Polytope, TOLERANCE};
 use std::collections::BTreeMap;
 
@@ -86,9 +86,9 @@ impl InvariantSystem {
                 order.len() - 1
             });
         }
-        let named: Vec<Line> = lines
+        let named: Vec<NamedSum> = lines
             .iter()
-            .map(|(index, line)| Line {
+            .map(|(index, line)| NamedSum {
                 index: *index,
                 relation: line.relation,
                 places: line.terms.iter().map(|term| places[term]).collect(),
@@ -102,7 +102,7 @@ impl InvariantSystem {
         Ok((system, redundant))
     }
 
-    fn assemble(order: &[ParameterId], lines: &[Line], locked: &[Locked], parameters: &[Parameter]) -> Self {
+    fn assemble(order: &[ParameterId], lines: &[NamedSum], locked: &[Locked], parameters: &[Parameter]) -> Self {
         let free: Vec<usize> = (0..order.len()).filter(|place| locked.iter().all(|(pivot, ..)| pivot != place)).collect();
         let coordinates: BTreeMap<usize, usize> = free.iter().enumerate().map(|(index, place)| (*place, index)).collect();
         let terms = |sum: &Sum| sum.iter().map(|(place, factor)| (coordinates[place], *factor)).collect();

@@ -113,7 +113,7 @@ struct Separator {
 type Separated = ([Option<NodeId>; 3], Vec<SeparableTerm>);
 
 /// The fixed part and the moving part of a value, which is their sum.
-type Split = (Option<NodeId>, Option<NodeId>);
+type FixedAndMoving = (Option<NodeId>, Option<NodeId>);
 
 impl Separator {
     fn analyse_new_nodes(&mut self) {
@@ -164,8 +164,8 @@ impl Separator {
     }
 
     /// The fixed and the moving addends of a sum.
-    fn split(&mut self, root: NodeId) -> Split {
-        let mut splits: HashMap<NodeId, Split> = HashMap::new();
+    fn split(&mut self, root: NodeId) -> FixedAndMoving {
+        let mut splits: HashMap<NodeId, FixedAndMoving> = HashMap::new();
         for id in walk(root, |id| self.addends(id).map_or(Vec::new(), |(_, operands)| operands.to_vec())) {
             let split = match self.addends(id) {
                 _ if self.is_fixed(id) => (Some(id), None),

@@ -6,7 +6,7 @@ use crate::formula::{Formula, Term, TermId};
 use crate::lang::ast::{Expr, ExprId, ExprKind, FormulaFile, Name};
 use crate::lang::builtins::Form;
 use crate::lang::printer::print_expression;
-use crate::lang::source::Span;
+use crate::lang::source::SourceSpan;
 use std::collections::HashMap;
 
 impl Formula {
@@ -36,7 +36,7 @@ impl Formula {
         for (id, text) in parts {
             places.insert(id, ExprId(file.expressions.len() as u32));
             let kind = text.map_or_else(|| self.syntax(id, &places), ExprKind::Name);
-            file.expressions.push(Expr { kind, span: Span::default(), parenthesised: false });
+            file.expressions.push(Expr { kind, span: SourceSpan::default(), parenthesised: false });
         }
         places.get(&root).map_or_else(String::new, |root| print_expression(&file, *root))
     }
@@ -53,11 +53,11 @@ impl Formula {
         // Every operation has as many operands as its form asks for.
         match (operation.form(), operands.as_slice()) {
             (Form::Prefix(mark), [operand]) => ExprKind::Prefix(mark, *operand),
-            (Form::Infix(mark), [left, right]) => ExprKind::Infix(mark, Span::default(), [*left, *right]),
+            (Form::Infix(mark), [left, right]) => ExprKind::Infix(mark, SourceSpan::default(), [*left, *right]),
             (Form::Vector, [x, y, z]) => ExprKind::Vector([*x, *y, *z]),
             (Form::Conditional, [condition, then, other]) => ExprKind::Conditional([*condition, *then, *other]),
             (Form::Constant(name), _) => ExprKind::Name(name.to_owned()),
-            (Form::Function(name), _) => ExprKind::Call(Name { text: name.to_owned(), span: Span::default() }, operands),
+            (Form::Function(name), _) => ExprKind::Call(Name { text: name.to_owned(), span: SourceSpan::default() }, operands),
             (Form::Prefix(_) | Form::Infix(_) | Form::Vector | Form::Conditional, _) => ExprKind::Missing,
         }
     }

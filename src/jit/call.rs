@@ -16,9 +16,9 @@ use crate::jit::widen::{ALIGNMENT, disassembled, widen};
 use crate::jit::width::Width;
 use crate::lang::noise;
 use crate::lang::scalars::flush;
+use crate::picture::transfer::{SrgbBytes, SrgbTable, Transfer};
 use crate::plan::STREAMS;
-use crate::segment::{CHUNK_HITS, CHUNK_LINES, LINE_HITS, Segment};
-use crate::transfer::{SrgbBytes, SrgbTable, Transfer};
+use crate::trace::{CHUNK_HITS, CHUNK_LINES, LINE_HITS, Segment};
 use cranelift_codegen::Context;
 use cranelift_codegen::control::ControlPlane;
 use cranelift_codegen::ir::types::I64;
@@ -200,7 +200,7 @@ impl Kernel {
         self.outputs.iter().sum()
     }
 
-    /// How many lines it reads and writes where so many are wanted: whole rounds, of up to [`ROUND_LINES`](crate::segment::ROUND_LINES).
+    /// How many lines it reads and writes where so many are wanted: whole rounds, of up to [`ROUND_LINES`](crate::trace::ROUND_LINES).
     pub fn whole_rounds(&self, lines: usize) -> usize {
         lines.next_multiple_of(self.shape.lines())
     }

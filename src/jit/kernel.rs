@@ -13,7 +13,7 @@ use crate::jit::target::Target;
 use crate::jit::widen::Spills;
 use crate::lang::scalars::{Primitive, Scalars};
 use crate::plan::{Domain, KernelPlan, STREAMS, Sink};
-use crate::segment::ROUND_LINES;
+use crate::trace::ROUND_LINES;
 use cranelift_codegen::ir::condcodes::IntCC;
 use cranelift_codegen::ir::types::{F32X4, I64};
 use cranelift_codegen::ir::{

@@ -1,7 +1,7 @@
 //! What compiled code reads and writes: columns, uniform values, and pixels.
 
 use crate::plan::STREAMS;
-use crate::segment::{CHUNK_LINES, LINE_HITS, Segment, TILE_PIXELS};
+use crate::trace::{CHUNK_LINES, LINE_HITS, Segment, TILE_PIXELS};
 
 /// A line of a column: the numbers of as many records as the widest kernels compute at a time, and a line of the cache.
 #[derive(Debug, Clone, Copy, PartialEq, Default, bytemuck::Zeroable, bytemuck::Pod)]
@@ -61,7 +61,7 @@ pub struct Operands<'o> {
     pub uniforms: &'o [Splat],
     /// The segments of hits.
     pub segments: &'o [Segment],
-    /// The weight of each span; behind the last one so many more that each of a chunk ([`CHUNK_HITS`](crate::segment::CHUNK_HITS)) could have one.
+    /// The weight of each span; behind the last one so many more that each of a chunk ([`CHUNK_HITS`](crate::trace::CHUNK_HITS)) could have one.
     pub weights: &'o [f32],
     /// What kernels write and pixels get.
     pub sums: &'o mut Sums,

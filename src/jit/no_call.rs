@@ -5,8 +5,8 @@ use crate::jit::kernel::KernelSpec;
 use crate::jit::lanes::{Line, Operands, PixelLine, PixelPlanes, Splat, Streams};
 use crate::jit::target::{CompileError, Listing, target};
 use crate::jit::width::Width;
+use crate::picture::Transfer;
 use crate::plan::STREAMS;
-use crate::transfer::Transfer;
 use std::ops::Range;
 
 /// A compiled kernel: there is none.

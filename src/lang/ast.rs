@@ -3,7 +3,7 @@
 //! All expressions are in one list, operands before the operations that use them. So code that walks them needs a loop
 //! and no recursion, however deeply a text is nested.
 
-use crate::lang::source::Span;
+use crate::lang::source::SourceSpan;
 use crate::lang::token::Mark;
 use crate::lang::types::Type;
 use crate::lang::variables::Owner;
@@ -14,7 +14,7 @@ pub struct Name {
     /// The name.
     pub text: String,
     /// Its place.
-    pub span: Span,
+    pub span: SourceSpan,
 }
 
 /// An expression, as an index into [`FormulaFile::expressions`].
@@ -27,7 +27,7 @@ pub struct Expr {
     /// What it is.
     pub kind: ExprKind,
     /// Its place, without the parentheses around it.
-    pub span: Span,
+    pub span: SourceSpan,
     /// Whether it has parentheses of its own.
     pub parenthesised: bool,
 }
@@ -44,7 +44,7 @@ pub enum ExprKind {
     /// An operator before its operand.
     Prefix(Mark, ExprId),
     /// An operator between its two operands, with its place.
-    Infix(Mark, Span, [ExprId; 2]),
+    Infix(Mark, SourceSpan, [ExprId; 2]),
     /// `<x, y, z>`.
     Vector([ExprId; 3]),
     /// `if(condition, then, else)`.
@@ -103,13 +103,13 @@ pub struct Declaration {
     /// Its type.
     pub ty: Type,
     /// `constraint a..b`, with its place.
-    pub range: Option<([f32; 2], Span)>,
+    pub range: Option<([f32; 2], SourceSpan)>,
     /// `default …`, with its place.
-    pub default: Option<(Constant, Span)>,
+    pub default: Option<(Constant, SourceSpan)>,
     /// `slider`.
     pub slider: bool,
     /// `color`, with its place.
-    pub colour: Option<Span>,
+    pub colour: Option<SourceSpan>,
 }
 
 /// How the sum of an invariant relates to 1.
@@ -129,7 +129,7 @@ pub struct InvariantLine {
     /// `=` or `<=`.
     pub relation: Relation,
     /// The whole line.
-    pub span: Span,
+    pub span: SourceSpan,
 }
 
 /// `NAME = expression;`
@@ -154,7 +154,7 @@ pub enum Section {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct FormulaFile {
     /// The path of `#uses`, with its place.
-    pub uses: Option<(String, Span)>,
+    pub uses: Option<(String, SourceSpan)>,
     /// The sections before the formula.
     pub sections: Vec<Section>,
     /// The macros, in the order of the file.

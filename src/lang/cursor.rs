@@ -3,7 +3,7 @@
 use crate::lang::ast::Name;
 use crate::lang::diagnostic::{Diagnostic, Diagnostics, nearest};
 use crate::lang::lexer::tokenize;
-use crate::lang::source::{Source, Span};
+use crate::lang::source::{Source, SourceSpan};
 use crate::lang::token::{Mark, Token, TokenKind};
 use crate::lang::variables::RESERVED;
 
@@ -17,7 +17,7 @@ pub struct Placed<T> {
     /// The value.
     pub value: T,
     /// Its place.
-    pub span: Span,
+    pub span: SourceSpan,
 }
 
 /// A parser's position in the words of a source.
@@ -58,12 +58,12 @@ impl Cursor {
     }
 
     /// The place of the current word.
-    pub fn span(&self) -> Span {
+    pub fn span(&self) -> SourceSpan {
         self.peek(0).span
     }
 
     /// The place of the word before the current one.
-    pub fn previous_span(&self) -> Span {
+    pub fn previous_span(&self) -> SourceSpan {
         self.tokens[self.at.saturating_sub(1)].span
     }
 
@@ -165,7 +165,7 @@ impl Cursor {
         let diagnostic = if mark == Mark::Semicolon {
             // People look for what is missing at the end of something there, not on the next line.
             let end = self.previous_span().end;
-            missing.at(Span { start: end, end }, format!("`;` belongs here, before {found}"))
+            missing.at(SourceSpan { start: end, end }, format!("`;` belongs here, before {found}"))
         } else {
             missing.at(self.span(), "found this")
         };

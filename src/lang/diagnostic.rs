@@ -6,7 +6,7 @@
 //! shown anywhere, see [`display_text`](crate::lang::display_text).
 
 use crate::lang::display_text::one_line;
-use crate::lang::span::Span;
+use crate::lang::span::SourceSpan;
 
 /// How many errors, and how many warnings, are kept for one text.
 pub const MOST: usize = 100;
@@ -28,7 +28,7 @@ pub enum Severity {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Label {
     /// The place.
-    pub span: Span,
+    pub span: SourceSpan,
     /// The remark, one line; may be empty.
     pub text: String,
 }
@@ -55,7 +55,7 @@ impl Diagnostic {
 
     /// Marks a place. The first marked place is the place of the diagnostic. Places beyond a dozen are not kept.
     #[must_use]
-    pub fn at(mut self, span: Span, text: impl AsRef<str>) -> Self {
+    pub fn at(mut self, span: SourceSpan, text: impl AsRef<str>) -> Self {
         if self.labels.len() < MOST_LABELS {
             self.labels.push(Label { span, text: one_line(text.as_ref()) });
         }
@@ -99,7 +99,7 @@ impl Diagnostic {
     }
 
     /// The main place.
-    pub fn span(&self) -> Option<Span> {
+    pub fn span(&self) -> Option<SourceSpan> {
         self.labels.first().map(|label| label.span)
     }
 }
@@ -231,19 +231,19 @@ mod tests {
     #[test]
     fn texts_are_safe_and_short() {
         let name = format!("\u{1b}[31m{}\n", "x".repeat(1 << 20));
-        let diagnostic = Diagnostic::error(&name).at(Span::new(0, 1), &name).help(&name);
+        let diagnostic = Diagnostic::error(&name).at(SourceSpan::new(0, 1), &name).help(&name);
         for text in [diagnostic.message(), &diagnostic.labels()[0].text, &diagnostic.hints()[0]] {
             assert!(text.starts_with("\\u{1b}[31mxxx") && text.len() < 200, "{text}");
         }
-        let many = (0..1000).fold(Diagnostic::error("x"), |all, at| all.at(Span::new(at, at), ""));
+        let many = (0..1000).fold(Diagnostic::error("x"), |all, at| all.at(SourceSpan::new(at, at), ""));
         assert_eq!(many.labels().len(), MOST_LABELS);
     }
 
     #[test]
     fn the_same_diagnostic_is_kept_once() {
         let mut diagnostics = Diagnostics::new();
-        diagnostics.push(Diagnostic::error("x").at(Span::new(0, 1), ""));
-        diagnostics.push(Diagnostic::error("x").at(Span::new(0, 1), ""));
+        diagnostics.push(Diagnostic::error("x").at(SourceSpan::new(0, 1), ""));
+        diagnostics.push(Diagnostic::error("x").at(SourceSpan::new(0, 1), ""));
         assert_eq!(diagnostics.len(), 1);
     }
 }

@@ -4,7 +4,7 @@
 
 use crate::lang::diagnostic::{Diagnostic, Diagnostics};
 use crate::lang::lines::{LINE_ENDS, line_end};
-use crate::lang::source::{BYTE_ORDER_MARK, Source, Span};
+use crate::lang::source::{BYTE_ORDER_MARK, Source, SourceSpan};
 use crate::lang::token::{Mark, Token, TokenKind};
 
 /// How many unknown characters a message shows.
@@ -74,7 +74,7 @@ impl Lexer<'_> {
     fn push(&mut self, kind: TokenKind, start: usize) {
         let before = self.tokens.last().map_or(0, |token| token.span.end as usize);
         let begins_line = self.tokens.is_empty() || self.text[before.min(start)..start].contains(LINE_ENDS);
-        self.tokens.push(Token { kind, span: Span::new(start, self.at), begins_line });
+        self.tokens.push(Token { kind, span: SourceSpan::new(start, self.at), begins_line });
     }
 
     fn skip_blanks(&mut self) {
@@ -89,7 +89,7 @@ impl Lexer<'_> {
                     None => {
                         self.diagnostics.push(
                             Diagnostic::error("a comment is not closed")
-                                .at(Span::new(self.at, self.at + 2), "it begins here and goes on to the end of the file")
+                                .at(SourceSpan::new(self.at, self.at + 2), "it begins here and goes on to the end of the file")
                                 .help("end it with `*/`; a comment of one line can begin with `//`"),
                         );
                         self.at = self.text.len();
@@ -121,7 +121,7 @@ impl Lexer<'_> {
         if value.is_infinite() {
             self.diagnostics.push(
                 Diagnostic::error("this number is too large")
-                    .at(Span::new(start, self.at), "larger than the largest number")
+                    .at(SourceSpan::new(start, self.at), "larger than the largest number")
                     .help(format!("numbers go up to about {:e}", f32::MAX)),
             );
         }
@@ -134,7 +134,7 @@ impl Lexer<'_> {
         let word = self.run_length(|byte| byte.is_ascii_alphanumeric() || byte == b'_');
         let name = &self.text[self.at..self.at + word];
         if name != "uses" {
-            let span = Span::new(start, self.at + word);
+            let span = SourceSpan::new(start, self.at + word);
             self.at += word;
             self.diagnostics.push(
                 Diagnostic::error(if name.is_empty() { "a stray `#`".to_owned() } else { format!("`#{name}` has no meaning") })
@@ -152,7 +152,7 @@ impl Lexer<'_> {
             None => {
                 self.diagnostics.push(
                     Diagnostic::error("`#uses` has no `;` at the end of its line")
-                        .at(Span::new(start, start + "#uses".len()), "")
+                        .at(SourceSpan::new(start, start + "#uses".len()), "")
                         .help("write `#uses FILE;` on one line"),
                 );
                 (line_end, line_end)
@@ -161,7 +161,7 @@ impl Lexer<'_> {
         let raw = &self.text[self.at..path_end];
         let path = raw.trim();
         let path_start = self.at + (raw.len() - raw.trim_start().len());
-        let path_span = Span::new(path_start, path_start + path.len());
+        let path_span = SourceSpan::new(path_start, path_start + path.len());
         self.at = next;
         self.push(TokenKind::Uses(path.to_owned(), path_span), start);
     }
@@ -197,7 +197,7 @@ impl Lexer<'_> {
         let shown: String = text.chars().take(MOST_SHOWN).collect();
         let rest = if shown.len() < text.len() { "…" } else { "" };
         let diagnostic = Diagnostic::error(format!("`{shown}{rest}` is not part of the language"))
-            .at(Span::new(start, start + text.len()), "not understood")
+            .at(SourceSpan::new(start, start + text.len()), "not understood")
             .help_if(hint);
         self.diagnostics.push(diagnostic);
         self.push(TokenKind::Unknown, start);
@@ -262,6 +262,6 @@ mod tests {
     #[test]
     fn an_open_comment_is_an_error_at_its_beginning() {
         let (_, diagnostics) = tokenize(&Source::new("t", "a /* b"));
-        assert_eq!(diagnostics.iter().next().and_then(Diagnostic::span), Some(Span::new(2, 4)));
+        assert_eq!(diagnostics.iter().next().and_then(Diagnostic::span), Some(SourceSpan::new(2, 4)));
     }
 }

@@ -82,7 +82,7 @@ fn write_details(f: &mut fmt::Formatter<'_>, diagnostic: &Diagnostic, source: &S
 mod tests {
     use super::*;
     use crate::lang::display_text::is_hidden;
-    use crate::lang::source::Span;
+    use crate::lang::source::SourceSpan;
     use proptest::prelude::*;
 
     #[test]
@@ -90,8 +90,8 @@ mod tests {
         let source = Source::new("model", "formula;\n\ta = 1.N;\n= a;\n");
         let diagnostics = Diagnostics::from(
             Diagnostic::error("a number stands before a name")
-                .at(Span::new(14, 17), "a mark")
-                .at(Span::new(9, 10), "another")
+                .at(SourceSpan::new(14, 17), "a mark")
+                .at(SourceSpan::new(9, 10), "another")
                 .help("write more"),
         );
         assert_eq!(diagnostics.located(&source).to_string(), "model:2:6: error: a number stands before a name\n");
@@ -112,8 +112,10 @@ mod tests {
         for text in ["", "\u{a0}", "\u{85}", "\u{2003}", "\u{2028}", "\u{feff}", "\r", "\r\n \r\n"] {
             let source = Source::new("blank", text);
             let end = text.len();
-            let shown =
-                format!("{:#}", Diagnostics::from(Diagnostic::error("nothing").at(Span::new(end, end), "")).located(&source));
+            let shown = format!(
+                "{:#}",
+                Diagnostics::from(Diagnostic::error("nothing").at(SourceSpan::new(end, end), "")).located(&source)
+            );
             assert!(shown.starts_with("blank:") && shown.ends_with("^\n"), "{text:?}: {shown}");
         }
     }
@@ -128,7 +130,7 @@ mod tests {
             message in any::<String>(),
         ) {
             let source = Source::new(message.as_str(), text);
-            let marked = |all: Diagnostic, (start, end): (u32, u32)| all.at(Span { start, end }, &message);
+            let marked = |all: Diagnostic, (start, end): (u32, u32)| all.at(SourceSpan { start, end }, &message);
             let diagnostics = Diagnostics::from(spans.into_iter().fold(Diagnostic::error(&message), marked).help(&message));
             for shown in [format!("{}", diagnostics.located(&source)), format!("{:#}", diagnostics.located(&source))] {
                 prop_assert!(!shown.chars().any(|c| c != '\n' && is_hidden(c)), "{:?}", shown);

@@ -3,8 +3,8 @@
 use crate::lang::ast::{ExprId, ExprKind, Name};
 use crate::lang::cursor::{Placed, Reported};
 use crate::lang::diagnostic::Diagnostic;
-use crate::lang::parser::Parser;
-use crate::lang::source::Span;
+use crate::lang::parser::FormulaParser;
+use crate::lang::source::SourceSpan;
 use crate::lang::token::{Mark, TokenKind};
 
 /// How deeply expressions may be nested. Nobody writes more levels, and this many fit the stack of any thread.
@@ -27,7 +27,7 @@ impl Place {
 
 const COMPARISONS: [Mark; 6] = [Mark::Less, Mark::LessEqual, Mark::Greater, Mark::GreaterEqual, Mark::EqualEqual, Mark::NotEqual];
 
-impl Parser<'_> {
+impl FormulaParser<'_> {
     /// Parses `expr`, outside of conditions.
     pub(super) fn expression(&mut self) -> Result<ExprId, Reported> {
         self.sum(Place { nesting: 0, condition: false })
@@ -141,7 +141,7 @@ impl Parser<'_> {
     }
 
     /// The place of an expression, from its own parenthesis if it has one.
-    fn outer_start(&self, id: ExprId) -> Span {
+    fn outer_start(&self, id: ExprId) -> SourceSpan {
         let expression = self.file.expr(id);
         let mut span = expression.span;
         if expression.parenthesised {
@@ -247,7 +247,7 @@ impl Parser<'_> {
     }
 
     /// Moves past the mark after a component of the vector that begins at `open`.
-    fn expect_component(&mut self, open: Span, mark: Mark) -> Result<(), Reported> {
+    fn expect_component(&mut self, open: SourceSpan, mark: Mark) -> Result<(), Reported> {
         let few = mark == Mark::Comma && self.cursor.sees_mark(0, Mark::Greater);
         let many = mark == Mark::Greater && self.cursor.sees_mark(0, Mark::Comma);
         if few || many {

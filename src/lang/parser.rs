@@ -8,19 +8,19 @@ use crate::lang::ast::{Expr, ExprId, ExprKind};
 use crate::lang::cursor::{Cursor, Placed, Reported};
 use crate::lang::diagnostic::{Diagnostic, Diagnostics, nearest};
 use crate::lang::keywords;
-use crate::lang::source::{Source, Span};
+use crate::lang::source::{Source, SourceSpan};
 use crate::lang::token::{Mark, TokenKind};
 use crate::lang::types::Type;
 use crate::lang::variables::Owner;
 
 /// Parses a formula file. The syntax is as complete as the text allows; it may be used only if there are no errors.
 pub fn parse(source: &Source) -> (FormulaFile, Diagnostics) {
-    let mut parser = Parser { source, cursor: Cursor::new(source), file: FormulaFile::default() };
+    let mut parser = FormulaParser { source, cursor: Cursor::new(source), file: FormulaFile::default() };
     parser.file();
     (parser.file, parser.cursor.into_diagnostics())
 }
 
-pub(super) struct Parser<'s> {
+pub(super) struct FormulaParser<'s> {
     source: &'s Source,
     pub(super) cursor: Cursor,
     pub(super) file: FormulaFile,
@@ -40,7 +40,7 @@ enum Next {
     Nothing,
 }
 
-impl Parser<'_> {
+impl FormulaParser<'_> {
     fn file(&mut self) {
         self.uses();
         let mut seen = Vec::new();
@@ -83,7 +83,7 @@ impl Parser<'_> {
 
     /// Parses a section before the formula, or reports what is in its place. `seen` has the sections before, with their
     /// heads.
-    fn section(&mut self, seen: &mut Vec<(String, Span)>) -> Next {
+    fn section(&mut self, seen: &mut Vec<(String, SourceSpan)>) -> Next {
         let head = self.cursor.span();
         if let TokenKind::Uses(..) = self.cursor.kind(0) {
             self.cursor.advance();
@@ -124,7 +124,7 @@ impl Parser<'_> {
     }
 
     /// Reports a word where a section was expected.
-    fn misplaced(&mut self, head: Span, word: Option<&str>) -> Next {
+    fn misplaced(&mut self, head: SourceSpan, word: Option<&str>) -> Next {
         // A misspelt head of a section is read as the most similar one.
         let near = word.and_then(|word| nearest(&word.replace('-', "_"), SECTIONS));
         let ends = self.cursor.sees_mark(1, Mark::Semicolon) || self.cursor.sees_mark(1, Mark::Colon);
@@ -155,7 +155,7 @@ impl Parser<'_> {
     }
 
     /// The text under a span, for messages.
-    pub(super) fn source_text(&self, span: Span) -> String {
+    pub(super) fn source_text(&self, span: SourceSpan) -> String {
         self.source.slice(span).to_owned()
     }
 
@@ -197,7 +197,7 @@ impl Parser<'_> {
     }
 
     fn attributes(&mut self, declaration: &mut Declaration) -> Result<(), Reported> {
-        let mut seen: Vec<(String, Span)> = Vec::new();
+        let mut seen: Vec<(String, SourceSpan)> = Vec::new();
         while self.cursor.accept(Mark::Comma) {
             let span = self.cursor.span();
             let word = self.cursor.word(0).unwrap_or_default().to_owned();
@@ -220,7 +220,7 @@ impl Parser<'_> {
         if self.cursor.word(0).is_some() && self.cursor.sees_mark(1, Mark::Colon) { Ok(()) } else { outcome }
     }
 
-    fn attribute(&mut self, word: &str, span: Span, declaration: &mut Declaration) -> Result<(), Reported> {
+    fn attribute(&mut self, word: &str, span: SourceSpan, declaration: &mut Declaration) -> Result<(), Reported> {
         if !ATTRIBUTES.contains(&word) {
             return Err(self.cursor.unknown_word("an attribute: `constraint`, `default`, `slider` or `color`", &ATTRIBUTES));
         }
@@ -403,7 +403,7 @@ impl Parser<'_> {
         self.add(ExprKind::Missing, span)
     }
 
-    pub(super) fn add(&mut self, kind: ExprKind, span: Span) -> ExprId {
+    pub(super) fn add(&mut self, kind: ExprKind, span: SourceSpan) -> ExprId {
         // There are fewer expressions than bytes of text, and a text has fewer than 2³² bytes.
         let id = ExprId(self.file.expressions.len() as u32);
         self.file.expressions.push(Expr { kind, span, parenthesised: false });

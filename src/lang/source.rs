@@ -4,7 +4,7 @@
 
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::lines::{LINE_ENDS, count_line_ends, line_end, line_start};
-pub use crate::lang::span::Span;
+pub use crate::lang::span::SourceSpan;
 use std::ops::Range;
 
 /// The largest text that is read, in bytes. A formula or a scene is a page or two; a larger file is a mistake
@@ -62,7 +62,7 @@ impl Source {
     }
 
     /// The text under `span`; empty if the span does not fit the text.
-    pub fn slice(&self, span: Span) -> &str {
+    pub fn slice(&self, span: SourceSpan) -> &str {
         self.text.get(span.range()).unwrap_or("")
     }
 
@@ -91,7 +91,7 @@ impl Source {
 
     /// The range of the text that a span means, whatever the span is: within the text, not reversed, and of whole
     /// characters.
-    pub fn fit(&self, span: Span) -> Range<usize> {
+    pub fn fit(&self, span: SourceSpan) -> Range<usize> {
         let start = self.text.floor_char_boundary(span.range().start);
         start..self.text.ceil_char_boundary(span.range().end).max(start)
     }
@@ -99,7 +99,7 @@ impl Source {
     /// The range of the text to mark for a span, so that there is something to see: an empty span means the character
     /// behind it; at the end of a line, the last character before it that is not white space. The range is empty only
     /// if there is no such character.
-    pub fn mark(&self, span: Span) -> Range<usize> {
+    pub fn mark(&self, span: SourceSpan) -> Range<usize> {
         let fitting = self.fit(span);
         if !fitting.is_empty() {
             return fitting;
@@ -164,7 +164,7 @@ mod tests {
     fn an_empty_span_marks_what_can_be_seen() {
         let mark = |text: &str, at: usize| {
             let source = Source::new("f", text);
-            let range = source.mark(Span::new(at, at));
+            let range = source.mark(SourceSpan::new(at, at));
             source.text()[range].to_owned()
         };
         assert_eq!(mark("ab\ncd", 1), "b");
@@ -181,7 +181,7 @@ mod tests {
         #[test]
         fn every_span_fits(text in any::<String>(), start in 0..200_u32, end in 0..200_u32) {
             let source = Source::new("f", text.as_str());
-            for range in [source.fit(Span { start, end }), source.mark(Span { start, end }), source.line(start as usize)] {
+            for range in [source.fit(SourceSpan { start, end }), source.mark(SourceSpan { start, end }), source.line(start as usize)] {
                 prop_assert!(text.get(range).is_some());
             }
             let (line, column) = source.position(start);

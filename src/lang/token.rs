@@ -1,6 +1,6 @@
 //! The words (tokens) of both languages: the output of the lexer and the input of the parsers.
 
-use crate::lang::source::Span;
+use crate::lang::source::SourceSpan;
 
 /// One word with its place.
 #[derive(Debug, Clone, PartialEq)]
@@ -8,7 +8,7 @@ pub struct Token {
     /// What it is.
     pub kind: TokenKind,
     /// Its place.
-    pub span: Span,
+    pub span: SourceSpan,
     /// Whether it is the first on its line.
     pub begins_line: bool,
 }
@@ -21,7 +21,7 @@ pub enum TokenKind {
     /// An identifier or a keyword; keywords are words only in their places.
     Word(String),
     /// `#uses` with the raw text up to the `;`, trimmed, and the place of that text. The `;` is part of the token.
-    Uses(String, Span),
+    Uses(String, SourceSpan),
     /// Punctuation.
     Mark(Mark),
     /// Characters that are no word; the lexer has reported them.

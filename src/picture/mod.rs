@@ -1,15 +1,16 @@
-//! Pictures as files: from linear colours to bytes, and into PNG, BMP or OpenEXR.
+//! Pictures: linear colours ([`Frame`]), how they become bytes ([`Transfer`]), and files as PNG, BMP or OpenEXR.
 //!
 //! The 8-bit formats hold the bytes that a [`Transfer`] gives.
 //! OpenEXR holds the linear numbers themselves, unclamped.
 
 mod format;
+mod frame;
+pub(crate) mod transfer;
 
-use crate::evaluate::Frame;
 use crate::files::{reason, replace_file};
-pub use crate::transfer::Transfer;
-use crate::transfer::{Bytes, with_bytes};
+use crate::picture::transfer::{Bytes, with_bytes};
 pub use format::Format;
+pub use frame::Frame;
 use image::codecs::bmp::BmpEncoder;
 use image::codecs::openexr::OpenExrEncoder;
 use image::codecs::png::PngEncoder;
@@ -17,6 +18,7 @@ use image::{ExtendedColorType, ImageEncoder, ImageResult};
 use rayon::prelude::*;
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::Path;
+pub use transfer::Transfer;
 
 /// Colours as bytes, red, green and blue of each pixel: clamped to 0..1, NaN as 0, and rounded to the nearest of
 /// 0..=255.

@@ -1,7 +1,7 @@
 //! What a picture is made of while a slider is held: which terms move, and how a picture follows from images that do not.
 
 use crate::formula::binding::Bindings;
-use crate::formula::equation::{Equation, REFLECTED, REFRACTED, Site, TERMS, Term, index_of};
+use crate::formula::equation::{Equation, EquationTerm, REFLECTED, REFRACTED, Site, TERMS, index_of};
 use crate::formula::graph::NodeId;
 use crate::formula::separation::{Dependence, SeparableTerm};
 use crate::formula::{Parameter, ParameterId};
@@ -179,7 +179,7 @@ impl DragPlan {
 
     /// Whether the weight of a light moves.
     pub fn moves_light_weight(&self, light: usize) -> bool {
-        let mut weights = Term::at(Site::LitRecord).filter_map(|term| term.weight);
+        let mut weights = EquationTerm::at(Site::LitRecord).filter_map(|term| term.weight);
         weights.any(|weight| self.moved.binary_search(&self.equation.place(weight, index_of(weight, 0, light))).is_ok())
     }
 
@@ -267,7 +267,7 @@ fn moving_terms(
     node_at: impl Fn(usize) -> Option<NodeId>,
 ) -> Vec<(MovedTerm, [Option<NodeId>; 3])> {
     let mut found = Vec::new();
-    let is_plain = |term: &Term| term.site != Site::LitRecord;
+    let is_plain = |term: &EquationTerm| term.site != Site::LitRecord;
     for (place, term) in TERMS.iter().enumerate().filter(|(_, term)| is_plain(term)) {
         for factor in term.factors().filter(|factor| factor.owner() == owner) {
             let last = factor.ty().slots() - 1;

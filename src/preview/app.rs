@@ -27,7 +27,7 @@ pub use action::Action;
 use crate::backends::BackendChoice;
 use crate::files::Readable;
 use crate::lang::diagnostic::Diagnostic;
-use crate::lang::source::Span;
+use crate::lang::source::SourceSpan;
 use crate::preview::editor::{Document, Editor, Palette, problems_ui, reference_ui};
 use crate::preview::renderer::Event;
 use crate::preview::workshop::{OpenedSession, Workshop};
@@ -377,7 +377,7 @@ impl App {
             let [more, others] = document.counts();
             [errors + more, warnings + others]
         });
-        let mut jump: Option<(TextTab, Span)> = None;
+        let mut jump: Option<(TextTab, SourceSpan)> = None;
         if errors + warnings > 0 {
             Panel::bottom("problems").resizable(true).default_size(110.0).show(ui, |ui| {
                 jump = problems_ui(ui, &self.documents.iter().collect::<Vec<_>>());

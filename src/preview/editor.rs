@@ -24,13 +24,13 @@ mod view;
 mod words;
 
 pub use document::Document;
-pub use keys::Command;
+pub use keys::EditorCommand;
 pub use palette::Palette;
 pub use problems::problems_ui;
 pub use reference::reference_ui;
 pub use words::Class;
 
-use crate::lang::source::Span;
+use crate::lang::source::SourceSpan;
 use colouring::{Colouring, Laid};
 use egui::{Context, Event, FontId, Id, Key, TextStyle, Ui};
 use find::{Find, Wish};
@@ -60,7 +60,7 @@ pub struct EditorResponse {
 
 /// How the text is drawn, and the context for its layout.
 #[derive(Clone, Copy)]
-struct Look<'a> {
+struct TextStyling<'a> {
     context: &'a Context,
     font: &'a FontId,
     palette: &'a Palette,
@@ -89,14 +89,14 @@ pub struct Editor {
 
 /// A request from outside.
 enum Order {
-    Jump(Span),
+    Jump(SourceSpan),
     Insert(String),
-    Command(Command),
+    EditorCommand(EditorCommand),
 }
 
 impl Editor {
     /// Selects a span of the document that is shown next, scrolls to it, and takes the keyboard.
-    pub fn jump_to(&mut self, span: Span) {
+    pub fn jump_to(&mut self, span: SourceSpan) {
         self.ordered.push(Order::Jump(span));
     }
 
@@ -106,8 +106,8 @@ impl Editor {
     }
 
     /// Performs a command, as its key does: for menus and buttons.
-    pub fn order(&mut self, command: Command) {
-        self.ordered.push(Order::Command(command));
+    pub fn order(&mut self, command: EditorCommand) {
+        self.ordered.push(Order::EditorCommand(command));
     }
 
     /// Takes the keyboard.
@@ -123,7 +123,7 @@ impl Editor {
     /// Draws the editor into all free space, and handles keys and clicks.
     pub fn ui(&mut self, ui: &mut Ui, document: &mut Document, palette: &Palette) -> EditorResponse {
         let (context, font) = (ui.ctx().clone(), TextStyle::Monospace.resolve(ui.style()));
-        let look = Look { context: &context, font: &font, palette };
+        let look = TextStyling { context: &context, font: &font, palette };
         let id = Self::id_of(document);
         let revision = document.revision();
         let mut response = EditorResponse::default();
@@ -135,7 +135,7 @@ impl Editor {
             match order {
                 Order::Jump(span) => self.show_range(document, span.range(), true),
                 Order::Insert(text) => self.replace_selected(document, text),
-                Order::Command(command) => self.run(look, document, command, &mut response),
+                Order::EditorCommand(command) => self.run(look, document, command, &mut response),
             }
         }
         let wants_focus = std::mem::take(&mut self.wants_focus);
@@ -186,7 +186,7 @@ impl Editor {
 
     /// Performs the commands at the start of the typed input, and passes the input up to the next command to the
     /// widget.
-    fn before_typing(&mut self, look: Look<'_>, document: &mut Document, response: &mut EditorResponse) -> Vec<Event> {
+    fn before_typing(&mut self, look: TextStyling<'_>, document: &mut Document, response: &mut EditorResponse) -> Vec<Event> {
         look.context.input_mut(|input| self.queue.take_from(&mut input.events));
         while let Some(command) = self.queue.next_command(self.open()) {
             self.run(look, document, command, response);
@@ -260,41 +260,41 @@ impl Editor {
         self.wants_focus = true;
     }
 
-    fn run(&mut self, look: Look<'_>, document: &mut Document, command: Command, response: &mut EditorResponse) {
+    fn run(&mut self, look: TextStyling<'_>, document: &mut Document, command: EditorCommand, response: &mut EditorResponse) {
         let (text, selection) = (document.text.as_str(), self.selection);
         let edit = match command {
-            Command::LineBreak => Some(commands::line_break(text, selection)),
-            Command::Indent => commands::indent(text, selection),
-            Command::Outdent => commands::outdent(text, selection),
-            Command::Comment => commands::toggle_comment(text, selection),
-            Command::Accept => self.list.chosen().map(|(word, candidate)| {
+            EditorCommand::LineBreak => Some(commands::line_break(text, selection)),
+            EditorCommand::Indent => commands::indent(text, selection),
+            EditorCommand::Outdent => commands::outdent(text, selection),
+            EditorCommand::Comment => commands::toggle_comment(text, selection),
+            EditorCommand::Accept => self.list.chosen().map(|(word, candidate)| {
                 let after = Selection::cursor(word.start + candidate.insert.len());
                 (Edit::replacing(text, word, candidate.insert.as_str()), after)
             }),
-            Command::Undo | Command::Redo => {
-                if let Some(selection) = if command == Command::Undo { document.undo() } else { document.redo() } {
+            EditorCommand::Undo | EditorCommand::Redo => {
+                if let Some(selection) = if command == EditorCommand::Undo { document.undo() } else { document.redo() } {
                     self.selection = selection;
                     (self.moved, self.reveal) = (true, true);
                     self.list.close();
                 }
                 None
             }
-            Command::Apply => {
+            EditorCommand::Apply => {
                 response.apply = true;
                 self.list.close();
                 None
             }
-            Command::Find => {
+            EditorCommand::Find => {
                 let selected = &text[fitting(text, selection.range())];
                 self.find.open(selected);
                 None
             }
-            Command::FindNext | Command::FindPrevious => {
+            EditorCommand::FindNext | EditorCommand::FindPrevious => {
                 if !self.find.is_open() {
                     self.find.open("");
                 }
                 self.find.search(document.id(), document.revision(), text);
-                let next = command == Command::FindNext;
+                let next = command == EditorCommand::FindNext;
                 let place =
                     if next { self.find.next(selection.range().end) } else { self.find.previous(selection.range().start) };
                 if let Some(place) = place {
@@ -302,15 +302,15 @@ impl Editor {
                 }
                 None
             }
-            Command::Complete => {
+            EditorCommand::Complete => {
                 self.offer(look, document, true);
                 None
             }
-            Command::ListUp | Command::ListDown => {
-                self.list.step(command == Command::ListDown);
+            EditorCommand::ListUp | EditorCommand::ListDown => {
+                self.list.step(command == EditorCommand::ListDown);
                 None
             }
-            Command::Dismiss => {
+            EditorCommand::Dismiss => {
                 if self.list.is_open() {
                     self.list.dismiss();
                 } else {
@@ -325,7 +325,7 @@ impl Editor {
     }
 
     /// Shows completions for the cursor, if there are any.
-    fn offer(&mut self, look: Look<'_>, document: &Document, asked: bool) {
+    fn offer(&mut self, look: TextStyling<'_>, document: &Document, asked: bool) {
         let laid = self.lay(look, document);
         let cursor = self.selection.head;
         let completion = completion::complete(document.kind(), &document.text, &laid.words, cursor);
@@ -333,7 +333,7 @@ impl Editor {
     }
 
     /// Checks the text: at once, or after a pause if it is slow.
-    fn check(&mut self, look: Look<'_>, document: &mut Document, changed: bool) {
+    fn check(&mut self, look: TextStyling<'_>, document: &mut Document, changed: bool) {
         let now = look.context.input(|input| input.time);
         if changed {
             self.changed_at = now;
@@ -350,7 +350,7 @@ impl Editor {
     }
 
     /// The current layout of the text.
-    fn lay(&mut self, look: Look<'_>, document: &Document) -> Arc<Laid> {
+    fn lay(&mut self, look: TextStyling<'_>, document: &Document) -> Arc<Laid> {
         self.colouring.lay(look.context, document.kind(), &document.text, look.font, look.palette)
     }
 }

@@ -9,13 +9,13 @@
 
 mod colour;
 mod item;
+mod pixel_rect;
 mod raster;
-mod region;
 #[cfg(test)]
 mod tests;
 mod texture;
 
-pub use region::Region;
+pub use pixel_rect::PixelRect;
 
 use crate::preview::PictureView;
 use egui::epaint::{ClippedPrimitive, textures::TexturesDelta};
@@ -41,7 +41,7 @@ pub struct Painter {
     tiles: Vec<ScreenTile>,
     textures: Textures,
     items: Vec<Item>,
-    changed: Vec<Region>,
+    changed: Vec<PixelRect>,
     /// A thread pool of its own: the threads of the engine may be busy, and a click would wait for them.
     threads: Option<rayon::ThreadPool>,
 }
@@ -123,13 +123,13 @@ impl Painter {
 
     /// The regions where the last frame differs from the previous one.
     #[must_use]
-    pub fn changed(&self) -> &[Region] {
+    pub fn changed(&self) -> &[PixelRect] {
         &self.changed
     }
 
     /// Paints a frame. Returns the regions that differ from the previous frame. They do not overlap, and none is
     /// empty.
-    pub fn paint(&mut self, frame: &PaintInput<'_>) -> &[Region] {
+    pub fn paint(&mut self, frame: &PaintInput<'_>) -> &[PixelRect] {
         self.resize(frame.size);
         let picture = frame.picture.as_ref().and_then(|view| PlacedPicture::new(view, frame.scale, self.bounds()));
         self.assign_items(frame, picture.as_ref());
@@ -139,9 +139,9 @@ impl Painter {
         &self.changed
     }
 
-    fn bounds(&self) -> Region {
+    fn bounds(&self) -> PixelRect {
         let side = |length: usize| i32::try_from(length).unwrap_or(i32::MAX);
-        Region { left: 0, top: 0, right: side(self.size[0]), bottom: side(self.size[1]) }
+        PixelRect { left: 0, top: 0, right: side(self.size[0]), bottom: side(self.size[1]) }
     }
 
     fn resize(&mut self, size: [usize; 2]) {
@@ -253,10 +253,10 @@ impl Painter {
 }
 
 /// The area of a tile.
-fn tile_area(index: usize, columns: usize, bounds: Region) -> Region {
+fn tile_area(index: usize, columns: usize, bounds: PixelRect) -> PixelRect {
     let side = TILE_SIZE as i32;
     let [left, top] = [index % columns, index / columns].map(|tile| tile as i32 * side);
-    Region { left, top, right: left + side, bottom: top + side }.intersection(bounds)
+    PixelRect { left, top, right: left + side, bottom: top + side }.intersection(bounds)
 }
 
 /// The hash of what `write` writes. It may differ between runs.
@@ -270,7 +270,7 @@ fn hash(write: impl FnOnce(&mut foldhash::quality::FoldHasher<'static>)) -> u64 
 /// The picture and its position in the window.
 struct PlacedPicture<'a> {
     view: PictureView<'a>,
-    area: Region,
+    area: PixelRect,
     /// The position of its upper left corner.
     corner: [i64; 2],
     zoom: i64,
@@ -278,8 +278,8 @@ struct PlacedPicture<'a> {
 
 impl<'a> PlacedPicture<'a> {
     /// `None` if no part of the pane is visible, or there are too few pixels.
-    fn new(view: &PictureView<'a>, scale: f32, bounds: Region) -> Option<Self> {
-        let pane = Region::of(view.pane, scale);
+    fn new(view: &PictureView<'a>, scale: f32, bounds: PixelRect) -> Option<Self> {
+        let pane = PixelRect::of(view.pane, scale);
         let area = pane.intersection(bounds);
         let enough = view.width.checked_mul(view.height).is_some_and(|count| count <= view.pixels.len());
         let corner = [i64::from(pane.left) + i64::from(view.offset[0]), i64::from(pane.top) + i64::from(view.offset[1])];

@@ -90,7 +90,7 @@ pub enum Event {
 
 /// What is wanted.
 #[derive(Default)]
-struct Wanted {
+struct WantedPicture {
     scenery: Option<Scenery>,
     numbers: Vec<f32>,
     /// Counts values and subjects.
@@ -103,8 +103,8 @@ struct Wanted {
 }
 
 /// What the threads share.
-struct Shared {
-    wanted: Mutex<Wanted>,
+struct RendererState {
+    wanted: Mutex<WantedPicture>,
     changed: Condvar,
     /// The newest picture that was not taken yet, and buffers to be used again.
     newest: Mutex<Option<Picture>>,
@@ -118,19 +118,19 @@ struct Shared {
     wake: Box<dyn Fn() + Send + Sync>,
 }
 
-impl Shared {
-    fn wanted(&self) -> MutexGuard<'_, Wanted> {
+impl RendererState {
+    fn wanted(&self) -> MutexGuard<'_, WantedPicture> {
         self.wanted.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn wait<'w>(&self, wanted: MutexGuard<'w, Wanted>) -> MutexGuard<'w, Wanted> {
+    fn wait<'w>(&self, wanted: MutexGuard<'w, WantedPicture>) -> MutexGuard<'w, WantedPicture> {
         self.changed.wait(wanted).unwrap_or_else(PoisonError::into_inner)
     }
 }
 
 /// Makes pictures.
 pub struct Renderer {
-    shared: Arc<Shared>,
+    shared: Arc<RendererState>,
     events: Receiver<Event>,
     threads: Vec<JoinHandle<()>>,
 }
@@ -148,7 +148,7 @@ impl Renderer {
     /// # Errors
     /// No thread can be started.
     pub fn new(wake: impl Fn() + Send + Sync + 'static) -> std::io::Result<Self> {
-        let shared = Arc::new(Shared {
+        let shared = Arc::new(RendererState {
             wanted: Mutex::default(),
             changed: Condvar::new(),
             newest: Mutex::default(),
@@ -162,7 +162,8 @@ impl Renderer {
         let (sender, events) = channel();
         let mut renderer = Self { shared: Arc::clone(&shared), events, threads: Vec::new() };
         // Each works on threads of its own: a frame does not wait for tiles that are being traced.
-        for (name, work) in [("tracing", trace_forever as fn(&Arc<Shared>, &Sender<Event>)), ("evaluation", draw_forever)] {
+        for (name, work) in [("tracing", trace_forever as fn(&Arc<RendererState>, &Sender<Event>)), ("evaluation", draw_forever)]
+        {
             let pool = rayon::ThreadPoolBuilder::new().thread_name(move |index| format!("{name} {index}")).build();
             let pool = pool.map_err(std::io::Error::other)?;
             let (shared, sender) = (Arc::clone(&shared), sender.clone());
@@ -192,7 +193,7 @@ impl Renderer {
         self.set(wanted, numbers)
     }
 
-    fn set(&self, mut wanted: MutexGuard<'_, Wanted>, numbers: &[f32]) -> u64 {
+    fn set(&self, mut wanted: MutexGuard<'_, WantedPicture>, numbers: &[f32]) -> u64 {
         numbers.clone_into(&mut wanted.numbers);
         wanted.stamp += 1;
         let stamp = wanted.stamp;
@@ -249,7 +250,7 @@ impl Drop for Renderer {
 }
 
 /// Traces what is wanted, whenever that changes.
-fn trace_forever(shared: &Arc<Shared>, events: &Sender<Event>) {
+fn trace_forever(shared: &Arc<RendererState>, events: &Sender<Event>) {
     let mut traced: Option<Subject> = None;
     loop {
         let scenery = {
@@ -290,7 +291,12 @@ fn stages(view: &View) -> Vec<View> {
     first.into_iter().chain([*view]).collect()
 }
 
-fn trace_stage(shared: &Shared, events: &Sender<Event>, Scenery { subject, engine, .. }: &Scenery, view: View) -> Option<()> {
+fn trace_stage(
+    shared: &RendererState,
+    events: &Sender<Event>,
+    Scenery { subject, engine, .. }: &Scenery,
+    view: View,
+) -> Option<()> {
     let start = Instant::now();
     let told = AtomicU32::new(0);
     let progress = |share: f64| {
@@ -326,7 +332,7 @@ fn trace_stage(shared: &Shared, events: &Sender<Event>, Scenery { subject, engin
 }
 
 /// Draws what is wanted, whenever that changes, and prepares what a held slider will need meanwhile.
-fn draw_forever(shared: &Arc<Shared>, events: &Sender<Event>) {
+fn draw_forever(shared: &Arc<RendererState>, events: &Sender<Event>) {
     // Not between what is asked here and the waiting for an answer.
     let again = || {
         let shared = Arc::clone(shared);

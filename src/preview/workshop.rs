@@ -21,7 +21,7 @@ use crate::workspace::session::PictureSettings;
 use crate::workspace::{Assignment, OwnerId, ParameterTable, Session, Values};
 use crate::world::World;
 pub use export::PictureExport;
-use history::{History, HistoryEntry};
+use history::{HistoryEntry, ValueHistory};
 pub use opening::OpenedSession;
 use std::io;
 use std::path::Path;
@@ -34,7 +34,7 @@ pub struct Workshop {
     formula: Arc<Formula>,
     world: Arc<World>,
     values: Values,
-    history: History,
+    history: ValueHistory,
     picture: PictureSettings,
     backend: BackendChoice,
     /// The engines in use, each with its compiled code.
@@ -68,7 +68,7 @@ impl Workshop {
             formula: Arc::clone(&project.subject.formula),
             world: Arc::clone(&project.subject.world),
             values: project.values.clone(),
-            history: History::default(),
+            history: ValueHistory::default(),
             picture: project.picture,
             backend: DEFAULT,
             engines: Vec::new(),
@@ -87,7 +87,7 @@ impl Workshop {
         self.world = Arc::clone(&project.subject.world);
         self.values = project.values.clone();
         self.picture = project.picture;
-        self.history = History::default();
+        self.history = ValueHistory::default();
         self.snapshots = [None, None];
         self.request_picture();
     }
@@ -97,7 +97,7 @@ impl Workshop {
         let given = initial(&ParameterTable::new(&self.formula, self.scene()));
         self.values = Values::new(&self.formula, self.scene(), &given).0;
         self.picture = if view(&picture).is_ok() { picture } else { self.picture };
-        self.history = History::default();
+        self.history = ValueHistory::default();
         self.snapshots = [None, None];
         self.request_picture();
     }

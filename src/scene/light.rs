@@ -4,7 +4,7 @@ mod point;
 
 pub use point::PointLight;
 
-use crate::lang::source::Span;
+use crate::lang::source::SourceSpan;
 use crate::scene::syntax::declarations;
 
 /// A light: it has a name, and so parameters of its own, and emits by its kind.
@@ -13,7 +13,7 @@ pub struct Light {
     /// Its name, unique among bodies and lights.
     pub name: String,
     /// Where the name stands in the text.
-    pub name_span: Span,
+    pub name_span: SourceSpan,
     /// How it emits light.
     pub kind: LightKind,
 }

@@ -18,7 +18,7 @@ pub use shape::Shape;
 pub use syntax::Syntax;
 
 use crate::lang::diagnostic::Diagnostics;
-use crate::lang::source::{Source, Span};
+use crate::lang::source::{Source, SourceSpan};
 use glam::DVec3;
 
 /// The largest coordinate and length of a scene. Squares and cubes of such numbers are far from overflow.
@@ -54,7 +54,7 @@ pub struct Body {
     /// Its name, unique among bodies and lights.
     pub name: String,
     /// Where the name stands in the text.
-    pub name_span: Span,
+    pub name_span: SourceSpan,
     /// Its shape.
     pub shape: Shape,
     /// Its index of refraction, greater than 0; `None`: the default index of the view under which the scene is traced.

@@ -11,7 +11,7 @@ mod tests;
 use crate::lang::cursor::{Cursor, Placed, Reported};
 use crate::lang::diagnostic::{Diagnostic, Diagnostics, nearest};
 use crate::lang::keywords;
-use crate::lang::source::{Source, Span};
+use crate::lang::source::{Source, SourceSpan};
 use crate::lang::token::{Mark, TokenKind};
 use crate::lang::variables::RESERVED;
 use crate::scene::syntax::Syntax;
@@ -25,7 +25,7 @@ const ATTRIBUTES: [&str; 3] = keywords::words(&keywords::BODY_ATTRIBUTES);
 
 /// Parses a scene, see [`Scene::parse`].
 pub(super) fn parse(source: &Source) -> Result<(Scene, Diagnostics), Diagnostics> {
-    let mut parser = Parser {
+    let mut parser = SceneParser {
         cursor: Cursor::new(source),
         names: HashMap::new(),
         seen: [None; 3],
@@ -44,18 +44,18 @@ pub(super) fn parse(source: &Source) -> Result<(Scene, Diagnostics), Diagnostics
 }
 
 /// A place in the text of a scene, with what has been parsed so far.
-struct Parser {
+struct SceneParser {
     cursor: Cursor,
     /// Every name so far, and where it is declared first.
-    names: HashMap<String, Span>,
+    names: HashMap<String, SourceSpan>,
     /// Where each of [`SECTIONS`] begins first.
-    seen: [Option<Span>; 3],
+    seen: [Option<SourceSpan>; 3],
     bodies: Vec<Body>,
     lights: Vec<Light>,
     camera: Option<Camera>,
 }
 
-impl Parser {
+impl SceneParser {
     fn file(&mut self) {
         if self.is_formula() {
             let diagnostic = Diagnostic::error("this looks like a formula, not a scene");
@@ -75,7 +75,7 @@ impl Parser {
             // What looks like a body is parsed as one, as if only the header were missing.
             if self.cursor.sees_mark(1, Mark::Colon) {
                 self.seen[0] = Some(self.cursor.span());
-                self.entries(Parser::body);
+                self.entries(SceneParser::body);
             } else {
                 self.skip();
             }
@@ -145,14 +145,14 @@ impl Parser {
         }
         self.seen[section].get_or_insert(span);
         match section {
-            0 => self.entries(Parser::body),
-            1 => self.entries(Parser::light),
+            0 => self.entries(SceneParser::body),
+            1 => self.entries(SceneParser::light),
             _ => self.camera_section(span),
         }
     }
 
     /// Parses declarations up to the next header or the end.
-    fn entries(&mut self, entry: fn(&mut Parser) -> Result<(), Reported>) {
+    fn entries(&mut self, entry: fn(&mut SceneParser) -> Result<(), Reported>) {
         while *self.cursor.kind(0) != TokenKind::End && self.header().is_none() {
             let start = self.cursor.position();
             if entry(self).is_err() {
@@ -254,7 +254,7 @@ impl Parser {
     /// Parses `{ , ATTRIBUTE }` of a body with a shape of this kind.
     fn attributes(&mut self, shape: &Syntax<Shape>) -> Result<Attributes, Reported> {
         let mut attributes = Attributes::default();
-        let mut seen: [Option<Span>; 3] = [None; 3];
+        let mut seen: [Option<SourceSpan>; 3] = [None; 3];
         while self.cursor.accept(Mark::Comma) {
             let span = self.cursor.span();
             let word = self.cursor.word(0).unwrap_or_default().to_owned();

@@ -1,7 +1,7 @@
 //! A scene as text of the scene language, in one canonical form: one declaration a line, every number in the shortest
 //! form that reads back exactly.
 
-use crate::scene::values::{Number, Vector};
+use crate::scene::values::{SceneNumber, Vector};
 use crate::scene::{Camera, Light, Scene};
 use std::fmt::{Display, Formatter, Result};
 
@@ -11,7 +11,7 @@ impl Display for Scene {
         for body in &self.bodies {
             write!(f, "{}: {}", body.name, body.shape)?;
             if let Some(index) = body.refractive_index {
-                write!(f, ", refractive_index {}", Number(index))?;
+                write!(f, ", refractive_index {}", SceneNumber(index))?;
             }
             let attributes = [(body.opaque, "opaque"), (body.matte, "matte")];
             for (_, word) in attributes.into_iter().filter(|(set, _)| *set) {
@@ -30,7 +30,7 @@ impl Display for Scene {
 impl Display for Camera {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         writeln!(f, "camera;\nposition {};\ngaze {};", Vector(self.position()), Vector(self.gaze()))?;
-        writeln!(f, "up {};\nfov {};", Vector(self.up()), Number(self.fov()))
+        writeln!(f, "up {};\nfov {};", Vector(self.up()), SceneNumber(self.fov()))
     }
 }
 
@@ -64,7 +64,7 @@ mod tests {
             (vector(), positive()).prop_map(|(center, radius)| format!(
                 "sphere, center {}, radius {}",
                 Vector(center),
-                Number(radius)
+                SceneNumber(radius)
             )),
             (-10.0..10.0f64, 0.1..10.0f64).prop_map(|(x, width)| {
                 let corner = |x, y| Vector(DVec3::new(x, y, 0.0));
@@ -72,7 +72,7 @@ mod tests {
             }),
         ];
         (shape, proptest::option::of(positive()), any::<bool>(), any::<bool>()).prop_map(move |(shape, index, opaque, matte)| {
-            let index = index.map_or(String::new(), |index| format!(", refractive_index {}", Number(index)));
+            let index = index.map_or(String::new(), |index| format!(", refractive_index {}", SceneNumber(index)));
             format!("b{name}: {shape}{index}{}{};\n", if opaque { ", opaque" } else { "" }, if matte { ", matte" } else { "" })
         })
     }

@@ -1,6 +1,6 @@
 //! How shapes and kinds of lights are written: what each of them says about its own text, and the tables of all.
 //!
-//! A shape or a kind of light is one file (its values, [`Declaration`] and `Display`) and one row in the table of its
+//! A shape or a kind of light is one file (its values, [`TextForm`] and `Display`) and one row in the table of its
 //! enumeration. The parser, its messages and the editor read the tables; nothing else names a shape.
 
 use crate::lang::cursor::{Cursor, Reported};
@@ -8,7 +8,7 @@ use crate::lang::keywords::Keyword;
 use std::fmt::Display;
 
 /// How a shape or a kind of light is written. `Display` prints what [`parse`](Self::parse) reads, the keyword included.
-pub(super) trait Declaration: Display + Sized {
+pub(super) trait TextForm: Display + Sized {
     /// The word that it begins with, and its whole form in one line.
     const KEYWORD: Keyword;
     /// The words between its values.
@@ -33,7 +33,7 @@ pub struct Syntax<T: 'static> {
     pub clauses: &'static [Keyword],
     /// An example, as `Display` prints it.
     pub example: &'static str,
-    /// Reads what follows the keyword, see [`Declaration::parse`].
+    /// Reads what follows the keyword, see [`TextForm::parse`].
     pub(super) parse: fn(&mut Cursor) -> Result<Option<T>, Reported>,
 }
 
@@ -67,11 +67,11 @@ macro_rules! declarations {
             /// How each kind is written, in the order in which messages name them.
             pub const SYNTAX: &'static [$crate::scene::syntax::Syntax<Self>] = &[
                 $($crate::scene::syntax::Syntax {
-                    keyword: <$value as $crate::scene::syntax::Declaration>::KEYWORD,
-                    clauses: <$value as $crate::scene::syntax::Declaration>::CLAUSES,
-                    example: <$value as $crate::scene::syntax::Declaration>::EXAMPLE,
+                    keyword: <$value as $crate::scene::syntax::TextForm>::KEYWORD,
+                    clauses: <$value as $crate::scene::syntax::TextForm>::CLAUSES,
+                    example: <$value as $crate::scene::syntax::TextForm>::EXAMPLE,
                     parse: |cursor| {
-                        let value = <$value as $crate::scene::syntax::Declaration>::parse(cursor)?;
+                        let value = <$value as $crate::scene::syntax::TextForm>::parse(cursor)?;
                         Ok(value.map($name::$kind))
                     },
                 },)*

@@ -7,9 +7,9 @@ use glam::DVec3;
 use std::fmt::{Display, Formatter, Result as FmtResult};
 
 /// A number as the scene language writes it.
-pub(super) struct Number(pub(super) f64);
+pub(super) struct SceneNumber(pub(super) f64);
 
-impl Display for Number {
+impl Display for SceneNumber {
     fn fmt(&self, f: &mut Formatter<'_>) -> FmtResult {
         let size = self.0.abs();
         // Both forms are the shortest that read back exactly. The exponent avoids rows of zeros.
@@ -22,7 +22,7 @@ pub(super) struct Vector(pub(super) DVec3);
 
 impl Display for Vector {
     fn fmt(&self, f: &mut Formatter<'_>) -> FmtResult {
-        write!(f, "<{}, {}, {}>", Number(self.0.x), Number(self.0.y), Number(self.0.z))
+        write!(f, "<{}, {}, {}>", SceneNumber(self.0.x), SceneNumber(self.0.y), SceneNumber(self.0.z))
     }
 }
 
@@ -52,7 +52,7 @@ pub(super) fn positive(cursor: &mut Cursor, what: &str) -> Result<Option<f64>, R
     } else if number.value > 0.0 {
         (format!("{what} is too small"), format!("at least {MIN_LENGTH:e}"))
     } else {
-        (format!("{what} must be greater than 0"), format!("it is {}", Number(number.value)))
+        (format!("{what} must be greater than 0"), format!("it is {}", SceneNumber(number.value)))
     };
     cursor.report(Diagnostic::error(message).at(number.span, mark));
     Ok(None)

@@ -4,7 +4,7 @@
 //! sorted as it grows, and only the lists themselves are sorted at the end.
 
 use crate::scene::BodyId;
-use crate::segment::{CHUNK_HITS, Segment};
+use crate::trace::segment::{CHUNK_HITS, Segment};
 use crate::trace::store::{Group, Path, PathId, PathSets, Region, Span, Tile};
 use crate::trace::walk::Edge;
 use crate::world::EmitterId;

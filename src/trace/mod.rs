@@ -15,6 +15,7 @@ mod builder;
 mod lookup;
 mod memory;
 mod replay;
+mod segment;
 mod store;
 #[cfg(test)]
 mod tests;
@@ -23,16 +24,16 @@ mod variables;
 mod view;
 mod walk;
 
-pub use crate::segment::{CHUNK_HITS, CHUNK_LINES, LINE_HITS, ROUND_LINES, Segment, TILE_PIXELS};
 pub use budget::{Budget, Estimate};
 pub use lookup::variable;
 pub use memory::usable_memory;
 pub use replay::{Mismatch, replay, replay_misses};
+pub use segment::{CHUNK_HITS, CHUNK_LINES, LINE_HITS, ROUND_LINES, Segment, TILE_PIXELS};
 pub use store::{Counts, Group, Hits, Path, PathId, PathSets, Region, Span, Tile};
 pub use tracer::Tracer;
 pub use variables::{HitVariables, LightVariables};
 pub use view::{MAX_DEPTH, MAX_SIDE, View, ViewError};
-pub use walk::{Child, Edge, Node, Tree, ray_tree};
+pub use walk::{Child, Edge, RayNode, Tree, ray_tree};
 
 use crate::world::World;
 use budget::MemoryMeter;
@@ -74,14 +75,14 @@ impl std::fmt::Display for Shortage {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Self { needed, fixed, budget, pixels } = *self;
         if fixed > budget {
-            let (fixed, budget) = (Bytes(fixed), Bytes(budget));
+            let (fixed, budget) = (MemorySize(fixed), MemorySize(budget));
             return write!(
                 f,
                 "the values of all pairs of a body and a light take about {fixed} of memory, and {budget} may be used; \
                  use fewer bodies or lights"
             );
         }
-        let (needed, allowed) = (Bytes(needed), Bytes(budget));
+        let (needed, allowed) = (MemorySize(needed), MemorySize(budget));
         write!(f, "a picture of {pixels} pixels of this scene takes about {needed} of memory, and {allowed} may be used; ")?;
         // Memory grows with the pixels.
         let share = (budget - fixed) as f64 / (self.needed.max(fixed + 1) - fixed) as f64;
@@ -94,9 +95,9 @@ impl std::fmt::Display for Shortage {
 }
 
 /// An amount of memory, written for people.
-struct Bytes(u64);
+struct MemorySize(u64);
 
-impl std::fmt::Display for Bytes {
+impl std::fmt::Display for MemorySize {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let units = [(30, "GiB"), (20, "MiB"), (10, "KiB")];
         match units.into_iter().find(|(shift, _)| self.0 >> shift > 0) {

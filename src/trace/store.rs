@@ -16,8 +16,8 @@
 //! the hits of a segment, side by side, is added to neighbouring pixels at once.
 
 use crate::scene::BodyId;
-use crate::segment::{Segment, TILE_PIXELS};
 use crate::trace::View;
+use crate::trace::segment::{Segment, TILE_PIXELS};
 use crate::trace::walk::Edge;
 use crate::world::{EmitterId, World};
 use smallvec::SmallVec;
@@ -47,7 +47,7 @@ pub struct Path {
 }
 
 /// Consecutive hits, or misses, of one path, in the order of their pixels. The hits lie in one chunk of their group,
-/// which is [`CHUNK_HITS`](crate::segment::CHUNK_HITS) hits.
+/// which is [`CHUNK_HITS`](crate::trace::segment::CHUNK_HITS) hits.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Span {
     /// The path.
@@ -232,7 +232,8 @@ pub struct Hits {
     pub world: Arc<World>,
     /// The view that was traced.
     pub view: View,
-    /// [`TILE_PIXELS`](crate::segment::TILE_PIXELS) pixels each, in the order of pixels; the last one has the rest.
+    /// [`TILE_PIXELS`](crate::trace::segment::TILE_PIXELS) pixels each, in the order of pixels; the last one has the
+    /// rest.
     pub tiles: Vec<Tile>,
 }
 

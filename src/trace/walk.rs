@@ -30,7 +30,7 @@ pub(super) enum RayEnd<'r> {
 
 /// A ray that is yet to be traced; `T` is what the caller knows of the hit it comes from.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Pending<T> {
+pub(super) struct PendingRay<T> {
     ray: Ray,
     from: Option<T>,
     edge: Edge,
@@ -44,11 +44,11 @@ pub(super) struct Pending<T> {
 pub(super) fn trace_pixel<T: Copy>(
     tracer: &Tracer,
     pixel: u32,
-    stack: &mut Vec<Pending<T>>,
+    stack: &mut Vec<PendingRay<T>>,
     mut visit: impl FnMut(Option<T>, Edge, RayEnd) -> T,
 ) {
-    stack.push(Pending { ray: tracer.primary(pixel), from: None, edge: Edge::Primary, depth: 1 });
-    while let Some(Pending { ray, from, edge, depth }) = stack.pop() {
+    stack.push(PendingRay { ray: tracer.primary(pixel), from: None, edge: Edge::Primary, depth: 1 });
+    while let Some(PendingRay { ray, from, edge, depth }) = stack.pop() {
         let Some(hit) = tracer.hit(&ray) else {
             visit(from, edge, RayEnd::Miss(ray.direction));
             continue;
@@ -56,7 +56,7 @@ pub(super) fn trace_pixel<T: Copy>(
         let from = Some(visit(from, edge, RayEnd::Hit(&hit)));
         if depth < tracer.view().depth() {
             let children = [(Edge::Refracted, tracer.refracted(&hit)), (Edge::Reflected, tracer.reflected(&hit))];
-            let pending = |(edge, ray): (Edge, Option<Ray>)| Some(Pending { ray: ray?, from, edge, depth: depth + 1 });
+            let pending = |(edge, ray): (Edge, Option<Ray>)| Some(PendingRay { ray: ray?, from, edge, depth: depth + 1 });
             stack.extend(children.into_iter().filter_map(pending));
         }
     }
@@ -75,7 +75,7 @@ pub enum Child {
 
 /// A hit in the tree of a pixel.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Node {
+pub struct RayNode {
     /// The surface.
     pub hit: SurfaceHit,
     /// The emitters that reach it, in the order of their lights.
@@ -92,7 +92,7 @@ pub struct Tree {
     /// The primary ray.
     pub primary: Child,
     /// The hits, parents before children.
-    pub nodes: Vec<Node>,
+    pub nodes: Vec<RayNode>,
 }
 
 /// Traces one pixel.
@@ -103,7 +103,7 @@ pub fn ray_tree(tracer: &Tracer, pixel: u32) -> Tree {
         let child = match end {
             RayEnd::Hit(hit) => {
                 let emitters = tracer.emitters(hit).collect();
-                tree.nodes.push(Node { hit: *hit, emitters, reflected: Child::None, refracted: Child::None });
+                tree.nodes.push(RayNode { hit: *hit, emitters, reflected: Child::None, refracted: Child::None });
                 Child::Hit(index)
             }
             RayEnd::Miss(direction) => Child::Miss(direction),

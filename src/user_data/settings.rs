@@ -52,7 +52,7 @@ pub struct Settings {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WindowSettings {
     /// The colours.
-    pub theme: Theme,
+    pub theme: ThemeSetting,
     /// The scale of widgets, within [`SCALES`].
     pub scale: f32,
     /// Whether a formula or scene is applied while the user types, whenever it has no errors.
@@ -65,7 +65,7 @@ pub struct WindowSettings {
 
 /// Whether a window is light or dark.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Theme {
+pub enum ThemeSetting {
     /// As in the system; dark if the system does not say.
     System,
     /// Light on dark.
@@ -74,25 +74,25 @@ pub enum Theme {
     Light,
 }
 
-impl Theme {
+impl ThemeSetting {
     /// Every theme.
-    pub const ALL: [Theme; 3] = [Theme::System, Theme::Dark, Theme::Light];
+    pub const ALL: [ThemeSetting; 3] = [ThemeSetting::System, ThemeSetting::Dark, ThemeSetting::Light];
 
     /// The name in the file and in menus.
     pub fn name(self) -> &'static str {
         match self {
-            Theme::System => "system",
-            Theme::Dark => "dark",
-            Theme::Light => "light",
+            ThemeSetting::System => "system",
+            ThemeSetting::Dark => "dark",
+            ThemeSetting::Light => "light",
         }
     }
 
     /// Whether to draw dark. `system` is whether the system is dark, if it says so.
     pub fn is_dark(self, system: Option<bool>) -> bool {
         match self {
-            Theme::System => system.unwrap_or(true),
-            Theme::Dark => true,
-            Theme::Light => false,
+            ThemeSetting::System => system.unwrap_or(true),
+            ThemeSetting::Dark => true,
+            ThemeSetting::Light => false,
         }
     }
 }
@@ -136,7 +136,7 @@ impl Default for Defaults {
 
 impl Default for WindowSettings {
     fn default() -> Self {
-        Self { theme: Theme::System, scale: 1.0, apply_as_you_type: false, log: false, size: [1280, 800] }
+        Self { theme: ThemeSetting::System, scale: 1.0, apply_as_you_type: false, log: false, size: [1280, 800] }
     }
 }
 

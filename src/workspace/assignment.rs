@@ -4,7 +4,7 @@
 use crate::formula::ParameterId;
 use crate::lang::ast::Constant;
 use crate::lang::diagnostic::{Diagnostic, nearest};
-use crate::lang::source::Span;
+use crate::lang::source::SourceSpan;
 use crate::lang::variables::Owner;
 use crate::workspace::owner::OwnerId;
 use crate::workspace::parameter_table::ParameterTable;
@@ -32,7 +32,7 @@ impl Assignment {
         owner: OwnerId,
         name: &str,
         value: Constant,
-        span: Span,
+        span: SourceSpan,
     ) -> Result<Assignment, Diagnostic> {
         let known = table.parameter_named(name).filter(|id| table.parameter(*id).owner == owner.kind());
         let Some(parameter) = known else {
@@ -53,7 +53,7 @@ impl Assignment {
 
 /// Target parameter a setting means.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Target {
+pub enum AssignmentTarget {
     /// `ka=…`: the scene.
     Scene,
     /// `*.kd=…`: every body and light that has the parameter.
@@ -66,7 +66,7 @@ pub enum Target {
 #[derive(Debug, Clone, PartialEq)]
 pub struct NamedAssignment {
     /// Target parameter.
-    pub target: Target,
+    pub target: AssignmentTarget,
     /// The parameter's name.
     pub parameter: String,
     /// The value.
@@ -136,9 +136,9 @@ impl FromStr for NamedAssignment {
         }
         let target = match owner {
             // No body or light can have this name.
-            None | Some("global") => Target::Scene,
-            Some("*") => Target::All,
-            Some(name) => Target::Named(name.to_owned()),
+            None | Some("global") => AssignmentTarget::Scene,
+            Some("*") => AssignmentTarget::All,
+            Some(name) => AssignmentTarget::Named(name.to_owned()),
         };
         let value = parse_value(value).ok_or_else(|| NamedAssignmentError::Value(value.trim().to_owned()))?;
         Ok(NamedAssignment { target, parameter: parameter.to_owned(), value })
@@ -153,9 +153,9 @@ impl NamedAssignment {
     /// A name is unknown, the parameter belongs to another kind of owner, or it has the other type.
     pub fn resolve(&self, table: &ParameterTable) -> Result<Vec<Assignment>, NamedAssignmentError> {
         let owner = match &self.target {
-            Target::Scene => Some(OwnerId::Global),
-            Target::All => None,
-            Target::Named(name) => Some(table.owners().named(name).ok_or_else(|| unknown_owner(name, table))?),
+            AssignmentTarget::Scene => Some(OwnerId::Global),
+            AssignmentTarget::All => None,
+            AssignmentTarget::Named(name) => Some(table.owners().named(name).ok_or_else(|| unknown_owner(name, table))?),
         };
         let id = table.parameter_named(&self.parameter).ok_or_else(|| unknown_parameter(&self.parameter, owner, table))?;
         let parameter = table.parameter(id);
@@ -257,9 +257,9 @@ impl fmt::Display for NamedAssignment {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let value = crate::workspace::warning::show(self.value.components());
         match &self.target {
-            Target::Scene => write!(f, "{}={value}", self.parameter),
-            Target::All => write!(f, "*.{}={value}", self.parameter),
-            Target::Named(name) => write!(f, "{name}.{}={value}", self.parameter),
+            AssignmentTarget::Scene => write!(f, "{}={value}", self.parameter),
+            AssignmentTarget::All => write!(f, "*.{}={value}", self.parameter),
+            AssignmentTarget::Named(name) => write!(f, "{name}.{}={value}", self.parameter),
         }
     }
 }

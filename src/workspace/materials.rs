@@ -13,7 +13,7 @@ mod save;
 
 use crate::lang::ast::Constant;
 use crate::lang::diagnostic::Diagnostics;
-use crate::lang::source::{Source, Span};
+use crate::lang::source::{Source, SourceSpan};
 use crate::lang::variables::Owner;
 use crate::scene::BodyId;
 use crate::workspace::assignment::{Assignment, hint};
@@ -36,7 +36,7 @@ pub struct Property {
     /// The value.
     pub value: Constant,
     /// Where the library's text names the parameter; empty if there is no text.
-    pub span: Span,
+    pub span: SourceSpan,
 }
 
 /// A named set of body parameter values. The name is one that a library can hold.
@@ -93,7 +93,7 @@ impl Material {
                 [number, ..] => Constant::Scalar(*number),
             };
             let parameter = table.parameter(id).name.clone();
-            material.properties.push(Property { parameter, value, span: Span::default() });
+            material.properties.push(Property { parameter, value, span: SourceSpan::default() });
         }
         Ok(material)
     }

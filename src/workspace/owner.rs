@@ -38,13 +38,13 @@ impl OwnerId {
 /// The bodies and lights of a scene by name, and which bodies are opaque or matte.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Owners {
-    bodies: Vec<Body>,
+    bodies: Vec<BodyOwner>,
     lights: Vec<String>,
     by_name: BTreeMap<String, OwnerId>,
 }
 
 #[derive(Debug, Clone, PartialEq)]
-struct Body {
+struct BodyOwner {
     name: String,
     opaque: bool,
     matte: bool,
@@ -53,7 +53,7 @@ struct Body {
 impl Owners {
     /// The owners of a scene.
     pub fn new(scene: &Scene) -> Self {
-        let body = |body: &crate::scene::Body| Body { name: body.name.clone(), opaque: body.opaque, matte: body.matte };
+        let body = |body: &crate::scene::Body| BodyOwner { name: body.name.clone(), opaque: body.opaque, matte: body.matte };
         let bodies = scene.body_ids().map(|id| (scene.body(id).name.clone(), OwnerId::Body(id)));
         let lights = scene.light_ids().map(|id| (scene.light(id).name.clone(), OwnerId::Light(id)));
         Self {
@@ -127,7 +127,7 @@ impl Owners {
         self.body(owner).is_some_and(|body| body.matte)
     }
 
-    fn body(&self, owner: OwnerId) -> Option<&Body> {
+    fn body(&self, owner: OwnerId) -> Option<&BodyOwner> {
         match owner {
             OwnerId::Body(id) => self.bodies.get(id.index()),
             OwnerId::Global | OwnerId::Light(_) => None,

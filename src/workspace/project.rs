@@ -98,7 +98,7 @@ pub trait Listener {
 
 /// Why a session was not opened.
 #[derive(Debug)]
-pub enum OpenError {
+pub enum OpenProjectError {
     /// The listener has received the errors.
     Reported,
     /// The input has an error.
@@ -107,9 +107,9 @@ pub enum OpenError {
     Request(Diagnostic),
 }
 
-impl From<Diagnostic> for OpenError {
+impl From<Diagnostic> for OpenProjectError {
     fn from(diagnostic: Diagnostic) -> Self {
-        OpenError::Input(diagnostic)
+        OpenProjectError::Input(diagnostic)
     }
 }
 
@@ -127,7 +127,7 @@ impl Project {
     ///
     /// # Errors
     /// The files or the request have errors.
-    pub fn open(request: &Request, listener: &mut dyn Listener) -> Result<Self, OpenError> {
+    pub fn open(request: &Request, listener: &mut dyn Listener) -> Result<Self, OpenProjectError> {
         let session =
             request.session.as_ref().map(|text| OpenSession::read(text, request.session_readable, listener)).transpose()?;
         let location_of = |given: &Option<Location>, own: fn(&Session) -> &Location| {
@@ -136,7 +136,7 @@ impl Project {
         let locations =
             (location_of(&request.formula, |session| &session.formula), location_of(&request.scene, |session| &session.scene));
         let (Some(formula_location), Some(scene_location)) = locations else {
-            return Err(OpenError::Request(Diagnostic::error("give a formula and a scene, or a session")));
+            return Err(OpenProjectError::Request(Diagnostic::error("give a formula and a scene, or a session")));
         };
         let read = Read::both(request, &formula_location, &scene_location, listener)?;
         check_numbers(&read, request.memory)?;
@@ -164,7 +164,7 @@ impl Project {
     }
 
     /// Checks whether the files that a session names have no errors. Returns how many warnings its values gave.
-    pub fn check_session(session: &Session, source: &Source, listener: &mut dyn Listener) -> Result<usize, OpenError> {
+    pub fn check_session(session: &Session, source: &Source, listener: &mut dyn Listener) -> Result<usize, OpenProjectError> {
         let request = Request { readable: Readable::RegularOrPipe, ..Request::default() };
         let read = Read::both(&request, &session.formula, &session.scene, listener)?;
         let open = OpenSession { session: session.clone(), source: source.clone() };
@@ -186,13 +186,18 @@ struct Read {
 
 impl Read {
     /// Reads the formula and the scene. The errors of both are reported.
-    fn both(request: &Request, formula: &Location, scene: &Location, listener: &mut dyn Listener) -> Result<Self, OpenError> {
+    fn both(
+        request: &Request,
+        formula: &Location,
+        scene: &Location,
+        listener: &mut dyn Listener,
+    ) -> Result<Self, OpenProjectError> {
         let formula = read_text(request, formula, FileKind::Formula, Formula::parse, listener);
         let scene = read_text(request, scene, FileKind::Scene, Scene::parse, listener);
         match (formula, scene) {
             (Ok((formula_text, formula)), Ok((scene_text, scene))) => Ok(Self { formula_text, formula, scene_text, scene }),
             (Err(first), Err(second)) => {
-                if let OpenError::Input(diagnostic) | OpenError::Request(diagnostic) = first {
+                if let OpenProjectError::Input(diagnostic) | OpenProjectError::Request(diagnostic) = first {
                     listener.message(diagnostic);
                 }
                 Err(second)
@@ -209,7 +214,7 @@ fn read_text<T>(
     kind: FileKind,
     parse: fn(&Source) -> Result<(T, Diagnostics), Diagnostics>,
     listener: &mut dyn Listener,
-) -> Result<(Source, T), OpenError> {
+) -> Result<(Source, T), OpenProjectError> {
     let source = match request.texts.and_then(|texts| texts(kind)) {
         Some(text) => text,
         None => location.read(kind, request.readable)?,
@@ -232,7 +237,7 @@ fn accept<T>(
     outcome: Result<(T, Diagnostics), Diagnostics>,
     source: &Source,
     listener: &mut dyn Listener,
-) -> Result<T, OpenError> {
+) -> Result<T, OpenProjectError> {
     match outcome {
         Ok((value, warnings)) => {
             listener.diagnostics(&warnings, source);
@@ -240,7 +245,7 @@ fn accept<T>(
         }
         Err(errors) => {
             listener.diagnostics(&errors, source);
-            Err(OpenError::Reported)
+            Err(OpenProjectError::Reported)
         }
     }
 }
@@ -253,14 +258,14 @@ struct OpenSession {
 
 impl OpenSession {
     /// Reads a session. Its paths become relative to the working directory.
-    fn read(text: &SessionText, readable: Readable, listener: &mut dyn Listener) -> Result<Self, OpenError> {
+    fn read(text: &SessionText, readable: Readable, listener: &mut dyn Listener) -> Result<Self, OpenProjectError> {
         let (source, folder) = match text {
             SessionText::Text(source, folder) => (source.clone(), Some(folder.clone())),
             SessionText::At(location) => {
                 let source = location.read(FileKind::Session, readable)?;
                 if let Some(kind) = kind_of(source.text()).filter(|kind| *kind != FileKind::Session) {
                     let diagnostic = Diagnostic::error(format!("`{location}` looks like a {}, not a session", kind.noun()));
-                    return Err(OpenError::Input(match kind {
+                    return Err(OpenProjectError::Input(match kind {
                         FileKind::Material => diagnostic.help(LIBRARIES),
                         FileKind::Formula | FileKind::Scene | FileKind::Session => {
                             diagnostic.help(format!("give it after `--{}`", kind.noun()))
@@ -299,7 +304,7 @@ impl OpenSession {
 }
 
 /// Checks that the values of all parameters fit into the memory.
-fn check_numbers(read: &Read, memory: Option<u64>) -> Result<(), OpenError> {
+fn check_numbers(read: &Read, memory: Option<u64>) -> Result<(), OpenProjectError> {
     let numbers = Layout::new(&read.formula, read.scene.bodies.len(), read.scene.lights.len()).len() as u64;
     if numbers.saturating_mul(BYTES_PER_NUMBER) <= memory.unwrap_or(u64::MAX) {
         return Ok(());
@@ -315,7 +320,7 @@ fn values(
     session: Option<&OpenSession>,
     materials: Option<&Materials>,
     listener: &mut dyn Listener,
-) -> Result<Values, OpenError> {
+) -> Result<Values, OpenProjectError> {
     let Read { formula, scene, .. } = read;
     let table = ParameterTable::new(formula, scene);
     let mut set = match materials {
@@ -343,7 +348,7 @@ fn material_values(
     materials: &Materials,
     table: &ParameterTable,
     listener: &mut dyn Listener,
-) -> Result<Vec<Assignment>, OpenError> {
+) -> Result<Vec<Assignment>, OpenProjectError> {
     let (mut assignments, mut errors) = (Vec::new(), Vec::new());
     for material in given {
         match material.resolve(materials, table) {
@@ -362,7 +367,7 @@ fn set_values(
     given: &[NamedAssignment],
     table: &ParameterTable,
     listener: &mut dyn Listener,
-) -> Result<Vec<Assignment>, OpenError> {
+) -> Result<Vec<Assignment>, OpenProjectError> {
     let (mut assignments, mut errors) = (Vec::new(), Vec::new());
     for value in given {
         match value.resolve(table) {
@@ -375,11 +380,11 @@ fn set_values(
 
 /// Returns the outcome unless there are errors. All errors but the last are passed to the listener, and the last is
 /// returned.
-fn unless_errors<T>(errors: Vec<String>, outcome: T, listener: &mut dyn Listener) -> Result<T, OpenError> {
+fn unless_errors<T>(errors: Vec<String>, outcome: T, listener: &mut dyn Listener) -> Result<T, OpenProjectError> {
     let mut errors = errors.into_iter().map(Diagnostic::error);
     let Some(last) = errors.next_back() else { return Ok(outcome) };
     errors.for_each(|error| listener.message(error));
-    Err(OpenError::Request(last))
+    Err(OpenProjectError::Request(last))
 }
 
 /// Where the materials of a formula are. The error that there are none is marked where the formula names the library.
@@ -404,14 +409,14 @@ fn open_materials(
     location: &Location,
     request: &Request,
     listener: &mut dyn Listener,
-) -> Result<Materials, OpenError> {
+) -> Result<Materials, OpenProjectError> {
     let (formula, source) = (&read.formula, &read.formula_text);
     let library = library_location(formula, location, source, request.data.as_deref()).map_err(|reason| {
         if formula.uses.is_none() {
-            return OpenError::Request(reason);
+            return OpenProjectError::Request(reason);
         }
         listener.diagnostics(&reason.into(), source);
-        OpenError::Reported
+        OpenProjectError::Reported
     })?;
     match Materials::open(library, request.readable) {
         Ok((materials, found)) => {
@@ -420,7 +425,7 @@ fn open_materials(
         }
         Err(found) => {
             listener.diagnostics(&found.diagnostics, &found.source);
-            Err(OpenError::Reported)
+            Err(OpenProjectError::Reported)
         }
     }
 }

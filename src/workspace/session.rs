@@ -8,9 +8,9 @@ mod save;
 use crate::files::replace_text;
 use crate::lang::ast::Constant;
 use crate::lang::diagnostic::{Diagnostic, Diagnostics};
-use crate::lang::source::{Source, Span};
+use crate::lang::source::{Source, SourceSpan};
 use crate::lang::variables::Owner;
-use crate::transfer::Transfer;
+use crate::picture::Transfer;
 use crate::workspace::Location;
 use crate::workspace::assignment::Assignment;
 use crate::workspace::owner::OwnerId;
@@ -95,7 +95,7 @@ pub struct NamedValue {
     /// The value.
     pub value: Constant,
     /// Where the session's text names owner and parameter; empty if there is no text.
-    pub spans: [Span; 2],
+    pub spans: [SourceSpan; 2],
 }
 
 impl Session {
@@ -140,7 +140,7 @@ impl Session {
                     [x, y, z] => Constant::Vector([*x, *y, *z]),
                     numbers => Constant::Scalar(numbers.first().copied().unwrap_or_default()),
                 },
-                spans: [Span::default(); 2],
+                spans: [SourceSpan::default(); 2],
             }
         });
         named.collect()

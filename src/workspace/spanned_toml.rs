@@ -2,7 +2,7 @@
 
 use crate::lang::ast::Constant;
 use crate::lang::diagnostic::{Diagnostic, Diagnostics, nearest};
-use crate::lang::source::{Source, Span};
+use crate::lang::source::{Source, SourceSpan};
 use serde::Serialize;
 use std::ops::Range;
 use toml::Spanned;
@@ -17,24 +17,24 @@ pub(crate) const VERSION_KEY: &str = "version";
 /// The value of a parameter for serialisation.
 #[derive(Serialize)]
 #[serde(untagged)]
-pub(crate) enum Number {
+pub(crate) enum TomlNumber {
     Scalar(f32),
     Vector([f32; 3]),
 }
 
-impl From<Constant> for Number {
+impl From<Constant> for TomlNumber {
     fn from(value: Constant) -> Self {
         match value {
-            Constant::Scalar(number) => Number::Scalar(number),
-            Constant::Vector(numbers) => Number::Vector(numbers),
+            Constant::Scalar(number) => TomlNumber::Scalar(number),
+            Constant::Vector(numbers) => TomlNumber::Vector(numbers),
         }
     }
 }
 
 /// A key of a table with its value.
-pub(crate) struct Entry<'t> {
+pub(crate) struct TomlEntry<'t> {
     pub(crate) key: &'t str,
-    pub(crate) key_span: Span,
+    pub(crate) key_span: SourceSpan,
     pub(crate) value: Value<'t>,
 }
 
@@ -42,7 +42,7 @@ pub(crate) struct Entry<'t> {
 #[derive(Clone, Copy)]
 pub(crate) struct Value<'t> {
     value: &'t DeValue<'t>,
-    pub(crate) span: Span,
+    pub(crate) span: SourceSpan,
 }
 
 /// Parses a TOML text.
@@ -85,15 +85,15 @@ fn end_of_table(text: &str, place: usize) -> usize {
     behind.find("\n[").map_or(text.len(), |length| place + length)
 }
 
-fn span(place: Range<usize>) -> Span {
-    Span::new(place.start, place.end)
+fn span(place: Range<usize>) -> SourceSpan {
+    SourceSpan::new(place.start, place.end)
 }
 
 /// The entries of a table, in the order of the text.
-pub(crate) fn entries<'t>(table: &'t DeTable<'t>) -> Vec<Entry<'t>> {
-    let mut entries: Vec<Entry<'t>> = table
+pub(crate) fn entries<'t>(table: &'t DeTable<'t>) -> Vec<TomlEntry<'t>> {
+    let mut entries: Vec<TomlEntry<'t>> = table
         .iter()
-        .map(|(key, value)| Entry { key: key.get_ref(), key_span: span(key.span()), value: spanned(value) })
+        .map(|(key, value)| TomlEntry { key: key.get_ref(), key_span: span(key.span()), value: spanned(value) })
         .collect();
     entries.sort_by_key(|entry| entry.key_span);
     entries
@@ -194,7 +194,7 @@ pub(crate) fn parse_integer(number: &DeInteger) -> Option<i64> {
 
 /// The error that a line is missing, at the start of the file.
 pub(crate) fn missing(message: &str, line: &str) -> Diagnostic {
-    Diagnostic::error(message).at(Span::default(), format!("expected a line such as `{line}`"))
+    Diagnostic::error(message).at(SourceSpan::default(), format!("expected a line such as `{line}`"))
 }
 
 /// Checks the version of a file.
@@ -215,7 +215,7 @@ pub(crate) fn check_version(value: Option<Value>, diagnostics: &mut Diagnostics)
 }
 
 /// The warning that a key is unknown, with the nearest known one.
-pub(crate) fn unknown_key(entry: &Entry, known: &[&str]) -> Diagnostic {
+pub(crate) fn unknown_key(entry: &TomlEntry, known: &[&str]) -> Diagnostic {
     let hint = match nearest(entry.key, known.iter().copied()) {
         Some(near) => format!("did you mean `{near}`?"),
         None => format!("the known keys are {}", known.join(", ")),

@@ -38,13 +38,13 @@ impl EmitterId {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Emitter {
     light: LightId,
-    source: Source,
+    source: EmitterKind,
 }
 
 impl Emitter {
     /// The emitter of a light.
     pub(super) fn new(light: LightId, kind: &LightKind) -> Self {
-        Self { light, source: Source::new(kind) }
+        Self { light, source: EmitterKind::new(kind) }
     }
 
     /// The light that owns it.
@@ -59,34 +59,34 @@ impl Emitter {
     }
 }
 
-/// Declares [`Source`] from the kinds of emitters, each with its module. Its name is that of the [`LightKind`] that it
-/// is built from.
-macro_rules! sources {
-    ($($module:ident::$kind:ident,)*) => {
+/// Declares [`EmitterKind`] from rows: the variant of [`LightKind`] that an emitter is built from, and the type of the
+/// emitter.
+macro_rules! emitters {
+    ($($kind:ident: $module:ident::$type:ident,)*) => {
         #[derive(Debug, Clone, PartialEq)]
-        enum Source {
-            $($kind($module::$kind),)*
+        enum EmitterKind {
+            $($kind($module::$type),)*
         }
 
-        impl Source {
+        impl EmitterKind {
             fn new(kind: &LightKind) -> Self {
                 match kind {
-                    $(LightKind::$kind(light) => Source::$kind($module::$kind::new(light)),)*
+                    $(LightKind::$kind(light) => EmitterKind::$kind($module::$type::new(light)),)*
                 }
             }
         }
 
-        impl Emit for Source {
+        impl Emit for EmitterKind {
             #[inline]
             fn sample(&self, hit: &SurfaceHit) -> LightSample {
                 match self {
-                    $(Source::$kind(source) => source.sample(hit),)*
+                    $(EmitterKind::$kind(source) => source.sample(hit),)*
                 }
             }
         }
     };
 }
 
-sources! {
-    point::Point,
+emitters! {
+    Point: point::PointEmitter,
 }

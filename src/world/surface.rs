@@ -42,21 +42,20 @@ pub(super) struct FrontPoint {
     pub(super) shading_normal: DVec3,
 }
 
-/// Declares [`Surface`] from the kinds of surfaces, each with its module. Its name is that of the [`Shape`] that it is
-/// built from.
+/// Declares [`Surface`] from rows: the variant of [`Shape`] that a surface is built from, and the type of the surface.
 macro_rules! surfaces {
-    ($($module:ident::$kind:ident,)*) => {
+    ($($kind:ident: $module:ident::$type:ident,)*) => {
         /// The surface of a body.
         #[derive(Debug, Clone, PartialEq)]
         pub(super) enum Surface {
-            $($kind($module::$kind),)*
+            $($kind($module::$type),)*
         }
 
         impl Surface {
             /// The surface of a shape.
             pub(super) fn new(shape: &Shape) -> Self {
                 match shape {
-                    $(Shape::$kind(shape) => Surface::$kind($module::$kind::new(shape)),)*
+                    $(Shape::$kind(shape) => Surface::$kind($module::$type::new(shape)),)*
                 }
             }
         }
@@ -105,8 +104,8 @@ macro_rules! surfaces {
 }
 
 surfaces! {
-    sphere::Sphere,
-    rectangle::Rectangle,
+    Sphere: sphere::SphereSurface,
+    Rectangle: rectangle::RectangleSurface,
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use illuminator::files::Readable;
 use illuminator::formula::Formula;
 use illuminator::lang::ast::Constant;
-use illuminator::lang::source::{Source, Span};
+use illuminator::lang::source::{Source, SourceSpan};
 use illuminator::scene::{BodyId, Scene};
 use illuminator::workspace::Location;
 use illuminator::workspace::materials::{LibraryLocation, Property};
@@ -118,7 +118,7 @@ fn material() -> impl Strategy<Value = Material> {
     let name = prop_oneof!["[a-z]{1,2}", any::<String>()];
     (name, values).prop_filter_map("no name", |(name, values)| {
         let mut material = Material::new(name).ok()?;
-        let property = |(parameter, value)| Property { parameter, value, span: Span::default() };
+        let property = |(parameter, value)| Property { parameter, value, span: SourceSpan::default() };
         material.properties = values.into_iter().map(property).collect();
         Some(material)
     })

@@ -3,13 +3,13 @@
 use illuminator::lang::ast::{ExprKind, FormulaFile, Section};
 use illuminator::lang::parser::parse;
 use illuminator::lang::printer::print;
-use illuminator::lang::source::{Source, Span};
+use illuminator::lang::source::{Source, SourceSpan};
 use proptest::prelude::*;
 use proptest::sample::select;
 
 /// The syntax without places and without parentheses that change nothing.
 fn bare(mut file: FormulaFile) -> FormulaFile {
-    let nowhere = Span::default();
+    let nowhere = SourceSpan::default();
     for expression in &mut file.expressions {
         expression.span = nowhere;
         expression.parenthesised = false;

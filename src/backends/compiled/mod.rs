@@ -14,13 +14,14 @@ mod source;
 mod tile;
 
 use crate::evaluate::weights::path_weights;
-use crate::evaluate::{Backend, Drawn, EvaluateError, Evaluator, Footprint, Frame, Framebuffer, Part};
+use crate::evaluate::{Backend, Drawn, EvaluateError, Evaluator, Footprint, Framebuffer, Part};
 use crate::formula::equation::{Equation, Site};
 use crate::formula::{Formula, Parameter};
 use crate::jit::compile::Contribution;
 use crate::jit::{self, CompiledFormula, Kernel, KernelCache, Line, PREFETCH_DISTANCE, PixelCode, Splat, Width};
 use crate::lang::scalars::flush;
 use crate::lang::variables::Owner;
+use crate::picture::Frame;
 use crate::plan::{Channels, ParameterSlot};
 use crate::trace::{Hits, Mismatch, TILE_PIXELS};
 use columns::Columns;

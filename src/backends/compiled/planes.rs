@@ -7,9 +7,9 @@ use crate::evaluate::weights::Weight;
 use crate::evaluate::{Part, write};
 use crate::jit::lanes::PLANE_PIXELS;
 use crate::jit::{Line, PixelCode, PixelLine, PixelPlanes, Sums, Width};
+use crate::picture::transfer::with_bytes;
 use crate::plan::Channels;
 use crate::trace::{LINE_HITS, Region, Segment, TILE_PIXELS, Tile};
-use crate::transfer::with_bytes;
 use pulp::{Simd, WithSimd};
 use std::ops::Range;
 
@@ -158,8 +158,8 @@ impl WithSimd for Quantise<'_> {
 mod tests {
     use super::*;
     use crate::jit::{Operands, Program};
+    use crate::picture::transfer::{Bytes, Transfer};
     use crate::trace::{CHUNK_HITS, CHUNK_LINES};
-    use crate::transfer::{Bytes, Transfer};
 
     /// Segments of hits that follow each other, in these pixels.
     fn segments(runs: impl IntoIterator<Item = Range<usize>>) -> Vec<Segment> {

@@ -22,7 +22,7 @@ use crate::lang::builtins::Stack;
 use crate::lang::scalars::{Floats, Scalars, flush};
 use crate::lang::variables::{Owner, Predefined};
 use crate::scene::{BodyId, LightId};
-use crate::trace::{Child, Edge, HitVariables, LightVariables, Node, Tracer, Tree, View, ray_tree, variable};
+use crate::trace::{Child, Edge, HitVariables, LightVariables, RayNode, Tracer, Tree, View, ray_tree, variable};
 use crate::world::{EmitterId, Ray, Side, World};
 
 /// A formula on a scene with the values of its parameters, to be looked into.
@@ -35,7 +35,7 @@ pub struct Inspector<'i> {
 }
 
 /// A ray whose end is yet to be looked at.
-struct Pending {
+struct PendingChild {
     child: Child,
     edge: Edge,
     parent: Option<usize>,
@@ -87,8 +87,8 @@ impl<'i> Inspector<'i> {
     fn follow(&self, tracer: &Tracer, pixel: u32, tree: &Tree) -> Vec<InspectedRay> {
         let mut rays: Vec<InspectedRay> = Vec::new();
         let (child, ray) = (tree.primary, tracer.primary(pixel));
-        let mut stack = vec![Pending { child, edge: Edge::Primary, parent: None, depth: 1, ray, factor: 1.0, weight: 1.0 }];
-        while let Some(Pending { child, edge, parent, depth, ray, factor, weight }) = stack.pop() {
+        let mut stack = vec![PendingChild { child, edge: Edge::Primary, parent: None, depth: 1, ray, factor: 1.0, weight: 1.0 }];
+        while let Some(PendingChild { child, edge, parent, depth, ray, factor, weight }) = stack.pop() {
             let node = match child {
                 Child::None => continue,
                 Child::Miss(_) => None,
@@ -110,7 +110,7 @@ impl<'i> Inspector<'i> {
                     (End::Hit(Box::new(hit)), own)
                 }
             };
-            if let Some(Node { hit, reflected, refracted, .. }) = node {
+            if let Some(RayNode { hit, reflected, refracted, .. }) = node {
                 let body = hit.body.index();
                 let children = [
                     (Edge::Refracted, *refracted, tracer.refracted(hit), REFRACTED),
@@ -119,7 +119,7 @@ impl<'i> Inspector<'i> {
                 stack.extend(children.into_iter().filter_map(|(edge, child, ray, factor)| {
                     let factor = self.predefined(factor, body)[0];
                     let (ray, weight) = (ray?, weight * f64::from(factor));
-                    Some(Pending { child, edge, parent: Some(index), depth: depth + 1, ray, factor, weight })
+                    Some(PendingChild { child, edge, parent: Some(index), depth: depth + 1, ray, factor, weight })
                 }));
             }
             let share = |light: f32| if weight == 0.0 { 0.0 } else { (weight * f64::from(light)) as f32 };
@@ -130,7 +130,7 @@ impl<'i> Inspector<'i> {
     }
 
     /// A hit with its lights; what becomes of child rays is told when they are followed.
-    fn hit(&self, tracer: &Tracer, node: &Node) -> InspectedHit {
+    fn hit(&self, tracer: &Tracer, node: &RayNode) -> InspectedHit {
         let surface = &node.hit;
         let body = self.world.scene().body(surface.body);
         let variables = HitVariables::new(self.world, surface);
@@ -157,7 +157,7 @@ impl<'i> Inspector<'i> {
         }
     }
 
-    fn light(&self, tracer: &Tracer, node: &Node, hit: &HitVariables, emitter: EmitterId) -> InspectedLight {
+    fn light(&self, tracer: &Tracer, node: &RayNode, hit: &HitVariables, emitter: EmitterId) -> InspectedLight {
         let (surface, light) = (&node.hit, self.world.light_of(emitter));
         let visibility = if node.emitters.contains(&emitter) {
             Visibility::Lit

@@ -15,7 +15,7 @@ use glam::DVec3;
 /// other.
 const WIDTH: usize = 120;
 
-struct Writer<'w> {
+struct InspectionWriter<'w> {
     inspector: &'w Inspector<'w>,
     inspection: &'w Inspection,
     text: String,
@@ -42,7 +42,7 @@ fn angle(degrees: f64) -> String {
 impl Inspector<'_> {
     /// An inspection as text of many lines, its numbers rounded to four digits.
     pub fn text(&self, inspection: &Inspection) -> String {
-        let mut writer = Writer { inspector: self, inspection, text: String::new(), depth: 0 };
+        let mut writer = InspectionWriter { inspector: self, inspection, text: String::new(), depth: 0 };
         let [column, row] = inspection.pixel;
         writer.line(&format!("pixel ({column}, {row}): {}", colour(inspection.total)));
         inspection.rays.iter().filter(|ray| ray.weight != 0.0).for_each(|ray| writer.ray(ray));
@@ -50,7 +50,7 @@ impl Inspector<'_> {
     }
 }
 
-impl Writer<'_> {
+impl InspectionWriter<'_> {
     fn line(&mut self, line: &str) {
         self.text.extend(std::iter::repeat_n("  ", self.depth));
         self.text.push_str(line);

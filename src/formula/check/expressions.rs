@@ -7,7 +7,7 @@ use crate::lang::ast::{Expr, ExprId, ExprKind, FormulaFile, Name};
 use crate::lang::builtins::{Form, Operation};
 use crate::lang::diagnostic::{Diagnostic, Diagnostics};
 use crate::lang::printer::print_expression;
-use crate::lang::source::Span;
+use crate::lang::source::SourceSpan;
 use crate::lang::token::Mark;
 use crate::lang::types::Type;
 use std::collections::BTreeSet;
@@ -74,7 +74,7 @@ impl Checker<'_> {
             Open,
             Done,
         }
-        let uses: Vec<Vec<(usize, Span)>> = self.file.macros.iter().map(|line| self.macros_used(line.body)).collect();
+        let uses: Vec<Vec<(usize, SourceSpan)>> = self.file.macros.iter().map(|line| self.macros_used(line.body)).collect();
         let mut state = vec![State::New; uses.len()];
         let mut order = Vec::new();
         for start in 0..uses.len() {
@@ -109,7 +109,7 @@ impl Checker<'_> {
         order
     }
 
-    fn report_circle(&mut self, circle: &[usize], closing: Span) {
+    fn report_circle(&mut self, circle: &[usize], closing: SourceSpan) {
         let name = |index: usize| self.file.macros[index].name.text.as_str();
         let first = &self.file.macros[circle[0]].name;
         let message = if circle.len() == 1 {
@@ -130,7 +130,7 @@ impl Checker<'_> {
     }
 
     /// The macros named in an expression, with the places.
-    fn macros_used(&self, root: ExprId) -> Vec<(usize, Span)> {
+    fn macros_used(&self, root: ExprId) -> Vec<(usize, SourceSpan)> {
         let mut used = Vec::new();
         for id in reachable(self.file, root) {
             let expression = self.file.expr(id);
@@ -170,7 +170,7 @@ impl Checker<'_> {
         (id, ty)
     }
 
-    fn settle_name(&mut self, name: &str, span: Span) -> Option<(TermId, Type)> {
+    fn settle_name(&mut self, name: &str, span: SourceSpan) -> Option<(TermId, Type)> {
         match self.names.meaning(name) {
             Some(Meaning::Macro(index)) => self.macros[index],
             Some(Meaning::Variable(variable)) => Some(self.add(Term::Variable(variable), variable.ty())),
@@ -238,7 +238,7 @@ impl Checker<'_> {
         }
     }
 
-    fn settle_operation(&mut self, form: Form, id: ExprId, operands: &[ExprId], span: Span) -> Option<(TermId, Type)> {
+    fn settle_operation(&mut self, form: Form, id: ExprId, operands: &[ExprId], span: SourceSpan) -> Option<(TermId, Type)> {
         let settled: Option<Vec<(TermId, Type)>> =
             operands.iter().map(|operand| self.checked.settled[operand.0 as usize]).collect();
         let settled = settled?;
@@ -251,7 +251,7 @@ impl Checker<'_> {
         Some(self.add(Term::Apply(operation, terms), operation.result()))
     }
 
-    fn report_mismatch(&mut self, form: Form, id: ExprId, operands: &[ExprId], types: &[Type], span: Span) {
+    fn report_mismatch(&mut self, form: Form, id: ExprId, operands: &[ExprId], types: &[Type], span: SourceSpan) {
         let spelling = form.spelling();
         let whole = |operand: &ExprId| self.file.expr(*operand).span;
         let mut diagnostic = match form {

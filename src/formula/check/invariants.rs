@@ -5,7 +5,7 @@ use crate::formula::invariants::{DefaultConflict, Inconsistent, InvariantSystem,
 use crate::formula::{Invariant, Parameter, ParameterId};
 use crate::lang::ast::{FormulaFile, Name};
 use crate::lang::diagnostic::{Diagnostic, Diagnostics};
-use crate::lang::source::Span;
+use crate::lang::source::SourceSpan;
 use crate::lang::types::Type;
 use crate::lang::variables::Owner;
 
@@ -15,7 +15,7 @@ pub(super) fn invariants(
     parameters: &[Parameter],
     names: &Names,
     diagnostics: &mut Diagnostics,
-) -> Vec<(Invariant, Span)> {
+) -> Vec<(Invariant, SourceSpan)> {
     let mut list = Vec::new();
     for line in file.invariants() {
         let found: Vec<Option<ParameterId>> =
@@ -80,10 +80,10 @@ const MOST_INVARIANTS: usize = 64;
 pub(super) fn solve(
     file: &FormulaFile,
     parameters: &[Parameter],
-    invariants: &[(Invariant, Span)],
+    invariants: &[(Invariant, SourceSpan)],
     diagnostics: &mut Diagnostics,
 ) {
-    let (invariants, spans): (Vec<Invariant>, Vec<Span>) = invariants.iter().cloned().unzip();
+    let (invariants, spans): (Vec<Invariant>, Vec<SourceSpan>) = invariants.iter().cloned().unzip();
     if let Some(beyond) = spans.get(MOST_INVARIANTS) {
         diagnostics.push(
             Diagnostic::error("there are too many invariants")

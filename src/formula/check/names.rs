@@ -4,7 +4,7 @@ use crate::formula::{Parameter, ParameterId};
 use crate::lang::ast::{FormulaFile, Name};
 use crate::lang::builtins::{self, Form};
 use crate::lang::diagnostic::{Diagnostic, Diagnostics, nearest};
-use crate::lang::source::Span;
+use crate::lang::source::SourceSpan;
 use crate::lang::types::Origin;
 use crate::lang::variables::{Predefined, Variable};
 use std::collections::HashMap;
@@ -39,7 +39,7 @@ impl Meaning {
 
 /// The names that a formula gives, and where.
 pub(super) struct Names {
-    given: HashMap<String, (Meaning, Span)>,
+    given: HashMap<String, (Meaning, SourceSpan)>,
 }
 
 impl Names {
@@ -95,7 +95,7 @@ impl Names {
     }
 
     /// Where the formula gives a name.
-    pub(super) fn given_at(&self, name: &str) -> Option<Span> {
+    pub(super) fn given_at(&self, name: &str) -> Option<SourceSpan> {
         self.given.get(name).map(|(_, span)| *span)
     }
 

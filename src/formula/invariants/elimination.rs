@@ -17,14 +17,14 @@ pub(super) type Locked = (usize, f64, Sum);
 
 /// An invariant over places in the order of naming.
 #[derive(Debug, Clone)]
-pub(super) struct Line {
+pub(super) struct NamedSum {
     /// Its place in the list of all invariants.
     pub(super) index: usize,
     pub(super) relation: Relation,
     pub(super) places: Vec<usize>,
 }
 
-impl Line {
+impl NamedSum {
     fn sum(&self) -> Sum {
         let mut sum = Sum::new();
         self.places.iter().for_each(|place| *sum.entry(*place).or_insert(0.0) += 1.0);
@@ -33,7 +33,7 @@ impl Line {
 }
 
 /// Whether some values in 0..1 satisfy all lines.
-pub(super) fn consistent(lines: &[Line], parameters: usize) -> bool {
+pub(super) fn consistent(lines: &[NamedSum], parameters: usize) -> bool {
     let conditions = lines.iter().map(|line| Condition {
         constant: 0.0,
         terms: line.sum().into_iter().collect(),
@@ -47,7 +47,7 @@ pub(super) fn consistent(lines: &[Line], parameters: usize) -> bool {
 }
 
 /// A part of inconsistent lines that is inconsistent and would not be without any one of them.
-pub(super) fn irreducible(mut lines: Vec<Line>, parameters: usize) -> Vec<usize> {
+pub(super) fn irreducible(mut lines: Vec<NamedSum>, parameters: usize) -> Vec<usize> {
     let mut at = 0;
     while at < lines.len() {
         let line = lines.remove(at);
@@ -60,7 +60,7 @@ pub(super) fn irreducible(mut lines: Vec<Line>, parameters: usize) -> Vec<usize>
 }
 
 /// A line's sum in terms of free parameters: the constant part and the rest.
-pub(super) fn substituted(line: &Line, locked: &[Locked]) -> (f64, Sum) {
+pub(super) fn substituted(line: &NamedSum, locked: &[Locked]) -> (f64, Sum) {
     let mut constant = 0.0;
     let mut sum = Sum::new();
     for (place, count) in line.sum() {
@@ -78,7 +78,7 @@ pub(super) fn substituted(line: &Line, locked: &[Locked]) -> (f64, Sum) {
 
 /// Solves the `=` lines in their order: places that follow, each with its constant and its sum over places that are
 /// free in the end; and the redundant lines.
-pub(super) fn eliminate(lines: &[Line]) -> (Vec<Locked>, Vec<usize>) {
+pub(super) fn eliminate(lines: &[NamedSum]) -> (Vec<Locked>, Vec<usize>) {
     let mut locked: Vec<Locked> = Vec::new();
     let mut redundant = Vec::new();
     for line in lines.iter().filter(|line| line.relation == Relation::Equal) {

@@ -62,7 +62,7 @@ impl Polytope {
 
     /// The least slack for which there is a point whose first coordinates are `fixed`.
     pub(super) fn least_slack(&self, fixed: &[f64]) -> f64 {
-        let mut program = Program::new(self, fixed, OptimizationDirection::Minimize, None);
+        let mut program = LinearProgram::new(self, fixed, OptimizationDirection::Minimize, None);
         let slack = program.problem.add_var(1.0, (0.0, f64::INFINITY));
         program.add_conditions(Some(slack), 0.0);
         match program.problem.solve() {
@@ -77,7 +77,7 @@ impl Polytope {
     /// `slack`; none where there is no such point.
     pub(super) fn interval(&self, fixed: &[f64], slack: f64) -> Option<[f64; 2]> {
         let end = |direction| {
-            let mut program = Program::new(self, fixed, direction, Some(fixed.len()));
+            let mut program = LinearProgram::new(self, fixed, direction, Some(fixed.len()));
             program.add_conditions(None, slack);
             program.problem.solve().ok().map(|solution| solution.objective())
         };
@@ -86,21 +86,21 @@ impl Polytope {
 }
 
 /// A linear program over the coordinates behind the fixed ones.
-struct Program<'a> {
+struct LinearProgram<'a> {
     polytope: &'a Polytope,
     fixed: &'a [f64],
     problem: Problem,
     variables: Vec<Variable>,
 }
 
-impl<'a> Program<'a> {
+impl<'a> LinearProgram<'a> {
     /// Without conditions yet; the objective is one coordinate, or nothing so far.
     fn new(polytope: &'a Polytope, fixed: &'a [f64], direction: OptimizationDirection, objective: Option<usize>) -> Self {
         let mut problem = Problem::new(direction);
         let variables = (fixed.len()..polytope.coordinates)
             .map(|coordinate| problem.add_var(if objective == Some(coordinate) { 1.0 } else { 0.0 }, (0.0, 1.0)))
             .collect();
-        Program { polytope, fixed, problem, variables }
+        LinearProgram { polytope, fixed, problem, variables }
     }
 
     /// The conditions, each loosened by a number and by the variable `slack`, if there is one.

@@ -9,7 +9,7 @@ use crate::lang::scalars::{Floats, Primitive, Recorder, awkward_operands};
 use crate::lang::source::Source;
 use crate::lang::variables::Variable;
 use crate::plan::{Domain, FormulaPlan, KernelPlan, Sink};
-use crate::segment::ROUND_LINES;
+use crate::trace::ROUND_LINES;
 use crate::workspace::{FileKind, presets};
 
 /// What the contribution kernels of a formula yield on some numbers, compiled for vectors of this width; and how many blocks a round of them takes.

@@ -4,7 +4,7 @@ use crate::jit::lanes::Line;
 use crate::jit::pixels::assembler::{Assembler, Binary, Operand, at};
 use crate::jit::step::{Addition, Bases};
 use crate::jit::width::Width;
-use crate::segment::{LINE_HITS, Segment};
+use crate::trace::{LINE_HITS, Segment};
 use iced_x86::{Code, IcedError, Instruction, MemoryOperand, Register};
 use std::mem::offset_of;
 

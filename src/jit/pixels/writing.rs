@@ -3,8 +3,8 @@
 use crate::jit::lanes::Line;
 use crate::jit::pixels::assembler::{Assembler, Binary, Operand, Shift, at};
 use crate::jit::width::Width;
-use crate::segment::LINE_HITS;
-use crate::transfer::{SrgbBytes, Transfer};
+use crate::picture::transfer::{SrgbBytes, Transfer};
+use crate::trace::LINE_HITS;
 use iced_x86::{Code, IcedError, Instruction, MemoryOperand, Register};
 
 /// The pixels.

@@ -56,10 +56,10 @@ enum Change {
 /// The drafts of a window. Clones share them.
 #[derive(Clone)]
 pub(super) struct Autosave {
-    shared: Arc<Shared>,
+    shared: Arc<AutosaveState>,
 }
 
-struct Shared {
+struct AutosaveState {
     drafts: Mutex<Drafts>,
     /// The changes that are not on disk yet.
     waiting: Mutex<PerDraft<Option<Change>>>,
@@ -67,7 +67,7 @@ struct Shared {
 
 impl Autosave {
     pub(super) fn new(drafts: Drafts) -> Self {
-        Self { shared: Arc::new(Shared { drafts: Mutex::new(drafts), waiting: Mutex::default() }) }
+        Self { shared: Arc::new(AutosaveState { drafts: Mutex::new(drafts), waiting: Mutex::default() }) }
     }
 
     /// Notes what a draft should hold; `None` if the work is saved. Nothing is written yet.
@@ -105,7 +105,7 @@ impl Autosave {
     }
 }
 
-impl Shared {
+impl AutosaveState {
     fn flush(&self) -> Result<(), Diagnostic> {
         // This lock is held while changes are taken, so a later change is never overwritten by an earlier one.
         let mut drafts = lock(&self.drafts);
@@ -127,7 +127,7 @@ impl Shared {
     }
 }
 
-impl Drop for Shared {
+impl Drop for AutosaveState {
     /// Writes the last changes if the interface panics.
     fn drop(&mut self) {
         let _ = self.flush();

@@ -26,10 +26,10 @@ pub(super) struct Log {
     /// How many NaN pixels the log has reported.
     undefined: usize,
     /// Receives every line too.
-    listener: Option<Listener>,
+    listener: Option<LogListener>,
 }
 
-type Listener = Box<dyn FnMut(&str)>;
+type LogListener = Box<dyn FnMut(&str)>;
 
 /// Statistics of a drag.
 #[derive(Default)]

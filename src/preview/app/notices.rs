@@ -30,7 +30,7 @@ pub(super) enum Topic {
 
 /// How serious a notice is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) enum Severity {
+pub(super) enum NoticeLevel {
     /// Something differs from what the user may expect.
     Warning,
     /// Work is in danger, or something does not work.
@@ -41,7 +41,7 @@ pub(super) enum Severity {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Notice {
     pub(super) topic: Topic,
-    pub(super) severity: Severity,
+    pub(super) severity: NoticeLevel,
     /// A short summary.
     pub(super) title: String,
     /// The reason, the consequences, and what helps; may have several lines.
@@ -50,15 +50,15 @@ pub(super) struct Notice {
 
 impl Notice {
     pub(super) fn warning(topic: Topic, title: impl AsRef<str>, details: impl AsRef<str>) -> Self {
-        Self::new(topic, Severity::Warning, title.as_ref(), details.as_ref())
+        Self::new(topic, NoticeLevel::Warning, title.as_ref(), details.as_ref())
     }
 
     pub(super) fn error(topic: Topic, title: impl AsRef<str>, details: impl AsRef<str>) -> Self {
-        Self::new(topic, Severity::Error, title.as_ref(), details.as_ref())
+        Self::new(topic, NoticeLevel::Error, title.as_ref(), details.as_ref())
     }
 
     /// A notice whose texts are safe to display. Names in them may hold any characters.
-    fn new(topic: Topic, severity: Severity, title: &str, details: &str) -> Self {
+    fn new(topic: Topic, severity: NoticeLevel, title: &str, details: &str) -> Self {
         Self { topic, severity, title: one_line(title), details: many_lines(details) }
     }
 }
@@ -157,12 +157,12 @@ fn notice_ui(ui: &mut Ui, notice: &Notice) -> bool {
 }
 
 /// The fill and the edge colour of a notice.
-fn colours(severity: Severity, dark: bool) -> [Color32; 2] {
+fn colours(severity: NoticeLevel, dark: bool) -> [Color32; 2] {
     match (severity, dark) {
-        (Severity::Warning, true) => [Color32::from_rgb(54, 46, 28), Color32::from_rgb(222, 170, 62)],
-        (Severity::Warning, false) => [Color32::from_rgb(255, 246, 222), Color32::from_rgb(176, 118, 0)],
-        (Severity::Error, true) => [Color32::from_rgb(60, 33, 33), Color32::from_rgb(236, 104, 96)],
-        (Severity::Error, false) => [Color32::from_rgb(255, 234, 232), Color32::from_rgb(196, 42, 34)],
+        (NoticeLevel::Warning, true) => [Color32::from_rgb(54, 46, 28), Color32::from_rgb(222, 170, 62)],
+        (NoticeLevel::Warning, false) => [Color32::from_rgb(255, 246, 222), Color32::from_rgb(176, 118, 0)],
+        (NoticeLevel::Error, true) => [Color32::from_rgb(60, 33, 33), Color32::from_rgb(236, 104, 96)],
+        (NoticeLevel::Error, false) => [Color32::from_rgb(255, 234, 232), Color32::from_rgb(196, 42, 34)],
     }
 }
 

@@ -46,7 +46,7 @@ pub(super) struct PicturePane {
     pointed: Option<[u32; 2]>,
     clicked: Option<[u32; 2]>,
     around: u32,
-    split: Split,
+    split: SideBySide,
     /// The position of the line between two pictures, 0..1 of their width, and whether the user is moving it.
     line: f32,
     drags_line: bool,
@@ -54,7 +54,7 @@ pub(super) struct PicturePane {
 
 /// Two pictures side by side.
 #[derive(Default)]
-struct Split {
+struct SideBySide {
     picture: Picture,
     /// The versions of the two pictures.
     versions: [u64; 2],
@@ -75,7 +75,7 @@ impl Default for PicturePane {
             pointed: None,
             clicked: None,
             around: 0,
-            split: Split::default(),
+            split: SideBySide::default(),
             line: 0.5,
             drags_line: false,
         }
@@ -115,7 +115,8 @@ impl PicturePane {
             if (self.split.versions, self.split.columns) != (versions, columns) {
                 // A version that no picture has, and that differs from the previous one.
                 let version = 1 << 63 | (self.split.picture.version + 1);
-                self.split = Split { picture: Picture { version, ..join_pictures(kept, shown, columns) }, versions, columns };
+                self.split =
+                    SideBySide { picture: Picture { version, ..join_pictures(kept, shown, columns) }, versions, columns };
             }
         }
         self.clamp_offset(workshop, scale);

@@ -16,26 +16,26 @@ const SIZE: [usize; 2] = [1000, 620];
 const LEFT_OUT: usize = 26;
 
 /// Passes textures to a painter.
-struct Textures(Rc<RefCell<paint::Painter>>);
+struct TextureSink(Rc<RefCell<paint::Painter>>);
 
-impl TestRenderer for Textures {
+impl TestRenderer for TextureSink {
     fn handle_delta(&mut self, delta: &mut egui::TexturesDelta) {
         self.0.borrow_mut().update_textures(delta);
     }
 }
 
 /// A workshop with a painter.
-struct Stage {
+struct TestWorkshop {
     harness: Harness<'static, App>,
     painter: Rc<RefCell<paint::Painter>>,
 }
 
-impl Stage {
+impl TestWorkshop {
     fn new() -> Self {
         let app = App::new(Some(&Location::Preset("studio".to_owned())), None).expect("a built-in session");
         let painter = Rc::new(RefCell::new(paint::Painter::new()));
         let [width, height] = SIZE.map(|side| side as f32);
-        let harness = Harness::builder().with_size(egui::vec2(width, height)).renderer(Textures(Rc::clone(&painter)));
+        let harness = Harness::builder().with_size(egui::vec2(width, height)).renderer(TextureSink(Rc::clone(&painter)));
         let mut harness = harness.build_ui_state(|ui, app: &mut App| app.draw(ui), app);
         let context = harness.ctx.clone();
         harness.state_mut().started(&context);
@@ -106,7 +106,7 @@ impl Stage {
 
 #[test]
 fn a_mistake_is_marked_and_listed() {
-    let mut stage = Stage::new();
+    let mut stage = TestWorkshop::new();
     stage.harness.state_mut().documents.formula.replace_text("formula;\nDIFFUSE = IL*Cd*max(0, N.L);\n= DIFUSE + N.L;\n");
     stage.harness.get_by_label("Apply formula").click();
     stage.settle();
@@ -115,7 +115,7 @@ fn a_mistake_is_marked_and_listed() {
 
 #[test]
 fn the_light_theme_is_chosen_in_the_menu_and_bodies_have_their_sliders() {
-    let mut stage = Stage::new();
+    let mut stage = TestWorkshop::new();
     stage.harness.get_by_label("View").click();
     stage.harness.run_steps(5);
     stage.harness.get_by_label("Light").click();
@@ -129,7 +129,7 @@ fn the_light_theme_is_chosen_in_the_menu_and_bodies_have_their_sliders() {
 
 #[test]
 fn a_pixel_is_looked_into() {
-    let mut stage = Stage::new();
+    let mut stage = TestWorkshop::new();
     stage.harness.key_press(egui::Key::F5);
     stage.harness.run_steps(5);
     let place = stage.harness.state().pane.place();

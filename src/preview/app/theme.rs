@@ -14,15 +14,15 @@ pub enum Theme {
 
 impl Theme {
     /// The theme of the settings.
-    pub(super) fn from_setting(theme: crate::user_data::settings::Theme) -> Self {
+    pub(super) fn from_setting(theme: crate::user_data::settings::ThemeSetting) -> Self {
         if theme.is_dark(None) { Theme::Dark } else { Theme::Light }
     }
 
     /// The theme for the settings.
-    pub(super) fn setting(self) -> crate::user_data::settings::Theme {
+    pub(super) fn setting(self) -> crate::user_data::settings::ThemeSetting {
         match self {
-            Theme::Dark => crate::user_data::settings::Theme::Dark,
-            Theme::Light => crate::user_data::settings::Theme::Light,
+            Theme::Dark => crate::user_data::settings::ThemeSetting::Dark,
+            Theme::Light => crate::user_data::settings::ThemeSetting::Light,
         }
     }
 

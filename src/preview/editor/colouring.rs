@@ -17,7 +17,7 @@ use std::sync::Arc;
 
 /// What the appearance of a line depends on, beside its words.
 #[derive(Debug, Clone, PartialEq)]
-struct Look {
+struct LayoutKey {
     font: FontId,
     palette: Palette,
     pixels_per_point: f32,
@@ -39,7 +39,7 @@ pub(super) struct Laid {
 /// The current layout, and the cached lines for the next one.
 #[derive(Default)]
 pub(super) struct Colouring {
-    look: Option<Look>,
+    look: Option<LayoutKey>,
     laid: Option<Arc<Laid>>,
     /// Layouts by line and by the classes in it.
     kept: HashMap<u64, Arc<Galley>>,
@@ -66,7 +66,7 @@ impl Colouring {
     fn drop_stale(&mut self, context: &Context, font: &FontId, palette: &Palette) {
         let pass = context.cumulative_pass_nr();
         let (full, options) = context.fonts(|fonts| (fonts.font_atlas_fill_ratio(), *fonts.options()));
-        let look = Look { font: font.clone(), palette: *palette, pixels_per_point: context.pixels_per_point(), options };
+        let look = LayoutKey { font: font.clone(), palette: *palette, pixels_per_point: context.pixels_per_point(), options };
         if self.look.as_ref() != Some(&look) || pass > self.seen.0 + 1 || full < self.seen.1 {
             self.look = Some(look);
             self.laid = None;

@@ -2,7 +2,7 @@
 //!
 //! They are chosen by the words before the cursor. No widget is known here.
 
-use super::words::{Class, Section, Words, scene_words, signatures};
+use super::words::{Class, TextSection, Words, scene_words, signatures};
 use crate::lang::builtins::{self, Form};
 use crate::lang::keywords::{self, Keyword};
 use crate::lang::token::{Mark, TokenKind};
@@ -89,21 +89,21 @@ fn in_formula(text: &str, words: &Words, word: Range<usize>) -> Vec<Candidate> {
         keywords::FORMULA_SECTIONS.iter().map(|keyword| Candidate { insert: format!("{};", keyword.word), ..meaning(keyword) })
     };
     match words.section(word.start) {
-        Section::Head => heads().collect(),
-        Section::Parameters(_) => match last {
+        TextSection::Head => heads().collect(),
+        TextSection::Parameters(_) => match last {
             Some(TokenKind::Mark(Mark::Colon)) => keywords::TYPES.iter().map(meaning).collect(),
             Some(TokenKind::Mark(Mark::Comma)) => keywords::PARAMETER_ATTRIBUTES.iter().map(meaning).collect(),
             _ if begins => heads().collect(),
             _ => Vec::new(),
         },
-        Section::Invariants => {
+        TextSection::Invariants => {
             let sums = own(text, words, &word).filter(|candidate| candidate.class == Class::Parameter);
             let given = Predefined::ALL.iter().filter(|one| one.ty() == Type::Scalar && one.usable_in_formulas()).map(predefined);
             sums.chain(given).chain(heads().filter(|_| begins)).collect()
         }
-        Section::Formula if begins => Vec::new(),
-        Section::Formula => expression(text, words, &word),
-        Section::Bodies | Section::Lights | Section::Camera => Vec::new(),
+        TextSection::Formula if begins => Vec::new(),
+        TextSection::Formula => expression(text, words, &word),
+        TextSection::Bodies | TextSection::Lights | TextSection::Camera => Vec::new(),
     }
 }
 
@@ -174,20 +174,20 @@ fn in_scene(words: &Words, start: usize) -> Vec<Candidate> {
         keywords::SCENE_SECTIONS.iter().map(|keyword| Candidate { insert: format!("{};", keyword.word), ..meaning(keyword) });
     let section = words.section(start);
     match (section, last) {
-        (Section::Bodies, Some(TokenKind::Mark(Mark::Colon))) => {
+        (TextSection::Bodies, Some(TokenKind::Mark(Mark::Colon))) => {
             Shape::SYNTAX.iter().map(|syntax| meaning(&syntax.keyword)).collect()
         }
-        (Section::Lights, Some(TokenKind::Mark(Mark::Colon))) => {
+        (TextSection::Lights, Some(TokenKind::Mark(Mark::Colon))) => {
             LightKind::SYNTAX.iter().map(|syntax| meaning(&syntax.keyword)).collect()
         }
-        (Section::Bodies | Section::Lights, Some(TokenKind::Mark(Mark::Comma))) => {
+        (TextSection::Bodies | TextSection::Lights, Some(TokenKind::Mark(Mark::Comma))) => {
             let shapes = Shape::SYNTAX.iter().map(|syntax| syntax.keyword.word);
             let begins: Vec<&str> = shapes.chain(LightKind::SYNTAX.iter().map(|syntax| syntax.keyword.word)).collect();
             let words = scene_words(section).into_iter();
             words.filter(|keyword| !begins.contains(&keyword.word)).map(meaning).collect()
         }
         (_, None) => heads.collect(),
-        (Section::Camera, Some(TokenKind::Mark(Mark::Semicolon))) => keywords::CAMERA_CLAUSES.iter().map(meaning).collect(),
+        (TextSection::Camera, Some(TokenKind::Mark(Mark::Semicolon))) => keywords::CAMERA_CLAUSES.iter().map(meaning).collect(),
         (_, Some(TokenKind::Mark(Mark::Semicolon))) => heads.collect(),
         _ => Vec::new(),
     }

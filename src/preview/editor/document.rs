@@ -3,7 +3,7 @@
 //! No files are read or written here, and no widget is known. While it is edited, a text has no byte order mark, and `
 //! ` as line ends. Its file gets the ones that it had.
 
-use super::history::{Edit, History, Selection};
+use super::history::{Edit, EditHistory, Selection};
 use crate::formula::Formula;
 use crate::lang::diagnostic::{Diagnostic, Diagnostics, Severity};
 use crate::lang::display_text::one_line;
@@ -30,7 +30,7 @@ pub struct Document {
     revision: u64,
     checked: Option<u64>,
     diagnostics: Vec<Diagnostic>,
-    history: History,
+    history: EditHistory,
 }
 
 impl Document {
@@ -52,7 +52,7 @@ impl Document {
             revision: 0,
             checked: None,
             diagnostics: Vec::new(),
-            history: History::default(),
+            history: EditHistory::default(),
         };
         document.check();
         document

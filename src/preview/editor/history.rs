@@ -85,7 +85,7 @@ impl Edit {
 
 /// A step: an edit with the selections before and after it.
 #[derive(Debug, Clone)]
-struct Step {
+struct EditStep {
     edit: Edit,
     before: Selection,
     after: Selection,
@@ -95,12 +95,12 @@ struct Step {
 
 /// The steps to undo and to redo.
 #[derive(Debug, Clone, Default)]
-pub(super) struct History {
-    done: Vec<Step>,
-    undone: Vec<Step>,
+pub(super) struct EditHistory {
+    done: Vec<EditStep>,
+    undone: Vec<EditStep>,
 }
 
-impl History {
+impl EditHistory {
     /// Adds an edit. Typing on at the same place without a pause extends the last step. `time` is in seconds; `None`
     /// makes the edit a step of its own.
     pub(super) fn note(&mut self, edit: Edit, before: Selection, after: Selection, time: Option<f64>) {
@@ -112,7 +112,7 @@ impl History {
             (last.after, last.time) = (after, time);
             return;
         }
-        self.done.push(Step { edit, before, after, time });
+        self.done.push(EditStep { edit, before, after, time });
         let mut kept = 0;
         let fits = self.done.iter().rev().take_while(|step| {
             kept += step.edit.bytes();
@@ -179,7 +179,7 @@ fn joined(last: &mut Edit, next: &Edit) -> bool {
 mod tests {
     use super::*;
 
-    fn typed(history: &mut History, text: &mut String, at: usize, inserted: &str, time: f64) {
+    fn typed(history: &mut EditHistory, text: &mut String, at: usize, inserted: &str, time: f64) {
         let edit = Edit::replacing(text, at..at, inserted);
         edit.apply(text);
         history.note(edit, Selection::cursor(at), Selection::cursor(at + inserted.len()), Some(time));
@@ -200,7 +200,7 @@ mod tests {
 
     #[test]
     fn a_word_is_a_step_and_a_pause_parts_steps() {
-        let (mut history, mut text) = (History::default(), String::new());
+        let (mut history, mut text) = (EditHistory::default(), String::new());
         for (at, letter) in ["k", "d", " ", "k", "s"].into_iter().enumerate() {
             typed(&mut history, &mut text, at, letter, at as f64 * 0.1);
         }
@@ -218,7 +218,7 @@ mod tests {
 
     #[test]
     fn old_steps_go_where_they_take_too_much() {
-        let mut history = History::default();
+        let mut history = EditHistory::default();
         for _ in 0..5 {
             let edit = Edit::replacing("", 0..0, "x".repeat(KEPT_BYTES / 3));
             history.note(edit, Selection::default(), Selection::default(), None);

@@ -9,7 +9,7 @@ use std::collections::VecDeque;
 
 /// A command of the editor, which egui's widget does not have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Command {
+pub enum EditorCommand {
     /// Apply the text.
     Apply,
     /// Undo the last step.
@@ -53,27 +53,27 @@ pub(super) struct Open {
 
 /// The command of an event, if it is one.
 #[expect(clippy::wildcard_enum_match_arm, reason = "there are a hundred keys, and a new one is no command")]
-pub(super) fn command(event: &Event, open: Open) -> Option<Command> {
+pub(super) fn command(event: &Event, open: Open) -> Option<EditorCommand> {
     let Event::Key { key, pressed: true, modifiers, .. } = event else { return None };
     let control = modifiers.command || modifiers.ctrl;
     let plain = modifiers.is_none();
     match key {
-        Key::ArrowUp if open.list && plain => Some(Command::ListUp),
-        Key::ArrowDown if open.list && plain => Some(Command::ListDown),
-        Key::Enter | Key::Tab if open.list && plain => Some(Command::Accept),
-        Key::Escape if open.list || open.find => Some(Command::Dismiss),
-        Key::Enter if control => Some(Command::Apply),
-        Key::Enter if !modifiers.alt => Some(Command::LineBreak),
-        Key::Tab if plain => Some(Command::Indent),
-        Key::Tab if *modifiers == Modifiers::SHIFT => Some(Command::Outdent),
-        Key::Z if control && modifiers.shift => Some(Command::Redo),
-        Key::Z if control => Some(Command::Undo),
-        Key::Y if control => Some(Command::Redo),
-        Key::Slash if control => Some(Command::Comment),
-        Key::F if control => Some(Command::Find),
-        Key::F3 if modifiers.shift => Some(Command::FindPrevious),
-        Key::F3 => Some(Command::FindNext),
-        Key::Space if control => Some(Command::Complete),
+        Key::ArrowUp if open.list && plain => Some(EditorCommand::ListUp),
+        Key::ArrowDown if open.list && plain => Some(EditorCommand::ListDown),
+        Key::Enter | Key::Tab if open.list && plain => Some(EditorCommand::Accept),
+        Key::Escape if open.list || open.find => Some(EditorCommand::Dismiss),
+        Key::Enter if control => Some(EditorCommand::Apply),
+        Key::Enter if !modifiers.alt => Some(EditorCommand::LineBreak),
+        Key::Tab if plain => Some(EditorCommand::Indent),
+        Key::Tab if *modifiers == Modifiers::SHIFT => Some(EditorCommand::Outdent),
+        Key::Z if control && modifiers.shift => Some(EditorCommand::Redo),
+        Key::Z if control => Some(EditorCommand::Undo),
+        Key::Y if control => Some(EditorCommand::Redo),
+        Key::Slash if control => Some(EditorCommand::Comment),
+        Key::F if control => Some(EditorCommand::Find),
+        Key::F3 if modifiers.shift => Some(EditorCommand::FindPrevious),
+        Key::F3 => Some(EditorCommand::FindNext),
+        Key::Space if control => Some(EditorCommand::Complete),
         _ => None,
     }
 }
@@ -116,11 +116,11 @@ impl Queue {
     }
 
     /// The next event as a command, if it is one.
-    pub(super) fn next_command(&mut self, open: Open) -> Option<Command> {
+    pub(super) fn next_command(&mut self, open: Open) -> Option<EditorCommand> {
         let found = command(self.waiting.front()?, open)?;
         self.waiting.pop_front();
         // The key of a command may be followed by the character that it types, as with Ctrl+Space.
-        if found == Command::Complete && self.waiting.front() == Some(&Event::Text(" ".to_owned())) {
+        if found == EditorCommand::Complete && self.waiting.front() == Some(&Event::Text(" ".to_owned())) {
             self.waiting.pop_front();
         }
         Some(found)
@@ -162,7 +162,7 @@ mod tests {
         let open = Open::default();
         assert_eq!(queue.next_command(open), None);
         assert_eq!(queue.up_to_command(open), [text("a")]);
-        assert_eq!(queue.next_command(open), Some(Command::LineBreak));
+        assert_eq!(queue.next_command(open), Some(EditorCommand::LineBreak));
         assert_eq!(queue.next_command(open), None);
         assert_eq!(queue.up_to_command(open), [text("b"), Event::Paste("x\ny\nz".into())]);
         assert!(queue.is_empty());
@@ -175,7 +175,7 @@ mod tests {
         queue.take_from(&mut vec![text.clone(), down.clone()]);
         let closed = Open::default();
         assert_eq!(queue.up_to_command(closed), [text]);
-        assert_eq!(queue.next_command(Open { list: true, find: false }), Some(Command::ListDown));
+        assert_eq!(queue.next_command(Open { list: true, find: false }), Some(EditorCommand::ListDown));
         queue.take_from(&mut vec![down.clone()]);
         assert_eq!(queue.next_command(closed), None);
         assert_eq!(queue.up_to_command(closed), [down]);

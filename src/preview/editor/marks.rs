@@ -11,7 +11,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 /// A text on the screen.
-pub(super) struct Sheet {
+pub(super) struct VisibleText {
     /// The layout.
     pub laid: Arc<Laid>,
     /// Where it starts on the screen.
@@ -20,7 +20,7 @@ pub(super) struct Sheet {
     pub clip: Rect,
 }
 
-impl Sheet {
+impl VisibleText {
     /// The lines in view.
     fn visible(&self) -> Range<usize> {
         let rows = &self.laid.galley.rows;

@@ -4,7 +4,7 @@ use super::document::Document;
 use super::marks::colour_of;
 use super::palette::Palette;
 use crate::lang::diagnostic::{Diagnostic, Severity};
-use crate::lang::source::Span;
+use crate::lang::source::SourceSpan;
 use egui::text::LayoutJob;
 use egui::{FontId, ScrollArea, TextFormat, TextStyle, Ui, vec2};
 
@@ -13,7 +13,7 @@ const INDENT: f32 = 18.0;
 
 /// Lists the errors and warnings of documents, errors first, with file, line and column. Returns the key of the
 /// document and the span of the one that was clicked.
-pub fn problems_ui<K: Copy>(ui: &mut Ui, documents: &[(K, &Document)]) -> Option<(K, Span)> {
+pub fn problems_ui<K: Copy>(ui: &mut Ui, documents: &[(K, &Document)]) -> Option<(K, SourceSpan)> {
     let palette = Palette::suiting(ui.visuals());
     let mut clicked = None;
     if documents.iter().all(|(_, document)| document.diagnostics().is_empty()) {

@@ -60,7 +60,7 @@ fn type_text(harness: &mut Harness<'_, Desk>, text: &str) {
 }
 
 fn cursor_to(harness: &mut Harness<'_, Desk>, byte: usize) {
-    harness.state_mut().editor.jump_to(Span::new(byte, byte));
+    harness.state_mut().editor.jump_to(SourceSpan::new(byte, byte));
     harness.run_steps(3);
 }
 
@@ -123,11 +123,12 @@ fn marks_are_where_the_errors_are() {
     let mut harness = desk(FileKind::Formula, text);
     harness.run_steps(2);
     let context = harness.ctx.clone();
-    let look = Look { context: &context, font: &TextStyle::Monospace.resolve(&context.global_style()), palette: &Palette::DARK };
+    let look =
+        TextStyling { context: &context, font: &TextStyle::Monospace.resolve(&context.global_style()), palette: &Palette::DARK };
     let desk = harness.state_mut();
     let laid = desk.editor.colouring.lay(look.context, FileKind::Formula, text, look.font, look.palette);
     assert_eq!(laid.galley.rows.len(), laid.lines.count());
-    let sheet = marks::Sheet { laid, origin: egui::Pos2::ZERO, clip: Rect::EVERYTHING };
+    let sheet = marks::VisibleText { laid, origin: egui::Pos2::ZERO, clip: Rect::EVERYTHING };
     let span = desk.document.diagnostics()[0].span().unwrap();
     let [rect] = sheet.rectangles(text, span.range())[..] else { panic!("one line") };
     let row = &sheet.laid.galley.rows[2];
@@ -233,7 +234,7 @@ fn keys_indent_and_comment() {
 #[test]
 fn texts_come_and_go_with_their_line_ends() {
     let mut harness = desk(FileKind::Formula, "formula;\r\n= č;\r\n");
-    assert_eq!(harness.state().document.diagnostics()[0].span(), Some(Span::new(11, 13)));
+    assert_eq!(harness.state().document.diagnostics()[0].span(), Some(SourceSpan::new(11, 13)));
     cursor_to(&mut harness, 0);
     harness.event(Event::Paste("// x\r\n".to_owned()));
     harness.run_steps(3);

@@ -3,8 +3,8 @@
 use super::colouring::Laid;
 use super::history::{Edit, Selection};
 use super::list::List;
-use super::marks::Sheet;
-use super::{Command, Document, Editor, Look, Order, problems};
+use super::marks::VisibleText;
+use super::{Document, Editor, EditorCommand, Order, TextStyling, problems};
 use egui::text::{CCursor, CCursorRange};
 use egui::text_edit::TextEditState;
 use egui::util::undoer::{Settings, Undoer};
@@ -16,12 +16,19 @@ use std::sync::Arc;
 
 impl Editor {
     /// Draws gutter and text, lets the widget handle the typed input, and draws the list.
-    pub(super) fn text_ui(&mut self, ui: &mut Ui, look: Look<'_>, document: &mut Document, typed: &[Event], summoned: bool) {
+    pub(super) fn text_ui(
+        &mut self,
+        ui: &mut Ui,
+        look: TextStyling<'_>,
+        document: &mut Document,
+        typed: &[Event],
+        summoned: bool,
+    ) {
         let room = ui.available_rect_before_wrap();
         ui.painter().rect_filled(room, 0.0, look.palette.background);
         let digit = look.context.fonts_mut(|fonts| fonts.glyph_width(look.font, '0'));
         let laid = self.lay(look, document);
-        let gutter = Rect::from_min_max(room.min, pos2(room.left() + Sheet::gutter_width(&laid, digit), room.bottom()));
+        let gutter = Rect::from_min_max(room.min, pos2(room.left() + VisibleText::gutter_width(&laid, digit), room.bottom()));
         let id = Self::id_of(document);
         let mut inner = ui.new_child(UiBuilder::new().max_rect(room.with_min_x(gutter.right())).id_salt(("text", document.id())));
         let scroll = ScrollArea::both().id_salt(document.id()).auto_shrink([false, false]).animated(false);
@@ -41,7 +48,7 @@ impl Editor {
             }
             let [top, bottom] = place;
             if self.list.ui(look.context, id, [top, bottom], look.font, look.palette) {
-                self.ordered.push(Order::Command(Command::Accept));
+                self.ordered.push(Order::EditorCommand(EditorCommand::Accept));
                 self.wants_focus = true;
                 look.context.request_repaint();
             }
@@ -54,7 +61,7 @@ impl Editor {
     fn widget(
         &mut self,
         ui: &mut Ui,
-        look: Look<'_>,
+        look: TextStyling<'_>,
         document: &mut Document,
         typed: &[Event],
         summoned: bool,
@@ -132,12 +139,12 @@ impl Editor {
         self.moved = false;
     }
 
-    fn sheet(&mut self, look: Look<'_>, document: &Document, (origin, clip): (Pos2, Rect)) -> Sheet {
-        Sheet { laid: self.lay(look, document), origin, clip }
+    fn sheet(&mut self, look: TextStyling<'_>, document: &Document, (origin, clip): (Pos2, Rect)) -> VisibleText {
+        VisibleText { laid: self.lay(look, document), origin, clip }
     }
 
     /// Draws what is above the text and beside it, and tooltips for diagnostics under the pointer.
-    fn draw(&mut self, ui: &Ui, look: Look<'_>, document: &Document, (origin, hovered): (Pos2, Response), gutter: Rect) {
+    fn draw(&mut self, ui: &Ui, look: TextStyling<'_>, document: &Document, (origin, hovered): (Pos2, Response), gutter: Rect) {
         let cursor = self.selection.head;
         let diagnostics = if document.is_checked() { document.diagnostics() } else { &[] };
         let text = document.text.as_str();
@@ -150,7 +157,7 @@ impl Editor {
             .context
             .layer_painter(ui.layer_id())
             .with_clip_rect(gutter.intersect(painter.clip_rect().with_min_x(gutter.left())));
-        let rows = Sheet { clip: gutter.intersect(ui.clip_rect().with_min_x(gutter.left())), ..sheet };
+        let rows = VisibleText { clip: gutter.intersect(ui.clip_rect().with_min_x(gutter.left())), ..sheet };
         let in_gutter = rows.gutter(
             &outer,
             (gutter, look.font),

@@ -44,7 +44,7 @@ pub enum Class {
 
 /// A section of a text, which has its own rules.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Section {
+pub(super) enum TextSection {
     /// Before the first section.
     Head,
     /// Declarations of parameters.
@@ -84,7 +84,7 @@ pub(super) struct Words {
     /// The names that the text defines, in order.
     pub declared: Vec<Declared>,
     /// Where each section starts.
-    sections: Vec<(usize, Section)>,
+    sections: Vec<(usize, TextSection)>,
 }
 
 impl Words {
@@ -97,9 +97,10 @@ impl Words {
         // The lexer needs a source. Its name is only used in messages, which are not shown here.
         let (mut tokens, _) = tokenize(&Source::new("", text));
         tokens.pop();
-        let mut reader = Reader { kind, tokens: &tokens, section: Section::Head, declared: Vec::new(), sections: Vec::new() };
+        let mut reader =
+            WordReader { kind, tokens: &tokens, section: TextSection::Head, declared: Vec::new(), sections: Vec::new() };
         let mut classes: Vec<Class> = (0..tokens.len()).map(|at| reader.class(at)).collect();
-        let Reader { declared, sections, .. } = reader;
+        let WordReader { declared, sections, .. } = reader;
         // A name may be used before it is defined.
         let mut meanings: HashMap<&str, Class> =
             declared.iter().rev().map(|declared| (declared.name.as_str(), declared.class)).collect();
@@ -125,9 +126,9 @@ impl Words {
     }
 
     /// The section of a byte.
-    pub(super) fn section(&self, byte: usize) -> Section {
+    pub(super) fn section(&self, byte: usize) -> TextSection {
         let behind = self.sections.partition_point(|(start, _)| *start <= byte);
-        behind.checked_sub(1).map_or(Section::Head, |last| self.sections[last].1)
+        behind.checked_sub(1).map_or(TextSection::Head, |last| self.sections[last].1)
     }
 
     /// The class of a byte.
@@ -198,15 +199,15 @@ fn between(text: &str, gap: Range<usize>, pieces: &mut Vec<(Range<usize>, Class)
 }
 
 /// Visits the words in order, and keeps track of the section.
-struct Reader<'t> {
+struct WordReader<'t> {
     kind: FileKind,
     tokens: &'t [Token],
-    section: Section,
+    section: TextSection,
     declared: Vec<Declared>,
-    sections: Vec<(usize, Section)>,
+    sections: Vec<(usize, TextSection)>,
 }
 
-impl Reader<'_> {
+impl WordReader<'_> {
     fn class(&mut self, at: usize) -> Class {
         match &self.tokens[at].kind {
             TokenKind::Word(word) if self.kind == FileKind::Formula => self.formula_word(at, word),
@@ -225,7 +226,7 @@ impl Reader<'_> {
         }
     }
 
-    fn enter(&mut self, at: usize, section: Section) -> Class {
+    fn enter(&mut self, at: usize, section: TextSection) -> Class {
         self.section = section;
         self.sections.push((self.tokens[at].span.range().end, section));
         Class::Keyword
@@ -247,16 +248,16 @@ impl Reader<'_> {
             return self.enter(at, section);
         }
         match (self.section, before, behind) {
-            (Section::Parameters(_), Some(Mark::Colon), _) if is_in(&keywords::TYPES, word) => Class::Keyword,
-            (Section::Parameters(_), Some(Mark::Comma), _) if is_in(&keywords::PARAMETER_ATTRIBUTES, word) => Class::Keyword,
-            (Section::Parameters(_), _, Some(Mark::Colon)) => {
+            (TextSection::Parameters(_), Some(Mark::Colon), _) if is_in(&keywords::TYPES, word) => Class::Keyword,
+            (TextSection::Parameters(_), Some(Mark::Comma), _) if is_in(&keywords::PARAMETER_ATTRIBUTES, word) => Class::Keyword,
+            (TextSection::Parameters(_), _, Some(Mark::Colon)) => {
                 let ty = match self.tokens.get(at + 2).map(|token| &token.kind) {
                     Some(TokenKind::Word(word)) => [Type::Scalar, Type::Vector].into_iter().find(|ty| ty.to_string() == *word),
                     _ => None,
                 };
                 self.declare(at, Class::Parameter, ty)
             }
-            (Section::Formula, Some(Mark::Semicolon), Some(Mark::Equal)) => self.declare(at, Class::Named, None),
+            (TextSection::Formula, Some(Mark::Semicolon), Some(Mark::Equal)) => self.declare(at, Class::Named, None),
             _ => Class::Plain,
         }
     }
@@ -279,26 +280,26 @@ fn is_in(table: &[Keyword], word: &str) -> bool {
 }
 
 /// The section of a formula file that a word starts.
-fn formula_section(word: &str) -> Option<Section> {
-    let owner = Owner::ALL.into_iter().find(|owner| owner.section() == word).map(Section::Parameters);
-    let others = [Section::Invariants, Section::Formula];
+fn formula_section(word: &str) -> Option<TextSection> {
+    let owner = Owner::ALL.into_iter().find(|owner| owner.section() == word).map(TextSection::Parameters);
+    let others = [TextSection::Invariants, TextSection::Formula];
     let rest = keywords::FORMULA_SECTIONS.iter().skip(Owner::ALL.len()).zip(others);
     owner.or_else(|| rest.filter(|(keyword, _)| keyword.word == word).map(|(_, section)| section).next())
 }
 
 /// The section of a scene file that a word starts.
-fn scene_section(word: &str) -> Option<Section> {
-    let sections = [Section::Bodies, Section::Lights, Section::Camera];
+fn scene_section(word: &str) -> Option<TextSection> {
+    let sections = [TextSection::Bodies, TextSection::Lights, TextSection::Camera];
     keywords::SCENE_SECTIONS.iter().zip(sections).find(|(keyword, _)| keyword.word == word).map(|(_, section)| section)
 }
 
 /// The words that have a meaning in a section of a scene file, without duplicates.
-pub(super) fn scene_words(section: Section) -> Vec<&'static Keyword> {
+pub(super) fn scene_words(section: TextSection) -> Vec<&'static Keyword> {
     let mut words: Vec<&Keyword> = match section {
-        Section::Bodies => Shape::SYNTAX.iter().flat_map(Syntax::words).chain(&keywords::BODY_ATTRIBUTES).collect(),
-        Section::Lights => LightKind::SYNTAX.iter().flat_map(Syntax::words).collect(),
-        Section::Camera => keywords::CAMERA_CLAUSES.iter().collect(),
-        Section::Head | Section::Parameters(_) | Section::Invariants | Section::Formula => Vec::new(),
+        TextSection::Bodies => Shape::SYNTAX.iter().flat_map(Syntax::words).chain(&keywords::BODY_ATTRIBUTES).collect(),
+        TextSection::Lights => LightKind::SYNTAX.iter().flat_map(Syntax::words).collect(),
+        TextSection::Camera => keywords::CAMERA_CLAUSES.iter().collect(),
+        TextSection::Head | TextSection::Parameters(_) | TextSection::Invariants | TextSection::Formula => Vec::new(),
     };
     let mut seen = HashSet::new();
     words.retain(|keyword| seen.insert(keyword.word));
@@ -374,7 +375,7 @@ mod tests {
                 let class = words.class_at(token.span.range().start);
                 assert!(class != Class::Plain && class != Class::Unknown, "{:?} in {name} is {class:?}", token.kind);
             }
-            assert_eq!(words.section(text.len()), Section::Formula);
+            assert_eq!(words.section(text.len()), TextSection::Formula);
             assert!(words.pieces.windows(2).all(|pair| pair[0].0.end <= pair[1].0.start));
         }
         for name in presets::names(FileKind::Scene) {
@@ -409,7 +410,7 @@ mod tests {
         let declared: Vec<_> =
             words.declared.iter().map(|one| (one.name.as_str(), one.ty, &text[one.statement.clone()])).collect();
         assert_eq!(declared, [("a", Some(Type::Vector), "a: vector, color;"), ("M", None, "M = a;")]);
-        assert_eq!(words.section(0), Section::Head);
-        assert_eq!(words.section(8), Section::Parameters(Owner::Global));
+        assert_eq!(words.section(0), TextSection::Head);
+        assert_eq!(words.section(8), TextSection::Parameters(Owner::Global));
     }
 }

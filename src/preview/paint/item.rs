@@ -5,7 +5,7 @@
 
 use super::colour::pack;
 use super::hash;
-use super::region::Region;
+use super::pixel_rect::PixelRect;
 use super::texture::{Texture, Textures};
 use egui::epaint::{ClippedPrimitive, Mesh, Primitive, TextureId, Vertex};
 use std::hash::{Hash, Hasher};
@@ -17,7 +17,7 @@ const EXACT: f64 = 0.02;
 #[derive(Debug)]
 pub(super) struct Item {
     /// The pixels that it may change; never empty.
-    pub(super) area: Region,
+    pub(super) area: PixelRect,
     pub(super) content: Content,
     /// A hash of everything that its pixels depend on.
     pub(super) hash: u64,
@@ -56,25 +56,25 @@ struct Corner {
 }
 
 /// Collects the items of `widgets`, in order.
-pub(super) fn collect(widgets: &[ClippedPrimitive], scale: f32, bounds: Region, textures: &Textures, items: &mut Vec<Item>) {
+pub(super) fn collect(widgets: &[ClippedPrimitive], scale: f32, bounds: PixelRect, textures: &Textures, items: &mut Vec<Item>) {
     for widget in widgets {
         // Callbacks paint with a graphics card, which is not used here.
         let Primitive::Mesh(mesh) = &widget.primitive else { continue };
-        let clip = Region::of(widget.clip_rect, scale).intersection(bounds);
+        let clip = PixelRect::of(widget.clip_rect, scale).intersection(bounds);
         let Some(texture) = textures.get(mesh.texture_id).filter(|_| !clip.is_empty()) else { continue };
-        Collector { mesh, texture, scale, clip, items }.run();
+        ItemCollector { mesh, texture, scale, clip, items }.run();
     }
 }
 
-struct Collector<'a> {
+struct ItemCollector<'a> {
     mesh: &'a Mesh,
     texture: &'a Texture,
     scale: f32,
-    clip: Region,
+    clip: PixelRect,
     items: &'a mut Vec<Item>,
 }
 
-impl Collector<'_> {
+impl ItemCollector<'_> {
     fn run(mut self) {
         let mut left = self.mesh.indices.as_slice();
         while let [a, b, c, rest @ ..] = left {
@@ -104,10 +104,10 @@ impl Collector<'_> {
     }
 
     /// The pixels with their centre between `low` and `high`.
-    fn area(&self, low: [f64; 2], high: [f64; 2]) -> Option<Region> {
+    fn area(&self, low: [f64; 2], high: [f64; 2]) -> Option<PixelRect> {
         let [left, top] = low.map(edge);
         let [right, bottom] = high.map(edge);
-        Some(Region { left, top, right, bottom }.intersection(self.clip)).filter(|area| !area.is_empty())
+        Some(PixelRect { left, top, right, bottom }.intersection(self.clip)).filter(|area| !area.is_empty())
     }
 
     /// Turns two triangles into one rectangle, if they form one.
@@ -196,7 +196,7 @@ impl Collector<'_> {
         self.push(area, Content::Triangle(Box::new(Triangle { corners: corners.map(|corner| corner.at), colours, texture })));
     }
 
-    fn push(&mut self, area: Region, content: Content) {
+    fn push(&mut self, area: PixelRect, content: Content) {
         if matches!(content, Content::Fill(0)) {
             return;
         }

@@ -6,7 +6,7 @@
 
 use super::colour::{blend, span, tinted};
 use super::item::{Content, Item, Triangle, edge};
-use super::region::Region;
+use super::pixel_rect::PixelRect;
 use super::texture::{Texture, Textures};
 
 /// The tile to draw into.
@@ -16,16 +16,16 @@ pub(super) struct Canvas<'a> {
     width: usize,
     /// The window row of the first of them.
     top: i32,
-    area: Region,
+    area: PixelRect,
 }
 
 impl<'a> Canvas<'a> {
     /// The tile with this area, in a band of bounds rows that starts at row `top`.
-    pub(super) fn new(band: &'a mut [u32], width: usize, top: i32, area: Region) -> Self {
+    pub(super) fn new(band: &'a mut [u32], width: usize, top: i32, area: PixelRect) -> Self {
         Self { band, width, top, area }
     }
 
-    pub(super) fn area(&self) -> Region {
+    pub(super) fn area(&self) -> PixelRect {
         self.area
     }
 
@@ -60,13 +60,13 @@ impl<'a> Canvas<'a> {
         }
     }
 
-    fn fill(&mut self, area: Region, colour: u32) {
+    fn fill(&mut self, area: PixelRect, colour: u32) {
         for y in area.top..area.bottom {
             span(self.row(y, area.left, area.right), colour);
         }
     }
 
-    fn copy(&mut self, area: Region, texture: &Texture, shift: [i64; 2], tint: u32) {
+    fn copy(&mut self, area: PixelRect, texture: &Texture, shift: [i64; 2], tint: u32) {
         for y in area.top..area.bottom {
             let row = self.row(y, area.left, area.right);
             let [Ok(from), Ok(line)] = [i64::from(area.left) + shift[0], i64::from(y) + shift[1]].map(usize::try_from) else {
@@ -80,7 +80,7 @@ impl<'a> Canvas<'a> {
         }
     }
 
-    fn stretch(&mut self, area: Region, texture: &Texture, from: [f64; 2], step: [f64; 2], tint: u32) {
+    fn stretch(&mut self, area: PixelRect, texture: &Texture, from: [f64; 2], step: [f64; 2], tint: u32) {
         let fine = step.iter().all(|step| step.abs() > 1.0);
         for y in area.top..area.bottom {
             let line = (from[1] + f64::from(y) * step[1]) as f32;
@@ -92,7 +92,7 @@ impl<'a> Canvas<'a> {
         }
     }
 
-    fn triangle(&mut self, area: Region, triangle: &Triangle, textures: &Textures) {
+    fn triangle(&mut self, area: PixelRect, triangle: &Triangle, textures: &Textures) {
         let plain = triangle.texture.is_none() && triangle.colours.iter().all(|colour| *colour == triangle.colours[0]);
         let colours = Slope::of(triangle, triangle.colours.map(|colour| colour.to_le_bytes().map(f64::from)));
         let texels =

@@ -140,10 +140,10 @@ fn only_what_changed_is_drawn_again() {
     let mut painter = painter();
     let button = |color| clipped(Rect::EVERYTHING, rectangle(Rect::from_min_size(pos2(70.0, 70.0), vec2(20.0, 20.0)), color));
     let widgets = [button(Color32::RED)];
-    let all = Region { left: 0, top: 0, right: 300, bottom: 200 };
+    let all = PixelRect { left: 0, top: 0, right: 300, bottom: 200 };
     assert_eq!(painter.paint(&frame([300, 200], &widgets)), [all]);
     assert_eq!(painter.paint(&frame([300, 200], &widgets)), []);
-    let tile = Region { left: 64, top: 64, right: 128, bottom: 128 };
+    let tile = PixelRect { left: 64, top: 64, right: 128, bottom: 128 };
     assert_eq!(painter.paint(&frame([300, 200], &[button(Color32::BLUE)])), [tile]);
     set_texture(&mut painter, Color32::BLACK);
     let letter = |painter: &mut Painter| {
@@ -285,9 +285,9 @@ fn widget() -> impl Strategy<Value = ClippedPrimitive> {
 
 /// A step of a random session: whether the texture changes, the size, the scale, the widgets to keep, and those to
 /// add.
-type Step = (Option<Color32>, [usize; 2], f32, u8, Vec<ClippedPrimitive>, Option<(u64, Rect, u32, [i32; 2])>);
+type SessionStep = (Option<Color32>, [usize; 2], f32, u8, Vec<ClippedPrimitive>, Option<(u64, Rect, u32, [i32; 2])>);
 
-fn step() -> impl Strategy<Value = Step> {
+fn step() -> impl Strategy<Value = SessionStep> {
     let size = prop_oneof![6 => Just([150, 140]), 1 => Just([1, 1]), 1 => Just([64, 65]), 1 => Just([0, 7])];
     let rect = (number(), number(), number(), number()).prop_map(|(a, b, c, d)| Rect::from_min_max(pos2(a, b), pos2(c, d)));
     let offset = prop::sample::select(vec![[0, 0], [-7, 12], [i32::MAX, i32::MIN], [40, -90]]);
@@ -326,7 +326,7 @@ proptest! {
             if before.len() == kept.pixels().len() {
                 for (at, (old, new)) in before.iter().zip(kept.pixels()).enumerate() {
                     let [x, y] = [(at % size[0]) as i32, (at / size[0]) as i32];
-                    let told = changed.iter().filter(|place| place.contains(Region { left: x, top: y, right: x + 1, bottom: y + 1 })).count();
+                    let told = changed.iter().filter(|place| place.contains(PixelRect { left: x, top: y, right: x + 1, bottom: y + 1 })).count();
                     prop_assert!(told <= 1 && (old == new || told == 1), "{x}, {y}: {old:x} became {new:x}, and is in {told} of {changed:?}");
                 }
             }

@@ -6,7 +6,7 @@
 
 use super::rows::RowBuffer;
 use super::shared::{DrawTarget, SharedPixels};
-use crate::preview::paint::Region;
+use crate::preview::paint::PixelRect;
 use egui::{Modifiers, PointerButton};
 use std::sync::{Arc, mpsc::Sender};
 use std::time::Instant;
@@ -109,7 +109,7 @@ impl Display {
     }
 
     /// Sends the changed regions of `pixels`, which has rows of `width`.
-    pub(super) fn present(&mut self, pixels: &[u32], width: usize, changed: &[Region]) -> Result<(), ConnectionError> {
+    pub(super) fn present(&mut self, pixels: &[u32], width: usize, changed: &[PixelRect]) -> Result<(), ConnectionError> {
         if let Some(shared) = &mut self.shared {
             if shared.present(&self.connection, self.target, pixels, width, changed).is_ok() {
                 return Ok(());
@@ -121,7 +121,7 @@ impl Display {
     }
 
     /// Sends the changed regions over the connection, without shared memory.
-    fn send(&mut self, pixels: &[u32], width: usize, changed: &[Region]) -> Result<(), ConnectionError> {
+    fn send(&mut self, pixels: &[u32], width: usize, changed: &[PixelRect]) -> Result<(), ConnectionError> {
         let DrawTarget { window, gc, depth } = self.target;
         // The header of a request is smaller than this.
         let room = (self.connection.maximum_request_bytes().saturating_sub(64) / 4).max(1);

@@ -11,7 +11,7 @@ use super::input_queue::InputQueue;
 use super::keys::{KeyInput, KeyQueue, Keyboard};
 use super::polled::PolledPointer;
 use super::{cursor, printable};
-use crate::preview::paint::{PaintInput, Painter, Region};
+use crate::preview::paint::{PaintInput, Painter, PixelRect};
 use crate::preview::{FrameTimes, WindowApp};
 use egui::{Event, FullOutput, OutputCommand, RawInput, ViewportCommand, ViewportId};
 use std::sync::mpsc::{Receiver, channel};
@@ -371,13 +371,13 @@ impl EventLoop {
         }
     }
 
-    fn full_region(&self) -> Region {
+    fn full_region(&self) -> PixelRect {
         let [right, bottom] = self.painter.size().map(|side| side as i32);
-        Region { left: 0, top: 0, right, bottom }
+        PixelRect { left: 0, top: 0, right, bottom }
     }
 
     /// Sends changed regions to the display.
-    fn present(&mut self, changed: &[Region]) {
+    fn present(&mut self, changed: &[PixelRect]) {
         let [width, height] = self.painter.size();
         if width == 0 || height == 0 {
             return;

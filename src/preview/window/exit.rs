@@ -9,10 +9,10 @@ use std::sync::{Arc, OnceLock};
 /// Ends a window from another thread. Clones end the same window.
 #[derive(Clone)]
 pub struct WindowExit {
-    shared: Arc<Shared>,
+    shared: Arc<ExitState>,
 }
 
-struct Shared {
+struct ExitState {
     wanted: AtomicBool,
     /// Wakes the event loop, once there is one.
     wake: OnceLock<Sender<LoopEvent>>,
@@ -24,7 +24,7 @@ impl WindowExit {
     /// and the window could not close.
     pub fn new(last_resort: impl Fn() + Send + Sync + 'static) -> Self {
         let last_resort = Box::new(last_resort);
-        Self { shared: Arc::new(Shared { wanted: AtomicBool::new(false), wake: OnceLock::new(), last_resort }) }
+        Self { shared: Arc::new(ExitState { wanted: AtomicBool::new(false), wake: OnceLock::new(), last_resort }) }
     }
 
     /// Closes the window, as its close button does. The window may be busy; this does not wait for it.

@@ -1,6 +1,6 @@
 //! Packing the rows of a region for the display.
 
-use crate::preview::paint::Region;
+use crate::preview::paint::PixelRect;
 
 /// A buffer for rows that are narrower than the window.
 #[derive(Default)]
@@ -16,7 +16,7 @@ impl RowBuffer {
         &mut self,
         pixels: &[u32],
         width: usize,
-        region: &Region,
+        region: &PixelRect,
         max_pixels: usize,
         mut function: impl FnMut(usize, &[u32]) -> Result<(), E>,
     ) -> Result<(), E> {

@@ -2,7 +2,7 @@
 //! file that this program writes and the display reads. This only works on the same machine.
 
 use super::rows::RowBuffer;
-use crate::preview::paint::Region;
+use crate::preview::paint::PixelRect;
 use std::fs::File;
 use std::io;
 use std::os::fd::OwnedFd;
@@ -33,12 +33,12 @@ pub(super) struct DrawTarget {
 /// Two segments that are used in turn: one is written while the display still reads the other.
 #[derive(Default)]
 pub(super) struct SharedPixels {
-    segments: [Option<Segment>; 2],
+    segments: [Option<SharedSegment>; 2],
     next: usize,
     rows: RowBuffer,
 }
 
-struct Segment {
+struct SharedSegment {
     id: Seg,
     file: File,
     bytes: usize,
@@ -66,7 +66,7 @@ impl SharedPixels {
         target: DrawTarget,
         pixels: &[u32],
         width: usize,
-        changed: &[Region],
+        changed: &[PixelRect],
     ) -> Result<(), Refusal> {
         let slot = &mut self.segments[self.next];
         self.next = 1 - self.next;
@@ -83,7 +83,7 @@ impl SharedPixels {
                 if let Some(old) = slot.take() {
                     connection.shm_detach(old.id)?.ignore_error();
                 }
-                slot.insert(Segment::attach(connection, needed)?)
+                slot.insert(SharedSegment::attach(connection, needed)?)
             }
         };
         let mut offset = 0;
@@ -118,7 +118,7 @@ impl SharedPixels {
     }
 }
 
-impl Segment {
+impl SharedSegment {
     fn attach(connection: &RustConnection, bytes: usize) -> Result<Self, Refusal> {
         let file = tempfile::tempfile_in(FOLDER)?;
         file.set_len(bytes as u64)?;

@@ -1,7 +1,7 @@
 //! Saving a picture on a background thread, with everything that it needs.
 
 use crate::engine::{Engine, EngineError, Subject, Task};
-use crate::evaluate::Frame;
+use crate::picture::Frame;
 use crate::picture::{Transfer, save};
 use crate::trace::Hits;
 use std::path::Path;

@@ -29,12 +29,12 @@ impl HistoryEntry {
 
 /// The states before each change, and after each undone change.
 #[derive(Default)]
-pub(super) struct History {
+pub(super) struct ValueHistory {
     before: Vec<HistoryEntry>,
     after: Vec<HistoryEntry>,
 }
 
-impl History {
+impl ValueHistory {
     /// Adds a state that is about to change.
     pub(super) fn push(&mut self, before: HistoryEntry) {
         self.after.clear();

@@ -5,7 +5,7 @@ use crate::lang::diagnostic::{Diagnostic, Diagnostics, Severity};
 use crate::lang::source::Source;
 use crate::workspace::FileKind;
 use crate::workspace::Location;
-use crate::workspace::project::{Listener, OpenError, Project, Request, SessionText};
+use crate::workspace::project::{Listener, OpenProjectError, Project, Request, SessionText};
 use std::path::Path;
 
 /// An open session, and its warnings.
@@ -19,12 +19,12 @@ pub struct OpenedSession {
 
 /// Collects errors and warnings.
 #[derive(Default)]
-struct Collector {
+struct ReportCollector {
     errors: Vec<String>,
     warnings: Vec<String>,
 }
 
-impl Listener for Collector {
+impl Listener for ReportCollector {
     fn diagnostics(&mut self, diagnostics: &Diagnostics, source: &Source) {
         if diagnostics.iter().any(|diagnostic| diagnostic.severity() == Severity::Error) {
             self.errors.push(format!("{:#}", diagnostics.located(source)));
@@ -65,12 +65,12 @@ impl OpenedSession {
     }
 
     fn open_request(request: &Request) -> Result<OpenedSession, String> {
-        let mut collector = Collector::default();
+        let mut collector = ReportCollector::default();
         match Project::open(request, &mut collector) {
             Ok(project) => Ok(OpenedSession { project, warnings: collector.warnings }),
             Err(error) => {
                 let mut errors = collector.errors;
-                if let OpenError::Input(diagnostic) | OpenError::Request(diagnostic) = error {
+                if let OpenProjectError::Input(diagnostic) | OpenProjectError::Request(diagnostic) = error {
                     errors.push(text(&diagnostic));
                 }
                 Err(errors.join("\n"))

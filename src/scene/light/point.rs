@@ -3,7 +3,7 @@
 use crate::lang::cursor::{Cursor, Reported};
 use crate::lang::keywords::Keyword;
 use crate::lang::token::Mark;
-use crate::scene::syntax::Declaration;
+use crate::scene::syntax::TextForm;
 use crate::scene::values::{Vector, vector};
 use glam::DVec3;
 use std::fmt::{Display, Formatter, Result as FmtResult};
@@ -26,7 +26,7 @@ impl PointLight {
     }
 }
 
-impl Declaration for PointLight {
+impl TextForm for PointLight {
     const KEYWORD: Keyword = Keyword { word: "point", doc: "`point, <x, y, z>`: a light in one point" };
     const CLAUSES: &'static [Keyword] = &[];
     const EXAMPLE: &'static str = "point, <3, 5, 4>";

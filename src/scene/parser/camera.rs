@@ -1,12 +1,12 @@
 //! Parses the clauses of the camera: position, gaze, up, fov (thesis 9.3.1).
 
-use super::Parser;
+use super::SceneParser;
 use crate::lang::cursor::{Placed, Reported};
 use crate::lang::diagnostic::{Diagnostic, nearest};
 use crate::lang::keywords;
-use crate::lang::source::Span;
+use crate::lang::source::SourceSpan;
 use crate::lang::token::{Mark, TokenKind};
-use crate::scene::values::{Number, Vector, vector};
+use crate::scene::values::{SceneNumber, Vector, vector};
 use crate::scene::{Camera, CameraError};
 use glam::DVec3;
 
@@ -17,15 +17,15 @@ const CLAUSES: [&str; 4] = keywords::words(&keywords::CAMERA_CLAUSES);
 #[derive(Default)]
 struct Clauses {
     /// Where each of [`CLAUSES`] stands first.
-    seen: [Option<Span>; 4],
+    seen: [Option<SourceSpan>; 4],
     /// Position, gaze and up.
     vectors: [Option<Placed<DVec3>>; 3],
     fov: Option<Placed<f64>>,
 }
 
-impl Parser {
+impl SceneParser {
     /// Parses everything behind `camera;`, whose place is `header`.
-    pub(super) fn camera_section(&mut self, header: Span) {
+    pub(super) fn camera_section(&mut self, header: SourceSpan) {
         let mut clauses = Clauses::default();
         while *self.cursor.kind(0) != TokenKind::End && self.header().is_none() {
             let complete = clauses.seen.iter().all(Option::is_some);
@@ -114,7 +114,7 @@ impl Parser {
         let wrong_fov = clauses.fov.filter(|fov| !(fov.value > 0.0 && fov.value < 180.0));
         if let Some(fov) = wrong_fov {
             let diagnostic = Diagnostic::error("the camera's `fov` must be greater than 0 and less than 180");
-            self.cursor.report(diagnostic.at(fov.span, format!("it is {}, in degrees", Number(fov.value))));
+            self.cursor.report(diagnostic.at(fov.span, format!("it is {}, in degrees", SceneNumber(fov.value))));
         }
         let mut zero = false;
         for (vector, word) in [(gaze, "gaze"), (up, "up")] {

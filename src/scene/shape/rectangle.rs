@@ -4,7 +4,7 @@ use crate::lang::cursor::{Cursor, Placed, Reported};
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::keywords::Keyword;
 use crate::lang::token::Mark;
-use crate::scene::syntax::Declaration;
+use crate::scene::syntax::TextForm;
 use crate::scene::values::{Vector, vector};
 use crate::scene::{MIN_LENGTH, is_within_reach};
 use glam::DVec3;
@@ -70,7 +70,7 @@ impl Rectangle {
     }
 }
 
-impl Declaration for Rectangle {
+impl TextForm for Rectangle {
     const KEYWORD: Keyword =
         Keyword { word: "rectangle", doc: "`rectangle, A, B, C`: three corners, clockwise as seen from the front" };
     const CLAUSES: &'static [Keyword] = &[];

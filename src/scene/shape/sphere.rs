@@ -3,8 +3,8 @@
 use crate::lang::cursor::{Cursor, Reported};
 use crate::lang::keywords::Keyword;
 use crate::lang::token::Mark;
-use crate::scene::syntax::Declaration;
-use crate::scene::values::{Number, Vector, positive, vector};
+use crate::scene::syntax::TextForm;
+use crate::scene::values::{SceneNumber, Vector, positive, vector};
 use crate::scene::{MAX_COORDINATE, MIN_LENGTH, is_within_reach};
 use glam::DVec3;
 use std::fmt::{Display, Formatter, Result as FmtResult};
@@ -53,7 +53,7 @@ impl Sphere {
     }
 }
 
-impl Declaration for Sphere {
+impl TextForm for Sphere {
     const KEYWORD: Keyword = Keyword { word: "sphere", doc: "`sphere, center <x, y, z>, radius R`" };
     const CLAUSES: &'static [Keyword] = &[
         Keyword { word: "center", doc: "the centre of the sphere: `center <x, y, z>`" },
@@ -75,7 +75,7 @@ impl Declaration for Sphere {
 
 impl Display for Sphere {
     fn fmt(&self, f: &mut Formatter<'_>) -> FmtResult {
-        write!(f, "sphere, center {}, radius {}", Vector(self.center), Number(self.radius))
+        write!(f, "sphere, center {}, radius {}", Vector(self.center), SceneNumber(self.radius))
     }
 }
 

@@ -7,9 +7,9 @@ use crate::lang::types::Type;
 use crate::lang::variables::Predefined;
 use crate::trace::{MAX_DEPTH, MAX_SIDE};
 use crate::user_data::settings::nearest::{nearest_number, nearest_whole};
-use crate::user_data::settings::{PREDEFINED_RANGE, SCALES, Settings, Theme, WINDOW_SIDES, is_index};
+use crate::user_data::settings::{PREDEFINED_RANGE, SCALES, Settings, ThemeSetting, WINDOW_SIDES, is_index};
 use crate::workspace::Location;
-use crate::workspace::spanned_toml::{Entry, Value, check_version, entries, parse as parse_toml, unknown_key};
+use crate::workspace::spanned_toml::{TomlEntry, Value, check_version, entries, parse as parse_toml, unknown_key};
 
 const KEYS: [&str; 8] = ["version", "shadows", "depth", "size", "ior", "startup", "defaults", "window"];
 const WINDOW_KEYS: [&str; 5] = ["theme", "scale", "apply_as_you_type", "log", "size"];
@@ -86,7 +86,7 @@ impl ParsedSettings {
         Some(taken)
     }
 
-    fn entry(&mut self, entry: &Entry) {
+    fn entry(&mut self, entry: &TomlEntry) {
         match entry.key {
             "version" => {}
             "shadows" => {
@@ -124,11 +124,11 @@ impl ParsedSettings {
         }
     }
 
-    fn table<'t>(&mut self, value: Value<'t>) -> Vec<Entry<'t>> {
+    fn table<'t>(&mut self, value: Value<'t>) -> Vec<TomlEntry<'t>> {
         self.report_error(value.table()).map(entries).unwrap_or_default()
     }
 
-    fn unknown(&mut self, entry: &Entry, known: &[&str]) {
+    fn unknown(&mut self, entry: &TomlEntry, known: &[&str]) {
         self.diagnostics.push(unknown_key(entry, known).help("it stays in the file"));
     }
 
@@ -154,7 +154,7 @@ impl ParsedSettings {
         }
     }
 
-    fn predefined(&mut self, entry: &Entry) {
+    fn predefined(&mut self, entry: &TomlEntry) {
         let Some(parameter) = Predefined::named(entry.key) else {
             let names: Vec<&str> = Predefined::ALL.iter().map(|parameter| parameter.name()).collect();
             return self.unknown(entry, &names);
@@ -178,7 +178,7 @@ impl ParsedSettings {
         self.settings.defaults.set(parameter, taken);
     }
 
-    fn window(&mut self, entry: &Entry) {
+    fn window(&mut self, entry: &TomlEntry) {
         match entry.key {
             "theme" => {
                 if let Some(theme) = self.report_error(theme(entry.value)) {
@@ -214,10 +214,10 @@ fn startup(value: Value) -> Result<Location, Diagnostic> {
     Ok(Location::new(text))
 }
 
-fn theme(value: Value) -> Result<Theme, Diagnostic> {
+fn theme(value: Value) -> Result<ThemeSetting, Diagnostic> {
     let text = value.text()?;
-    let names = Theme::ALL.map(Theme::name);
-    Theme::ALL.into_iter().find(|theme| theme.name() == text).ok_or_else(|| {
+    let names = ThemeSetting::ALL.map(ThemeSetting::name);
+    ThemeSetting::ALL.into_iter().find(|theme| theme.name() == text).ok_or_else(|| {
         let hint = nearest(text, names).map(|near| format!("did you mean \"{near}\"?"));
         Diagnostic::error(format!("there is no theme \"{text}\""))
             .at(value.span, "expected \"system\", \"dark\" or \"light\"")

@@ -44,19 +44,19 @@ impl Serialize for DefaultsTable<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let known = Predefined::ALL.iter().map(|parameter| {
             let number = match self.defaults.of(*parameter) {
-                [number] => Number::Scalar(*number),
-                numbers => Number::Vector(numbers),
+                [number] => SettingNumber::Scalar(*number),
+                numbers => SettingNumber::Vector(numbers),
             };
             (parameter.name(), number)
         });
-        let unknown = self.unknown.iter().map(|(key, value)| (key.as_str(), Number::Other(value)));
+        let unknown = self.unknown.iter().map(|(key, value)| (key.as_str(), SettingNumber::Other(value)));
         serializer.collect_map(known.chain(unknown))
     }
 }
 
 #[derive(Serialize)]
 #[serde(untagged)]
-enum Number<'s> {
+enum SettingNumber<'s> {
     Scalar(f32),
     Vector(&'s [f32]),
     Other(&'s toml::Value),

@@ -61,7 +61,8 @@ fn settings_are_read() {
     assert_eq!(settings.defaults.of(Predefined::Ambient), [0.0]);
     assert_eq!(settings.defaults.of(Predefined::Background), [0.0, 0.0, 0.25]);
     assert_eq!(settings.defaults.of(Predefined::Intensity), [1.0]);
-    let window = WindowSettings { theme: Theme::Light, scale: 1.5, apply_as_you_type: true, log: true, size: [1920, 1080] };
+    let window =
+        WindowSettings { theme: ThemeSetting::Light, scale: 1.5, apply_as_you_type: true, log: true, size: [1920, 1080] };
     assert_eq!(settings.window, window);
 }
 
@@ -70,7 +71,11 @@ fn what_is_not_said_is_as_by_default() {
     assert_eq!(parse("version = 1"), (Settings::default(), vec![]));
     assert_eq!(Settings::default().picture(), PictureSettings::default());
     assert_eq!(parse("\u{feff}version = 1\r\ndepth = 2\r\n").0.depth, 2);
-    assert!(Theme::System.is_dark(None) && !Theme::System.is_dark(Some(false)) && !Theme::Light.is_dark(Some(true)));
+    assert!(
+        ThemeSetting::System.is_dark(None)
+            && !ThemeSetting::System.is_dark(Some(false))
+            && !ThemeSetting::Light.is_dark(Some(true))
+    );
 }
 
 #[test]
@@ -291,13 +296,13 @@ fn two_programs_keep_each_others_changes() {
     first.depth = 9;
     first.defaults.set(Predefined::Reflection, [0.5; 3]);
     one.save(&first).unwrap();
-    second.window.theme = Theme::Dark;
+    second.window.theme = ThemeSetting::Dark;
     second.defaults.set(Predefined::Refraction, [0.25; 3]);
     other.save(&second).unwrap();
     first.window.log = false;
     one.save(&first).unwrap();
     let settings = SettingsFile::new(&folders).read().settings;
-    assert_eq!((settings.depth, settings.window.theme, settings.window.log), (9, Theme::Dark, false));
+    assert_eq!((settings.depth, settings.window.theme, settings.window.log), (9, ThemeSetting::Dark, false));
     assert_eq!(settings.defaults.of(Predefined::Reflection), [0.5]);
     assert_eq!(settings.defaults.of(Predefined::Refraction), [0.25]);
 }
@@ -338,7 +343,7 @@ fn a_path_that_is_no_text_is_refused() {
 fn any_settings() -> impl Strategy<Value = Settings> {
     let values = proptest::collection::vec(proptest::array::uniform3(any::<f32>()), Predefined::ALL.len());
     let numbers = (any::<u32>(), any::<[u32; 2]>(), any::<f64>(), any::<f32>(), any::<[u32; 2]>());
-    (any::<[bool; 3]>(), numbers, "/?[^/\0]{1,12}", proptest::sample::select(Theme::ALL.to_vec()), values).prop_map(
+    (any::<[bool; 3]>(), numbers, "/?[^/\0]{1,12}", proptest::sample::select(ThemeSetting::ALL.to_vec()), values).prop_map(
         |([shadows, apply_as_you_type, log], (depth, size, default_index, scale, window), startup, theme, values)| {
             let mut defaults = Defaults::default();
             for (parameter, value) in Predefined::ALL.iter().zip(values) {

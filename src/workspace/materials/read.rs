@@ -3,7 +3,7 @@
 use crate::lang::diagnostic::{Diagnostic, Diagnostics};
 use crate::lang::source::Source;
 use crate::workspace::materials::{Library, Material, NameError, Property};
-use crate::workspace::spanned_toml::{Entry, VERSION_KEY, check_version, entries, parse as parse_toml};
+use crate::workspace::spanned_toml::{TomlEntry, VERSION_KEY, check_version, entries, parse as parse_toml};
 
 pub(super) fn parse(source: &Source) -> Result<(Library, Diagnostics), Diagnostics> {
     let table = parse_toml(source)?;
@@ -24,7 +24,7 @@ pub(super) fn parse(source: &Source) -> Result<(Library, Diagnostics), Diagnosti
 }
 
 /// The material that a table of the file defines.
-fn material(entry: &Entry, diagnostics: &mut Diagnostics) -> Option<Material> {
+fn material(entry: &TomlEntry, diagnostics: &mut Diagnostics) -> Option<Material> {
     let named = Material::new(entry.key).map_err(|error| {
         let expected = match error {
             NameError::Empty => "expected a name",
@@ -45,7 +45,7 @@ fn material(entry: &Entry, diagnostics: &mut Diagnostics) -> Option<Material> {
             return None;
         }
     };
-    for Entry { key, key_span, value } in entries(table) {
+    for TomlEntry { key, key_span, value } in entries(table) {
         match value.constant() {
             Ok(value) => material.properties.push(Property { parameter: key.to_owned(), value, span: key_span }),
             Err(diagnostic) => diagnostics.push(diagnostic),

@@ -2,7 +2,7 @@
 
 use crate::files::replace_text;
 use crate::workspace::materials::{Library, Material};
-use crate::workspace::spanned_toml::{Number, VERSION, VERSION_KEY};
+use crate::workspace::spanned_toml::{TomlNumber, VERSION, VERSION_KEY};
 use serde::ser::{Serialize, SerializeMap, Serializer};
 use std::fs;
 use std::io;
@@ -12,22 +12,22 @@ use std::path::Path;
 struct LibraryFile<'l>(&'l Library);
 
 /// A table of the file, with its keys in the order of the values.
-struct Table<'l>(&'l Material);
+struct MaterialTable<'l>(&'l Material);
 
 impl Serialize for LibraryFile<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(Some(1 + self.0.len()))?;
         map.serialize_entry(VERSION_KEY, &VERSION)?;
         for material in self.0.iter() {
-            map.serialize_entry(material.name(), &Table(material))?;
+            map.serialize_entry(material.name(), &MaterialTable(material))?;
         }
         map.end()
     }
 }
 
-impl Serialize for Table<'_> {
+impl Serialize for MaterialTable<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_map(self.0.properties.iter().map(|property| (&property.parameter, Number::from(property.value))))
+        serializer.collect_map(self.0.properties.iter().map(|property| (&property.parameter, TomlNumber::from(property.value))))
     }
 }
 

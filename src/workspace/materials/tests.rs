@@ -31,7 +31,10 @@ fn messages(diagnostics: &Diagnostics) -> Vec<&str> {
 /// A library without the places of its text.
 fn bare(library: &Library) -> Library {
     let mut bare = library.clone();
-    bare.materials.iter_mut().flat_map(|material| &mut material.properties).for_each(|property| property.span = Span::default());
+    bare.materials
+        .iter_mut()
+        .flat_map(|material| &mut material.properties)
+        .for_each(|property| property.span = SourceSpan::default());
     bare
 }
 
@@ -126,7 +129,7 @@ fn names_are_such_that_a_library_can_hold_them() {
 fn what_is_saved_is_read_back() {
     let mut first = library(TEXT);
     let value = Constant::Vector([0.1, f32::MIN_POSITIVE, -3.402_823_5e38]);
-    first.materials[1].properties.push(Property { parameter: "odd name".to_owned(), value, span: Span::default() });
+    first.materials[1].properties.push(Property { parameter: "odd name".to_owned(), value, span: SourceSpan::default() });
     let text = first.to_toml().unwrap();
     assert!(text.starts_with("version = 1\n\n[gold]\nCd = [1.0, 0.8, 0.3]\nkr = 0.25\n"), "{text}");
     assert_eq!(bare(&library(&text)), bare(&first));

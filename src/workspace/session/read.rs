@@ -1,11 +1,11 @@
 //! Parsing the text of a session.
 
 use crate::lang::diagnostic::{Diagnostic, Diagnostics};
-use crate::lang::source::{Source, Span};
+use crate::lang::source::{Source, SourceSpan};
 use crate::trace::{MAX_DEPTH, MAX_SIDE};
 use crate::workspace::Location;
 use crate::workspace::session::{NamedValue, OwnerName, PictureSettings, Session};
-use crate::workspace::spanned_toml::{Entry, Value, check_version, entries, missing, parse as parse_toml, unknown_key};
+use crate::workspace::spanned_toml::{TomlEntry, Value, check_version, entries, missing, parse as parse_toml, unknown_key};
 
 /// The keys of a session, outside of tables.
 pub(in crate::workspace) const KEYS: [&str; 11] =
@@ -13,7 +13,7 @@ pub(in crate::workspace) const KEYS: [&str; 11] =
 
 pub(super) fn parse(source: &Source) -> Result<(Session, Diagnostics), Diagnostics> {
     let table = parse_toml(source)?;
-    let mut reader = Reader::default();
+    let mut reader = SessionReader::default();
     let mut version = None;
     for entry in entries(&table) {
         match entry.key {
@@ -57,7 +57,7 @@ fn location(value: Value) -> Result<Location, Diagnostic> {
 
 /// What has been parsed so far.
 #[derive(Default)]
-struct Reader {
+struct SessionReader {
     formula: Option<Location>,
     scene: Option<Location>,
     picture: PictureSettings,
@@ -65,7 +65,7 @@ struct Reader {
     diagnostics: Diagnostics,
 }
 
-impl Reader {
+impl SessionReader {
     /// The value of an outcome; `None` after reporting an error.
     fn report_error<T>(&mut self, outcome: Result<T, Diagnostic>) -> Option<T> {
         outcome.map_err(|diagnostic| self.diagnostics.push(diagnostic)).ok()
@@ -101,9 +101,9 @@ impl Reader {
     }
 
     /// The values of one owner.
-    fn values(&mut self, owner: &OwnerName, owner_span: Span, value: Value) {
+    fn values(&mut self, owner: &OwnerName, owner_span: SourceSpan, value: Value) {
         let Some(table) = self.report_error(value.table()) else { return };
-        for Entry { key, key_span, value } in entries(table) {
+        for TomlEntry { key, key_span, value } in entries(table) {
             if let Some(constant) = self.report_error(value.constant()) {
                 let spans = [owner_span, key_span];
                 self.values.push(NamedValue { owner: owner.clone(), parameter: key.to_owned(), value: constant, spans });

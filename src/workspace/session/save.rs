@@ -1,7 +1,7 @@
 //! Writing a session as text.
 
 use crate::workspace::session::{OwnerName, Session};
-use crate::workspace::spanned_toml::{Number, VERSION};
+use crate::workspace::spanned_toml::{TomlNumber, VERSION};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -23,7 +23,7 @@ struct SessionFile<'s> {
 }
 
 /// The values of one owner by parameter name.
-type OwnerValues<'s> = BTreeMap<&'s str, Number>;
+type OwnerValues<'s> = BTreeMap<&'s str, TomlNumber>;
 
 pub(super) fn to_toml(session: &Session, folder: &Path) -> Result<String, toml::ser::Error> {
     let mut file = SessionFile {

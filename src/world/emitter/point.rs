@@ -7,18 +7,18 @@ use glam::DVec3;
 
 /// A point of light.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Point {
+pub(super) struct PointEmitter {
     position: DVec3,
 }
 
-impl Point {
+impl PointEmitter {
     /// The emitter of a point light.
     pub(super) fn new(light: &PointLight) -> Self {
         Self { position: light.position() }
     }
 }
 
-impl Emit for Point {
+impl Emit for PointEmitter {
     /// A light in the very point of the hit is taken to be in the direction of the normal.
     #[inline]
     fn sample(&self, hit: &SurfaceHit) -> LightSample {

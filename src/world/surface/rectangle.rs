@@ -9,7 +9,7 @@ use glam::DVec3;
 
 /// A rectangle A, B, C and A + C − B; its front is the side from which the corners are clockwise.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::world) struct Rectangle {
+pub(in crate::world) struct RectangleSurface {
     /// The corner B.
     corner: DVec3,
     /// The front normal, of unit length.
@@ -21,7 +21,7 @@ pub(in crate::world) struct Rectangle {
     bounds: Bounds,
 }
 
-impl Rectangle {
+impl RectangleSurface {
     /// The surface of a rectangle.
     pub(super) fn new(shape: &shape::Rectangle) -> Self {
         let ([a, b, c], normal) = (shape.corners(), shape.normal());
@@ -34,7 +34,7 @@ impl Rectangle {
     }
 }
 
-impl Geometry for Rectangle {
+impl Geometry for RectangleSurface {
     fn bounds(&self) -> Bounds {
         self.bounds
     }
@@ -80,11 +80,11 @@ mod tests {
     use crate::scene::BodyId;
     use crate::world::ray::Side;
 
-    fn rectangle(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> Rectangle {
-        Rectangle::new(&shape::Rectangle::new(a.into(), b.into(), c.into()).unwrap())
+    fn rectangle(a: [f64; 3], b: [f64; 3], c: [f64; 3]) -> RectangleSurface {
+        RectangleSurface::new(&shape::Rectangle::new(a.into(), b.into(), c.into()).unwrap())
     }
 
-    fn square() -> Rectangle {
+    fn square() -> RectangleSurface {
         rectangle([0.0; 3], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0])
     }
 

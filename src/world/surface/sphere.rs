@@ -13,12 +13,12 @@ const POLE: f64 = 1e-12;
 
 /// A sphere; its front is the outside.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::world) struct Sphere {
+pub(in crate::world) struct SphereSurface {
     center: DVec3,
     radius: f64,
 }
 
-impl Sphere {
+impl SphereSurface {
     /// The surface of a sphere.
     pub(super) fn new(shape: &shape::Sphere) -> Self {
         Self { center: shape.center(), radius: shape.radius() }
@@ -35,7 +35,7 @@ fn meeting(distance: f64) -> Meeting {
     Meeting { primitive: PrimitiveId::ONLY, distance }
 }
 
-impl Geometry for Sphere {
+impl Geometry for SphereSurface {
     fn bounds(&self) -> Bounds {
         Bounds { low: self.center - DVec3::splat(self.radius), high: self.center + DVec3::splat(self.radius) }
     }
@@ -96,15 +96,15 @@ mod tests {
     use super::*;
     use crate::scene::BodyId;
 
-    fn sphere(center: DVec3, radius: f64) -> Sphere {
-        Sphere::new(&shape::Sphere::new(center, radius).unwrap())
+    fn sphere(center: DVec3, radius: f64) -> SphereSurface {
+        SphereSurface::new(&shape::Sphere::new(center, radius).unwrap())
     }
 
     fn ray(origin: [f64; 3], direction: [f64; 3]) -> Ray {
         Ray { origin: origin.into(), direction: DVec3::from(direction).normalize(), leaves: None }
     }
 
-    fn distance(sphere: &Sphere, ray: &Ray) -> Option<f64> {
+    fn distance(sphere: &SphereSurface, ray: &Ray) -> Option<f64> {
         sphere.intersect(ray, 0.0).map(|met| met.distance)
     }
 

@@ -5,12 +5,13 @@
 //! images or the live part.
 
 use illuminator::evaluate::weights::{PathMonomials, Powers, Weight, path_weights};
-use illuminator::evaluate::{Backend, Drag, Drawn, EvaluateError, Evaluator, Footprint, Frame, Framebuffer};
+use illuminator::evaluate::{Backend, Drag, Drawn, EvaluateError, Evaluator, Footprint, Framebuffer};
 use illuminator::formula::equation::{Equation, Site};
 use illuminator::formula::graph::{Graph, Node, NodeId};
 use illuminator::formula::{Formula, Parameter};
 use illuminator::lang::scalars::{Floats, flush};
 use illuminator::lang::variables::Owner;
+use illuminator::picture::Frame;
 use illuminator::plan::{ContributionPlan, DragPlan, FormulaPlan, KernelPlan, Method, SliderPlan, moved_parameters};
 use illuminator::trace::{Group, HitVariables, Hits, LightVariables, Tile, Tracer, replay, variable};
 use std::collections::{BTreeSet, HashMap};

@@ -2,9 +2,10 @@
 
 use crate::agreement::formulas::{Case, ingredients, number, runner};
 use illuminator::backends::verify::TOLERANCE;
-use illuminator::evaluate::{Evaluator, Frame, Framebuffer};
+use illuminator::evaluate::{Evaluator, Framebuffer};
 use illuminator::formula::Parameter;
 use illuminator::lang::types::Type;
+use illuminator::picture::Frame;
 use illuminator::picture::Transfer;
 use illuminator::plan::Method;
 use proptest::prelude::*;

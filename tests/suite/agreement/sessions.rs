@@ -326,7 +326,7 @@ fn work_that_is_kept_follows_what_shines_and_what_paths_weigh_by(tested: &Tested
         }
         let kept = model.compiled.frame(model.values.numbers());
         let fresh = Model::preset(tested, "phong").compiled.frame(model.values.numbers());
-        let bits = |frame: &illuminator::evaluate::Frame| -> Vec<u32> {
+        let bits = |frame: &illuminator::picture::Frame| -> Vec<u32> {
             frame.linear.iter().flatten().map(|component| component.to_bits()).collect()
         };
         assert!(bits(&kept) == bits(&fresh), "{settings:?}");

@@ -5,8 +5,8 @@ use crate::backends::compiled::planes::Planes;
 use crate::evaluate::Part;
 use crate::evaluate::weights::Powers;
 use crate::jit::Width;
+use crate::picture::transfer::{Bytes, with_bytes};
 use crate::plan::{Channels, Factors};
-use crate::transfer::{Bytes, with_bytes};
 use pulp::{Simd, WithSimd};
 
 /// What an image is multiplied with: powers of the moved kr and kt, and the factors of a term.

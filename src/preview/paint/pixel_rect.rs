@@ -4,7 +4,7 @@ use std::hash::Hasher;
 
 /// A rectangle of bounds pixels: the first column and row, and those after the last.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Region {
+pub struct PixelRect {
     /// The first column.
     pub left: i32,
     /// The first row.
@@ -15,7 +15,7 @@ pub struct Region {
     pub bottom: i32,
 }
 
-impl Region {
+impl PixelRect {
     /// The pixels of a rectangle in points, with its edges rounded to the nearest pixel edges.
     #[must_use]
     pub fn of(place: egui::Rect, scale: f32) -> Self {

@@ -126,12 +126,12 @@ fn first_of(byte: u32) -> f32 {
 macro_rules! with_bytes {
     ($transfer:expr, $bytes:ident => $work:expr) => {
         match $transfer {
-            $crate::transfer::Transfer::Linear => {
-                let $bytes = $crate::transfer::LinearBytes;
+            $crate::picture::transfer::Transfer::Linear => {
+                let $bytes = $crate::picture::transfer::LinearBytes;
                 $work
             }
-            $crate::transfer::Transfer::Srgb => {
-                let $bytes = $crate::transfer::SrgbBytes::get();
+            $crate::picture::transfer::Transfer::Srgb => {
+                let $bytes = $crate::picture::transfer::SrgbBytes::get();
                 $work
             }
         }

@@ -1,4 +1,4 @@
-//! Tiles, lines, chunks and segments: the layout that the hit store and compiled code share.
+//! Tiles, lines, chunks and segments: the layout of hits, which the hit store and compiled code share.
 
 use std::mem::offset_of;
 use std::ops::Range;
