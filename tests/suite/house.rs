@@ -26,7 +26,7 @@ const ROOMS: [(&str, &[&str]); 16] = [
     // Of tracing, machine code knows the layout of hits; of pictures, the bytes.
     ("jit", &["lang", "formula", "plan", "trace", "picture"]),
     ("evaluate", &["lang", "formula", "scene", "world", "trace", "plan", "picture"]),
-    ("backends", &["lang", "formula", "scene", "world", "trace", "bytecode", "plan", "jit", "picture", "evaluate"]),
+    ("backends", &["lang", "formula", "scene", "world", "trace", "bytecode", "plan", "jit", "picture", "evaluate", "transfer"]),
     ("engine", &["lang", "formula", "scene", "world", "trace", "picture", "evaluate", "backends"]),
     ("workspace", &["files", "lang", "formula", "scene", "trace", "engine", "picture"]),
     ("user_data", &["files", "lang", "trace", "workspace"]),
