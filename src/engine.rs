@@ -1,12 +1,11 @@
-//! The engine: from a formula and a scene to pictures, in one place.
+//! The engine: the whole way from a formula and a scene to pictures.
 //!
 //! ```text
 //! parse (texts) ─▶ compile (formula) ─▶ trace (world, view) ─▶ prepare ─▶ frames and drags
 //! ```
 //!
-//! An [`Engine`] owns this sequence, with its backend and its memory budget; long work tells its progress to a [`Task`]
-//! and can be cancelled through it. Which files a formula and a scene come from, and what the values of their
-//! parameters are, is not known here.
+//! An [`Engine`] owns this sequence, its backend and its memory budget. Long work reports its progress to a [`Task`]
+//! and can be cancelled through it. The engine does not know files, or where the values of parameters come from.
 
 use crate::evaluate::{Backend, EvaluateError, Evaluator, Footprint};
 use crate::formula::Formula;
@@ -20,30 +19,31 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use thiserror::Error;
 
-/// Bytes of a pixel beside those of hits: two pictures of floats, a framebuffer, and what a picture file is made from.
+/// The memory for each pixel, without hits, in bytes: two linear pictures, a framebuffer, and the data of a picture
+/// file.
 const BYTES_PER_PIXEL: u64 = 40;
 
-/// What a picture shows, beside parameter values.
+/// What a picture shows, without the values of parameters.
 #[derive(Debug, Clone)]
 pub struct Subject {
     /// The model.
     pub formula: Arc<Formula>,
     /// The scene, ready for rays.
     pub world: Arc<World>,
-    /// Size, depth and the like.
+    /// The view: size, depth and so on.
     pub view: View,
 }
 
 impl Subject {
-    /// A formula on a scene, as seen by a view. The world of the scene is built here.
+    /// A formula, a scene and a view. This builds the world of the scene.
     pub fn new(formula: Formula, scene: Scene, view: View) -> Self {
         Self { formula: Arc::new(formula), world: Arc::new(World::new(scene)), view }
     }
 
-    /// The same from texts.
+    /// A subject from texts.
     ///
     /// # Errors
-    /// Everything that is wrong with either text.
+    /// All errors of both texts.
     pub fn parse(formula: &str, scene: &str, view: View) -> Result<Self, ParseError> {
         let (formula, scene) = (Source::new("formula", formula), Source::new("scene", scene));
         let failed = |errors: Diagnostics, source: &Source| ParseError(errors.located(source).to_string());
@@ -55,13 +55,13 @@ impl Subject {
         }
     }
 
-    /// Whether the hits of one are those of the other.
+    /// Whether both subjects have the same hits.
     pub fn same_hits(&self, other: &Subject) -> bool {
         Arc::ptr_eq(&self.world, &other.world) && self.view == other.view
     }
 }
 
-/// What is wrong with a text: a line for each error, with its place.
+/// The errors of a text: a line for each, with its place.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[error("{0}")]
 pub struct ParseError(String);
@@ -69,21 +69,21 @@ pub struct ParseError(String);
 /// The progress of long work, and its cancellation.
 #[derive(Clone, Copy)]
 pub struct Task<'t> {
-    /// Is told the share that is done, 0..=1, now and then, from any thread.
+    /// Is called with the share that is done, 0..=1, from time to time, from any thread.
     pub progress: &'t (dyn Fn(f64) + Sync),
-    /// Ends the work soon once it is set.
+    /// When it is set, the work ends soon.
     pub cancelled: &'t AtomicBool,
 }
 
 static NEVER: AtomicBool = AtomicBool::new(false);
 
 impl Task<'static> {
-    /// Nobody watches, and nobody cancels.
+    /// Work that nobody watches or cancels.
     pub const UNWATCHED: Task<'static> = Task { progress: &|_| (), cancelled: &NEVER };
 }
 
 impl<'t> Task<'t> {
-    /// Work that is watched, and not cancelled.
+    /// Work that is watched and is not cancelled.
     pub fn watched(progress: &'t (dyn Fn(f64) + Sync)) -> Self {
         Self { progress, cancelled: &NEVER }
     }
@@ -112,7 +112,7 @@ impl EngineError {
     }
 }
 
-/// Makes pictures of formulas on scenes, by one backend, within a memory budget.
+/// Makes pictures of formulas on scenes, with one backend, within a memory budget.
 #[derive(Clone)]
 pub struct Engine {
     backend: Arc<dyn Backend>,
@@ -132,7 +132,7 @@ impl Engine {
         Self { backend, memory: None }
     }
 
-    /// The same within this many bytes.
+    /// The same engine with a memory budget of this many bytes.
     #[must_use]
     pub fn with_memory(self, bytes: u64) -> Self {
         Self { memory: Some(bytes), ..self }
@@ -143,12 +143,12 @@ impl Engine {
         &*self.backend
     }
 
-    /// The memory that a picture may take, in bytes: what was given, or half of what is free now.
+    /// The memory budget for a picture, in bytes: the given one, or half of the memory that is free now.
     pub fn memory(&self) -> u64 {
         self.memory.unwrap_or_else(usable_memory)
     }
 
-    /// Does what depends on the formula alone. Formulas that were compiled before are kept by the backend.
+    /// Does the work that depends on the formula alone. The backend keeps formulas that it has compiled.
     ///
     /// # Errors
     /// The backend cannot take the formula.
@@ -157,11 +157,12 @@ impl Engine {
         Ok(())
     }
 
-    /// Traces the scene, within the memory that is left beside what evaluation of the formula will keep; on all threads
-    /// of the current pool.
+    /// Traces the scene, on all threads of the current pool. Hits and the evaluation of the formula share the memory
+    /// budget.
     ///
     /// # Errors
-    /// The picture needs more memory than it may take, the task was cancelled, or the backend cannot take the formula.
+    /// The picture needs more memory than the budget, the task was cancelled, or the backend does not support the
+    /// formula.
     pub fn trace(&self, subject: &Subject, task: &Task) -> Result<Arc<Hits>, EngineError> {
         let Footprint { per_hit, per_record, per_pair, per_step } = self.backend.compile(&subject.formula)?;
         let scene = subject.world.scene();
@@ -177,10 +178,10 @@ impl Engine {
         Ok(Arc::new(trace(&subject.world, &subject.view, &budget, task.progress, task.cancelled)?))
     }
 
-    /// Makes a formula ready on hits that were traced, whatever the formula they were traced for.
+    /// Prepares a formula for hits. They may have been traced for another formula.
     ///
     /// # Errors
-    /// The backend cannot take the formula, or the hits are of another scene or view.
+    /// The backend does not support the formula, or the hits belong to another scene or view.
     pub fn prepare(&self, subject: &Subject, hits: &Arc<Hits>) -> Result<Arc<dyn Evaluator>, EngineError> {
         Ok(self.backend.prepare(&subject.formula, hits)?)
     }
@@ -188,7 +189,7 @@ impl Engine {
     /// Compiles, traces and prepares.
     ///
     /// # Errors
-    /// Any of them failed.
+    /// One of these steps failed.
     pub fn evaluator(&self, subject: &Subject, task: &Task) -> Result<Arc<dyn Evaluator>, EngineError> {
         let hits = match self.backend.reads_hits() {
             true => self.trace(subject, task)?,
@@ -200,10 +201,11 @@ impl Engine {
         self.prepare(subject, &hits)
     }
 
-    /// The picture of these parameter numbers: the mean of `samples` × `samples` rays a pixel. NaN is not cleaned out.
+    /// The picture of these parameter numbers: the mean of `samples` × `samples` rays for each pixel. It may contain
+    /// NaN.
     ///
     /// # Errors
-    /// Any stage failed.
+    /// One of the stages failed.
     pub fn picture(&self, subject: &Subject, parameters: &[f32], samples: u32, task: &Task) -> Result<Frame, EngineError> {
         let count = samples.max(1).pow(2);
         let mut mean: Option<Frame> = None;
@@ -222,7 +224,7 @@ impl Engine {
         Ok(mean.unwrap_or_else(|| Frame::black(subject.view.width(), subject.view.height())))
     }
 
-    /// Checks that the picture itself fits the memory.
+    /// Checks that the picture itself fits the budget.
     fn check_pixels(&self, view: &View) -> Result<(), EngineError> {
         let (needed, budget) = (u64::from(view.pixels()) * BYTES_PER_PIXEL, self.memory());
         let shortage = Shortage { needed, fixed: 0, budget, pixels: view.pixels() };

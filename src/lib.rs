@@ -1,10 +1,10 @@
 //! Illuminator, a lighting workshop: an illumination model typed as mathematics, a scene, and the ray-traced picture
 //! that follows the model's parameters at once.
 //!
-//! Tracing rays is slow, shading is fast, and hits do not move while only materials change. So rays are traced once,
-//! every pixel keeps its *formula* (the model, instantiated at each hit of the pixel's ray tree), and a moved parameter
-//! evaluates formulas again: by code that Cranelift compiled for many records at a time, or by a reference interpreter
-//! that proves it right.
+//! Tracing rays is slow, and shading is fast. Hits do not move while only materials change. So rays are traced once,
+//! and the hits are stored. When a parameter moves, only the formula is evaluated again, over the stored hits.
+//! Cranelift compiles it to code that computes many records at a time. A reference interpreter checks the compiled
+//! code.
 //!
 //! ```text
 //! formula text ─▶ lang ──▶ formula ──▶ plan ─┬─▶ backends: compiled (jit), interpreter (bytecode) ─┐

@@ -1,4 +1,4 @@
-//! The program `illuminator`: arguments into calls of the library, results into files, text and an exit status.
+//! The program `illuminator`: it calls the library by its arguments, and writes files, text and an exit status.
 
 mod cli;
 

@@ -18,8 +18,8 @@ pub const NAME: &str = "interpreter";
 
 /// A thread takes this many pixels at a time.
 const PIXELS: usize = 512;
-/// Programs of this many bytes are written before they are run. Programs of all pixels would take gigabytes on deep
-/// scenes.
+/// Programs are written in batches of about this many bytes and then run. The programs of all pixels would take
+/// gigabytes in scenes with many reflections.
 const BATCH_BYTES: usize = 1 << 20;
 
 /// The backend.
@@ -30,7 +30,7 @@ impl Backend for Interpreter {
         NAME
     }
 
-    /// It walks the tree of rays of each pixel itself.
+    /// The interpreter traces each pixel itself.
     fn reads_hits(&self) -> bool {
         false
     }
@@ -45,7 +45,7 @@ impl Backend for Interpreter {
     }
 }
 
-/// A formula's bytecode on a world.
+/// A formula's bytecode, and the world that it runs on.
 pub struct Interpreted {
     world: Arc<World>,
     view: View,
@@ -53,10 +53,10 @@ pub struct Interpreted {
     equation: Equation,
 }
 
-/// What a frame by the interpreter took.
+/// The cost of a frame by the interpreter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Timing {
-    /// Running the programs, not writing them, added up over threads.
+    /// The time to run the programs, without writing them, added up over threads.
     pub evaluation: Duration,
     /// The bytes of all programs.
     pub bytes: u64,
@@ -66,7 +66,7 @@ impl Interpreted {
     /// Writes a formula's bytecode.
     ///
     /// # Errors
-    /// It would be too large.
+    /// The bytecode would be too large.
     pub fn new(formula: &Arc<Formula>, world: &Arc<World>, view: View) -> Result<Self, CodeTooLarge> {
         let code = Code::new(formula)?;
         let scene = world.scene();
@@ -88,7 +88,7 @@ impl Interpreted {
         programs
     }
 
-    /// The picture of these parameter numbers, see [`Evaluator::frame`], and what it took.
+    /// The picture of these parameter numbers, see [`Evaluator::frame`], and its cost.
     pub fn timed_frame(&self, parameters: &[f32]) -> (Frame, Timing) {
         assert!(parameters.len() >= self.equation.layout.len(), "as many parameter numbers as the formula and the scene have");
         let mut frame = Frame::black(self.view.width(), self.view.height());
@@ -101,7 +101,7 @@ impl Interpreted {
         (frame, timing)
     }
 
-    /// Writes and runs the programs of consecutive pixels, some at a time.
+    /// Writes and runs the programs of consecutive pixels in batches.
     fn chunk(&self, first: u32, pixels: &mut [[f32; 3]], parameters: &[f32]) -> Timing {
         let tracer = Tracer::new(&self.world, &self.view);
         let instantiation = self.instantiation();
@@ -135,7 +135,7 @@ impl Evaluator for Interpreted {
     fn draw(&self, parameters: &[f32], framebuffer: &mut Framebuffer) -> Drawn {
         let (mut frame, timing) = self.timed_frame(parameters);
         framebuffer.set(&frame);
-        // What running the programs takes is added up over threads.
+        // The time is added up over threads.
         let time = timing.evaluation / rayon::current_num_threads() as u32;
         Drawn { time, program_bytes: timing.bytes, undefined: Some(frame.clean()) }
     }

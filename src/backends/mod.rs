@@ -3,7 +3,7 @@
 //! - [`interpreter`]: the reference, postfix code on a stack machine;
 //! - [`compiled`]: machine code over static columns.
 //!
-//! [`verify`] holds an evaluator against the reference. What a backend must do is in [`evaluate`](crate::evaluate).
+//! [`verify`] compares an evaluator with the reference. The traits of a backend are in [`evaluate`](crate::evaluate).
 
 pub mod compiled;
 pub mod interpreter;
@@ -37,7 +37,7 @@ pub struct BackendChoice {
 }
 
 impl BackendChoice {
-    /// A new one, with nothing compiled yet.
+    /// A new backend, which has not compiled anything yet.
     pub fn make(&self) -> Arc<dyn Backend> {
         (self.make)()
     }
@@ -59,14 +59,14 @@ impl std::fmt::Debug for BackendChoice {
 pub const DEFAULT: BackendChoice =
     BackendChoice { name: compiled::NAME, title: "Compiled code", make: || Arc::new(compiled::Jit::default()) };
 
-/// The reference that defines what a formula means.
+/// The reference, which defines what a formula means.
 pub const REFERENCE: BackendChoice =
     BackendChoice { name: interpreter::NAME, title: "Reference interpreter", make: || Arc::new(interpreter::Interpreter) };
 
 /// Every backend.
 pub const CHOICES: [BackendChoice; 2] = [DEFAULT, REFERENCE];
 
-/// The backend of this name.
+/// The backend with this name.
 pub fn named(name: &str) -> Option<&'static BackendChoice> {
     CHOICES.iter().find(|choice| choice.name == name)
 }

@@ -1,8 +1,8 @@
-//! Both backends on the same input: how far apart they are, and whether that is an error.
+//! Compares the pictures of two backends, and decides which differences are errors.
 //!
-//! They agree where every component differs by at most [`TOLERANCE`] and is NaN or infinite in both or neither. A
-//! larger difference is excused only where the formula is so ill-conditioned that the interpreter's own result moves as
-//! much when its intermediate results are perturbed by a few units in the last place, see `judge`.
+//! They agree if every component differs by at most [`TOLERANCE`], and is NaN or infinite in both or in neither. A
+//! larger difference is excused only if the formula is ill-conditioned: the interpreter's own result moves as far when
+//! its intermediate results are perturbed by a few units in the last place, see `judge`.
 
 mod judge;
 
@@ -10,11 +10,12 @@ use crate::backends::interpreter::Interpreted;
 use crate::evaluate::Evaluator;
 use crate::picture::Frame;
 
-/// The largest difference of two components, absolute or relative to the interpreter's where that is beyond 1.
+/// The largest difference of two components. It is absolute, or relative if the interpreter's component is larger than
+/// 1.
 pub const TOLERANCE: f32 = 1e-4;
 /// With this many unexcused differences the backends disagree. The other differences are not judged.
 const MOST_JUDGED: usize = 256;
-/// The share of 8-bit components that may differ, each by one step.
+/// The share of 8-bit components that may differ by one step.
 const STEPS_SHARE: f64 = 1e-3;
 
 /// A component in which the backends differ.
@@ -24,15 +25,15 @@ pub struct Difference {
     pub pixel: usize,
     /// 0 red, 1 green, 2 blue.
     pub component: usize,
-    /// By compiled code.
+    /// The value of compiled code.
     pub compiled: f32,
-    /// By the interpreter.
+    /// The value of the interpreter.
     pub interpreted: f32,
 }
 
 impl Difference {
-    /// The difference, relative where the interpreter's value is beyond 1. Infinite where one is NaN or infinite and
-    /// the other is not the same.
+    /// The difference, relative if the interpreter's value is larger than 1. Infinite if one value is NaN or infinite
+    /// and the other is not the same.
     pub fn size(&self) -> f32 {
         distance(self.compiled, self.interpreted)
     }
@@ -53,7 +54,7 @@ fn distance(value: f32, reference: f32) -> f32 {
 pub struct Verification {
     /// How many components were compared.
     pub components: usize,
-    /// How many pixels have a NaN by compiled code.
+    /// How many pixels of compiled code have a NaN.
     pub nan_pixels: usize,
     /// The largest difference that is not excused.
     pub worst: Option<Difference>,
@@ -61,7 +62,7 @@ pub struct Verification {
     pub failed: usize,
     /// How many differ by more than the tolerance and are excused.
     pub excused: usize,
-    /// How many components of the 8-bit pictures differ by one step, excused ones aside.
+    /// How many components of the 8-bit pictures differ by one step, without the excused ones.
     pub one_step: usize,
     /// How many of them differ by more than one step.
     pub more_steps: usize,

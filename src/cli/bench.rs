@@ -20,11 +20,11 @@ use std::fmt::Write;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// No measurement is repeated after it has taken so long altogether.
+/// A measurement is not repeated after this total time.
 const PATIENCE: Duration = Duration::from_secs(10);
-/// Tracing is repeated at most so often.
+/// Tracing is repeated at most this many times.
 const MOST_TRACES: u32 = 3;
-/// How much a drag may keep, in bytes.
+/// The memory that a drag may keep, in bytes.
 const DRAG_BUDGET: usize = 1 << 30;
 
 /// Options of `bench`.
@@ -87,7 +87,7 @@ struct Slider {
     component: Option<usize>,
 }
 
-/// Measures and tells.
+/// Measures and reports.
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let input = load(&options.input)?;
     let all = sliders(&input.values);
@@ -102,7 +102,8 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     }
 }
 
-/// All that a slider can move: the formula's own parameters that ask for a slider first, of colours each component too.
+/// Everything that a slider can move. The formula's own parameters with `slider` come first; colours count as a whole
+/// and by component.
 fn sliders(values: &Values) -> Vec<Slider> {
     let asks = |id: ParameterId| {
         let parameter = values.table().parameter(id);
@@ -143,7 +144,7 @@ fn measure(options: &Options, input: &Project, sliders: &[Slider]) -> Result<Rep
     let view = &subject.view;
     let progress = Progress::new("measuring");
     let (compile_ms, engine) = time(options.runs, || {
-        // A new backend each time: one keeps what it compiled.
+        // A new backend each time, because a backend keeps what it compiled.
         let engine = engine::engine(&DEFAULT, &options.input.machine);
         engine.compile(&subject.formula).map_err(engine::failed)?;
         Ok(engine)
@@ -189,7 +190,7 @@ fn measure(options: &Options, input: &Project, sliders: &[Slider]) -> Result<Rep
     })
 }
 
-/// A frame by the interpreter: the time that running the programs takes, and their bytes.
+/// A frame by the interpreter: the time to run the programs, and their size in bytes.
 fn interpreted(
     options: &Options,
     subject: &Subject,
@@ -207,7 +208,7 @@ fn interpreted(
     Ok((ms, bytes))
 }
 
-/// A slider taken and moved to and fro.
+/// A slider that is held and moved back and forth.
 fn drag(
     runs: u32,
     input: &Project,
@@ -245,7 +246,7 @@ fn drag(
 }
 
 fn milliseconds(time: Duration) -> f64 {
-    // What is too short for the clock still took some time.
+    // A time that is too short for the clock is not 0.
     time.as_secs_f64().max(1e-9) * 1000.0
 }
 
@@ -263,11 +264,11 @@ fn median(runs: u32, mut once: impl FnMut(u32) -> Result<Duration, Failure>) -> 
     Ok(milliseconds(times.get(times.len() / 2).copied().unwrap_or_default()))
 }
 
-/// The median time of making something, in milliseconds, and what the last run made.
+/// The median time of `make` in milliseconds, and the last result.
 fn time<T>(runs: u32, mut make: impl FnMut() -> Result<T, Failure>) -> Result<(f64, T), Failure> {
     let mut made = None;
     let median = median(runs, |_| {
-        // Freed before the clock starts: memory for two may not be there.
+        // Freed before the clock starts, because there may not be memory for two.
         made = None;
         let start = Instant::now();
         made = Some(make()?);

@@ -35,7 +35,7 @@ enum KindName {
     Material,
 }
 
-/// Checks all files, also if the first ones have errors.
+/// Checks all files, even if the first ones have errors.
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let mut wrong = false;
     for file in &options.files {
@@ -51,7 +51,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     if wrong { Err(Failure::Reported) } else { Ok(()) }
 }
 
-/// Checks one file. Whether it has no errors.
+/// Checks one file. Returns whether it has no errors.
 fn check(location: &Location, given: Option<FileKind>) -> Result<bool, Failure> {
     let (kind, source) = match read(location, given) {
         Ok(found) => found,
@@ -109,7 +109,7 @@ fn read(location: &Location, given: Option<FileKind>) -> Result<(FileKind, Sourc
     }
 }
 
-/// The diagnostics of a text, after writing them.
+/// Writes the diagnostics of a text and returns them.
 fn explained<T>(outcome: Result<(T, Diagnostics), Diagnostics>, source: &Source) -> Diagnostics {
     match outcome {
         Ok((_, diagnostics)) | Err(diagnostics) => {
@@ -133,8 +133,8 @@ fn check_formula(location: &Location, source: &Source) -> Diagnostics {
     explained(outcome, source)
 }
 
-/// Checks a session and the files that it names. The diagnostics of its text, the number of warnings about its values,
-/// and whether the files are valid.
+/// Checks a session and the files that it names. Returns the diagnostics of its text, the number of warnings about its
+/// values, and whether the files are valid.
 fn check_session(location: &Location, source: &Source) -> (Diagnostics, usize, bool) {
     let (mut session, diagnostics) = match Session::parse(source) {
         Ok(read) => read,

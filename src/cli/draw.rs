@@ -1,9 +1,9 @@
 //! Diagnostics drawn for a terminal: place, message, and the lines of the source with marks under them, by the library
 //! `ariadne`.
 //!
-//! The library is never given the text itself, but a sheet with the marked lines as [`Excerpt`]s and empty lines for
-//! the others, so that line numbers are right. This keeps it away from what it cannot draw: hidden characters, other
-//! ideas of where lines end, very long lines, and places that are not in the text.
+//! The library never gets the text itself. It gets a text with the marked lines as [`Excerpt`]s and empty lines for the
+//! others, so that line numbers are right. So it never sees what it cannot draw: hidden characters, other kinds of line
+//! ends, very long lines, and places outside the text.
 
 use ariadne::{Color, Config, IndexType, Label, Report, ReportKind};
 use illuminator::lang::diagnostic::{Diagnostic, Diagnostics, Severity};
@@ -13,8 +13,8 @@ use illuminator::lang::source::Source;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// Stands for the name of the source in what `ariadne` draws. It is in no text that may be shown, so it is only where
-/// `ariadne` puts the name.
+/// Stands for the name of the source in what `ariadne` draws. No text that is shown contains it, so it is only where
+/// `ariadne` writes the name.
 const NAME: &str = "\0";
 
 /// Draws diagnostics one below the other, with an empty line between them.
@@ -90,7 +90,7 @@ impl MarkedLines {
         let (mut places, mut last_lines) = (Vec::new(), Vec::new());
         for (label, span) in diagnostic.labels().iter().map(|label| label.span).enumerate() {
             let mark = source.mark(span);
-            // The last byte that is marked; that of a line end counts as part of its line.
+            // The last byte that is marked. A line end counts as part of its line.
             let last = mark.end.saturating_sub(1).max(mark.start);
             let [(first_line, column), (last_line, _)] = [mark.start, last].map(|at| source.position(at as u32));
             places.push((first_line, column));
@@ -130,8 +130,8 @@ impl MarkedLines {
         Self { text, marks, places, last_lines }
     }
 
-    /// What `ariadne` has drawn, with name and places as they are in the source: it heads each block of lines with the
-    /// name and a place of the sheet. Blanks at the ends of lines are left out.
+    /// What `ariadne` has drawn, with the name and the places of the source. `ariadne` starts each block of lines with
+    /// the name and a place in the marked lines. Spaces at the ends of lines are removed.
     fn with_places(&self, drawn: &str, name: &str) -> String {
         let mut block_places = self.block_places();
         let mut text = String::with_capacity(drawn.len());

@@ -1,4 +1,4 @@
-//! `illuminator dump`: what becomes of a formula, stage by stage.
+//! `illuminator dump`: shows the stages of a formula and of a picture.
 
 use crate::cli::engine;
 use crate::cli::hits;
@@ -23,11 +23,10 @@ pub(super) struct Options {
     /// What to show
     #[arg(long, value_enum)]
     stage: Stage,
-    /// With `--stage rays`: the pixel, counted from the top left; with `--stage bytecode`: the program of this pixel
-    /// too
+    /// Pixel, counted from the top left: its rays with `--stage rays`, its program too with `--stage bytecode`
     #[arg(long, value_name = "X,Y", value_parser = pixel, required_if_eq("stage", "rays"))]
     pixel: Option<[u32; 2]>,
-    /// With `--stage hits`: the folder that the columns are written to
+    /// Folder for the columns of `--stage hits`
     #[arg(long = "output", short, value_name = "DIR", required_if_eq("stage", "hits"))]
     output: Option<PathBuf>,
 }
@@ -82,7 +81,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     }
 }
 
-/// The declarations as they read back, then the macros and the result as trees, a line for each expression.
+/// The declarations as text, then the macros and the result as trees with a line for each expression.
 fn tree(file: &FormulaFile) -> String {
     let head = FormulaFile { uses: file.uses.clone(), sections: file.sections.clone(), ..FormulaFile::default() };
     let mut text = printer::print(&head);

@@ -1,4 +1,4 @@
-//! The engine as commands ask for it: on a number of threads, within an amount of memory, with progress.
+//! The engine for commands: with a number of threads, a memory limit, and progress.
 
 use crate::cli::options::MachineOptions;
 use crate::cli::progress::Progress;
@@ -10,9 +10,9 @@ use illuminator::lang::diagnostic::Diagnostic;
 use illuminator::picture::Frame;
 use illuminator::workspace::project::Project;
 
-/// Does some work on as many threads as the options say.
+/// Does some work on the number of threads that the options give.
 pub(super) fn on_threads<T: Send>(options: &MachineOptions, work: impl FnOnce() -> T + Send) -> Result<T, Failure> {
-    // 0 stands for one thread a core.
+    // 0 stands for one thread for each core.
     let threads = usize::from(options.threads.unwrap_or(0));
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = pool.map_err(|error| Failure::input(format!("cannot start {threads} threads: {error}")))?;
@@ -28,13 +28,13 @@ pub(super) fn engine(backend: &BackendChoice, options: &MachineOptions) -> Engin
     }
 }
 
-/// The failure that an error of the engine is.
+/// The failure for an error of the engine.
 pub(super) fn failed(error: EngineError) -> Failure {
     let diagnostic = Diagnostic::error(error.to_string());
     Failure::Input(if error.is_memory() { diagnostic.help("`--memory SIZE` allows more") } else { diagnostic })
 }
 
-/// The picture, `samples` × `samples` rays a pixel averaged, NaN not yet cleaned out.
+/// The picture: the mean of `samples` × `samples` rays for each pixel. It may contain NaN.
 pub(super) fn picture(
     project: &Project,
     samples: u32,

@@ -1,12 +1,12 @@
 //! `illuminator dump --stage hits`: everything that tracing found, as columns of numbers for other programs.
 //!
-//! Four tables, a file for each column, little-endian and without a head; `index.json`, written last, names, types and
-//! counts them:
+//! There are four tables, and a little-endian file without a header for each column. `index.json`, which is written
+//! last, gives names, types and counts:
 //!
 //! - `hits`: pixel (row by row from the top left), body, path, and the variables of the hit;
 //! - `records`: a hit and a light that reaches it, and the variables of both;
 //! - `misses`: rays that left the scene, by pixel and path;
-//! - `paths`: the last step of each path: the path before, how the ray came to be, the body it hit.
+//! - `paths`: the last step of each path: the path before, the kind of ray, the body that it hit.
 
 use crate::cli::engine;
 use crate::cli::options::MachineOptions;
@@ -27,13 +27,13 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
-/// What names, types and counts the columns.
+/// The file that gives names, types and counts of the columns.
 const INDEX: &str = "index.json";
 
 /// Stands for "none": no path before (the camera), no body (the ray left the scene).
 const NONE: u32 = u32::MAX;
 
-/// Traces the scene and writes what was found.
+/// Traces the scene and writes the hits.
 pub(super) fn dump(input: &Project, machine: &MachineOptions, folder: &Path) -> Result<(), Failure> {
     let name = folder.display().to_string();
     fs::create_dir_all(folder)
@@ -41,7 +41,7 @@ pub(super) fn dump(input: &Project, machine: &MachineOptions, folder: &Path) -> 
     check_folder(folder)?;
     let progress = Progress::new("tracing");
     let tell = |share: f64| progress.tell(share);
-    // Whose evaluators keep nothing of hits.
+    // The interpreter keeps no memory for hits.
     let engine = engine::engine(&REFERENCE, machine);
     let hits = engine::on_threads(machine, || engine.trace(&input.subject, &Task::watched(&tell)))?;
     drop(progress);
@@ -50,7 +50,7 @@ pub(super) fn dump(input: &Project, machine: &MachineOptions, folder: &Path) -> 
 }
 
 fn write(hits: &Hits, folder: &Path) -> io::Result<()> {
-    // Without its index a folder is no dump: none is there while columns of another one are being overwritten.
+    // A folder without an index is not a dump. So there is no index while columns are being overwritten.
     match fs::remove_file(folder.join(INDEX)) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
         Ok(()) | Err(_) => {}
@@ -91,14 +91,14 @@ struct ColumnIndex {
     name: String,
     file: String,
     r#type: &'static str,
-    /// Numbers in each row; they lie together.
+    /// How many numbers each row has. They are stored together.
     components: usize,
-    /// What it is.
+    /// What it means.
     #[serde(skip_serializing_if = "Option::is_none")]
     meaning: Option<&'static str>,
 }
 
-/// What a column of whole numbers is.
+/// What a column of whole numbers means.
 fn meaning(table: &str, column: &str) -> Option<&'static str> {
     Some(match (table, column) {
         ("paths", "parent") => "the path to the hit that the last ray comes from; none: the camera",
@@ -136,7 +136,7 @@ impl TableWriter {
         Ok(TableWriter { name, count: 0, columns: whole.chain(real).map(column).collect::<io::Result<_>>()? })
     }
 
-    /// Adds a row: the whole numbers, then each variable's value. The number of the row.
+    /// Adds a row: the whole numbers, then the value of each variable. Returns the number of the row.
     fn add(&mut self, numbers: &[u32], variables: impl Iterator<Item = ([f32; 3], Type)>) -> io::Result<u32> {
         let row = self.count;
         self.count = row.checked_add(1).filter(|count| *count < NONE).ok_or_else(|| io::Error::other("too many rows"))?;
@@ -162,7 +162,7 @@ impl TableWriter {
     }
 }
 
-/// The tables as far as they are written.
+/// The tables while they are written.
 struct Dump {
     hits: TableWriter,
     records: TableWriter,
@@ -202,7 +202,7 @@ impl Dump {
             self.known.insert(step, row);
             rows.push(row);
         }
-        // Hits that are in several groups, with all their emitters.
+        // Scattered hits, which are in several groups, with all their emitters.
         let mut scattered: BTreeMap<(u32, u32), (SurfaceHit, Vec<EmitterId>)> = BTreeMap::new();
         for group in &tile.groups {
             for span in tile.spans_of(group) {

@@ -1,4 +1,4 @@
-//! From options to what the engine works on, with everything said that is wrong about it.
+//! Opens what the options name, and reports everything that is wrong with it.
 
 use crate::cli::options::{ColourArgument, InputOptions};
 use crate::cli::report::{Failure, explain, say};
@@ -13,7 +13,7 @@ use illuminator::workspace::project::{Listener, OpenProjectError, Project, Reque
 use illuminator::workspace::session::PictureSettings;
 use std::path::PathBuf;
 
-/// Says on the standard error what is found.
+/// Reports diagnostics on standard error.
 pub(super) struct Speaker;
 
 impl Listener for Speaker {
@@ -41,7 +41,7 @@ pub(super) fn data_folder() -> Option<PathBuf> {
     Folders::platform().map(|folders| folders.data).ok()
 }
 
-/// Opens everything that the options name.
+/// Opens the session, formula and scene that the options name.
 pub(super) fn load(options: &InputOptions) -> Result<Project, Failure> {
     let given = |text: &Option<std::ffi::OsString>| text.as_ref().map(Location::new);
     let (formula, scene) = (given(&options.formula), given(&options.scene));
@@ -68,7 +68,7 @@ pub(super) fn load(options: &InputOptions) -> Result<Project, Failure> {
     Ok(Project::open(&request, &mut Speaker)?)
 }
 
-/// Picture settings as the command line wants them.
+/// The picture settings of the command line.
 fn change_picture(options: &InputOptions, picture: &mut PictureSettings) {
     picture.size = options.size.unwrap_or(picture.size);
     picture.depth = options.depth.unwrap_or(picture.depth);

@@ -1,4 +1,4 @@
-//! The command line: what may be said on it, and which command does it.
+//! The command line: its options, and the commands.
 //!
 //! A command loads its input ([`input`]), runs the engine on it ([`engine`]) and reports the result ([`report`]).
 //! Nothing about pictures, formulas or scenes is decided here.
@@ -25,9 +25,9 @@ use clap::{Parser, Subcommand};
 use report::{Status, print, say_arguments};
 use std::process::ExitCode;
 
-/// A lighting workshop: type an illumination model, see the ray-traced picture that it gives.
+/// A lighting workshop: type an illumination model and see its ray-traced picture.
 ///
-/// Wherever a file is asked for, `preset:NAME` names a built-in one.
+/// In place of any input file, `preset:NAME` names a built-in one.
 #[derive(Parser)]
 #[command(name = "illuminator", bin_name = "illuminator", version, max_term_width = 100)]
 #[cfg_attr(not(feature = "window"), command(arg_required_else_help = true))]
@@ -44,13 +44,13 @@ enum Command {
     Preview(preview::Options),
     /// Make a picture file
     Render(render::Options),
-    /// Look for mistakes in formulas, scenes, sessions and material libraries
+    /// Check formulas, scenes, sessions and material libraries for mistakes
     Check(check::Options),
     /// Compare the compiled code with the reference interpreter
     Verify(verify::Options),
     /// Measure how fast tracing, compiling and evaluating are
     Bench(bench::Options),
-    /// Show what becomes of a formula, stage by stage
+    /// Show the stages of a formula or a picture
     Dump(dump::Options),
     /// Print the reference of the formula language
     HelpLanguage,
@@ -67,7 +67,7 @@ impl Command {
     }
 }
 
-/// Does what the command line says.
+/// Runs the command that the command line names.
 pub(crate) fn run() -> ExitCode {
     #[cfg(unix)]
     signals::handle();

@@ -11,19 +11,18 @@ use std::ffi::OsString;
 use std::fmt::Display;
 use std::str::FromStr;
 
-/// What is looked at, and how.
+/// What the picture shows.
 #[derive(Args, Debug)]
 pub(super) struct InputOptions {
     /// Session file [default: preset:default]
     pub(super) session: Option<OsString>,
-    /// Formula file; values are kept where owner and name exist in it too
+    /// Formula file; values of the session stay where the formula has the same parameter
     #[arg(long, short, value_name = "FILE")]
     pub(super) formula: Option<OsString>,
-    /// Scene file; values are kept where owner and name exist in it too
+    /// Scene file; values of the session stay where the scene has the same body or light
     #[arg(long, short, value_name = "FILE")]
     pub(super) scene: Option<OsString>,
-    /// Give a body a material of the library that the formula names, or *=NAME to all; values set by --set count over
-    /// it
+    /// Give a body a material of the formula's library, or all bodies with *=NAME; --set overrides its values
     #[arg(long = "material", value_name = "BODY=NAME", value_parser = read::<MaterialAssignment>)]
     pub(super) materials: Vec<MaterialAssignment>,
     /// Set a value: ball.kd=0.3, key.IL=<1,0.9,0.8>, ka=0.1, *.kd=0.3 for all
@@ -51,13 +50,13 @@ pub(super) struct InputOptions {
     pub(super) machine: MachineOptions,
 }
 
-/// What of the machine is used.
+/// What the program may use of the machine.
 #[derive(Args, Debug)]
 pub(super) struct MachineOptions {
-    /// Number of threads, 1 to 1024 [default: one a core]
+    /// Number of threads, 1 to 1024 [default: one for each core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(super) threads: Option<u16>,
-    /// Memory that may be used, in MiB or such as 2GiB [default: half of what is free]
+    /// Memory limit, in MiB or as in 2GiB [default: half of the free memory]
     #[arg(long, value_name = "SIZE", value_parser = memory)]
     pub(super) memory: Option<u64>,
 }
@@ -79,7 +78,7 @@ fn size(text: &str) -> Result<[u32; 2], String> {
 }
 
 fn index(text: &str) -> Result<f64, String> {
-    /// As small and as large as the scene language takes.
+    /// The limits are those of the scene language.
     const RANGE: std::ops::RangeInclusive<f64> = 1e-30..=1e30;
     text.trim().parse().ok().filter(|index| RANGE.contains(index)).ok_or_else(|| "expected a number greater than 0".to_owned())
 }

@@ -1,4 +1,4 @@
-//! Where results go: looked at before any work is done.
+//! Checks where results are written, before any work is done.
 
 use crate::cli::report::Failure;
 use illuminator::files::{follow_links, reason};
@@ -38,7 +38,7 @@ pub(super) fn check_picture(path: &Path) -> Result<Format, Failure> {
     Ok(format)
 }
 
-/// Checks that a picture would not take the place of one of the texts that it is made from.
+/// Checks that a picture does not overwrite one of its own input files.
 pub(super) fn check_distinct(path: &Path, inputs: &[PathBuf]) -> Result<(), Failure> {
     let Ok(target) = path.canonicalize() else { return Ok(()) };
     match inputs.iter().find(|input| input.canonicalize().is_ok_and(|input| input == target)) {
@@ -49,7 +49,7 @@ pub(super) fn check_distinct(path: &Path, inputs: &[PathBuf]) -> Result<(), Fail
     }
 }
 
-/// Checks that files can be made in this folder.
+/// Checks that files can be created in this folder.
 pub(super) fn check_folder(folder: &Path) -> Result<(), Failure> {
     let name = folder.display();
     if !folder.exists() {

@@ -14,7 +14,7 @@ pub(super) struct Options {
     /// Session file [default: the startup session of the settings]
     session: Option<OsString>,
 
-    /// Print the lines of the log, as they come, on standard error too
+    /// Also print the log on standard error
     #[arg(long)]
     log: bool,
 }

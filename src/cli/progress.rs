@@ -1,11 +1,11 @@
-//! Progress of work that takes long, shown on a terminal only.
+//! Progress of long work, shown on a terminal only.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{self, IsTerminal};
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
-/// Work that is done sooner shows nothing.
+/// Shorter work shows no bar.
 const PATIENCE: Duration = Duration::from_millis(500);
 /// Steps of the bar.
 const STEPS: u64 = 1000;
@@ -19,12 +19,12 @@ pub(super) struct Progress {
 }
 
 impl Progress {
-    /// For work that goes by this name.
+    /// A bar for work with this name.
     pub(super) fn new(what: &'static str) -> Self {
         Self { what, since: Instant::now(), shown: io::stderr().is_terminal(), bar: OnceLock::new() }
     }
 
-    /// Tells the share that is done, 0..=1.
+    /// Sets the share that is done, 0..=1.
     pub(super) fn tell(&self, share: f64) {
         if self.shown && self.since.elapsed() > PATIENCE {
             // The cast saturates.

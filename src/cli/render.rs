@@ -1,4 +1,4 @@
-//! `illuminator render`: a picture into a file.
+//! `illuminator render`: writes a picture to a file.
 
 use crate::cli::engine;
 use crate::cli::input::load;
@@ -15,13 +15,13 @@ use std::path::PathBuf;
 pub(super) struct Options {
     #[command(flatten)]
     input: InputOptions,
-    /// Store the picture with the sRGB transfer function
+    /// Write 8-bit components with the sRGB transfer function
     #[arg(long)]
     srgb: bool,
-    /// Rays a pixel, N × N on a regular grid, 1 to 16
+    /// Use N × N rays for each pixel on a regular grid, 1 to 16
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=16))]
     samples: u32,
-    /// What evaluates the formula: compiled code, or the reference interpreter
+    /// Backend that evaluates the formula: compiled code, or the reference interpreter
     #[arg(long, default_value = DEFAULT.name, value_parser = CHOICES.map(|choice| choice.name))]
     backend: String,
     /// Picture file: .png, .bmp, or .exr for linear unclamped floats
@@ -37,7 +37,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     }
     let input = load(&options.input)?;
     check_distinct(&options.output, &input.files)?;
-    // The parser of arguments lets only known names through.
+    // The argument parser accepts known names only.
     let backend: &BackendChoice = named(&options.backend).unwrap_or(&DEFAULT);
     let machine = &options.input.machine;
     let mut frame = engine::on_threads(machine, || engine::picture(&input, options.samples, backend, machine))??;

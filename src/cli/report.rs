@@ -1,8 +1,7 @@
-//! What the program says: diagnostics on the standard error, coloured on a terminal; results on the standard output.
+//! The program's output: diagnostics on standard error, coloured on a terminal; results on standard output.
 //!
-//! This is the only place from which text leaves the program. None of it holds characters that act on a terminal:
-//! messages are made safe by [`display_text`](illuminator::lang::display_text), which also shortens them; results are
-//! escaped here.
+//! Text leaves the program here only. It never contains characters that control a terminal:
+//! [`display_text`](illuminator::lang::display_text) escapes and shortens messages, and this module escapes results.
 
 use crate::cli::draw::{draw, draw_all};
 use clap::error::{ContextKind, ContextValue};
@@ -44,7 +43,7 @@ impl Failure {
         Failure::CommandLine(Diagnostic::error(message))
     }
 
-    /// How the program ends after it.
+    /// The exit status for it.
     pub(super) fn status(&self) -> Status {
         match self {
             Failure::Input(_) | Failure::Reported => Status::Input,
@@ -92,16 +91,16 @@ pub(super) fn warn(message: impl AsRef<str>) {
     say(&Diagnostic::warning(message));
 }
 
-/// Writes what the parser of arguments has to say: an error, or the help that was asked for. The status to end with.
+/// Writes the message of the argument parser: an error, or help. Returns the exit status.
 pub(super) fn say_arguments(error: clap::Error) -> Status {
     let error = with_safe_context(error);
-    // A terminal or a pipe that is closed is no error here.
+    // A closed terminal or pipe is not an error here.
     let _ = error.print();
-    // Help that was asked for goes to the standard output.
+    // Help goes to standard output.
     if error.use_stderr() { Status::CommandLine } else { Status::Success }
 }
 
-/// The error with the user's words, which are parts of its context, made safe and short.
+/// The error with the user's words, which are in its context, escaped and shortened.
 fn with_safe_context(mut error: clap::Error) -> clap::Error {
     let context: Vec<(ContextKind, ContextValue)> = error.context().map(|(kind, value)| (kind, value.clone())).collect();
     for (kind, value) in context {
@@ -114,7 +113,7 @@ fn with_safe_context(mut error: clap::Error) -> clap::Error {
         };
         if safe != value {
             error.insert(kind, safe);
-            // The suggestions repeat the word.
+            // The suggestions contain the word too.
             error.remove(ContextKind::Suggested);
         }
     }
@@ -134,7 +133,7 @@ pub(super) fn count(diagnostics: &Diagnostics) -> [usize; 2] {
         .map(|severity| diagnostics.iter().filter(|diagnostic| diagnostic.severity() == severity).count())
 }
 
-/// Writes a result to the standard output. A reader that has read enough and closed the pipe is no failure.
+/// Writes a result to standard output. It is not a failure if the reader has closed the pipe.
 pub(super) fn print(text: &str) -> Result<(), Failure> {
     let mut output = io::stdout().lock();
     match output.write_all(escaped_lines(text).as_bytes()).and_then(|()| output.flush()) {

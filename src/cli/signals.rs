@@ -1,6 +1,6 @@
-//! Signals that end the program. What is half written is removed first, and a window keeps what is unsaved in it. Then
-//! the program ends as if it had not handled the signal, so whoever started it sees the usual status, 128 + the
-//! signal's number.
+//! Signals that end the program. First, half-written files are removed, and the window saves drafts of unsaved work.
+//! Then the program ends as if it had not handled the signal, so the exit status is the usual one, 128 + the number of
+//! the signal.
 
 use illuminator::files::remove_unfinished;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGXFSZ};
@@ -10,7 +10,7 @@ use std::sync::mpsc::channel;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// The signals that end the program unless whoever started it had them ignored.
+/// The signals that end the program, unless it was started with them ignored.
 const ENDING: [i32; 4] = [SIGHUP, SIGINT, SIGQUIT, SIGTERM];
 
 /// How long a window has to close.
@@ -21,28 +21,27 @@ static RECEIVED: AtomicI32 = AtomicI32::new(0);
 
 /// A window that should close before the program ends.
 pub(super) trait Closing: Send {
-    /// Asks it to close. It may be busy, so this does not wait.
+    /// Asks it to close, without waiting.
     fn close(&self);
 
-    /// It did not close in time: saves what can be saved without it.
+    /// Saves what can be saved without the window, which did not close in time.
     fn last_resort(&self);
 }
 
 static WINDOW: Mutex<Option<Box<dyn Closing>>> = Mutex::new(None);
 
-/// Has signals close this window first, until the program ends.
+/// Lets signals close this window first, until the program ends.
 #[cfg_attr(not(feature = "window"), allow(dead_code, reason = "only windows close"))]
 pub(super) fn close_first(window: impl Closing + 'static) {
     *WINDOW.lock().unwrap_or_else(PoisonError::into_inner) = Some(Box::new(window));
 }
 
-/// Handles signals from now on, on a thread of its own.
+/// Handles signals from now on, on a separate thread.
 pub(super) fn handle() {
-    // A file that grows beyond the limit of the shell then fails to be written, and is removed, instead of ending the
-    // program.
+    // With this signal ignored, a file that exceeds the size limit of the shell is a write error, and is removed.
     let _ = signal_hook::flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false)));
     let (ready, is_ready) = channel();
-    // Where there can be no thread, signals end the program at once, as they do by default.
+    // Without a thread, signals end the program at once, as they do by default.
     let _ = std::thread::Builder::new().name("signals".to_owned()).spawn(move || {
         let ignored = ignored_signals();
         let signals = Signals::new(ENDING.into_iter().filter(|signal| ignored & 1 << (signal - 1) == 0));
@@ -55,7 +54,7 @@ pub(super) fn handle() {
             end(signal);
         }
     });
-    // The other end is dropped as soon as the handlers are there, and when there is no thread.
+    // The other end is dropped once the handlers exist, or if there is no thread.
     let _: Result<(), _> = is_ready.recv();
 }
 
@@ -64,7 +63,7 @@ fn close_window(signals: &mut Signals) {
     let Some(window) = WINDOW.lock().unwrap_or_else(PoisonError::into_inner).take() else { return };
     window.close();
     let start = Instant::now();
-    // Whoever sends a second signal does not want to wait.
+    // A second signal ends the wait.
     while start.elapsed() < PATIENCE && signals.pending().next().is_none() {
         std::thread::sleep(Duration::from_millis(20));
     }
@@ -87,7 +86,7 @@ fn end(signal: i32) -> ! {
 
 /// The signals that this process was started with as ignored, as by `nohup`: bit n - 1 stands for signal n.
 fn ignored_signals() -> u64 {
-    // Only Linux says so in a file. Elsewhere none counts as ignored.
+    // Only Linux gives them in a file. On other systems none counts as ignored.
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
     mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).unwrap_or_default()

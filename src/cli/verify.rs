@@ -17,7 +17,7 @@ pub(super) struct Options {
     input: InputOptions,
 }
 
-/// Compares the backends; that they differ is a failure.
+/// Compares the backends. It is a failure if they differ.
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let input = load(&options.input)?;
     let machine = &options.input.machine;

@@ -9,22 +9,22 @@ pub trait Drag: Send {
     /// How pictures are made once everything is prepared.
     fn method(&self) -> Method;
 
-    /// Draws the picture of these numbers. Apart from the first time, the framebuffer holds the last picture of this
-    /// drag, with the same transfer: pixels that cannot have changed are not written. If other numbers than the moved
-    /// ones have changed, everything that was prepared is dropped and prepared again.
+    /// Draws the picture of these numbers. After the first call, the framebuffer must hold the last picture of this
+    /// drag, with the same transfer: pixels that cannot have changed are not written. If any other number has changed,
+    /// the drag drops what it prepared and prepares it again.
     ///
     /// # Panics
     /// Where the framebuffer has another size than the view, or there are too few parameter numbers.
     fn frame(&mut self, parameters: &[f32], framebuffer: &mut Framebuffer);
 
-    /// Prepares some more of what pictures need, about as much work as one full evaluation; whether everything is
-    /// prepared now.
+    /// Does a part of the preparation, about as much work as one full evaluation. Returns whether everything is
+    /// prepared.
     fn prepare(&mut self) -> bool;
 
     /// Whether everything is prepared.
     fn is_ready(&self) -> bool;
 
-    /// The memory that is kept for it, in bytes.
+    /// The memory that the drag keeps, in bytes.
     fn bytes(&self) -> usize;
 
     /// How many pixels a picture writes once everything is prepared.
@@ -38,7 +38,7 @@ pub struct WholeFrames {
 }
 
 impl WholeFrames {
-    /// Pictures by this evaluator, of this many pixels.
+    /// A drag with pictures by this evaluator, of this many pixels.
     pub fn new(evaluator: Arc<dyn Evaluator>, pixels: usize) -> Self {
         Self { evaluator, pixels }
     }

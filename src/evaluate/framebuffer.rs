@@ -25,7 +25,7 @@ impl Framebuffer {
         Self { width, height, pixels: vec![0; width as usize * height as usize], transfer }
     }
 
-    /// Shows a picture of the same size.
+    /// Copies a picture of the same size into it.
     ///
     /// # Panics
     /// Where the picture has another size.
@@ -38,7 +38,7 @@ impl Framebuffer {
         });
     }
 
-    /// The parts of it, in the order of tiles.
+    /// The parts of the framebuffer, in the order of tiles.
     pub(crate) fn parts(&mut self) -> impl IndexedParallelIterator<Item = Part<'_>> {
         let transfer = self.transfer;
         self.pixels.par_chunks_mut(TILE_PIXELS as usize).map(move |pixels| Part { pixels, transfer })
@@ -47,7 +47,7 @@ impl Framebuffer {
 
 /// A tile's part of a framebuffer.
 pub(crate) struct Part<'f> {
-    /// The pixels, of which the last tile has fewer.
+    /// The pixels. The last tile may have fewer than the others.
     pub(crate) pixels: &'f mut [u32],
     /// How components become bytes.
     pub(crate) transfer: Transfer,

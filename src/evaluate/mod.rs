@@ -1,14 +1,12 @@
-//! What a backend does: parameter numbers and the hits of a traced scene into pictures.
+//! What a backend does: it makes pictures of the hits of a traced scene and parameter numbers.
 //!
-//! A [`Backend`] makes an [`Evaluator`] of a formula on a traced scene; an evaluator makes pictures of parameter
-//! numbers, and a [`Drag`] makes them while a slider is held. The backends themselves are in
-//! [`backends`](crate::backends); what they share is here: [`Frame`] and [`Framebuffer`], and the weights of ray paths.
-//! [`inspect`] explains one pixel.
+//! A [`Backend`] makes an [`Evaluator`] of a formula on a traced scene. The evaluator makes a picture for any parameter
+//! numbers. A [`Drag`] makes the pictures while a slider is held. The backends are in [`backends`](crate::backends).
+//! They share the [`Framebuffer`] and the weights of ray paths. [`inspect`] explains one pixel.
 //!
-//! Parameter numbers are one array in the order of [`Layout`](crate::formula::layout::Layout). Each number lies within
-//! the range of its parameter, where that has one, and none is NaN or infinite, as
-//! [`Parameter::clamp`](crate::formula::Parameter::clamp) leaves them: compiled code relies on that, and outside the
-//! ranges a picture may differ from the formula's.
+//! Parameter numbers are one array in the order of [`Layout`](crate::formula::layout::Layout). Each number is finite
+//! and within the range of its parameter, as after [`Parameter::clamp`](crate::formula::Parameter::clamp). Compiled
+//! code relies on that: outside the ranges a picture may be wrong.
 
 mod drag;
 mod framebuffer;
@@ -29,10 +27,10 @@ use thiserror::Error;
 /// Why a formula cannot be evaluated on a scene.
 #[derive(Debug, Error)]
 pub enum EvaluateError {
-    /// The backend cannot take the formula, or does not run on this machine; why, for people.
+    /// The backend does not support the formula, or does not run on this machine. The text is a message for the user.
     #[error("{0}")]
     Backend(String),
-    /// The hits belong to another scene or view; an error of the caller.
+    /// The hits belong to another scene or view. This is an error of the caller.
     #[error(transparent)]
     Hits(#[from] Mismatch),
 }
@@ -46,7 +44,7 @@ pub struct Footprint {
     pub per_record: u64,
     /// For each pair of a body and a light of the scene.
     pub per_pair: u64,
-    /// For each step of work: a light of a chunk of a group of hits, or adding that to the pixels.
+    /// For each step of a tile's program: a kernel for one light of a chunk, or adding a chunk to the pixels.
     pub per_step: u64,
 }
 
@@ -55,23 +53,22 @@ pub trait Backend: Send + Sync {
     /// The name by which it is chosen.
     fn name(&self) -> &'static str;
 
-    /// Whether evaluators read the stored hits. One that does not gets those of [`Hits::untraced`], and traces for
+    /// Whether evaluators read the stored hits. An evaluator that does not gets [`Hits::untraced`] and traces the scene
     /// itself.
     fn reads_hits(&self) -> bool {
         true
     }
 
-    /// Does what depends on the formula alone, so that [`prepare`](Self::prepare) need not; what evaluators of it will
-    /// keep.
+    /// Does the work that depends on the formula alone. Returns the memory that its evaluators will keep.
     ///
     /// # Errors
     /// The backend cannot take the formula.
     fn compile(&self, formula: &Arc<Formula>) -> Result<Footprint, EvaluateError>;
 
-    /// Makes a formula ready on a traced scene, on all threads of the current pool.
+    /// Prepares a formula for a traced scene, on all threads of the current pool.
     ///
     /// # Errors
-    /// The backend cannot take the formula, or `hits` are not those of the scene.
+    /// The backend does not support the formula, or the hits do not belong to the scene.
     fn prepare(&self, formula: &Arc<Formula>, hits: &Arc<Hits>) -> Result<Arc<dyn Evaluator>, EvaluateError>;
 }
 
@@ -89,33 +86,33 @@ pub trait Evaluator: Send + Sync {
     /// Where the framebuffer has another size than the view, or there are too few parameter numbers.
     fn draw(&self, parameters: &[f32], framebuffer: &mut Framebuffer) -> Drawn;
 
-    /// Takes hold of numbers of one owner: `moved` are their places among `parameters`, which holds the values before
-    /// the drag. At most `budget` bytes are kept for it.
+    /// Starts a drag of numbers of one owner. `moved` are their indices in `parameters`, which holds the values before
+    /// the drag. The drag keeps at most `budget` bytes.
     ///
     /// # Errors
-    /// The backend cannot take the formula apart; pictures can still be drawn one by one.
+    /// The backend does not support drags of this formula. Pictures can still be drawn in full.
     ///
     /// # Panics
     /// Where there are too few parameter numbers.
     fn drag(self: Arc<Self>, moved: &[usize], parameters: &[f32], budget: usize) -> Result<Box<dyn Drag>, EvaluateError>;
 
-    /// The memory at rest, in bytes: the stored hits, and what is kept of them.
+    /// The memory that is kept between frames, in bytes: stored hits and columns.
     fn bytes(&self) -> usize;
 }
 
-/// What drawing a picture came to.
+/// Statistics of drawing a picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Drawn {
-    /// How long evaluation took. An interpreter does not count the writing of its programs.
+    /// How long evaluation took. The interpreter does not count the time to write its programs.
     pub time: Duration,
-    /// The bytes of programs that were written for this picture alone.
+    /// The size of the programs that were written for this picture, in bytes.
     pub program_bytes: u64,
     /// How many pixels hold NaN, where that is known.
     pub undefined: Option<usize>,
 }
 
 impl Drawn {
-    /// Draws, and measures how long that takes.
+    /// Draws and measures the time.
     pub fn timed(draw: impl FnOnce()) -> Self {
         let start = Instant::now();
         draw();

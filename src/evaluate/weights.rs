@@ -4,8 +4,8 @@ use crate::formula::equation::{Equation, REFLECTED, REFRACTED};
 use crate::lang::scalars::flush;
 use crate::trace::{Edge, MAX_DEPTH, Path, Tile};
 
-/// The weight of a path. It is an `f64`: a product of weights other than 0 is then never 0, and an infinite term stays
-/// infinite however small its weight.
+/// The weight of a path. It is an `f64`, so that a product of weights other than 0 is never 0, and an infinite term
+/// stays infinite with any weight but 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Weight(pub f64);
 
@@ -18,7 +18,7 @@ impl Weight {
         self.0 == 0.0
     }
 
-    /// Whether it is too small for single precision; so is 0.
+    /// Whether it is too small for single precision. This includes 0.
     pub fn is_tiny(self) -> bool {
         self.0 < f64::from(f32::MIN_POSITIVE)
     }
@@ -36,8 +36,8 @@ impl Weight {
     }
 }
 
-/// The path that a path continues, and the place of the parameter number that it is weighed with beyond that; `None`
-/// for a primary ray.
+/// The path before the last step, and the index of the parameter number that weights that step. `None` for a primary
+/// ray.
 pub fn last_factor(tile: &Tile, path: &Path, equation: &Equation) -> Option<(usize, usize)> {
     let weight = match path.edge {
         Edge::Primary => return None,
@@ -63,9 +63,9 @@ pub fn path_weights(tile: &Tile, equation: &Equation, parameters: &[f32], weight
 /// The powers of a moved kr and kt in a path's weight.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub struct Powers {
-    /// Of the moved kr.
+    /// The power of the moved kr.
     pub reflections: u8,
-    /// Of the moved kt.
+    /// The power of the moved kt.
     pub refractions: u8,
 }
 
@@ -78,7 +78,7 @@ pub struct PathMonomials {
 }
 
 impl PathMonomials {
-    /// Those of a tile, where the numbers at the places `[kr, kt]` move.
+    /// The weights of the paths of a tile, where the numbers at the indices `[kr, kt]` move.
     pub fn new(tile: &Tile, equation: &Equation, parameters: &[f32], moved: [Option<usize>; 2]) -> Self {
         let mut parameters = parameters.to_vec();
         moved.into_iter().flatten().for_each(|place| parameters[place] = 1.0);

@@ -1,4 +1,4 @@
-//! A picture in numbers: linear red, green and blue of every pixel, unclamped.
+//! A linear picture: red, green and blue of every pixel, not clamped.
 
 /// A picture of `width` × `height` pixels, row by row from the top left.
 #[derive(Debug, Clone, PartialEq)]

@@ -33,8 +33,8 @@ pub fn quantise(linear: &[[f32; 3]], transfer: Transfer) -> Vec<u8> {
 /// formats.
 ///
 /// # Errors
-/// The suffix names no format, or the file cannot be written; a file that was there before is then unharmed. The
-/// message is for users.
+/// The suffix names no format, or the file cannot be written. An existing file is then unchanged. The text is a message
+/// for the user.
 pub fn save(path: &Path, frame: &Frame, transfer: Transfer) -> Result<(), String> {
     let name = path.display();
     let format = Format::of(path).ok_or_else(|| format!("`{name}` names no format of pictures"))?;
@@ -52,7 +52,7 @@ fn write<W: Write + Seek>(writer: W, frame: &Frame, format: Format, transfer: Tr
     }
 }
 
-/// A writer that keeps its first error: the encoder of OpenEXR reports a full disk as an error of decoding.
+/// A writer that keeps its first error, because the encoder of OpenEXR reports a full disk as a decoding error.
 struct ErrorKeeper<W> {
     writer: W,
     error: Option<io::Error>,
@@ -62,7 +62,7 @@ impl<W> ErrorKeeper<W> {
     fn keep<T>(&mut self, outcome: io::Result<T>) -> io::Result<T> {
         outcome.map_err(|error| {
             let kind = error.kind();
-            // Encoders repeat what is interrupted.
+            // Encoders repeat interrupted writes.
             if kind != io::ErrorKind::Interrupted {
                 self.error.get_or_insert(error);
             }

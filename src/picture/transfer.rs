@@ -1,6 +1,6 @@
-//! How linear components of colours become the bytes of a picture: clamped to 0..1, NaN as 0, and rounded to the
-//! nearest of 0..=255, as they are (thesis 9.1.6) or by the transfer function of sRGB. Files and windows take their
-//! bytes from here, so that both show the same.
+//! How linear components of colours become bytes. A component is clamped to 0..1, with NaN as 0. It is stored as it is
+//! (thesis 9.1.6) or by the transfer function of sRGB, and rounded to the nearest of 0..=255. Files and windows both
+//! use this module, so they show the same picture.
 
 use std::sync::LazyLock;
 
@@ -14,9 +14,9 @@ pub enum Transfer {
     Srgb,
 }
 
-/// Makes bytes of components, for one transfer. Written so that a compiler makes vector code of a loop over them.
+/// Makes bytes of components, for one transfer. The compiler can vectorise a loop over it.
 pub(crate) trait Bytes: Copy {
-    /// The byte of a linear component, whatever that is.
+    /// The byte of any linear component.
     fn byte(self, linear: f32) -> u32;
 }
 
@@ -30,17 +30,17 @@ impl Bytes for LinearBytes {
         // NaN fails the first comparison.
         let positive = if linear > 0.0 { linear } else { 0.0 };
         let clamped = if positive < 1.0 { positive } else { 1.0 };
-        // Not a whole half: what lies just below a half must not be rounded up by the sum.
+        // Slightly less than a half: the sum must not round up a number just below a half.
         let rounded = (clamped * 255.0 + 0.5_f32.next_down()).floor();
         // The whole numbers up to 2²³ are the last bits of 2²³ and more.
         (rounded + 8_388_608.0).to_bits() & 0xff
     }
 }
 
-/// Bytes for [`Transfer::Srgb`], without a power for each. The bits of positive numbers are in the order of the
-/// numbers, and the first of them say in which cell of a table a number lies. Cells are so narrow that the byte goes up
-/// in each at most once. An entry plus the bits of a number is the byte, followed by [`WITHIN`](Self::WITHIN) bits of
-/// no meaning: the last bits carry into the byte exactly where it goes up.
+/// Bytes for [`Transfer::Srgb`], by a table in place of a power. The bits of positive numbers have the same order as
+/// the numbers. Their high bits are the cell of the table. Cells are so narrow that the byte increases at most once in
+/// each. An entry plus the bits of a number is the byte, followed by [`WITHIN`](Self::WITHIN) bits without meaning: the
+/// low bits carry into the byte exactly where it increases.
 #[derive(Clone, Copy)]
 pub(crate) struct SrgbBytes(&'static SrgbTable);
 
@@ -54,17 +54,17 @@ const fn cell(number: f32) -> usize {
 
 const CELLS: usize = cell(1.0) + 1;
 
-/// Those of the table: the remainder of a division by a power of two needs no check.
+/// The size of the table: a remainder by a power of two needs no bounds check.
 const ENTRIES: usize = CELLS.next_power_of_two();
 
 impl SrgbBytes {
     /// How many of a number's low bits give its place in the cell.
     pub(crate) const WITHIN: u32 = 16;
 
-    /// Below, every byte is 0. The first cell begins here.
+    /// The first cell begins here. Below, every byte is 0.
     pub(crate) const LEAST: f32 = 1.0 / 8192.0;
 
-    /// With the table, made at its first use.
+    /// The encoder with its table, which is made at the first use.
     pub(crate) fn get() -> Self {
         static TABLE: LazyLock<SrgbTable> = LazyLock::new(table);
         Self(&TABLE)
@@ -94,7 +94,7 @@ fn encode(linear: f64) -> f64 {
 fn table() -> SrgbTable {
     const SIZE: u32 = 1 << SrgbBytes::WITHIN;
     let mut table = [0; ENTRIES];
-    // The numbers that bytes go up at, and behind the last none.
+    // The numbers at which the byte increases.
     let mut steps = (1..=255).map(|byte| first_of(byte).to_bits()).peekable();
     let mut byte = 0;
     for (entry, start) in table[..CELLS].iter_mut().zip((SrgbBytes::LEAST.to_bits()..).step_by(SIZE as usize)) {
@@ -122,7 +122,7 @@ fn first_of(byte: u32) -> f32 {
     f32::from_bits(reached)
 }
 
-/// Does something with the way that a transfer makes bytes: what is generic in it is compiled for each.
+/// Runs code with the encoder of a transfer. The code is compiled for each encoder.
 macro_rules! with_bytes {
     ($transfer:expr, $bytes:ident => $work:expr) => {
         match $transfer {

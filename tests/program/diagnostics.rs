@@ -1,4 +1,4 @@
-//! What `check` says about mistakes in formulas, as users see it.
+//! The messages of `check` about mistakes in formulas.
 
 use crate::{folder, run, write};
 
@@ -79,10 +79,10 @@ fn conditions_are_explained() {
 }
 
 #[test]
-fn structure_that_is_wrong_is_explained() {
+fn wrong_structure_is_explained() {
     insta::assert_snapshot!("no_result", said("formula;\nA = 1;\n"));
     insta::assert_snapshot!("stray_word", said("formula;\nA = 1;\nstray\n= A*Cd;\n"));
-    // One mistake, not two: what is skipped is the result.
+    // There is one mistake, not two: the skipped part is the result.
     insta::assert_snapshot!("stray_words", said("formula;\nA = 1;\nstray words\n= A*Cd;\n"));
     insta::assert_snapshot!("empty", said(""));
     insta::assert_snapshot!("scene_given", said("bodies;\nlights;\n"));
@@ -93,7 +93,7 @@ fn structure_that_is_wrong_is_explained() {
 }
 
 #[test]
-fn deep_and_long_texts_are_no_trouble() {
+fn deep_and_long_texts_are_parsed() {
     let deep = said(&format!("formula;\n= {}Cd{};", "(".repeat(100_000), ")".repeat(100_000)));
     assert!(deep.contains("nested too deeply"), "{deep}");
     let minus = said(&format!("formula;\n= {}Cd;", "-".repeat(100_000)));

@@ -1,8 +1,8 @@
-//! Texts with unusual characters and line ends: every error is drawn, at the line and column that an editor shows.
+//! Texts with unusual characters and line ends. Every error is drawn, at the line and column that an editor shows.
 
 use crate::{FORMULA, SCENE, folder, told, write};
 
-/// Texts of white space and invisible characters alone.
+/// Texts that consist of white space and invisible characters.
 const BLANKS: [&str; 9] =
     ["\u{a0}", "\u{85}", "\u{2003}", "\u{2028}", "\u{2029}", "\u{feff}", "\u{feff}\u{a0}\r\n", "\r", "\u{3000}\n\n"];
 

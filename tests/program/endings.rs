@@ -1,4 +1,4 @@
-//! How the program ends: by signals, over limits, and what it leaves behind then.
+//! How the program ends by signals and at limits, and which files it leaves.
 #![cfg(unix)]
 
 use crate::{folder, run};
@@ -25,7 +25,7 @@ fn unfinished(folder: &Path) -> usize {
     names(folder).iter().filter(|name| name.starts_with(".illuminator-")).count()
 }
 
-/// Runs the program in a shell that prepares something first.
+/// Runs the program in a shell, after a command that prepares something.
 fn start(folder: &Path, prepare: &str, arguments: &str) -> Child {
     let mut shell = Command::new("sh");
     let shell = shell.args(["-c", &format!("{prepare} exec \"$0\" {arguments}"), env!("CARGO_BIN_EXE_illuminator")]);
@@ -109,7 +109,7 @@ fn a_link_to_a_file_that_does_not_exist_yet_is_followed() {
     let folder = folder();
     symlink("sub/picture.png", folder.path().join("out.png")).expect("a link");
     symlink("nowhere/picture.png", folder.path().join("lost.png")).expect("a link");
-    // Once it is created, then replaced.
+    // The first time the file is created, the second time replaced.
     for _ in 0..2 {
         let done = run(folder.path(), "render session.toml -o out.png");
         assert!(done.status.success(), "{done:?}");

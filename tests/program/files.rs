@@ -1,4 +1,4 @@
-//! What the program writes.
+//! The files that the program writes.
 
 use crate::{folder, run, told, write};
 use std::fs;
@@ -24,7 +24,7 @@ fn formats_agree() {
 }
 
 #[test]
-fn options_count_over_sessions() {
+fn options_override_sessions() {
     let folder = folder();
     let red = render(folder.path(), "session.toml", "red.png").into_rgb8();
     let centre = *red.get_pixel(16, 12);
@@ -37,7 +37,7 @@ fn options_count_over_sessions() {
     let centre = *grey.get_pixel(16, 12);
     assert_eq!(centre[0], centre[1]);
     assert_eq!(grey.get_pixel(0, 0).0, [0, 0, 255]);
-    // A replaced formula keeps the values whose owner and name exist in it.
+    // With another formula, values stay if it has the same parameter.
     let kept = render(folder.path(), "session.toml -f preset:lambert", "kept.png").into_rgb8();
     let centre = *kept.get_pixel(16, 12);
     assert!(centre[0] > 2 * centre[1], "{centre:?}");
@@ -75,7 +75,7 @@ fn a_failure_leaves_the_old_picture() {
     assert_eq!(names, 4, "nothing is left behind");
 }
 
-/// A limit for the size of files stands for a disk that is full: what is written beyond it fails.
+/// A limit for the size of files stands for a full disk: writing beyond it fails.
 #[cfg(unix)]
 #[test]
 fn a_picture_that_does_not_fit_on_the_disk_is_reported() {
@@ -98,7 +98,7 @@ fn a_picture_that_does_not_fit_on_the_disk_is_reported() {
 }
 
 #[test]
-fn hits_are_written_as_the_index_says() {
+fn hits_are_written_as_the_index_describes() {
     let folder = folder();
     assert_eq!(told(folder.path(), "dump session.toml --stage hits -o hits"), "exit status 0\n");
     let hits = folder.path().join("hits");
@@ -147,7 +147,7 @@ fn measurements_are_reported_as_table_and_json() {
     for place in figures.into_iter().chain(["/hits", "/records", "/paths", "/groups"]) {
         assert!(json.pointer(place).and_then(serde_json::Value::as_f64) > Some(0.0), "{place}: {json}");
     }
-    // Every slider that can be moved, components of colours too.
+    // Every slider that can be moved, with the components of colours.
     let drags = json["drag"].as_array().expect("drags");
     let method = |name: &str| drags.iter().find(|drag| drag["parameter"] == name).map(|drag| drag["method"].clone());
     assert_eq!(method("ball.kd"), Some("images".into()), "{json}");
@@ -168,7 +168,7 @@ fn every_stage_is_shown() {
 }
 
 #[test]
-fn a_reader_that_is_gone_is_no_failure() {
+fn a_closed_pipe_is_not_a_failure() {
     let mut program = Command::new(env!("CARGO_BIN_EXE_illuminator"))
         .arg("help-language")
         .stdout(Stdio::piped())

@@ -1,4 +1,4 @@
-//! The program from outside: what it says, writes and returns.
+//! The real program: its messages, files and exit status.
 
 #![allow(clippy::expect_used, reason = "a test ends where what it needs is not there")]
 
@@ -38,7 +38,7 @@ camera;
 position <0,1,6>; gaze <0,-0.15,-1>; up <0,1,0>; fov 40;
 ";
 
-/// A folder with a formula, a scene and a session of both, in which the program is run.
+/// A folder with a formula, a scene and a session of both. The program runs in it.
 fn folder() -> TempDir {
     let folder = tempfile::tempdir().expect("a temporary folder");
     fs::create_dir(folder.path().join("sub")).expect("a folder in it");
@@ -59,7 +59,7 @@ fn run(folder: &Path, arguments: &str) -> Output {
         .current_dir(folder)
         .args(arguments.split_whitespace())
         .env_remove("RUST_BACKTRACE")
-        // What the user who runs the tests has saved changes nothing, and stays.
+        // Files that the user who runs the tests has saved are neither read nor changed.
         .env("HOME", folder.join("home"))
         .env("XDG_DATA_HOME", folder.join("home/data"))
         .output()

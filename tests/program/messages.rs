@@ -1,8 +1,8 @@
-//! What the program says of wrong input and wrong command lines, word for word.
+//! The exact messages about wrong input and wrong command lines.
 
 use crate::{FORMULA, SCENE, folder, told, write};
 
-/// Checks against the stored text what several command lines lead to.
+/// Compares the results of several command lines with the stored text.
 pub(crate) fn check(name: &str, folder: &tempfile::TempDir, command_lines: &[&str]) {
     let texts = command_lines.iter().map(|arguments| format!("$ illuminator {arguments}\n{}", told(folder.path(), arguments)));
     insta::assert_snapshot!(name, texts.collect::<Vec<_>>().join("\n"));

@@ -1,10 +1,10 @@
-//! A pixel's tree of rays as the program prints it, word for word.
+//! A pixel's tree of rays, exactly as the program prints it.
 
 use crate::{folder, told};
 
 #[test]
 fn glass_and_shadows() {
-    // Through the glass and the bubble in it: totally reflected light, and a floor in the shadow.
+    // A ray through the glass and the bubble in it, with total reflection and a floor in shadow.
     let text = told(folder().path(), "dump preset:glass --size 64x36 --depth 4 --stage rays --pixel 16,17");
     insta::assert_snapshot!("glass", text);
 }

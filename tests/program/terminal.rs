@@ -1,17 +1,17 @@
-//! What reaches the terminal: nothing of a name, a path or a text acts on it, and no message is very long.
+//! Messages are safe and short: no name, path or text can control the terminal, and no message is very long.
 
 use crate::{FORMULA, SCENE, folder, write};
 use illuminator::lang::display_text::is_hidden;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// Characters that act on a terminal or hide what a name is.
+/// Characters that control a terminal or hide parts of a name.
 const HOSTILE: &str = "x\u{1b}[31m\u{9b}2J\u{202e}\u{2066}\u{7}\u{200b}\u{7f}y";
 
-/// More than a message may have.
+/// A message must be shorter than this.
 const LONG: usize = 20_000;
 
-/// Runs the program, and checks that what it says is safe and short.
+/// Runs the program, and checks that its output is safe and short.
 fn safe(folder: &Path, arguments: &[&str]) -> String {
     let output = Command::new(env!("CARGO_BIN_EXE_illuminator"))
         .current_dir(folder)
@@ -29,7 +29,7 @@ fn safe(folder: &Path, arguments: &[&str]) -> String {
     text
 }
 
-/// The command lines that repeat a word of the user's.
+/// Command lines with messages that repeat a word of the user.
 fn with_word(folder: &Path, word: &str) {
     let assignment = format!("{word}={word}");
     let path = format!("{word}.png");

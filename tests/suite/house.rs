@@ -1,5 +1,5 @@
-//! The order of the house: which rooms may import which, that imports do not go round in circles, where unsafe code may
-//! live, and what comments and documents look like.
+//! The rules of the source tree: which rooms may import which, no cycles of imports, one meaning for each type name,
+//! where unsafe code may be, and the style of comments and documents.
 
 mod modules;
 mod prose;
@@ -11,8 +11,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use tokens::{Token, tokens, without_tests};
 
-/// Each room with those it may import. Data flows one way: text → syntax → formula → {bytecode, compiled code}; scene →
-/// world → hits → evaluation → picture; what a user edits sits on top, and the program above all.
+/// Each room with the rooms that it may import. Data flows one way: text → syntax → formula → {bytecode, compiled
+/// code}; scene → world → hits → evaluation. The workspace and the window use all of this, and the program uses them.
 const ROOMS: [(&str, &[&str]); 16] = [
     ("files", &[]),
     ("lang", &[]),
@@ -23,7 +23,7 @@ const ROOMS: [(&str, &[&str]); 16] = [
     ("picture", &["files"]),
     ("bytecode", &["lang", "formula", "scene", "world", "trace"]),
     ("plan", &["lang", "formula"]),
-    // Of tracing, machine code knows the layout of hits; of pictures, the bytes.
+    // Machine code knows the layout of hits, and how components become bytes.
     ("jit", &["lang", "formula", "plan", "trace", "picture"]),
     ("evaluate", &["lang", "formula", "scene", "world", "trace", "plan", "picture"]),
     ("backends", &["lang", "formula", "scene", "world", "trace", "bytecode", "plan", "jit", "picture", "evaluate", "transfer"]),
@@ -50,12 +50,12 @@ const ROOMS: [(&str, &[&str]); 16] = [
     ),
 ];
 
-/// The libraries that widgets are made with, and those of windows, each with the folder that may name them. Widgets
-/// know no window: tests drive them without one.
+/// The libraries of widgets and of windows, each with the folder that may name them. Tests drive widgets without a
+/// window.
 const WIDGETS: (&[&str], &str) = (&["egui"], "src/preview");
 const WINDOWS: (&[&str], &str) = (&["minifb", "x11rb", "arboard"], "src/preview/window");
 
-/// The only file that writes to the terminal, and the one that draws progress there, by a library.
+/// The only file that writes to the terminal, and the file that draws progress with a library.
 const REPORT: &str = "src/cli/report.rs";
 const PROGRESS: &str = "src/cli/progress.rs";
 
@@ -115,7 +115,7 @@ fn imports_go_one_way() {
     for path in modules.paths() {
         let own = path[0].as_str();
         let Some((_, allowed)) = ROOMS.iter().find(|(name, _)| *name == own) else {
-            assert_eq!(own, "cli", "a room that is not in the plan");
+            assert_eq!(own, "cli", "a room that is not in the table");
             continue;
         };
         for named in modules.rooms_named_by(path) {
@@ -129,7 +129,7 @@ fn imports_go_one_way() {
 }
 
 #[test]
-fn imports_do_not_go_round_in_circles() {
+fn rooms_have_no_cycles_of_imports() {
     let mut problems = Vec::new();
     for cycle in modules(&sources()).cycles() {
         let (members, reasons) = (Vec::from_iter(&cycle.members), cycle.reasons.join("\n  "));
@@ -198,7 +198,7 @@ fn text_leaves_the_program_in_one_place() {
 }
 
 #[test]
-fn unsafe_code_lives_in_one_file() {
+fn unsafe_code_is_in_one_file() {
     for (path, text) in sources() {
         let holds = words(&path, &text).contains("unsafe");
         assert_eq!(holds, path == Path::new(UNSAFE), "unsafe code in {}", path.display());

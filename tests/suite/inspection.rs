@@ -1,4 +1,4 @@
-//! Pixels looked into are the interpreter's pixels, and their parts make up the whole.
+//! An inspected pixel has the interpreter's colour, and its parts add up to it.
 
 use illuminator::backends::interpreter::Interpreted;
 use illuminator::backends::verify::TOLERANCE;

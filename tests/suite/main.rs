@@ -1,4 +1,4 @@
-//! What the project promises, tested from outside.
+//! What the project promises, tested through its public interface.
 #![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot go on has failed")]
 
 mod agreement;

@@ -1,4 +1,4 @@
-//! The built-in materials on the formulas that name them, and what people are told of libraries, as they see it.
+//! The built-in materials with their formulas, and the messages about material libraries.
 
 use illuminator::files::Readable;
 use illuminator::formula::Formula;
@@ -43,7 +43,7 @@ fn every_built_in_material_fits_its_formula() {
             let (assignments, left_out) = material.assignments(values.table(), BodyId(0));
             let warnings = values.assign(&assignments);
             assert!(left_out.is_empty() && warnings.is_empty(), "{} of {name}: {left_out:?} {warnings:?}", material.name());
-            // It says every value, so that nothing of an earlier material stays.
+            // It gives every value, so that no value of an earlier material stays.
             let whole = Material::of_body(material.name(), &values, BodyId(0)).expect("a name");
             let bare = |material: &Material| {
                 let mut named: Vec<_> = material
@@ -77,7 +77,7 @@ fn the_formula_of_the_thesis_has_a_library_of_the_users() {
     assert!(data.path().join("materials/PhongMaterial.txt").is_file());
 }
 
-/// Everything said of a library.
+/// All messages about a library.
 fn said(text: &str) -> String {
     let source = Source::new("materials.toml", text);
     match Library::parse(&source) {
@@ -107,7 +107,7 @@ fn values_without_a_place_in_the_formula_are_marked() {
     insta::assert_snapshot!(format!("{:#}", left_out.located(&source)));
 }
 
-/// Any material: names that nobody types, and all finite numbers.
+/// Any material, with unusual names and all finite numbers.
 fn material() -> impl Strategy<Value = Material> {
     let number = any::<f32>().prop_filter("finite", |x| x.is_finite());
     let value = prop_oneof![

@@ -1,4 +1,4 @@
-//! The built-in formulas on the built-in scenes: both backends must agree on every one, whatever the values.
+//! Every built-in formula with every built-in scene: the backends must agree.
 
 use illuminator::backends::interpreter::Interpreted;
 use illuminator::backends::verify::verify;
@@ -16,7 +16,7 @@ fn source(kind: FileKind, name: &str) -> Source {
     Source::new(name, presets::text(kind, name).expect("a built-in file"))
 }
 
-/// Defaults, and values that make every ray count.
+/// Defaults, and values with which every ray contributes.
 const SETTINGS: [&[&str]; 2] = [&[], &["*.kr=0.3", "*.kt=0.5", "*.ki=0.7", "background=<0.2, 0.3, 0.5>"]];
 
 #[test]

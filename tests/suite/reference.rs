@@ -1,6 +1,6 @@
-//! Pictures against those of an independent renderer: `tests/reference/reference.py`, written from the description of
-//! the languages alone, in double precision. Of the pixels that are stable under a shift of a hundredth of a pixel,
-//! 99.9 % must agree within 2e-3.
+//! Pictures against an independent renderer in double precision, `tests/reference/reference.py`. It was written from
+//! the description of the languages alone. A pixel is stable if it keeps its colour under a shift of a hundredth of a
+//! pixel. Of the stable pixels, 99.9 % must agree within 2e-3.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -13,7 +13,7 @@ fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/reference")
 }
 
-/// A netpbm-like file: the words of its header (magic, width, height, last), and what follows.
+/// A file in the manner of netpbm: the words of its header (magic, width, height, last), and the data.
 fn header(bytes: &[u8]) -> ([String; 4], &[u8]) {
     let mut words = Vec::new();
     let mut at = 0;
@@ -25,7 +25,7 @@ fn header(bytes: &[u8]) -> ([String; 4], &[u8]) {
     (words.try_into().expect("four words"), &bytes[at..])
 }
 
-/// The floats of a PFM file, row by row from the top (the file has them from the bottom).
+/// The floats of a PFM file, row by row from the top. The file has them from the bottom.
 fn read_pfm(path: &Path) -> (usize, usize, Vec<f32>) {
     let bytes = fs::read(path).expect("a reference picture");
     let ([magic, width, height, scale], data) = header(&bytes);

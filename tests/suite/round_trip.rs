@@ -1,4 +1,4 @@
-//! A formula that is printed reads back as the same formula.
+//! A printed formula parses as the same formula.
 
 use illuminator::lang::ast::{ExprKind, FormulaFile, Section};
 use illuminator::lang::parser::parse;
@@ -56,7 +56,7 @@ fn read(text: &str) -> Result<FormulaFile, TestCaseError> {
     Ok(bare(file))
 }
 
-/// Any expression of the grammar, with parentheses here and there.
+/// Any expression of the grammar, with some parentheses.
 fn expression() -> impl Strategy<Value = String> {
     let atom = prop_oneof![
         select(vec!["N", "kd", "alpha", "A_1", "e3"]).prop_map(str::to_owned),

@@ -1,4 +1,4 @@
-//! The real window, on a screen of its own (Xvfb), driven by xdotool: what tests of the widgets cannot see.
+//! The real window on a virtual screen (Xvfb), driven by xdotool. It covers what tests of the widgets cannot see.
 #![cfg(target_os = "linux")]
 #![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot go on has failed")]
 
@@ -12,7 +12,7 @@ struct Screen {
     display: String,
     server: Child,
     window: Child,
-    /// What the window tells of its log.
+    /// The lines of the window's log.
     log: Arc<Mutex<Vec<String>>>,
     home: tempfile::TempDir,
 }
@@ -22,10 +22,10 @@ impl Screen {
         Self::with(session, &[])
     }
 
-    /// On a display that is told this too.
+    /// A desktop with these further arguments for the display server.
     fn with(session: &str, told: &[&str]) -> Self {
-        // It takes a number that is free, and tells it when it can be connected to; and it goes on when nobody is
-        // connected for a moment.
+        // The server chooses a free number and reports it when it accepts connections. It keeps running without
+        // clients.
         let mut server = Command::new("Xvfb");
         let server = server.args(["-displayfd", "1", "-noreset", "-screen", "0", "1300x820x24"]).args(told);
         let mut server = server.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().expect("Xvfb, of Debian's package xvfb");
@@ -75,7 +75,7 @@ impl Screen {
         String::from_utf8_lossy(&self.run("xdotool", &["getwindowname", &id])).trim().to_owned()
     }
 
-    /// How many lines of the log hold this.
+    /// How many lines of the log contain this.
     fn told(&self, part: &str) -> usize {
         self.log.lock().expect("lines").iter().filter(|line| line.contains(part)).count()
     }
@@ -86,7 +86,7 @@ impl Screen {
         self.run("xdotool", &["mousemove", &x, &y]);
     }
 
-    /// The pixels of a part of the window: its place and size.
+    /// The pixels of a part of the window with this place and size.
     fn pixels(&self, [x, y]: [i32; 2], [width, height]: [i32; 2]) -> Vec<u8> {
         let corner = self.corner();
         let part = format!("{width}x{height}+{}+{}", corner[0] + x, corner[1] + y);
@@ -95,14 +95,14 @@ impl Screen {
         picture
     }
 
-    /// Whether all pixels are traced, and a picture of them was evaluated.
+    /// Whether the full picture is traced and evaluated.
     fn is_traced_in_full(&self) -> bool {
         let log = self.log.lock().expect("lines");
         let mut after = log.iter().skip_while(|line| !line.starts_with("traced ") || line.starts_with("traced coarsely"));
         after.any(|line| line.starts_with("ready in"))
     }
 
-    /// The picture, once it has come: in full, not of one colour any more, and at rest.
+    /// The picture, once it is complete, has several colours, and no longer changes.
     fn picture_at_rest(&self) -> Vec<u8> {
         wait("all pixels", || self.is_traced_in_full());
         let mut before = Vec::new();
@@ -126,7 +126,7 @@ impl Drop for Screen {
     }
 }
 
-/// Waits until something is so.
+/// Waits until a condition holds.
 fn wait(what: &str, mut is_so: impl FnMut() -> bool) {
     let start = Instant::now();
     while !is_so() {
@@ -143,7 +143,7 @@ fn the_window_follows_the_mouse_and_the_keyboard() {
     let mut screen = Screen::new("preset:studio");
     let before = screen.picture_at_rest();
     assert!(!screen.title().contains('•'), "nothing was changed yet");
-    // The slider of ka, the first of the scene's: dragged to its end it brightens all.
+    // The slider of ka, the first one of the scene, is dragged to its end. The whole picture becomes brighter.
     screen.mouse([1100, 368]);
     screen.run("xdotool", &["mousedown", "1"]);
     for x in (1100..1190).step_by(10) {
@@ -153,12 +153,12 @@ fn the_window_follows_the_mouse_and_the_keyboard() {
     wait("a brighter picture", || sum(&screen.pixels(PICTURE.0, PICTURE.1)) > sum(&before) * 11 / 10);
     screen.run("xdotool", &["mouseup", "1"]);
     assert!(!screen.title().is_empty());
-    // Ten clicks on "Apply formula", faster than a hand: none is lost, none counts twice.
+    // Ten fast clicks on "Apply formula": none is lost, none counts twice.
     let applied = screen.told("read in");
     screen.mouse([247, 34]);
     screen.run("xdotool", &["click", "--repeat", "10", "--delay", "12", "1"]);
     wait("ten clicks", || screen.told("read in") == applied + 10);
-    // The session is saved under a name that is typed.
+    // The session is saved under a typed name.
     screen.run("xdotool", &["key", "ctrl+shift+s"]);
     std::thread::sleep(Duration::from_millis(500));
     screen.run("xdotool", &["type", "--delay", "20", "brighter"]);
@@ -166,7 +166,7 @@ fn the_window_follows_the_mouse_and_the_keyboard() {
     let saved = screen.home.path().join("brighter.toml");
     wait("a saved session", || std::fs::read_to_string(&saved).is_ok_and(|text| text.contains("ka =")));
     wait("the name in the title", || screen.title().contains("brighter.toml"));
-    // A wrong formula is marked at once, and the title says that it is not saved.
+    // A wrong formula is marked at once, and the title shows that it is unsaved.
     screen.mouse([200, 500]);
     screen.run("xdotool", &["click", "1"]);
     screen.run("xdotool", &["key", "ctrl+End"]);
@@ -175,13 +175,13 @@ fn the_window_follows_the_mouse_and_the_keyboard() {
     let marked =
         |pixels: &[u8]| pixels.chunks_exact(3).filter(|pixel| pixel[0] > 200 && pixel[1] < 110 && pixel[2] < 110).count();
     wait("a red mark beside the line", || marked(&screen.pixels([0, 60], [60, 600])) > 5);
-    // Quitting is clean although something is unsaved: the text is kept for the next start.
+    // The window quits with unsaved text. The text is kept for the next start.
     screen.run("xdotool", &["key", "ctrl+q"]);
     let status = screen.window.wait().expect("an end");
     assert!(status.success(), "{status}");
 }
 
-/// Types into the formula of a window, and ends it at once in some way. The status, and the text of the draft.
+/// Types into the formula of a window and ends it at once. Returns the exit status and the text of the draft.
 fn typed_and_ended(end: impl FnOnce(&mut Screen)) -> (std::process::ExitStatus, String) {
     let mut screen = Screen::new("preset:studio");
     screen.picture_at_rest();
@@ -192,10 +192,10 @@ fn typed_and_ended(end: impl FnOnce(&mut Screen)) -> (std::process::ExitStatus, 
         screen.run("xdotool", &["type", "x"]);
         screen.title().contains('•')
     });
-    // What was typed so far is kept after two seconds; what comes now is younger when the window ends.
+    // The text so far is saved after two seconds. The text typed now is newer than that when the window ends.
     std::thread::sleep(Duration::from_millis(2500));
     screen.run("xdotool", &["type", "--delay", "1", "typed at last"]);
-    // The keys are on their way to the window.
+    // The keys need time to reach the window.
     std::thread::sleep(Duration::from_millis(150));
     end(&mut screen);
     let status = screen.window.wait().expect("an end");
@@ -218,7 +218,7 @@ fn a_signal_or_the_loss_of_the_display_costs_nothing_that_was_typed() {
     let (status, draft) = typed_and_ended(|screen| screen.server.kill().expect("the server"));
     assert_eq!(status.code(), Some(1), "{status}");
     assert!(draft.contains("typed at last"), "{draft}");
-    // The display closes the window's own connection, as `xkill` has it do: Xlib then ends the program.
+    // The display closes the connection of the window, as with `xkill`. Xlib then ends the program.
     let (status, draft) = typed_and_ended(|screen| {
         let id = screen.window_id().expect("a window");
         screen.run("xdotool", &["windowkill", &id]);
@@ -231,7 +231,7 @@ fn a_signal_or_the_loss_of_the_display_costs_nothing_that_was_typed() {
 fn a_display_that_shares_no_memory_shows_the_same() {
     let screens = [&[][..], &["-extension", "MIT-SHM"]].map(|told| Screen::with("preset:studio", told));
     let shown = screens.each_ref().map(Screen::picture_at_rest);
-    // Files in memory, which pixels are shared by.
+    // The shared memory of the pixels is a file in memory.
     let shares = screens.each_ref().map(|screen| {
         let files = std::fs::read_dir(format!("/proc/{}/fd", screen.window.id())).expect("open files");
         let mut names = files.filter_map(|file| std::fs::read_link(file.ok()?.path()).ok());
@@ -239,7 +239,7 @@ fn a_display_that_shares_no_memory_shows_the_same() {
     });
     assert_eq!(shares, [true, false]);
     assert!(shown[0] == shown[1]);
-    // Part of the window after part of it, as a slider is dragged.
+    // A dragged slider changes parts of the window.
     let dragged = screens.each_ref().map(|screen| {
         screen.mouse([1100, 368]);
         screen.run("xdotool", &["mousedown", "1"]);
@@ -254,7 +254,7 @@ fn a_display_that_shares_no_memory_shows_the_same() {
 }
 
 #[test]
-fn without_a_screen_one_line_says_what_works() {
+fn without_a_display_one_line_says_what_works() {
     let mut program = Command::new(env!("CARGO_BIN_EXE_illuminator"));
     let output = program.env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY").output().expect("the program");
     let told = String::from_utf8_lossy(&output.stderr);

@@ -1,29 +1,28 @@
-//! The judge of differences between the backends: whether the interpreter's own result is as uncertain.
+//! Judges a difference between the backends: is the interpreter's own result as uncertain?
 //!
 //! A difference is excused in three cases:
 //!
-//! 1. The compiled result is that of the same program in `f64`, where intermediate results are hardly rounded and do
-//!    not overflow. Then the interpreter is the one that is off.
-//! 2. In `f64` with the range of `f32`, the result is at least as far away from the interpreter's.
-//! 3. So it is if intermediate results are perturbed by up to [`PERTURBATION`] units in the last place, by some
-//!    perturbations that a search finds. A step of the search replaces the perturbations of some consecutive operations
-//!    by random ones, and keeps them if the result moves further. So the contributions of different records to a pixel
-//!    can be moved one after the other.
+//! 1. The compiled result equals the result of the same program in `f64`, which hardly rounds and does not overflow.
+//!    Then the interpreter is wrong.
+//! 2. In `f64` with the range of `f32`, the result is at least as far away from the interpreter's result.
+//! 3. A search finds perturbations of the intermediate results, of up to [`PERTURBATION`] units in the last place, that
+//!    move the result as far. A step of the search replaces the perturbations of some consecutive operations by random
+//!    ones, and keeps them if the result moves further. So the contributions of different records to a pixel can be
+//!    moved one after the other.
 //!
-//! Below the smallest normal number, which is where results are flushed to 0, that number is the unit in the last
-//! place.
+//! Results below the smallest normal number are flushed to 0. There, that number is the unit in the last place.
 
 use crate::backends::interpreter::Interpreted;
 use crate::backends::verify::{Difference, TOLERANCE, distance};
 use crate::lang::scalars::{Doubles, Floats, Primitive, Recorder, flush};
 use std::f32::consts::FRAC_PI_2;
 
-/// By how many units in the last place intermediate results are perturbed, at most.
+/// The largest perturbation of an intermediate result, in units in the last place.
 const PERTURBATION: f32 = 8.0;
-/// Sine, cosine and tangent are accurate up to this angle in radians. Beyond, the language promises only the range of
-/// the result.
+/// Sine, cosine and tangent are accurate up to this angle in radians. For larger angles, the language promises only the
+/// range of the result.
 const ACCURATE_ANGLE: f32 = 1e5;
-/// How many perturbed results are looked at before a difference counts as unexcused.
+/// How many perturbed results are computed before a difference counts as an error.
 const TRIALS: u32 = 1024;
 
 /// Whether a difference is excused.
@@ -77,15 +76,15 @@ impl Recorder for Unrounded {
 /// The reference meaning with every result perturbed.
 #[derive(Clone, Default)]
 struct Perturbations {
-    /// By how much to perturb the result of each operation, in the order in which a program runs them: from −1, by
-    /// [`PERTURBATION`] units down, to 1. 0 for the operations beyond.
+    /// The perturbation of each operation in the order of the program, as a share of [`PERTURBATION`], −1 to 1.
+    /// Operations beyond the end have 0.
     shares: Vec<f32>,
-    /// The operation that is run next.
+    /// The next operation.
     next: usize,
 }
 
 impl Perturbations {
-    /// The same but for some consecutive operations: all, or half of them, a quarter, and so on.
+    /// The same with other shares for some consecutive operations: all, or half of them, a quarter, and so on.
     fn varied(&self, random: &mut Random) -> Self {
         let count = self.next.max(1);
         let mut shares = self.shares.clone();
@@ -124,7 +123,7 @@ impl Recorder for Perturbations {
         if value.abs() <= PERTURBATION * f32::MIN_POSITIVE {
             let operands: Vec<f64> = operands.iter().map(|operand| f64::from(*operand)).collect();
             let exact = primitive.apply(&mut Doubles, &operands);
-            // A result that is 0 exactly stays so.
+            // A result that is exactly 0 stays 0.
             let moved = if exact == 0.0 { 0.0 } else { exact.abs() + f64::from(units * f32::MIN_POSITIVE) };
             return flush((moved.max(0.0) as f32).copysign(value));
         }
@@ -233,8 +232,8 @@ mod tests {
 
     #[test]
     fn the_exact_value_is_excused() {
-        // The cross product of parallel vectors is 0, which has no direction. Rounding gives it one, and perturbation
-        // another one, but hardly ever none.
+        // The cross product of parallel vectors is 0, which has no direction. After rounding it has one, and
+        // perturbation hardly ever makes it 0 again.
         let difference = |value: f32| {
             assert!(value.is_finite(), "the interpreter's cross product is not 0");
             f32::NAN
@@ -244,7 +243,8 @@ mod tests {
 
     #[test]
     fn what_several_lights_add_is_perturbed_one_after_the_other() {
-        // Beyond 1e5 the sign of a sine means nothing; that all ten change at once is a matter of one in a thousand.
+        // The sign of the sine of such an angle is arbitrary. One random perturbation in a thousand changes all ten
+        // signs at once.
         let formula = "IL*if(sin(1e9*(1 + N.L)) < 0, 0, 1)";
         assert!(is_excused(formula, 10, |value| if value < 5.0 { 10.0 } else { 0.0 }));
         assert!(!is_excused(formula, 10, |_| 20.5));

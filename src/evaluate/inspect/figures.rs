@@ -1,14 +1,14 @@
-//! Numbers rounded for people: four significant digits, no more zeros than needed.
+//! Numbers rounded for readers: four significant digits, without trailing zeros.
 //!
-//! Whoever goes on calculating takes the numbers themselves.
+//! Code that calculates further must use the exact numbers.
 
 use crate::lang::types::Type;
 use std::fmt;
 
 /// How many digits are written.
 const DIGITS: usize = 4;
-/// A component is written as 0 if it is smaller than this share of the largest: what rounding leaves of a direction
-/// along an axis.
+/// A component is written as 0 if it is smaller than this share of the largest one. Rounding leaves such components in
+/// a direction along an axis.
 const NOTHING: f64 = 1e-6;
 /// Powers of ten of the first digit within which numbers are written out.
 const WRITTEN_OUT: std::ops::RangeInclusive<i32> = -4..=5;
@@ -29,7 +29,7 @@ pub fn figures(value: f64) -> String {
     format!("{digits}e{exponent}")
 }
 
-/// A vector likewise: `<0.6, 0, 0.8>`. What is next to nothing beside the largest component is written as 0.
+/// A vector rounded in the same way: `<0.6, 0, 0.8>`. A component that is tiny beside the largest one is written as 0.
 pub fn vector_figures(vector: [f64; 3]) -> String {
     let largest = vector.iter().map(|component| component.abs()).filter(|size| size.is_finite()).fold(0.0, f64::max);
     let [x, y, z] = vector.map(|component| figures(if component.abs() < NOTHING * largest { 0.0 } else { component }));
@@ -46,7 +46,7 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// That of this type; a scalar is the first component.
+    /// A quantity of this type. A scalar is the first component.
     pub(super) fn new(ty: Type, value: [f32; 3]) -> Self {
         match ty {
             Type::Scalar | Type::Truth => Quantity::Scalar(value[0]),
@@ -55,7 +55,7 @@ impl Quantity {
     }
 }
 
-/// Rounded for people.
+/// Writes it rounded.
 impl fmt::Display for Quantity {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

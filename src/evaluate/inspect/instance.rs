@@ -1,4 +1,4 @@
-//! The formula at one hit for one light, with its numbers: what the thesis would write (4.2.1).
+//! The formula at one hit for one light, with numbers in place of names, as in the thesis (4.2.1).
 
 use crate::evaluate::inspect::figures::Quantity;
 use crate::formula::{Formula, Term, TermId};
@@ -23,7 +23,7 @@ pub struct InstanceLine {
     /// The same with rounded numbers for names: `0.6*<1, 1, 1>*<0.9, 0.2, 0.1>*max(0, 0.8333)`. The dot product of two
     /// variables, a cosine mostly, is one number.
     pub numbers: String,
-    /// What it yields; to be written, it is rounded likewise.
+    /// Its value. It is rounded in the same way when it is written.
     pub value: Quantity,
 }
 
@@ -31,7 +31,7 @@ impl Instance {
     /// The formula with these values of its terms, scalars three times.
     pub(super) fn new(formula: &Formula, values: &[[f32; 3]]) -> Self {
         let quantity = |id: TermId| Quantity::new(formula.ty(id), values[id.0 as usize]);
-        // Of macros that are one another's names the first counts as the one that is written out.
+        // If macros are names of each other, the first one is written out.
         let mut names: HashMap<TermId, &str> = HashMap::new();
         for (name, id) in &formula.macros {
             names.entry(*id).or_insert(name);
@@ -42,7 +42,7 @@ impl Instance {
             value @ (Quantity::Scalar(_) | Quantity::Vector(_)) => value.to_string(),
         };
         let line = |name: Option<&str>, root: TermId| {
-            // Its own name would say nothing of it.
+            // The expression of a macro does not use the macro's own name.
             let named = |id: TermId| names.get(&id).filter(|known| id != root || name != Some(**known));
             let written = formula.written(root, |id| named(id).map(|name| (*name).to_owned()));
             let numbers = formula.written(root, |id| (named(id).is_some() || is_leaf(formula, id)).then(|| number(id)));
@@ -54,8 +54,7 @@ impl Instance {
     }
 }
 
-/// The terms that some operator is written before, and bases of powers: a negative number in their place is easier to
-/// read in parentheses.
+/// Terms behind an operator, and bases of powers. A negative number in such a place is easier to read in parentheses.
 fn behind_operators(formula: &Formula) -> HashSet<TermId> {
     let mut behind = HashSet::new();
     for term in &formula.terms {
@@ -69,7 +68,7 @@ fn behind_operators(formula: &Formula) -> HashSet<TermId> {
     behind
 }
 
-/// Whether a number is written for a term: for whatever is known by a name, and for the dot product of two variables.
+/// Whether a number is written for a term: for everything that has a name, and for the dot product of two variables.
 fn is_leaf(formula: &Formula, id: TermId) -> bool {
     match formula.term(id) {
         Term::Number(_) => false,

@@ -1,5 +1,5 @@
-//! One pixel looked into: its tree of rays with bodies, angles and lights, what each of them adds, and the formula with
-//! its numbers.
+//! The inspector explains one pixel: its tree of rays with bodies, angles and lights, what each of them adds, and the
+//! formula with its numbers.
 //!
 //! The inspector traces the pixel itself and needs no stored hits. It adds numbers up in the same order as the
 //! interpreter, so the total of a pixel is the same. The result is plain data ([`Inspection`]);
@@ -25,7 +25,7 @@ use crate::scene::{BodyId, LightId};
 use crate::trace::{Child, Edge, HitVariables, LightVariables, RayNode, Tracer, Tree, View, ray_tree, variable};
 use crate::world::{EmitterId, Ray, Side, World};
 
-/// A formula on a scene with the values of its parameters, to be looked into.
+/// A formula on a scene, with the values of its parameters.
 #[derive(Debug, Clone, Copy)]
 pub struct Inspector<'i> {
     formula: &'i Formula,
@@ -34,7 +34,7 @@ pub struct Inspector<'i> {
     parameters: &'i [f32],
 }
 
-/// A ray whose end is yet to be looked at.
+/// A ray whose end has not been visited yet.
 struct PendingChild {
     child: Child,
     edge: Edge,
@@ -46,7 +46,7 @@ struct PendingChild {
 }
 
 impl<'i> Inspector<'i> {
-    /// Looks into `formula` in `world` with these parameter numbers, those of
+    /// An inspector of `formula` in `world` with these parameter numbers, see
     /// [`Evaluator::frame`](crate::evaluate::Evaluator::frame).
     ///
     /// # Panics
@@ -75,15 +75,15 @@ impl<'i> Inspector<'i> {
         Some(Inspection { pixel, rays, total })
     }
 
-    /// The formula at a hit for a light, whether that reaches it or not, with its numbers; `None` for a light that the
-    /// scene does not have.
+    /// The formula at a hit for a light with its numbers, whether the light reaches the hit or not. `None` if the scene
+    /// has no such light.
     pub fn instance(&self, hit: &InspectedHit, light: LightId) -> Option<Instance> {
         let light = hit.lights.iter().find(|inspected| inspected.light == light)?;
         let values = self.values(hit.body(), light.light, &hit.variables, &light.variables);
         Some(Instance::new(self.formula, &values))
     }
 
-    /// All rays with what is found at their ends, but not yet what their children bring.
+    /// All rays with what is found at their ends, but without the light of their children.
     fn follow(&self, tracer: &Tracer, pixel: u32, tree: &Tree) -> Vec<InspectedRay> {
         let mut rays: Vec<InspectedRay> = Vec::new();
         let (child, ray) = (tree.primary, tracer.primary(pixel));
@@ -129,7 +129,7 @@ impl<'i> Inspector<'i> {
         rays
     }
 
-    /// A hit with its lights; what becomes of child rays is told when they are followed.
+    /// A hit with its lights. Its child rays are filled in when they are followed.
     fn hit(&self, tracer: &Tracer, node: &RayNode) -> InspectedHit {
         let surface = &node.hit;
         let body = self.world.scene().body(surface.body);
@@ -187,7 +187,8 @@ impl<'i> Inspector<'i> {
         })
     }
 
-    /// The values of all terms of the formula at a hit for a light, by the reference meaning; scalars three times.
+    /// The values of all terms of the formula at a hit for a light, by the reference meaning. Scalars are repeated
+    /// three times.
     fn values(&self, body: BodyId, light: LightId, hit: &HitVariables, record: &LightVariables) -> Vec<[f32; 3]> {
         let mut values: Vec<[f32; 3]> = Vec::with_capacity(self.formula.terms.len());
         let mut stack = Stack::new(16, 0.0);
@@ -218,7 +219,7 @@ impl<'i> Inspector<'i> {
         self.parameter(self.formula.predefined(predefined), owner)
     }
 
-    /// The value of a parameter of the owner of this index; a scalar three times.
+    /// The value of a parameter of the owner with this index. A scalar is repeated three times.
     fn parameter(&self, id: ParameterId, owner: usize) -> [f32; 3] {
         let parameter = self.formula.parameter(id);
         let place = self.equation.layout.place(parameter, owner);
@@ -237,7 +238,7 @@ fn add(one: [f32; 3], other: [f32; 3]) -> [f32; 3] {
     [0, 1, 2].map(|component| Floats.add(one[component], other[component]))
 }
 
-/// The angle of a cosine in degrees; rounding may take it beyond 1.
+/// The angle of a cosine in degrees. Rounding may have made the cosine larger than 1.
 fn degrees(cosine: f64) -> f64 {
     cosine.clamp(-1.0, 1.0).acos().to_degrees()
 }

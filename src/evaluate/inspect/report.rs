@@ -1,10 +1,10 @@
-//! What an inspection finds, as plain data: the tree of a pixel's rays with everything that is known of each.
+//! The result of an inspection as plain data: the tree of a pixel's rays.
 
 use crate::scene::{BodyId, LightId};
 use crate::trace::{Edge, HitVariables, LightVariables};
 use crate::world::{Ray, SurfaceHit};
 
-/// How the colour of one pixel comes about.
+/// How the colour of one pixel is made up.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Inspection {
     /// The pixel: column and row, from the top left.
@@ -16,18 +16,18 @@ pub struct Inspection {
     pub total: [f32; 3],
 }
 
-/// A ray with what it brings.
+/// A ray and the light that it brings.
 #[derive(Debug, Clone, PartialEq)]
 pub struct InspectedRay {
-    /// How it came to be.
+    /// Whether it is the primary ray, reflected or refracted.
     pub edge: Edge,
     /// The ray at whose hit it starts, as an index into [`Inspection::rays`]; `None`: the camera.
     pub parent: Option<usize>,
-    /// 1 for the primary ray, that of its parent plus 1 for others.
+    /// 1 for the primary ray; the depth of its parent plus 1 for others.
     pub depth: u32,
     /// Where it starts and goes, in world coordinates.
     pub ray: Ray,
-    /// kr or kt of the body that it comes from, 0..1; 1 for the primary ray.
+    /// kr or kt of the body where it starts, 0..1; 1 for the primary ray.
     pub factor: f32,
     /// The weight of its path, 0..1: the product of the factors of the rays up to it.
     pub weight: f64,
@@ -35,8 +35,8 @@ pub struct InspectedRay {
     pub end: End,
     /// Light at its end, linear RGB: Σ ki·local + ka·Cd·Ia of the hit, or the background.
     pub own: [f32; 3],
-    /// Light that it brings, linear RGB, equation (2) of thesis 4.2.3: `own` and what its children bring, times their
-    /// factors.
+    /// Light that it brings, linear RGB, by equation (2) of thesis 4.2.3: `own`, plus the light of its children times
+    /// their factors.
     pub total: [f32; 3],
     /// What its end adds to the pixel, linear RGB: `weight`·`own`, and 0 where the weight is 0.
     pub contribution: [f32; 3],
@@ -51,7 +51,7 @@ pub enum End {
     Hit(Box<InspectedHit>),
 }
 
-/// A hit with all that is added up there.
+/// A hit and everything that is added up there.
 #[derive(Debug, Clone, PartialEq)]
 pub struct InspectedHit {
     /// Which body, where, from which side, how far from the ray's start (f64, world units).
@@ -66,9 +66,9 @@ pub struct InspectedHit {
     pub ambient: [f32; 3],
     /// Every emitter of the scene, in the order of their lights.
     pub lights: Vec<InspectedLight>,
-    /// What becomes of the reflected ray.
+    /// The reflected ray.
     pub reflected: Onward,
-    /// What becomes of the refracted ray.
+    /// The refracted ray.
     pub refracted: Onward,
 }
 
@@ -82,7 +82,7 @@ impl InspectedHit {
 /// The passage through a surface by Snell's law.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Crossing {
-    /// Whether the ray goes from outside, index 1, into the body; else the reverse.
+    /// Whether the ray enters the body, from index 1; otherwise it leaves the body.
     pub entering: bool,
     /// n₁/n₂, greater than 0.
     pub n12: f64,
@@ -98,7 +98,7 @@ impl Crossing {
     }
 }
 
-/// What becomes of a child ray.
+/// Whether a child ray is followed, or why there is none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Onward {
     /// It is followed: an index into [`Inspection::rays`].
@@ -122,20 +122,20 @@ pub struct InspectedLight {
     pub visibility: Visibility,
     /// The angle between the normal and the direction to the light in degrees, 0..180.
     pub angle: f64,
-    /// The variables that formulas read here for this light, its distance among them.
+    /// The variables that formulas read here for this light, such as its distance.
     pub variables: LightVariables,
     /// ki, its intensity, 0..1.
     pub intensity: f32,
-    /// What the formula yields for it, linear RGB; also where it does not reach.
+    /// The value of the formula for it, linear RGB, even if it does not reach the hit.
     pub local: [f32; 3],
-    /// ki·local; 0 where it does not reach or ki is 0.
+    /// ki·local; 0 if the light does not reach the hit or ki is 0.
     pub contribution: [f32; 3],
 }
 
 /// Whether a light reaches a hit.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Visibility {
-    /// It does. Without shadow rays every light does, wherever it is.
+    /// It does. Without shadow rays every light does.
     Lit,
     /// It is behind the surface: N·L ≤ 0.
     Away,

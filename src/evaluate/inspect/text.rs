@@ -1,6 +1,6 @@
-//! An inspection as indented text: rays under the hits that they come from, two blanks a step.
+//! An inspection as indented text: rays stand under the hits where they start, indented by two spaces.
 //!
-//! Of rays whose weight is 0 there is no more than a line at the hit that they come from.
+//! A ray of weight 0 is one line at the hit where it starts.
 
 use crate::evaluate::inspect::figures::{figures, vector_figures};
 use crate::evaluate::inspect::{
@@ -11,8 +11,7 @@ use crate::trace::Edge;
 use crate::world::Side;
 use glam::DVec3;
 
-/// What is equal is written on one line up to this length in characters, without its indentation; else one below the
-/// other.
+/// The longest line of equal expressions, in characters without its indentation. Longer ones stand below each other.
 const WIDTH: usize = 120;
 
 struct InspectionWriter<'w> {
@@ -57,7 +56,7 @@ impl InspectionWriter<'_> {
         self.text.push('\n');
     }
 
-    /// `head = one = another = …`; of neighbours that read the same there is one.
+    /// Writes `head = one = another = …`. Equal neighbours are written once.
     fn equal(&mut self, head: &str, mut texts: Vec<String>) {
         texts.dedup();
         let whole = format!("{head} = {}", texts.join(" = "));
@@ -140,7 +139,7 @@ impl InspectionWriter<'_> {
         }
     }
 
-    /// What is to be said of a child ray at the hit itself.
+    /// The line about a child ray at the hit where it starts.
     fn onward(&mut self, name: &str, hit: &InspectedHit, onward: Onward, weight: &str, factor: f32) {
         let what = match onward {
             Onward::Matte => "none, the body is matte".to_owned(),

@@ -1,5 +1,5 @@
-//! How accurate the compiled elementary functions are: dense samples against double precision, in units in the last
-//! place.
+//! The accuracy of the compiled elementary functions, in units in the last place: dense samples against double
+//! precision.
 
 use super::operations::{Operands, compiled, formula_of};
 use illuminator::jit::Width;
@@ -9,21 +9,21 @@ use illuminator::lang::builtins::Operation;
 fn units(got: f32, exact: f64) -> f64 {
     let nearest = exact as f32;
     if got == nearest || (got.is_nan() && nearest.is_nan()) || !nearest.is_normal() {
-        // Around the ends of the range rounding decides between a number and zero or infinity.
+        // At the ends of the range, rounding decides between a number and zero or infinity.
         return 0.0;
     }
     let unit = f64::from(f32::from_bits(nearest.abs().to_bits() + 1)) - f64::from(nearest.abs());
     (f64::from(got) - exact).abs() / unit
 }
 
-/// Numbers with exponents from 2^low to 2^high and both signs, evenly over the bits.
+/// Numbers with magnitudes from 2^low to 2^high and both signs, evenly distributed over the bits.
 fn spread(count: usize, low: i32, high: i32) -> Vec<f32> {
     let [first, last] = [low, high].map(|exponent| 2.0_f32.powi(exponent).to_bits());
     let bits = |index: usize| first + ((u64::from(last - first) * index as u64) / count as u64) as u32;
     (0..count).flat_map(|index| [f32::from_bits(bits(index)), -f32::from_bits(bits(index))]).collect()
 }
 
-/// The largest error of code for any width, of which the kernels of uniform values compute four numbers at a time.
+/// The largest error of code for any width. Kernels of uniform values compute four numbers at a time.
 fn worst(operation: Operation, cases: &[Vec<f32>], exact: impl Fn(&[f64]) -> f64) -> f64 {
     let error = |(case, got): (&Vec<f32>, [f32; 3])| {
         let numbers: Vec<f64> = case.iter().map(|number| f64::from(*number)).collect();

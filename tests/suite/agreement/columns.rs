@@ -1,8 +1,8 @@
-//! A third backend, for tests: it reads the plans literally and computes one operation at a time over whole columns, in
-//! plain Rust.
+//! A third backend, for tests, in plain Rust. It reads the plans and computes one operation at a time over whole
+//! columns.
 //!
-//! It does what any backend has to do: static and uniform values, contributions weighted by path, and, for drags,
-//! images or the live part.
+//! It does what every backend must do: static and uniform values, contributions weighted by path, and images or the
+//! live part for drags.
 
 use illuminator::evaluate::weights::{PathMonomials, Powers, Weight, path_weights};
 use illuminator::evaluate::{Backend, Drag, Drawn, EvaluateError, Evaluator, Footprint, Framebuffer};
@@ -105,17 +105,17 @@ fn run(plan: &KernelPlan, graph: &Graph, streams: [&[Column]; 3], uniforms: &[f3
     plan.outputs.iter().map(|output| values[output].clone()).collect()
 }
 
-/// A contribution with the pairs of a body and a light that it is of, and the components that it computes.
+/// A contribution, the pairs of a body and a light that it is active for, and the components that it computes.
 struct Source<'s> {
     plan: &'s ContributionPlan,
     graph: &'s Graph,
     channels: Vec<usize>,
     active: Box<dyn Fn(usize, usize) -> bool + 's>,
-    /// Whether its kernel reads columns of a drag.
+    /// Whether its kernel reads the columns of a drag.
     kept: Option<&'s ContributionPlan>,
 }
 
-/// What is added up over all hits and misses.
+/// What a pass adds up over all hits and misses.
 struct Pass<'s> {
     sources: Vec<Source<'s>>,
     at_hits: Vec<[f32; 3]>,
@@ -145,7 +145,7 @@ impl ColumnsEvaluator {
         run(&plan.uniforms, graph, [&leaves, &[], &[]], &[], 1).concat()
     }
 
-    /// What a source yields for the records of a group and an emitter.
+    /// The contributions of a source to the records of a group and an emitter.
     fn outputs(
         &self,
         graph: &Graph,
@@ -193,7 +193,7 @@ impl ColumnsEvaluator {
                     }
                 }
             }
-            // Terms without the formula: for each path of a region, so that hits in several groups count once.
+            // Terms without the formula are added for each path of a region, so that hits in several groups count once.
             let mut pixel = 0;
             let sets: Vec<_> = tile.path_sets.iter().collect();
             for region in &tile.regions {
@@ -212,7 +212,7 @@ impl ColumnsEvaluator {
         self.equation.light_weight(parameters, light) != 0.0
     }
 
-    /// The whole contribution of some pairs.
+    /// The whole contribution, for some pairs.
     fn source<'s>(&'s self, active: impl Fn(usize, usize) -> bool + 's) -> Source<'s> {
         let (plan, graph) = (&self.plan.contribution, &self.plan.bindings.graph);
         Source { plan, graph, channels: vec![0, 1, 2], active: Box::new(active), kept: None }
@@ -261,7 +261,7 @@ fn bytes_of<'i>(images: impl Iterator<Item = &'i Image>) -> usize {
     images.map(|(_, _, image)| size_of_val(&**image)).sum()
 }
 
-/// A drag: images of the whole picture, by the powers of kr and kt and by term; 0 is the fixed one.
+/// A drag: images of the whole picture for each power of kr and kt and each term. Term 0 is the fixed image.
 struct ColumnsDrag {
     evaluator: Arc<ColumnsEvaluator>,
     plan: DragPlan,
@@ -271,7 +271,7 @@ struct ColumnsDrag {
     budget: usize,
 }
 
-/// Images with a larger magnitude in them may cancel, and leave rounding errors that can be seen.
+/// Images with larger numbers may cancel each other and leave visible rounding errors.
 const LARGEST: f32 = 256.0;
 
 impl ColumnsDrag {
@@ -319,7 +319,7 @@ impl ColumnsDrag {
         picture
     }
 
-    /// The picture from images; `None` where it would not be accurate.
+    /// The picture from images. `None` if it would not be accurate.
     fn picture(&self, parameters: &[f32]) -> Option<Vec<[f32; 3]>> {
         let (images, factors) = (self.images.as_ref()?, self.plan.factors(parameters));
         let mut sum = vec![[0.0; 3]; self.evaluator.hits.view.pixels() as usize];

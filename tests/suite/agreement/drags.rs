@@ -1,4 +1,4 @@
-//! Dragged sliders: whatever way a frame is made, it is the picture that the general kernel gives.
+//! Dragged sliders: each way to make a frame gives the picture of the general kernel.
 
 use crate::agreement::formulas::{Case, ingredients, number, runner};
 use illuminator::backends::verify::TOLERANCE;
@@ -12,7 +12,7 @@ use proptest::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// The byte of a component; that of NaN is 0.
+/// The byte of a component. The byte of NaN is 0.
 fn byte(component: f32, transfer: Transfer) -> u32 {
     let linear = f64::from(component.clamp(0.0, 1.0));
     let stored = match transfer {
@@ -23,7 +23,7 @@ fn byte(component: f32, transfer: Transfer) -> u32 {
     (stored * 255.0).round() as u32
 }
 
-/// How many components of a drawn picture are not those of a colour within the tolerance.
+/// How many components of a drawn picture are not the byte of a number within the tolerance.
 pub(super) fn wrong(drawn: &Framebuffer, frame: &Frame) -> usize {
     let pixels = drawn.pixels.iter().zip(&frame.linear);
     let components =
@@ -37,7 +37,7 @@ pub(super) fn wrong(drawn: &Framebuffer, frame: &Frame) -> usize {
     components.filter(is_wrong).count()
 }
 
-/// The parameter whose number lies there.
+/// The parameter whose number has this index.
 fn parameter_at(case: &Case, place: usize) -> Option<&Parameter> {
     let (owner, _, slot) = case.layout.owner_of(place)?;
     let holds = |parameter: &&Parameter| {
@@ -47,8 +47,8 @@ fn parameter_at(case: &Case, place: usize) -> Option<&Parameter> {
     case.formula.parameters.iter().find(holds)
 }
 
-/// All scalars of the owner of that number that range over 0..1, as those do that invariants bind, and the number
-/// itself: or the colour that it is a component of.
+/// The numbers that a slider for this number may move. For a scalar: itself and all scalars of its owner with the range
+/// 0..1, because invariants may bind them. For a component of a colour: the colour.
 fn together(case: &Case, place: usize) -> Vec<usize> {
     let Some((owner, index, slot)) = case.layout.owner_of(place) else { return Vec::new() };
     let own = parameter_at(case, place);
@@ -66,7 +66,7 @@ fn together(case: &Case, place: usize) -> Vec<usize> {
 
 static METHODS: [AtomicUsize; 3] = [const { AtomicUsize::new(0) }; 3];
 
-/// Drags numbers of one owner through `values`, before and after everything is prepared.
+/// Drags numbers of one owner through `values`, before and after the preparation.
 fn drag(
     case: &Case,
     evaluator: &Arc<dyn Evaluator>,
@@ -84,7 +84,7 @@ fn drag(
             memory[*place] = parameter_at(case, *place).ok_or_else(|| failed(&"a parameter"))?.clamp(*value).0;
         }
         if turn == 1 {
-            // Ready for the rest.
+            // The rest is drawn with everything prepared.
             while !drag.prepare() {}
         }
         drag.frame(&memory, &mut drawn);

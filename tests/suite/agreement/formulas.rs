@@ -19,7 +19,7 @@ use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Glass over a floor with a mirror behind, two lights; rays reflect, refract, are shadowed and leave the scene.
+/// Glass over a floor, with a mirror behind, and two lights. Rays reflect, refract, are shadowed and leave the scene.
 const SCENE: &str = "
     bodies;
     floor: rectangle, <-4,0,-4>, <4,0,-4>, <4,0,4>;
@@ -35,7 +35,7 @@ const SCENE: &str = "
 
 const SIZE: (u32, u32) = (16, 12);
 
-/// An operand as text: what binds less tightly than a call goes into parentheses.
+/// An operand as text. Everything that binds less tightly than a call is in parentheses.
 fn leaf(ty: Type) -> BoxedStrategy<String> {
     let variables = |ty: Type| -> Vec<String> {
         Variable::ALL.iter().filter(|variable| variable.ty() == ty).map(|variable| variable.name().to_owned()).collect()
@@ -84,8 +84,8 @@ fn expression(ty: Type, depth: u32, macros: bool) -> BoxedStrategy<String> {
     prop_oneof![1 => leaves, 4 => applied].boxed()
 }
 
-/// A number for a parameter: mostly ordinary, sometimes at an edge. Colours so large that adding up a few of them
-/// overflows are left out: the backends add up the terms of a pixel in different order.
+/// A number for a parameter: mostly ordinary, sometimes extreme. Colours whose sums overflow are left out, because the
+/// backends add the terms of a pixel in different orders.
 pub(super) fn number() -> BoxedStrategy<f32> {
     prop_oneof![
         6 => 0.0..1.0_f32,
@@ -103,14 +103,14 @@ pub(super) struct Case {
     pub(super) text: String,
     pub(super) formula: Arc<Formula>,
     pub(super) layout: Layout,
-    /// By each backend under test.
+    /// One for each backend under test.
     pub(super) evaluators: Vec<Arc<dyn Evaluator>>,
     pub(super) interpreted: Interpreted,
     pub(super) memory: Vec<f32>,
 }
 
 impl Case {
-    /// The formula of two macros and a result, its parameters some with bounds and some without.
+    /// A formula of two macros and a result. Some of its parameters have bounds.
     pub(super) fn new([scalar, vector, result]: [&str; 3], numbers: &[f32]) -> Result<Self, TestCaseError> {
         let text = format!(
             "global; g: scalar, constraint -1..50; body_specific; p: scalar; q: scalar, constraint 0..1; v: vector; \
@@ -139,7 +139,7 @@ impl Case {
     }
 }
 
-/// What a formula is made of, and numbers.
+/// The parts of a formula, and numbers.
 pub(super) fn ingredients() -> impl Strategy<Value = (String, String, String, Vec<f32>)> {
     (
         expression(Type::Scalar, 2, false),
@@ -149,8 +149,8 @@ pub(super) fn ingredients() -> impl Strategy<Value = (String, String, String, Ve
     )
 }
 
-/// The same formulas at every run, so that a run says something about the code; `PROPTEST_CASES=20000` goes looking for
-/// others.
+/// Every run has the same formulas, so that a failure is caused by a change of the code. `PROPTEST_CASES=20000` tries
+/// more of them.
 pub(super) fn runner(cases: u32) -> TestRunner {
     let wanted = std::env::var("PROPTEST_CASES").ok().and_then(|cases| cases.parse().ok());
     let config = ProptestConfig {
@@ -189,7 +189,7 @@ fn random_formulas_agree() {
 
 #[test]
 fn powers_of_cosines_just_below_one_are_exact() {
-    // 0.99999994 is the number before 1: its power by −1e9 is 7.7e25.
+    // 0.99999994 is the largest number below 1. Its power by −1e9 is 7.7e25.
     for (exponent, least) in [(-1e9, 1e25), (-3e8, 1e7), (1e9, 0.0), (-0.0, 0.1)] {
         for power in ["(0.99999994*gety(N))^p", "(0.99999994*gety(N)*gety(N))^p", "(0.99999994*max(0, gety(N)))^p"] {
             let mut case = Case::new(["1", "N", &format!("IL*({power})")], &[0.5]).expect("a formula");

@@ -1,9 +1,9 @@
-//! What every backend must do: the pictures of the reference interpreter, on built-in and random formulas, and the same
-//! pictures while sliders are dragged in any way.
+//! What every backend must do: draw the pictures of the reference interpreter, for built-in and random formulas, also
+//! while sliders are dragged.
 //!
-//! The tests know backends by their traits only; [`backends`] lists those that are tested, one of them written for this
-//! purpose. Beside them, every operation of compiled code is held against its meaning, and elementary functions against
-//! double precision.
+//! The tests know backends by their traits only. [`backends`] lists those under test; one of them is written for this
+//! purpose. Other tests compare every compiled operation with its meaning, and elementary functions with double
+//! precision.
 
 mod accuracy;
 mod columns;
@@ -18,8 +18,7 @@ use illuminator::evaluate::Backend;
 use illuminator::jit::Width;
 use std::sync::Arc;
 
-/// The backends under test, those that need not be the reference: compiled code for vectors of each width that the
-/// machine has, narrowest first, and columns.
+/// The backends under test: compiled code for each width of vectors that the machine has, narrowest first, and columns.
 pub(super) fn backends() -> Vec<Arc<dyn Backend>> {
     let of_width = |width| -> Arc<dyn Backend> { Arc::new(Jit::with_width(width)) };
     Width::supported().map(of_width).chain([Arc::new(ColumnsBackend) as Arc<dyn Backend>]).collect()

@@ -1,4 +1,4 @@
-//! Every operator and function of the table × awkward inputs, compiled and by the reference meaning.
+//! Every operator and function of the table with extreme inputs: compiled code against the reference meaning.
 
 use illuminator::formula::Formula;
 use illuminator::formula::graph::{Node, NodeId};
@@ -10,8 +10,8 @@ use illuminator::lang::types::Type;
 use illuminator::lang::variables::Variable;
 use illuminator::trace::ROUND_LINES;
 
-/// Zeros, the ends of the normal numbers, subnormals (which count as 0), infinities, NaN, and numbers where functions
-/// turn.
+/// Zeros, the ends of the normal numbers, subnormals (which count as 0), infinities, NaN, and numbers near special
+/// points of functions.
 const AWKWARD: [f32; 38] = [
     0.0,
     -0.0,
@@ -53,25 +53,25 @@ const AWKWARD: [f32; 38] = [
     88.0,
 ];
 
-/// By how many units in the last place a result may be off: one for each rounding where the graph computes by another
-/// way (powers), four for the compiled elementary functions.
+/// The tolerance of a result in units in the last place: one for each rounding if the graph computes in another way
+/// (powers), four for compiled elementary functions.
 const UNITS: u32 = 5;
 
-/// Where the operands of an operation come from.
+/// The kind of operands of an operation.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Operands {
     /// Parameters, so that the kernel of uniform values computes it.
     Uniforms,
-    /// Variables times a parameter that is 1, so that the kernel of contributions does: from columns, several blocks at
-    /// a time.
+    /// Variables times a parameter that is 1, so that the kernel of contributions computes it from columns, several
+    /// lines at a time.
     Columns,
 }
 
-/// The components of variables that stand for the numbers, in order; seven are the most that an operation takes.
+/// The components of variables that stand for the numbers, in order. No operation has more than seven.
 const VARIABLES: [&str; 7] = ["getx(N)", "gety(N)", "getz(N)", "getx(V)", "gety(V)", "getz(V)", "getx(point)"];
 
-/// A formula whose colour is the operation on numbers from parameters p0, p1, … or from variables; and how many numbers
-/// these are.
+/// A formula whose colour is the operation on parameters p0, p1, … or on variables. Also returns how many numbers it
+/// reads.
 pub(super) fn formula_of(operation: Operation, from: Operands) -> (Formula, usize) {
     let mut declarations = String::from("body_specific;\none: scalar;\n");
     let (mut operands, mut count) = (Vec::new(), 0);
@@ -88,7 +88,7 @@ pub(super) fn formula_of(operation: Operation, from: Operands) -> (Formula, usiz
         operands.push(match ty {
             Type::Scalar => scalar(),
             Type::Vector => format!("<{}, {}, {}>", scalar(), scalar(), scalar()),
-            // A truth value is whether a number is not 0.
+            // A truth value is true if its number is not 0.
             Type::Truth => format!("({} != 0)", scalar()),
         });
     }
@@ -116,7 +116,7 @@ fn whole_rounds(cases: usize) -> usize {
     cases.div_ceil(Line::RECORDS).next_multiple_of(ROUND_LINES)
 }
 
-/// A stream with a column for each of these nodes, with the number of every case.
+/// A stream with a column for each of these nodes. It holds a number for each case.
 fn stream(nodes: &[NodeId], cases: usize, number: impl Fn(NodeId, usize) -> f32) -> Vec<Line> {
     let mut lines = vec![Line::default(); whole_rounds(cases) * nodes.len()];
     for (column, node) in nodes.iter().enumerate() {
@@ -127,7 +127,7 @@ fn stream(nodes: &[NodeId], cases: usize, number: impl Fn(NodeId, usize) -> f32)
     lines
 }
 
-/// What a kernel makes of a stream: the outputs of each case.
+/// Runs a kernel over a stream. Returns the outputs of each case.
 fn run(kernel: &Kernel, input: &[Line], uniforms: &[Splat], terms: bool, cases: usize) -> Vec<Vec<f32>> {
     let outputs = kernel.outputs();
     // Values are stored in one stream, terms in columns.
@@ -142,13 +142,13 @@ fn run(kernel: &Kernel, input: &[Line], uniforms: &[Splat], terms: bool, cases: 
     (0..cases).map(|case| (0..outputs).map(|output| result(case, output)).collect()).collect()
 }
 
-/// The results of many cases as compiled for vectors of a width: each case is the operation's numbers, each result its
+/// The results of many cases by code for vectors of one width. A case is the operation's numbers, a result its
 /// components.
 pub(super) fn compiled(formula: &Formula, width: Width, cases: &[Vec<f32>], from: Operands) -> Vec<[f32; 3]> {
     let compiled = CompiledFormula::with_width(formula, width).expect("this machine runs compiled code");
     let bindings = &compiled.plan.bindings;
     let number = |leaf: NodeId, case: usize| match bindings.graph.node(leaf) {
-        // The intensity of the light, and the factor `one`, multiply what there is by 1.
+        // The intensity of the light and the factor `one` are 1.
         Node::Parameter(id, _) => {
             match formula.parameter(id).name.strip_prefix('p').and_then(|index| index.parse::<usize>().ok()) {
                 Some(index) => cases[case][index],
@@ -211,15 +211,15 @@ fn reference(operation: Operation, case: &[f32]) -> Vec<f32> {
     }
 }
 
-/// Whether two results are the same but for rounding; infinity is as near to the largest number as the next one would
-/// be, and around the smallest normal number rounding decides between it and 0.
+/// Whether two results differ by rounding only. Infinity counts as the number after the largest one. Near the smallest
+/// normal number, rounding decides between that number and 0.
 fn agree(one: f32, other: f32) -> bool {
     let near = one.is_sign_negative() == other.is_sign_negative() && one.to_bits().abs_diff(other.to_bits()) <= UNITS;
     let tiny = |x: f32| x.abs() <= f32::MIN_POSITIVE * (1.0 + UNITS as f32 * f32::EPSILON);
     one == other || (one.is_nan() && other.is_nan()) || (near && !one.is_nan() && !other.is_nan()) || (tiny(one) && tiny(other))
 }
 
-/// Cases: all combinations of awkward numbers for one or two operands, a spread of them for more.
+/// The cases: all combinations of extreme numbers for one or two operands, a selection of them for more.
 fn cases(count: usize) -> Vec<Vec<f32>> {
     let awkward = |index: usize| AWKWARD[index % AWKWARD.len()];
     match count {
@@ -233,12 +233,12 @@ fn cases(count: usize) -> Vec<Vec<f32>> {
 }
 
 #[test]
-fn every_operation_agrees_on_awkward_inputs() {
+fn every_operation_agrees_on_uniform_values() {
     disagreements_are_none(Operands::Uniforms);
 }
 
 #[test]
-fn every_operation_agrees_on_awkward_columns() {
+fn every_operation_agrees_on_columns() {
     disagreements_are_none(Operands::Columns);
 }
 

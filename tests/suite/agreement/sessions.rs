@@ -1,5 +1,4 @@
-//! Dragged sliders of built-in models and scenes: the ways that frames are made, budgets, and numbers that change in
-//! between.
+//! Dragged sliders of built-in models and scenes: methods, budgets, and numbers that change during a drag.
 
 use crate::agreement::backends;
 use crate::agreement::drags::wrong;
@@ -19,7 +18,7 @@ use illuminator::workspace::{NamedAssignment, OwnerId, Session, Values};
 use illuminator::world::World;
 use std::sync::Arc;
 
-/// A backend under test, and a picture that it draws in reasonable time: of several tiles where it is fast.
+/// A backend under test, and the size of a picture that it draws in reasonable time. Fast backends get several tiles.
 struct Tested {
     backend: Arc<dyn Backend>,
     size: [u32; 2],
@@ -40,7 +39,7 @@ struct Model {
     size: [u32; 2],
     compiled: Arc<dyn Evaluator>,
     values: Values,
-    /// How many hits stand in a group of another light too.
+    /// How many hits are in more than one group.
     scattered: u32,
 }
 
@@ -99,7 +98,7 @@ impl Model {
         assert_eq!(self.values.assign(&given), []);
     }
 
-    /// Draws a frame and holds it against that of the general kernel.
+    /// Draws a frame and compares it with the frame of the general kernel.
     fn check(&self, drag: &mut Box<dyn Drag>, drawn: &mut Framebuffer, what: &str) {
         drag.frame(self.values.numbers(), drawn);
         assert_eq!(wrong(drawn, &self.compiled.frame(self.values.numbers())), 0, "{what}");
@@ -108,13 +107,13 @@ impl Model {
 }
 
 #[test]
-fn every_slider_takes_the_way_that_is_meant_for_it() {
+fn every_slider_is_dragged_by_its_method() {
     for tested in tested() {
-        every_slider_takes_the_way_that_is_meant_for_it_by(&tested);
+        every_slider_is_dragged_by_its_method_by(&tested);
     }
 }
 
-fn every_slider_takes_the_way_that_is_meant_for_it_by(tested: &Tested) {
+fn every_slider_is_dragged_by_its_method_by(tested: &Tested) {
     use Method::{Images, Specialised};
     let cases: [(&str, &[(&str, Method)]); 2] = [
         (
@@ -145,7 +144,7 @@ fn every_slider_takes_the_way_that_is_meant_for_it_by(tested: &Tested) {
             assert_eq!(drag.method(), *method, "{what}");
             assert!(!drag.is_ready(), "{what}");
             let mut drawn = Framebuffer { transfer, ..model.black() };
-            // Before it is ready, then on the way, then ready.
+            // Before, during and after the preparation.
             for part in [0.2, 0.9, 0.5] {
                 model.move_to(slider, part);
                 model.check(&mut drag, &mut drawn, &what);
@@ -158,7 +157,7 @@ fn every_slider_takes_the_way_that_is_meant_for_it_by(tested: &Tested) {
             }
             let pixels = drag.pixels();
             assert!(0 < pixels && pixels <= model.pixels(), "{what}: {pixels} pixels");
-            // Compiled code writes only what the slider reaches.
+            // Compiled code writes only pixels that the slider can change.
             let everywhere = slider.starts_with("key") || *slider == "ka" || tested.backend.name() != DEFAULT.name;
             assert!(everywhere || pixels < model.pixels(), "{what}: {pixels} pixels");
         }
@@ -196,13 +195,13 @@ fn pictures_are_right_within_any_budget_by(tested: &Tested) {
 }
 
 #[test]
-fn all_begins_anew_when_something_else_changes() {
+fn everything_is_prepared_again_when_other_numbers_change() {
     for tested in tested() {
-        all_begins_anew_when_something_else_changes_by(&tested);
+        everything_is_prepared_again_when_other_numbers_change_by(&tested);
     }
 }
 
-fn all_begins_anew_when_something_else_changes_by(tested: &Tested) {
+fn everything_is_prepared_again_when_other_numbers_change_by(tested: &Tested) {
     let mut model = Model::preset(tested, "phong");
     for (slider, others) in [
         ("floor.Cd", ["key.ki=0.2", "floor.kd=0.9", "gold.kr=0.1"]),
@@ -232,13 +231,13 @@ fn all_begins_anew_when_something_else_changes_by(tested: &Tested) {
 }
 
 #[test]
-fn many_lights_with_many_shadows_are_drawn_and_dragged() {
+fn scattered_hits_are_drawn_and_dragged() {
     for tested in tested() {
-        many_lights_with_many_shadows_are_drawn_and_dragged_by(&tested);
+        scattered_hits_are_drawn_and_dragged_by(&tested);
     }
 }
 
-fn many_lights_with_many_shadows_are_drawn_and_dragged_by(tested: &Tested) {
+fn scattered_hits_are_drawn_and_dragged_by(tested: &Tested) {
     let lights: String = (0..12)
         .map(|light| {
             let (z, x) = (0.5 * f64::from(light)).sin_cos();
@@ -273,13 +272,13 @@ fn many_lights_with_many_shadows_are_drawn_and_dragged_by(tested: &Tested) {
 }
 
 #[test]
-fn macros_that_double_themselves_are_dragged() {
+fn formulas_of_exponential_size_are_dragged() {
     for tested in tested() {
-        macros_that_double_themselves_are_dragged_by(&tested);
+        formulas_of_exponential_size_are_dragged_by(&tested);
     }
 }
 
-fn macros_that_double_themselves_are_dragged_by(tested: &Tested) {
+fn formulas_of_exponential_size_are_dragged_by(tested: &Tested) {
     let lines: String = (1..=45).map(|index| format!("M{index} = (M{0} + M{0})*0.5;", index - 1)).collect();
     for (first, method) in [("kd*max(0, N.L)*Cd", Method::Images), ("max(0, N.L)^(1 + kd)*Cd + ks*Cd", Method::Specialised)] {
         let text = format!(
@@ -298,17 +297,17 @@ fn macros_that_double_themselves_are_dragged_by(tested: &Tested) {
 }
 
 #[test]
-fn work_that_is_kept_follows_what_shines_and_what_paths_weigh() {
+fn kept_work_follows_active_lights_and_path_weights() {
     for tested in tested() {
-        work_that_is_kept_follows_what_shines_and_what_paths_weigh_by(&tested);
+        kept_work_follows_active_lights_and_path_weights_by(&tested);
     }
 }
 
-fn work_that_is_kept_follows_what_shines_and_what_paths_weigh_by(tested: &Tested) {
+fn kept_work_follows_active_lights_and_path_weights_by(tested: &Tested) {
     let mut model = Model::preset(tested, "phong");
     let mut pictures: Vec<Vec<u32>> = Vec::new();
-    // Without a light; as given; without reflections, of one body and of all; with weights that single precision does
-    // not have; and back, each over what was kept of the one before. Matte bodies keep what they have.
+    // Without a light; as given; without reflections of one body and of all; with weights too small for single
+    // precision; and back. Each frame uses what the one before has kept. Matte bodies keep their values.
     let steps = [
         &["key.ki=0"][..],
         &["key.ki=1"],

@@ -129,7 +129,7 @@ fn lines_of_prose_are_not_too_long() {
 }
 
 #[test]
-fn words_that_the_project_does_not_use_stay_away() {
+fn unused_words_do_not_come_back() {
     let mut problems = Vec::new();
     for (path, text) in files(&SOURCES, "rs").into_iter().chain(files(&DOCUMENTS, "md")) {
         if path == Path::new("tests/suite/house/prose.rs") {
