@@ -128,6 +128,10 @@ fn plans() -> Vec<Plan> {
             terms,
             ..Workload::TYPICAL
         }),
+        // A small picture: each sine takes a column.
+        growing("sines", "static sines in the formula", &[125, 250, 500, 1000, 2000], &[125, 250, 500, 1000, 2000], |sines| {
+            Workload { sines, size: [64, 36], ..Workload::TYPICAL }
+        }),
     ]
 }
 

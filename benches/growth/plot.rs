@@ -4,7 +4,6 @@ use crate::{SERIES, Sweep};
 use std::fmt::Write;
 
 const WIDTH: f64 = 900.0;
-const HEIGHT: f64 = 580.0;
 const COLUMNS: usize = 3;
 /// The lengths of the axes of a panel.
 const AXES: [f64; 2] = [234.0, 212.0];
@@ -33,11 +32,13 @@ pub(crate) fn svg(sweeps: &[Sweep]) -> String {
         || sweeps.iter().flat_map(|sweep| sweep.points.iter()).flat_map(|(_, cost)| SERIES.iter().map(|own| (own.of)(cost)));
     let lowest = costs().fold(f64::INFINITY, f64::min).log10().floor();
     let highest = costs().fold(0.0, f64::max).log10() + 0.2;
+    // The legend is a panel too.
+    let height = FIRST[1] + STEP[1] * (sweeps.len() + 1).div_ceil(COLUMNS) as f64 - 40.0;
     let up = Scale { from: lowest, to: highest, length: AXES[1] };
     let mut text = format!(
-        r##"<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH}" height="{HEIGHT}" viewBox="0 0 {WIDTH} {HEIGHT}" font-family="Helvetica, Arial, sans-serif" font-size="12" fill="#222">
+        r##"<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH}" height="{height}" viewBox="0 0 {WIDTH} {height}" font-family="Helvetica, Arial, sans-serif" font-size="12" fill="#222">
 <title>How the cost of each stage grows</title>
-<rect width="{WIDTH}" height="{HEIGHT}" fill="white"/>
+<rect width="{WIDTH}" height="{height}" fill="white"/>
 "##
     );
     for (place, sweep) in sweeps.iter().enumerate() {

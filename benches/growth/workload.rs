@@ -35,6 +35,8 @@ pub(crate) struct Workload {
     pub(crate) depth: u32,
     /// The number of highlights in the formula.
     pub(crate) terms: u32,
+    /// The number of sines in the formula, each a static value of its own.
+    pub(crate) sines: u32,
 }
 
 /// The contents of the picture, and the milliseconds of each stage.
@@ -67,15 +69,19 @@ pub(crate) struct Stage {
 
 impl Workload {
     /// The amounts of whatever does not grow.
-    pub(crate) const TYPICAL: Workload = Workload { size: [640, 360], lights: 3, spheres_a_side: 3, depth: 5, terms: 1 };
+    pub(crate) const TYPICAL: Workload =
+        Workload { size: [640, 360], lights: 3, spheres_a_side: 3, depth: 5, terms: 1, sines: 0 };
 
-    /// Phong's model with several highlights, each with its own exponent.
+    /// Phong's model with several highlights, each with its own exponent, and sines.
     fn formula(self) -> String {
         let mut text = "body_specific;\n kd: scalar, constraint 0..1, default 0.5, slider;\n".to_owned();
         text += " ks: scalar, constraint 0..1, default 0.4, slider;\n h: scalar, constraint 1..500, default 60, slider;\n";
         text += "formula;\n = kd*IL*Cd*max(0, N.L)";
         for term in 0..self.terms {
             add(&mut text, format_args!("\n + ks*IL*max(0, R.V)^(h + {term})/{}", self.terms));
+        }
+        for sine in 1..=self.sines {
+            add(&mut text, format_args!("\n + sin({sine}*alpha)*IL/{}", self.sines));
         }
         text + ";\n"
     }

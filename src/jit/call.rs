@@ -7,13 +7,14 @@
 
 use crate::formula::graph::Graph;
 use crate::jit::emit::PERLIN_OPERANDS;
-use crate::jit::kernel::{self, KernelSpec, Shape};
+use crate::jit::kernel::{self, KernelPart, KernelSpec, Shape};
 use crate::jit::lanes::{Line, Operands, PLANE_PIXELS, PixelLine, PixelPlanes, Splat, Streams};
 use crate::jit::pixels::{self, Strides};
 use crate::jit::step::{Addition, Bases, OUTPUTS, Reading};
 use crate::jit::target::{CompileError, Listing, Target, target};
 use crate::jit::widen::{ALIGNMENT, disassembled, widen};
 use crate::jit::width::Width;
+use crate::jit::writer;
 use crate::lang::noise;
 use crate::lang::scalars::flush;
 use crate::picture::transfer::{SrgbBytes, SrgbTable, Transfer};
@@ -23,7 +24,7 @@ use cranelift_codegen::Context;
 use cranelift_codegen::control::ControlPlane;
 use cranelift_codegen::ir::types::I64;
 use cranelift_codegen::ir::{AbiParam, Signature};
-use cranelift_codegen::isa::CallConv;
+use cranelift_codegen::isa::{CallConv, TargetIsa};
 use cranelift_jit::{JITBuilder, JITModule};
 use cranelift_module::{FuncId, Linkage, Module, ModuleError, ModuleReloc};
 use smallvec::SmallVec;
@@ -81,33 +82,44 @@ pub(super) fn generate(
     let mut noise_signature = Signature::new(CallConv::SystemV);
     noise_signature.params.push(AbiParam::new(I64));
     let noise = module.declare_function("perlin", Linkage::Import, &noise_signature).map_err(failed)?;
-    let mut functions = Vec::with_capacity(specs.len());
+    let mut defined: Vec<Vec<(FuncId, Shape)>> = Vec::with_capacity(specs.len());
     for (index, spec) in specs.iter().enumerate() {
-        let mut signature = Signature::new(CallConv::SystemV);
-        signature.params.extend(kernel::parameters());
-        let id = module.declare_function(&format!("{}{index}", spec.plan.name), Linkage::Local, &signature).map_err(failed)?;
-        let function = Defining { target: &target, spec, graph, id, signature, noise };
-        functions.push((id, function.define(module, listing.as_deref_mut())?));
+        let mut functions = Vec::new();
+        for part in spec.parts(graph) {
+            let mut signature = Signature::new(CallConv::SystemV);
+            signature.params.extend(writer::parameters());
+            let name = format!("{}{index}_{}", spec.plan.name, part.outputs.start);
+            let id = module.declare_function(&name, Linkage::Local, &signature).map_err(failed)?;
+            let function = Defining { target: &target, part, graph, id, signature, noise };
+            functions.push((id, function.define(module, listing.as_deref_mut())?));
+        }
+        defined.push(functions);
     }
     module.finalize_definitions().map_err(failed)?;
-    let finished: Vec<(*const u8, Shape)> =
-        functions.iter().map(|(id, shape)| (module.get_finalized_function(*id), *shape)).collect();
+    let finished: Vec<Vec<(*const u8, Shape)>> = defined
+        .into_iter()
+        .map(|functions| functions.into_iter().map(|(id, shape)| (module.get_finalized_function(id), shape)).collect())
+        .collect();
     let memory = Arc::new(memory);
-    let kernel = |(spec, (address, shape)): (&KernelSpec, (*const u8, Shape))| {
-        // SAFETY: at the address is the finished code of the function that was written just now with the parameters of `Entry`, none
-        // of which is wider than a register; its memory lives as long as the kernel.
-        let entry = unsafe { std::mem::transmute::<*const u8, Entry>(address) };
+    let kernel = |(spec, functions): (&KernelSpec, Vec<(*const u8, Shape)>)| {
+        let function = |(address, shape): (*const u8, Shape)| {
+            // SAFETY: at the address is the finished code of the function that was written just now with the parameters of `Entry`, none
+            // of which is wider than a register; its memory lives as long as the kernel.
+            let entry = unsafe { std::mem::transmute::<*const u8, Entry>(address) };
+            (entry, shape)
+        };
+        let functions = functions.into_iter().map(function).collect();
         let streams = spec.plan.streams.each_ref().map(Vec::len);
         let (uniforms, outputs) = (spec.plan.uniforms.len(), SmallVec::from_vec(spec.output_streams()));
-        Kernel { entry, streams, uniforms, outputs, shape, memory: Arc::clone(&memory) }
+        Kernel { functions, streams, uniforms, outputs, memory: Arc::clone(&memory) }
     };
     Ok(specs.iter().zip(finished).map(kernel).collect())
 }
 
-/// The function of a kernel, which is declared and not yet defined.
+/// The function of a part of a kernel, which is declared and not yet defined.
 struct Defining<'d> {
     target: &'d Target,
-    spec: &'d KernelSpec<'d>,
+    part: KernelPart<'d>,
     graph: &'d Graph,
     id: FuncId,
     signature: Signature,
@@ -118,13 +130,13 @@ struct Defining<'d> {
 impl Defining<'_> {
     /// Writes the code in the quickest shape that is possible, which is the result.
     fn define(&self, module: &mut JITModule, mut listing: Option<&mut Listing>) -> Result<Shape, CompileError> {
-        let Self { target, spec, graph, .. } = *self;
-        let name = spec.plan.name;
-        if spec.output_streams().len() > OUTPUTS {
+        let Self { target, part, graph, .. } = self;
+        let name = part.kernel.plan.name;
+        if part.kernel.output_streams().len() > OUTPUTS {
             return Err(CompileError::Generator(format!("the kernel of {name} has too many outputs")));
         }
-        for shape in kernel::shapes(spec, graph, target) {
-            let schedule = spec.schedule(graph, shape).ok_or_else(|| self.unread())?;
+        for shape in part.shapes(graph, target) {
+            let schedule = part.schedule(graph, shape).ok_or_else(|| self.unread())?;
             let noisy = schedule.iter().any(|id| kernel::calls_perlin(graph, *id));
             if shape.blocks > 1 && noisy {
                 continue;
@@ -132,10 +144,11 @@ impl Defining<'_> {
             let mut context = Context::new();
             context.func.signature = self.signature.clone();
             let callee = noisy.then(|| module.declare_func_in_func(self.noise, &mut context.func));
-            kernel::write(spec, &schedule, graph, &*target.isa, shape, callee, &mut context.func);
+            let isa = target.isa(kernel::allocation(&schedule, graph));
+            writer::write(part, &schedule, graph, isa, shape, callee, &mut context.func);
             context.set_disasm(listing.is_some());
             let clif = listing.is_some().then(|| context.func.display().to_string());
-            let Some(assembler) = self.compile(module, &mut context, shape, listing.is_some())? else { continue };
+            let Some(assembler) = self.compile(module, &mut context, isa, shape, listing.is_some())? else { continue };
             if let (Some(listing), Some(clif)) = (&mut listing, clif) {
                 listing.clif.push_str(&format!("; {name}\n{clif}\n"));
                 listing.asm.push_str(&format!("; {name}\n{assembler}\n"));
@@ -151,10 +164,11 @@ impl Defining<'_> {
         &self,
         module: &mut JITModule,
         context: &mut Context,
+        isa: &dyn TargetIsa,
         shape: Shape,
         listed: bool,
     ) -> Result<Option<String>, CompileError> {
-        let compiled = context.compile(&*self.target.isa, &mut ControlPlane::default());
+        let compiled = context.compile(isa, &mut ControlPlane::default());
         compiled.map_err(|error| CompileError::Generator(error.inner.to_string()))?;
         let Some(compiled) = context.compiled_code() else { return Ok(None) };
         let relocations = compiled.buffer.relocs();
@@ -177,20 +191,20 @@ impl Defining<'_> {
     }
 
     fn unread(&self) -> CompileError {
-        CompileError::Generator(format!("the kernel of {} does not read all that it needs", self.spec.plan.name))
+        CompileError::Generator(format!("the kernel of {} does not read all that it needs", self.part.kernel.plan.name))
     }
 }
 
 /// A compiled kernel.
 #[derive(Clone)]
 pub struct Kernel {
-    entry: Entry,
+    /// The functions of its parts, which together write all outputs.
+    functions: SmallVec<[(Entry, Shape); 1]>,
     /// How many columns there are in each stream that it reads.
     streams: [usize; STREAMS],
     uniforms: usize,
     /// How many columns there are in each stream that it writes.
     outputs: SmallVec<[usize; OUTPUTS]>,
-    shape: Shape,
     memory: Arc<CodeMemory>,
 }
 
@@ -202,7 +216,9 @@ impl Kernel {
 
     /// How many lines it reads and writes where so many are wanted: whole rounds, of up to [`ROUND_LINES`](crate::trace::ROUND_LINES).
     pub fn whole_rounds(&self, lines: usize) -> usize {
-        lines.next_multiple_of(self.shape.lines())
+        // Powers of two.
+        let round = self.functions.iter().map(|(_, shape)| shape.lines()).max();
+        lines.next_multiple_of(round.unwrap_or(1))
     }
 
     /// Runs the kernel over so many lines of records, from these streams and uniform values: stores or adds into `outputs`, one stream where values
@@ -224,17 +240,25 @@ impl Kernel {
             *place = output.as_mut_ptr().expose_provenance();
         }
         let streams = streams.map(|stream| stream.as_ptr().expose_provenance());
-        let step = self.step(streams, uniforms.as_ptr().expose_provenance(), places, whole);
-        // SAFETY: the kernel's code reads of every stream, and writes of every output, the lines of its rounds, times as many as the stream has
+        let steps: SmallVec<[Step; 1]> = self.steps(streams, uniforms.as_ptr().expose_provenance(), places, whole).collect();
+        // SAFETY: a kernel has a function. Its code reads of every stream, and writes of every output, the lines of its rounds, times as many as the stream has
         // columns, and `self.uniforms` splats; the assertions guarantee all of them, `&mut` that outputs overlap nothing. Places are addresses, so
         // they are counted from 0.
-        unsafe { perform(&[step], &Bases::default()) }
+        unsafe { perform(&steps, &Bases::default()) }
     }
 
-    /// A call that works on whole rounds at these places.
-    fn step(&self, streams: [usize; STREAMS], uniforms: usize, outputs: [usize; OUTPUTS], whole: usize) -> Step {
-        let rounds = whole * Line::BLOCKS / self.shape.round();
-        Step { work: Reading { streams, outputs, uniforms, rounds }, entry: self.entry as usize }
+    /// The calls that work on whole rounds at these places.
+    fn steps(
+        &self,
+        streams: [usize; STREAMS],
+        uniforms: usize,
+        outputs: [usize; OUTPUTS],
+        whole: usize,
+    ) -> impl Iterator<Item = Step> {
+        self.functions.iter().map(move |(entry, shape)| {
+            let rounds = whole * Line::BLOCKS / shape.round();
+            Step { work: Reading { streams, outputs, uniforms, rounds }, entry: *entry as usize }
+        })
     }
 }
 
@@ -340,7 +364,7 @@ impl Program {
             *place = (component * CHUNK_LINES + lines.start) * size_of::<Line>();
         }
         let streams = streams.map(|stream| stream.start * size_of::<Line>());
-        self.steps.push(kernel.step(streams, uniforms * size_of::<Splat>(), places, whole));
+        self.steps.extend(kernel.steps(streams, uniforms * size_of::<Splat>(), places, whole));
     }
 
     /// Adds the sums of these segments' hits, times the weight of their span, to their pixels: of all components, or of one (0 red, 1 green, 2 blue).

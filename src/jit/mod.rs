@@ -27,6 +27,7 @@ mod step;
 pub mod target;
 mod widen;
 pub mod width;
+mod writer;
 
 pub use cache::KernelCache;
 pub use call::{Kernel, PixelCode, Program, fetch};

@@ -1,7 +1,7 @@
 //! What kernels are compiled for, why that may fail, and what it looks like as text.
 
 use crate::jit::width::{Width, WidthLimitError};
-use cranelift_codegen::isa::OwnedTargetIsa;
+use cranelift_codegen::isa::{OwnedTargetIsa, TargetIsa};
 use cranelift_codegen::settings::{self, Configurable};
 use thiserror::Error;
 
@@ -28,13 +28,34 @@ pub struct Listing {
     pub asm: String,
 }
 
+/// How the values of a part get registers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Allocation {
+    /// For the fastest code. It takes time that grows with the number of values times the number of those that are alive together.
+    Careful,
+    /// In one pass over the instructions.
+    Quick,
+}
+
 /// A processor, or one that it can do the work of.
 pub(super) struct Target {
+    /// What code is generated for, with careful allocation of registers and with quick.
     pub(super) isa: OwnedTargetIsa,
+    quick: OwnedTargetIsa,
     /// Whether it multiplies and adds in one instruction.
     pub(super) fma: bool,
     /// How many blocks of four records its vectors hold, widest first: 4, 2 and 1, as far as it goes.
     pub(super) blocks: Vec<usize>,
+}
+
+impl Target {
+    /// What code is generated for, with this allocation of registers.
+    pub(super) fn isa(&self, allocation: Allocation) -> &dyn TargetIsa {
+        match allocation {
+            Allocation::Careful => &*self.isa,
+            Allocation::Quick => &*self.quick,
+        }
+    }
 }
 
 /// The features of x86-64 processors that code of each width needs beside those of the width before, as Cranelift names them.
@@ -44,21 +65,34 @@ const FEATURES: [(Width, &[&str]); 3] = [
     (Width::Sixteen, &["has_avx512f", "has_avx512dq", "has_avx512vl"]),
 ];
 
-/// This processor, as far as vectors of this width need it. Optimisation is left to the graph: Cranelift's own hoists constants into registers that it
-/// then has to spill.
+fn generator(error: &dyn std::fmt::Display) -> CompileError {
+    CompileError::Generator(error.to_string())
+}
+
+/// The settings of the code generator. Optimisation is left to the graph: Cranelift's own moves constants into registers before the
+/// loop and then has to spill them.
+fn flags(allocation: Allocation) -> Result<settings::Flags, CompileError> {
+    let verify = if cfg!(debug_assertions) { "true" } else { "false" };
+    let algorithm = match allocation {
+        Allocation::Careful => "backtracking",
+        Allocation::Quick => "single_pass",
+    };
+    let mut flags = settings::builder();
+    let values = [("opt_level", "none"), ("is_pic", "false"), ("enable_verifier", verify), ("regalloc_algorithm", algorithm)];
+    for (name, value) in values {
+        flags.set(name, value).map_err(|error| generator(&error))?;
+    }
+    Ok(settings::Flags::new(flags))
+}
+
+/// This processor, with the instruction sets that vectors of this width need.
 ///
 /// # Errors
 /// It has no vectors of this width, or is none that kernels are written for.
 pub(super) fn target(width: Width) -> Result<Target, CompileError> {
-    let generator = |error: &dyn std::fmt::Display| CompileError::Generator(error.to_string());
-    let mut flags = settings::builder();
-    let verify = if cfg!(debug_assertions) { "true" } else { "false" };
-    for (name, value) in [("opt_level", "none"), ("is_pic", "false"), ("enable_verifier", verify)] {
-        flags.set(name, value).map_err(|error| generator(&error))?;
-    }
-    let flags = settings::Flags::new(flags);
+    let [careful, quick] = [flags(Allocation::Careful)?, flags(Allocation::Quick)?];
     let native = || cranelift_native::builder().map_err(|why| CompileError::Processor(why.to_owned()));
-    let native = native()?.finish(flags.clone()).map_err(|error| generator(&error))?;
+    let native = native()?.finish(careful.clone()).map_err(|error| generator(&error))?;
     if !cfg!(all(target_arch = "x86_64", unix)) {
         return Err(CompileError::Processor(format!("kernels are written for x86-64 under Unix, not {}", native.name())));
     }
@@ -72,7 +106,8 @@ pub(super) fn target(width: Width) -> Result<Target, CompileError> {
         }
         builder.enable(feature).map_err(|error| generator(&error))?;
     }
-    let isa = builder.finish(flags).map_err(|error| generator(&error))?;
+    let isa = builder.finish(careful).map_err(|error| generator(&error))?;
+    let quick = builder.finish(quick).map_err(|error| generator(&error))?;
     let blocks = [4, 2, 1].into_iter().filter(|blocks| 4 * blocks <= width.lanes()).collect();
-    Ok(Target { isa, fma: width >= Width::Eight, blocks })
+    Ok(Target { isa, quick, fma: width >= Width::Eight, blocks })
 }

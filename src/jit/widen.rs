@@ -20,8 +20,11 @@ use iced_x86::{
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BinaryHeap, HashSet};
 
-/// The address at which code is decoded. Not 0, which means no address.
+/// The address at which code is encoded. Not 0, which means no address.
 const BASE: u64 = 0x10000;
+/// The address at which narrow code is decoded. It is far from the other: the encoder takes any address of an old instruction for that
+/// of its counterpart, so no address in the wide code may look like one.
+const NARROW_BASE: u64 = 1 << 40;
 /// Bytes of a constant of four lanes.
 const NARROW: usize = 16;
 /// The alignment of functions and of their constants.
@@ -116,7 +119,7 @@ pub(super) enum Spills {
 /// constants follow it. None where it cannot be widened.
 pub(super) fn widen(code: &[u8], blocks: usize, spills: Spills) -> Option<Vec<u8>> {
     let mut widening = Widening { blocks, spills, code: Vec::new(), constants: BTreeMap::new(), slots: BTreeMap::new() };
-    let mut decoder = Decoder::with_ip(64, code, BASE, DecoderOptions::NONE);
+    let mut decoder = Decoder::with_ip(64, code, NARROW_BASE, DecoderOptions::NONE);
     while decoder.can_decode() && widening.constants.keys().next().is_none_or(|first| decoder.ip() < *first) {
         let instruction = decoder.decode();
         if instruction.is_invalid() {
@@ -130,15 +133,16 @@ pub(super) fn widen(code: &[u8], blocks: usize, spills: Spills) -> Option<Vec<u8
     }
     let Widening { code: wide, constants, .. } = widening;
     let mut wide = with_prefetches(wide);
+    let constant_bytes = NARROW * blocks;
+    for instruction in wide.iter_mut().filter(|instruction| instruction.is_ip_rel_memory_operand()) {
+        let place = constants.get(&instruction.ip_rel_memory_address())?;
+        instruction.set_memory_displacement64(BASE + (constant_bytes * place) as u64);
+    }
     // Encoded once to learn the length, which says where the constants go.
     let length = encoded(&wide).ok()?.len() + NARROW;
     let pool = length.next_multiple_of(ALIGNMENT as usize);
-    let constant_bytes = NARROW * blocks;
-    for instruction in &mut wide {
-        if instruction.is_ip_rel_memory_operand() {
-            let place = constants.get(&instruction.ip_rel_memory_address())?;
-            instruction.set_memory_displacement64(BASE + (pool + constant_bytes * place) as u64);
-        }
+    for instruction in wide.iter_mut().filter(|instruction| instruction.is_ip_rel_memory_operand()) {
+        instruction.set_memory_displacement64(instruction.ip_rel_memory_address() + pool as u64);
     }
     let mut bytes = encoded(&wide).ok()?;
     if bytes.len() > pool {
@@ -146,7 +150,7 @@ pub(super) fn widen(code: &[u8], blocks: usize, spills: Spills) -> Option<Vec<u8
     }
     bytes.resize(pool + constant_bytes * constants.len(), 0);
     for (address, place) in constants {
-        let start = usize::try_from(address - BASE).ok()?;
+        let start = usize::try_from(address - NARROW_BASE).ok()?;
         let constant = code.get(start..start + NARROW)?;
         let at = pool + constant_bytes * place;
         bytes[at..at + constant_bytes].chunks_exact_mut(NARROW).for_each(|block| block.copy_from_slice(constant));
@@ -474,6 +478,29 @@ mod tests {
             };
             assert_eq!(lanes(&loads[0]), vec![-2.0; 4 * blocks]);
             assert_eq!(lanes(&loads[1]), vec![1.5; 4 * blocks]);
+        }
+    }
+
+    #[test]
+    fn constants_are_found_where_wide_code_is_shorter_than_narrow() {
+        // The same loads, with a prefix of three bytes where the encoder takes two.
+        const COUNT: usize = 40;
+        let (mut narrow, fillers) = (Vec::new(), 20 * COUNT);
+        let end = 9 * COUNT + 5 * fillers + 1;
+        for place in 0..COUNT {
+            let displacement = (end + NARROW * place - (narrow.len() + 9)) as i32;
+            narrow.extend([0xc4, 0xe1, 0x78, 0x10, 0x0d]);
+            narrow.extend(displacement.to_le_bytes());
+        }
+        narrow.extend([0xc4, 0xe1, 0x78, 0x10, 0x00].repeat(fillers));
+        narrow.push(0xc3);
+        narrow.extend((0..COUNT).flat_map(|place| (place as f32).to_ne_bytes().repeat(4)));
+        let wide = widen(&narrow, 2, Spills::Refused).unwrap();
+        assert!(wide.len() - 2 * NARROW * COUNT < end);
+        let loads = Decoder::with_ip(64, &wide, BASE, DecoderOptions::NONE).into_iter().take(COUNT);
+        for (place, load) in loads.enumerate() {
+            let at = (load.ip_rel_memory_address() - BASE) as usize;
+            assert_eq!(wide[at..at + 2 * NARROW], (place as f32).to_ne_bytes().repeat(8));
         }
     }
 

@@ -57,12 +57,32 @@ impl KernelPlan {
     /// The nodes to compute for `roots`, operands before their users; inputs are not among them. `None` where a variable or a
     /// parameter is needed that is not an input.
     pub fn schedule(&self, graph: &Graph, roots: impl IntoIterator<Item = NodeId>) -> Option<Vec<NodeId>> {
-        let mut seen = vec![false; graph.len()];
-        self.inputs().for_each(|node| seen[node.0 as usize] = true);
+        Schedule::new(self, graph).further(graph, roots)
+    }
+}
+
+/// The nodes of a kernel that are computed so far.
+#[derive(Debug, Clone)]
+pub struct Schedule {
+    /// Inputs count as computed.
+    computed: Vec<bool>,
+}
+
+impl Schedule {
+    /// Nothing is computed yet.
+    pub fn new(plan: &KernelPlan, graph: &Graph) -> Self {
+        let mut computed = vec![false; graph.len()];
+        plan.inputs().for_each(|node| computed[node.0 as usize] = true);
+        Self { computed }
+    }
+
+    /// The nodes to compute next for `roots`, operands before their users. `None` where a variable or a parameter is needed that is
+    /// not an input.
+    pub fn further(&mut self, graph: &Graph, roots: impl IntoIterator<Item = NodeId>) -> Option<Vec<NodeId>> {
         let mut found = Vec::new();
         let mut pending: Vec<NodeId> = roots.into_iter().collect();
         while let Some(id) = pending.pop() {
-            if std::mem::replace(&mut seen[id.0 as usize], true) {
+            if std::mem::replace(&mut self.computed[id.0 as usize], true) {
                 continue;
             }
             match graph.node(id) {

@@ -16,5 +16,5 @@ mod slider;
 
 pub use drag::{Channels, DragPlan, Factors, ImageTerm, Method, MovedTerm};
 pub use formula::{ContributionPlan, FormulaPlan, ParameterSlot};
-pub use kernel::{Domain, KernelPlan, STREAMS, Sink};
+pub use kernel::{Domain, KernelPlan, STREAMS, Schedule, Sink};
 pub use slider::{Moved, SliderPlan, moved_parameters};

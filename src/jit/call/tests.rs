@@ -5,6 +5,7 @@ use crate::formula::Formula;
 use crate::formula::binding::Bindings;
 use crate::formula::graph::{Node, NodeId};
 use crate::jit::lanes::Sums;
+use crate::jit::target::Allocation;
 use crate::lang::scalars::{Floats, Primitive, Recorder, awkward_operands};
 use crate::lang::source::Source;
 use crate::lang::variables::Variable;
@@ -29,7 +30,7 @@ fn contributions(bindings: &Bindings, width: Width) -> (usize, Vec<f32>) {
     for kernel in [&kernels[0], &kernels[1], &kernels[1]] {
         kernel.run(streams.each_ref().map(Vec::as_slice), &uniforms, &mut planes, LINES);
     }
-    (kernels[0].shape.round(), outputs.iter().flatten().flat_map(|line| line.0).collect())
+    (kernels[0].functions[0].1.round(), outputs.iter().flatten().flat_map(|line| line.0).collect())
 }
 
 #[test]
@@ -87,7 +88,7 @@ fn results(primitive: Primitive, cases: &[Vec<f32>], width: Width, sink: Sink) -
     }
     let mut output = vec![Line::default(); lines];
     kernel.run([&stream, &[], &[]], &[], &mut [&mut output], lines);
-    (4 * kernel.shape.blocks, output.iter().flat_map(|line| line.0).take(cases.len()).collect())
+    (4 * kernel.functions[0].1.blocks, output.iter().flat_map(|line| line.0).take(cases.len()).collect())
 }
 
 /// Whether two results are the same but for a few units in the last place; numbers about the smallest normal one are as good as 0.
@@ -124,6 +125,91 @@ fn every_primitive_is_widened_and_computes_its_meaning_at_every_width() {
             }
         }
     }
+}
+
+/// Holds a kernel that reads one stream and stores columns against the meaning of its nodes, compiled for vectors of this width.
+fn assert_columns(plan: &KernelPlan, graph: &Graph, width: Width) {
+    const LINES: usize = 2;
+    let leaves = &plan.streams[0];
+    let number = |record: usize, leaf: usize| 1.25 * ((record as f32 * 0.618_034 + leaf as f32 * 0.414).fract() - 0.3);
+    let mut stream = vec![Line::default(); LINES * leaves.len()];
+    for (record, column) in (0..LINES * Line::RECORDS).flat_map(|record| (0..leaves.len()).map(move |leaf| (record, leaf))) {
+        stream[record / Line::RECORDS * leaves.len() + column].0[record % Line::RECORDS] = number(record, column);
+    }
+    let columns = plan.outputs.len();
+    let mut output = vec![Line::default(); LINES * columns];
+    let kernel = generate(width, &[KernelSpec::overwriting(plan)], graph, None).unwrap().remove(0);
+    kernel.run([&stream, &[], &[]], &[], &mut [&mut output], LINES);
+    for record in 0..LINES * Line::RECORDS {
+        let leaf = |id: NodeId| number(record, leaves.iter().position(|leaf| *leaf == id).unwrap());
+        for (column, expected) in graph.evaluate(&plan.outputs, leaf).into_iter().enumerate() {
+            let result = output[record / Line::RECORDS * columns + column].0[record % Line::RECORDS];
+            let near = (result - expected).abs() <= 1e-5 * expected.abs().max(1.0);
+            assert!(
+                near,
+                "{}, output {column} of record {record} is {result}, not {expected}, {width}, {:?}",
+                plan.name, kernel.functions[0].1
+            );
+        }
+    }
+}
+
+#[test]
+fn kernels_of_many_outputs_are_compiled_in_parts() {
+    let term = |n: usize| format!("sin({n}*alpha)*cos({n}*a)*IL");
+    let sum = (1..=400).map(term).collect::<Vec<String>>().join(" + ");
+    let text = format!("body_specific; a: scalar; formula; = {sum};");
+    let (formula, _) = Formula::parse(&Source::new("formula", text)).unwrap();
+    let plan = FormulaPlan::new(&formula);
+    let graph = &plan.bindings.graph;
+    for kernel in [&plan.records, &plan.contribution.uniforms] {
+        let parts = KernelSpec::overwriting(kernel).parts(graph);
+        assert!(kernel.outputs.len() >= 400 && parts.len() > 1, "{}: {} parts", kernel.name, parts.len());
+        let outputs: Vec<usize> = parts.iter().flat_map(|part| part.outputs.clone()).collect();
+        assert_eq!(outputs, (0..kernel.outputs.len()).collect::<Vec<usize>>());
+        Width::supported().for_each(|width| assert_columns(kernel, graph, width));
+    }
+}
+
+#[test]
+fn built_in_formulas_have_kernels_of_one_part() {
+    for name in presets::names(FileKind::Formula) {
+        let (formula, _) = Formula::parse(&Source::new(name, presets::text(FileKind::Formula, name).unwrap())).unwrap();
+        let plan = FormulaPlan::new(&formula);
+        for kernel in [&plan.hits, &plan.records, &plan.contribution.uniforms, &plan.contribution.records] {
+            assert_eq!(KernelSpec::overwriting(kernel).parts(&plan.bindings.graph).len(), 1, "{name}, {}", kernel.name);
+        }
+    }
+}
+
+#[test]
+fn kernels_with_very_many_values_alive_are_allocated_quickly() {
+    const COUNT: usize = 800;
+    let mut graph = Graph::empty();
+    let leaf = graph.insert(Node::Variable(Variable::Normal, 0));
+    let mut value = |n: usize| {
+        let factor = graph.record_constant(0.01 * n as f32);
+        let angle = graph.record(Primitive::Mul, &[leaf, factor]);
+        graph.record(Primitive::Sin, &[angle])
+    };
+    let values: Vec<NodeId> = (1..=COUNT).map(&mut value).collect();
+    // Each is used again in the second half, in the opposite order.
+    let mut sum = graph.record_constant(0.0);
+    for (one, other) in values.iter().zip(values.iter().rev()) {
+        let product = graph.record(Primitive::Mul, &[*one, *other]);
+        sum = graph.record(Primitive::Add, &[sum, product]);
+    }
+    let plan = KernelPlan {
+        name: "web",
+        domain: Domain::LitRecords,
+        streams: [vec![leaf], Vec::new(), Vec::new()],
+        uniforms: Vec::new(),
+        outputs: vec![sum],
+        sink: Sink::Columns,
+    };
+    let allocation = |root| kernel::allocation(&plan.schedule(&graph, [root]).unwrap(), &graph);
+    assert_eq!([values[0], sum].map(allocation), [Allocation::Careful, Allocation::Quick]);
+    Width::supported().for_each(|width| assert_columns(&plan, &graph, width));
 }
 
 #[test]
