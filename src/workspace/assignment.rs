@@ -51,7 +51,7 @@ impl Assignment {
     }
 }
 
-/// Target parameter a setting means.
+/// The owners whose parameter an assignment sets.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum AssignmentTarget {
     /// `ka=…`: the scene.
@@ -65,7 +65,7 @@ pub enum AssignmentTarget {
 /// A value by name, as in `ball.kd=0.3`, `key.IL=<1, 0.9, 0.8>`, `ka=0.1` or `*.Cd=#ff8000`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NamedAssignment {
-    /// Target parameter.
+    /// The owners whose parameter it sets.
     pub target: AssignmentTarget,
     /// The parameter's name.
     pub parameter: String,

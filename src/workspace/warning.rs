@@ -23,7 +23,7 @@ pub enum Cause {
 /// A value that is not used as given.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ValueWarning {
-    /// Target value.
+    /// The owner of the value.
     pub owner: OwnerId,
     /// The parameter.
     pub parameter: ParameterId,

@@ -49,7 +49,7 @@ pub(super) struct Dialogs {
     /// Messages that wait to be read, each with a title.
     messages: VecDeque<(String, String)>,
     shortcuts: bool,
-    /// The drafts that are offered_drafts.
+    /// The drafts that the dialog offers.
     offered_drafts: Vec<String>,
     /// An action that waits for a confirmation, and the question.
     question: Option<(Action, String)>,

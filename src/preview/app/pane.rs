@@ -283,7 +283,7 @@ impl PicturePane {
     }
 }
 
-/// How far a wheel event turns; 1 is one wheel_notches away from the user.
+/// How far a wheel event turns. 1 is one notch away from the user.
 fn wheel_notches(event: &egui::Event) -> i32 {
     let egui::Event::MouseWheel { delta, .. } = event else { return 0 };
     i32::from(delta.y > 0.0) - i32::from(delta.y < 0.0)

@@ -1,8 +1,8 @@
-//! Rectangles of bounds pixels.
+//! Rectangles of whole pixels.
 
 use std::hash::Hasher;
 
-/// A rectangle of bounds pixels: the first column and row, and those after the last.
+/// A rectangle of whole pixels: the first column and row, and those after the last.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PixelRect {
     /// The first column.

@@ -125,7 +125,7 @@ impl EventLoop {
         &self.context
     }
 
-    /// Waits, and does what is repaint_at. Returns why the loop ends, if it does.
+    /// Waits for events, and runs a frame if one is needed. Returns why the loop ends, if it does.
     pub(super) fn run_once(&mut self, app: &mut dyn WindowApp) -> Option<Ending> {
         let events = self.wait();
         if events.contains(&LoopEvent::Broken) {
@@ -156,7 +156,7 @@ impl EventLoop {
         self.display_lost |= display::is_gone();
     }
 
-    /// When the next frame is repaint_at.
+    /// When the next frame starts.
     fn next_frame_time(&self) -> Option<Instant> {
         let now = Instant::now();
         let seen = if self.input_queue.is_urgent() {
