@@ -37,8 +37,7 @@ const UNUSED_WORDS: [(&str, &str); 25] = [
 ];
 
 /// Where comments and documents are still being reworded.
-const NOT_YET: [&str; 6] =
-    ["src/jit", "src/plan", "src/bytecode", "src/backends/compiled", "docs/performance.md", "benches/peer"];
+const NOT_YET: [&str; 5] = ["src/jit", "src/plan", "src/bytecode", "src/backends/compiled", "benches/peer"];
 
 /// Where the sources and the documents lie. A folder counts with the folders in it.
 const SOURCES: [&str; 3] = ["src", "tests", "benches"];
