@@ -1,10 +1,11 @@
 //! Parts of a tile's planes, kept by cells of sixteen pixels: only where a drag can change anything.
 
 use crate::backends::compiled::planes::Planes;
-use crate::evaluate::write_component;
+use crate::evaluate::{write, write_component};
 use crate::plan::Channels;
 use crate::trace::Segment;
 use crate::transfer::Bytes;
+use pulp::Simd;
 
 /// Pixels of a cell. A cell of a framebuffer is a cache line.
 pub(super) const CELL_PIXELS: usize = 16;
@@ -79,9 +80,13 @@ impl CellSet {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Factor(pub(super) [f32; 3]);
 
-/// Writes cells one behind the other: for each, `numbers` holds the base, and behind it an image for each factor.
+/// How many cells are combined before they are written. Their sums fit in the first cache.
+const BLOCK: usize = 32;
+
+/// Writes cells. `numbers` holds the base of each cell, followed by an image for each factor.
 #[inline(always)]
-pub(super) fn combine(
+pub(super) fn combine<S: Simd>(
+    simd: S,
     numbers: &[f32],
     factors: &[Factor],
     channels: Channels,
@@ -89,16 +94,22 @@ pub(super) fn combine(
     pixels: &mut [u32],
     bytes: impl Bytes,
 ) {
-    match factors {
-        // Most cells have one image: then all is of known length.
-        [factor] => combine_images::<1>(numbers, &[*factor], channels, cells, pixels, bytes),
-        _ => combine_images::<0>(numbers, factors, channels, cells, pixels, bytes),
+    // Most cells have one image. What is constant is unrolled.
+    match (channels, factors) {
+        (Channels::All, [factor]) => combine_images::<S, 3, 1>(simd, numbers, &[*factor], channels, cells, pixels, bytes),
+        (Channels::All, _) => combine_images::<S, 3, 0>(simd, numbers, factors, channels, cells, pixels, bytes),
+        (Channels::One(_), [factor]) => combine_images::<S, 1, 1>(simd, numbers, &[*factor], channels, cells, pixels, bytes),
+        (Channels::One(_), _) => combine_images::<S, 1, 0>(simd, numbers, factors, channels, cells, pixels, bytes),
     }
 }
 
-/// The same with `N` factors, or with any number of them where that is 0.
+/// A row of an image for each of `C` components.
+type Rows<const C: usize> = [[f32; CELL_PIXELS]; C];
+
+/// The same for `C` components, with `N` factors, or with any number of them if that is 0.
 #[inline(always)]
-fn combine_images<const N: usize>(
+fn combine_images<S: Simd, const C: usize, const N: usize>(
+    simd: S,
     numbers: &[f32],
     factors: &[Factor],
     channels: Channels,
@@ -107,56 +118,86 @@ fn combine_images<const N: usize>(
     bytes: impl Bytes,
 ) {
     let factors = if N == 0 { factors } else { &factors[..N] };
-    // A row for each component of the base and of every image.
-    let (rows, _) = numbers.as_chunks::<CELL_PIXELS>();
+    let images: &[Rows<C>] = numbers.as_chunks().0.as_chunks().0;
+    let first = channels.components().start;
+    let mut block = [[[0.0; CELL_PIXELS]; 3]; BLOCK];
+    for (images, cells) in images.chunks(BLOCK * (1 + factors.len())).zip(cells.chunks(BLOCK)) {
+        for (images, sums) in images.chunks_exact(1 + factors.len()).zip(&mut block) {
+            add_images(simd, images, factors, first, &mut sums[first..]);
+        }
+        for (sums, cell) in block.iter().zip(cells) {
+            write_cell(pixels_of(pixels, *cell), sums.each_ref(), channels, bytes);
+        }
+    }
+}
+
+/// Adds images times their factors to the base, the first of them. The rows are those of the components from `first` on.
+#[inline(always)]
+fn add_images<S: Simd, const C: usize>(
+    simd: S,
+    images: &[Rows<C>],
+    factors: &[Factor],
+    first: usize,
+    sums: &mut [[f32; CELL_PIXELS]],
+) {
+    let Some((base, images)) = images.split_first() else { return };
+    for component in 0..C {
+        // Vectors by name: the compiler unrolls loops over so few numbers, and then it does not always find the vectors.
+        let vector = |rows: &Rows<C>, place: usize| S::as_simd_f32s(&rows[component]).0[place];
+        for (place, sum) in S::as_mut_simd_f32s(&mut sums[component]).0.iter_mut().enumerate() {
+            let mut total = vector(base, place);
+            for (rows, Factor(factor)) in images.iter().zip(factors) {
+                let factor = simd.splat_f32s(factor[first + component]);
+                total = simd.add_f32s(total, simd.mul_f32s(factor, vector(rows, place)));
+            }
+            *sum = total;
+        }
+    }
+}
+
+/// Writes the components of a cell that are computed.
+#[inline(always)]
+pub(super) fn write_cell(pixels: &mut [u32], linear: [&[f32; CELL_PIXELS]; 3], channels: Channels, bytes: impl Bytes) {
+    let mut words = load(pixels);
     match channels {
-        Channels::All => {
-            for (rows, cell) in rows.chunks_exact(3 * (1 + factors.len())).zip(cells) {
-                let mut words = [0; CELL_PIXELS];
-                for component in 0..3 {
-                    let mut sums = rows[component];
-                    for (image, Factor(factor)) in factors.iter().enumerate() {
-                        add(&mut sums, &rows[3 * (image + 1) + component], factor[component]);
-                    }
-                    for (word, sum) in words.iter_mut().zip(sums) {
-                        *word = *word << 8 | bytes.byte(sum);
-                    }
-                }
-                in_cell(pixels_of(pixels, *cell), |pixels| *pixels = words);
-            }
-        }
-        Channels::One(component) => {
-            for (rows, cell) in rows.chunks_exact(1 + factors.len()).zip(cells) {
-                let mut sums = rows[0];
-                for (image, Factor(factor)) in factors.iter().enumerate() {
-                    add(&mut sums, &rows[image + 1], factor[component]);
-                }
-                in_cell(pixels_of(pixels, *cell), |pixels| write_component(pixels, component, &sums, bytes));
-            }
-        }
+        Channels::All => write(&mut words, linear.map(|component| &component[..]), bytes),
+        Channels::One(component) => write_component(&mut words, component, linear[component], bytes),
+    }
+    store(pixels, words);
+}
+
+/// Reads the pixels of a cell. The last cell of a picture may have fewer than the others: 0 stands for what it lacks.
+#[inline(always)]
+fn load(pixels: &[u32]) -> [u32; CELL_PIXELS] {
+    match pixels.try_into() {
+        Ok(whole) => whole,
+        Err(_) => load_part(pixels),
     }
 }
 
-/// Does something to the pixels of a cell, of which the last one of a picture may have fewer. A compiler makes the best of a length that it knows.
+/// Writes the pixels of a cell, which may have fewer than `words`.
 #[inline(always)]
-pub(super) fn in_cell(pixels: &mut [u32], work: impl Fn(&mut [u32; CELL_PIXELS])) {
+fn store(pixels: &mut [u32], words: [u32; CELL_PIXELS]) {
     match <&mut [u32; CELL_PIXELS]>::try_from(&mut *pixels) {
-        Ok(whole) => work(whole),
-        Err(_) => {
-            let mut room = [0; CELL_PIXELS];
-            let part = &mut room[..pixels.len()];
-            part.copy_from_slice(pixels);
-            work(&mut room);
-            pixels.copy_from_slice(&room[..pixels.len()]);
-        }
+        Ok(whole) => *whole = words,
+        Err(_) => store_part(pixels, words),
     }
 }
 
-#[inline(always)]
-fn add(sums: &mut [f32; CELL_PIXELS], image: &[f32; CELL_PIXELS], factor: f32) {
-    for (sum, number) in sums.iter_mut().zip(image) {
-        *sum += factor * number;
-    }
+// Pixels of a number that is not constant are handled out of line: so the words of a whole cell stay in vector registers.
+
+#[cold]
+#[inline(never)]
+fn load_part(pixels: &[u32]) -> [u32; CELL_PIXELS] {
+    let mut words = [0; CELL_PIXELS];
+    words[..pixels.len()].copy_from_slice(pixels);
+    words
+}
+
+#[cold]
+#[inline(never)]
+fn store_part(pixels: &mut [u32], words: [u32; CELL_PIXELS]) {
+    pixels.copy_from_slice(&words[..pixels.len()]);
 }
 
 /// The pixels of a cell in a tile's part of a framebuffer.

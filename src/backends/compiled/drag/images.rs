@@ -160,15 +160,15 @@ impl WithSimd for Drawing<'_> {
     type Output = ();
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
+    fn with_simd<S: Simd>(self, simd: S) {
         let Part { pixels, transfer } = self.part;
-        with_bytes!(transfer, bytes => self.images.combine(self.factors, pixels, bytes));
+        with_bytes!(transfer, bytes => self.images.combine(simd, self.factors, pixels, bytes));
     }
 }
 
 impl TileImages {
     #[inline(always)]
-    fn combine(&self, factors: &[Factor], pixels: &mut [u32], bytes: impl Bytes) {
+    fn combine(&self, simd: impl Simd, factors: &[Factor], pixels: &mut [u32], bytes: impl Bytes) {
         let stride = cells::stride(self.channels);
         let mut own = Vec::new();
         let (mut cells, mut numbers) = (&*self.cells, &*self.numbers);
@@ -178,7 +178,7 @@ impl TileImages {
             let length = stride * (1 + own.len());
             let (here, later) = cells.split_at(run.cells);
             let (own_numbers, behind) = numbers.split_at(length * run.cells);
-            cells::combine(own_numbers, &own, self.channels, here, pixels, bytes);
+            cells::combine(simd, own_numbers, &own, self.channels, here, pixels, bytes);
             cells = later;
             numbers = behind;
         }

@@ -23,7 +23,7 @@ use crate::backends::compiled::pass::Pass;
 use crate::backends::compiled::program::TileProgram;
 use crate::backends::compiled::tile::{Accumulate, TileScratch};
 use crate::evaluate::weights::{PathMonomials, path_weights};
-use crate::evaluate::{Drag, Framebuffer, Part, write, write_component};
+use crate::evaluate::{Drag, Framebuffer, Part};
 use crate::jit::CompileError;
 use crate::plan::{Channels, Method};
 use crate::trace::Tile;
@@ -354,13 +354,10 @@ impl WithSimd for Writing<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let Writing { cells, planes, channels, part: Part { pixels, transfer } } = self;
+        let planes = planes.map(|plane| plane.as_chunks::<{ cells::CELL_PIXELS }>().0);
         with_bytes!(transfer, bytes => for cell in cells {
-            let start = usize::from(*cell) * cells::CELL_PIXELS;
-            let linear = planes.map(|plane| &plane[start..start + cells::CELL_PIXELS]);
-            cells::in_cell(cells::pixels_of(pixels, *cell), |pixels| match channels {
-                Channels::All => write(pixels, linear, bytes),
-                Channels::One(component) => write_component(pixels, component, linear[component], bytes),
-            });
+            let linear = planes.map(|plane| &plane[usize::from(*cell)]);
+            cells::write_cell(cells::pixels_of(pixels, *cell), linear, channels, bytes);
         });
     }
 }
