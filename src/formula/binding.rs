@@ -1,6 +1,6 @@
-//! A formula's graph analysed by binding times: what is computed when, and what is stored in between.
+//! Binding times of a formula's graph: which values are computed when, and which are stored.
 //!
-//! Static values that dynamic code reads are the *frontier*: they alone are stored (Guenter, Knoblock, Ruf 1995,
+//! The static values that dynamic code reads are the *frontier*. Only they are stored (Guenter, Knoblock, Ruf 1995,
 //! "Specializing Shaders").
 
 use crate::formula::binding_time::BindingTime;
@@ -22,7 +22,7 @@ pub struct Frontier {
     pub uniforms: Vec<NodeId>,
 }
 
-/// A formula's graph with the binding time of every node, and what is computed when.
+/// A formula's graph with the binding time of every node.
 #[derive(Debug, Clone)]
 pub struct Bindings {
     /// The graph.
@@ -54,7 +54,7 @@ impl Bindings {
         bindings
     }
 
-    /// Whether both compute the same from the same parameters.
+    /// Whether both have the same graph and the same contribution.
     pub fn computes_the_same(&self, other: &Bindings) -> bool {
         self.contribution == other.contribution && self.graph.has_the_nodes_of(&other.graph)
     }
@@ -86,7 +86,8 @@ impl Bindings {
         }
     }
 
-    /// The nodes that code for `roots` reads, besides those dynamic nodes that are `stored` in columns of their own.
+    /// The nodes that code for `roots` reads. The dynamic nodes in `stored` are read from columns of their own and left
+    /// out here.
     pub fn frontier_of(&self, roots: &[NodeId], stored: &[NodeId]) -> Frontier {
         let mut frontier = Frontier::default();
         let mut seen = vec![false; self.graph.len()];
@@ -113,8 +114,8 @@ impl Bindings {
         frontier
     }
 
-    /// Whether a node compares something with a constant. To compare again is cheaper than to store the result, and
-    /// several comparisons of one value store only the value.
+    /// Whether a node compares something with a constant. It is cheaper to compare again than to store the result. With
+    /// several comparisons of one value, only the value is stored.
     fn is_simple_comparison(&self, id: NodeId) -> bool {
         match self.graph.node(id) {
             Node::Apply(Primitive::Less | Primitive::LessEqual | Primitive::Equal, operands) => {
@@ -167,8 +168,8 @@ mod tests {
         );
         assert_eq!(phong.frontier.records.len(), 2);
         assert_eq!(phong.frontier.hits.len(), 0);
-        // The colours of the two terms, with ki in them, and the exponent: everything that can be multiplied once a
-        // frame is.
+        // The uniform values are the colours of the two terms, with ki, and the exponent. Everything that can be
+        // multiplied once a frame is.
         assert_eq!(phong.frontier.uniforms.len(), 7);
         let called = |primitive| {
             (0..phong.graph.len() as u32).any(|id| matches!(phong.graph.node(NodeId(id)), Node::Apply(p, _) if p == primitive))
@@ -194,8 +195,8 @@ mod tests {
 
     #[test]
     fn sums_of_colours_are_multiplied_out() {
-        // A highlight whose colour turns metallic, with a bounded exponent, and with an unbounded one: then a cosine
-        // that rounding takes above 1 would have infinite powers.
+        // A highlight whose colour turns metallic, with a bounded and an unbounded exponent. With an unbounded one, a
+        // cosine slightly above 1 by rounding would have infinite powers.
         for exponent in ["1 + 99*s", "3/(1 - s)"] {
             let metal = bindings(&format!(
                 "body_specific; s: scalar, constraint 0..1; m: scalar, constraint 0..1; formula; white = <1, 1, 1>;

@@ -1,5 +1,4 @@
-//! Binding times: which parts of a formula are known once rays are traced, which once a frame, which only for every
-//! record.
+//! Binding times: which parts of a formula are known after tracing, which once a frame, and which for each record only.
 //!
 //! Each node of the graph is constant, *static* (made of variables alone: known once traced, for a hit or for a lit
 //! record), *uniform* (made of parameters alone: known once a frame, for a body and a light), or *dynamic* (made of
@@ -11,18 +10,18 @@ use crate::lang::variables::Rate;
 /// When a value is known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum BindingTime {
-    /// From the text.
+    /// Known from the text.
     Constant,
-    /// Once traced, for each hit or each lit record.
+    /// Known after tracing, for each hit or each lit record.
     Static(Rate),
-    /// Once a frame, for each body and light.
+    /// Known once a frame, for each pair of a body and a light.
     Uniform,
-    /// Once a frame, for each lit record.
+    /// Computed once a frame, for each lit record.
     Dynamic,
 }
 
 impl BindingTime {
-    /// That of a node, from those of the nodes before it.
+    /// The binding time of a node, from the binding times of the nodes before it.
     pub(super) fn of(graph: &Graph, id: NodeId, known: &[BindingTime]) -> BindingTime {
         match graph.node(id) {
             Node::Constant(_) => BindingTime::Constant,
@@ -35,7 +34,7 @@ impl BindingTime {
         }
     }
 
-    /// Of what is computed from both.
+    /// The binding time of a value that is computed from both.
     fn join(self, other: BindingTime) -> BindingTime {
         use BindingTime::{Constant, Dynamic, Static, Uniform};
         match (self, other) {

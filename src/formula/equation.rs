@@ -24,24 +24,24 @@ pub enum Site {
     Miss,
 }
 
-/// The colour that a term weighs.
+/// The colour of a term.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Colour {
-    /// What the user's formula yields for a lit record.
+    /// The value of the user's formula for a lit record.
     Formula,
     /// A product of vector parameters, one number for red, green and blue each.
     Parameters(&'static [Predefined]),
 }
 
-/// A term: a product of a scalar weight and a colour. Where the weight is 0, the term is exactly 0, even if the colour
-/// is infinite or NaN.
+/// A term: a product of a scalar weight and a colour. If the weight is 0, the term is exactly 0, even if the colour is
+/// infinite or NaN.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct EquationTerm {
     /// Its name in reports.
     pub name: &'static str,
     /// Where it is added.
     pub site: Site,
-    /// The scalar parameter that weighs it; `None`: 1.
+    /// The scalar parameter that is its weight. `None`: 1.
     pub weight: Option<Predefined>,
     /// The colour.
     pub colour: Colour,
@@ -70,7 +70,7 @@ impl EquationTerm {
         TERMS.iter().filter(move |term| term.site == site)
     }
 
-    /// The parameters that the term is a product of: the weight first, then the colours. The formula is not among them.
+    /// The parameters whose product the term is: first the weight, then the colours. The formula is not included.
     pub fn factors(&self) -> impl Iterator<Item = Predefined> + use<> {
         let colours = match self.colour {
             Colour::Formula => &[],
@@ -79,8 +79,8 @@ impl EquationTerm {
         self.weight.into_iter().chain(colours.iter().copied())
     }
 
-    /// The product of the weight and the colours, whose values `value` gives (a scalar's three times); of the formula's
-    /// term the weight alone.
+    /// The product of the weight and the colours. `value` gives their values, a scalar three times. The term of the
+    /// formula gives its weight only.
     pub fn product(&self, value: impl Fn(Predefined) -> [f32; 3]) -> [f32; 3] {
         let multiply = |a: [f32; 3], b: [f32; 3]| std::array::from_fn(|component| Floats.mul(a[component], b[component]));
         let colour = match self.colour {
@@ -91,15 +91,15 @@ impl EquationTerm {
     }
 }
 
-/// A weighed colour; exactly 0 where the weight is 0.
+/// A weighted colour. It is exactly 0 if the weight is 0.
 pub fn weighed(weight: f32, colour: [f32; 3]) -> [f32; 3] {
     colour.map(|component| if weight == 0.0 { 0.0 } else { Floats.mul(weight, component) })
 }
 
-/// Where the numbers of the predefined parameters lie among the parameter numbers of a formula on a scene.
+/// The places of the predefined parameters in the parameter numbers of a formula on a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Equation {
-    /// Where the rows of owners lie.
+    /// The rows of the owners.
     pub layout: Layout,
     /// The first slot of each predefined parameter in the row of its owner, in the order of the table.
     slots: [usize; Predefined::ALL.len()],
@@ -125,25 +125,25 @@ impl Equation {
         self.layout.row(predefined.owner(), index) + self.slot(predefined, 0)
     }
 
-    /// The value of a predefined parameter for the owner of this index; a scalar's number three times.
+    /// The value of a predefined parameter for the owner of this index. A scalar is repeated three times.
     pub fn value(&self, parameters: &[f32], predefined: Predefined, index: usize) -> [f32; 3] {
         let place = self.place(predefined, index);
         let last = predefined.ty().slots() - 1;
         [0, 1, 2].map(|component: usize| flush(parameters[place + component.min(last)]))
     }
 
-    /// The value of a term without the formula at a hit of a body; that of a miss does not depend on a body.
+    /// The value of a term without the formula at a hit on a body. The value at a miss does not depend on the body.
     pub fn term(&self, term: &EquationTerm, parameters: &[f32], body: usize) -> [f32; 3] {
         term.product(|factor| self.value(parameters, factor, index_of(factor, body, 0)))
     }
 
-    /// The weight of a lit record's term for this light: where it is 0, the light adds nothing.
+    /// The weight of the lit records of this light. If it is 0, the light adds nothing.
     pub fn light_weight(&self, parameters: &[f32], light: usize) -> f32 {
         let weights = EquationTerm::at(Site::LitRecord).filter_map(|term| term.weight);
         weights.map(|weight| self.value(parameters, weight, index_of(weight, 0, light))[0]).fold(1.0, |a, b| a * b)
     }
 
-    /// The sum of the terms of a site that are without the formula.
+    /// The sum of the terms of a site without the formula.
     pub fn sum(&self, site: Site, parameters: &[f32], body: usize) -> [f32; 3] {
         let terms = EquationTerm::at(site).map(|term| self.term(term, parameters, body));
         terms.reduce(|a, b| std::array::from_fn(|component| Floats.add(a[component], b[component]))).unwrap_or_default()
@@ -183,7 +183,7 @@ mod tests {
     fn every_parameter_of_the_equation_is_in_one_term_or_weighs_a_ray() {
         let mut factors: Vec<Predefined> = TERMS.iter().flat_map(EquationTerm::factors).chain([REFLECTED, REFRACTED]).collect();
         factors.sort_unstable();
-        // The colour of a light is the formula's to use.
+        // The formula uses the colour of a light.
         let all: Vec<Predefined> = Predefined::ALL.iter().copied().filter(|one| *one != Predefined::LightColour).collect();
         let mut all = all;
         all.sort_unstable();

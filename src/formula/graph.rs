@@ -17,18 +17,18 @@ pub struct NodeId(pub u32);
 /// A scalar value, by how it is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Node {
-    /// A number, by its bits, so that −0 and NaN are numbers of their own.
+    /// A number, by its bits, so that −0 and each NaN are different numbers.
     Constant(u32),
     /// A component (0 for a scalar) of a variable.
     Variable(Variable, u8),
     /// A component (0 for a scalar) of a parameter.
     Parameter(ParameterId, u8),
-    /// A primitive on the first nodes of this list, as many as it takes.
+    /// A primitive. Its operands are the first nodes of this list.
     Apply(Primitive, [NodeId; Primitive::MAX_ARITY]),
 }
 
 impl Node {
-    /// The nodes it is computed from.
+    /// Its operands.
     pub fn operands(&self) -> &[NodeId] {
         match self {
             Node::Constant(_) | Node::Variable(..) | Node::Parameter(..) => &[],
@@ -37,8 +37,8 @@ impl Node {
     }
 }
 
-/// The nodes that can be reached from `root`, each once, operands before their users. `next` returns the operands of a
-/// node that are to be followed.
+/// The nodes that can be reached from `root`, each once, operands before their users. `next` returns the operands to
+/// follow.
 pub(super) fn walk(root: NodeId, next: impl Fn(NodeId) -> Vec<NodeId>) -> BTreeSet<NodeId> {
     let mut found = BTreeSet::new();
     let mut pending = vec![root];
@@ -62,7 +62,7 @@ impl Graph {
     /// The graph of a formula.
     pub fn new(formula: &Formula) -> Self {
         let mut graph = Graph::empty();
-        // The nodes of each term; those of a scalar are three times the same.
+        // The nodes of each term. A scalar has the same node three times.
         let mut built: Vec<[NodeId; 3]> = Vec::with_capacity(formula.terms.len());
         let mut stack = Stack::new(16, NodeId(0));
         for (index, term) in formula.terms.iter().enumerate() {
@@ -93,13 +93,12 @@ impl Graph {
         Graph { nodes: Vec::new(), index: HashMap::new(), result: [NodeId(0); 3] }
     }
 
-    /// A node, added as it is if it is new. Its operands are nodes of this graph.
+    /// The index of a node. It is added without change if it is new. Its operands are nodes of this graph.
     pub(crate) fn insert(&mut self, node: Node) -> NodeId {
         self.add(node)
     }
 
-    /// The graph of the nodes that `roots` are computed from, in the same order, and the roots in it, which become its
-    /// result.
+    /// The graph of the nodes that `roots` need, in the same order, and the roots in it, which become its result.
     pub(super) fn reachable(&self, roots: [NodeId; 3]) -> (Graph, [NodeId; 3]) {
         let mut wanted = vec![false; self.len()];
         let mut pending = roots.to_vec();
@@ -159,7 +158,7 @@ impl Graph {
         self.nodes == other.nodes
     }
 
-    /// Whether there are none. The graph of a formula has some.
+    /// Whether it has no nodes. The graph of a formula has at least one.
     pub fn is_empty(&self) -> bool {
         self.nodes.is_empty()
     }
@@ -169,7 +168,7 @@ impl Graph {
         self.result
     }
 
-    /// The value of a node, if it is a constant.
+    /// The value of a constant node.
     pub fn constant(&self, id: NodeId) -> Option<f32> {
         match self.node(id) {
             Node::Constant(bits) => Some(f32::from_bits(bits)),
@@ -177,7 +176,7 @@ impl Graph {
         }
     }
 
-    /// The values of some nodes by the reference meaning. `leaf` gives those of variables and parameters.
+    /// The values of some nodes by the reference meaning. `leaf` gives the values of variables and parameters.
     pub fn evaluate(&self, roots: &[NodeId], leaf: impl Fn(NodeId) -> f32) -> Vec<f32> {
         let mut values: HashMap<NodeId, f32> = HashMap::new();
         let mut pending = roots.to_vec();

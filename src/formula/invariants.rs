@@ -1,8 +1,8 @@
 //! Invariants: sums of parameters that are to be 1, or at most 1 (thesis 4.2.7, 8.2).
 //!
-//! The `=` lines of one kind of owner form a linear system. Each makes one parameter follow from the others; what is
-//! left is free within the bounds that ranges and `<=` lines set. Held here is that system and what it says about given
-//! values; the values themselves, and who is told when one gives way, are the workspace's.
+//! The `=` lines of one kind of owner form a linear system. Each line makes one parameter follow from the others. The
+//! other parameters are free within the bounds of ranges and `<=` lines. This module solves the system and adjusts
+//! given values. The workspace keeps the values, and reports adjustments.
 
 mod elimination;
 mod polytope;
@@ -19,7 +19,7 @@ use std::collections::BTreeMap;
 pub struct Dependent {
     /// The locked parameter.
     pub parameter: ParameterId,
-    /// What it is where the free ones are 0.
+    /// Its value if the free ones are 0.
     pub constant: f64,
     /// The free parameters that it follows from, with their coefficients, in the order of naming.
     pub terms: Vec<(ParameterId, f64)>,
@@ -33,21 +33,21 @@ impl Dependent {
     }
 }
 
-/// Invariants that cannot hold together while every parameter stays in 0..1.
+/// Invariants that cannot all hold with every parameter in 0..1.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Inconsistent {
-    /// Indices into the list of invariants; without any one of these the others could hold.
+    /// Indices into the list of invariants. Without any one of these, the others can hold.
     pub invariants: Vec<usize>,
 }
 
-/// A default that gives way to the invariants.
+/// A default that the invariants change.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DefaultConflict {
     /// The parameter.
     pub parameter: ParameterId,
     /// Its default.
     pub given: f32,
-    /// What it is instead.
+    /// The value that it becomes.
     pub settled: f32,
 }
 
@@ -58,15 +58,15 @@ pub struct InvariantSystem {
     free: Vec<ParameterId>,
     /// The locked parameters, in the order of the lines that lock them.
     dependents: Vec<Dependent>,
-    /// What the free parameters may be.
+    /// The values that the free parameters may have.
     polytope: Polytope,
-    /// The names of all parameters concerned.
+    /// The names of all parameters in it.
     names: BTreeMap<ParameterId, String>,
 }
 
 impl InvariantSystem {
-    /// Solves the invariants of one kind of owner; with the system come the indices of redundant `=` lines, which say
-    /// nothing that the lines before them do not. Indices are into `invariants`; lines of other owners are passed over.
+    /// Solves the invariants of one kind of owner. Also returns the indices of redundant `=` lines, which follow from
+    /// the lines before them. Indices are into `invariants`. Lines of other owners are ignored.
     ///
     /// # Errors
     /// The lines contradict each other, or leave no values within 0..1.
@@ -144,7 +144,7 @@ impl InvariantSystem {
         self.dependents.iter().find(|dependent| dependent.parameter == parameter)
     }
 
-    /// What a locked parameter follows from, as `kd = 1 - ks`; none for a free one.
+    /// How a locked parameter follows, such as `kd = 1 - ks`. `None` for a free one.
     pub fn explanation(&self, parameter: ParameterId) -> Option<String> {
         let dependent = self.dependent(parameter)?;
         let mut text = format!("{} =", self.names[&parameter]);
@@ -172,9 +172,8 @@ impl InvariantSystem {
         Some(text)
     }
 
-    /// Where a free parameter may be moved, the other free ones staying as `values` has them: there every parameter of
-    /// the owner stays in 0..1 and every `<=` holds. A locked parameter stays where it is. None where no invariant
-    /// names it.
+    /// The range of a free parameter while the other free ones keep their `values`: every parameter of the owner stays
+    /// in 0..1 and every `<=` holds. The range of a locked parameter is its value. `None` if no invariant names it.
     pub fn range_of(&self, parameter: ParameterId, values: impl Fn(ParameterId) -> f32) -> Option<[f32; 2]> {
         if let Some(dependent) = self.dependent(parameter) {
             return Some([dependent.value(values); 2]);
@@ -184,8 +183,8 @@ impl InvariantSystem {
         Some([tidy(low), tidy(high)])
     }
 
-    /// What moves along with a parameter, itself included: the value of each is an affine function of it, with this
-    /// slope, as long as the other free ones stay. Nothing moves with a locked parameter, which cannot be moved.
+    /// The parameters that move with a parameter, and the parameter itself. While the other free ones stay, the value
+    /// of each is an affine function of it with this slope. Empty for a locked parameter, which cannot be moved.
     pub fn moved_with(&self, parameter: ParameterId) -> Vec<(ParameterId, f64)> {
         if self.is_locked(parameter) {
             return Vec::new();
@@ -197,14 +196,14 @@ impl InvariantSystem {
         std::iter::once((parameter, 1.0)).chain(followers).collect()
     }
 
-    /// Moves a free parameter to a value or as near to it as its range allows; all values that are others afterwards,
-    /// its own first. Nothing where the parameter is locked.
+    /// Moves a free parameter to a value, or as near to it as its range allows. Returns all values that change, its own
+    /// first. Does nothing for a locked parameter.
     pub fn move_one(&self, parameter: ParameterId, value: f32, values: impl Fn(ParameterId) -> f32) -> Vec<(ParameterId, f32)> {
         if self.is_locked(parameter) {
             return Vec::new();
         }
         let value = match self.range_of(parameter, &values) {
-            // An interval whose ends were rounded past each other is a point.
+            // If rounding has crossed the ends of an interval, it is a point.
             Some([low, high]) => value.max(low).min(high),
             None => value,
         };
@@ -217,9 +216,9 @@ impl InvariantSystem {
         std::iter::once((parameter, value)).chain(followers).collect()
     }
 
-    /// Settles values that arrive together: the free parameters in the order of naming, each taken to the nearest value
-    /// for which the later ones can still satisfy everything, then the locked ones. Values of all parameters that
-    /// invariants name, free ones first.
+    /// Adjusts values that arrive together. Each free parameter, in the order of naming, gets the nearest value for
+    /// which the later ones can still satisfy all conditions. The locked ones follow. Returns the values of all
+    /// parameters that invariants name, free ones first.
     pub fn settle(&self, wanted: impl Fn(ParameterId) -> f32) -> Vec<(ParameterId, f32)> {
         let wanted: Vec<f32> = self.free.iter().map(|id| within_unit(wanted(*id))).collect();
         let settled = if self.polytope.miss(|index| f64::from(wanted[index])) <= TOLERANCE {
@@ -243,7 +242,7 @@ impl InvariantSystem {
                 continue;
             }
             fixed.pop();
-            // A hair more than the least slack: the program is solved in floating point too.
+            // Slightly more than the smallest slack, because the program is also solved in floating point.
             let interval = [1e-9, 1e-6].iter().find_map(|hair| self.polytope.interval(&fixed, slack + hair));
             let nearest = match interval {
                 Some([low, high]) => tidy(f64::from(value).max(low).min(high)),
@@ -252,13 +251,13 @@ impl InvariantSystem {
             fixed.push(f64::from(nearest));
             slack = self.polytope.least_slack(&fixed);
         }
-        // These were `f32` when they were pushed.
+        // These values were `f32` before.
         fixed.into_iter().map(|value| value as f32).collect()
     }
 }
 
-/// The defaults that give way to the invariants, or that are given to locked parameters and differ from what these
-/// follow to be. Invariants that are inconsistent make none give way.
+/// The defaults that the invariants change, and defaults of locked parameters that differ from the value that follows.
+/// Inconsistent invariants change none.
 pub fn default_conflicts(parameters: &[Parameter], invariants: &[Invariant]) -> Vec<DefaultConflict> {
     let given = |id: ParameterId| parameters[id.0 as usize].default[0];
     Owner::ALL
@@ -270,12 +269,12 @@ pub fn default_conflicts(parameters: &[Parameter], invariants: &[Invariant]) -> 
         .collect()
 }
 
-/// Whether two values differ by more than rounding explains.
+/// Whether two values differ by more than rounding.
 pub fn differ(one: f32, other: f32) -> bool {
     (f64::from(one) - f64::from(other)).abs() > 2.0 * TOLERANCE
 }
 
-/// A number as messages show it: at most six digits.
+/// A number for messages, with at most six digits.
 pub(crate) fn short(number: f32) -> String {
     let rounded = format!("{:.6}", number);
     let digits = rounded.trim_end_matches('0').trim_end_matches('.');
@@ -288,7 +287,7 @@ pub(crate) fn short(number: f32) -> String {
     }
 }
 
-/// A bound without the noise of arithmetic: seven decimals are as fine as `f32` near 1.
+/// A bound without rounding noise. Seven decimals are as fine as `f32` near 1.
 fn tidy(value: f64) -> f32 {
     ((value * 1e7).round() / 1e7).clamp(0.0, 1.0) as f32
 }

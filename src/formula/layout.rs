@@ -30,7 +30,7 @@ impl Layout {
         self.globals + self.body * self.bodies + self.light * self.lights
     }
 
-    /// Whether there are none. There always are the predefined ones.
+    /// Whether there are none. There are always the predefined ones.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -53,7 +53,7 @@ impl Layout {
         }
     }
 
-    /// The owner whose row contains this place, its index, and the slot in the row. None beyond the last row.
+    /// The owner whose row contains this place, its index, and the slot in the row. `None` beyond the last row.
     pub fn owner_of(&self, place: usize) -> Option<(Owner, usize, usize)> {
         let (owner, first, length) = if place < self.globals {
             (Owner::Global, 0, self.globals)

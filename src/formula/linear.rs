@@ -1,10 +1,10 @@
 //! Values as sums of products, each of an *outer* and an *inner* factor: `Σ outer · inner`.
 //!
-//! Two analyses take a contribution apart in this way. [`rewrite`](super::rewrite) wants everything uniform in the
-//! outer factors, so that it is multiplied once a frame. [`separation`](super::separation) wants everything that a
-//! dragged slider moves in the outer factors, so that images of the inner ones can be kept. What is common to both
-//! stands here: which primitives are linear in their operands, and the arithmetic of sums of products. What goes to
-//! which side, and which sums are worth having, they say by [`LinearForm`].
+//! Two analyses split a contribution in this way. [`rewrite`](super::rewrite) collects uniform values in the outer
+//! factors, so that they are multiplied once a frame. [`separation`](super::separation) collects the values that a
+//! dragged slider moves in the outer factors, so that images of the inner ones can be kept. This module has the common
+//! part: which primitives are linear in their operands, and the arithmetic of sums of products. The analyses implement
+//! [`LinearForm`] to decide which factor goes to which side, and which sums are useful.
 
 use crate::formula::graph::{Graph, Node, NodeId, walk};
 use crate::lang::scalars::Primitive;
@@ -24,29 +24,29 @@ pub(super) enum Common {
     Inner,
 }
 
-/// How an analysis takes values apart.
+/// How an analysis splits values.
 pub(super) trait LinearForm {
-    /// The graph in which nodes are.
+    /// The graph of the nodes.
     fn graph(&self) -> &Graph;
     /// The node of a primitive on nodes of the graph, added if it is new.
     fn record(&mut self, primitive: Primitive, operands: &[NodeId]) -> NodeId;
     /// The node of a number, added if it is new.
     fn constant(&mut self, value: f32) -> NodeId;
-    /// Whether a node may have both kinds of factors in it, so that it has to be taken apart.
+    /// Whether a node is mixed: it may contain both kinds of factors and must be split.
     fn is_mixed(&self, id: NodeId) -> bool;
-    /// A node as a single product. None where it is mixed and no mixed node may stand for itself.
+    /// A node as a single product. `None` if it is mixed and mixed nodes must be split.
     fn whole(&self, id: NodeId) -> Option<Product>;
-    /// Whether a sum is still worth having.
+    /// Whether a sum is still useful.
     fn accepts(&self, sum: &[Product]) -> bool;
     /// Whether two sums may be multiplied out.
     fn multiplies(&self, x: &[Product], y: &[Product]) -> bool;
     /// Whether the products of a sum may be divided by a node, which is not mixed, one by one.
     fn divides(&mut self, sum: &[Product], divisor: NodeId) -> bool;
-    /// The factor by which two products can be put together as one.
+    /// The common factor by which two products can become one.
     fn common(&self, one: &Product, other: &Product) -> Option<Common>;
 
-    /// A value as a sum of products. None where it is not linear and [`whole`](Self::whole) does not let a node stand
-    /// for itself.
+    /// A value as a sum of products. `None` if it is not linear and [`whole`](Self::whole) does not accept it as one
+    /// product.
     fn sum_of_products(&mut self, root: NodeId) -> Option<Vec<Product>> {
         let mut sums: HashMap<NodeId, Vec<Product>> = HashMap::new();
         for id in walk(root, |id| self.linear_operands(id)) {
@@ -95,7 +95,7 @@ pub(super) trait LinearForm {
         }
     }
 
-    /// Every product of one sum with every one of another.
+    /// Each product of one sum times each product of another.
     fn multiplied(&mut self, x: &[Product], y: &[Product]) -> Vec<Product> {
         let mut products = Vec::with_capacity(x.len() * y.len());
         for (one, other) in x.iter().flat_map(|one| y.iter().map(move |other| (one, other))) {
@@ -106,7 +106,7 @@ pub(super) trait LinearForm {
         self.gathered(products)
     }
 
-    /// The products divided by a node that is not mixed: on the side that it belongs to.
+    /// The products divided by a node that is not mixed, on the side of that node.
     fn divided(&mut self, sum: &[Product], divisor: NodeId) -> Vec<Product> {
         let is_outer = self.whole(divisor).is_some_and(|whole| whole.outer.is_some());
         let one = self.constant(1.0);
@@ -119,14 +119,14 @@ pub(super) trait LinearForm {
         self.gathered(quotients)
     }
 
-    /// The products with the other sign.
+    /// The products with the opposite sign.
     fn negated(&mut self, sum: &[Product]) -> Option<Vec<Product>> {
         let minus_one = self.constant(-1.0);
         let minus_one = self.whole(minus_one)?;
         Some(self.multiplied(&[minus_one], sum))
     }
 
-    /// The products as a sum in which those that have a factor in common are put together.
+    /// The products as a sum, in which products with a common factor are combined.
     fn gathered(&mut self, products: impl IntoIterator<Item = Product>) -> Vec<Product> {
         let mut sum: Vec<Product> = Vec::new();
         for product in products {

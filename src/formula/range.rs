@@ -1,8 +1,8 @@
-//! What values the nodes of a graph can take: for rewrites that are valid only within bounds.
+//! The intervals of a graph's nodes, for rewrites that are valid only within bounds.
 //!
-//! Variables and parameters have known ranges; that of an operation follows from its operands by the row of its
-//! primitive ([`Primitive::interval`]). Only two things are known of nodes beyond that: squares are not negative, and
-//! the dot product of two directions of unit length is a cosine.
+//! Variables and parameters have known ranges. The interval of an operation follows from those of its operands by the
+//! row of its primitive ([`Primitive::interval`]). Two more facts are used: squares are not negative, and the dot
+//! product of two directions of unit length is a cosine.
 
 use crate::formula::Formula;
 use crate::formula::graph::{Graph, Node, NodeId};
@@ -10,10 +10,10 @@ use crate::lang::interval::Interval;
 use crate::lang::scalars::Primitive;
 use crate::lang::variables::Variable;
 
-/// By how much the dot product of two unit vectors can exceed 1 because of rounding.
+/// How far rounding can take the dot product of two unit vectors above 1.
 pub(super) const UNIT_SLACK: f64 = 1e-6;
 
-/// The interval of a node, from those of the nodes before it. Directions are of unit length but for `slack`, which is
+/// The interval of a node, from those of the nodes before it. Directions have unit length within `slack`, which is
 /// [`UNIT_SLACK`] or 0.
 pub(super) fn interval(graph: &Graph, id: NodeId, formula: &Formula, known: &[Interval], slack: f64) -> Interval {
     match graph.node(id) {

@@ -1,5 +1,4 @@
-//! Rewrites of a formula's graph that make more of it static or uniform, so that less is left to do for every record
-//! and frame.
+//! Rewrites a formula's graph so that more of it is static or uniform, and less work remains for each record and frame.
 //!
 //! 1. A power of a static base becomes 2 to the power of the exponent times the logarithm of the base, which is static
 //!    (`power`).
@@ -7,9 +6,9 @@
 //! 3. The contribution, which is linear in its terms, becomes a sum of products `uniform · other`, so that ki, colours
 //!    and weights are multiplied once a frame and not once a record.
 //!
-//! Sums are regrouped only in the contribution (3). There, rounding errors stay as small as those of a term; inside a
-//! power, say, they could be amplified. Every rewrite is done only where intervals prove that it makes nothing infinite
-//! or NaN that was not so before.
+//! Sums are regrouped only in the contribution (3). There, rounding errors stay as small as those of a term. Inside a
+//! power, for example, they could be amplified. A rewrite is done only if intervals prove that it makes no value
+//! infinite or NaN that was neither before.
 
 mod power;
 
@@ -23,7 +22,7 @@ use crate::lang::scalars::{Primitive, Recorder};
 
 /// The largest factors of regrouped products: no partial product overflows, and underflow does not matter.
 const LARGEST_FACTOR: f64 = 1e6;
-/// The largest terms that are multiplied out: their rounding errors are far below what a colour shows.
+/// The largest terms that are multiplied out. Their rounding errors are far below what is visible.
 const LARGEST_TERM: f64 = 64.0;
 /// How large such terms may become by rounding alone, see [`power`].
 const LARGEST_ROUNDED_TERM: f64 = 1e20;
@@ -43,16 +42,16 @@ pub(super) fn rewrite(old: &Graph, roots: [NodeId; 3], formula: &Formula) -> (Gr
         });
     }
     let roots = roots.map(|root| rewriter.linear(new[root.0 as usize]));
-    // Attempts that came to nothing are left behind.
+    // Nodes of abandoned attempts are left out.
     rewriter.graph.reachable(roots)
 }
 
-/// A new graph, with what is known of each of its nodes.
+/// A new graph, with the interval and binding time of each node.
 struct Rewriter<'f> {
     graph: Graph,
     binding_times: Vec<BindingTime>,
     intervals: Vec<Interval>,
-    /// The intervals if directions were of unit length exactly.
+    /// The intervals if directions had exactly unit length.
     exact_intervals: Vec<Interval>,
     formula: &'f Formula,
 }
@@ -174,7 +173,7 @@ impl<'f> Rewriter<'f> {
         [term.outer, term.inner].into_iter().flatten().all(small)
     }
 
-    /// Whether to multiply each term of a sum by something uniform is no more work than to multiply the sum.
+    /// Whether multiplying each term of a sum by a uniform value costs no more than multiplying the sum.
     fn may_scale(&self, sum: &[Product]) -> bool {
         // A term without a uniform factor costs one more multiplication; that of the sum is saved. The factors of a
         // large term must not be multiplied in another order: some alone may be too small for a number.
@@ -183,7 +182,7 @@ impl<'f> Rewriter<'f> {
     }
 }
 
-/// Outer factors are uniform. What is not linear, or not worth multiplying out, is an inner factor as a whole.
+/// Outer factors are uniform. A value that is not linear, or not useful to multiply out, is an inner factor as a whole.
 impl LinearForm for Rewriter<'_> {
     fn graph(&self) -> &Graph {
         &self.graph

@@ -1,10 +1,10 @@
 //! How a contribution depends on the parameters that a dragged slider moves.
 //!
-//! While a slider is dragged, a few numbers *move* and all others are *fixed*. A contribution is *separable* where the
-//! graph proves that it is a sum Σ factor · part, with factors made of moved numbers alone and parts made of fixed ones
-//! alone. Then each part, summed up over all hits, is an image that can be stored, and a frame is a weighted sum of
-//! images. Any other contribution is split into a fixed part and a *moving* part, which has to be computed again. Of
-//! the moving part, every expensive fixed sub-expression can be stored for each record.
+//! While a slider is dragged, a few numbers *move* and all others are *fixed*. A contribution is *separable* if the
+//! graph proves that it is a sum Σ factor · part, where factors depend on moved numbers only and parts on fixed ones
+//! only. Then the sum of each part over all hits is an image that can be stored, and a frame is a weighted sum of
+//! images. Any other contribution is split into a fixed part and a *moving* part, which must be computed again.
+//! Expensive fixed sub-expressions of the moving part can be stored for each record.
 
 use crate::formula::ParameterId;
 use crate::formula::binding::Bindings;
@@ -14,19 +14,19 @@ use crate::formula::linear::{Common, LinearForm, Product};
 use crate::lang::scalars::Primitive;
 use std::collections::{HashMap, HashSet};
 
-/// With more terms than this, images are no faster than to compute the contribution again.
+/// With more terms than this, images are no faster than computing the contribution again.
 const MOST_TERMS: usize = 6;
-/// The cost from which on a sub-expression is stored rather than computed again: about that of loading it, in simple
-/// instructions.
+/// A sub-expression of at least this cost is stored instead of computed again. It is about the cost of loading it, in
+/// simple instructions.
 const WORTH_STORING: u32 = 12;
 
 /// A term of a separable contribution, for red, green and blue: a moved factor and a fixed part. A part that is missing
 /// is 1.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SeparableTerm {
-    /// Made of moved numbers and constants. None where the component has no such term.
+    /// The factors, which depend on moved numbers and constants. `None` if the component has no such term.
     pub factors: [Option<NodeId>; 3],
-    /// Made of fixed numbers.
+    /// The parts, which depend on fixed numbers.
     pub parts: [Option<NodeId>; 3],
 }
 
@@ -35,30 +35,30 @@ pub struct SeparableTerm {
 pub enum Dependence {
     /// Not at all.
     None,
-    /// As a sum of terms, beside a fixed part.
+    /// As a fixed part plus a sum of terms.
     Separable(Vec<SeparableTerm>),
     /// In another way.
     Inseparable {
-        /// The part that has to be computed again for every frame, of the components that depend on moved numbers.
+        /// The part that must be computed again in each frame, for the components that depend on moved numbers.
         moving: [Option<NodeId>; 3],
-        /// Fixed, dynamic sub-expressions of it that are worth storing for each record.
+        /// Its fixed dynamic sub-expressions that are stored for each record.
         stored: Vec<NodeId>,
     },
 }
 
-/// A contribution taken apart for a drag.
+/// A contribution, separated for a drag.
 #[derive(Debug, Clone)]
 pub struct Separation {
     /// The formula's graph, extended by the nodes below.
     pub bindings: Bindings,
-    /// The fixed part of red, green and blue, beside the terms or the moving part.
+    /// The fixed part of red, green and blue.
     pub fixed: [Option<NodeId>; 3],
     /// The part that depends on moved numbers.
     pub dependence: Dependence,
 }
 
 impl Separation {
-    /// Takes the contribution apart, where these components of parameters of one owner move.
+    /// Separates the contribution for these moved components of parameters of one owner.
     pub fn new(bindings: &Bindings, moved: &[(ParameterId, u8)]) -> Self {
         let mut separator = Separator { bindings: bindings.clone(), moved: moved.to_vec(), mobilities: Vec::new() };
         separator.analyse_new_nodes();
@@ -82,13 +82,13 @@ impl Separation {
     }
 }
 
-/// Whether a node moves: of what it is made.
+/// Whether a node moves: which numbers it depends on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Mobility {
     Constant,
-    /// Of fixed numbers alone.
+    /// Fixed numbers only.
     Fixed,
-    /// Of moved numbers alone.
+    /// Moved numbers only.
     Moved,
     Mixed,
 }
@@ -140,7 +140,7 @@ impl Separator {
         matches!(self.mobility(id), Mobility::Constant | Mobility::Fixed)
     }
 
-    /// The components as sums of terms. None where one of them is not such a sum, or there are too many terms.
+    /// The components as sums of terms. `None` if a component is not such a sum, or there are too many terms.
     fn separable(&mut self, contribution: [NodeId; 3]) -> Option<Separated> {
         let mut fixed = [None; 3];
         let mut terms: Vec<SeparableTerm> = Vec::new();
@@ -217,7 +217,7 @@ impl Separator {
         stored
     }
 
-    /// What a dynamic node costs, in simple instructions. The count stops where the node is worth storing.
+    /// The cost of a dynamic node, in simple instructions. Counting stops when the node is worth storing.
     fn cost(&self, id: NodeId) -> u32 {
         let mut seen = HashSet::new();
         let mut pending = vec![id];
@@ -238,7 +238,7 @@ impl Separator {
     }
 }
 
-/// Outer factors are moved, inner ones fixed. A mixed node does not stand for itself.
+/// Outer factors are moved, inner ones fixed. Mixed nodes must be split.
 impl LinearForm for Separator {
     fn graph(&self) -> &Graph {
         &self.bindings.graph
@@ -321,7 +321,7 @@ mod tests {
         roots.iter().map(|root| root.map_or(0.0, |_| values.next().expect("a value of each root"))).collect()
     }
 
-    /// Holds the contribution, rewritten and taken apart, against the formula as it is typed; and how it depends on kd.
+    /// Compares the rewritten and separated contribution with the typed formula, and checks how it depends on kd.
     fn check(formula: &Formula) -> Dependence {
         let graph = Graph::new(formula);
         let ki = value(Node::Parameter(formula.predefined(Predefined::Intensity), 0));

@@ -1,6 +1,6 @@
-//! Expressions of a checked formula as text again, with other texts in place of some parts: names of macros, numbers.
+//! Expressions of a checked formula as text. Some parts can be replaced, by names of macros or by numbers.
 //!
-//! Terms become syntax here, and the printer makes the text. Terms do not know whether they were macros or written out.
+//! Terms become a syntax tree here, and the printer makes the text. A term does not know whether it was a macro.
 
 use crate::formula::{Formula, Term, TermId};
 use crate::lang::ast::{Expr, ExprId, ExprKind, FormulaFile, Name};
@@ -10,9 +10,8 @@ use crate::lang::source::SourceSpan;
 use std::collections::HashMap;
 
 impl Formula {
-    /// An expression as text, with no more parentheses than it needs. Where `stand_in` returns a text for a part, it
-    /// takes the place of that part, without parentheses, like a name. Without stand-ins macros are written out at
-    /// every use.
+    /// An expression as text, without redundant parentheses. A text from `stand_in` replaces its part, without
+    /// parentheses, like a name. Otherwise macros are written out at every use.
     pub fn written(&self, root: TermId, stand_in: impl Fn(TermId) -> Option<String>) -> String {
         let mut texts: HashMap<TermId, Option<String>> = HashMap::new();
         let mut pending = vec![root];

@@ -1,4 +1,4 @@
-//! Expressions with names and types settled: macros in the order of their use, overloads by operand types (thesis
+//! Resolves the names and types of expressions: macros in the order of their use, overloads by operand types (thesis
 //! 5.3.2).
 
 use crate::formula::check::names::{Meaning, Names};
@@ -12,26 +12,26 @@ use crate::lang::token::Mark;
 use crate::lang::types::Type;
 use std::collections::BTreeSet;
 
-/// What came of the expressions.
+/// The checked expressions.
 pub(super) struct Checked {
     /// All terms, operands before their users.
     pub(super) terms: Vec<Term>,
-    /// The macros that make sense, in the order of the file.
+    /// The valid macros, in the order of the file.
     pub(super) macros: Vec<(String, TermId)>,
-    /// The formula's last line, if it makes sense.
+    /// The formula's last line, if it is valid.
     pub(super) result: Option<TermId>,
-    /// The term of each expression of the file, where it makes sense.
+    /// The term and type of each expression of the file, if it is valid.
     settled: Vec<Option<(TermId, Type)>>,
 }
 
 impl Checked {
-    /// The type of an expression of the file, where it makes sense.
+    /// The type of an expression of the file, if it is valid.
     pub(super) fn ty(&self, id: ExprId) -> Option<Type> {
         self.settled[id.0 as usize].map(|(_, ty)| ty)
     }
 }
 
-/// Settles all macros and the result.
+/// Checks all macros and the result.
 pub(super) fn check(file: &FormulaFile, parameters: &[Parameter], names: &Names, diagnostics: &mut Diagnostics) -> Checked {
     let settled = vec![None; file.expressions.len()];
     let checked = Checked { terms: Vec::new(), macros: Vec::new(), result: None, settled };
@@ -65,7 +65,7 @@ struct Checker<'c> {
 }
 
 impl Checker<'_> {
-    /// The macros in such an order that each comes after those it uses. Macros that use themselves are reported and
+    /// The macros in an order in which each comes after those that it uses. Macros that use themselves are reported and
     /// left out.
     fn macro_order(&mut self) -> Vec<usize> {
         #[derive(Clone, Copy, PartialEq)]
@@ -78,7 +78,7 @@ impl Checker<'_> {
         let mut state = vec![State::New; uses.len()];
         let mut order = Vec::new();
         for start in 0..uses.len() {
-            // A path of macros, each used by the one before, with how many uses of it are followed already.
+            // A path of macros, each used by the one before, and how many of its uses have been followed.
             let mut path = vec![(start, 0)];
             if state[start] != State::New {
                 continue;
@@ -149,7 +149,7 @@ impl Checker<'_> {
         }
     }
 
-    /// The term of an expression whose operands are settled.
+    /// The term of an expression whose operands have been checked.
     fn settle(&mut self, id: ExprId) -> Option<(TermId, Type)> {
         let expression = self.file.expr(id);
         match &expression.kind {
@@ -327,11 +327,11 @@ impl Checker<'_> {
         );
     }
 
-    /// `Cd*N.L` is read `(Cd*N).L`: where an expression holds such a product and the types do not fit, that is the
+    /// `Cd*N.L` is parsed as `(Cd*N).L`. If an expression contains such a product and the types do not fit, this is the
     /// likely cause.
     fn regrouping(&self, root: ExprId) -> Option<String> {
         let mut pending = vec![root];
-        // Looking through macros could go round in circles; a few steps find what there is to find.
+        // Macros could lead in a circle, so only a few steps are followed.
         for _ in 0..1000 {
             let Expr { kind, .. } = self.file.expr(pending.pop()?);
             match kind {
@@ -378,7 +378,7 @@ pub(super) fn reachable(file: &FormulaFile, root: ExprId) -> Vec<ExprId> {
         found.extend_from_slice(file.expr(found[next]).kind.operands());
         next += 1;
     }
-    // The parser adds operands before what uses them, and each expression has one user.
+    // The parser adds operands before their users, and each expression has one user.
     found.sort_unstable();
     found
 }
@@ -386,12 +386,12 @@ pub(super) fn reachable(file: &FormulaFile, root: ExprId) -> Vec<ExprId> {
 /// How a function is called: `pow(x, y)`.
 fn usages(form: Form) -> Vec<String> {
     let write = |operation: Operation| format!("`{}({})`", form.spelling(), operation.operand_names().join(", "));
-    // Overloads that differ in types alone are called alike.
+    // Overloads that differ only in types have the same form.
     let usages: BTreeSet<String> = form.overloads().map(write).collect();
     usages.into_iter().collect()
 }
 
-/// How what other languages call by this name is written here.
+/// The function of this language for a name from another language.
 fn elsewhere(name: &str) -> Option<&'static str> {
     Some(match name {
         "dot" => "`a.b`",

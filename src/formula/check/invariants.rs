@@ -1,4 +1,4 @@
-//! Invariants with their names settled, whether they can hold, and what they do to defaults (thesis 4.2.7).
+//! Resolves the names of invariants, and checks whether they can hold and how they change defaults (thesis 4.2.7).
 
 use crate::formula::check::names::{Meaning, Names};
 use crate::formula::invariants::{DefaultConflict, Inconsistent, InvariantSystem, default_conflicts};
@@ -9,7 +9,7 @@ use crate::lang::source::SourceSpan;
 use crate::lang::types::Type;
 use crate::lang::variables::Owner;
 
-/// The invariants that make sense, in the order of the file, with their places.
+/// The valid invariants, in the order of the file, with their places.
 pub(super) fn invariants(
     file: &FormulaFile,
     parameters: &[Parameter],
@@ -38,7 +38,7 @@ pub(super) fn invariants(
     list
 }
 
-/// The parameter that may take part in an invariant under this name.
+/// The parameter with this name, if it may take part in an invariant.
 fn parameter(term: &Name, parameters: &[Parameter], names: &Names, diagnostics: &mut Diagnostics) -> Option<ParameterId> {
     let Some(Meaning::Parameter(id)) = names.meaning(&term.text) else {
         let hint = names.suggestion(
@@ -71,12 +71,11 @@ fn parameter(term: &Name, parameters: &[Parameter], names: &Names, diagnostics: 
     None
 }
 
-/// The most invariants that a formula may have. Models have two or three; solving grows with more than the cube of
-/// their number.
+/// The largest number of invariants of a formula. Models have two or three. The time to solve them grows faster than
+/// the cube of their number.
 const MOST_INVARIANTS: usize = 64;
 
-/// Reports invariants that contradict each other, and warns of those that say nothing new and of defaults that give
-/// way.
+/// Reports invariants that contradict each other, and warns about redundant ones and about defaults that they change.
 pub(super) fn solve(
     file: &FormulaFile,
     parameters: &[Parameter],

@@ -1,8 +1,8 @@
-//! Syntax into a [`Formula`]: whose each name is, of what type each expression, whether parameters and invariants make
-//! sense.
+//! Checks the syntax tree and makes a [`Formula`]: the meaning of names, the types of expressions, parameters and
+//! invariants.
 //!
-//! Everything that can be found wrong is reported in one go; an expression that holds a mistake has no type, and
-//! nothing more is said of what uses it.
+//! All mistakes are reported together. An expression with a mistake has no type, and expressions that use it are not
+//! reported.
 
 mod expressions;
 mod invariants;
@@ -17,17 +17,17 @@ use crate::lang::parser;
 use crate::lang::source::Source;
 
 impl Formula {
-    /// Reads and checks a formula file; with the formula come the warnings.
+    /// Parses and checks a formula file. Returns the formula and the warnings.
     ///
     /// # Errors
-    /// Everything wrong with the text that can be found in one go, warnings among it.
+    /// All errors and warnings of the text.
     pub fn parse(source: &Source) -> Result<(Formula, Diagnostics), Diagnostics> {
         let (file, diagnostics) = parser::parse(source);
         check(&file, diagnostics)
     }
 }
 
-/// Checks a formula file, after the `diagnostics` of parsing it; with the formula come the warnings.
+/// Checks a formula file. `diagnostics` are those of the parser. Returns the formula and the warnings.
 fn check(file: &FormulaFile, mut diagnostics: Diagnostics) -> Result<(Formula, Diagnostics), Diagnostics> {
     let parameters = parameters::parameters(file, &mut diagnostics);
     let names = names::Names::collect(file, &parameters, &mut diagnostics);

@@ -1,4 +1,4 @@
-//! Whose each name is: a parameter's, a macro's, a variable's, a function's.
+//! The meaning of each name: a parameter, a macro, a variable or a function.
 
 use crate::formula::{Parameter, ParameterId};
 use crate::lang::ast::{FormulaFile, Name};
@@ -14,7 +14,7 @@ use std::collections::HashMap;
 pub(super) enum Meaning {
     /// A parameter, predefined or declared.
     Parameter(ParameterId),
-    /// A macro, by its place in the file.
+    /// A macro, by its index in the file.
     Macro(usize),
     /// A value of the hit.
     Variable(Variable),
@@ -37,13 +37,13 @@ impl Meaning {
     }
 }
 
-/// The names that a formula gives, and where.
+/// The names that a formula declares, with their places.
 pub(super) struct Names {
     given: HashMap<String, (Meaning, SourceSpan)>,
 }
 
 impl Names {
-    /// Collects the names of declared parameters and macros, and reports those that are taken.
+    /// Collects the names of declared parameters and macros, and reports those that already have a meaning.
     pub(super) fn collect(file: &FormulaFile, parameters: &[Parameter], diagnostics: &mut Diagnostics) -> Names {
         let mut names = Names { given: HashMap::new() };
         let predefined = parameters.len() - file.declarations().count();
@@ -94,12 +94,12 @@ impl Names {
         self.given.get(name).map(|(meaning, _)| *meaning).or_else(|| builtin(name))
     }
 
-    /// Where the formula gives a name.
+    /// Where the formula declares a name.
     pub(super) fn given_at(&self, name: &str) -> Option<SourceSpan> {
         self.given.get(name).map(|(_, span)| *span)
     }
 
-    /// The hint for a name that means nothing: the nearest that means something of the wanted kind.
+    /// The hint for an unknown name: the nearest known name of the wanted kind.
     pub(super) fn suggestion(&self, name: &str, wanted: impl Fn(Meaning) -> bool) -> Option<String> {
         let builtin_names = Variable::ALL
             .iter()
@@ -121,7 +121,7 @@ fn builtin(name: &str) -> Option<Meaning> {
         .or_else(|| builtins::named(name).map(Meaning::Builtin))
 }
 
-/// What a name that may not be given is already.
+/// What a name that cannot be declared already means.
 fn taken(name: &str) -> Option<String> {
     if name == "if" {
         return Some("the word of conditions, `if(a < b, then, else)`".to_owned());

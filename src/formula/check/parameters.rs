@@ -1,4 +1,4 @@
-//! Declarations into parameters: ranges, defaults, slots.
+//! Makes parameters from declarations: ranges, defaults, slots.
 
 use crate::formula::Parameter;
 use crate::lang::ast::{Constant, Declaration, FormulaFile};

@@ -1,5 +1,5 @@
-//! Macros stand for their value. In the thesis's program they were replaced as text; where that would give another
-//! value, an old formula may have meant the other, and this says so.
+//! Warns where replacing a macro by its text would change the value. Macros stand for their value here, but the program
+//! of the thesis replaced them as text, and an old formula may rely on that.
 
 use crate::formula::check::expressions::Checked;
 use crate::formula::check::names::{Meaning, Names};
@@ -9,7 +9,7 @@ use crate::lang::printer::{Binding, print_expression};
 use crate::lang::token::Mark;
 use crate::lang::types::Type;
 
-/// Warns of every use of a macro whose text, put in its place, would be read in another way.
+/// Warns about every macro whose text would be parsed in another way in its place.
 pub(super) fn warn(file: &FormulaFile, names: &Names, checked: &Checked, diagnostics: &mut Diagnostics) {
     let texts = texts_of_macros(file, names);
     let mut warned = vec![false; file.macros.len()];
@@ -23,7 +23,7 @@ pub(super) fn warn(file: &FormulaFile, names: &Names, checked: &Checked, diagnos
             }
             let Some(Meaning::Macro(index)) = names.meaning(name) else { continue };
             let Some(body) = texts[index].filter(|body| checked.ty(*body).is_some()) else { continue };
-            // Once for each macro: the user will look at its other uses.
+            // Only one warning for each macro. The user will look at its other uses.
             if !warned[index] && differs(file, checked, &expression.kind, place, body) {
                 warned[index] = true;
                 let text = shortened(&print_expression(file, body));
@@ -37,8 +37,8 @@ pub(super) fn warn(file: &FormulaFile, names: &Names, checked: &Checked, diagnos
     }
 }
 
-/// For each macro the expression whose text would replace its name: its own, or that of the macro it merely names; none
-/// where macros name each other in a circle.
+/// For each macro the expression whose text would replace its name: its own, or that of the macro that it names. None
+/// if macros name each other in a circle.
 fn texts_of_macros(file: &FormulaFile, names: &Names) -> Vec<Option<ExprId>> {
     let named = |index: usize| {
         let expression = file.expr(file.macros[index].body);

@@ -1,6 +1,6 @@
-//! Lines of sums as a linear system: which places follow from which others, which lines contradict each other.
+//! Solves lines of sums as a linear system: which places follow from others, and which lines contradict each other.
 //!
-//! Parameters are places in the order of naming here; what they are called and what values they have does not matter.
+//! Here a parameter is a place in the order of naming. Its name and its value do not matter.
 
 use crate::formula::invariants::polytope::{Condition, Polytope, TOLERANCE};
 use crate::lang::ast::Relation;
@@ -46,7 +46,7 @@ pub(super) fn consistent(lines: &[NamedSum], parameters: usize) -> bool {
     Polytope { coordinates: parameters, conditions: conditions.collect() }.least_slack(&[]) <= TOLERANCE
 }
 
-/// A part of inconsistent lines that is inconsistent and would not be without any one of them.
+/// A minimal inconsistent part of inconsistent lines: without any one of them, the rest is consistent.
 pub(super) fn irreducible(mut lines: Vec<NamedSum>, parameters: usize) -> Vec<usize> {
     let mut at = 0;
     while at < lines.len() {
@@ -76,15 +76,15 @@ pub(super) fn substituted(line: &NamedSum, locked: &[Locked]) -> (f64, Sum) {
     (constant, sum)
 }
 
-/// Solves the `=` lines in their order: places that follow, each with its constant and its sum over places that are
-/// free in the end; and the redundant lines.
+/// Solves the `=` lines in their order. Returns the places that follow, each with its constant and its sum over free
+/// places, and the redundant lines.
 pub(super) fn eliminate(lines: &[NamedSum]) -> (Vec<Locked>, Vec<usize>) {
     let mut locked: Vec<Locked> = Vec::new();
     let mut redundant = Vec::new();
     for line in lines.iter().filter(|line| line.relation == Relation::Equal) {
         let (constant, sum) = substituted(line, &locked);
         let is_free = |place: &&usize| locked.iter().all(|(pivot, ..)| pivot != *place);
-        // The last named that is free; where substitution cancelled it, the last of what remains.
+        // The last named place that is free. If substitution has cancelled it, the last of the remaining ones.
         let last_named = line.places.iter().rev().find(is_free).filter(|place| sum.contains_key(place)).copied();
         let Some(pivot) = last_named.or_else(|| sum.keys().next_back().copied()) else {
             redundant.push(line.index);

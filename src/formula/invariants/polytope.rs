@@ -1,12 +1,11 @@
-//! The values that a set of linear conditions leaves: points of the unit cube in which sums lie within bounds.
+//! The values that linear conditions allow: points of the unit cube at which sums lie within bounds.
 //!
-//! Only numbers here, no parameters: coordinates are indices. Questions are put to a linear program. Because values are
-//! `f32` and conditions hold only to rounding, everything is answered relative to a *slack* by which conditions may be
-//! missed.
+//! There are no parameters here: coordinates are indices. Linear programs give the answers. Values are `f32` and
+//! conditions hold only up to rounding, so all answers are relative to a *slack* by which a condition may be violated.
 
 use microlp::{ComparisonOp, LinearExpr, OptimizationDirection, Problem, Variable};
 
-/// By how much a sum may be off: values are `f32`, so that 0.6 + 0.4 is not quite 1.
+/// The error that a sum may have. Values are `f32`, so 0.6 + 0.4 is not exactly 1.
 pub(super) const TOLERANCE: f64 = 5e-7;
 
 /// A condition: `low <= constant + Σ coefficient · coordinate <= high`.
@@ -25,7 +24,7 @@ impl Condition {
         self.constant + self.terms.iter().map(|(coordinate, factor)| factor * point(*coordinate)).sum::<f64>()
     }
 
-    /// By how much the bounds are missed at a point; 0 where they are kept.
+    /// How far a point violates the bounds; 0 if it does not.
     fn miss(&self, point: impl Fn(usize) -> f64) -> f64 {
         let sum = self.sum(point);
         (sum - self.high).max(self.low - sum).max(0.0)
@@ -40,13 +39,13 @@ pub(super) struct Polytope {
 }
 
 impl Polytope {
-    /// By how much a point misses the condition that it misses most.
+    /// How far a point violates the condition that it violates most.
     pub(super) fn miss(&self, point: impl Fn(usize) -> f64) -> f64 {
         self.conditions.iter().map(|condition| condition.miss(&point)).fold(0.0, f64::max)
     }
 
-    /// The interval in which one coordinate of a point may move while the others stay: empty intervals shrink to where
-    /// the point is, which then misses some condition already.
+    /// The interval in which one coordinate of a point may move while the others stay. An empty interval becomes the
+    /// point itself, which then already violates a condition.
     pub(super) fn reach(&self, coordinate: usize, point: impl Fn(usize) -> f64) -> [f64; 2] {
         let (mut low, mut high) = (0.0_f64, 1.0_f64);
         for condition in &self.conditions {
@@ -60,21 +59,20 @@ impl Polytope {
         [low.min(here), high.max(here)]
     }
 
-    /// The least slack for which there is a point whose first coordinates are `fixed`.
+    /// The smallest slack for which a point exists with the first coordinates `fixed`.
     pub(super) fn least_slack(&self, fixed: &[f64]) -> f64 {
         let mut program = LinearProgram::new(self, fixed, OptimizationDirection::Minimize, None);
         let slack = program.problem.add_var(1.0, (0.0, f64::INFINITY));
         program.add_conditions(Some(slack), 0.0);
         match program.problem.solve() {
             Ok(solution) => solution.objective().max(0.0),
-            // There is always a point with a large enough slack, so only a failure of the solver's arithmetic ends
-            // here.
+            // With enough slack there is always a point, so only a numerical failure of the solver gets here.
             Err(_) => f64::INFINITY,
         }
     }
 
-    /// The interval of the coordinate behind the `fixed` ones among the points that miss no condition by more than
-    /// `slack`; none where there is no such point.
+    /// The interval of the next coordinate after the `fixed` ones, over the points that violate no condition by more
+    /// than `slack`. `None` if there is no such point.
     pub(super) fn interval(&self, fixed: &[f64], slack: f64) -> Option<[f64; 2]> {
         let end = |direction| {
             let mut program = LinearProgram::new(self, fixed, direction, Some(fixed.len()));
@@ -85,7 +83,7 @@ impl Polytope {
     }
 }
 
-/// A linear program over the coordinates behind the fixed ones.
+/// A linear program over the coordinates after the fixed ones.
 struct LinearProgram<'a> {
     polytope: &'a Polytope,
     fixed: &'a [f64],
@@ -94,7 +92,7 @@ struct LinearProgram<'a> {
 }
 
 impl<'a> LinearProgram<'a> {
-    /// Without conditions yet; the objective is one coordinate, or nothing so far.
+    /// A program without conditions. The objective is one coordinate, or nothing yet.
     fn new(polytope: &'a Polytope, fixed: &'a [f64], direction: OptimizationDirection, objective: Option<usize>) -> Self {
         let mut problem = Problem::new(direction);
         let variables = (fixed.len()..polytope.coordinates)
@@ -103,7 +101,7 @@ impl<'a> LinearProgram<'a> {
         LinearProgram { polytope, fixed, problem, variables }
     }
 
-    /// The conditions, each loosened by a number and by the variable `slack`, if there is one.
+    /// Adds the conditions, each loosened by a number and by the variable `slack`, if there is one.
     fn add_conditions(&mut self, slack: Option<Variable>, loosened: f64) {
         for condition in &self.polytope.conditions {
             let known = condition.sum(|coordinate| self.fixed.get(coordinate).copied().unwrap_or(0.0));
@@ -124,7 +122,7 @@ impl<'a> LinearProgram<'a> {
                     sum.add(slack, -outwards);
                     open = true;
                 }
-                // A condition on fixed coordinates alone is settled: whoever fixed them saw to it.
+                // A condition on fixed coordinates alone already holds.
                 if open {
                     self.problem.add_constraint(sum, comparison, bound - known + outwards * loosened);
                 }

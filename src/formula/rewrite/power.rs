@@ -1,5 +1,5 @@
-//! Powers of static bases: xʸ = 2^(y·log₂|x|), with the sign that a negative base gives. The logarithm is static, so
-//! what remains for every frame is a product and 2 to its power.
+//! Powers of static bases: xʸ = 2^(y·log₂|x|), with the sign of a negative base. The logarithm is static, so a frame
+//! computes a product and a power of 2.
 
 use super::Rewriter;
 use crate::formula::binding_time::BindingTime;
@@ -8,14 +8,14 @@ use crate::formula::linear::LinearForm;
 use crate::lang::interval::Interval;
 use crate::lang::scalars::Primitive;
 
-/// The largest logarithm of a power that would be at most 1 if its base, a cosine, did not exceed 1 by rounding.
+/// The largest logarithm of a power of a cosine that exceeds 1 only by rounding.
 const LARGEST_ROUNDED_LOGARITHM: f64 = 60.0;
-/// Exponents other than 0 are taken to be at least so large.
+/// The smallest magnitude of an exponent other than 0.
 const SMALLEST_EXPONENT: f32 = 1e-36;
 
-/// Whether a power by way of a logarithm in single precision is accurate enough. Its relative error grows with the
-/// logarithm of the power. Where the base is at most 1, powers of large logarithm are next to nothing, or, with
-/// negative exponents, beyond any colour.
+/// Whether a power by a logarithm in single precision is accurate enough. Its relative error grows with the logarithm
+/// of the power. If the base is at most 1, a power with a large logarithm is nearly 0, or, with a negative exponent,
+/// larger than any colour.
 fn is_accurate(base: Interval, exponent: Interval) -> bool {
     const LARGEST_BASE: f64 = 1.0 + 1e-5;
     const LARGEST_LOGARITHM: f64 = 8.0;
@@ -39,10 +39,9 @@ impl Rewriter<'_> {
         let logarithm = self.record(Primitive::Min, &[largest, logarithm]);
         let bounded = self.bounded_exponent(exponent);
         let mut product = self.record(Primitive::Mul, &[bounded, logarithm]);
-        // A cosine that exceeds 1 by rounding alone has a power that grows with the exponent without bounds, where the
-        // exact power is at most 1 and that of the next smaller number nearly 0. Which of them it is says nothing, and
-        // one within bounds can be multiplied out. With a negative exponent a large power is the exact one, of a base
-        // below 1: that stays as it is.
+        // If a cosine exceeds 1 by rounding, its power grows with the exponent without bounds. The exact power is at
+        // most 1, and the power of the next smaller number is nearly 0. So the result is arbitrary, and a bounded one
+        // can be multiplied out. With a negative exponent, a large power is exact for a base below 1, and must stay.
         let at_most_one = self.exact_intervals[base.0 as usize].high <= 1.0 && y.low >= 0.0;
         if x.high > 1.0 && at_most_one && self.interval(product).high > LARGEST_ROUNDED_LOGARITHM {
             let largest = self.constant(LARGEST_ROUNDED_LOGARITHM as f32);
@@ -56,8 +55,9 @@ impl Rewriter<'_> {
         self.record(Primitive::Mul, &[sign, power])
     }
 
-    /// The exponent within ±`f32::MAX`, and, where it is not 0, of magnitude [`SMALLEST_EXPONENT`] at least. So its
-    /// product with the logarithm of 0 or ∞ is beyond the range of 2ˣ, and with that of 1 it is 0.
+    /// The exponent, clamped to ±`f32::MAX`, and to a magnitude of at least [`SMALLEST_EXPONENT`] if it is not 0. So
+    /// its product with the logarithm of 0 or ∞ is outside the range of 2ˣ, and its product with the logarithm of 1 is
+    /// 0.
     fn bounded_exponent(&mut self, exponent: NodeId) -> NodeId {
         let interval = self.interval(exponent);
         let mut bounded = exponent;
@@ -104,9 +104,9 @@ impl Rewriter<'_> {
         self.record(Primitive::Select, &[is_positive, one, signed])
     }
 
-    /// A static number that says what sign powers of a base have, so that everything else of the sign is uniform where
-    /// the exponent is. 0: no sign. 1: a sign for odd exponents, and no power for broken ones. 2, of −0 and −∞: a sign
-    /// for odd exponents, and none for broken ones.
+    /// A static code for the sign of the powers of a base. With it, the rest of the sign is uniform if the exponent is.
+    /// 0: no sign. 1: negative for odd exponents, NaN for fractional ones. 2, for −0 and −∞: negative for odd
+    /// exponents, positive for fractional ones.
     fn class_of_base(&mut self, base: NodeId) -> NodeId {
         let [zero, one, two] = [0.0, 1.0, 2.0].map(|value| self.constant(value));
         let (least, infinity) = (self.constant(f32::MIN), self.constant(f32::INFINITY));
