@@ -13,7 +13,7 @@ use crate::lang::diagnostic::Diagnostics;
 use crate::lang::source::Source;
 use crate::picture::Frame;
 use crate::scene::Scene;
-use crate::trace::{Budget, Hits, Shortage, TraceError, View, trace, usable_memory};
+use crate::trace::{Budget, Hits, TraceError, View, trace, usable_memory};
 use crate::world::World;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -164,17 +164,7 @@ impl Engine {
     /// The picture needs more memory than the budget, the task was cancelled, or the backend does not support the
     /// formula.
     pub fn trace(&self, subject: &Subject, task: &Task) -> Result<Arc<Hits>, EngineError> {
-        let Footprint { per_hit, per_record, per_pair, per_step } = self.backend.compile(&subject.formula)?;
-        let scene = subject.world.scene();
-        let pairs = scene.bodies.len() as u64 * scene.lights.len() as u64;
-        let budget = Budget {
-            bytes: self.memory(),
-            fixed_bytes: pairs.saturating_mul(per_pair),
-            bytes_per_hit: per_hit,
-            bytes_per_record: per_record,
-            bytes_per_pixel: BYTES_PER_PIXEL,
-            bytes_per_step: per_step,
-        };
+        let budget = self.budget(subject)?;
         Ok(Arc::new(trace(&subject.world, &subject.view, &budget, task.progress, task.cancelled)?))
     }
 
@@ -194,7 +184,7 @@ impl Engine {
         let hits = match self.backend.reads_hits() {
             true => self.trace(subject, task)?,
             false => {
-                self.check_pixels(&subject.view)?;
+                self.budget(subject)?.check(&subject.view)?;
                 Arc::new(Hits::untraced(&subject.world, subject.view))
             }
         };
@@ -224,10 +214,20 @@ impl Engine {
         Ok(mean.unwrap_or_else(|| Frame::black(subject.view.width(), subject.view.height())))
     }
 
-    /// Checks that the picture itself fits the budget.
-    fn check_pixels(&self, view: &View) -> Result<(), EngineError> {
-        let (needed, budget) = (u64::from(view.pixels()) * BYTES_PER_PIXEL, self.memory());
-        let shortage = Shortage { needed, fixed: 0, budget, pixels: view.pixels() };
-        if needed > budget { Err(TraceError::Memory(shortage).into()) } else { Ok(()) }
+    /// The memory budget, and what parts of the picture take of it.
+    fn budget(&self, subject: &Subject) -> Result<Budget, EngineError> {
+        let Footprint { per_hit, per_record, per_pair, per_step } = self.backend.compile(&subject.formula)?;
+        let scene = subject.world.scene();
+        let pairs = scene.bodies.len() as u64 * scene.lights.len() as u64;
+        Ok(Budget {
+            bytes: self.memory(),
+            fixed_bytes: pairs.saturating_mul(per_pair),
+            threads: rayon::current_num_threads() as u64,
+            bytes_per_thread: self.backend.thread_bytes(&subject.formula, &subject.world, &subject.view)?,
+            bytes_per_hit: per_hit,
+            bytes_per_record: per_record,
+            bytes_per_pixel: BYTES_PER_PIXEL,
+            bytes_per_step: per_step,
+        })
     }
 }

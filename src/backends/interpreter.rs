@@ -1,14 +1,14 @@
 //! Evaluation by the reference interpreter.
 
-use crate::bytecode::program::{Instantiation, MAX_PROGRAM_BYTES};
+use crate::bytecode::program::{Instantiation, MAX_PROGRAM_BYTES, largest_tree};
 use crate::bytecode::{Code, CodeTooLarge, Programs};
 use crate::evaluate::{Backend, Drag, Drawn, EvaluateError, Evaluator, Footprint, Framebuffer, WholeFrames};
 use crate::formula::Formula;
 use crate::formula::equation::Equation;
 use crate::lang::scalars::Floats;
 use crate::picture::Frame;
-use crate::trace::{Hits, Tracer, View, ray_tree};
-use crate::world::World;
+use crate::trace::{Hits, RayNode, Tracer, View, ray_tree};
+use crate::world::{EmitterId, World};
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -38,6 +38,20 @@ impl Backend for Interpreter {
     fn compile(&self, formula: &Arc<Formula>) -> Result<Footprint, EvaluateError> {
         Code::new(formula)?;
         Ok(Footprint::default())
+    }
+
+    /// Two programs: the interpreter writes others up to [`BATCH_BYTES`] before one of the largest size, and the memory
+    /// of a growing list doubles. And the tree of rays that a program is written from.
+    fn thread_bytes(&self, formula: &Arc<Formula>, world: &World, view: &View) -> Result<u64, EvaluateError> {
+        let code = Code::new(formula)?;
+        let scene = world.scene();
+        let equation = Equation::new(formula, scene.bodies.len(), scene.lights.len());
+        let program = Instantiation { code: &code, equation, world }.largest(view.depth());
+        if program > MAX_PROGRAM_BYTES {
+            return Err(CodeTooLarge.into());
+        }
+        let node = size_of::<RayNode>() + world.emitter_ids().count() * size_of::<EmitterId>();
+        Ok(2 * (BATCH_BYTES as u64 + program) + largest_tree(world, view.depth()) * node as u64)
     }
 
     fn prepare(&self, formula: &Arc<Formula>, hits: &Arc<Hits>) -> Result<Arc<dyn Evaluator>, EvaluateError> {

@@ -27,13 +27,25 @@ pub struct Instantiation<'i> {
 pub const MAX_PROGRAM_BYTES: u64 = 1 << 30;
 
 impl Instantiation<'_> {
-    /// How many bytes the largest possible program of a pixel takes: a full ray tree of this depth, every hit lit by every light.
+    /// The size of the largest possible program of a pixel, in bytes: a full ray tree of this depth, and every light
+    /// reaches every hit.
     pub fn largest(&self, depth: u32) -> u64 {
-        // Bytes of references, weights and sums for a light, and for a hit.
-        const LIGHT: u64 = 7;
+        // Bytes of references, weights and sums for an emitter, and for a hit.
+        const EMITTER: u64 = 7;
         const HIT: u64 = 40;
-        let hits = (1_u64 << depth) - 1;
-        hits * (self.world.scene().lights.len() as u64 * (self.code.instance_bytes() as u64 + LIGHT) + HIT)
+        let emitters = self.world.emitter_ids().count() as u64;
+        largest_tree(self.world, depth) * (emitters * (self.code.instance_bytes() as u64 + EMITTER) + HIT)
+    }
+}
+
+/// The number of hits in the largest possible ray tree of this depth.
+pub fn largest_tree(world: &World, depth: u32) -> u64 {
+    let bodies = || world.scene().bodies.iter();
+    let (reflects, refracts) = (bodies().any(|body| !body.matte), bodies().any(|body| !body.opaque));
+    match (reflects, refracts) {
+        (false, false) => 1,
+        (true, false) | (false, true) => u64::from(depth),
+        (true, true) => (1 << depth) - 1,
     }
 }
 

@@ -19,7 +19,8 @@ pub(crate) use framebuffer::{Part, write, write_component};
 
 use crate::formula::Formula;
 use crate::picture::Frame;
-use crate::trace::{Hits, Mismatch};
+use crate::trace::{Hits, Mismatch, View};
+use crate::world::World;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use thiserror::Error;
@@ -64,6 +65,12 @@ pub trait Backend: Send + Sync {
     /// # Errors
     /// The backend cannot take the formula.
     fn compile(&self, formula: &Arc<Formula>) -> Result<Footprint, EvaluateError>;
+
+    /// The memory that each thread takes at most while it prepares and evaluates this formula, in bytes.
+    ///
+    /// # Errors
+    /// The backend does not support the formula.
+    fn thread_bytes(&self, formula: &Arc<Formula>, world: &World, view: &View) -> Result<u64, EvaluateError>;
 
     /// Prepares a formula for a traced scene, on all threads of the current pool.
     ///

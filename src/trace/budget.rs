@@ -25,6 +25,10 @@ pub struct Budget {
     pub bytes: u64,
     /// What will be kept regardless of the hits, in bytes.
     pub fixed_bytes: u64,
+    /// The number of threads.
+    pub threads: u64,
+    /// What each thread will take at most, in bytes.
+    pub bytes_per_thread: u64,
     /// What will be kept for each record (a pair of a hit and an emitter that reaches it), in bytes.
     pub bytes_per_record: u64,
     /// What will be kept for each hit besides, in bytes.
@@ -37,17 +41,41 @@ pub struct Budget {
 
 impl Budget {
     /// No limit.
-    pub const UNLIMITED: Budget =
-        Budget { bytes: u64::MAX, fixed_bytes: 0, bytes_per_record: 0, bytes_per_hit: 0, bytes_per_pixel: 0, bytes_per_step: 0 };
+    pub const UNLIMITED: Budget = Budget {
+        bytes: u64::MAX,
+        fixed_bytes: 0,
+        threads: 0,
+        bytes_per_thread: 0,
+        bytes_per_record: 0,
+        bytes_per_hit: 0,
+        bytes_per_pixel: 0,
+        bytes_per_step: 0,
+    };
+
+    /// Checks what does not depend on the hits: pixels, values of pairs, and threads.
+    ///
+    /// # Errors
+    /// [`TraceError::Memory`] where it exceeds the budget.
+    pub fn check(&self, view: &View) -> Result<(), TraceError> {
+        let needed = self.pixels(view.pixels());
+        if needed > self.bytes { Err(TraceError::Memory(self.shortage(needed, view.pixels()))) } else { Ok(()) }
+    }
+
+    fn shortage(&self, needed: u64, pixels: u32) -> Shortage {
+        let Budget { bytes: budget, fixed_bytes: pairs, threads, bytes_per_thread, .. } = *self;
+        Shortage { needed, pairs, threads, bytes_per_thread, budget, pixels }
+    }
 
     /// The bytes that hits and their records take beside the store.
     pub(super) fn columns(&self, hits: u64, records: u64) -> u64 {
         hits.saturating_mul(self.bytes_per_hit).saturating_add(records.saturating_mul(self.bytes_per_record))
     }
 
-    /// The bytes that pixels take, and what is kept regardless of the hits.
+    /// The bytes that pixels and threads take, and what is kept regardless of the hits.
     pub(super) fn pixels(&self, pixels: u32) -> u64 {
-        u64::from(pixels).saturating_mul(self.bytes_per_pixel).saturating_add(self.fixed_bytes)
+        let pixels = u64::from(pixels).saturating_mul(self.bytes_per_pixel);
+        let threads = self.threads.saturating_mul(self.bytes_per_thread);
+        pixels.saturating_add(threads).saturating_add(self.fixed_bytes)
     }
 }
 
@@ -151,7 +179,6 @@ impl<'b> MemoryMeter<'b> {
     fn exceeded(&self) -> TraceError {
         // Where the count exceeds the budget, the estimate was too low: more is needed than is allowed.
         let needed = self.estimate.bytes(self.budget).max(self.budget.bytes.saturating_add(1));
-        let Budget { bytes: budget, fixed_bytes: fixed, .. } = *self.budget;
-        TraceError::Memory(Shortage { needed, fixed, budget, pixels: self.estimate.pixels })
+        TraceError::Memory(self.budget.shortage(needed, self.estimate.pixels))
     }
 }

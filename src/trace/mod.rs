@@ -63,8 +63,12 @@ pub enum TraceError {
 pub struct Shortage {
     /// What is needed, as far as known, in bytes.
     pub needed: u64,
-    /// The part of it that does not depend on the size of the picture: values of the pairs of a body and a light.
-    pub fixed: u64,
+    /// The part of it for the values of all pairs of a body and a light.
+    pub pairs: u64,
+    /// The number of threads.
+    pub threads: u64,
+    /// The part of it for each thread.
+    pub bytes_per_thread: u64,
     /// What is allowed, in bytes.
     pub budget: u64,
     /// The pixels of the picture.
@@ -73,14 +77,26 @@ pub struct Shortage {
 
 impl std::fmt::Display for Shortage {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Self { needed, fixed, budget, pixels } = *self;
-        if fixed > budget {
-            let (fixed, budget) = (MemorySize(fixed), MemorySize(budget));
+        let Self { needed, pairs, threads, bytes_per_thread, budget, pixels } = *self;
+        if pairs > budget {
+            let (pairs, budget) = (MemorySize(pairs), MemorySize(budget));
             return write!(
                 f,
-                "the values of all pairs of a body and a light take about {fixed} of memory, and {budget} may be used; \
+                "the values of all pairs of a body and a light take about {pairs} of memory, and {budget} may be used; \
                  use fewer bodies or lights"
             );
+        }
+        let fixed = threads.saturating_mul(bytes_per_thread).saturating_add(pairs);
+        if fixed > budget {
+            let (fixed, allowed) = (MemorySize(fixed), MemorySize(budget));
+            write!(f, "the work of {threads} threads takes up to {fixed} of memory, and {allowed} may be used; ")?;
+            let fitting = (budget - pairs) / bytes_per_thread.max(1);
+            if fitting > 0 {
+                write!(f, "{fitting} would fit; use fewer threads, ")?;
+            } else {
+                write!(f, "one takes {}; use ", MemorySize(bytes_per_thread))?;
+            }
+            return write!(f, "fewer lights, a lower depth, or a shorter formula");
         }
         let (needed, allowed) = (MemorySize(needed), MemorySize(budget));
         write!(f, "a picture of {pixels} pixels of this scene takes about {needed} of memory, and {allowed} may be used; ")?;
@@ -135,11 +151,7 @@ pub fn trace(
     progress: &(dyn Fn(f64) + Sync),
     cancelled: &AtomicBool,
 ) -> Result<Hits, TraceError> {
-    if budget.fixed_bytes > budget.bytes {
-        // It needs no estimate.
-        let Budget { bytes, fixed_bytes: fixed, .. } = *budget;
-        return Err(TraceError::Memory(Shortage { needed: fixed, fixed, budget: bytes, pixels: view.pixels() }));
-    }
+    budget.check(view)?;
     let meter = MemoryMeter::start(budget, Estimate::new(world, view, cancelled)?)?;
     let tracer = Tracer::new(world, view);
     let pixels = view.pixels();

@@ -305,30 +305,16 @@ fn the_estimate_is_near_the_truth() {
 #[test]
 fn memory_beyond_the_budget_is_refused_beforehand_or_meanwhile() {
     let (world, view) = (room(1.0), view(320, 240, 5));
-    let budget = Budget {
-        bytes: 1 << 20,
-        fixed_bytes: 0,
-        bytes_per_record: 64,
-        bytes_per_hit: 16,
-        bytes_per_pixel: 12,
-        bytes_per_step: 0,
-    };
+    let budget = Budget { bytes: 1 << 20, bytes_per_record: 64, bytes_per_hit: 16, bytes_per_pixel: 12, ..Budget::UNLIMITED };
     let refused = trace(&world, &view, &budget, &|_| panic!("it was foreseen"), &AtomicBool::new(false));
-    let Err(error @ TraceError::Memory(Shortage { needed, fixed: 0, budget: 1_048_576, pixels: 76_800 })) = refused else {
+    let Err(error @ TraceError::Memory(Shortage { needed, pairs: 0, budget: 1_048_576, pixels: 76_800, .. })) = refused else {
         panic!("{refused:?}");
     };
     assert!(needed > 10 << 20 && needed < 40 << 20, "{needed}");
     assert!(error.to_string().contains("1.0 MiB may be used"), "{error}");
     // The estimate leaves out the tables of a tile; the meter does not.
     let estimate = Estimate::new(&world, &view, &AtomicBool::new(false)).unwrap();
-    let tight = Budget {
-        bytes: estimate.hits * 2,
-        fixed_bytes: 0,
-        bytes_per_record: 0,
-        bytes_per_hit: 0,
-        bytes_per_pixel: 0,
-        bytes_per_step: 0,
-    };
+    let tight = Budget { bytes: estimate.hits * 2, ..Budget::UNLIMITED };
     let meter = MemoryMeter::start(&tight, Estimate { hits: 1, ..Estimate::default() }).unwrap();
     assert!(meter.add(1, 0, tight.bytes).is_ok());
     assert!(matches!(meter.add(1, 0, 1), Err(TraceError::Memory(_))));

@@ -10,6 +10,7 @@ use crate::formula::graph::{Node, NodeId};
 use crate::jit::{CompiledFormula, Line, PREFETCH_DISTANCE, Splat, Streams};
 use crate::lang::scalars::flush;
 use crate::lang::variables::Variable;
+use crate::plan::KernelPlan;
 use crate::trace::{
     CHUNK_LINES, Group, HitVariables, Hits, LINE_HITS, LightVariables, Mismatch, ROUND_LINES, Tile, Tracer, replay, variable,
 };
@@ -250,7 +251,7 @@ fn fill(
 }
 
 /// The variables that static kernels read, for some hits at a time.
-struct LeafColumns {
+pub(super) struct LeafColumns {
     hit_leaves: Vec<(Variable, usize)>,
     record_leaves: Vec<(Variable, usize)>,
     /// A stream with a column for each hit leaf, of as many hits as are worked out at a time: they stay in the first cache meanwhile.
@@ -260,6 +261,13 @@ struct LeafColumns {
 }
 
 impl LeafColumns {
+    /// The memory that they take where this many emitters reach a group, in bytes.
+    pub(super) fn bytes(compiled: &CompiledFormula, emitters: usize) -> usize {
+        let leaves = |plan: &KernelPlan| plan.streams[0].len();
+        let columns = leaves(&compiled.plan.hits) + emitters * leaves(&compiled.plan.records);
+        columns * CHUNK_LINES * size_of::<Line>()
+    }
+
     fn new(compiled: &CompiledFormula) -> Self {
         let variables = |leaves: &[NodeId]| -> Vec<(Variable, usize)> {
             let variable = |leaf: &NodeId| match compiled.plan.bindings.graph.node(*leaf) {

@@ -23,8 +23,9 @@ use crate::lang::scalars::flush;
 use crate::lang::variables::Owner;
 use crate::picture::Frame;
 use crate::plan::{Channels, ParameterSlot};
-use crate::trace::{Hits, Mismatch, TILE_PIXELS};
-use columns::Columns;
+use crate::trace::{Hits, Mismatch, TILE_PIXELS, View};
+use crate::world::World;
+use columns::{Columns, LeafColumns};
 use drag::CompiledDrag;
 use pass::Pass;
 use program::TileProgram;
@@ -63,6 +64,12 @@ impl Backend for Jit {
         let per_pair = numbers(leaves + uniforms) + (size_of::<Splat>() * uniforms) as u64 + 2;
         let per_step = jit::Program::BYTES_PER_STEP as u64;
         Ok(Footprint { per_hit: numbers(frontier.hits.len()), per_record: numbers(frontier.records.len()), per_pair, per_step })
+    }
+
+    fn thread_bytes(&self, formula: &Arc<Formula>, world: &World, _: &View) -> Result<u64, EvaluateError> {
+        let compiled = self.kernels.compiled(formula)?;
+        let leaves = LeafColumns::bytes(&compiled, world.emitter_ids().count());
+        Ok((TileScratch::BYTES + leaves) as u64)
     }
 
     fn prepare(&self, formula: &Arc<Formula>, hits: &Arc<Hits>) -> Result<Arc<dyn Evaluator>, EvaluateError> {

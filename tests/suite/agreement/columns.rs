@@ -13,7 +13,8 @@ use illuminator::lang::scalars::{Floats, flush};
 use illuminator::lang::variables::Owner;
 use illuminator::picture::Frame;
 use illuminator::plan::{ContributionPlan, DragPlan, FormulaPlan, KernelPlan, Method, SliderPlan, moved_parameters};
-use illuminator::trace::{Group, HitVariables, Hits, LightVariables, Tile, Tracer, replay, variable};
+use illuminator::trace::{Group, HitVariables, Hits, LightVariables, Tile, Tracer, View, replay, variable};
+use illuminator::world::World;
 use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
 
@@ -30,6 +31,10 @@ impl Backend for ColumnsBackend {
 
     fn compile(&self, _: &Arc<Formula>) -> Result<Footprint, EvaluateError> {
         Ok(Footprint::default())
+    }
+
+    fn thread_bytes(&self, _: &Arc<Formula>, _: &World, _: &View) -> Result<u64, EvaluateError> {
+        Ok(0)
     }
 
     fn prepare(&self, formula: &Arc<Formula>, hits: &Arc<Hits>) -> Result<Arc<dyn Evaluator>, EvaluateError> {
