@@ -12,7 +12,7 @@ use smallvec::SmallVec;
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
-/// About what a path, a emitter set or a list of pixels takes in the tables of the builder, hits aside, in bytes. A
+/// About what a path, an emitter set or a list of pixels takes in the tables of the builder, hits aside, in bytes. A
 /// quarter of it remains in the store.
 pub(super) const BYTES_PER_ENTRY: u64 = 64;
 
@@ -22,7 +22,7 @@ pub(super) struct TileBuilder {
     paths: Vec<Path>,
     path_ids: HashMap<Path, PathId>,
     emitter_sets: HashMap<Vec<EmitterId>, u32>,
-    /// The pixels of the hits that came by a path and are reached by a emitter set.
+    /// The pixels of the hits that came by a path and are reached by an emitter set.
     hits: HashMap<(PathId, u32), Vec<u16>>,
     misses: HashMap<PathId, Vec<u16>>,
     /// The paths of the current pixel.

@@ -54,7 +54,7 @@ impl OpenedSession {
     /// scene.
     ///
     /// # Errors
-    /// As for [`session`](Self::session).
+    /// As for [`open`](Self::open).
     pub fn from_text(
         source: &Source,
         folder: &Path,
