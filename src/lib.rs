@@ -59,8 +59,6 @@ pub mod engine;
 pub mod workspace;
 
 pub mod picture;
-// Some files of the compiled backend still name it so.
-use picture::transfer;
 
 #[cfg(any(feature = "cli", feature = "window"))]
 pub mod user_data;

@@ -26,7 +26,7 @@ const ROOMS: [(&str, &[&str]); 16] = [
     // Machine code knows the layout of hits, and how components become bytes.
     ("jit", &["lang", "formula", "plan", "trace", "picture"]),
     ("evaluate", &["lang", "formula", "scene", "world", "trace", "plan", "picture"]),
-    ("backends", &["lang", "formula", "scene", "world", "trace", "bytecode", "plan", "jit", "picture", "evaluate", "transfer"]),
+    ("backends", &["lang", "formula", "scene", "world", "trace", "bytecode", "plan", "jit", "picture", "evaluate"]),
     ("engine", &["lang", "formula", "scene", "world", "trace", "picture", "evaluate", "backends"]),
     ("workspace", &["files", "lang", "formula", "scene", "trace", "engine", "picture"]),
     ("user_data", &["files", "lang", "trace", "workspace"]),

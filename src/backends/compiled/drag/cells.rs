@@ -2,9 +2,9 @@
 
 use crate::backends::compiled::planes::Planes;
 use crate::evaluate::{write, write_component};
+use crate::picture::transfer::Bytes;
 use crate::plan::Channels;
 use crate::trace::Segment;
-use crate::transfer::Bytes;
 use pulp::Simd;
 
 /// Pixels of a cell. A cell of a framebuffer is a cache line.
