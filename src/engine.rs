@@ -216,7 +216,7 @@ impl Engine {
 
     /// The memory budget, and what parts of the picture take of it.
     fn budget(&self, subject: &Subject) -> Result<Budget, EngineError> {
-        let Footprint { per_hit, per_record, per_pair, per_step } = self.backend.compile(&subject.formula)?;
+        let Footprint { per_hit, per_record, per_pair, per_call } = self.backend.compile(&subject.formula)?;
         let scene = subject.world.scene();
         let pairs = scene.bodies.len() as u64 * scene.lights.len() as u64;
         Ok(Budget {
@@ -227,7 +227,7 @@ impl Engine {
             bytes_per_hit: per_hit,
             bytes_per_record: per_record,
             bytes_per_pixel: BYTES_PER_PIXEL,
-            bytes_per_step: per_step,
+            bytes_per_call: per_call,
         })
     }
 }

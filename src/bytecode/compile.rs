@@ -1,4 +1,5 @@
-//! A formula as postfix code of type I: symbols for variables and parameters, macros written out (thesis 5.3.2, 5.4.2).
+//! A formula as postfix code of type I: with symbols for variables and parameters, and with macros expanded (thesis
+//! 5.3.2, 5.4.2).
 
 use crate::bytecode::instruction::Instruction;
 use crate::formula::{Formula, Term, TermId};
@@ -7,12 +8,12 @@ use crate::lang::scalars::flush;
 use crate::lang::types::Type;
 use thiserror::Error;
 
-/// The most bytes that the code of a formula may take. Macros are written out at every use, so a few lines can ask for more memory than
-/// any machine has. Compiled code shares macros and has no such bound.
+/// The largest size of the code of a formula, in bytes. Macros are expanded at every use, so a few lines can need
+/// more memory than any machine has. Compiled code shares macros and has no such limit.
 pub const MAX_BYTES: usize = 1 << 20;
 
-/// A formula is too large for the interpreter: with macros written out its code takes more than [`MAX_BYTES`], or the program of a
-/// pixel could take more than [`MAX_PROGRAM_BYTES`](super::program::MAX_PROGRAM_BYTES).
+/// A formula is too large for the interpreter. With macros expanded, its code takes more than [`MAX_BYTES`], or the
+/// program of a pixel could take more than [`MAX_PROGRAM_BYTES`](super::program::MAX_PROGRAM_BYTES).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Error)]
 #[error("with its macros written out, the formula is too large for the interpreter; compiled code shares them and takes it")]
 pub struct CodeTooLarge;
@@ -76,12 +77,12 @@ impl Code {
         &self.instructions
     }
 
-    /// How many bytes they take.
+    /// Their size in bytes.
     pub fn bytes(&self) -> usize {
         self.bytes
     }
 
-    /// How many bytes an instance of type II takes: it has numbers in place of variables.
+    /// The size of an instance of type II in bytes. An instance has numbers in place of variables.
     pub fn instance_bytes(&self) -> usize {
         let number = size_of::<f32>();
         let variables = self.instructions.iter().map(|instruction| match instruction {
@@ -99,7 +100,7 @@ impl Code {
     }
 }
 
-/// The values of the terms that depend on neither variables nor parameters, so that a program does not compute `1.12^-2` again at
+/// The values of the terms without variables and parameters, so that a program does not compute `1.12^-2` again at
 /// every hit. A scalar is the first component.
 fn constants(formula: &Formula) -> Vec<Option<[f32; 3]>> {
     let mut constants: Vec<Option<[f32; 3]>> = Vec::with_capacity(formula.terms.len());

@@ -1,4 +1,4 @@
-//! The instructions: an opcode of one byte, and immediate operands behind it (thesis 5.4.1).
+//! The instructions: an opcode of one byte, followed by immediate operands (thesis 5.4.1).
 
 use crate::lang::builtins::Operation;
 use crate::lang::types::Type;
@@ -16,10 +16,11 @@ pub enum Instruction {
     ScalarReference(u32),
     /// Pushes the three parameter numbers from this place on. `VECTOR_PTR`
     VectorReference(u32),
-    /// Replaces a weight and a vector by their product. Where the weight is 0, so is the product, whatever the vector.
+    /// Replaces a weight and a vector by their product. If the weight is 0, the product is 0, even if the vector is
+    /// infinite or NaN.
     Weigh,
-    /// Where the weight on top is 0: replaces it by the zero vector and skips this many bytes, which compute the vector and
-    /// [`Weigh`](Self::Weigh) it.
+    /// If the weight on top of the stack is 0, replaces it by the zero vector and skips this many bytes, which
+    /// compute the vector and [`Weigh`](Self::Weigh) it.
     Guard(u32),
     /// A variable, in type I only. `VAR_…`
     Variable(Variable),
@@ -73,7 +74,7 @@ impl Instruction {
         }
     }
 
-    /// The instruction at the beginning of `code`, and how many bytes it takes. None where there is no whole instruction.
+    /// The instruction at the beginning of `code`, and its size in bytes. `None` if there is no whole instruction.
     pub fn decode(code: &[u8]) -> Option<(Instruction, usize)> {
         let (&opcode, rest) = code.split_first()?;
         let word = |index: usize| rest.get(4 * index..4 * index + 4)?.try_into().ok().map(u32::from_le_bytes);
@@ -99,7 +100,7 @@ impl Instruction {
         })
     }
 
-    /// How many numbers it pops off the stack, and how many it pushes.
+    /// The number of numbers that it pops off the stack, and that it pushes.
     pub fn effect(self) -> (usize, usize) {
         match self {
             Instruction::ScalarValue(_) | Instruction::ScalarReference(_) => (0, 1),

@@ -8,8 +8,8 @@ use crate::lang::scalars::Scalars;
 
 /// Runs a program and returns the vector that it leaves: the unclamped red, green and blue of a pixel.
 ///
-/// `parameters` holds the numbers that the program's references stand for. The stack has room for the depth that the program states.
-/// `scalars` gives the operations their sense: that is [`Floats`](crate::lang::scalars::Floats), except to judge results.
+/// `parameters` holds the numbers that the program refers to. The stack has room for the depth of the program.
+/// `scalars` defines the operations: [`Floats`](crate::lang::scalars::Floats) evaluates, other types check results.
 ///
 /// # Panics
 /// The code is not a well-formed program of type II, as [`Program`](super::Program)s are.

@@ -1,4 +1,4 @@
-//! Programs of type II: the whole formula of a pixel, its ray tree written out by equation (2) (thesis 4.2.3, 5.3.4).
+//! Programs of type II: the whole formula of a pixel, for its ray tree by equation (2) (thesis 4.2.3, 5.3.4).
 
 use crate::bytecode::compile::Code;
 use crate::bytecode::instruction::Instruction;
@@ -12,7 +12,7 @@ use crate::scene::LightId;
 use crate::trace::{Child, HitVariables, LightVariables, RayNode, Tree, variable};
 use crate::world::World;
 
-/// A formula on a scene, as instantiation needs it.
+/// The inputs of instantiation: a formula on a scene.
 #[derive(Debug, Clone, Copy)]
 pub struct Instantiation<'i> {
     /// The code of the formula, of type I.
@@ -23,7 +23,7 @@ pub struct Instantiation<'i> {
     pub world: &'i World,
 }
 
-/// The most bytes that the program of a pixel may take: far more than any useful model and scene need.
+/// The largest size of the program of a pixel, in bytes: far more than any useful model and scene need.
 pub const MAX_PROGRAM_BYTES: u64 = 1 << 30;
 
 impl Instantiation<'_> {
@@ -83,13 +83,13 @@ impl Programs {
         self.ends.push(self.code.len());
     }
 
-    /// Removes all programs and keeps their memory for others.
+    /// Removes all programs. Their memory is kept for others.
     pub fn clear(&mut self) {
         self.code.clear();
         self.ends.clear();
     }
 
-    /// How many programs there are.
+    /// The number of programs.
     pub fn len(&self) -> usize {
         self.ends.len()
     }
@@ -116,8 +116,8 @@ impl Programs {
         Stack::new(self.depth, zero)
     }
 
-    /// Runs the program of the pixel at this place and returns its red, green and blue; black where there is none. `parameters` holds
-    /// the numbers of the layout. The stack is one of [`stack`](Self::stack).
+    /// Runs the program of the pixel at this index and returns its red, green and blue. Without a program, it returns
+    /// black. `parameters` holds the numbers of the layout. The stack comes from [`stack`](Self::stack).
     pub fn run<M>(&self, scalars: &mut M, index: usize, parameters: &[f32], stack: &mut Stack<M::Value>) -> [M::Value; 3]
     where
         M: Scalars<Value: PartialEq>,
@@ -141,11 +141,11 @@ impl Program<'_> {
     }
 }
 
-/// Writes instructions and follows the height of the stack.
+/// Writes instructions and tracks the height of the stack.
 struct Assembler<'a> {
     instantiation: &'a Instantiation<'a>,
     code: &'a mut Vec<u8>,
-    /// How many numbers are on the stack, and the most there ever were.
+    /// The number of numbers on the stack, and the maximum so far.
     height: usize,
     depth: usize,
 }
@@ -167,7 +167,7 @@ impl Assembler<'_> {
         });
     }
 
-    /// E(A) of the first node, with that of its children inside. Terms are added up in the order of equation (2).
+    /// E(A) of the first node, which contains E of its children. Terms are added up in the order of equation (2).
     fn tree(&mut self, tree: &Tree) {
         enum Task {
             Node(usize),
@@ -210,7 +210,7 @@ impl Assembler<'_> {
         }
     }
 
-    /// What the lights add at a hit, and what is added whatever the lights.
+    /// The contributions of the lights at a hit, and the terms without lights.
     fn local(&mut self, node: &RayNode) {
         let world = self.instantiation.world;
         let hit = HitVariables::new(world, &node.hit);
@@ -228,7 +228,7 @@ impl Assembler<'_> {
         }
     }
 
-    /// What a ray adds that left the scene.
+    /// The terms of a ray that leaves the scene.
     fn miss(&mut self) {
         let mut count = 0;
         for term in EquationTerm::at(Site::Miss) {
@@ -236,7 +236,7 @@ impl Assembler<'_> {
         }
     }
 
-    /// A term of equation (2), added to those before it, of which there are `count`.
+    /// A term of equation (2), added to the `count` terms before it.
     fn term(&mut self, term: &EquationTerm, body: usize, light: usize, count: &mut usize, formula: impl FnOnce(&mut Self)) {
         if let Some(weight) = term.weight {
             self.parameter(weight, index_of(weight, body, light));

@@ -45,8 +45,8 @@ pub struct Footprint {
     pub per_record: u64,
     /// For each pair of a body and a light of the scene.
     pub per_pair: u64,
-    /// For each step of a tile's program: a kernel for one light of a chunk, or adding a chunk to the pixels.
-    pub per_step: u64,
+    /// For each call of compiled code: a kernel for one light of a chunk, or adding a chunk to the pixels.
+    pub per_call: u64,
 }
 
 /// A way to evaluate formulas.

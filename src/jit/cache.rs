@@ -1,4 +1,4 @@
-//! Compiled formulas that were wanted before: who applies a formula again, or goes back to an earlier one, compiles nothing.
+//! A cache of compiled formulas: to apply a formula again, or to go back to an earlier one, compiles nothing.
 
 use crate::formula::Formula;
 use crate::formula::binding::Bindings;
@@ -8,15 +8,16 @@ use crate::jit::width::Width;
 use crate::plan::FormulaPlan;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// So many formulas are kept, those that were wanted last.
+/// The number of formulas that are kept: the last used.
 const KEPT: usize = 8;
 
-/// Keeps compiled formulas. Two are the same if what is to be computed is: comments, names and defaults do not matter.
+/// Keeps compiled formulas. Two formulas are the same if they compute the same: comments, names and defaults do not
+/// matter.
 #[derive(Default)]
 pub struct KernelCache {
-    /// The width of the vectors that formulas are compiled for; without it, the widest.
+    /// The width of the vectors that formulas are compiled for. `None` means the widest.
     width: Option<Width>,
-    /// The one that was wanted last is the last.
+    /// The last used formula is the last.
     kept: Mutex<Vec<Arc<CompiledFormula>>>,
 }
 
@@ -26,10 +27,10 @@ impl KernelCache {
         Self { width: Some(width), ..Self::default() }
     }
 
-    /// The kernels of a formula, compiled if they are not there.
+    /// The kernels of a formula, from the cache or compiled now.
     ///
     /// # Errors
-    /// The processor is not supported, or the formula is beyond what the code generator takes.
+    /// The processor is not supported, or the formula is too large for the code generator.
     pub fn compiled(&self, formula: &Formula) -> Result<Arc<CompiledFormula>, CompileError> {
         let bindings = Bindings::new(formula);
         let kept = || self.kept.lock().unwrap_or_else(PoisonError::into_inner);
@@ -75,7 +76,7 @@ mod tests {
         let bounded = compiled("body_specific; k: scalar, constraint 0..1; formula; = k*Cd*(N.L);");
         assert!(!Arc::ptr_eq(&first, &bounded));
         assert!(Arc::ptr_eq(&first, &compiled("body_specific; k: scalar; formula; = k*Cd*(N.L);")));
-        // What was wanted longest ago is given up.
+        // The formula that was used longest ago is removed.
         (0..KEPT).for_each(|n| drop(compiled(&format!("formula; = {n}*Cd*alpha;"))));
         assert!(!Arc::ptr_eq(&first, &compiled("body_specific; k: scalar; formula; = k*Cd*(N.L);")));
     }

@@ -1,16 +1,17 @@
-//! The room of unsafe code: kernels in executable memory, calls into them, and the function that they call out to; and the code that
-//! adds to pixels.
+//! The only module with unsafe code. It owns machine code in executable memory and calls it: kernels, and the code
+//! that adds to pixels. It also holds the function that kernels call for noise.
 //!
-//! Kernels run with subnormal numbers switched off (FTZ and DAZ of the MXCSR register: a subnormal operand costs a hundred
-//! cycles and more), which Rust code must not see; so the register is set and restored around each call, and around what a kernel calls.
+//! Kernels run with FTZ and DAZ set in the MXCSR register, because a subnormal operand costs a hundred cycles or
+//! more. Rust code must not run with these flags. So the register is set before each call and restored after it, and
+//! the other way round where a kernel calls Rust code.
 #![allow(unsafe_code)]
 
 use crate::formula::graph::Graph;
+use crate::jit::code_call::{AddCall, Bases, KernelCall, OUTPUTS};
 use crate::jit::emit::PERLIN_OPERANDS;
 use crate::jit::kernel::{self, KernelPart, KernelSpec, Shape};
 use crate::jit::lanes::{Line, Operands, PLANE_PIXELS, PixelLine, PixelPlanes, Splat, Streams};
 use crate::jit::pixels::{self, Strides};
-use crate::jit::step::{Addition, Bases, OUTPUTS, Reading};
 use crate::jit::target::{CompileError, Listing, Target, target};
 use crate::jit::widen::{ALIGNMENT, disassembled, widen};
 use crate::jit::width::Width;
@@ -33,23 +34,24 @@ use std::mem::ManuallyDrop;
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
-/// What every kernel is: see the [kernel](super::kernel) room for the meaning of the parameters.
+/// The type of every kernel function. [`writer`] explains the parameters.
 ///
 /// # Safety
-/// Where the reading says, counted from the bases, each stream and output has at least the lines of that many rounds, and there are as many
-/// uniforms as the kernel reads; outputs overlap nothing.
-type Entry = unsafe extern "C" fn(reading: *const Reading, bases: *const Bases);
+/// At the offsets of `call` from `bases`, each stream and output has at least the lines of the rounds of `call`, and
+/// there are as many uniform values as the kernel reads. Outputs do not overlap anything.
+type Entry = unsafe extern "C" fn(call: *const KernelCall, bases: *const Bases);
 
-/// The memory that holds a formula's kernels; freed with the last of them.
+/// The executable memory of a batch of kernels. It is freed with the last kernel.
 pub(super) struct CodeMemory(ManuallyDrop<JITModule>);
 
-// SAFETY: the module is touched only when it is made and, by the one owner left, when it is dropped; kernels only run code in its memory.
+// SAFETY: the module is touched only when it is made and, by the one owner left, when it is dropped; kernels only run
+// code in its memory.
 unsafe impl Send for CodeMemory {}
 // SAFETY: as above; there is no method that reads or changes the module through a shared reference.
 unsafe impl Sync for CodeMemory {}
 
 impl CodeMemory {
-    /// A module that is owned at once by what frees it: one that is merely dropped leaks its memory.
+    /// Takes ownership of the module at once: a module that is merely dropped leaks its memory.
     fn new(builder: JITBuilder) -> Self {
         Self(ManuallyDrop::new(JITModule::new(builder)))
     }
@@ -57,16 +59,17 @@ impl CodeMemory {
 
 impl Drop for CodeMemory {
     fn drop(&mut self) {
-        // SAFETY: the value is not used after this, since it is being dropped. Every kernel holds the memory by an `Arc`, so no
-        // code in it can be running or be called any more.
+        // SAFETY: the value is not used after this, since it is being dropped. Every kernel holds the memory by an
+        // `Arc`, so no code in it can be running or be called any more.
         unsafe { ManuallyDrop::take(&mut self.0).free_memory() }
     }
 }
 
-/// Compiles kernels for vectors of a width, into one piece of memory; where a listing is wanted, writes the stages into it.
+/// Compiles kernels for vectors of a width, into one piece of memory. If there is a listing, the stages are written
+/// into it.
 ///
-/// # Errors
-/// The processor is not supported, a plan does not read what it needs, or the code generator refuses (too large a function).
+/// # Errors The processor is not supported, a plan does not read what it needs, or the code generator refuses (too
+/// large a function).
 pub(super) fn generate(
     width: Width,
     specs: &[KernelSpec],
@@ -90,7 +93,7 @@ pub(super) fn generate(
             signature.params.extend(writer::parameters());
             let name = format!("{}{index}_{}", spec.plan.name, part.outputs.start);
             let id = module.declare_function(&name, Linkage::Local, &signature).map_err(failed)?;
-            let function = Defining { target: &target, part, graph, id, signature, noise };
+            let function = KernelFunction { target: &target, part, graph, id, signature, noise };
             functions.push((id, function.define(module, listing.as_deref_mut())?));
         }
         defined.push(functions);
@@ -103,8 +106,8 @@ pub(super) fn generate(
     let memory = Arc::new(memory);
     let kernel = |(spec, functions): (&KernelSpec, Vec<(*const u8, Shape)>)| {
         let function = |(address, shape): (*const u8, Shape)| {
-            // SAFETY: at the address is the finished code of the function that was written just now with the parameters of `Entry`, none
-            // of which is wider than a register; its memory lives as long as the kernel.
+            // SAFETY: at the address is the finished code of the function that was written just now with the parameters
+            // of `Entry`, none of which is wider than a register; its memory lives as long as the kernel.
             let entry = unsafe { std::mem::transmute::<*const u8, Entry>(address) };
             (entry, shape)
         };
@@ -116,8 +119,8 @@ pub(super) fn generate(
     Ok(specs.iter().zip(finished).map(kernel).collect())
 }
 
-/// The function of a part of a kernel, which is declared and not yet defined.
-struct Defining<'d> {
+/// The function of a part of a kernel. It is declared, but not yet defined.
+struct KernelFunction<'d> {
     target: &'d Target,
     part: KernelPart<'d>,
     graph: &'d Graph,
@@ -127,8 +130,8 @@ struct Defining<'d> {
     noise: FuncId,
 }
 
-impl Defining<'_> {
-    /// Writes the code in the quickest shape that is possible, which is the result.
+impl KernelFunction<'_> {
+    /// Compiles the function in the fastest possible shape, and returns that shape.
     fn define(&self, module: &mut JITModule, mut listing: Option<&mut Listing>) -> Result<Shape, CompileError> {
         let Self { target, part, graph, .. } = self;
         let name = part.kernel.plan.name;
@@ -158,8 +161,8 @@ impl Defining<'_> {
         Err(self.unread())
     }
 
-    /// Compiles what was written and defines the function by it: its instructions as text, if they are wanted. None where there is no such code for so
-    /// many lanes.
+    /// Compiles the IR in `context`, widens it, and defines the function. Returns the instructions as text if
+    /// `listed`, else an empty text. `None` if the code cannot be widened.
     fn compile(
         &self,
         module: &mut JITModule,
@@ -198,36 +201,37 @@ impl Defining<'_> {
 /// A compiled kernel.
 #[derive(Clone)]
 pub struct Kernel {
-    /// The functions of its parts, which together write all outputs.
+    /// The functions of its parts. Together they write all outputs.
     functions: SmallVec<[(Entry, Shape); 1]>,
-    /// How many columns there are in each stream that it reads.
+    /// The number of columns in each stream that it reads.
     streams: [usize; STREAMS],
     uniforms: usize,
-    /// How many columns there are in each stream that it writes.
+    /// The number of columns in each stream that it writes.
     outputs: SmallVec<[usize; OUTPUTS]>,
     memory: Arc<CodeMemory>,
 }
 
 impl Kernel {
-    /// How many columns it writes.
+    /// The number of columns that it writes.
     pub fn outputs(&self) -> usize {
         self.outputs.iter().sum()
     }
 
-    /// How many lines it reads and writes where so many are wanted: whole rounds, of up to [`ROUND_LINES`](crate::trace::ROUND_LINES).
+    /// Rounds a number of lines up to whole rounds, which are up to [`ROUND_LINES`](crate::trace::ROUND_LINES) long.
+    /// A kernel reads and writes whole rounds.
     pub fn whole_rounds(&self, lines: usize) -> usize {
-        // Powers of two.
+        // The lines of rounds are powers of two, so the largest is a multiple of the others.
         let round = self.functions.iter().map(|(_, shape)| shape.lines()).max();
         lines.next_multiple_of(round.unwrap_or(1))
     }
 
-    /// Runs the kernel over so many lines of records, from these streams and uniform values: stores or adds into `outputs`, one stream where values
-    /// are stored, a column for each output where terms are added up. What becomes of lines beyond, see [`whole_rounds`](Self::whole_rounds),
-    /// has no meaning.
+    /// Runs the kernel over this many lines of records. It reads the streams and uniform values, and stores or adds
+    /// into `outputs`: one stream if values are stored, one column for each output if terms are added up. The
+    /// contents of lines after the last, up to [whole rounds](Self::whole_rounds), have no meaning.
     ///
     /// # Panics
-    /// Where there are not as many uniforms and outputs as the kernel was written for, or a stream or an output is shorter than its
-    /// [whole rounds](Self::whole_rounds) of `lines`.
+    /// If the number of uniform values or outputs is not that of the kernel, or a stream or an output is shorter than
+    /// the [whole rounds](Self::whole_rounds) of `lines`.
     pub fn run(&self, streams: Streams, uniforms: &[Splat], outputs: &mut [&mut [Line]], lines: usize) {
         let whole = self.whole_rounds(lines);
         let enough = streams.iter().zip(self.streams).all(|(stream, columns)| holds(stream.len(), whole, columns));
@@ -240,104 +244,109 @@ impl Kernel {
             *place = output.as_mut_ptr().expose_provenance();
         }
         let streams = streams.map(|stream| stream.as_ptr().expose_provenance());
-        let steps: SmallVec<[Step; 1]> = self.steps(streams, uniforms.as_ptr().expose_provenance(), places, whole).collect();
-        // SAFETY: a kernel has a function. Its code reads of every stream, and writes of every output, the lines of its rounds, times as many as the stream has
-        // columns, and `self.uniforms` splats; the assertions guarantee all of them, `&mut` that outputs overlap nothing. Places are addresses, so
-        // they are counted from 0.
-        unsafe { perform(&steps, &Bases::default()) }
+        let calls: SmallVec<[CodeCall; 1]> = self.calls(streams, uniforms.as_ptr().expose_provenance(), places, whole).collect();
+        // SAFETY: a kernel has at least one function. Its code reads `whole` lines of each column of every stream and
+        // `self.uniforms` splats, and writes `whole` lines of each column of every output. The assertions guarantee
+        // that they exist, and `&mut` that outputs do not overlap anything. The places are addresses, so the bases
+        // are 0.
+        unsafe { perform(&calls, &Bases::default()) }
     }
 
-    /// The calls that work on whole rounds at these places.
-    fn steps(
+    /// The calls of its functions, for whole rounds at these places.
+    fn calls(
         &self,
         streams: [usize; STREAMS],
         uniforms: usize,
         outputs: [usize; OUTPUTS],
         whole: usize,
-    ) -> impl Iterator<Item = Step> {
+    ) -> impl Iterator<Item = CodeCall> {
         self.functions.iter().map(move |(entry, shape)| {
             let rounds = whole * Line::BLOCKS / shape.round();
-            Step { work: Reading { streams, outputs, uniforms, rounds }, entry: *entry as usize }
+            CodeCall { work: KernelCall { streams, outputs, uniforms, rounds }, entry: *entry as usize }
         })
     }
 }
 
-/// Whether a stream of so many lines has these of so many columns. A product that does not fit is longer than any stream.
+/// Whether a stream of this length holds this many lines of this many columns. A product that overflows is longer
+/// than any stream.
 fn holds(length: usize, lines: usize, columns: usize) -> bool {
     lines.checked_mul(columns).is_some_and(|needed| length >= needed)
 }
 
-/// A call of compiled code: what it works on (of a kernel; for code that adds to pixels it is the bytes of an [`Addition`]), and where the code is.
+/// A call of compiled code: the operands, and the address of the code. For code that adds to pixels, the operands are
+/// the bytes of an [`AddCall`].
 #[derive(Clone, Copy)]
 #[repr(C)]
-struct Step {
-    work: Reading,
+struct CodeCall {
+    work: KernelCall,
     entry: usize,
 }
 
-/// Work for compiled code on the pixels of a tile: put together once, then done in one go, frame after frame. To enter and leave compiled code costs
-/// some ten nanoseconds, and while columns stream through the first cache, nothing else would stay in it.
+/// The calls of compiled code for a tile. The list is built once and run in each frame, all calls in one go: to enter
+/// and leave compiled code costs some ten nanoseconds, and columns that stream through the L1 cache displace
+/// everything else.
 ///
-/// A program knows where everything lies in what it works on, not where that is: [`Operands`] are given anew each time.
+/// A list holds offsets into the operands, not their addresses. Each run gets its own [`Operands`].
 #[derive(Default)]
-pub struct Program {
-    steps: Vec<Step>,
-    reach: Reach,
-    /// What holds the code of the steps.
+pub struct CallList {
+    calls: Vec<CodeCall>,
+    sizes: OperandSizes,
+    /// The memory that holds the code of the calls.
     memory: SmallVec<[Arc<CodeMemory>; 1]>,
 }
 
-/// How many of each operand there must be.
+/// The least number of each operand.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-struct Reach {
+struct OperandSizes {
     streams: [usize; STREAMS],
     uniforms: usize,
     segments: usize,
     weights: usize,
 }
 
-impl Program {
-    /// The memory of a step, in bytes.
-    pub const BYTES_PER_STEP: usize = size_of::<Step>();
+impl CallList {
+    /// The memory of a call, in bytes.
+    pub const BYTES_PER_CALL: usize = size_of::<CodeCall>();
 
-    /// Forgets all steps.
+    /// Removes all calls.
     pub fn clear(&mut self) {
-        self.steps.clear();
+        self.calls.clear();
         self.memory.clear();
-        self.reach = Reach::default();
+        self.sizes = OperandSizes::default();
     }
 
-    /// How many steps there are.
+    /// The number of calls.
     pub fn len(&self) -> usize {
-        self.steps.len()
+        self.calls.len()
     }
 
     /// Whether there is none.
     pub fn is_empty(&self) -> bool {
-        self.steps.is_empty()
+        self.calls.is_empty()
     }
 
-    /// The memory that the steps take, in bytes.
+    /// The memory of the calls, in bytes.
     pub fn bytes(&self) -> usize {
-        self.steps.capacity() * size_of::<Step>()
+        self.calls.capacity() * size_of::<CodeCall>()
     }
 
-    /// Gives back memory that is not needed.
+    /// Frees memory that is not needed.
     pub fn shrink(&mut self) {
-        self.steps.shrink_to_fit();
+        self.calls.shrink_to_fit();
     }
 
-    /// Has the steps fetched.
+    /// Prefetches the calls.
     pub fn fetch(&self) {
-        fetch(&self.steps);
+        fetch(&self.calls);
     }
 
-    /// Runs a kernel of terms over some lines: these parts of the streams are theirs, and the sums are at the same place in the chunk. They are of
-    /// these components, one for each output. The uniform values begin at this one.
+    /// Adds a call of a kernel of sums for some lines of a chunk. `streams` are the ranges of lines that it reads. It
+    /// writes the sums of these `components`, one for each output, at the same lines of the chunk. Its uniform values
+    /// begin at index `uniforms`.
     ///
     /// # Panics
-    /// Where a part of a stream is shorter than the [whole rounds](Kernel::whole_rounds) of the lines, these are not within a chunk, or there are not as
-    /// many components as the kernel was written for.
+    /// If a range of a stream is shorter than the [whole rounds](Kernel::whole_rounds) of the lines, the lines are
+    /// not within a chunk, or the number of components is not that of the kernel.
     pub fn contribute(
         &mut self,
         kernel: &Kernel,
@@ -352,10 +361,10 @@ impl Program {
         assert!(kernel.outputs.iter().all(|columns| *columns <= 1), "a kernel of terms");
         let enough = streams.iter().zip(kernel.streams).all(|(stream, columns)| holds(stream.len(), whole, columns));
         assert!(enough, "a kernel's columns");
-        for (reach, stream) in self.reach.streams.iter_mut().zip(&streams) {
-            *reach = stream.end.max(*reach);
+        for (size, stream) in self.sizes.streams.iter_mut().zip(&streams) {
+            *size = stream.end.max(*size);
         }
-        self.reach.uniforms = self.reach.uniforms.max(uniforms + kernel.uniforms);
+        self.sizes.uniforms = self.sizes.uniforms.max(uniforms + kernel.uniforms);
         if !self.memory.iter().any(|memory| Arc::ptr_eq(memory, &kernel.memory)) {
             self.memory.push(Arc::clone(&kernel.memory));
         }
@@ -364,11 +373,12 @@ impl Program {
             *place = (component * CHUNK_LINES + lines.start) * size_of::<Line>();
         }
         let streams = streams.map(|stream| stream.start * size_of::<Line>());
-        self.steps.extend(kernel.steps(streams, uniforms * size_of::<Splat>(), places, whole));
+        self.calls.extend(kernel.calls(streams, uniforms * size_of::<Splat>(), places, whole));
     }
 
-    /// Adds the sums of these segments' hits, times the weight of their span, to their pixels: of all components, or of one (0 red, 1 green, 2 blue).
-    /// The weights of their chunk begin at this one. Meanwhile it fetches some lines for each segment, from this one on of those that are coming.
+    /// Adds a call that adds the sums of the hits of these segments, times the weight of their span, to their pixels:
+    /// all components, or one (0 red, 1 green, 2 blue). The weights of their chunk begin at index `weights`. For each
+    /// segment it prefetches some lines of [`Operands::coming`], from index `coming` on.
     pub fn add(
         &mut self,
         code: &'static PixelCode,
@@ -382,10 +392,10 @@ impl Program {
         }
         let place = component.unwrap_or(0);
         assert!(place < OUTPUTS, "a component");
-        self.reach.segments = self.reach.segments.max(segments.end);
-        // Any span that a segment may name.
-        self.reach.weights = self.reach.weights.max(weights + CHUNK_HITS);
-        let addition = Addition {
+        self.sizes.segments = self.sizes.segments.max(segments.end);
+        // Enough for any span that a segment may name.
+        self.sizes.weights = self.sizes.weights.max(weights + CHUNK_HITS);
+        let addition = AddCall {
             segments: segments.start * size_of::<Segment>(),
             end: segments.end * size_of::<Segment>(),
             sums: place * size_of::<[Line; CHUNK_LINES]>(),
@@ -395,20 +405,20 @@ impl Program {
             unused: Default::default(),
         };
         let entry = if component.is_some() { code.adding_one } else { code.adding_all };
-        self.steps.push(Step { work: bytemuck::cast(addition), entry });
+        self.calls.push(CodeCall { work: bytemuck::cast(addition), entry });
     }
 
-    /// Takes some of the steps in their order.
+    /// Makes some of the calls, in order.
     ///
     /// # Panics
-    /// Where there are fewer operands than any step of the program reaches.
-    pub fn run(&self, steps: Range<usize>, operands: &mut Operands) {
+    /// If there are fewer operands than any call of the list needs.
+    pub fn run(&self, calls: Range<usize>, operands: &mut Operands) {
         let Operands { streams, coming, uniforms, segments, weights, sums, planes } = operands;
-        let Reach { streams: lines, uniforms: splats, segments: places, weights: spans } = self.reach;
+        let OperandSizes { streams: lines, uniforms: splats, segments: places, weights: spans } = self.sizes;
         assert!(streams.iter().zip(lines).all(|(stream, lines)| stream.len() >= lines), "a program's columns");
         assert!(uniforms.len() >= splats && segments.len() >= places && weights.len() >= spans, "a program's operands");
-        let steps = &self.steps[steps];
-        if steps.is_empty() {
+        let calls = &self.calls[calls];
+        if calls.is_empty() {
             return;
         }
         let bases = Bases {
@@ -420,33 +430,35 @@ impl Program {
             weights: weights.as_ptr().expose_provenance(),
             coming: coming.as_ptr().addr(),
         };
-        // SAFETY: there is a step, and steps are made by the two methods above. A kernel's code reads of every stream the lines of its rounds, times as
-        // many as it has columns, and its uniform splats: `contribute` asserts that they lie before the reach, and the assertions here that so much is
-        // given; and it writes as many lines of sums, within a chunk of components. Code that adds reads segments before the reach, at least one;
-        // a segment's line is one of a chunk, and its place such that a line from there ends within a plane (see `Segment::line`, `Segment::place`;
-        // only its room can make one), and of sums and planes there are as many components from the step's on as the code was written for, one
-        // behind the other, since they are arrays; the weight of each span that a segment may name is before the reach. To fetch from where nothing
-        // is does nothing. What is written is borrowed uniquely. The code lives as long as the program, or for ever, and the processor was asked for
-        // what it needs.
-        unsafe { perform(steps, &bases) }
+        // SAFETY: there is at least one call, and the two methods above made all of them. The code of a kernel reads
+        // the lines of its rounds of each column of every stream, and its uniform splats: `contribute` counted them
+        // in `sizes`, and the assertions here guarantee that they exist. It writes as many lines of sums, within a
+        // chunk of each component. Code that adds to pixels reads at least one segment, and only segments that
+        // `sizes` counts. The line of a segment is one of a chunk, and its place is such that a line from there ends
+        // within a plane (see `Segment::line` and `Segment::place`; only their module can make a segment). Sums and
+        // planes are arrays, so they have as many consecutive components from the given one on as the code was
+        // written for. `sizes` counts the weight of each span that a segment may name. A prefetch of any address is
+        // harmless. Everything that is written is borrowed uniquely. The code lives as long as the list or for ever,
+        // and the processor was checked for the instructions that it uses.
+        unsafe { perform(calls, &bases) }
     }
 }
 
 /// Flush to zero, denormals are zero, and all exceptions masked.
 const KERNEL_MXCSR: u32 = 0x9fc0;
-/// What Rust code runs with: round to nearest, all exceptions masked.
+/// The state for Rust code: round to nearest, all exceptions masked.
 const RUST_MXCSR: u32 = 0x1f80;
 
-/// Takes the steps in their order, with subnormal operands and results counting as zero.
+/// Makes the calls in order. Subnormal operands and results count as zero.
 ///
 /// # Safety
-/// There is a step, and making the call of each of them, with these bases, must be sound.
-unsafe fn perform(steps: &[Step], bases: &Bases) {
+/// There is at least one call, and it is sound to make each of them with these bases.
+unsafe fn perform(calls: &[CodeCall], bases: &Bases) {
     let mut saved: u32 = RUST_MXCSR;
-    let steps = steps.as_ptr_range();
-    // SAFETY: saves MXCSR, sets it for the compiled code, makes the calls by the C calling convention (whose registers are all declared
-    // lost), and restores MXCSR, so that Rust code never runs under the changed one. r12 to r15 survive calls by that convention.
-    // `Line` is aligned as the code's loads and stores need.
+    let calls = calls.as_ptr_range();
+    // SAFETY: saves MXCSR, sets it for the compiled code, makes the calls by the C calling convention (whose registers
+    // are all declared lost), and restores MXCSR, so that Rust code never runs under the changed one. r12 to r15
+    // survive calls by that convention. `Line` is aligned as the code's loads and stores need.
     unsafe {
         std::arch::asm!(
             "stmxcsr [r12]",
@@ -459,12 +471,12 @@ unsafe fn perform(steps: &[Step], bases: &Bases) {
             "cmp r13, r14",
             "jb 2b",
             "ldmxcsr [r12]",
-            entry = const std::mem::offset_of!(Step, entry),
-            size = const size_of::<Step>(),
+            entry = const std::mem::offset_of!(CodeCall, entry),
+            size = const size_of::<CodeCall>(),
             in("r12") &raw mut saved,
             in("rax") &raw const KERNEL_MXCSR_VALUE,
-            inout("r13") steps.start => _,
-            in("r14") steps.end,
+            inout("r13") calls.start => _,
+            in("r14") calls.end,
             in("r15") bases,
             clobber_abi("C"),
         );
@@ -474,7 +486,8 @@ unsafe fn perform(steps: &[Step], bases: &Bases) {
 static KERNEL_MXCSR_VALUE: u32 = KERNEL_MXCSR;
 static RUST_MXCSR_VALUE: u32 = RUST_MXCSR;
 
-/// The function that kernels call for noise: six operands of four lanes, and room for the result behind them.
+/// The function that kernels call for noise. `lanes` points to six operands of four lanes, followed by the place of
+/// the result.
 ///
 /// # Safety
 /// `lanes` points to room for seven times four numbers, of which the first six times four are there.
@@ -487,7 +500,8 @@ unsafe extern "C" fn perlin_lanes(lanes: *mut f32) {
     const WIDTH: usize = Line::RECORDS / Line::BLOCKS;
     const OPERANDS: usize = PERLIN_OPERANDS as usize;
     for lane in 0..WIDTH {
-        // SAFETY: kernels pass the address of a stack slot of `OPERANDS + 1` times `WIDTH` floats whose operands they have written.
+        // SAFETY: kernels pass the address of a stack slot of `OPERANDS + 1` times `WIDTH` floats whose operands they
+        // have written.
         let [x, y, z, a, b, n] =
             std::array::from_fn::<f32, OPERANDS, _>(|index| unsafe { lanes.add(index * WIDTH + lane).read() });
         let value = flush(noise::perlin([x, y, z], a, b, n));
@@ -500,35 +514,38 @@ unsafe extern "C" fn perlin_lanes(lanes: *mut f32) {
     }
 }
 
-/// Has the processor fetch a list that is going to be read, and goes on: lists that come from memory are then waited for together.
+/// Prefetches a list that is going to be read, without waiting. Several lists can then come from memory at the same
+/// time.
 pub fn fetch<T>(list: &[T]) {
     let bytes = list.as_ptr_range();
     for line in (bytes.start.addr()..bytes.end.addr()).step_by(size_of::<Line>()) {
-        // SAFETY: fetching reads nothing that the program sees, and does nothing where nothing is. The instruction is of SSE, which every
-        // processor of this architecture has.
+        // SAFETY: a prefetch has no visible effect, and any address is allowed. The instruction belongs to SSE, which
+        // every x86-64 processor has.
         unsafe { _mm_prefetch::<_MM_HINT_T0>(std::ptr::without_provenance(line)) };
     }
 }
 
-/// Code that adds to pixels what hits in them contribute, and writes pixels, for vectors of a width.
+/// Code that adds contributions to pixels and writes pixels, for vectors of a width.
 pub struct PixelCode {
-    /// Where the code of the [pixels](super::pixels) room is that adds, all components or one.
+    /// The addresses of the code of [`pixels`] that adds all components, and one.
     adding_all: usize,
     adding_one: usize,
-    /// That which writes, by the linear transfer and that of sRGB.
+    /// The code that writes pixels, with the linear transfer and with that of sRGB.
     writing: [Writing; 2],
     _memory: CodeMemory,
 }
 
-/// Code of the [pixels](super::pixels) room that writes.
+/// The code of [`pixels`] that writes pixels.
 ///
 /// # Safety
-/// There is a line, and all are readable from `planes` on in three planes, and writable from `pixels` on. The processor has the vectors.
+/// There is at least one line. All lines are readable from `planes` on in three planes, and writable from `pixels`
+/// on. The processor has vectors of this width.
 type Writing =
     unsafe extern "C" fn(planes: *const f32, pixels: *mut PixelLine, lines: usize, coming: *const Line, table: *const SrgbTable);
 
 impl PixelCode {
-    /// The code for vectors of this width, made at its first use; none where the processor does not have them, or there is no memory for code.
+    /// The code for vectors of this width. It is made at its first use. `None` if the processor does not have such
+    /// vectors, or there is no memory for code.
     pub fn get(width: Width) -> Option<&'static PixelCode> {
         static CODE: [OnceLock<Option<PixelCode>>; Width::ALL.len()] = [const { OnceLock::new() }; Width::ALL.len()];
         CODE[width as usize].get_or_init(|| Self::new(width)).as_ref()
@@ -555,18 +572,18 @@ impl PixelCode {
         let ids = [adding_all?, adding_one?, linear?, srgb?];
         module.finalize_definitions().ok()?;
         let [adding_all, adding_one, linear, srgb] = ids.map(|id| module.get_finalized_function(id));
-        // SAFETY: at the address is the finished code of a function with these parameters, by the C calling convention; its memory lives
-        // as long as the result.
+        // SAFETY: at the address is the finished code of a function with these parameters and the C calling
+        // convention. Its memory lives as long as the result.
         let writing = [linear, srgb].map(|code| unsafe { std::mem::transmute::<*const u8, Writing>(code) });
         let [adding_all, adding_one] = [adding_all, adding_one].map(<*const u8>::expose_provenance);
         Some(Self { adding_all, adding_one, writing, _memory: memory })
     }
 
-    /// Writes lines of pixels, `0x00RRGGBB`, from this place in the planes on, as the transfer makes bytes. Meanwhile it fetches as many lines of what
-    /// is coming.
+    /// Writes lines of pixels, `0x00RRGGBB`, from index `place` of the planes on. The transfer turns components into
+    /// bytes. It prefetches as many lines of `coming`.
     ///
     /// # Panics
-    /// Where there are not so many pixels in a plane.
+    /// If a plane has fewer pixels.
     pub fn write(&self, transfer: Transfer, planes: &PixelPlanes, place: usize, pixels: &mut [PixelLine], coming: &[Line]) {
         if pixels.is_empty() {
             return;
@@ -576,16 +593,17 @@ impl PixelCode {
             "pixels of a plane"
         );
         let first = (&raw const planes.0).cast::<f32>();
-        // Where nothing comes, what is in the cache already.
+        // If there is nothing to prefetch, it is something that is in the cache already.
         let coming = if coming.is_empty() { first.cast() } else { coming.as_ptr() };
         let writing = match transfer {
             Transfer::Linear => self.writing[0],
             Transfer::Srgb => self.writing[1],
         };
-        // SAFETY: there is a line; all lie within their plane, from `place` on, and green and blue a plane's length behind one another, since
-        // the planes are an array (the pointer is made from that to the whole of it); `pixels` are as many, and aligned as their type says.
-        // To fetch from where nothing is does nothing. Of the table is read the entry for a number from `SrgbBytes::LEAST` to 1, and it has one for
-        // each. The processor was asked.
+        // SAFETY: there is at least one line. All lines lie within their plane, from `place` on. The planes are an
+        // array, so green and blue follow red at the distance of a plane (the pointer comes from a pointer to the
+        // whole array). `pixels` has as many lines, aligned as their type requires. A prefetch of any address is
+        // harmless. The code reads entries of the table for numbers from `SrgbBytes::LEAST` to 1, and the table has
+        // one for each. The processor was checked for the instructions.
         unsafe {
             writing(first.add(place), pixels.as_mut_ptr(), pixels.len(), coming, SrgbBytes::get().table());
         }

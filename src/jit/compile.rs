@@ -10,14 +10,14 @@ use crate::plan::{ContributionPlan, FormulaPlan, KernelPlan, SliderPlan};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Kernels for this many sliders are kept for the next time that one is taken.
+/// The number of sliders whose kernels are kept for the next drag.
 const SLIDERS_KEPT: usize = 64;
 
 /// A formula's kernels, with the plan that they were compiled from.
 pub struct CompiledFormula {
     /// The plan, and the graph that its nodes belong to.
     pub plan: FormulaPlan,
-    /// The width of the vectors of its kernels, and of all that works on its pictures.
+    /// The width of the vectors of its kernels, and of the code for its pixels.
     pub width: Width,
     /// Variables of hits → the hit frontier.
     pub hits: Kernel,
@@ -37,7 +37,7 @@ pub struct Contribution {
     pub uniforms: Kernel,
     /// Columns and uniform values → outputs, stored.
     pub overwrite: Kernel,
-    /// The same, added to what is there. For outputs that are columns it is the kernel that stores them.
+    /// The same, added to the outputs. If the outputs are columns, it is the kernel that stores them.
     pub add: Kernel,
 }
 
@@ -45,19 +45,19 @@ pub struct Contribution {
 pub struct CompiledSlider {
     /// The plan, and the graph that its nodes belong to.
     pub plan: Arc<SliderPlan>,
-    /// Those of [`SliderPlan::fixed`].
+    /// The kernels of [`SliderPlan::fixed`].
     pub fixed: Option<Contribution>,
-    /// Those of [`SliderPlan::moving`].
+    /// The kernels of [`SliderPlan::moving`].
     pub moving: Vec<Contribution>,
-    /// Those of [`SliderPlan::columns`].
+    /// The kernels of [`SliderPlan::columns`].
     pub columns: Option<Contribution>,
 }
 
-/// A kernel's place among those that are compiled together.
+/// The index of a kernel in its batch.
 #[derive(Clone, Copy)]
 struct Ticket(usize);
 
-/// The places of the kernels of a [`Contribution`].
+/// The indices of the kernels of a [`Contribution`].
 #[derive(Clone, Copy)]
 struct ContributionTicket {
     uniforms: Ticket,
@@ -111,7 +111,7 @@ impl CompiledFormula {
     /// Compiles a formula for the [widest](Width::widest) vectors.
     ///
     /// # Errors
-    /// The processor is not supported, or the formula is beyond what the code generator takes.
+    /// The processor is not supported, or the formula is too large for the code generator.
     pub fn new(formula: &Formula) -> Result<Self, CompileError> {
         Self::with_width(formula, Width::widest()?)
     }
@@ -119,7 +119,7 @@ impl CompiledFormula {
     /// Compiles a formula for vectors of this width.
     ///
     /// # Errors
-    /// The processor does not have them, or the formula is beyond what the code generator takes.
+    /// The processor does not have such vectors, or the formula is too large for the code generator.
     pub fn with_width(formula: &Formula, width: Width) -> Result<Self, CompileError> {
         Self::compile(FormulaPlan::new(formula), width, None)
     }
@@ -127,7 +127,7 @@ impl CompiledFormula {
     /// Compiles a formula for the [widest](Width::widest) vectors and lists the stages.
     ///
     /// # Errors
-    /// The processor is not supported, or the formula is beyond what the code generator takes.
+    /// The processor is not supported, or the formula is too large for the code generator.
     pub fn listing(formula: &Formula) -> Result<Listing, CompileError> {
         let mut listing = Listing::default();
         Self::compile(FormulaPlan::new(formula), Width::widest()?, Some(&mut listing))?;
@@ -145,10 +145,10 @@ impl CompiledFormula {
         Ok(Self { plan, width, hits, records, contribution, sliders: Mutex::default() })
     }
 
-    /// The kernels for the time that these components of parameters move; compiled when they are wanted first.
+    /// The kernels for a drag that moves these components of parameters. They are compiled at the first use.
     ///
     /// # Errors
-    /// They are beyond what the code generator takes.
+    /// They are too large for the code generator.
     pub fn slider(&self, moved: &[(ParameterId, u8)]) -> Result<Arc<CompiledSlider>, CompileError> {
         let mut moved = moved.to_vec();
         moved.sort_unstable();
@@ -194,7 +194,7 @@ mod tests {
             let (formula, _) = Formula::parse(&Source::new(name, presets::text(FileKind::Formula, name).unwrap())).unwrap();
             let mut listing = Listing::default();
             CompiledFormula::compile(FormulaPlan::new(&formula), width, Some(&mut listing)).unwrap();
-            // No instruction of a wider processor is in any kernel: only the names of those with AVX begin with a v.
+            // No kernel has an instruction of a wider processor. Only the names of AVX instructions begin with a v.
             let has = |mark: &str| listing.asm.contains(mark);
             assert!(width >= Width::Eight || !has("%ymm") && !has(" v"), "{name} in {width}: {}", listing.asm);
             assert!(width >= Width::Sixteen || !has("%zmm"), "{name} in {width}: {}", listing.asm);

@@ -139,10 +139,11 @@ impl Scalars for Emitter<'_, '_> {
         self.math().atan2(y, x)
     }
 
-    /// Noise consists of table look-ups, which vector code does no faster than scalar code. So it is called, four points at a time.
+    /// Noise consists of table look-ups, which are not faster in vector code. So a function is called, for four
+    /// points at a time.
     fn perlin(&mut self, x: Value, y: Value, z: Value, a: Value, b: Value, n: Value) -> Value {
         let Some((function, slot)) = self.perlin else {
-            // Not reached: the kernel writer looks for noise before it begins. NaN would be seen at once.
+            // Not reached: the kernel writer looks for noise before it begins. NaN would be visible at once.
             return self.constant(f32::NAN);
         };
         let base = self.builder.ins().stack_addr(I64, slot, 0);

@@ -1,9 +1,9 @@
 //! Kernels as they are compiled: in how many parts, in what shape, in what order.
 //!
-//! 1. A kernel of many outputs is compiled in *parts*, functions that compute some of the outputs each. So the time of compilation
-//!    grows with the number of outputs, and not with a higher power, as that of register allocation can.
-//! 2. A part may be written in several *shapes*: for wider or narrower vectors, with several steps side by side or one after the
-//!    other. The quickest that works is taken.
+//! 1. A kernel of many outputs is compiled in *parts*, functions that compute some of the outputs each. So the time of
+//!    compilation grows with the number of outputs, and not with a higher power, as that of register allocation can.
+//! 2. A part may be written in several *shapes*: for wider or narrower vectors, with several steps side by side or one
+//!    after the other. The quickest that works is taken.
 //! 3. Registers are allocated with care. Where too many values are alive at a time, that would take long, and a quicker
 //!    [allocation](Allocation) is used.
 //!
@@ -38,7 +38,8 @@ pub(super) enum Output {
     AddToSums,
 }
 
-/// At most this many steps are computed side by side. Four hide most of the latency of a polynomial's chain of multiplications.
+/// At most this many steps are computed side by side. Four hide most of the latency of a polynomial's chain of
+/// multiplications.
 const MOST_STEPS: usize = ROUND_LINES;
 
 impl<'p> KernelSpec<'p> {
@@ -104,15 +105,16 @@ impl<'p> KernelSpec<'p> {
         parts
     }
 
-    /// The most steps that are computed side by side, a power of two, so that their chains of dependent instructions overlap and
-    /// constants are loaded once for all of them. Columns are stored one step at a time: they end with their last line, not with
-    /// a whole round.
+    /// The most steps that are computed side by side, a power of two, so that their chains of dependent instructions
+    /// overlap and constants are loaded once for all of them. Columns are stored one step at a time: they end with
+    /// their last line, not with a whole round.
     fn interleave(&self) -> usize {
         if self.output == Output::Columns { 1 } else { MOST_STEPS }
     }
 }
 
-/// From this size on, in simple instructions, a part of a kernel is complete: about as much as is compiled in a few milliseconds.
+/// From this size on, in simple instructions, a part of a kernel is complete: about as much as is compiled in a few
+/// milliseconds.
 const PART_SIZE: u32 = 1 << 12;
 /// No primitive is counted as larger: noise is a call.
 const LARGEST_NODE: u32 = 64;
@@ -137,7 +139,8 @@ pub(super) struct Shape {
 }
 
 impl Shape {
-    /// Whether values that do not fit the registers may go to the stack: only where no shape of the same width needs fewer registers.
+    /// Whether values that do not fit the registers may go to the stack: only where no shape of the same width needs
+    /// fewer registers.
     pub(super) fn spills(self) -> Spills {
         if self.interleave == 1 { Spills::Allowed } else { Spills::Refused }
     }
@@ -162,7 +165,8 @@ impl Shape {
         self.round() * LANES_BYTES as usize
     }
 
-    /// The place of a step of a round in a column of a stream of this many columns, in bytes from the beginning of the round.
+    /// The place of a step of a round in a column of a stream of this many columns, in bytes from the beginning of the
+    /// round.
     pub(super) fn place(self, step: usize, columns: usize, column: usize) -> i32 {
         let bytes = self.bytes() * step;
         let (lines, within) = (bytes / LINE_BYTES, bytes % LINE_BYTES);
@@ -181,8 +185,8 @@ pub(super) struct Addend {
     pub(super) other: Option<NodeId>,
 }
 
-/// With more nodes than this, steps are computed one after the other: side by side they would need far more registers than there are, and
-/// there is enough to overlap within a step.
+/// With more nodes than this, steps are computed one after the other: side by side they would need far more registers
+/// than there are, and there is enough to overlap within a step.
 const MANY_NODES: usize = 60;
 
 impl KernelPart<'_> {
@@ -201,15 +205,15 @@ impl KernelPart<'_> {
         shapes
     }
 
-    /// The nodes to compute before the addends, operands before their users. `None` where a variable or parameter is needed that
-    /// the kernel does not read.
+    /// The nodes to compute before the addends, operands before their users. `None` where a variable or parameter is
+    /// needed that the kernel does not read.
     pub(super) fn schedule(&self, graph: &Graph, shape: Shape) -> Option<Vec<NodeId>> {
         let addends = self.addends(graph, shape).into_iter().flatten();
         self.kernel.plan.schedule(graph, addends.flat_map(|addend| [Some(addend.factor), addend.other]).flatten())
     }
 
-    /// The addends of each of its outputs. Where outputs are terms of sums, and products can be added in one instruction, sums are
-    /// taken apart, but not what several outputs share: that would be computed several times.
+    /// The addends of each of its outputs. Where outputs are terms of sums, and products can be added in one
+    /// instruction, sums are taken apart, but not what several outputs share: that would be computed several times.
     pub(super) fn addends(&self, graph: &Graph, shape: Shape) -> Vec<Vec<Addend>> {
         /// More addends than this are summed up before.
         const MOST: usize = 16;
@@ -250,7 +254,8 @@ impl KernelPart<'_> {
     }
 }
 
-/// Above this many nodes times values that are alive together, careful allocation would take more than some tenths of a second.
+/// Above this many nodes times values that are alive together, careful allocation would take more than some tenths of a
+/// second.
 const LARGEST_CAREFUL: usize = 1 << 20;
 
 /// How registers are allocated to nodes that are computed in this order.

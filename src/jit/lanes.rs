@@ -1,29 +1,29 @@
-//! What compiled code reads and writes: columns, uniform values, and pixels.
+//! The data that compiled code reads and writes: columns, uniform values and pixels.
 
 use crate::plan::STREAMS;
 use crate::trace::{CHUNK_LINES, LINE_HITS, Segment, TILE_PIXELS};
 
-/// A line of a column: the numbers of as many records as the widest kernels compute at a time, and a line of the cache.
+/// A line of a column: the numbers of as many records as the widest vectors have lanes. It is one cache line.
 #[derive(Debug, Clone, Copy, PartialEq, Default, bytemuck::Zeroable, bytemuck::Pod)]
 #[repr(C, align(64))]
 pub struct Line(pub [f32; Line::RECORDS]);
 
 impl Line {
-    /// How many records a line holds.
+    /// The number of records in a line.
     pub const RECORDS: usize = LINE_HITS;
-    /// How many vectors of four.
+    /// The number of vectors of four lanes in a line.
     pub const BLOCKS: usize = Self::RECORDS / 4;
 }
 
-/// What a kernel reads: each a stream of lines, in which some columns take turns: the first line of each, then the second of each, and so on.
-/// Those that it does not read may be empty.
+/// The streams that a kernel reads. A stream holds some columns line by line: the first line of each, then the second
+/// of each, and so on. A stream that the kernel does not read may be empty.
 pub type Streams<'c> = [&'c [Line]; STREAMS];
 
-/// So many bytes ahead of what they read kernels fetch: with less, memory would be too late, with more, the first cache would overflow. What is
-/// read next lies behind what is read now, also where a kernel's work ends.
+/// How far ahead of their loads kernels prefetch, in bytes. With less, data would come too late. With more, the L1
+/// cache would overflow. Data lies in the order in which it is read, also from one call to the next.
 pub const PREFETCH_DISTANCE: usize = 16384;
 
-/// A uniform value, in as many lanes as the widest kernels have.
+/// A uniform value, in as many lanes as the widest vectors have.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[repr(C, align(64))]
 pub struct Splat([f32; Line::RECORDS]);
@@ -35,35 +35,36 @@ impl Splat {
     }
 }
 
-/// Sixteen pixels of a framebuffer: a line of the cache.
+/// Sixteen pixels of a framebuffer: one cache line.
 #[derive(Debug, Clone, Copy, bytemuck::Zeroable, bytemuck::Pod)]
 #[repr(C, align(64))]
 pub struct PixelLine(pub [u32; Line::RECORDS]);
 
-/// What is added to the pixels of hits: red, green and blue of each line of a chunk.
+/// The contributions of a chunk of hits, summed over lights: red, green and blue of each line.
 pub type Sums = [[Line; CHUNK_LINES]; 3];
 
-/// Pixels of a plane: those of a tile, behind a [margin](Segment::MARGIN), and room for two lines beyond.
+/// The pixels of a plane: a [margin](Segment::MARGIN), those of a tile, and room for two lines.
 pub const PLANE_PIXELS: usize = Segment::MARGIN + TILE_PIXELS as usize + 2 * LINE_HITS;
 
-/// Red, green and blue of the pixels of a tile, each behind its margin.
+/// Red, green and blue of the pixels of a tile. Each plane begins with a margin.
 #[derive(Debug, Clone, bytemuck::Zeroable)]
 #[repr(C, align(64))]
 pub struct PixelPlanes(pub [[f32; PLANE_PIXELS]; 3]);
 
-/// What a [program](super::call::Program) works on.
+/// The operands of a [list of calls](super::call::CallList).
 pub struct Operands<'o> {
-    /// Lines in which the streams of kernels are.
+    /// The lines that hold the streams of kernels.
     pub streams: Streams<'o>,
-    /// Lines that are read from front to back: what is fetched ahead.
+    /// Lines that are read from front to back, and prefetched.
     pub coming: &'o [Line],
     /// Uniform values.
     pub uniforms: &'o [Splat],
     /// The segments of hits.
     pub segments: &'o [Segment],
-    /// The weight of each span; behind the last one so many more that each of a chunk ([`CHUNK_HITS`](crate::trace::CHUNK_HITS)) could have one.
+    /// The weight of each span, followed by more numbers, as many as a chunk has hits
+    /// ([`CHUNK_HITS`](crate::trace::CHUNK_HITS)).
     pub weights: &'o [f32],
-    /// What kernels write and pixels get.
+    /// The sums that kernels write and that are added to pixels.
     pub sums: &'o mut Sums,
     /// The pixels.
     pub planes: &'o mut PixelPlanes,

@@ -1,4 +1,4 @@
-//! In place of the room of calls where kernels cannot run: the same items, and no kernel.
+//! Replaces `call` where kernels cannot run: the same items, without any kernel.
 
 use crate::formula::graph::Graph;
 use crate::jit::kernel::KernelSpec;
@@ -14,12 +14,12 @@ use std::ops::Range;
 pub enum Kernel {}
 
 impl Kernel {
-    /// How many columns it writes.
+    /// The number of columns that it writes.
     pub fn outputs(&self) -> usize {
         match *self {}
     }
 
-    /// How many lines it reads and writes where so many are wanted.
+    /// Rounds a number of lines up to whole rounds.
     pub fn whole_rounds(&self, _lines: usize) -> usize {
         match *self {}
     }
@@ -30,18 +30,18 @@ impl Kernel {
     }
 }
 
-/// Work for compiled code on the pixels of a tile: there is none.
+/// The calls of compiled code for a tile: there are none.
 #[derive(Default)]
-pub struct Program;
+pub struct CallList;
 
-impl Program {
-    /// The memory of a step, in bytes.
-    pub const BYTES_PER_STEP: usize = 0;
+impl CallList {
+    /// The memory of a call, in bytes.
+    pub const BYTES_PER_CALL: usize = 0;
 
-    /// Forgets all steps.
+    /// Removes all calls.
     pub fn clear(&mut self) {}
 
-    /// How many steps there are: none.
+    /// The number of calls: 0.
     pub fn len(&self) -> usize {
         0
     }
@@ -51,15 +51,15 @@ impl Program {
         true
     }
 
-    /// The memory that the steps take.
+    /// The memory of the calls.
     pub fn bytes(&self) -> usize {
         0
     }
 
-    /// Gives back memory that is not needed.
+    /// Frees memory that is not needed.
     pub fn shrink(&mut self) {}
 
-    /// Has the steps fetched.
+    /// Prefetches the calls.
     pub fn fetch(&self) {}
 
     /// Runs a kernel.
@@ -72,11 +72,11 @@ impl Program {
         match *code {}
     }
 
-    /// Takes no steps.
+    /// Makes no calls.
     pub fn run(&self, _: Range<usize>, _: &mut Operands) {}
 }
 
-/// Says that there is no compiled code for this processor.
+/// Fails: there is no compiled code for this processor.
 pub(super) fn generate(
     width: Width,
     _specs: &[KernelSpec],
@@ -87,7 +87,7 @@ pub(super) fn generate(
     Err(CompileError::Processor(target.isa.name().to_owned()))
 }
 
-/// Has the processor fetch a list: not here.
+/// Would prefetch a list.
 pub fn fetch<T>(_: &[T]) {}
 
 /// Code that adds to pixels and writes them: there is none.

@@ -1,10 +1,10 @@
-//! What becomes of contributions, as machine code for each width: adding them to the pixels of their hits, and writing pixels.
+//! Machine code for pixels, for each width: it adds contributions to the pixels of their hits, and writes pixels.
 //!
-//! Neither Cranelift nor portable code does this well:
-//! - Which lanes of a line are added where differs from segment to segment. A loop over lanes, or a choice between vectors of several widths,
-//!   would be mispredicted at nearly every segment. Masks need no branch.
-//! - Written pixels go past the caches. They are not read again before the columns of all records have gone through the caches, which would first
-//!   fetch what is overwritten.
+//! Cranelift and portable code do not do this well:
+//! - Each segment adds other lanes of a line. A loop over lanes, or a choice between vectors of several widths, would
+//!   be mispredicted at nearly every segment. Masks need no branch.
+//! - Written pixels bypass the caches. They are not read again before the columns of all records have passed through
+//!   the caches, and an ordinary store would first load what it overwrites.
 
 mod adding;
 mod assembler;

@@ -8,7 +8,7 @@ use thiserror::Error;
 /// Why there is no compiled code.
 #[derive(Debug, Error)]
 pub enum CompileError {
-    /// The processor is none that kernels are written for.
+    /// Kernels are not written for this processor.
     #[error("no compiled code for this processor: {0}; the interpreter works everywhere")]
     Processor(String),
     /// The environment limits the width of vectors to one that does not exist.
@@ -31,20 +31,21 @@ pub struct Listing {
 /// How the values of a part get registers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Allocation {
-    /// For the fastest code. It takes time that grows with the number of values times the number of those that are alive together.
+    /// For the fastest code. It takes time that grows with the number of values times the number of those that are
+    /// alive together.
     Careful,
     /// In one pass over the instructions.
     Quick,
 }
 
-/// A processor, or one that it can do the work of.
+/// This processor, limited to the instruction sets of a width.
 pub(super) struct Target {
     /// What code is generated for, with careful allocation of registers and with quick.
     pub(super) isa: OwnedTargetIsa,
     quick: OwnedTargetIsa,
     /// Whether it multiplies and adds in one instruction.
     pub(super) fma: bool,
-    /// How many blocks of four records its vectors hold, widest first: 4, 2 and 1, as far as it goes.
+    /// The numbers of blocks of four records that its vectors can hold, largest first: 4, 2 and 1, up to the width.
     pub(super) blocks: Vec<usize>,
 }
 
@@ -58,7 +59,8 @@ impl Target {
     }
 }
 
-/// The features of x86-64 processors that code of each width needs beside those of the width before, as Cranelift names them.
+/// The features of x86-64 processors that code of each width needs beyond those of the narrower width, by their names
+/// in Cranelift.
 const FEATURES: [(Width, &[&str]); 3] = [
     (Width::Four, &["has_sse3", "has_ssse3", "has_sse41"]),
     (Width::Eight, &["has_sse42", "has_popcnt", "has_avx", "has_avx2", "has_fma", "has_bmi1", "has_bmi2", "has_lzcnt"]),
@@ -69,8 +71,8 @@ fn generator(error: &dyn std::fmt::Display) -> CompileError {
     CompileError::Generator(error.to_string())
 }
 
-/// The settings of the code generator. Optimisation is left to the graph: Cranelift's own moves constants into registers before the
-/// loop and then has to spill them.
+/// The settings of the code generator. Optimisation is left to the graph: Cranelift's own moves constants into
+/// registers before the loop and then has to spill them.
 fn flags(allocation: Allocation) -> Result<settings::Flags, CompileError> {
     let verify = if cfg!(debug_assertions) { "true" } else { "false" };
     let algorithm = match allocation {
@@ -88,7 +90,7 @@ fn flags(allocation: Allocation) -> Result<settings::Flags, CompileError> {
 /// This processor, with the instruction sets that vectors of this width need.
 ///
 /// # Errors
-/// It has no vectors of this width, or is none that kernels are written for.
+/// It has no vectors of this width, or kernels are not written for it.
 pub(super) fn target(width: Width) -> Result<Target, CompileError> {
     let [careful, quick] = [flags(Allocation::Careful)?, flags(Allocation::Quick)?];
     let native = || cranelift_native::builder().map_err(|why| CompileError::Processor(why.to_owned()));

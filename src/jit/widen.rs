@@ -1,16 +1,21 @@
 //! Widens machine code from four lanes to eight or sixteen: re-encodes every vector instruction of a finished kernel.
 //!
-//! Cranelift generates vectors of 128 bits only. Most processors with AVX2 compute 256 bits in the same time, and many with AVX-512
-//! 512 bits. A kernel computes lane by lane, and nearly every VEX instruction has a counterpart that does the same to more lanes. So:
+//! Cranelift generates vectors of 128 bits only. Most processors with AVX2 compute 256 bits in the same time, and many
+//! with AVX-512 512 bits. A kernel computes lane by lane, and nearly every VEX instruction has a counterpart that does
+//! the same to more lanes. So:
 //!
-//! 1. A kernel is written for steps of two or four times as many bytes (see [`Shape`](super::kernel::Shape)) and compiled as usual.
-//! 2. Its instructions are decoded, and each is replaced by its counterpart from the table below. Constants are repeated for more lanes.
-//! 3. AVX-512 has twice as many registers. They replace the first stack slots to which Cranelift spilled. The others become larger.
-//! 4. AVX-512 comparisons yield masks in registers of their own. These are converted to and from vectors of all ones and all zeros.
+//! 1. A kernel is written for steps of two or four times as many bytes (see [`Shape`](super::kernel::Shape)) and
+//!    compiled as usual.
+//! 2. Its instructions are decoded, and each is replaced by its counterpart from the table below. Constants are
+//!    repeated for more lanes.
+//! 3. AVX-512 has twice as many registers. They replace the first stack slots to which Cranelift spilled. The others
+//!    become larger.
+//! 4. AVX-512 comparisons yield masks in registers of their own. These are converted to and from vectors of all ones
+//!    and all zeros.
 //! 5. Every load from a column gets a prefetch.
 //!
-//! A kernel with an instruction that is not in the table is not widened. Tests hold every primitive at every width against its
-//! meaning, and the table instruction by instruction.
+//! A kernel with an instruction that is not in the table is not widened. Tests hold every primitive at every width
+//! against its meaning, and the table instruction by instruction.
 
 use crate::jit::lanes::PREFETCH_DISTANCE;
 use iced_x86::{
@@ -22,8 +27,8 @@ use std::collections::{BTreeMap, BinaryHeap, HashSet};
 
 /// The address at which code is encoded. Not 0, which means no address.
 const BASE: u64 = 0x10000;
-/// The address at which narrow code is decoded. It is far from the other: the encoder takes any address of an old instruction for that
-/// of its counterpart, so no address in the wide code may look like one.
+/// The address at which narrow code is decoded. It is far from the other: the encoder takes any address of an old
+/// instruction for that of its counterpart, so no address in the wide code may look like one.
 const NARROW_BASE: u64 = 1 << 40;
 /// Bytes of a constant of four lanes.
 const NARROW: usize = 16;
@@ -35,8 +40,8 @@ macro_rules! counterparts {
         #[cfg(test)]
         const COUNTERPARTS: &[[&str; 3]] = &[$([stringify!($narrow), stringify!($eight), stringify!($sixteen)]),*];
 
-        /// The instructions that do to eight and to sixteen lanes what this one does to four. In sixteen lanes, comparisons yield a mask and
-        /// selections take one.
+        /// The instructions that do to eight and to sixteen lanes what this one does to four. In sixteen lanes,
+        /// comparisons yield a mask and selections take one.
         fn counterparts(code: Code) -> Option<[Code; 2]> {
             match code {
                 $(Code::$narrow => Some([Code::$eight, Code::$sixteen]),)*
@@ -100,12 +105,13 @@ counterparts! {
 }
 
 /// Placeholders for two instructions that only AVX-512 has. Kernels have no other use for saturating subtraction, so
-/// [`VectorMath`](super::math::VectorMath) emits it where it wants them. `vpsubsw` stands for `vscalefps`: x · 2ⁿ, where n is the second
-/// operand rounded down. `vpsubsb` stands for `vreduceps`: the first operand minus itself rounded down.
+/// [`VectorMath`](super::math::VectorMath) emits it where it wants them. `vpsubsw` stands for `vscalefps`: x · 2ⁿ,
+/// where n is the second operand rounded down. `vpsubsb` stands for `vreduceps`: the first operand minus itself rounded
+/// down.
 const SCALE: Code = Code::VEX_Vpsubsw_xmm_xmm_xmmm128;
 const FRACTION: Code = Code::VEX_Vpsubsb_xmm_xmm_xmmm128;
-/// The operand of `vreduceps` for rounding down to a whole number. It rounds the difference down too, which for a negative operand can
-/// be one unit in the last place less than the nearest.
+/// The operand of `vreduceps` for rounding down to a whole number. It rounds the difference down too, which for a
+/// negative operand can be one unit in the last place less than the nearest.
 const ROUND_DOWN: i32 = 1;
 
 /// Whether a widened function may keep vectors on the stack.
@@ -115,8 +121,8 @@ pub(super) enum Spills {
     Refused,
 }
 
-/// The code of a function for vectors of one, two or four `blocks` of four lanes, with prefetches. `code` has no relocations, and its
-/// constants follow it. None where it cannot be widened.
+/// The code of a function for vectors of one, two or four `blocks` of four lanes, with prefetches. `code` has no
+/// relocations, and its constants follow it. None where it cannot be widened.
 pub(super) fn widen(code: &[u8], blocks: usize, spills: Spills) -> Option<Vec<u8>> {
     let mut widening = Widening { blocks, spills, code: Vec::new(), constants: BTreeMap::new(), slots: BTreeMap::new() };
     let mut decoder = Decoder::with_ip(64, code, NARROW_BASE, DecoderOptions::NONE);
@@ -258,8 +264,8 @@ impl Widening {
         true
     }
 
-    /// The instruction for a stack on which everything is `blocks` times as large and as far from the end. None where it uses the stack in
-    /// another way than kernels do.
+    /// The instruction for a stack on which everything is `blocks` times as large and as far from the end. None where
+    /// it uses the stack in another way than kernels do.
     fn with_larger_stack(&self, instruction: Instruction) -> Option<Instruction> {
         let times = self.blocks as u64;
         if instruction.memory_base() == Register::RSP && instruction.memory_index() == Register::None {
@@ -305,8 +311,8 @@ fn written_in_loops(code: &[Instruction]) -> HashSet<Register> {
     written
 }
 
-/// The code with a prefetch for every cache line of columns that a loop loads. Memory that is also stored to needs none: it is scratch
-/// memory, in the cache already. Nor do loads from a fixed address, which are uniform values.
+/// The code with a prefetch for every cache line of columns that a loop loads. Memory that is also stored to needs
+/// none: it is scratch memory, in the cache already. Nor do loads from a fixed address, which are uniform values.
 fn with_prefetches(code: Vec<Instruction>) -> Vec<Instruction> {
     let moving = written_in_loops(&code);
     let indexed = |instruction: &Instruction| (instruction.memory_base(), instruction.memory_index());
@@ -375,7 +381,8 @@ mod tests {
     fn action(code: &str) -> &str {
         let name = code.trim_start_matches("VEX_").trim_start_matches("EVEX_");
         let action = name.split('_').next().unwrap();
-        // Other names of the same action: the one without VEX, the one that names lanes for masks, the one with a scale of 0.
+        // Other names of the same action: the one without VEX, the one that names lanes for masks, the one with a scale
+        // of 0.
         match action {
             "Movaps" => "Vmovaps",
             "Movups" => "Vmovups",

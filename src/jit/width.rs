@@ -1,4 +1,4 @@
-//! How many numbers one instruction works on: the instruction sets that code is made for, and which of them is used.
+//! The widths of vectors: the instruction sets that code is made for, and which of them is used.
 
 use pulp::WithSimd;
 use std::ffi::OsStr;
@@ -6,7 +6,7 @@ use std::fmt;
 use std::sync::OnceLock;
 use thiserror::Error;
 
-/// The width of vectors, in lanes of 32-bit numbers. Everything that is made for one width runs on a processor that has no more.
+/// The width of vectors, in lanes of 32-bit numbers. Code of a width runs on processors that have nothing wider.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Width {
     /// 4 lanes: SSE4.1, without AVX and without fused multiply-add.
@@ -26,11 +26,11 @@ impl Width {
     /// All widths, narrowest first.
     pub const ALL: [Width; 3] = [Width::Four, Width::Eight, Width::Sixteen];
 
-    /// The environment variable that limits the width: 4, 8 or 16 lanes at most. It is for tests and measurements of the widths that a wider processor
-    /// has too, and is read once.
+    /// The environment variable that limits the width to 4, 8 or 16 lanes. It is for tests and measurements of
+    /// narrower widths on a wide processor. It is read once.
     pub const LIMIT: &str = "ILLUMINATOR_LANES";
 
-    /// How many numbers a vector holds.
+    /// The number of lanes.
     pub const fn lanes(self) -> usize {
         match self {
             Width::Four => 4,
@@ -39,15 +39,15 @@ impl Width {
         }
     }
 
-    /// The widths that this processor has, narrowest first, whatever the limit is.
+    /// The widths that this processor has, narrowest first. The limit does not matter.
     pub fn supported() -> impl Iterator<Item = Width> {
         Self::ALL.into_iter().filter(|width| width.is_supported())
     }
 
-    /// The widest that this processor has and the [limit](Self::LIMIT) allows.
+    /// The widest width that the processor has and the [limit](Self::LIMIT) allows.
     ///
     /// # Errors
-    /// The limit is none of 4, 8 and 16.
+    /// The limit is not 4, 8 or 16.
     pub fn widest() -> Result<Width, WidthLimitError> {
         static LIMIT: OnceLock<Result<Width, WidthLimitError>> = OnceLock::new();
         let limit = LIMIT.get_or_init(|| limit(std::env::var_os(Self::LIMIT).as_deref()));
@@ -58,7 +58,7 @@ impl Width {
     #[cfg(target_arch = "x86_64")]
     fn is_supported(self) -> bool {
         match self {
-            // Whether there is SSE4.1 is asked when kernels are compiled: there is no narrower code.
+            // SSE4.1 is checked when kernels are compiled. There is no narrower code.
             Width::Four => true,
             Width::Eight => pulp::x86::V3::is_available(),
             Width::Sixteen => pulp::x86::V4::is_available(),
@@ -70,8 +70,8 @@ impl Width {
         self == Width::Four
     }
 
-    /// Runs portable loops as compiled for vectors of this width. What is not inlined into `work` is not compiled so: everything that it calls must be
-    /// `#[inline(always)]`.
+    /// Runs portable loops, compiled for vectors of this width. Everything that `work` calls must be
+    /// `#[inline(always)]`, because only inlined code is compiled for the width.
     #[inline(always)]
     pub fn dispatch<W: WithSimd>(self, work: W) -> W::Output {
         #[cfg(target_arch = "x86_64")]
@@ -92,7 +92,7 @@ impl Width {
                 return Simd::vectorize(simd, work);
             }
         }
-        // On other processors a build has the vectors that all of their kind have.
+        // On other architectures, a build uses the vectors that every processor of the architecture has.
         work.with_simd(pulp::Scalar)
     }
 }
@@ -103,7 +103,7 @@ impl fmt::Display for Width {
     }
 }
 
-/// The limit that the environment variable gives; without it there is none.
+/// The limit by the environment variable. Without the variable, there is no limit.
 fn limit(variable: Option<&OsStr>) -> Result<Width, WidthLimitError> {
     let Some(given) = variable else { return Ok(Width::Sixteen) };
     let named = Width::ALL.into_iter().find(|width| given.to_str() == Some(&width.lanes().to_string()));

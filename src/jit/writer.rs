@@ -1,15 +1,17 @@
-//! A part of a kernel as Cranelift IR: some nodes of a graph computed for every record, from columns and uniform values.
+//! A part of a kernel as Cranelift IR: some nodes of a graph computed for every record, from columns and uniform
+//! values.
 //!
-//! The function is `fn(reading, bases)`. A [`Reading`] says where its [streams](crate::plan::KernelPlan::streams) are, where the uniform
-//! values are (each in as many lanes as any kernel has), and where outputs go, all counted from [`Bases`]; and how many rounds its loop
-//! has. A round is some steps side by side. A step is a block of four records, or two or four blocks in code that is going to be
-//! [widened](super::widen). There are only whole rounds, so there is no tail.
+//! The function is `fn(reading, bases)`. A [`KernelCall`] says where its [streams](crate::plan::KernelPlan::streams)
+//! are, where the uniform values are (each in as many lanes as any kernel has), and where outputs go, all counted from
+//! [`Bases`]; and how many rounds its loop has. A round is some steps side by side. A step is a block of four records,
+//! or two or four blocks in code that is going to be [widened](super::widen). There are only whole rounds, so there is
+//! no tail.
 
 use crate::formula::graph::{Graph, Node, NodeId};
+use crate::jit::code_call::{Bases, KernelCall};
 use crate::jit::emit::{Emitter, LANES_BYTES, PERLIN_OPERANDS};
 use crate::jit::kernel::{Addend, KernelPart, LINE_BYTES, Output, Shape};
 use crate::jit::lanes::{Line, Splat};
-use crate::jit::step::{Bases, Reading};
 use crate::lang::scalars::Scalars;
 use crate::plan::STREAMS;
 use cranelift_codegen::ir::condcodes::IntCC;
@@ -56,13 +58,13 @@ pub(super) fn write(
     let streams = std::array::from_fn(|index| {
         let own = index * size_of::<usize>();
         let read = !part.kernel.plan.streams[index].is_empty();
-        read.then(|| pointer(offset_of!(Reading, streams) + own, offset_of!(Bases, streams) + own))
+        read.then(|| pointer(offset_of!(KernelCall, streams) + own, offset_of!(Bases, streams) + own))
     });
     let outputs = (0..part.kernel.output_streams().len())
-        .map(|index| pointer(offset_of!(Reading, outputs) + index * size_of::<usize>(), offset_of!(Bases, outputs)))
+        .map(|index| pointer(offset_of!(KernelCall, outputs) + index * size_of::<usize>(), offset_of!(Bases, outputs)))
         .collect();
-    let uniforms = pointer(offset_of!(Reading, uniforms), offset_of!(Bases, uniforms));
-    let rounds = word(&mut builder, reading, offset_of!(Reading, rounds));
+    let uniforms = pointer(offset_of!(KernelCall, uniforms), offset_of!(Bases, uniforms));
+    let rounds = word(&mut builder, reading, offset_of!(KernelCall, rounds));
     let shift = builder.ins().iconst(I64, i64::from(shape.round_bytes().trailing_zeros()));
     let end = builder.ins().ishl(rounds, shift);
     let mut writer =
@@ -197,8 +199,8 @@ impl Writer<'_, '_> {
         std::iter::successors(first, |inst| layout.next_inst(*inst)).collect()
     }
 
-    /// Interleaves the instructions of several steps: the first of each, then the second of each. A constant that is the same in all of
-    /// them is loaded once.
+    /// Interleaves the instructions of several steps: the first of each, then the second of each. A constant that is
+    /// the same in all of them is loaded once.
     fn interleave(&mut self, copies: &[Vec<Inst>]) {
         let Some((first, others)) = copies.split_first() else { return };
         let Some(block) = self.builder.current_block() else { return };
@@ -225,7 +227,8 @@ impl Writer<'_, '_> {
         }
     }
 
-    /// Loads a node that is read from a column or the uniform values, at its first use: all at once they would not fit the registers.
+    /// Loads a node that is read from a column or the uniform values, at its first use: all at once they would not fit
+    /// the registers.
     fn read(&mut self, id: NodeId, offsets: &[Value; STREAMS]) {
         if !self.values[id.0 as usize].is_empty() {
             return;

@@ -1,4 +1,4 @@
-//! What a picture is made of while a slider is held: which terms move, and how a picture follows from images that do not.
+//! The plan of a drag: which terms move with the slider, and how a picture is computed from images that do not move.
 
 use crate::formula::binding::Bindings;
 use crate::formula::equation::{Equation, EquationTerm, REFLECTED, REFRACTED, Site, TERMS, index_of};
@@ -17,9 +17,9 @@ use std::sync::Arc;
 pub enum Method {
     /// As weighted sums of images.
     Images,
-    /// By a kernel for the part that moves, added to an image of the rest.
+    /// By a kernel for the part that moves, and an image of everything else.
     Specialised,
-    /// Like any picture.
+    /// In full, like any picture.
     General,
 }
 
@@ -64,22 +64,25 @@ pub struct MovedTerm {
     pub components: [bool; 3],
 }
 
-/// What the images of a term are multiplied with, and what is in them.
+/// The factors of the images of a term, and the contents of the images.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ImageTerm {
-    /// The factor of each component, a node of the graph of [`DragPlan::bindings`]; `None` where the image has no such component.
+    /// The factor of each component, a node of the graph of [`DragPlan::bindings`]; `None` where the image has no such
+    /// component.
     pub factors: [Option<NodeId>; 3],
-    /// The contribution that is in the image: its place in [`SliderPlan::moving`].
+    /// The contribution that is in the image: its index in [`SliderPlan::moving`].
     pub contribution: Option<usize>,
-    /// The terms without the formula that are in the image, each without its moved factor: places in [`DragPlan::moved_terms`].
+    /// The terms without the formula that are in the image, each without its moved factor: indices in
+    /// [`DragPlan::moved_terms`].
     pub moved_terms: Vec<usize>,
 }
 
-/// How pictures follow from the numbers that a slider moves, on one scene.
+/// How pictures are computed from the numbers that a slider moves, on one scene.
 ///
-/// With [`Method::Images`] a picture is `Σ_ij kr^i · kt^j · (fixed_ij + Σ_terms factor · image_ij)`, where kr and kt are those that
-/// move, if any, and the images of (i, j) hold the paths that have these powers in their weight. With [`Method::Specialised`] it is the
-/// fixed image and what the one contribution of [`SliderPlan::moving`] yields, with the moved terms added.
+/// With [`Method::Images`] a picture is `Σ_ij kr^i · kt^j · (fixed_ij + Σ_terms factor · image_ij)`. Here kr and kt
+/// are those that move, if any, and the images of (i, j) hold the paths that have these powers in their weight. With
+/// [`Method::Specialised`] a picture is the fixed image, plus the only contribution of [`SliderPlan::moving`], plus
+/// the moved terms.
 #[derive(Debug, Clone)]
 pub struct DragPlan {
     /// How pictures are made.
@@ -98,15 +101,15 @@ pub struct DragPlan {
     pub bindings: Bindings,
     /// The numbers that the leaves of factors stand for.
     leaves: Vec<(NodeId, usize)>,
-    /// What a picture by images is a sum of, beside the fixed image.
+    /// The terms of a picture by images, without the fixed image.
     pub terms: Vec<ImageTerm>,
     /// The terms of equation (2) without the formula that move.
     pub moved_terms: Vec<MovedTerm>,
-    /// The places of kr and kt, where they move.
+    /// The places of kr and kt, if they move.
     pub weights: [Option<usize>; 2],
 }
 
-/// The factors of a picture: those of each image term, and the moved kr and kt (1 where they do not move).
+/// The factors of a picture: those of each image term, and the moved kr and kt (1 if they do not move).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Factors {
     /// Red, green and blue of each term.
@@ -118,7 +121,8 @@ pub struct Factors {
 }
 
 impl DragPlan {
-    /// Plans a drag of the numbers at these places; `slider` is the plan for the [parameters](moved_parameters) that they belong to.
+    /// Plans a drag of the numbers at these places. `slider` is the plan for the [parameters](moved_parameters) that
+    /// they belong to.
     pub fn new(slider: &Arc<SliderPlan>, equation: &Equation, parameters: &[Parameter], moved: &[usize]) -> Self {
         let layout = &equation.layout;
         let owners: BTreeSet<(Owner, usize)> =
@@ -136,8 +140,8 @@ impl DragPlan {
         });
         let inseparable = matches!(slider.separation.dependence, Dependence::Inseparable { .. });
         let terms = if inseparable { Vec::new() } else { image_terms(&slider.separation.dependence, &found) };
-        // No slider moves more than one owner, or two factors of one term. An inseparable part has no powers of kr and kt, and is
-        // not seen where a ray leaves the scene.
+        // No slider moves more than one owner, or two factors of one term. An inseparable part has no powers of kr
+        // and kt, and is not visible where a ray leaves the scene.
         let twice = found.windows(2).any(|pair| pair[0].0.term == pair[1].0.term);
         let weights_move = weights.iter().any(Option::is_some);
         let at_misses = found.iter().any(|(moved, _)| TERMS[moved.term].site == Site::Miss);
@@ -217,7 +221,7 @@ impl DragPlan {
         Factors { terms: terms.collect(), kr, kt }
     }
 
-    /// What the terms of a site without the formula add at the hits of a body, as far as they do not move.
+    /// The sum of the terms of a site without the formula at the hits of a body. Components that move are left out.
     pub fn fixed(&self, site: Site, parameters: &[f32], body: usize) -> [f32; 3] {
         let mut sum = [0.0; 3];
         for (place, term) in TERMS.iter().enumerate().filter(|(_, term)| term.site == site) {
@@ -228,7 +232,7 @@ impl DragPlan {
         sum
     }
 
-    /// What they add as far as they move.
+    /// The same sum, of the components that move.
     pub fn moving(&self, site: Site, parameters: &[f32], body: usize) -> [f32; 3] {
         let mut sum = [0.0; 3];
         for moved in self.moved_at(site).filter(|moved| self.moves_at(moved, body)) {
@@ -238,7 +242,8 @@ impl DragPlan {
         sum
     }
 
-    /// What an image term adds at the hits of a body, or at misses, beside its contribution: moved terms without their moved factor.
+    /// The colour of an image term at the hits of a body, or at misses, without its contribution: the moved terms
+    /// without their moved factor.
     pub fn image_colour(&self, term: &ImageTerm, site: Site, parameters: &[f32], body: usize) -> [f32; 3] {
         let mut sum = [0.0; 3];
         let moved_terms = term.moved_terms.iter().map(|place| &self.moved_terms[*place]);
@@ -281,8 +286,8 @@ fn moving_terms(
     found
 }
 
-/// The terms of a picture by images: those of the contribution, and moved terms of equation (2), in the same image where their factors are the
-/// same.
+/// The terms of a picture by images: those of the contribution, and moved terms of equation (2). Terms with the same
+/// factors share an image.
 fn image_terms(dependence: &Dependence, found: &[(MovedTerm, [Option<NodeId>; 3])]) -> Vec<ImageTerm> {
     let separable = match dependence {
         Dependence::Separable(terms) => &terms[..],

@@ -15,11 +15,11 @@ pub struct FormulaPlan {
     pub hits: KernelPlan,
     /// Variables of lit records → the record frontier, once after tracing.
     pub records: KernelPlan,
-    /// Red, green and blue of what each lit record adds, every frame.
+    /// Red, green and blue of the contribution of each lit record, in every frame.
     pub contribution: ContributionPlan,
 }
 
-/// How outputs are computed from columns and parameters in a frame: first what is uniform, then the records.
+/// How outputs are computed from columns and parameters in a frame: first uniform values, then records.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ContributionPlan {
     /// Parameters of pairs of a body and a light → uniform values. Its stream of leaves are parameters.
@@ -43,7 +43,7 @@ impl FormulaPlan {
         Self::of(Bindings::new(formula))
     }
 
-    /// Plans the evaluation of what is analysed already.
+    /// Plans the evaluation of an analysed formula.
     pub fn of(bindings: Bindings) -> Self {
         let Frontier { hits, records, .. } = bindings.frontier.clone();
         let stage = |name, domain, nodes: Vec<NodeId>| KernelPlan::stage(name, domain, bindings.leaves(&nodes), nodes);
@@ -70,7 +70,8 @@ impl ContributionPlan {
         Self { uniforms: KernelPlan::stage("uniforms", Domain::Pairs, leaves, uniforms), records }
     }
 
-    /// The parameter numbers that the uniform values are computed from, in the order of the columns of their kernel. `graph` is the plan's.
+    /// The parameter numbers that the uniform values are computed from, in the order of the columns of their kernel.
+    /// `graph` is the graph of the plan.
     pub fn leaves(&self, graph: &Graph, parameters: &[Parameter]) -> Vec<ParameterSlot> {
         let slot = |leaf: &NodeId| match graph.node(*leaf) {
             Node::Parameter(id, component) => {

@@ -2,7 +2,7 @@
 
 use crate::formula::graph::{Graph, Node, NodeId};
 
-/// A kernel reads at most this many streams of columns: the hit frontier, the record frontier, and columns that a drag keeps.
+/// A kernel reads at most this many streams of columns: the hit frontier, the record frontier, and columns of a drag.
 pub const STREAMS: usize = 3;
 
 /// What the records of a kernel are.
@@ -12,7 +12,7 @@ pub enum Domain {
     Hits,
     /// Lit records: pairs of a hit and a light that reaches it.
     LitRecords,
-    /// Pairs of a body and a light: few, whatever the size of the picture.
+    /// Pairs of a body and a light. Their number does not depend on the size of the picture.
     Pairs,
 }
 
@@ -21,7 +21,8 @@ pub enum Domain {
 pub enum Sink {
     /// Each output is a column that is stored.
     Columns,
-    /// Each output is one component of what a light adds to a hit: the sum over the lights is wanted.
+    /// Each output is one component of the contribution of a light to a hit. Contributions are summed over the
+    /// lights.
     Sums,
 }
 
@@ -30,11 +31,12 @@ pub enum Sink {
 pub struct KernelPlan {
     /// A name for listings.
     pub name: &'static str,
-    /// What it is computed for.
+    /// The records that it is computed for.
     pub domain: Domain,
-    /// Nodes that are read from columns, in the order of the columns of each stream: one value a record.
+    /// Nodes that are read from columns, in the order of the columns of each stream. Each has one value for each
+    /// record.
     pub streams: [Vec<NodeId>; STREAMS],
-    /// Nodes that have one value for all records of a call, in the order in which they are given.
+    /// Nodes that have one value for all records of a call, in the order of the uniform values.
     pub uniforms: Vec<NodeId>,
     /// Nodes that are computed, in the order of the outputs.
     pub outputs: Vec<NodeId>,
@@ -54,8 +56,8 @@ impl KernelPlan {
         self.streams.iter().flatten().chain(&self.uniforms).copied()
     }
 
-    /// The nodes to compute for `roots`, operands before their users; inputs are not among them. `None` where a variable or a
-    /// parameter is needed that is not an input.
+    /// The nodes to compute for `roots`, operands before their users; inputs are not among them. `None` where a
+    /// variable or a parameter is needed that is not an input.
     pub fn schedule(&self, graph: &Graph, roots: impl IntoIterator<Item = NodeId>) -> Option<Vec<NodeId>> {
         Schedule::new(self, graph).further(graph, roots)
     }
@@ -76,8 +78,8 @@ impl Schedule {
         Self { computed }
     }
 
-    /// The nodes to compute next for `roots`, operands before their users. `None` where a variable or a parameter is needed that is
-    /// not an input.
+    /// The nodes to compute next for `roots`, operands before their users. `None` where a variable or a parameter is
+    /// needed that is not an input.
     pub fn further(&mut self, graph: &Graph, roots: impl IntoIterator<Item = NodeId>) -> Option<Vec<NodeId>> {
         let mut found = Vec::new();
         let mut pending: Vec<NodeId> = roots.into_iter().collect();

@@ -1,7 +1,7 @@
-//! What is to be computed, as plain data: the kernels of a formula and of its drags, as nodes of a graph that are computed from
-//! columns and uniform values.
+//! Plans: what backends compute, as plain data. A plan lists kernels of a formula or of a drag: nodes of a graph that
+//! are computed from columns and uniform values.
 //!
-//! A backend reads plans and decides how to run them. Nothing here knows of machine code, memory layouts or pixels.
+//! A backend reads plans and decides how to run them. Plans do not know machine code, memory layouts or pixels.
 //!
 //! ```text
 //! formula::Bindings ─▶ FormulaPlan ────────────▶ a backend's kernels

@@ -48,7 +48,7 @@ struct Wanted {
 }
 
 impl SliderPlan {
-    /// Plans the kernels for the time that these components of parameters move.
+    /// Plans the kernels for a drag that moves these components of parameters.
     pub fn new(bindings: &Bindings, moved: &Moved) -> Self {
         let mut separation = Separation::new(bindings, moved);
         let [zero, one] = [0.0, 1.0].map(|value| separation.bindings.constant(value));

@@ -35,8 +35,9 @@ pub struct Budget {
     pub bytes_per_hit: u64,
     /// What will be kept for each pixel, in bytes.
     pub bytes_per_pixel: u64,
-    /// What will be kept for each step of work, in bytes: a light of a chunk of a group, or adding that to the pixels.
-    pub bytes_per_step: u64,
+    /// What will be kept for each call of compiled code, in bytes: a light of a chunk of a group, or adding a chunk to
+    /// the pixels.
+    pub bytes_per_call: u64,
 }
 
 impl Budget {
@@ -49,7 +50,7 @@ impl Budget {
         bytes_per_record: 0,
         bytes_per_hit: 0,
         bytes_per_pixel: 0,
-        bytes_per_step: 0,
+        bytes_per_call: 0,
     };
 
     /// Checks what does not depend on the hits: pixels, values of pairs, and threads.
@@ -163,12 +164,12 @@ impl<'b> MemoryMeter<'b> {
         self.add_bytes(self.budget.columns(hits, records).saturating_add(store))
     }
 
-    /// Adds what these steps of work take.
+    /// Adds the memory of these calls of compiled code.
     ///
     /// # Errors
     /// [`TraceError::Memory`] where the sum exceeds the budget.
-    pub(super) fn add_steps(&self, steps: u64) -> Result<(), TraceError> {
-        self.add_bytes(steps.saturating_mul(self.budget.bytes_per_step))
+    pub(super) fn add_calls(&self, calls: u64) -> Result<(), TraceError> {
+        self.add_bytes(calls.saturating_mul(self.budget.bytes_per_call))
     }
 
     fn add_bytes(&self, bytes: u64) -> Result<(), TraceError> {

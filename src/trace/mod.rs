@@ -171,9 +171,9 @@ pub fn trace(
     Ok(Hits { world: Arc::clone(world), view: *view, tiles })
 }
 
-/// How many steps of work a tile has: for each chunk of a group one for each of its lights, and one that adds to the
-/// pixels.
-fn steps_of(tile: &Tile) -> u64 {
+/// The number of calls of compiled code for a tile: for each chunk of a group one for each of its lights, and one that
+/// adds to the pixels.
+fn calls_of(tile: &Tile) -> u64 {
     let of_group = |group: &Group| group.hits.len().div_ceil(CHUNK_HITS) * (group.emitters.len() + 1);
     tile.groups.iter().filter(|group| !group.emitters.is_empty()).map(of_group).sum::<usize>() as u64
 }
@@ -228,6 +228,6 @@ fn trace_tile(
     let [hits, records] = beyond.fold([0, 0], |sum, beyond| [sum[0] + beyond[0], sum[1] + beyond[1]]);
     let copies = u64::from(tile.copies);
     meter.add(hits + copies, records, copies * size_of::<Segment>() as u64)?;
-    meter.add_steps(steps_of(&tile))?;
+    meter.add_calls(calls_of(&tile))?;
     Ok(tile)
 }

@@ -1,8 +1,9 @@
-//! Static values of all records, worked out once after tracing and kept in columns (structure of arrays).
+//! The static values of all records, computed once after tracing and stored in columns (structure of arrays).
 //!
-//! A group of hits has one column for each node of the hit frontier and, for each light that reaches it, one for each node of the
-//! record frontier, in whole lines. They are cut in chunks of [`CHUNK_LINES`]. In a chunk, first comes a stream of the columns of hits, then one
-//! of the columns of records for each emitter; in a stream columns take turns line by line. Just so frames read them: from front to back.
+//! A group of hits has one column for each node of the hit frontier. For each emitter that reaches it, it has one
+//! column for each node of the record frontier. Columns have whole lines and are cut into chunks of [`CHUNK_LINES`].
+//! A chunk begins with a stream of the hit columns. A stream of the record columns of each emitter follows. A stream
+//! holds its columns line by line. This is the order in which frames read them, from front to back.
 
 use crate::backends::compiled::memory::StreamMemory;
 use crate::backends::compiled::source::Source;
@@ -19,7 +20,7 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
 
-// What stands side by side in a column is what is added to the pixels side by side.
+// The hits of a line of a column are those of a line of sums that are added to pixels.
 const _: () = assert!(LINE_HITS == Line::RECORDS && CHUNK_LINES.is_multiple_of(ROUND_LINES));
 
 /// The columns of a tile's groups.
@@ -43,13 +44,13 @@ struct Arrangement {
 struct GroupColumns {
     /// The first line of the first.
     start: usize,
-    /// How long each is, in whole lines.
+    /// The length of each column, in lines.
     lines: usize,
     emitters: usize,
 }
 
 impl Arrangement {
-    /// That of a tile, with columns for those groups that `has` chooses.
+    /// The arrangement of a tile, with columns for the groups that `has` chooses.
     fn new(tile: &Tile, hit_columns: usize, record_columns: usize, has: impl Fn(&Group) -> bool) -> Self {
         let mut arrangement = Self { groups: Vec::with_capacity(tile.groups.len()), hit_columns, record_columns, lines: 0 };
         for group in &tile.groups {
@@ -61,7 +62,7 @@ impl Arrangement {
         arrangement
     }
 
-    /// How many columns a group has.
+    /// The number of columns of a group.
     fn columns_of(&self, group: &GroupColumns) -> usize {
         self.hit_columns + self.record_columns * group.emitters
     }
@@ -71,7 +72,8 @@ impl Arrangement {
         group.start + chunk.first * self.columns_of(group)
     }
 
-    /// Kernels read whole rounds: where a stream ends before, what lies behind it, of which nothing comes. So many lines at most.
+    /// Kernels read whole rounds. This is the most lines that they read after the end of a stream. The results are
+    /// not used.
     fn spare(hit_columns: usize, record_columns: usize) -> usize {
         ROUND_LINES * hit_columns.max(record_columns)
     }
@@ -85,13 +87,13 @@ struct Chunk {
 }
 
 impl Chunk {
-    /// That of a line of a group.
+    /// The chunk that holds a line of a group.
     fn of(line: usize, group: &GroupColumns) -> Self {
         let first = line - line % CHUNK_LINES;
         Self { first, lines: (group.lines - first).min(CHUNK_LINES) }
     }
 
-    /// All of a group.
+    /// All chunks of a group.
     fn all(group: &GroupColumns) -> impl Iterator<Item = Chunk> {
         let group = *group;
         (0..group.lines).step_by(CHUNK_LINES).map(move |first| Chunk::of(first, &group))
@@ -99,11 +101,11 @@ impl Chunk {
 }
 
 impl Columns {
-    /// Works out the static values of all tiles.
+    /// Computes the static values of all tiles.
     pub(super) fn of_tiles(compiled: &CompiledFormula, hits: &Hits) -> Result<Vec<Self>, Mismatch> {
         let tracer = Tracer::new(&hits.world, &hits.view);
         let frontier = &compiled.plan.bindings.frontier;
-        // Where no light reaches, nothing is evaluated.
+        // Groups that no light reaches are not evaluated.
         let lit = |group: &Group| !group.emitters.is_empty();
         let (hit_columns, record_columns) = (frontier.hits.len(), frontier.records.len());
         let spare = Arrangement::spare(hit_columns, record_columns);
@@ -131,7 +133,8 @@ impl Columns {
         Ok(arrangements.into_iter().map(tile).collect())
     }
 
-    /// Columns of what a source yields for each record of a tile, where it is active, from these static columns and uniform values.
+    /// The columns that a source computes for each record of a tile where it is active, from these static columns and
+    /// uniform values.
     pub(super) fn kept(tile: &Tile, given: &Columns, source: &Source, uniforms: &[Splat]) -> Self {
         let is_active = |group: &Group, emitter: &EmitterId| source.active[source.pair(group.body, *emitter)];
         let outputs = source.overwrite.outputs();
@@ -155,22 +158,23 @@ impl Columns {
         Self { memory: Arc::new(memory), lines: 0..arrangement.lines, arrangement }
     }
 
-    /// The lines of the columns, and behind them what whole rounds may read beyond.
+    /// The lines of the columns, and the lines after them that whole rounds may read.
     pub(super) fn lines(&self) -> &[Line] {
         &self.memory.lines()[self.lines.start..]
     }
 
-    /// The memory they take, in bytes.
+    /// Their memory, in bytes.
     pub(super) fn bytes(&self) -> usize {
         self.lines.len() * size_of::<Line>() + size_of_val(self.arrangement.groups.as_slice())
     }
 
-    /// Some lines of the columns of a group. The lines are of one chunk, or up to a round beyond, where there is something else.
-    pub(super) fn part(&self, group: usize, lines: Range<usize>) -> Part {
+    /// The place of some lines of the columns of a group. The lines belong to one chunk. They may end up to a round
+    /// after it, where there is other data.
+    pub(super) fn part(&self, group: usize, lines: Range<usize>) -> ColumnPart {
         let arrangement = &self.arrangement;
         let own = &arrangement.groups[group];
         let chunk = Chunk::of(lines.start, own);
-        Part {
+        ColumnPart {
             start: arrangement.chunk(own, &chunk),
             hit_columns: arrangement.hit_columns,
             record_columns: arrangement.record_columns,
@@ -181,20 +185,20 @@ impl Columns {
     }
 }
 
-/// Where some lines of the columns of a group are in those of the tile, as kernels read them.
-pub(super) struct Part {
+/// The place of some lines of the columns of a group among the lines of the tile, as kernels read them.
+pub(super) struct ColumnPart {
     /// The first line of the chunk.
     start: usize,
     hit_columns: usize,
     record_columns: usize,
-    /// How many lines a column of the chunk has, and all of them.
+    /// The number of lines of one column of the chunk, and of all its columns.
     chunk: usize,
     whole: usize,
-    /// Which of them.
+    /// The lines within the chunk.
     lines: Range<usize>,
 }
 
-impl Part {
+impl ColumnPart {
     /// The hit frontier.
     pub(super) fn hits(&self) -> Range<usize> {
         self.stream(0, self.hit_columns)
@@ -205,12 +209,12 @@ impl Part {
         self.stream(self.chunk * (self.hit_columns + light * self.record_columns), self.record_columns)
     }
 
-    /// The first of what is going to be read behind the chunk that kernels have not fetched, if anything is there.
+    /// The index of the first line after the chunk that kernels have not prefetched.
     pub(super) fn coming(&self) -> usize {
         self.start + self.whole + PREFETCH_DISTANCE / size_of::<Line>()
     }
 
-    /// Of the stream of so many columns that begins at this line of the chunk.
+    /// The lines of a stream of this many columns that begins at line `start` of the chunk.
     fn stream(&self, start: usize, columns: usize) -> Range<usize> {
         let start = self.start + start;
         start + columns * self.lines.start..start + columns * self.lines.end
@@ -250,13 +254,13 @@ fn fill(
     Ok(())
 }
 
-/// The variables that static kernels read, for some hits at a time.
+/// The variables that static kernels read, for up to one chunk of hits.
 pub(super) struct LeafColumns {
     hit_leaves: Vec<(Variable, usize)>,
     record_leaves: Vec<(Variable, usize)>,
-    /// A stream with a column for each hit leaf, of as many hits as are worked out at a time: they stay in the first cache meanwhile.
+    /// A stream with a column for each hit leaf, for one chunk of hits. It stays in the L1 cache.
     hits: Vec<Line>,
-    /// For each light, one with a column for each record leaf.
+    /// For each emitter, a stream with a column for each record leaf.
     records: Vec<Vec<Line>>,
 }
 
@@ -274,7 +278,7 @@ impl LeafColumns {
                 Node::Variable(variable, component) => Some((variable, usize::from(component))),
                 Node::Constant(_) | Node::Parameter(..) | Node::Apply(..) => None,
             };
-            // What is static is made of variables alone.
+            // Static values are computed from variables alone.
             leaves.iter().filter_map(variable).collect()
         };
         let (hit_leaves, record_leaves) =
@@ -283,8 +287,8 @@ impl LeafColumns {
         Self { hit_leaves, record_leaves, hits, records: Vec::new() }
     }
 
-    /// Works out the variables of these hits for all lights of the group. Lanes beyond keep what was there: it is read, but nothing
-    /// comes of it.
+    /// Computes the variables of these hits for all lights of the group. Lanes after the last hit keep their old
+    /// values. Kernels read them, but the results are not used.
     fn gather(&mut self, tracer: &Tracer, tile: &Tile, group: &Group, hits: Range<u32>) -> Result<(), Mismatch> {
         let world = tracer.world();
         while self.records.len() < group.emitters.len() {

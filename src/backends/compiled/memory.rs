@@ -1,18 +1,19 @@
-//! Memory for what every frame reads from front to back.
+//! Memory for data that every frame reads from front to back.
 
 use crate::jit::Line;
 use memmap2::MmapMut;
 
-/// Zeroed lines, on huge pages where the system has them: the processor fetches ahead within a page, and translates each address.
-pub(super) struct StreamMemory(Kind);
+/// Zeroed lines, on huge pages where the system has them: the hardware prefetcher stays within a page, and fewer
+/// pages need fewer address translations.
+pub(super) struct StreamMemory(Storage);
 
-enum Kind {
+enum Storage {
     Mapped(MmapMut),
-    /// What is small, or where nothing can be mapped.
+    /// For small sizes, and where mapping fails.
     Lines(Vec<Line>),
 }
 
-/// Less than this, in bytes, is not worth a page of its own.
+/// Less memory than this, in bytes, is not mapped separately.
 const SMALL: usize = 1 << 20;
 
 impl StreamMemory {
@@ -21,26 +22,26 @@ impl StreamMemory {
         if bytes >= SMALL
             && let Ok(mapping) = MmapMut::map_anon(bytes)
         {
-            // A wish: without it there are just smaller pages.
+            // The system may ignore the advice. Pages are then smaller.
             #[cfg(target_os = "linux")]
             let _ = mapping.advise(memmap2::Advice::HugePage);
-            return Self(Kind::Mapped(mapping));
+            return Self(Storage::Mapped(mapping));
         }
-        Self(Kind::Lines(vec![Line::default(); lines]))
+        Self(Storage::Lines(vec![Line::default(); lines]))
     }
 
     pub(super) fn lines(&self) -> &[Line] {
         match &self.0 {
             // A page begins at more than a line's alignment.
-            Kind::Mapped(mapping) => bytemuck::cast_slice(mapping),
-            Kind::Lines(lines) => lines,
+            Storage::Mapped(mapping) => bytemuck::cast_slice(mapping),
+            Storage::Lines(lines) => lines,
         }
     }
 
     pub(super) fn lines_mut(&mut self) -> &mut [Line] {
         match &mut self.0 {
-            Kind::Mapped(mapping) => bytemuck::cast_slice_mut(mapping),
-            Kind::Lines(lines) => lines,
+            Storage::Mapped(mapping) => bytemuck::cast_slice_mut(mapping),
+            Storage::Lines(lines) => lines,
         }
     }
 }

@@ -1,8 +1,8 @@
 //! Evaluation by machine code.
 //!
-//! The static values of every record lie in columns (`columns`). A frame runs the contribution kernels over the groups whose path weight
-//! is not 0, and adds what they yield to the pixels (`pass`, `tile`, `planes`); the order of that work is kept from frame to frame (`program`).
-//! `drag` makes the pictures of a slider that is held.
+//! The static values of every record lie in columns (`columns`). A frame runs the contribution kernels over the
+//! groups whose path weight is not 0, and adds their results to the pixels (`pass`, `tile`, `planes`). The order of
+//! that work is kept from frame to frame (`program`). `drag` makes the pictures while a slider is held.
 
 mod columns;
 mod drag;
@@ -37,7 +37,7 @@ use tile::{Accumulate, TileScratch};
 /// The name of the backend.
 pub const NAME: &str = "jit";
 
-/// The backend: kernels of formulas that were wanted before are kept.
+/// The backend. It keeps the kernels of the last formulas.
 #[derive(Default)]
 pub struct Jit {
     kernels: KernelCache,
@@ -59,11 +59,12 @@ impl Backend for Jit {
         let compiled = self.kernels.compiled(formula)?;
         let frontier = &compiled.plan.bindings.frontier;
         let numbers = |count: usize| (size_of::<f32>() * count) as u64;
-        // Parameter numbers, uniform values as the kernel yields and as others read them, and whether the pair is active.
+        // Parameter numbers, uniform values as the kernel writes them and as others read them, and whether the pair
+        // is active.
         let (leaves, uniforms) = (compiled.plan.contribution.uniforms.streams[0].len(), compiled.contribution.uniforms.outputs());
         let per_pair = numbers(leaves + uniforms) + (size_of::<Splat>() * uniforms) as u64 + 2;
-        let per_step = jit::Program::BYTES_PER_STEP as u64;
-        Ok(Footprint { per_hit: numbers(frontier.hits.len()), per_record: numbers(frontier.records.len()), per_pair, per_step })
+        let per_call = jit::CallList::BYTES_PER_CALL as u64;
+        Ok(Footprint { per_hit: numbers(frontier.hits.len()), per_record: numbers(frontier.records.len()), per_pair, per_call })
     }
 
     fn thread_bytes(&self, formula: &Arc<Formula>, world: &World, _: &View) -> Result<u64, EvaluateError> {
@@ -122,7 +123,7 @@ impl Compiled {
     /// Draws a tile into its part of a framebuffer.
     fn draw_tile(&self, pass: &Pass, parameters: &[f32], place: usize, scratch: &mut TileScratch, part: Part) {
         self.tile(pass, parameters, place, scratch);
-        // Kernels have prefetched the lines just after the tile's own.
+        // Kernels have prefetched the first lines after those of the tile.
         let next = self.columns.get(place + 1).and_then(|next| next.lines().get(PREFETCH_DISTANCE / size_of::<Line>()..));
         scratch.planes.quantise(part, next.unwrap_or_default());
     }
@@ -136,7 +137,8 @@ impl Compiled {
         assert!(parameters.len() >= self.equation.layout.len(), "as many parameter numbers as the formula and the scene have");
     }
 
-    /// Does some work for each tile, in parallel: on what belongs to the tile, with its place among the tiles, in some scratch.
+    /// Does some work for each tile, in parallel. `each` gets an item of `work`, the index of the tile, and scratch
+    /// memory.
     fn each_tile<T: Send>(
         &self,
         work: impl IndexedParallelIterator<Item = T>,
@@ -168,7 +170,8 @@ impl Compiled {
         Pass { sources: Vec::new(), uniforms: Vec::new(), columns: &self.columns, at_hits, at_misses, channels, code }
     }
 
-    /// A contribution of all pairs of a body and a light whose light is not off, and its uniform values, computed from these leaves.
+    /// A contribution of all pairs of a body and a light whose light is on, and its uniform values, computed from
+    /// these leaves.
     fn source<'c>(
         &'c self,
         parameters: &[f32],
@@ -189,7 +192,8 @@ impl Compiled {
         (source, self.uniforms(parameters, &contribution.uniforms, leaves))
     }
 
-    /// Which of the wanted pairs contribute. A light of weight 0 adds exactly nothing, whatever the formula yields.
+    /// Which of the wanted pairs contribute. A light of weight 0 adds nothing, even where the formula is infinite or
+    /// NaN.
     fn active(&self, parameters: &[f32], wanted: impl Fn(usize, usize) -> bool) -> Vec<bool> {
         let [bodies, lights] = [Owner::Body, Owner::Light].map(|owner| self.equation.layout.owners(owner));
         let is_on: Vec<bool> = (0..lights).map(|light| self.equation.light_weight(parameters, light) != 0.0).collect();
@@ -197,7 +201,7 @@ impl Compiled {
         pairs.map(|(body, light)| is_on[light] && wanted(body, light)).collect()
     }
 
-    /// Adds a tile up from black.
+    /// Computes the pixels of a tile, in the planes of the scratch memory.
     fn tile(&self, pass: &Pass, parameters: &[f32], place: usize, scratch: &mut TileScratch) {
         let tile = &self.hits.tiles[place];
         path_weights(tile, &self.equation, parameters, &mut scratch.weights);
@@ -205,7 +209,8 @@ impl Compiled {
         pass.run(tile, place, None, Accumulate::Overwrite, scratch, &mut program);
     }
 
-    /// The uniform values of all pairs of a body and a light, pair by pair, by a kernel that reads these parameter numbers.
+    /// The uniform values of all pairs of a body and a light, pair by pair, by a kernel that reads these parameter
+    /// numbers.
     fn uniforms(&self, parameters: &[f32], kernel: &Kernel, leaves: &[ParameterSlot]) -> Vec<Splat> {
         let layout = &self.equation.layout;
         let [bodies, lights] = [Owner::Body, Owner::Light].map(|owner| layout.owners(owner));
@@ -267,7 +272,8 @@ impl Evaluator for Compiled {
         Ok(Box::new(CompiledDrag::new(&self, moved, parameters, budget)?))
     }
 
-    /// The hit store, the static columns, the order of work of each tile, and scratch. The last two are there after a frame.
+    /// The hit store, the static columns, the order of work of each tile, and scratch memory. The last two exist
+    /// after the first frame.
     fn bytes(&self) -> usize {
         let scratch = self.scratch.lock().unwrap_or_else(PoisonError::into_inner).len();
         let programs = self.programs.iter().map(|program| program.lock().unwrap_or_else(PoisonError::into_inner).bytes());

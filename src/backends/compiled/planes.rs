@@ -1,7 +1,8 @@
-//! The pixels of a tile while colours are added up: a plane each of red, green and blue.
+//! The pixels of a tile while colours are added up: planes of red, green and blue.
 //!
-//! Hits stand side by side in lines, and those whose pixels are neighbours too make a [`Segment`]: what they add is added at once. Compiled code does
-//! that and writes pixels; here is what it leaves. Which colours are added, and with what weight, is the caller's.
+//! Neighbouring hits of a line whose pixels are neighbours too form a [`Segment`], which is added at once. Compiled
+//! code adds segments and writes pixels. This module holds the portable code for all other cases. The caller decides
+//! which colours are added with which weights.
 
 use crate::evaluate::weights::Weight;
 use crate::evaluate::{Part, write};
@@ -13,7 +14,7 @@ use crate::trace::{LINE_HITS, Region, Segment, TILE_PIXELS, Tile};
 use pulp::{Simd, WithSimd};
 use std::ops::Range;
 
-/// Where the tile's pixels lie in a plane.
+/// The pixels of the tile in a plane.
 const PIXELS: Range<usize> = Segment::MARGIN..Segment::MARGIN + TILE_PIXELS as usize;
 
 /// Red, green and blue of a tile's pixels: linear, unclamped.
@@ -24,12 +25,12 @@ pub(super) struct Planes {
 }
 
 impl Planes {
-    /// How large they are.
+    /// Their size in bytes.
     pub(super) const BYTES: usize = size_of::<PixelPlanes>();
 
-    /// All black; they are worked on with vectors of this width.
+    /// Black planes, for code with vectors of this width.
     pub(super) fn new(width: Width) -> Self {
-        // On the heap from the beginning: they are larger than what a thread's stack may spare.
+        // Allocated on the heap at once: they are too large for the stack of a thread.
         Self { planes: bytemuck::zeroed_box(), code: PixelCode::get(width), width }
     }
 
@@ -54,7 +55,7 @@ impl Planes {
         self.components().map(|plane| plane[pixel])
     }
 
-    /// Gives every region of a tile a colour, that of its set of paths; or adds it to what is there.
+    /// Fills every region of a tile with the colour of its set of paths, or adds that colour to the pixels.
     pub(super) fn fill(&mut self, tile: &Tile, colours: &[[f32; 4]], add: bool) {
         self.width.dispatch(Fill { planes: &mut self.planes, regions: &tile.regions, colours, add });
     }
@@ -64,7 +65,8 @@ impl Planes {
         &mut self.planes
     }
 
-    /// Adds the sums of a span's hits, times its weight, to their pixels: where there is no compiled code that does, or the weight is too small for it.
+    /// Adds the sums of the hits of a span, times its weight, to their pixels. This is for machines without compiled
+    /// code, and for weights that are 0 in single precision.
     pub(super) fn add(&mut self, segments: &[Segment], sums: &Sums, weight: Weight, channels: Channels) {
         let components = channels.components();
         for (component, segment) in components.flat_map(|component| segments.iter().map(move |segment| (component, segment))) {
@@ -76,13 +78,13 @@ impl Planes {
         }
     }
 
-    /// Writes the tile's pixels. These lines are read next.
+    /// Writes the pixels of the tile, and prefetches the lines `coming`, which are read next.
     pub(super) fn quantise(&self, part: Part, coming: &[Line]) {
         let Part { pixels, transfer } = part;
         let Some(code) = self.code else {
             return self.quantise_portably(0, Part { pixels, transfer });
         };
-        // Stores past the caches are of whole lines.
+        // Stores that bypass the caches write whole lines.
         let (head, lines, tail) = bytemuck::pod_align_to_mut::<u32, PixelLine>(pixels);
         let (first, last) = (head.len(), head.len() + lines.len() * LINE_HITS);
         self.quantise_portably(0, Part { pixels: head, transfer });
@@ -90,17 +92,18 @@ impl Planes {
         self.quantise_portably(last, Part { pixels: tail, transfer });
     }
 
-    /// Writes some pixels, from this one of the tile on, without compiled code.
+    /// Writes some pixels of the tile, from index `first` on, without compiled code.
     fn quantise_portably(&self, first: usize, part: Part) {
         self.width.dispatch(Quantise { planes: self.components().map(|plane| &plane[first..]), part });
     }
 }
 
-// What is dispatched is a structure with a method that must be inlined: only so is it compiled for the vectors of this processor.
+// Work that is dispatched by width is a structure with a method. The method must be inlined, because only inlined
+// code is compiled for the width.
 
-/// So many pixels are coloured at a time: where there are many regions, most have fewer.
+/// The number of pixels that are filled at a time. In tiles with many regions, most regions are smaller.
 const LEAST: usize = LINE_HITS;
-// There is room for them behind the last pixel.
+// There is room for them after the last pixel.
 const _: () = assert!(LEAST <= PLANE_PIXELS - PIXELS.end);
 
 /// Colours every region.
@@ -125,8 +128,8 @@ impl WithSimd for Fill<'_> {
                     plane[start..end].iter_mut().for_each(|pixel| *pixel += component);
                     continue;
                 }
-                // Most regions are small: a choice among lengths would often be guessed wrong. What is written beyond the end, the next
-                // region overwrites.
+                // Most regions are small, and a branch on the length would often be mispredicted. The next region
+                // overwrites what is written beyond the end.
                 plane[start..start + LEAST].fill(component);
                 if end - start > LEAST {
                     let length = (end - start).next_multiple_of(LEAST);
@@ -157,7 +160,7 @@ impl WithSimd for Quantise<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::jit::{Operands, Program};
+    use crate::jit::{CallList, Operands};
     use crate::picture::transfer::{Bytes, Transfer};
     use crate::trace::{CHUNK_HITS, CHUNK_LINES};
 
@@ -182,12 +185,13 @@ mod tests {
     /// Adds by compiled code.
     fn add_compiled(planes: &mut Planes, segments: &[Segment], sums: &mut Sums, weight: f32, channels: Channels) {
         let Some(code) = planes.code else { return planes.add(segments, sums, Weight(weight.into()), channels) };
-        let mut program = Program::default();
+        let mut program = CallList::default();
         let component = match channels {
             Channels::All => None,
             Channels::One(component) => Some(component),
         };
-        // Segments of others stand before and behind them, and weights too: those of the second span count, in a chunk that begins behind the first.
+        // There are other segments and weights before and after these. The weight of the second span counts, in a
+        // chunk that begins after the first.
         let all = [&segments[..1], segments, &segments[..1]].concat();
         let mut weights = vec![f32::NAN; 3 + CHUNK_HITS];
         weights[2] = weight;
@@ -207,7 +211,7 @@ mod tests {
         let segments = segments(runs.iter().cloned());
         let hits: usize = runs.iter().map(Range::len).sum();
         assert_eq!(segments.iter().map(|segment| segment.hits()).sum::<usize>(), hits);
-        // Numbers that say whose they are; beyond the hits NaN, which must not be seen.
+        // Each number tells its hit. Lanes after the last hit hold NaN, which must not be used.
         let number = |component: usize, hit: usize| if hit < hits { (1 + component * 1000 + hit) as f32 } else { f32::NAN };
         let mut sums: Sums = std::array::from_fn(|component| {
             std::array::from_fn(|line| Line(std::array::from_fn(|lane| number(component, 16 * line + lane))))
@@ -230,7 +234,7 @@ mod tests {
                 let expected = [0, 1, 2].map(|component| if added(component) { expected[component] } else { 1.0 });
                 assert_eq!(planes.colour(pixel), expected, "pixel {pixel}, {width}");
             }
-            // Nor beyond the pixels.
+            // Nothing is written beside the pixels.
             assert!(
                 planes.planes.0.iter().all(|plane| plane[..PIXELS.start].iter().chain(&plane[PIXELS.end..]).all(|x| *x == 0.0))
             );
@@ -239,7 +243,8 @@ mod tests {
 
     #[test]
     fn pixels_are_written_as_bytes_of_their_components() {
-        // Everything near the middle between two bytes, and what is no number between 0 and 1, in turns; not at the beginning of a line.
+        // Numbers near the middle between two bytes, alternating with numbers outside 0 to 1. They do not begin at
+        // the beginning of a line.
         let odd = [-0.0, 1.0, -1.0, 2.0, 1e30, -1e30, f32::NAN, -f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MIN_POSITIVE];
         let number = |place: usize| match place % 7 {
             0 => odd[place / 7 % odd.len()],

@@ -1,14 +1,15 @@
 //! The order of work on a tile: which kernels run over which records, and when sums are added to the pixels.
 //!
-//! A slider moves values; the order of work stays the same as long as the same lights are on and the same paths have a weight other than
-//! 0. So it is kept from frame to frame, and built again only where it would differ. It does not contain the addresses of values.
+//! A slider moves values. The order of work stays the same while the same lights are on and the same paths have a
+//! weight other than 0. So it is kept from frame to frame, and rebuilt only when it changes. It does not contain the
+//! addresses of values.
 
-use crate::backends::compiled::columns::{Columns, Part};
+use crate::backends::compiled::columns::{ColumnPart, Columns};
 use crate::backends::compiled::pass::Pass;
 use crate::backends::compiled::planes::Planes;
 use crate::backends::compiled::source::Source;
 use crate::evaluate::weights::Weight;
-use crate::jit::{Line, Operands, Program, Sums};
+use crate::jit::{CallList, Line, Operands, Sums};
 use crate::plan::Channels;
 use crate::trace::{CHUNK_HITS, CHUNK_LINES, Group, LINE_HITS, ROUND_LINES, Span, Tile};
 use smallvec::SmallVec;
@@ -17,29 +18,29 @@ use std::ops::Range;
 /// The order of work on a tile in a pass.
 #[derive(Default)]
 pub(super) struct TileProgram {
-    /// The steps of compiled code.
-    steps: Program,
-    /// The steps of portable code, in order: each runs after this many steps of compiled code.
+    /// The calls of compiled code.
+    calls: CallList,
+    /// The steps of portable code, in order. Each runs after this many calls of compiled code.
     between: Vec<(usize, Portable)>,
-    /// What it was built for: which pairs of a body and a light are active, source by source, and the weight classes of the paths.
-    /// `None` before the first frame.
+    /// What it depends on: which pairs of a body and a light are active, source by source, and the weight classes of
+    /// the paths. `None` before the first frame.
     built_for: Option<(Vec<bool>, Vec<WeightClass>)>,
 }
 
-/// A step that is not compiled.
+/// A step of portable code.
 enum Portable {
     /// Clears these lines of the sums of a component.
     Clear(usize, Range<usize>),
-    /// Adds the sums of these spans to their pixels: indices into those of the tile.
+    /// Adds the sums of these spans to their pixels. The range indexes the spans of the tile.
     Add(Range<usize>, Channels),
 }
 
-/// What the order of work depends on in a path's weight.
+/// The property of a path weight that the order of work depends on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum WeightClass {
     /// The path adds nothing.
     Zero,
-    /// Too small for single precision: compiled code would take it for 0.
+    /// The weight is 0 in single precision, so compiled code cannot use it.
     Tiny,
     Ordinary,
 }
@@ -54,7 +55,7 @@ impl WeightClass {
     }
 }
 
-/// What the program of a tile works on, beside its pass.
+/// The inputs of the program of a tile, without its pass.
 pub(super) struct TileInputs<'t> {
     pub(super) tile: &'t Tile,
     /// The place of the tile among the tiles.
@@ -70,24 +71,24 @@ impl TileProgram {
     pub(super) fn bytes(&self) -> usize {
         let (active, classes) =
             self.built_for.as_ref().map_or((0, 0), |(active, classes)| (active.capacity(), classes.capacity()));
-        self.steps.bytes()
+        self.calls.bytes()
             + self.between.capacity() * size_of::<(usize, Portable)>()
             + active
             + classes * size_of::<WeightClass>()
     }
 
-    /// Makes it be built again: for another pass, or another tile.
+    /// Discards the order of work, for another pass or another tile.
     pub(super) fn forget(&mut self) {
         self.built_for = None;
     }
 
-    /// Prefetches its steps.
+    /// Prefetches its calls.
     pub(super) fn fetch(&self) {
-        self.steps.fetch();
+        self.calls.fetch();
     }
 
-    /// Builds the order of work, if it is another than before. Between calls of [`forget`](Self::forget), only values, weights and
-    /// the set of active pairs may change.
+    /// Rebuilds the order of work if it has changed. Between calls of [`forget`](Self::forget), only values, weights
+    /// and the set of active pairs may change.
     pub(super) fn prepare(&mut self, pass: &Pass, inputs: &TileInputs) {
         let active = || pass.sources.iter().flat_map(|source| source.active.iter().copied());
         let classes = || inputs.weights.iter().map(|weight| WeightClass::of(*weight));
@@ -97,13 +98,13 @@ impl TileProgram {
         if self.built_for.as_ref().is_some_and(holds) {
             return;
         }
-        self.steps.clear();
+        self.calls.clear();
         self.between.clear();
         let mut builder = ProgramBuilder { pass, inputs, program: self };
         for (index, group) in inputs.tile.groups.iter().enumerate() {
             builder.group(group, index);
         }
-        self.steps.shrink();
+        self.calls.shrink();
         self.between.shrink_to_fit();
         self.built_for = Some((active().collect(), classes().collect()));
     }
@@ -113,9 +114,9 @@ impl TileProgram {
         let columns = pass.columns[inputs.place].lines();
         let kept = inputs.kept.map_or(&[][..], Columns::lines);
         let mut done = 0;
-        let steps = |steps: Range<usize>, sums: &mut Sums, planes: &mut Planes| {
-            self.steps.run(
-                steps,
+        let calls = |calls: Range<usize>, sums: &mut Sums, planes: &mut Planes| {
+            self.calls.run(
+                calls,
                 &mut Operands {
                     streams: [columns, columns, kept],
                     coming: if inputs.kept.is_some() { kept } else { columns },
@@ -128,7 +129,7 @@ impl TileProgram {
             );
         };
         for (after, portable) in &self.between {
-            steps(done..*after, sums, planes);
+            calls(done..*after, sums, planes);
             done = *after;
             match portable {
                 Portable::Clear(component, lines) => sums[*component][lines.clone()].fill(Line::default()),
@@ -139,7 +140,7 @@ impl TileProgram {
                 }
             }
         }
-        steps(done..self.steps.len(), sums, planes);
+        calls(done..self.calls.len(), sums, planes);
     }
 }
 
@@ -153,9 +154,9 @@ struct ProgramBuilder<'b, 'p> {
 /// A light that contributes to a group, by a source.
 struct ActiveLight {
     source: usize,
-    /// Its place among the lights of the group.
+    /// Its index among the lights of the group.
     light: usize,
-    /// Where its uniform values begin.
+    /// The index of its first uniform value.
     uniforms: usize,
 }
 
@@ -163,7 +164,7 @@ struct ActiveLight {
 type ActiveLights = SmallVec<[ActiveLight; 8]>;
 
 impl ProgramBuilder<'_, '_> {
-    /// What the lights of a group add.
+    /// Adds the contributions of the lights of a group.
     fn group(&mut self, group: &Group, index: usize) {
         let mut active_lights = ActiveLights::new();
         for (number, source) in self.pass.sources.iter().enumerate() {
@@ -187,7 +188,7 @@ impl ProgramBuilder<'_, '_> {
             let (chunk, behind) = rest.split_at(count);
             rest = behind;
             let weights = number;
-            // Runs of spans whose weight is not 0 are computed together, and nothing of the others.
+            // Consecutive spans whose weight is not 0 are computed together. The others are skipped.
             for run in chunk.chunk_by(|a, b| (class(a) == WeightClass::Zero) == (class(b) == WeightClass::Zero)) {
                 let spans = number..number + run.len();
                 number = spans.end;
@@ -205,20 +206,20 @@ impl ProgramBuilder<'_, '_> {
                 };
                 let tiny = run.iter().any(|span| class(span) == WeightClass::Tiny);
                 match self.pass.code.filter(|_| !tiny) {
-                    Some(code) => self.program.steps.add(code, segments, weights, component, coming),
+                    Some(code) => self.program.calls.add(code, segments, weights, component, coming),
                     None => self.portably(Portable::Add(spans, self.pass.channels)),
                 }
             }
         }
     }
 
-    /// The contributions of all lights of a group to these lines, whole rounds of one chunk, each to its own place in it. Where that is which is
-    /// read after that.
+    /// Adds the calls for the contributions of all lights of a group to these lines, which are whole rounds of one
+    /// chunk. Returns the index of the lines that are read next.
     fn lights(&mut self, index: usize, active_lights: &ActiveLights, lines: Range<usize>) -> usize {
         let own = lines.start % CHUNK_LINES..lines.start % CHUNK_LINES + lines.len();
         let part = self.pass.columns[self.inputs.place].part(index, lines.clone());
         let kept = self.inputs.kept.map(|kept| kept.part(index, lines));
-        // What the sums hold is of the chunk before.
+        // The sums still hold the chunk before.
         let mut stale = [true; 3];
         for active_lights in active_lights.chunk_by(|a, b| a.source == b.source) {
             let Source { overwrite, add, channels, .. } = &self.pass.sources[active_lights[0].source];
@@ -231,12 +232,12 @@ impl ProgramBuilder<'_, '_> {
                 let kernel = if std::mem::take(&mut store) { overwrite } else { add };
                 let kept = kept.as_ref().map_or(0..0, |kept| kept.records(*light));
                 let streams = [part.hits(), part.records(*light), kept];
-                self.program.steps.contribute(kernel, streams, *uniforms, components.clone(), own.clone());
+                self.program.calls.contribute(kernel, streams, *uniforms, components.clone(), own.clone());
             }
             stale[components].fill(false);
         }
         self.clear(&own, &mut stale, self.pass.channels.components());
-        kept.as_ref().map_or_else(|| part.coming(), Part::coming)
+        kept.as_ref().map_or_else(|| part.coming(), ColumnPart::coming)
     }
 
     /// Clears these lines of the sums of those components that are stale.
@@ -248,8 +249,8 @@ impl ProgramBuilder<'_, '_> {
         }
     }
 
-    /// Does this after the steps so far.
+    /// Adds a step of portable code after the calls so far.
     fn portably(&mut self, work: Portable) {
-        self.program.between.push((self.program.steps.len(), work));
+        self.program.between.push((self.program.calls.len(), work));
     }
 }

@@ -1,4 +1,4 @@
-//! A contribution to a picture: its kernels, and the pairs of a body and a light that it is of.
+//! A contribution to a picture: its kernels, and the pairs of a body and a light that it covers.
 
 use crate::jit::Kernel;
 use crate::plan::Channels;
@@ -10,28 +10,28 @@ use std::ops::Range;
 pub(super) struct Source<'p> {
     /// Static columns → contributions, stored.
     pub(super) overwrite: &'p Kernel,
-    /// The same, added to what is there.
+    /// The same, added to the sums.
     pub(super) add: &'p Kernel,
     /// The components that the kernels compute.
     pub(super) channels: Channels,
-    /// Where the uniform values of its pairs of a body and a light begin, and how many a pair has.
+    /// The index of the first uniform value of its pairs of a body and a light, and the number of values of a pair.
     pub(super) first_uniform: usize,
     pub(super) uniform_count: usize,
-    /// For each pair whether it contributes.
+    /// Whether each pair contributes.
     pub(super) active: Vec<bool>,
-    /// How many lights a body is paired with.
+    /// The number of lights.
     pub(super) lights: usize,
     /// The world, which knows the light of each emitter.
     pub(super) world: &'p World,
 }
 
 impl Source<'_> {
-    /// The place of the pair of a body and the light of an emitter.
+    /// The index of the pair of a body and the light of an emitter.
     pub(super) fn pair(&self, body: BodyId, emitter: EmitterId) -> usize {
         body.index() * self.lights + self.world.light_of(emitter).index()
     }
 
-    /// Where the uniform values of a pair are.
+    /// The indices of the uniform values of a pair.
     pub(super) fn uniforms_of(&self, pair: usize) -> Range<usize> {
         let first = self.first_uniform + pair * self.uniform_count;
         first..first + self.uniform_count

@@ -1,4 +1,5 @@
-//! A pass over one tile: what rays add whatever the lights, then the contributions of all groups, into the planes of the tile.
+//! A pass over one tile, into the planes of the tile: first the terms without lights, then the contributions of all
+//! groups.
 
 use crate::backends::compiled::columns::Columns;
 use crate::backends::compiled::pass::Pass;
@@ -8,7 +9,7 @@ use crate::evaluate::weights::Weight;
 use crate::jit::{Sums, Width, fetch};
 use crate::trace::{CHUNK_HITS, Tile};
 
-/// What happens to the pixels that are in the planes when a pass runs.
+/// How a pass treats the pixels that are in the planes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Accumulate {
     /// The pass overwrites them.
@@ -17,27 +18,27 @@ pub(super) enum Accumulate {
     Add,
 }
 
-/// Scratch memory for the work on a tile, used again for the next.
+/// Scratch memory for the work on a tile. It is used again for the next tile.
 pub(super) struct TileScratch {
     pub(super) planes: Planes,
     /// The weight of each path of the tile.
     pub(super) weights: Vec<Weight>,
     /// Red, green and blue of the hits of a chunk, before the weight of their paths.
     sums: Box<Sums>,
-    /// The weight of each span, and what is behind them.
+    /// The weight of each span, followed by more numbers, see [`Operands`](crate::jit::Operands).
     span_weights: Vec<f32>,
     /// The program of a pass that runs once.
     once: TileProgram,
-    /// What each path, and each set of paths, adds to its pixels whatever the lights; the fourth number is 0.
+    /// The colours of each path and of each set of paths by the terms without lights. The fourth number is 0.
     path_colours: Vec<[f32; 4]>,
     set_colours: Vec<[f32; 4]>,
 }
 
 impl TileScratch {
-    /// About how large one is.
+    /// The approximate size in bytes.
     pub(super) const BYTES: usize = Planes::BYTES + size_of::<Sums>();
 
-    /// Scratch where pixels are worked on with vectors of this width.
+    /// Scratch memory for code with vectors of this width.
     pub(super) fn new(width: Width) -> Self {
         Self {
             planes: Planes::new(width),
@@ -52,8 +53,9 @@ impl TileScratch {
 }
 
 impl Pass<'_> {
-    /// Runs the pass over a tile, into the planes of the scratch, whose weights are those of the tile's paths. `place` is the place of the
-    /// tile; `kept` are columns of a drag, if kernels read any. `program` keeps the order of work of this tile in passes like this one.
+    /// Runs the pass over a tile, into the planes of the scratch memory, which holds the weights of the tile's paths.
+    /// `place` is the index of the tile. `kept` are columns of a drag, if kernels read any. `program` keeps the order
+    /// of work of this tile in passes like this one.
     pub(super) fn run(
         &self,
         tile: &Tile,
@@ -63,7 +65,7 @@ impl Pass<'_> {
         scratch: &mut TileScratch,
         program: &mut TileProgram,
     ) {
-        // All at once: one after the other, each list would be waited for.
+        // All at once, so that the lists come from memory at the same time.
         fetch(&tile.regions);
         fetch(&tile.spans);
         program.fetch();
@@ -77,7 +79,7 @@ impl Pass<'_> {
         program.run(self, &inputs, span_weights, sums, planes);
     }
 
-    /// The same for a pass that runs once over the tile: overwrites the planes.
+    /// Runs a pass that runs only once over the tile. It overwrites the planes.
     pub(super) fn run_once(&self, tile: &Tile, place: usize, scratch: &mut TileScratch) {
         let mut program = std::mem::take(&mut scratch.once);
         program.forget();
@@ -85,7 +87,7 @@ impl Pass<'_> {
         scratch.once = program;
     }
 
-    /// Adds what rays add whatever the lights: the same for all pixels of a region.
+    /// Adds the terms without lights. They are the same for all pixels of a region.
     fn fill_regions(&self, tile: &Tile, accumulate: Accumulate, scratch: &mut TileScratch) {
         let black = || self.at_hits.iter().all(|colour| *colour == [0.0; 3]) && self.at_misses == [0.0; 3];
         let add = match accumulate {

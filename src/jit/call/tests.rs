@@ -1,4 +1,4 @@
-//! Programs and kernels against each other, and what they refuse.
+//! Kernels of different widths, parts and allocations, and the checks of lists of calls.
 
 use super::*;
 use crate::formula::Formula;
@@ -13,7 +13,8 @@ use crate::plan::{Domain, FormulaPlan, KernelPlan, Sink};
 use crate::trace::ROUND_LINES;
 use crate::workspace::{FileKind, presets};
 
-/// What the contribution kernels of a formula yield on some numbers, compiled for vectors of this width; and how many blocks a round of them takes.
+/// The number of blocks in a round of the contribution kernels of a formula, compiled for this width, and their
+/// results for some numbers.
 fn contributions(bindings: &Bindings, width: Width) -> (usize, Vec<f32>) {
     let plan = FormulaPlan::of(bindings.clone()).contribution.records;
     let specs = [KernelSpec::overwriting(&plan), KernelSpec::adding(&plan).unwrap()];
@@ -47,8 +48,8 @@ fn kernels_of_all_widths_compute_the_same() {
         for width in Width::supported() {
             let (round, wide) = contributions(&bindings, width);
             assert!(round.is_multiple_of(width.lanes() / 4), "as wide as the vectors: {text}");
-            // With four lanes products are rounded before they are added, and two to the power of a negative number may differ in the last place, see
-            // `vreduceps`.
+            // With four lanes, products are rounded before they are added, and powers of two with negative exponents
+            // may differ in the last place, see `vreduceps`.
             let same = |(x, y): (&f32, &f32)| x == y || x.is_nan() && y.is_nan() || (x - y).abs() <= 2e-6 * x.abs().max(1.0);
             let other = narrow.iter().zip(&wide).find(|pair| !same(*pair));
             assert_eq!(other, None, "{width}: {text}");
@@ -56,8 +57,8 @@ fn kernels_of_all_widths_compute_the_same() {
     }
 }
 
-/// What a kernel computes of a primitive on operands from columns, one case a lane, compiled for vectors of this width; and how many lanes its
-/// vectors have.
+/// The number of lanes of a kernel that computes a primitive, compiled for this width, and its results for operands
+/// from columns, one case in each lane.
 fn results(primitive: Primitive, cases: &[Vec<f32>], width: Width, sink: Sink) -> (usize, Vec<f32>) {
     let mut graph = Graph::empty();
     let leaf = |place: usize| {
@@ -91,7 +92,8 @@ fn results(primitive: Primitive, cases: &[Vec<f32>], width: Width, sink: Sink) -
     (4 * kernel.functions[0].1.blocks, output.iter().flat_map(|line| line.0).take(cases.len()).collect())
 }
 
-/// Whether two results are the same but for a few units in the last place; numbers about the smallest normal one are as good as 0.
+/// Whether two results differ by at most a few units in the last place. Numbers near the smallest normal number count
+/// as 0.
 fn agree(one: f32, other: f32) -> bool {
     const UNITS: u32 = 5;
     let near = one.is_sign_negative() == other.is_sign_negative() && one.to_bits().abs_diff(other.to_bits()) <= UNITS;
@@ -102,7 +104,7 @@ fn agree(one: f32, other: f32) -> bool {
 #[test]
 fn every_primitive_is_widened_and_computes_its_meaning_at_every_width() {
     for &primitive in Primitive::ALL {
-        // One case more each time, so that every case comes to every lane of sixteen.
+        // Shifted by one case each time, so that every case is in each of sixteen lanes once.
         let cases = awkward_operands(primitive);
         let turned = (0..if cases.len() < 2000 { 16 } else { 1 }).flat_map(|turn| cases.iter().chain(&cases[..turn]));
         let cases: Vec<Vec<f32>> = turned.cloned().collect();
@@ -127,7 +129,8 @@ fn every_primitive_is_widened_and_computes_its_meaning_at_every_width() {
     }
 }
 
-/// Holds a kernel that reads one stream and stores columns against the meaning of its nodes, compiled for vectors of this width.
+/// Holds a kernel that reads one stream and stores columns against the meaning of its nodes, compiled for vectors of
+/// this width.
 fn assert_columns(plan: &KernelPlan, graph: &Graph, width: Width) {
     const LINES: usize = 2;
     let leaves = &plan.streams[0];
@@ -218,7 +221,7 @@ fn programs_run_on_nothing_that_is_too_short() {
     let compiled = crate::jit::CompiledFormula::new(&formula).unwrap();
     let columns = compiled.plan.bindings.frontier.records.len();
     let kernel = &compiled.contribution.overwrite;
-    let mut program = Program::default();
+    let mut program = CallList::default();
     program.contribute(kernel, [0..0, 4..4 + 4 * columns, 0..0], 2, 0..3, 8..12);
     program.add(PixelCode::get(compiled.width).unwrap(), 1..3, 5, None, 0);
     let lines = vec![Line::default(); 4 + 4 * columns];

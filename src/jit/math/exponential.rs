@@ -6,14 +6,15 @@ use cranelift_codegen::ir::types::F32X4;
 use cranelift_codegen::ir::{InstBuilder, Value};
 use std::f32::consts::{LN_2, LOG2_E};
 
-/// 2^f on [0, 1], degree 6, absolute error 4.3e-9. The first coefficient is exactly 1, so that whole exponents give exact powers of two.
-/// Degree 5 would have an error of 2.4 ulp, and 5 ulp in powers.
+/// 2^f on [0, 1], degree 6, absolute error 4.3e-9. The first coefficient is exactly 1, so that whole exponents give
+/// exact powers of two. Degree 5 would have an error of 2.4 ulp, and 5 ulp in powers.
 const EXP2: [f32; 7] = [1.0, LN_2, 0.2402278, 0.055490993, 0.009665556, 0.0012547864, 0.00021367423];
 
 /// e^f on [0, ln 2], degree 6, absolute error 4.3e-9.
 const EXP: [f32; 7] = [1.0, 1.0, 0.50000274, 0.166627, 0.04187299, 0.007841026, 0.0019273191];
 
-/// ln 2 in two parts. The first has ten bits, so that its product with an exponent is exact (Cody & Waite 1980, constants of Cephes).
+/// ln 2 in two parts. The first has ten bits, so that its product with an exponent is exact (Cody & Waite 1980,
+/// constants of Cephes).
 const LN_2_HEAD: f32 = 0.6933594;
 const LN_2_TAIL: f32 = -2.1219444e-4;
 
@@ -23,8 +24,8 @@ const LOG2: [f32; 9] = [LOG2_E, -0.7213474, 0.48090896, -0.36070058, 0.2879535, 
 /// (ln(1 + r) − r) / r² on [√½ − 1, √2 − 1], degree 7, relative error of the logarithm 3.0e-8.
 const LOG: [f32; 8] = [-0.4999999, 0.33333945, -0.25001776, 0.1996224, -0.16570313, 0.14916354, -0.14307721, 0.08738795];
 
-/// (2 log2(e) artanh(s) − 2 log2(e) s) / s³ as a polynomial in s², for |s| up to (√2 − 1) / (√2 + 1), degree 3, relative error of the
-/// logarithm 1.1e-11.
+/// (2 log2(e) artanh(s) − 2 log2(e) s) / s³ as a polynomial in s², for |s| up to (√2 − 1) / (√2 + 1), degree 3,
+/// relative error of the logarithm 1.1e-11.
 const ARTANH: [f32; 4] = [0.9617967, 0.5770788, 0.41192728, 0.33648953];
 
 /// 2 log2(e), rounded, and the rounding error; and the same number as a head of twelve bits and a tail.
@@ -39,8 +40,8 @@ const TWELVE_BITS: u32 = 0xffff_f000;
 /// A bound of the tail of an exponent, 2²⁰: beyond it the result is infinite or 0 anyway.
 const TAIL_LIMIT: f32 = 1_048_576.0;
 
-/// The bits of √½. Subtracted from the bits of a float they make its exponent field that of the power of two 2^e for which the number
-/// divided by it lies in [√½, √2).
+/// The bits of √½. Subtracted from the bits of a float they make its exponent field that of the power of two 2^e for
+/// which the number divided by it lies in [√½, √2).
 const SQRT_HALF_BITS: u32 = 0x3f35_04f3;
 const EXPONENT_FIELD: u32 = 0xff80_0000;
 const MANTISSA_WIDTH: u32 = 23;
@@ -56,7 +57,8 @@ struct Scaled {
 impl VectorMath<'_, '_> {
     /// 2^x. The whole part becomes an exponent, and a polynomial gives the power of the fraction in [0, 1).
     ///
-    /// Error up to 1.3 ulp (1.6 without FMA; 1.6 in sixteen lanes). Exact for whole x. Infinite from 128 on, exactly 0 below −126.
+    /// Error up to 1.3 ulp (1.6 without FMA; 1.6 in sixteen lanes). Exact for whole x. Infinite from 128 on, exactly 0
+    /// below −126.
     pub(in crate::jit) fn exp2(&mut self, x: Value) -> Value {
         // At the limits the power of two itself is infinite or zero, see `power_of_two`.
         let x = self.at_most(x, 128.0);
@@ -66,8 +68,8 @@ impl VectorMath<'_, '_> {
         self.scaled(significand, whole)
     }
 
-    /// e^x. x = n ln 2 + f with whole n and f in [0, ln 2), up to rounding, with ln 2 in two parts (Cody & Waite 1980). A polynomial
-    /// gives e^f.
+    /// e^x. x = n ln 2 + f with whole n and f in [0, ln 2), up to rounding, with ln 2 in two parts (Cody & Waite 1980).
+    /// A polynomial gives e^f.
     ///
     /// Error up to 1.5 ulp (1.8 without FMA). Overflows to infinity; exactly 0 below the normal numbers.
     pub(in crate::jit) fn exp(&mut self, x: Value) -> Value {
@@ -83,8 +85,8 @@ impl VectorMath<'_, '_> {
         self.scaled(significand, whole)
     }
 
-    /// log2 x: the exponent plus r times a polynomial of r, where r is the significand in [√½, √2) minus 1. Since that interval contains
-    /// 1, the relative error stays small where the result is near 0.
+    /// log2 x: the exponent plus r times a polynomial of r, where r is the significand in [√½, √2) minus 1. Since that
+    /// interval contains 1, the relative error stays small where the result is near 0.
     ///
     /// Error up to 1.9 ulp (2.1 without FMA). Exact for powers of two. −∞ at ±0, NaN below, ∞ at ∞.
     pub(in crate::jit) fn log2(&mut self, x: Value) -> Value {
@@ -117,9 +119,9 @@ impl VectorMath<'_, '_> {
 
     /// x^y = 2^(y log2 |x|), with a sign where x is negative and y odd.
     ///
-    /// The error of the logarithm is multiplied by up to 128, so the logarithm is the sum of two floats, about 30 bits: with
-    /// s = (m − 1) / (m + 1) for the significand m, log2 m = 2 log2(e) artanh s, and only the first term needs the extra precision (as in
-    /// fdlibm's `powf`). The product with y is a sum of two floats as well.
+    /// The error of the logarithm is multiplied by up to 128, so the logarithm is the sum of two floats, about 30 bits:
+    /// with s = (m − 1) / (m + 1) for the significand m, log2 m = 2 log2(e) artanh s, and only the first term needs the
+    /// extra precision (as in fdlibm's `powf`). The product with y is a sum of two floats as well.
     ///
     /// Error up to 3.0 ulp (3.6 without FMA). Special cases are those of C's `powf`.
     pub(in crate::jit) fn pow(&mut self, x: Value, y: Value) -> Value {
@@ -134,7 +136,8 @@ impl VectorMath<'_, '_> {
         let half_fractional = self.compare(FloatCC::NotEqual, half_floor, half);
         let odd = self.builder.ins().band_not(half_fractional, fractional);
 
-        // A negative base has no power with a fractional exponent. (All ones are a NaN.) Infinity and zero have one, and replace it below.
+        // A negative base has no power with a fractional exponent. (All ones are a NaN.) Infinity and zero have one,
+        // and replace it below.
         let zero = self.constant(0.0);
         let negative = self.compare(FloatCC::LessThan, x, zero);
         let undefined = self.builder.ins().band(negative, fractional);
@@ -147,8 +150,8 @@ impl VectorMath<'_, '_> {
         let minus_infinity = self.constant(f32::NEG_INFINITY);
         let log = self.select(vanishing, minus_infinity, log);
 
-        // 1^y is 1 even for NaN, so it is computed as 1^0. With exponents beyond ±2³² every other base has an infinite power or 0, and with
-        // exponents within these limits the products stay finite.
+        // 1^y is 1 even for NaN, so it is computed as 1^0. With exponents beyond ±2³² every other base has an infinite
+        // power or 0, and with exponents within these limits the products stay finite.
         let one = self.constant(1.0);
         let not_one = self.compare(FloatCC::NotEqual, x, one);
         let exponent = self.keep(not_one, y);
@@ -158,8 +161,8 @@ impl VectorMath<'_, '_> {
         let (product, tail) = self.extended_product(exponent, log, log_tail);
         let sum = self.add(product, tail);
         let whole = self.floor(sum);
-        // Not 128, which would be infinite although the polynomial may be below 1. With a larger fraction the polynomial grows until the
-        // result overflows.
+        // Not 128, which would be infinite although the polynomial may be below 1. With a larger fraction the
+        // polynomial grows until the result overflows.
         let whole = self.at_most(whole, 127.0);
         let fraction = self.sub(product, whole);
         let fraction = self.add(fraction, tail);
@@ -182,8 +185,8 @@ impl VectorMath<'_, '_> {
 
     /// 2^n for a whole n from −126 to 127; 0 for −127 and infinite for 128.
     pub(super) fn power_of_two(&mut self, n: Value) -> Value {
-        // The low bits of the sum are n plus the bias. The shift makes them the exponent field and drops the other bits. A conversion would
-        // cost nine instructions, because of its rules for overflow.
+        // The low bits of the sum are n plus the bias. The shift makes them the exponent field and drops the other
+        // bits. A conversion would cost nine instructions, because of its rules for overflow.
         let rounder = self.constant(ROUNDER + 127.0);
         let biased = self.add(n, rounder);
         let biased = self.int(biased);
@@ -306,8 +309,8 @@ impl VectorMath<'_, '_> {
             let tail = self.builder.ins().fma(y, tail, error);
             return (product, self.lesser(tail, limit));
         }
-        // Dekker's split of y (1971). The head is short already. Masking bits would take fewer instructions but can turn a NaN into an
-        // infinity.
+        // Dekker's split of y (1971). The head is short already. Masking bits would take fewer instructions but can
+        // turn a NaN into an infinity.
         let wide = self.scale(y, 4097.0);
         let y_head = self.sub(wide, y);
         let y_head = self.sub(wide, y_head);

@@ -77,7 +77,8 @@ impl VectorMath<'_, '_> {
         self.xor(result, sign)
     }
 
-    /// The angle of the point (x, y), in [−π, π]: the arctangent of the smaller over the larger magnitude, mirrored into the octant.
+    /// The angle of the point (x, y), in [−π, π]: the arctangent of the smaller over the larger magnitude, mirrored
+    /// into the octant.
     ///
     /// Error up to 1.8 ulp (1.8 without FMA). Signed zeros and infinities as C's `atan2f`. NaN if either operand is.
     pub(in crate::jit) fn atan2(&mut self, y: Value, x: Value) -> Value {
@@ -112,8 +113,8 @@ impl VectorMath<'_, '_> {
         self.xor(result, sign)
     }
 
-    /// offset + t + t · t² · series, where the offset has a tail. The large terms are added first, so that their sum rounds once, and the
-    /// small ones separately.
+    /// offset + t + t · t² · series, where the offset has a tail. The large terms are added first, so that their sum
+    /// rounds once, and the small ones separately.
     fn offset_series(&mut self, offset: Value, offset_tail: Value, t: Value, square: Value, series: Value) -> Value {
         let cube = self.mul(t, square);
         let small = self.mul_add(cube, series, offset_tail);

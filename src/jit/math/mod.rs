@@ -1,24 +1,25 @@
 //! Elementary functions as Cranelift IR: four `f32` lanes, no branches, no calls.
 //!
-//! Cranelift has no vector `exp`, `sin` and the like, and a library call for each lane would cost more than the rest of a formula. Each
-//! method here appends the instructions of one function to the function under construction: arithmetic, comparisons and bit
-//! operations on vectors of 128 bits.
+//! Cranelift has no vector `exp`, `sin` and the like, and a library call for each lane would cost more than the rest of
+//! a formula. Each method here appends the instructions of one function to the function under construction: arithmetic,
+//! comparisons and bit operations on vectors of 128 bits.
 //!
-//! In every special case (zeros, infinities, NaN) a function means what C's `f32` function means. Kernels run with FTZ and DAZ, so
-//! subnormal arguments and results count as zero. Errors are in units in the last place (ulp), against `f64` references, measured over
-//! 20 to 35 million samples a function: first with fused multiply-add (FMA), then without.
+//! In every special case (zeros, infinities, NaN) a function means what C's `f32` function means. Kernels run with FTZ
+//! and DAZ, so subnormal arguments and results count as zero. Errors are in units in the last place (ulp), against
+//! `f64` references, measured over 20 to 35 million samples a function: first with fused multiply-add (FMA), then
+//! without.
 //!
 //! Rules that shape the code:
 //!
-//! - [`VectorMath::constant`] emits a load at every use. Sixteen registers are too few to keep the coefficients of several polynomials,
-//!   and a load next to its use is cheaper than a spill.
-//! - `fmin` and `fmax` have rules for NaN and −0 that cost several instructions. A comparison and a `bitselect` become one `minps`; the
-//!   order of the operands decides what NaN does.
-//! - `fma` is emitted only where the processor has it. Elsewhere it would be a library call for each lane, so where a product must be
-//!   exact the operands are split instead (Dekker 1971).
-//! - Polynomials are minimax fits (Remez exchange, or linear programming where the basis vanishes inside the interval). Their
-//!   coefficients were rounded to `f32` one after the other, and the remaining ones fitted again each time. The "error" of a fit is that of
-//!   the rounded polynomial in exact arithmetic.
+//! - [`VectorMath::constant`] emits a load at every use. Sixteen registers are too few to keep the coefficients of
+//!   several polynomials, and a load next to its use is cheaper than a spill.
+//! - `fmin` and `fmax` have rules for NaN and −0 that cost several instructions. A comparison and a `bitselect` become
+//!   one `minps`; the order of the operands decides what NaN does.
+//! - `fma` is emitted only where the processor has it. Elsewhere it would be a library call for each lane, so where a
+//!   product must be exact the operands are split instead (Dekker 1971).
+//! - Polynomials are minimax fits (Remez exchange, or linear programming where the basis vanishes inside the interval).
+//!   Their coefficients were rounded to `f32` one after the other, and the remaining ones fitted again each time. The
+//!   "error" of a fit is that of the rounded polynomial in exact arithmetic.
 
 mod exponential;
 mod inverse;
@@ -44,8 +45,8 @@ const ROUNDER: f32 = 12_582_912.0;
 
 /// Emits code for the elementary functions into the function under construction.
 ///
-/// Every operand and result is an `F32X4`, except masks: they are `I32X4` in which every lane is all ones or all zeros, as `fcmp`
-/// yields them.
+/// Every operand and result is an `F32X4`, except masks: they are `I32X4` in which every lane is all ones or all zeros,
+/// as `fcmp` yields them.
 pub(in crate::jit) struct VectorMath<'a, 'f> {
     builder: &'a mut FunctionBuilder<'f>,
     fma: bool,
@@ -53,13 +54,14 @@ pub(in crate::jit) struct VectorMath<'a, 'f> {
 }
 
 impl<'a, 'f> VectorMath<'a, 'f> {
-    /// `fma`: the processor has fused multiply-add. `sixteen`: the code is going to be widened to sixteen lanes, which have instructions
-    /// that four lanes do not have.
+    /// `fma`: the processor has fused multiply-add. `sixteen`: the code is going to be widened to sixteen lanes, which
+    /// have instructions that four lanes do not have.
     pub(in crate::jit) fn new(builder: &'a mut FunctionBuilder<'f>, fma: bool, sixteen: bool) -> Self {
         Self { builder, fma, sixteen }
     }
 
-    /// Splits finite x into its fraction in [0, 1) and its whole part. The latter may be x itself: [`scaled`](Self::scaled) rounds it down.
+    /// Splits finite x into its fraction in [0, 1) and its whole part. The latter may be x itself:
+    /// [`scaled`](Self::scaled) rounds it down.
     fn split_whole(&mut self, x: Value) -> [Value; 2] {
         if self.sixteen {
             return [self.placeholder(I8X16, x, x), x];
@@ -77,7 +79,8 @@ impl<'a, 'f> VectorMath<'a, 'f> {
         self.mul(x, power)
     }
 
-    /// A placeholder for an instruction that only AVX-512 has, in code that is going to be widened: see [`super::widen`].
+    /// A placeholder for an instruction that only AVX-512 has, in code that is going to be widened: see
+    /// [`super::widen`].
     fn placeholder(&mut self, lanes: Type, x: Value, y: Value) -> Value {
         let [x, y] = [x, y].map(|value| self.reinterpret(value, lanes));
         let result = self.builder.ins().ssub_sat(x, y);
@@ -115,7 +118,8 @@ impl<'a, 'f> VectorMath<'a, 'f> {
         self.builder.ins().fcmp(condition, a, b)
     }
 
-    /// `a` in the lanes where `mask` is set, `b` elsewhere. It becomes a single blend if `mask` comes straight from a comparison.
+    /// `a` in the lanes where `mask` is set, `b` elsewhere. It becomes a single blend if `mask` comes straight from a
+    /// comparison.
     pub(in crate::jit) fn select(&mut self, mask: Value, a: Value, b: Value) -> Value {
         let mask = self.float(mask);
         self.builder.ins().bitselect(mask, a, b)

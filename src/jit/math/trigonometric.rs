@@ -24,11 +24,11 @@ const PI_SHORT: [f32; 7] = [3.140625, 9.651184e-4, 2.5331974e-6, 1.9790605e-9, 5
 const TINY: f32 = 7.888609e-31;
 
 impl VectorMath<'_, '_> {
-    /// sin x = (−1)ⁿ sin(x − nπ) with the nearest whole n. So one polynomial on [−π/2, π/2] is enough. The reduction follows Cody & Waite
-    /// 1980.
+    /// sin x = (−1)ⁿ sin(x − nπ) with the nearest whole n. So one polynomial on [−π/2, π/2] is enough. The reduction
+    /// follows Cody & Waite 1980.
     ///
-    /// Error up to 1.7 ulp (2.0 without FMA) for |x| ≤ 10⁵, also at the floats nearest to multiples of π. Beyond, the result is less and
-    /// less accurate, but stays in [−1, 1]. Keeps −0; NaN for ±∞.
+    /// Error up to 1.7 ulp (2.0 without FMA) for |x| ≤ 10⁵, also at the floats nearest to multiples of π. Beyond, the
+    /// result is less and less accurate, but stays in [−1, 1]. Keeps −0; NaN for ±∞.
     pub(in crate::jit) fn sin(&mut self, x: Value) -> Value {
         let inverse = self.constant(FRAC_1_PI);
         let rounder = self.constant(ROUNDER);
@@ -41,8 +41,8 @@ impl VectorMath<'_, '_> {
 
     /// cos x = −(−1)ⁿ sin(x − (n + ½)π), otherwise as [`Self::sin`].
     ///
-    /// Error up to 1.8 ulp (2.1 without FMA) for |x| ≤ 10⁵, also at the floats nearest to the zeros. Beyond, the result stays in [−1, 1].
-    /// NaN for ±∞.
+    /// Error up to 1.8 ulp (2.1 without FMA) for |x| ≤ 10⁵, also at the floats nearest to the zeros. Beyond, the result
+    /// stays in [−1, 1]. NaN for ±∞.
     pub(in crate::jit) fn cos(&mut self, x: Value) -> Value {
         let inverse = self.constant(FRAC_1_PI);
         let half = self.constant(-0.5);
@@ -60,8 +60,8 @@ impl VectorMath<'_, '_> {
 
     /// tan x = tan r for even n, −1 / tan r for odd n, where r = x − n π/2 with the nearest whole n.
     ///
-    /// Error up to 3.1 ulp (3.1 without FMA) for |x| ≤ 10⁵, also at the floats nearest to zeros and poles. Beyond 2¹⁷ the result is 0. Keeps
-    /// −0; NaN for ±∞.
+    /// Error up to 3.1 ulp (3.1 without FMA) for |x| ≤ 10⁵, also at the floats nearest to zeros and poles. Beyond 2¹⁷
+    /// the result is 0. Keeps −0; NaN for ±∞.
     pub(in crate::jit) fn tan(&mut self, x: Value) -> Value {
         let inverse = self.constant(FRAC_2_PI);
         let rounder = self.constant(ROUNDER);
@@ -88,7 +88,8 @@ impl VectorMath<'_, '_> {
     /// x − n · scale · π. The relative error is small however near to 0 the difference is.
     fn reduce(&mut self, x: Value, n: Value, scale: f32) -> Value {
         if self.fma {
-            // The first step is exact, since x and the product have the same leading bits. The others round once, relative to their result.
+            // The first step is exact, since x and the product have the same leading bits. The others round once,
+            // relative to their result.
             return PI.iter().fold(x, |r, part| {
                 let part = self.constant(-part * scale);
                 self.mul_add(n, part, r)
@@ -99,8 +100,8 @@ impl VectorMath<'_, '_> {
         let r = self.sub(x, part);
         let part = self.scale(n, second * scale);
         let r = self.sub(r, part);
-        // Everything so far is exact. The next two steps are exact only where r gets small. Elsewhere a subtraction gives their rounding
-        // errors exactly, and these are added to the fifth.
+        // Everything so far is exact. The next two steps are exact only where r gets small. Elsewhere a subtraction
+        // gives their rounding errors exactly, and these are added to the fifth.
         let mut error = None;
         let mut r = r;
         for part in [third, fourth] {
@@ -128,8 +129,8 @@ impl VectorMath<'_, '_> {
         let series = self.polynomial(square, &SIN);
         let cube = self.mul(r, square);
         let sine = self.mul_add(cube, series, r);
-        // Near ±π/2 rounding can go one step beyond 1. For larger angles r can be anything up to infinite: then all terms have the same
-        // sign, and the sum is clamped.
+        // Near ±π/2 rounding can go one step beyond 1. For larger angles r can be anything up to infinite: then all
+        // terms have the same sign, and the sum is clamped.
         let sine = self.at_most(sine, 1.0);
         let sine = self.at_least(sine, -1.0);
         let parity = self.parity_sign(rounded);

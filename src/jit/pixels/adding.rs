@@ -1,14 +1,14 @@
 //! Adding the contributions of hits to their pixels.
 
+use crate::jit::code_call::{AddCall, Bases};
 use crate::jit::lanes::Line;
 use crate::jit::pixels::assembler::{Assembler, Binary, Operand, at};
-use crate::jit::step::{Addition, Bases};
 use crate::jit::width::Width;
 use crate::trace::{LINE_HITS, Segment};
 use iced_x86::{Code, IcedError, Instruction, MemoryOperand, Register};
 use std::mem::offset_of;
 
-/// For each segment so many lines are fetched that are read next: memory has time meanwhile.
+/// The number of lines that are prefetched for each segment. Memory has time while segments are added.
 const FETCHED: usize = 2;
 
 /// The segment.
@@ -17,12 +17,12 @@ const SEGMENT: Register = Register::RDI;
 const END: Register = Register::RSI;
 /// The weights of the spans.
 const WEIGHTS: Register = Register::R11;
-/// What is fetched.
+/// The lines to prefetch.
 const COMING: Register = Register::R8;
 /// The planes of pixels, and the place of the segment in them.
 const PLANES: Register = Register::RCX;
 const PLACE: Register = Register::RAX;
-/// The sums, and where the segment's line is in them, in bytes.
+/// The sums, and the offset of the segment's line in them, in bytes.
 const SUMS: Register = Register::RDX;
 const LINE: Register = Register::R9;
 
@@ -31,15 +31,16 @@ const WEIGHT: u32 = 0;
 /// Vectors for pixels.
 const PIXELS: u32 = 1;
 
-/// Where sums and pixels lie: bytes from a component to the next.
+/// The distances from one component to the next, in bytes.
 #[derive(Clone, Copy)]
 pub(in crate::jit) struct Strides {
     pub(in crate::jit) sums: i64,
     pub(in crate::jit) plane: i64,
 }
 
-/// The code of `fn(addition, bases)`: pointers to an [`Addition`] and to the [`Bases`]. For the first `components` components it adds the sums of
-/// the segment's lanes, times the weight of its span, to its pixels.
+/// The code of `fn(call, bases)`, with pointers to an [`AddCall`] and to the [`Bases`]. For each segment and each of
+/// the first `components` components, it adds the sums of the segment's lanes, times the weight of its span, to its
+/// pixels.
 pub(in crate::jit) fn adding_code(width: Width, strides: Strides, components: usize) -> Result<Vec<u8>, IcedError> {
     let mut code = Assembler::new(width);
     addresses(&mut code)?;
@@ -63,17 +64,17 @@ pub(in crate::jit) fn adding_code(width: Width, strides: Strides, components: us
     code.finish()
 }
 
-/// Adds the bases to what the [`Addition`] says.
+/// Computes the addresses: offsets of the [`AddCall`] plus bases.
 fn addresses(code: &mut Assembler) -> Result<(), IcedError> {
     let (addition, bases) = (Register::RDI, Register::RSI);
     let places = [
-        (WEIGHTS, offset_of!(Addition, weights), offset_of!(Bases, weights)),
-        (COMING, offset_of!(Addition, coming), offset_of!(Bases, coming)),
-        (PLANES, offset_of!(Addition, planes), offset_of!(Bases, planes)),
-        (SUMS, offset_of!(Addition, sums), offset_of!(Bases, outputs)),
-        // The last two take the places of what all are read from.
-        (Register::RAX, offset_of!(Addition, end), offset_of!(Bases, segments)),
-        (SEGMENT, offset_of!(Addition, segments), offset_of!(Bases, segments)),
+        (WEIGHTS, offset_of!(AddCall, weights), offset_of!(Bases, weights)),
+        (COMING, offset_of!(AddCall, coming), offset_of!(Bases, coming)),
+        (PLANES, offset_of!(AddCall, planes), offset_of!(Bases, planes)),
+        (SUMS, offset_of!(AddCall, sums), offset_of!(Bases, outputs)),
+        // The last two overwrite the pointers that all are read from.
+        (Register::RAX, offset_of!(AddCall, end), offset_of!(Bases, segments)),
+        (SEGMENT, offset_of!(AddCall, segments), offset_of!(Bases, segments)),
     ];
     for (register, offset, base) in places {
         code.push(Instruction::with2(Code::Mov_r64_rm64, register, at(addition, offset as i64))?);
@@ -104,13 +105,13 @@ fn pixel(strides: Strides, component: usize, lane: usize) -> MemoryOperand {
     MemoryOperand::new(PLANES, PLACE, size_of::<f32>() as u32, displacement, 8, false, Register::None)
 }
 
-/// The sum of a lane of a component; that of lane 0 is aligned to a line.
+/// The sum of a lane of a component. The sum of lane 0 is aligned to a line.
 fn sum(strides: Strides, component: usize, lane: usize) -> MemoryOperand {
     let displacement = component as i64 * strides.sums + (lane * size_of::<f32>()) as i64;
     MemoryOperand::new(SUMS, LINE, 1, displacement, 8, false, Register::None)
 }
 
-/// Adds to the lanes of the segment, with 16 lanes: nothing else is read or written.
+/// Adds the lanes of the segment, with 16 lanes. Nothing else is read or written.
 fn add_masked(code: &mut Assembler, strides: Strides, components: usize) -> Result<(), IcedError> {
     let [_, lanes, _] = Segment::OFFSETS.map(|offset| at(SEGMENT, offset as i64));
     let masked = |mut instruction: Instruction, zeroing| {
@@ -122,7 +123,7 @@ fn add_masked(code: &mut Assembler, strides: Strides, components: usize) -> Resu
     let vectors: Vec<(usize, Register)> =
         (0..components).map(|component| (component, code.vector(PIXELS + component as u32))).collect();
     for (component, vector) in &vectors {
-        // Masked: a whole vector would wait for stores of the segment before that it overlaps.
+        // Masked: the load of a whole vector would wait for the store of the segment before, where they overlap.
         let load = Instruction::with2(Code::EVEX_Vmovups_zmm_k1z_zmmm512, *vector, pixel(strides, *component, 0))?;
         code.push(masked(load, true));
     }
@@ -138,7 +139,8 @@ fn add_masked(code: &mut Assembler, strides: Strides, components: usize) -> Resu
     Ok(())
 }
 
-/// The vectors of the bits of the lanes: of all parts of a line, from this one on. Behind them come as many for masks.
+/// The first of the vectors that hold the bit of each lane, for all parts of a line. As many vectors for masks
+/// follow.
 const BITS: u32 = 4;
 
 /// Loads the bit of each lane of a line.
@@ -150,12 +152,13 @@ fn lane_bits(code: &mut Assembler) -> Result<(), IcedError> {
     Ok(())
 }
 
-/// Adds to the lanes of the segment, and 0 to the pixels beside them: they are of the same line, or in the margins of the planes.
+/// Adds the lanes of the segment, and 0 to the pixels beside them. Those pixels belong to the same line or to the
+/// margins of the planes.
 fn add_selected(code: &mut Assembler, strides: Strides, components: usize) -> Result<(), IcedError> {
     let parts = LINE_HITS / code.lanes();
     let masks = BITS + parts as u32;
     let [_, lanes, _] = Segment::OFFSETS.map(|offset| at(SEGMENT, offset as i64));
-    // What lies behind the lanes in memory has no bit in common with any lane.
+    // The bits that follow the lanes in memory are not those of any lane.
     code.broadcast(masks + parts as u32 - 1, lanes)?;
     for part in 0..parts as u32 {
         code.binary(Binary::AND, masks + part, masks + parts as u32 - 1, Operand::Vector(BITS + part))?;

@@ -43,21 +43,21 @@ pub(super) enum Operand {
     Memory(MemoryOperand),
 }
 
-/// An address in memory: a register and so many bytes.
+/// An address in memory: a register plus this many bytes.
 pub(super) fn at(base: Register, displacement: i64) -> MemoryOperand {
     MemoryOperand::new(base, Register::None, 1, displacement, 8, false, Register::None)
 }
 
-/// Where the loop of a function begins, for the encoder.
+/// The label of the beginning of the loop, for the encoder.
 const LOOP: u64 = 1;
-/// Where its data begins.
+/// The label of the first number of the data.
 const DATA: u64 = 2;
 
-/// A function under construction, which has one loop.
+/// A function under construction. It has one loop.
 pub(super) struct Assembler {
     width: Width,
     code: Vec<Instruction>,
-    /// Numbers behind the code.
+    /// The numbers that follow the code.
     data: Vec<[u32; 4]>,
     loop_start: Option<usize>,
 }
@@ -71,7 +71,7 @@ impl Assembler {
         self.width
     }
 
-    /// How many lanes a vector has.
+    /// The number of lanes of a vector.
     pub(super) fn lanes(&self) -> usize {
         self.width.lanes()
     }
@@ -139,7 +139,8 @@ impl Assembler {
         Ok(())
     }
 
-    /// The lanes of `into` all ones where the integers are equal, else 0. There is no such instruction with 16 lanes: they have masks.
+    /// The lanes of `into` all ones where the integers are equal, else 0. There is no such instruction with 16 lanes:
+    /// they have masks.
     pub(super) fn equal_integers(&mut self, into: u32, second: u32) -> Result<(), IcedError> {
         let [into, second] = [into, second].map(|number| self.vector(number));
         self.code.push(match self.width {
@@ -202,17 +203,17 @@ impl Assembler {
         self.load(into, Self::data_at(place))
     }
 
-    /// Where a number of the data is.
+    /// The address of a number of the data.
     fn data_at(place: usize) -> MemoryOperand {
         at(Register::RIP, (DATA + place as u64) as i64)
     }
 
-    /// What comes next is the loop.
+    /// Begins the loop.
     pub(super) fn begin_loop(&mut self) {
         self.loop_start = Some(self.code.len());
     }
 
-    /// Goes back to the beginning of the loop where the condition of this jump holds.
+    /// Ends the loop: it is repeated if the condition of this jump holds.
     pub(super) fn end_loop(&mut self, jump: Code) -> Result<(), IcedError> {
         if let Some(first) = self.loop_start.and_then(|start| self.code.get_mut(start)) {
             first.set_ip(LOOP);
@@ -221,10 +222,10 @@ impl Assembler {
         Ok(())
     }
 
-    /// The code of the function, which returns here, and its data.
+    /// Appends the return, and encodes the function and its data.
     pub(super) fn finish(mut self) -> Result<Vec<u8>, IcedError> {
         if self.width > Width::Four {
-            // What comes after runs without AVX, and would wait for the upper parts.
+            // The caller runs without AVX, and would be slowed down by the upper halves of registers.
             self.code.push(Instruction::with(Code::VEX_Vzeroupper));
         }
         self.code.push(Instruction::with(Code::Retnq));

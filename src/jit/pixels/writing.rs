@@ -9,16 +9,16 @@ use iced_x86::{Code, IcedError, Instruction, MemoryOperand, Register};
 
 /// The pixels.
 const PLANES: Register = Register::RDI;
-/// Where they are written.
+/// The framebuffer.
 const WORDS: Register = Register::RSI;
-/// How many lines are left.
+/// The number of lines that are left.
 const LINES: Register = Register::RDX;
-/// What is fetched.
+/// The lines to prefetch.
 const COMING: Register = Register::RCX;
 /// The table of the transfer.
 const TABLE: Register = Register::R8;
 
-/// Room for the components of a vector of pixels, in at most 96 bytes, aligned to so many.
+/// Memory for the components of a vector of pixels, at most 96 bytes, and its alignment.
 const ROOM: Register = Register::RAX;
 const ALIGNED: i64 = 32;
 
@@ -33,9 +33,10 @@ const BYTE: u32 = 6;
 /// Entries of the table.
 const ENTRIES: u32 = 8;
 
-/// The code of `fn(planes, pixels, lines, coming, table)`: pointers to the red of some pixels, whose green and blue lie so many bytes behind one
-/// another, to as many lines of a framebuffer, and to the table for sRGB. Writes `0x00RRGGBB`, as [`Transfer`] makes bytes. Meanwhile it fetches as many
-/// lines from `coming` on, into the second cache: the first would lose them to the next tile's planes.
+/// The code of `fn(planes, pixels, lines, coming, table)`. `planes` points to the red of some pixels; green and blue
+/// follow at distances of `plane_stride` bytes. `pixels` points to as many lines of a framebuffer, `table` to the
+/// table for sRGB. The code writes `0x00RRGGBB`, with bytes by the [`Transfer`]. It prefetches as many lines from
+/// `coming` on, into the L2 cache: in the L1 cache, the planes of the next tile would displace them.
 pub(in crate::jit) fn writing_code(width: Width, transfer: Transfer, plane_stride: i64) -> Result<Vec<u8>, IcedError> {
     let mut code = Assembler::new(width);
     constants(&mut code, transfer)?;
@@ -44,7 +45,7 @@ pub(in crate::jit) fn writing_code(width: Width, transfer: Transfer, plane_strid
         let displacement = (lane * size_of::<f32>()) as i64;
         for (plane, vector) in (0..).zip(COMPONENTS) {
             code.load(vector, at(PLANES, plane * plane_stride + displacement))?;
-            // Of a NaN and a number, the second operand is the result.
+            // If one operand is NaN, the result is the second.
             code.binary(Binary::MAX, vector, vector, Operand::Vector(LEAST))?;
             code.binary(Binary::MIN, vector, vector, Operand::Vector(ONE))?;
         }
@@ -60,7 +61,7 @@ pub(in crate::jit) fn writing_code(width: Width, transfer: Transfer, plane_strid
     }
     code.push(Instruction::with2(Code::Sub_rm64_imm8, LINES, 1)?);
     code.end_loop(Code::Jne_rel32_64)?;
-    // What went past the caches is to be seen by whoever is told that it is there.
+    // Makes the stores that bypass the caches visible before anything that follows.
     code.push(Instruction::with(Code::Sfence));
     code.finish()
 }
@@ -71,13 +72,14 @@ fn constants(code: &mut Assembler, transfer: Transfer) -> Result<(), IcedError> 
         Transfer::Linear => {
             code.splat(LEAST, 0.0_f32.to_bits())?;
             code.splat(MOST, 255.0_f32.to_bits())?;
-            // Not a whole half: what lies just below a half must not be rounded up by the sum.
+            // A little less than a half: with a half, the sum would round up numbers just below a half.
             code.splat(HALF, 0.5_f32.next_down().to_bits())
         }
         Transfer::Srgb => {
             code.splat(LEAST, SrgbBytes::LEAST.to_bits())?;
             code.splat(BYTE, 0xff << SrgbBytes::WITHIN)?;
-            // A function that calls nothing may write 128 bytes below the stack. Of a vector that crosses a line of the cache, parts are slow to read.
+            // A function that calls nothing may use 128 bytes below the stack pointer. Aligned, because parts of a
+            // vector that crosses a cache line are slow to read.
             let free = -(128 - (ALIGNED - 1));
             code.push(Instruction::with2(Code::Lea_r64_m, ROOM, at(Register::RSP, free))?);
             code.push(Instruction::with2(Code::And_rm64_imm8, ROOM, -ALIGNED as i32)?);
@@ -86,7 +88,7 @@ fn constants(code: &mut Assembler, transfer: Transfer) -> Result<(), IcedError> 
     }
 }
 
-/// Writes clamped components as they are: times 255, rounded.
+/// Writes clamped components with the linear transfer: times 255, rounded.
 fn linear(code: &mut Assembler, words: MemoryOperand) -> Result<(), IcedError> {
     for (step, constant) in [(Binary::MULTIPLY, MOST), (Binary::ADD, HALF)] {
         for vector in COMPONENTS {
@@ -104,14 +106,14 @@ fn linear(code: &mut Assembler, words: MemoryOperand) -> Result<(), IcedError> {
     code.store_past_caches(words, red)
 }
 
-/// Where the entry for a number is whose first bits are in the index.
+/// The address of the entry for a number. `index` holds the first bits of the number.
 fn entry(index: Register) -> MemoryOperand {
     let first = i64::from(SrgbBytes::LEAST.to_bits() >> SrgbBytes::WITHIN);
     let size = size_of::<u32>();
     MemoryOperand::new(TABLE, index, size as u32, -first * size as i64, 8, false, Register::None)
 }
 
-/// Writes clamped components by the table of sRGB, whose entries are gathered; with 16 lanes.
+/// Writes clamped components by the table of sRGB, with 16 lanes: one instruction gathers the entries.
 fn gathered(code: &mut Assembler, words: MemoryOperand) -> Result<(), IcedError> {
     for vector in COMPONENTS {
         let (index, entries) = (code.vector(0), code.vector(ENTRIES));
@@ -133,7 +135,8 @@ fn gathered(code: &mut Assembler, words: MemoryOperand) -> Result<(), IcedError>
     code.store_past_caches(words, red)
 }
 
-/// Writes clamped components by the table of sRGB, entry by entry: there is no quick way to gather fewer than 16. `displacement` is where the first word goes.
+/// Writes clamped components by the table of sRGB, entry by entry: gathering fewer than 16 entries is slow.
+/// `displacement` is the place of the first pixel.
 fn looked_up(code: &mut Assembler, displacement: i64) -> Result<(), IcedError> {
     let bytes = code.lanes() * size_of::<f32>();
     let number = |component: usize, lane: usize| (component * bytes + lane * size_of::<f32>()) as i64;

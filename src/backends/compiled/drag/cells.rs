@@ -10,7 +10,7 @@ use pulp::Simd;
 /// Pixels of a cell. A cell of a framebuffer is a cache line.
 pub(super) const CELL_PIXELS: usize = 16;
 
-/// How many numbers one cell of an image takes: red, green and blue of all its pixels one behind the other, or one of them.
+/// The number of numbers in one cell of an image: red, then green, then blue of all its pixels, or one of them.
 pub(super) fn stride(channels: Channels) -> usize {
     match channels {
         Channels::All => 3 * CELL_PIXELS,
@@ -42,9 +42,9 @@ pub(super) fn restore(planes: &mut Planes, cell: usize, channels: Channels, cell
     }
 }
 
-/// The largest magnitude in some numbers; infinite where anything is infinite or NaN.
+/// The largest magnitude of some numbers. It is infinite if any number is infinite or NaN.
 pub(super) fn largest(numbers: &[f32]) -> f32 {
-    // The bits of magnitudes are in the order of the magnitudes, and those of NaN above all.
+    // The bits of magnitudes, read as integers, have the order of the magnitudes. Those of NaN are the largest.
     let bits = numbers.iter().map(|number| number.abs().to_bits()).max().unwrap_or(0);
     let largest = f32::from_bits(bits);
     if largest.is_finite() { largest } else { f32::INFINITY }
@@ -54,7 +54,7 @@ pub(super) fn largest(numbers: &[f32]) -> f32 {
 pub(super) struct CellSet(Vec<bool>);
 
 impl CellSet {
-    /// None of a tile of so many pixels.
+    /// An empty set, for a tile of this many pixels.
     pub(super) fn none(pixels: usize) -> Self {
         Self(vec![false; pixels.div_ceil(CELL_PIXELS)])
     }
@@ -62,7 +62,7 @@ impl CellSet {
     /// Adds the cells of all hits of some segments.
     pub(super) fn add(&mut self, segments: &[Segment]) {
         for segment in segments {
-            // No longer than a cell, so in two at most.
+            // A segment is not longer than a cell, so it touches at most two.
             let pixels = segment.pixels();
             self.0[pixels.start / CELL_PIXELS] = true;
             self.0[(pixels.end - 1) / CELL_PIXELS] = true;
@@ -76,11 +76,11 @@ impl CellSet {
     }
 }
 
-/// What the components of an image are multiplied with.
+/// The factors of the components of an image.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Factor(pub(super) [f32; 3]);
 
-/// How many cells are combined before they are written. Their sums fit in the first cache.
+/// The number of cells that are combined before they are written. Their sums fit in the L1 cache.
 const BLOCK: usize = 32;
 
 /// Writes cells. `numbers` holds the base of each cell, followed by an image for each factor.
@@ -94,7 +94,7 @@ pub(super) fn combine<S: Simd>(
     pixels: &mut [u32],
     bytes: impl Bytes,
 ) {
-    // Most cells have one image. What is constant is unrolled.
+    // Most cells have one image. Loops of constant length are unrolled.
     match (channels, factors) {
         (Channels::All, [factor]) => combine_images::<S, 3, 1>(simd, numbers, &[*factor], channels, cells, pixels, bytes),
         (Channels::All, _) => combine_images::<S, 3, 0>(simd, numbers, factors, channels, cells, pixels, bytes),
@@ -131,7 +131,8 @@ fn combine_images<S: Simd, const C: usize, const N: usize>(
     }
 }
 
-/// Adds images times their factors to the base, the first of them. The rows are those of the components from `first` on.
+/// Adds images times their factors to the base, which is the first image. The rows are those of the components from
+/// `first` on.
 #[inline(always)]
 fn add_images<S: Simd, const C: usize>(
     simd: S,
@@ -142,7 +143,7 @@ fn add_images<S: Simd, const C: usize>(
 ) {
     let Some((base, images)) = images.split_first() else { return };
     for component in 0..C {
-        // Vectors by name: the compiler unrolls loops over so few numbers, and then it does not always find the vectors.
+        // Explicit vectors: the compiler unrolls loops over few numbers, and then does not always vectorise them.
         let vector = |rows: &Rows<C>, place: usize| S::as_simd_f32s(&rows[component]).0[place];
         for (place, sum) in S::as_mut_simd_f32s(&mut sums[component]).0.iter_mut().enumerate() {
             let mut total = vector(base, place);
@@ -166,7 +167,7 @@ pub(super) fn write_cell(pixels: &mut [u32], linear: [&[f32; CELL_PIXELS]; 3], c
     store(pixels, words);
 }
 
-/// Reads the pixels of a cell. The last cell of a picture may have fewer than the others: 0 stands for what it lacks.
+/// Reads the pixels of a cell. The last cell of a picture may have fewer pixels; the rest is 0.
 #[inline(always)]
 fn load(pixels: &[u32]) -> [u32; CELL_PIXELS] {
     match pixels.try_into() {
@@ -184,7 +185,7 @@ fn store(pixels: &mut [u32], words: [u32; CELL_PIXELS]) {
     }
 }
 
-// Pixels of a number that is not constant are handled out of line: so the words of a whole cell stay in vector registers.
+// Cells with fewer pixels are handled out of line, so that the words of a whole cell stay in vector registers.
 
 #[cold]
 #[inline(never)]

@@ -1,4 +1,4 @@
-//! Images of a tile that a frame is a weighed sum of.
+//! The images of a tile. A frame is a weighted sum of them.
 
 use crate::backends::compiled::drag::cells::{self, CellSet, Factor};
 use crate::backends::compiled::planes::Planes;
@@ -9,7 +9,7 @@ use crate::picture::transfer::{Bytes, with_bytes};
 use crate::plan::{Channels, Factors};
 use pulp::{Simd, WithSimd};
 
-/// What an image is multiplied with: powers of the moved kr and kt, and the factors of a term.
+/// The factors of an image: powers of the moved kr and kt, and those of a term.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub(super) struct Key {
     pub(super) powers: Powers,
@@ -18,7 +18,7 @@ pub(super) struct Key {
 }
 
 impl Key {
-    /// Whether it is that of what does not move.
+    /// Whether it is the image of everything that does not move.
     pub(super) fn is_base(self) -> bool {
         self == Key::default()
     }
@@ -32,10 +32,10 @@ pub(super) fn factor_of(key: Key, factors: &Factors) -> Factor {
     Factor(term.map(|component| (weight * f64::from(component)) as f32))
 }
 
-/// The sum of magnitudes that may be added up: beyond, what cancels would leave rounding errors that could be seen.
+/// The largest sum of magnitudes. With more, numbers that cancel would leave visible rounding errors.
 pub(super) const LARGEST_SUM: f32 = 256.0;
 
-/// An image while others are yet to be made: those cells that are not all 0.
+/// An image before all images of the tile are made: the cells that are not all 0.
 pub(super) struct Image {
     key: Key,
     cells: Vec<u16>,
@@ -44,7 +44,7 @@ pub(super) struct Image {
 }
 
 impl Image {
-    /// What is in the planes of a tile.
+    /// The image that is in the planes of a tile.
     pub(super) fn new(key: Key, planes: &Planes, touched: &CellSet, channels: Channels) -> Self {
         let stride = cells::stride(channels);
         let mut image = Self { key, cells: Vec::new(), numbers: Vec::new(), largest: 0.0 };
@@ -67,7 +67,7 @@ impl Image {
     }
 }
 
-/// The images of a tile, cell by cell: the base, and behind it every image that is not 0 there.
+/// The images of a tile, cell by cell: the base, followed by every image that is not 0 there.
 pub(super) struct TileImages {
     keys: Vec<Key>,
     /// The largest magnitude in the base and in each image.
@@ -87,7 +87,7 @@ struct Run {
 }
 
 impl TileImages {
-    /// Puts finished images together, over the base that is in the planes.
+    /// Combines finished images with the base, which is in the planes.
     pub(super) fn new(images: Vec<Image>, base: &Planes, channels: Channels) -> Self {
         let stride = cells::stride(channels);
         let mut all: Vec<u16> = images.iter().flat_map(|image| image.cells.iter().copied()).collect();
@@ -128,12 +128,12 @@ impl TileImages {
         size_of_val(&*self.numbers) + size_of_val(&*self.cells) + size_of_val(&*self.runs)
     }
 
-    /// How many pixels a frame writes.
+    /// The number of pixels that a frame writes.
     pub(super) fn pixels(&self) -> usize {
         self.cells.len() * cells::CELL_PIXELS
     }
 
-    /// Whether a sum with these factors is as accurate as a picture needs: nothing in it is too large, infinite or NaN.
+    /// Whether a sum with these factors is accurate enough for a picture: no term is too large, infinite or NaN.
     pub(super) fn is_accurate(&self, factor: &impl Fn(Key) -> Factor) -> bool {
         let size = |(key, largest): (&Key, &f32)| {
             let Factor(factor) = factor(*key);
@@ -149,7 +149,7 @@ impl TileImages {
     }
 }
 
-/// Writes all cells: what is inlined here is compiled for the vectors of this processor.
+/// Writes all cells. The code that is inlined here is compiled for a width.
 struct Drawing<'a> {
     images: &'a TileImages,
     factors: &'a [Factor],

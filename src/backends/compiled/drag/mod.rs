@@ -1,15 +1,17 @@
-//! Frames while a slider is held: only what it can change is computed, in the cheapest correct way.
+//! Frames while a slider is held. Only what the slider can change is computed, by the cheapest correct method.
 //!
-//! Pixels that no moved number reaches are not written again. For the others there are three ways:
+//! Pixels that no moved number affects are not written again. For the others there are three methods:
 //!
-//! - **Images**, where the graph proves the picture to be a weighted sum of images that do not move: `Σ kr^i · kt^j · factor · image`. kr
-//!   and kt of a body are polynomials along paths; ki, colours and most weights enter the formula linearly.
-//! - **Specialised**, elsewhere: everything that does not move is one image, and a kernel computes the live part from columns that keep
-//!   every expensive value that does not move.
+//! - **Images**, where the graph proves the picture to be a weighted sum of images that do not move: `Σ kr^i · kt^j ·
+//!   factor · image`. kr and kt of a body are polynomials along paths; ki, colours and most weights enter the formula
+//!   linearly.
+//! - **Specialised**, elsewhere: everything that does not move is one image, and a kernel computes the live part from
+//!   columns that keep every expensive value that does not move.
 //! - **General**, where neither is possible or ready yet: the whole picture again.
 //!
-//! What is kept is made tile by tile ([`prepare`](Drag::prepare)), each time about as much as a full evaluation takes, between frames, so that no
-//! frame waits for it. A tile whose images would be inaccurate, or that would exceed the budget, stays with the general way.
+//! Images, bases and columns are made tile by tile, between frames, so that no frame waits for them. Each
+//! [`prepare`](Drag::prepare) does about as much work as a full evaluation. A tile whose images would be inaccurate
+//! or would exceed the budget is drawn by the general method.
 
 mod cells;
 mod images;
@@ -40,19 +42,19 @@ use steps::{TileStep, Work, full_cost, steps_of};
 pub(super) struct CompiledDrag {
     compiled: Arc<Compiled>,
     kernels: DragKernels,
-    /// The parameter numbers that everything kept was made with, apart from those that move.
+    /// The parameter numbers that all stored data was made with, apart from those that move.
     parameters: Vec<f32>,
     tiles: Vec<TileState>,
     /// Whether a whole picture has been drawn.
     drawn: bool,
-    /// How many bytes may be kept, and are.
+    /// The most bytes that may be stored, and the bytes that are stored.
     budget: usize,
     bytes: usize,
 }
 
-/// What is kept of a tile.
+/// The stored data of a tile.
 enum TileState {
-    /// Nothing that moves is seen in it.
+    /// Nothing that moves is visible in it.
     Untouched,
     /// The first `done` of the steps are made, with these images.
     Waiting {
@@ -63,16 +65,16 @@ enum TileState {
     },
     Images {
         images: TileImages,
-        /// Whether the pixels that they do not write are right: they are not after a picture that the images could not make, with
-        /// something infinite that is 0 in them.
+        /// Whether the pixels that the images do not write are right. They are not after a picture for which the
+        /// images were not accurate: something may have been infinite where the images are 0.
         right: bool,
     },
     Live(LiveTile),
-    /// It is drawn like in any picture.
+    /// It is drawn by the general method.
     General,
 }
 
-/// What is kept of a tile in which something is live: the cells, and what does not move in them.
+/// The stored data of a tile with a live part: the cells, and the fixed part in them.
 struct LiveTile {
     cells: Vec<u16>,
     base: Vec<f32>,
@@ -81,13 +83,14 @@ struct LiveTile {
 }
 
 impl CompiledDrag {
-    /// Takes hold of numbers of one owner: places in `parameters`, which holds the values before the drag. At most `budget` bytes are kept.
+    /// Begins a drag of numbers of one owner. `moved` are their places in `parameters`, which holds the values before
+    /// the drag. At most `budget` bytes are stored.
     ///
     /// # Errors
-    /// The kernels are beyond what the code generator takes.
+    /// The kernels are too large for the code generator.
     ///
     /// # Panics
-    /// Where there are fewer parameter numbers than the layout has.
+    /// If there are fewer parameter numbers than the layout has.
     pub(super) fn new(
         compiled: &Arc<Compiled>,
         moved: &[usize],
@@ -109,7 +112,7 @@ impl CompiledDrag {
         Ok(drag)
     }
 
-    /// Counts what is kept, and drops what exceeds the budget, from the last tile on.
+    /// Counts the stored bytes. Drops the data of tiles that exceed the budget, from the last tile on.
     fn settle(&mut self) {
         self.bytes = 0;
         for state in &mut self.tiles {
@@ -141,7 +144,7 @@ impl CompiledDrag {
         self.settle();
     }
 
-    /// How many steps of each tile are made next: as many as cost about one full evaluation.
+    /// The number of steps of each tile that are made next: together they cost about one full evaluation.
     fn next_steps(&self) -> Vec<usize> {
         let mut left = full_cost(&self.compiled);
         let mut counts: Vec<usize> = vec![0; self.tiles.len()];
@@ -159,7 +162,7 @@ impl CompiledDrag {
                 break;
             }
         }
-        // A step that costs more than everything that may be done is done alone.
+        // A step that costs more than a full evaluation is done alone.
         if counts.iter().all(|count| *count == 0)
             && let Some(place) = self.tiles.iter().position(|tile| matches!(tile, TileState::Waiting { .. }))
         {
@@ -202,7 +205,7 @@ impl Drag for CompiledDrag {
         let plan = &self.kernels.plan;
         let factors = plan.factors(parameters);
         let factor = |key: Key| factor_of(key, &factors);
-        // Once everything is made, few tiles are drawn the general way.
+        // Once everything is made, few tiles are drawn by the general method.
         let whole = OnceLock::new();
         let draw_all = |place: usize, scratch: &mut TileScratch, part: Part| {
             compiled.draw_tile(whole.get_or_init(|| compiled.whole(parameters)), parameters, place, scratch, part);
@@ -274,7 +277,7 @@ impl TileState {
     }
 }
 
-/// Makes what is kept.
+/// Makes the stored data.
 struct Preparation<'p> {
     compiled: &'p Compiled,
     kernels: &'p DragKernels,
@@ -319,7 +322,8 @@ impl Preparation<'_> {
 }
 
 impl LiveTile {
-    /// Keeps these cells of the planes; `None` where their numbers are so large that they may cancel against what is live.
+    /// Stores these cells of the planes. `None` if their numbers are so large that they may cancel against the live
+    /// part.
     fn new(cells: Vec<u16>, kept: Option<Columns>, channels: Channels, scratch: &TileScratch) -> Option<Self> {
         let mut base = Vec::with_capacity(cells.len() * cells::stride(channels));
         for cell in &cells {
@@ -328,7 +332,8 @@ impl LiveTile {
         (cells::largest(&base) <= LARGEST_SUM).then(|| Self { cells, base, kept, program: TileProgram::default() })
     }
 
-    /// Adds what is live to what does not move, and writes the cells. The scratch holds the weights of the tile's paths.
+    /// Adds the live part to the fixed part, and writes the cells. The scratch memory holds the weights of the tile's
+    /// paths.
     fn draw(&mut self, tile: &Tile, place: usize, live: &Pass, channels: Channels, scratch: &mut TileScratch, part: Part) {
         let stride = cells::stride(channels);
         for (cell, lanes) in self.cells.iter().zip(self.base.chunks_exact(stride)) {
@@ -340,7 +345,7 @@ impl LiveTile {
     }
 }
 
-/// Writes cells of the planes: what is inlined here is compiled for the vectors of this processor.
+/// Writes cells of the planes. The code that is inlined here is compiled for a width.
 struct Writing<'a> {
     cells: &'a [u16],
     planes: [&'a [f32]; 3],

@@ -1,4 +1,4 @@
-//! The passes over the hits that make what a drag keeps, and the pass for the part that is live.
+//! The passes over the hits that make the stored data of a drag, and the pass for the live part.
 
 use crate::backends::compiled::Compiled;
 use crate::backends::compiled::columns::Columns;
@@ -27,7 +27,7 @@ pub(super) struct DragKernels {
     column_leaves: Vec<ParameterSlot>,
 }
 
-/// The passes that make what is kept, for some parameter numbers.
+/// The passes that make the stored data, for some parameter numbers.
 pub(super) struct Passes<'p> {
     fixed: Pass<'p>,
     terms: Vec<Pass<'p>>,
@@ -39,7 +39,7 @@ impl DragKernels {
     /// Plans and compiles a drag of the numbers at these places.
     ///
     /// # Errors
-    /// The kernels are beyond what the code generator takes.
+    /// The kernels are too large for the code generator.
     pub(super) fn new(compiled: &Compiled, moved: &[usize]) -> Result<Self, CompileError> {
         let layout = &compiled.equation.layout;
         let numbers = moved_parameters(layout, &compiled.parameters, moved);
@@ -54,7 +54,7 @@ impl DragKernels {
         Ok(Self { plan, moving_leaves, fixed_leaves, column_leaves, kernels })
     }
 
-    /// The passes that make what is kept.
+    /// The passes that make the stored data.
     pub(super) fn passes<'p>(&'p self, compiled: &'p Compiled, parameters: &[f32]) -> Passes<'p> {
         let terms = self.plan.terms.iter().map(|term| self.term_pass(compiled, parameters, term)).collect();
         let columns = self.kernels.columns.as_ref();
@@ -118,7 +118,7 @@ impl DragKernels {
         (source, uniforms)
     }
 
-    /// What is live, for the parameter numbers of a frame.
+    /// The pass for the live part, for the parameter numbers of a frame.
     pub(super) fn live_pass<'p>(&'p self, compiled: &'p Compiled, parameters: &[f32]) -> Option<Pass<'p>> {
         let plan = &self.plan;
         let (contribution, leaves) = match plan.method {
@@ -136,7 +136,8 @@ impl DragKernels {
 }
 
 impl Passes<'_> {
-    /// Makes the image of this key in the planes of the scratch; the cells in which it may differ from 0.
+    /// Makes the image of this key in the planes of the scratch memory. Returns the cells in which it may differ from
+    /// 0.
     pub(super) fn make_image(
         &self,
         plan: &DragPlan,
@@ -166,7 +167,7 @@ impl Passes<'_> {
         touched
     }
 
-    /// Makes the image of everything that does not move in the planes of the scratch.
+    /// Makes the image of everything that does not move, in the planes of the scratch memory.
     pub(super) fn make_base(&self, compiled: &Compiled, monomials: &PathMonomials, place: usize, scratch: &mut TileScratch) {
         monomials.of(Powers::default(), &mut scratch.weights);
         self.fixed.run_once(&compiled.hits.tiles[place], place, scratch);

@@ -1,4 +1,4 @@
-//! Which hits of a tile the images of a drag take in.
+//! The hits of a tile that the images of a drag contain.
 
 use crate::backends::compiled::drag::cells::CellSet;
 use crate::evaluate::weights::{PathMonomials, Powers, Weight};
@@ -7,7 +7,7 @@ use crate::plan::DragPlan;
 use crate::trace::{Group, Span, Tile};
 use crate::world::{EmitterId, World};
 
-/// What the images of a drag take in. Images are numbered: 0 is the fixed one, those of terms follow.
+/// What the images of a drag contain. Images are numbered: 0 is the fixed image, those of terms follow.
 #[derive(Clone, Copy)]
 pub(super) struct Reach<'r> {
     pub(super) plan: &'r DragPlan,
@@ -18,7 +18,7 @@ pub(super) struct Reach<'r> {
 }
 
 impl Reach<'_> {
-    /// How many emitters of a group an image takes in; `None` where the group is not in it at all.
+    /// The number of emitters of a group whose contributions are in an image. `None` if the group is not in it.
     pub(super) fn emitters_of(&self, group: &Group, image: u8) -> Option<usize> {
         let body = group.body.index();
         let moved = group.emitters.iter().filter(|emitter| self.moves_pair(body, **emitter)).count();
@@ -34,7 +34,7 @@ impl Reach<'_> {
         (emitters > 0 || at_hits).then_some(emitters)
     }
 
-    /// Whether an image takes in rays that left the scene.
+    /// Whether an image contains rays that leave the scene.
     pub(super) fn has_misses(&self, image: u8) -> bool {
         let of_misses = |place: &usize| TERMS[self.plan.moved_terms[*place].term].site == Site::Miss;
         match usize::from(image).checked_sub(1) {
@@ -43,7 +43,7 @@ impl Reach<'_> {
         }
     }
 
-    /// Whether anything that moves may be seen in a group of hits.
+    /// Whether anything that moves may be visible in a group of hits.
     pub(super) fn moves_group(&self, group: &Group) -> bool {
         let body = group.body.index();
         self.plan.moves_hits(body) || group.emitters.iter().any(|emitter| self.moves_pair(body, *emitter))
@@ -54,7 +54,7 @@ impl Reach<'_> {
         self.plan.moves_pair(body, self.world.light_of(emitter).index())
     }
 
-    /// The cells of a tile in which something is live.
+    /// The cells of a tile with a live part.
     pub(super) fn live_cells(&self, tile: &Tile, monomials: &PathMonomials) -> Vec<u16> {
         let mut weights = Vec::new();
         monomials.of(Powers::default(), &mut weights);

@@ -1,4 +1,4 @@
-//! What has to be made for each tile before a drag is fast there, in steps of known cost.
+//! The preparation of each tile for a drag, in steps of known cost.
 
 use crate::backends::compiled::Compiled;
 use crate::backends::compiled::drag::images::Key;
@@ -13,7 +13,7 @@ use std::ops::Range;
 /// If a tile needs more images than this, none are kept.
 const MOST_IMAGES: usize = 40;
 
-/// Something that is made for a tile before the drag is fast there.
+/// The result of a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Work {
     /// Columns that the live part reads.
@@ -24,20 +24,21 @@ pub(super) enum Work {
     Base,
 }
 
-/// A step of what is made for a tile.
+/// A step of the preparation of a tile.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct TileStep {
     pub(super) work: Work,
-    /// About how long it takes. The unit is adding four hits to the pixels, about half of evaluating them for a light.
+    /// Its approximate cost. The unit is the time to add four hits to the pixels, about half of the time to evaluate
+    /// them for a light.
     pub(super) cost: u64,
 }
 
-/// About what a full evaluation costs, in the unit of [`TileStep::cost`].
+/// The approximate cost of a full evaluation, in the unit of [`TileStep::cost`].
 pub(super) fn full_cost(compiled: &Compiled) -> u64 {
     compiled.hits.tiles.iter().map(tile_cost).sum()
 }
 
-/// The steps for a tile; none where nothing that moves is seen in it.
+/// The steps for a tile. There are none if nothing that moves is visible in it.
 pub(super) fn steps_of(plan: &DragPlan, world: &World, tile: &Tile, parameters: &[f32]) -> Vec<TileStep> {
     let monomials = PathMonomials::new(tile, &plan.equation, parameters, plan.weights);
     let reach = Reach { plan, world, has_fixed: plan.slider.fixed.is_some() };
@@ -46,7 +47,7 @@ pub(super) fn steps_of(plan: &DragPlan, world: &World, tile: &Tile, parameters: 
         Method::Images => {
             let mut steps = image_steps(&reach, tile, &monomials);
             if steps.len() > MOST_IMAGES {
-                // A base without images means the general way.
+                // A base without images means the general method.
                 return vec![TileStep { cost: 0, ..base }];
             }
             if !steps.is_empty() {
@@ -96,13 +97,13 @@ fn image_steps(reach: &Reach, tile: &Tile, monomials: &PathMonomials) -> Vec<Til
     steps
 }
 
-/// About what a full evaluation of a tile costs.
+/// The approximate cost of a full evaluation of a tile.
 fn tile_cost(tile: &Tile) -> u64 {
     let groups: u64 = tile.groups.iter().map(|group| group_cost(group.emitters.len(), blocks(&group.hits))).sum();
     groups + tile.miss_segments.len() as u64 + pixels_cost(tile)
 }
 
-/// About how many blocks of four these hits take.
+/// The number of blocks of four for these hits.
 fn blocks(hits: &Range<u32>) -> usize {
     hits.len().div_ceil(4)
 }

@@ -1,4 +1,4 @@
-//! What drags keep, on a built-in session.
+//! The stored data of drags, on a built-in session.
 
 use super::*;
 use crate::formula::Formula;
@@ -11,7 +11,7 @@ use crate::workspace::{Session, Values};
 use crate::world::World;
 use std::sync::atomic::AtomicBool;
 
-/// Some sliders of the default session: images of kinds, and what needs a kernel.
+/// Some sliders of the default session: some are drawn by images, others need a kernel.
 const SLIDERS: [&str; 9] = ["floor.kd", "floor.Cd", "floor.kr", "globe.kt", "globe.h", "gold.ks", "key.ki", "key.IL", "ka"];
 
 fn source(kind: FileKind, name: &str) -> Source {
@@ -40,7 +40,7 @@ fn places(values: &Values, slider: &str) -> Vec<usize> {
     values.moved_indices(owner, id)
 }
 
-/// How many steps are left, and what they cost.
+/// The number of steps that are left, and their cost.
 fn left(drag: &CompiledDrag) -> (usize, u64) {
     let of_tile = |state: &TileState| match state {
         TileState::Waiting { steps, done, .. } => (steps.len() - done, steps[*done..].iter().map(|step| step.cost).sum::<u64>()),
@@ -73,7 +73,7 @@ fn preparing_takes_no_more_at_a_time_than_a_full_evaluation() {
             }
         }
         println!("{slider}: {all} steps in {calls} calls, {:.2} full evaluations", total as f64 / full as f64);
-        // What is done in two calls is more than a full evaluation.
+        // The work of two calls is more than a full evaluation.
         assert!(calls <= 2 * total / full + 1, "{slider}: {calls} calls for {total}, a full evaluation is {full}");
         assert!(drag.prepare(), "nothing is left to do");
     }

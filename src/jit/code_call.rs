@@ -1,44 +1,44 @@
-//! What compiled code is called with: a step says where everything is that it works on, counted in bytes from the bases that a run gives. So
-//! steps that were put together once hold for every frame, wherever its values lie.
+//! The operands of compiled code. A call holds the offsets of its operands, in bytes, from bases that each run gives.
+//! So calls that were built once are valid for every frame, wherever its values lie.
 
 use crate::plan::STREAMS;
 
-/// A kernel writes so many streams at most.
+/// A kernel writes at most this many streams.
 pub(super) const OUTPUTS: usize = 3;
 
-/// What a kernel works on. Streams are counted each from its own base, outputs from that of the outputs.
+/// The operands of a kernel, as offsets. Each stream has its own base, all outputs have one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, bytemuck::Zeroable, bytemuck::Pod)]
 #[repr(C)]
-pub(super) struct Reading {
+pub(super) struct KernelCall {
     pub(super) streams: [usize; STREAMS],
     pub(super) outputs: [usize; OUTPUTS],
     pub(super) uniforms: usize,
-    /// How many rounds of its loop; not a place.
+    /// The number of rounds of its loop; not an offset.
     pub(super) rounds: usize,
 }
 
-/// What code that adds to pixels works on.
+/// The operands of code that adds to pixels, as offsets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, bytemuck::Zeroable, bytemuck::Pod)]
 #[repr(C)]
-pub(super) struct Addition {
-    /// The first segment, and behind the last; there is one at least.
+pub(super) struct AddCall {
+    /// The first segment, and the end of the segments. There is at least one.
     pub(super) segments: usize,
     pub(super) end: usize,
-    /// Arrays of lines, one for each component: counted from the base of the outputs.
+    /// Arrays of lines, one for each component, from the base of the outputs.
     pub(super) sums: usize,
     /// Planes of pixels, one for each component.
     pub(super) planes: usize,
-    /// What is going to be read, if anything is there.
+    /// The lines to prefetch. Nothing need be there.
     pub(super) coming: usize,
     /// The weight of each span of the chunk.
     pub(super) weights: usize,
     pub(super) unused: [usize; 2],
 }
 
-// Either is the work of a step.
-const _: () = assert!(size_of::<Reading>() == size_of::<Addition>());
+// Both have the size of the operands of a call.
+const _: () = assert!(size_of::<KernelCall>() == size_of::<AddCall>());
 
-/// Where what steps work on begins: addresses.
+/// The addresses from which the offsets of operands count.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[repr(C)]
 pub(super) struct Bases {
