@@ -31,7 +31,7 @@ impl Code {
     /// # Errors
     /// The code would be too large.
     pub fn new(formula: &Formula) -> Result<Self, CodeTooLarge> {
-        enum Task {
+        enum CompileTask {
             Visit(TermId),
             Emit(Instruction),
         }
@@ -39,11 +39,11 @@ impl Code {
         let mut instructions = Vec::new();
         let mut scratch = Vec::new();
         let mut bytes = 0;
-        let mut tasks = vec![Task::Visit(formula.result)];
+        let mut tasks = vec![CompileTask::Visit(formula.result)];
         while let Some(task) = tasks.pop() {
             let instruction = match task {
-                Task::Emit(instruction) => instruction,
-                Task::Visit(id) => match formula.term(id) {
+                CompileTask::Emit(instruction) => instruction,
+                CompileTask::Visit(id) => match formula.term(id) {
                     _ if let Some(value) = constants[id.0 as usize] => match formula.ty(id) {
                         Type::Vector => Instruction::VectorValue(value),
                         Type::Scalar | Type::Truth => Instruction::ScalarValue(value[0]),
@@ -55,8 +55,8 @@ impl Code {
                         Instruction::Parameter(parameter.owner, parameter.ty, parameter.slot)
                     }
                     Term::Apply(operation, operands) => {
-                        tasks.push(Task::Emit(Instruction::Operation(*operation)));
-                        tasks.extend(operands.iter().rev().map(|operand| Task::Visit(*operand)));
+                        tasks.push(CompileTask::Emit(Instruction::Operation(*operation)));
+                        tasks.extend(operands.iter().rev().map(|operand| CompileTask::Visit(*operand)));
                         continue;
                     }
                 },

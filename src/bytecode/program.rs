@@ -74,7 +74,7 @@ impl Programs {
 
     /// Appends the program of a pixel.
     pub fn add(&mut self, instantiation: &Instantiation, tree: &Tree) {
-        let mut assembler = Assembler { instantiation, code: &mut self.code, height: 0, depth: self.depth };
+        let mut assembler = BytecodeBuilder { instantiation, code: &mut self.code, height: 0, depth: self.depth };
         match tree.primary {
             Child::Hit(_) => assembler.tree(tree),
             Child::None | Child::Miss(_) => assembler.miss(),
@@ -142,7 +142,7 @@ impl Program<'_> {
 }
 
 /// Writes instructions and tracks the height of the stack.
-struct Assembler<'a> {
+struct BytecodeBuilder<'a> {
     instantiation: &'a Instantiation<'a>,
     code: &'a mut Vec<u8>,
     /// The number of numbers on the stack, and the maximum so far.
@@ -150,7 +150,7 @@ struct Assembler<'a> {
     depth: usize,
 }
 
-impl Assembler<'_> {
+impl BytecodeBuilder<'_> {
     fn emit(&mut self, instruction: Instruction) {
         let (takes, gives) = instruction.effect();
         self.height = self.height + gives - takes;
@@ -169,36 +169,36 @@ impl Assembler<'_> {
 
     /// E(A) of the first node, which contains E of its children. Terms are added up in the order of equation (2).
     fn tree(&mut self, tree: &Tree) {
-        enum Task {
+        enum BuildTask {
             Node(usize),
             Child(Predefined, Child, usize),
             /// Ends a guarded child. The operand of the guard is at this place of the code.
             Close(usize),
         }
-        let mut tasks = vec![Task::Node(0)];
+        let mut tasks = vec![BuildTask::Node(0)];
         while let Some(task) = tasks.pop() {
             match task {
-                Task::Node(index) => {
+                BuildTask::Node(index) => {
                     let node = &tree.nodes[index];
                     self.local(node);
                     let body = node.hit.body.index();
-                    tasks.push(Task::Child(REFRACTED, node.refracted, body));
-                    tasks.push(Task::Child(REFLECTED, node.reflected, body));
+                    tasks.push(BuildTask::Child(REFRACTED, node.refracted, body));
+                    tasks.push(BuildTask::Child(REFLECTED, node.reflected, body));
                 }
-                Task::Child(_, Child::None, _) => {}
-                Task::Child(weight, Child::Miss(_), body) => {
+                BuildTask::Child(_, Child::None, _) => {}
+                BuildTask::Child(weight, Child::Miss(_), body) => {
                     self.parameter(weight, body);
                     self.miss();
                     self.emit(Instruction::Weigh);
                     self.emit(Instruction::Operation(Operation::AddVV));
                 }
-                Task::Child(weight, Child::Hit(index), body) => {
+                BuildTask::Child(weight, Child::Hit(index), body) => {
                     self.parameter(weight, body);
                     self.emit(Instruction::Guard(0));
-                    tasks.push(Task::Close(self.code.len() - size_of::<u32>()));
-                    tasks.push(Task::Node(index));
+                    tasks.push(BuildTask::Close(self.code.len() - size_of::<u32>()));
+                    tasks.push(BuildTask::Node(index));
                 }
-                Task::Close(operand) => {
+                BuildTask::Close(operand) => {
                     self.emit(Instruction::Weigh);
                     let guarded = operand + size_of::<u32>();
                     // No program is larger than `MAX_PROGRAM_BYTES`, see `largest`.

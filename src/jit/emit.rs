@@ -15,7 +15,7 @@ pub(super) const LANES_BYTES: u32 = 16;
 /// Emits primitives into the function under construction.
 ///
 /// A scalar is an `F32X4`, a truth value an `I32X4` in which every lane is all ones or all zeros.
-pub(super) struct Emitter<'e, 'f> {
+pub(super) struct NodeEmitter<'e, 'f> {
     pub(super) builder: &'e mut FunctionBuilder<'f>,
     /// Whether the processor has fused multiply-add.
     pub(super) fma: bool,
@@ -25,7 +25,7 @@ pub(super) struct Emitter<'e, 'f> {
     pub(super) perlin: Option<(FuncRef, StackSlot)>,
 }
 
-impl<'f> Emitter<'_, 'f> {
+impl<'f> NodeEmitter<'_, 'f> {
     fn math(&mut self) -> VectorMath<'_, 'f> {
         VectorMath::new(self.builder, self.fma, self.sixteen)
     }
@@ -40,7 +40,7 @@ impl<'f> Emitter<'_, 'f> {
     }
 }
 
-impl Scalars for Emitter<'_, '_> {
+impl Scalars for NodeEmitter<'_, '_> {
     type Value = Value;
 
     fn constant(&mut self, value: f32) -> Value {

@@ -9,7 +9,7 @@
 
 use crate::formula::graph::{Graph, Node, NodeId};
 use crate::jit::code_call::{Bases, KernelCall};
-use crate::jit::emit::{Emitter, LANES_BYTES, PERLIN_OPERANDS};
+use crate::jit::emit::{LANES_BYTES, NodeEmitter, PERLIN_OPERANDS};
 use crate::jit::kernel::{Addend, KernelPart, LINE_BYTES, Output, Shape};
 use crate::jit::lanes::{Line, Splat};
 use crate::lang::scalars::Scalars;
@@ -134,7 +134,8 @@ impl Writer<'_, '_> {
         for step in 0..self.shape.interleave {
             let before = self.last_instruction();
             let Shape { fma, blocks, .. } = self.shape;
-            let mut emitter = Emitter { builder: &mut self.builder, fma, sixteen: blocks == Line::BLOCKS, perlin: self.perlin };
+            let mut emitter =
+                NodeEmitter { builder: &mut self.builder, fma, sixteen: blocks == Line::BLOCKS, perlin: self.perlin };
             computed.push(match node {
                 Node::Constant(bits) => emitter.constant(f32::from_bits(bits)),
                 Node::Apply(primitive, _) => {

@@ -6,7 +6,7 @@
 //! holds its columns line by line. This is the order in which frames read them, from front to back.
 
 use crate::backends::compiled::memory::StreamMemory;
-use crate::backends::compiled::source::Source;
+use crate::backends::compiled::source::ContributionSource;
 use crate::formula::graph::{Node, NodeId};
 use crate::jit::{CompiledFormula, Line, PREFETCH_DISTANCE, Splat, Streams};
 use crate::lang::scalars::flush;
@@ -135,7 +135,7 @@ impl Columns {
 
     /// The columns that a source computes for each record of a tile where it is active, from these static columns and
     /// uniform values.
-    pub(super) fn kept(tile: &Tile, given: &Columns, source: &Source, uniforms: &[Splat]) -> Self {
+    pub(super) fn kept(tile: &Tile, given: &Columns, source: &ContributionSource, uniforms: &[Splat]) -> Self {
         let is_active = |group: &Group, emitter: &EmitterId| source.active[source.pair(group.body, *emitter)];
         let outputs = source.overwrite.outputs();
         let arrangement =

@@ -30,7 +30,7 @@ use drag::CompiledDrag;
 use pass::Pass;
 use program::TileProgram;
 use rayon::prelude::*;
-use source::Source;
+use source::ContributionSource;
 use std::sync::{Arc, Mutex, PoisonError};
 use tile::{Accumulate, TileScratch};
 
@@ -178,8 +178,8 @@ impl Compiled {
         contribution: &'c Contribution,
         leaves: &[ParameterSlot],
         channels: Channels,
-    ) -> (Source<'c>, Vec<Splat>) {
-        let source = Source {
+    ) -> (ContributionSource<'c>, Vec<Splat>) {
+        let source = ContributionSource {
             overwrite: &contribution.overwrite,
             add: &contribution.add,
             channels,

@@ -4,13 +4,13 @@
 //! image of a drag (see [`drag`](super::drag)) is another. [`tile`](super::tile) runs a pass over a tile.
 
 use crate::backends::compiled::columns::Columns;
-use crate::backends::compiled::source::Source;
+use crate::backends::compiled::source::ContributionSource;
 use crate::jit::{PixelCode, Splat};
 use crate::plan::Channels;
 
 /// The terms of the sum.
 pub(super) struct Pass<'p> {
-    pub(super) sources: Vec<Source<'p>>,
+    pub(super) sources: Vec<ContributionSource<'p>>,
     /// The uniform values of all of them.
     pub(super) uniforms: Vec<Splat>,
     /// The static columns of each tile.
@@ -27,7 +27,7 @@ pub(super) struct Pass<'p> {
 
 impl<'p> Pass<'p> {
     /// Adds a source with its uniform values.
-    pub(super) fn push(&mut self, mut source: Source<'p>, mut uniforms: Vec<Splat>) {
+    pub(super) fn push(&mut self, mut source: ContributionSource<'p>, mut uniforms: Vec<Splat>) {
         source.first_uniform = self.uniforms.len();
         self.uniforms.append(&mut uniforms);
         self.sources.push(source);

@@ -7,7 +7,7 @@
 use crate::backends::compiled::columns::{ColumnPart, Columns};
 use crate::backends::compiled::pass::Pass;
 use crate::backends::compiled::planes::Planes;
-use crate::backends::compiled::source::Source;
+use crate::backends::compiled::source::ContributionSource;
 use crate::evaluate::weights::Weight;
 use crate::jit::{CallList, Line, Operands, Sums};
 use crate::plan::Channels;
@@ -222,7 +222,7 @@ impl ProgramBuilder<'_, '_> {
         // The sums still hold the chunk before.
         let mut stale = [true; 3];
         for active_lights in active_lights.chunk_by(|a, b| a.source == b.source) {
-            let Source { overwrite, add, channels, .. } = &self.pass.sources[active_lights[0].source];
+            let ContributionSource { overwrite, add, channels, .. } = &self.pass.sources[active_lights[0].source];
             let components = channels.components();
             let mut store = stale[components.clone()].iter().all(|stale| *stale);
             if !store {

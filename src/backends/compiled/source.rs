@@ -7,7 +7,7 @@ use crate::world::{EmitterId, World};
 use std::ops::Range;
 
 /// A contribution of some pairs of a body and a light.
-pub(super) struct Source<'p> {
+pub(super) struct ContributionSource<'p> {
     /// Static columns → contributions, stored.
     pub(super) overwrite: &'p Kernel,
     /// The same, added to the sums.
@@ -25,7 +25,7 @@ pub(super) struct Source<'p> {
     pub(super) world: &'p World,
 }
 
-impl Source<'_> {
+impl ContributionSource<'_> {
     /// The index of the pair of a body and the light of an emitter.
     pub(super) fn pair(&self, body: BodyId, emitter: EmitterId) -> usize {
         body.index() * self.lights + self.world.light_of(emitter).index()

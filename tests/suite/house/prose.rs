@@ -36,8 +36,8 @@ const UNUSED_WORDS: [(&str, &str); 25] = [
     ("AHEAD", "PREFETCH_DISTANCE"),
 ];
 
-/// Where comments and documents are still being reworded.
-const NOT_YET: [&str; 5] = ["src/jit", "src/plan", "src/bytecode", "src/backends/compiled", "benches/peer"];
+/// Documents that are still being reworded.
+const NOT_YET: [&str; 1] = ["benches/peer/README.md"];
 
 /// Where the sources and the documents lie. A folder counts with the folders in it.
 const SOURCES: [&str; 3] = ["src", "tests", "benches"];
@@ -56,7 +56,7 @@ fn files(places: &[&str], extension: &str) -> Vec<(PathBuf, String)> {
             found.push((path.strip_prefix(root).expect("below the root").to_owned(), text));
         }
     }
-    found.retain(|(path, _)| !NOT_YET.iter().any(|room| path.starts_with(room)));
+    found.retain(|(path, _)| !NOT_YET.iter().any(|document| path.starts_with(document)));
     assert!(found.len() > 10, "the files are found");
     found
 }

@@ -341,24 +341,24 @@ impl LiveTile {
         }
         live.run(tile, place, self.kept.as_ref(), Accumulate::Add, scratch, &mut self.program);
         let (planes, width) = (scratch.planes.components(), scratch.planes.width());
-        width.dispatch(Writing { cells: &self.cells, planes, channels, part });
+        width.dispatch(CellWriter { cells: &self.cells, planes, channels, part });
     }
 }
 
 /// Writes cells of the planes. The code that is inlined here is compiled for a width.
-struct Writing<'a> {
+struct CellWriter<'a> {
     cells: &'a [u16],
     planes: [&'a [f32]; 3],
     channels: Channels,
     part: Part<'a>,
 }
 
-impl WithSimd for Writing<'_> {
+impl WithSimd for CellWriter<'_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Writing { cells, planes, channels, part: Part { pixels, transfer } } = self;
+        let CellWriter { cells, planes, channels, part: Part { pixels, transfer } } = self;
         let planes = planes.map(|plane| plane.as_chunks::<{ cells::CELL_PIXELS }>().0);
         with_bytes!(transfer, bytes => for cell in cells {
             let linear = planes.map(|plane| &plane[usize::from(*cell)]);

@@ -6,7 +6,7 @@ use crate::backends::compiled::drag::cells::CellSet;
 use crate::backends::compiled::drag::images::Key;
 use crate::backends::compiled::drag::reach::{Reach, add_cells};
 use crate::backends::compiled::pass::Pass;
-use crate::backends::compiled::source::Source;
+use crate::backends::compiled::source::ContributionSource;
 use crate::backends::compiled::tile::TileScratch;
 use crate::evaluate::weights::{PathMonomials, Powers};
 use crate::formula::equation::Site;
@@ -32,7 +32,7 @@ pub(super) struct Passes<'p> {
     fixed: Pass<'p>,
     terms: Vec<Pass<'p>>,
     /// With its uniform values.
-    columns: Option<(Source<'p>, Vec<Splat>)>,
+    columns: Option<(ContributionSource<'p>, Vec<Splat>)>,
 }
 
 impl DragKernels {
@@ -105,7 +105,7 @@ impl DragKernels {
         parameters: &[f32],
         contribution: &'p Contribution,
         leaves: &[ParameterSlot],
-    ) -> (Source<'p>, Vec<Splat>) {
+    ) -> (ContributionSource<'p>, Vec<Splat>) {
         let plan = &self.plan;
         let (mut source, uniforms) = compiled.source(parameters, contribution, leaves, plan.moving_channels());
         let may_be_on =
@@ -176,7 +176,9 @@ impl Passes<'_> {
     /// The values that the live part reads from columns, for each record of a tile.
     pub(super) fn columns(&self, compiled: &Compiled, place: usize) -> Option<Columns> {
         let tile = &compiled.hits.tiles[place];
-        let columns = |(source, uniforms): &(Source, Vec<Splat>)| Columns::kept(tile, &compiled.columns[place], source, uniforms);
+        let columns = |(source, uniforms): &(ContributionSource, Vec<Splat>)| {
+            Columns::kept(tile, &compiled.columns[place], source, uniforms)
+        };
         self.columns.as_ref().map(columns)
     }
 }
