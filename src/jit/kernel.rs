@@ -1,4 +1,4 @@
-//! Kernels as they are compiled: in how many parts, in what shape, in what order.
+//! How kernels are compiled: their parts, shapes, and order of computation.
 //!
 //! 1. A kernel of many outputs is compiled in *parts*, functions that compute some of the outputs each. So the time of
 //!    compilation grows with the number of outputs, and not with a higher power, as that of register allocation can.
@@ -34,7 +34,7 @@ pub(super) enum Output {
     Columns,
     /// They are terms of sums. It stores them, each in a column of its own. Products may be added in one instruction.
     OverwriteSums,
-    /// They are terms of sums. It adds them to what is there.
+    /// They are terms of sums. It adds them to the sums.
     AddToSums,
 }
 
@@ -57,7 +57,7 @@ impl<'p> KernelSpec<'p> {
         (plan.sink == Sink::Sums).then_some(Self { plan, output: Output::AddToSums })
     }
 
-    /// Whether there are enough records for wide vectors to pay off.
+    /// Whether there are enough records for wide vectors.
     fn wide(&self) -> bool {
         self.plan.domain != Domain::Pairs
     }
@@ -105,18 +105,17 @@ impl<'p> KernelSpec<'p> {
         parts
     }
 
-    /// The most steps that are computed side by side, a power of two, so that their chains of dependent instructions
-    /// overlap and constants are loaded once for all of them. Columns are stored one step at a time: they end with
+    /// The most steps that are computed side by side, a power of two. Their chains of dependent instructions overlap,
+    /// and constants are loaded once for all of them. Columns are stored one step at a time, because they end with
     /// their last line, not with a whole round.
     fn interleave(&self) -> usize {
         if self.output == Output::Columns { 1 } else { MOST_STEPS }
     }
 }
 
-/// From this size on, in simple instructions, a part of a kernel is complete: about as much as is compiled in a few
-/// milliseconds.
+/// A part with at least this many simple instructions is complete. It is compiled in a few milliseconds.
 const PART_SIZE: u32 = 1 << 12;
-/// No primitive is counted as larger: noise is a call.
+/// The largest size of a primitive. Noise costs more, but is a call.
 const LARGEST_NODE: u32 = 64;
 
 /// A part of a kernel: a function that computes some of its outputs.
@@ -130,27 +129,27 @@ pub(super) struct KernelPart<'p> {
 /// How a part is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Shape {
-    /// How many blocks of four records are a step: two or four in code that is going to be widened.
+    /// The number of blocks of four records in a step: two or four in code that is going to be widened.
     pub(super) blocks: usize,
-    /// How many steps are computed side by side.
+    /// The number of steps that are computed side by side.
     pub(super) interleave: usize,
     /// Whether the processor multiplies and adds in one instruction.
     pub(super) fma: bool,
 }
 
 impl Shape {
-    /// Whether values that do not fit the registers may go to the stack: only where no shape of the same width needs
+    /// Whether values that do not fit the registers may go to the stack. They may if no shape of the same width needs
     /// fewer registers.
     pub(super) fn spills(self) -> Spills {
         if self.interleave == 1 { Spills::Allowed } else { Spills::Refused }
     }
 
-    /// How many blocks a round of the loop takes.
+    /// The number of blocks in a round of the loop.
     pub(super) fn round(self) -> usize {
         self.blocks * self.interleave
     }
 
-    /// How many lines are computed together, at least.
+    /// The number of lines in a round, at least one.
     pub(super) fn lines(self) -> usize {
         self.round().div_ceil(Line::BLOCKS)
     }
@@ -170,7 +169,7 @@ impl Shape {
     pub(super) fn place(self, step: usize, columns: usize, column: usize) -> i32 {
         let bytes = self.bytes() * step;
         let (lines, within) = (bytes / LINE_BYTES, bytes % LINE_BYTES);
-        // Kernels read far fewer columns than would fill 2³¹ bytes.
+        // The columns that kernels read take far fewer than 2³¹ bytes.
         ((lines * columns + column) * LINE_BYTES + within) as i32
     }
 }
@@ -185,12 +184,12 @@ pub(super) struct Addend {
     pub(super) other: Option<NodeId>,
 }
 
-/// With more nodes than this, steps are computed one after the other: side by side they would need far more registers
-/// than there are, and there is enough to overlap within a step.
+/// With more nodes than this, steps are computed one after the other. Side by side, they would need far more
+/// registers than there are, and one step has enough independent instructions.
 const MANY_NODES: usize = 60;
 
 impl KernelPart<'_> {
-    /// The shapes that it may be written in, the quickest first, the one that always works last.
+    /// The possible shapes, the fastest first. The last one always works.
     pub(super) fn shapes(&self, graph: &Graph, target: &Target) -> Vec<Shape> {
         let fma = target.fma;
         let narrow = Shape { blocks: 1, interleave: 1, fma };
@@ -212,10 +211,11 @@ impl KernelPart<'_> {
         self.kernel.plan.schedule(graph, addends.flat_map(|addend| [Some(addend.factor), addend.other]).flatten())
     }
 
-    /// The addends of each of its outputs. Where outputs are terms of sums, and products can be added in one
-    /// instruction, sums are taken apart, but not what several outputs share: that would be computed several times.
+    /// The addends of each of its outputs. If outputs are terms of sums, and one instruction can multiply and add,
+    /// sums are split into addends. Sums that several outputs share are not split: they would be computed several
+    /// times.
     pub(super) fn addends(&self, graph: &Graph, shape: Shape) -> Vec<Vec<Addend>> {
-        /// More addends than this are summed up before.
+        /// The most addends. Further terms are summed up before.
         const MOST: usize = 16;
         let outputs = &self.kernel.plan.outputs[self.outputs.clone()];
         let mut users: HashMap<NodeId, usize> = HashMap::new();

@@ -1,11 +1,11 @@
 //! A part of a kernel as Cranelift IR: some nodes of a graph computed for every record, from columns and uniform
 //! values.
 //!
-//! The function is `fn(reading, bases)`. A [`KernelCall`] says where its [streams](crate::plan::KernelPlan::streams)
-//! are, where the uniform values are (each in as many lanes as any kernel has), and where outputs go, all counted from
-//! [`Bases`]; and how many rounds its loop has. A round is some steps side by side. A step is a block of four records,
-//! or two or four blocks in code that is going to be [widened](super::widen). There are only whole rounds, so there is
-//! no tail.
+//! The function is `fn(call, bases)`. The [`KernelCall`] holds the offsets of the
+//! [streams](crate::plan::KernelPlan::streams), of the uniform values (each in as many lanes as the widest vectors
+//! have) and of the outputs, from [`Bases`]. It also holds the number of rounds of the loop. A round is some steps
+//! side by side. A step is a block of four records, or two or four blocks in code that is going to be
+//! [widened](super::widen). There are only whole rounds, so there is no tail.
 
 use crate::formula::graph::{Graph, Node, NodeId};
 use crate::jit::code_call::{Bases, KernelCall};
@@ -28,7 +28,8 @@ pub(super) fn parameters() -> [AbiParam; 2] {
     [AbiParam::new(I64); 2]
 }
 
-/// Writes a part with this schedule into an empty function with the [`parameters`]. `perlin` is there if it is called.
+/// Writes a part with this schedule into an empty function with the [`parameters`]. `perlin` is the noise function,
+/// if the part calls it.
 pub(super) fn write(
     part: &KernelPart,
     schedule: &[NodeId],
@@ -47,12 +48,12 @@ pub(super) fn write(
         let size = (PERLIN_OPERANDS + 1) * LANES_BYTES;
         (function, builder.create_sized_stack_slot(StackSlotData::new(StackSlotKind::ExplicitSlot, size, 4)))
     });
-    let [reading, bases] = std::array::from_fn(|index| builder.block_params(entry)[index]);
+    let [call, bases] = std::array::from_fn(|index| builder.block_params(entry)[index]);
     let word = |builder: &mut FunctionBuilder, table: Value, offset: usize| {
         builder.ins().load(I64, MemFlagsData::trusted().with_readonly(), table, offset as i32)
     };
     let mut pointer = |from_base: usize, base: usize| {
-        let [from_base, base] = [(reading, from_base), (bases, base)].map(|(table, offset)| word(&mut builder, table, offset));
+        let [from_base, base] = [(call, from_base), (bases, base)].map(|(table, offset)| word(&mut builder, table, offset));
         builder.ins().iadd(from_base, base)
     };
     let streams = std::array::from_fn(|index| {
@@ -64,7 +65,7 @@ pub(super) fn write(
         .map(|index| pointer(offset_of!(KernelCall, outputs) + index * size_of::<usize>(), offset_of!(Bases, outputs)))
         .collect();
     let uniforms = pointer(offset_of!(KernelCall, uniforms), offset_of!(Bases, uniforms));
-    let rounds = word(&mut builder, reading, offset_of!(KernelCall, rounds));
+    let rounds = word(&mut builder, call, offset_of!(KernelCall, rounds));
     let shift = builder.ins().iconst(I64, i64::from(shape.round_bytes().trailing_zeros()));
     let end = builder.ins().ishl(rounds, shift);
     let mut writer =
@@ -104,7 +105,7 @@ impl Writer<'_, '_> {
         let round = self.builder.ins().iconst(I64, self.shape.round_bytes() as i64);
         let next = self.builder.ins().iadd(offset, round);
         self.builder.ins().jump(head, &[next.into()]);
-        // Behind the loop, so that nothing else stands between its instructions.
+        // After the loop, so that nothing separates its instructions.
         self.builder.set_cold_block(exit);
         self.builder.switch_to_block(exit);
     }
@@ -252,7 +253,7 @@ impl Writer<'_, '_> {
         }
     }
 
-    /// Where a round that begins at byte `offset` of a column begins in a stream of this many columns.
+    /// The offset in a stream of this many columns of the round that begins at byte `offset` of a column.
     fn offset_in(&mut self, offset: Value, columns: usize) -> Value {
         if columns <= 1 {
             return offset;
