@@ -110,8 +110,9 @@ impl std::fmt::Display for Shortage {
     }
 }
 
-/// An amount of memory, written for people.
-struct MemorySize(u64);
+/// An amount of memory in bytes, written for people: `3.3 KiB`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct MemorySize(pub u64);
 
 impl std::fmt::Display for MemorySize {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {

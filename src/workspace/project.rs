@@ -13,7 +13,7 @@ use crate::lang::parser::parse;
 use crate::lang::source::Source;
 use crate::lang::variables::Predefined;
 use crate::scene::Scene;
-use crate::trace::{View, ViewError};
+use crate::trace::{MemorySize, View, ViewError};
 use crate::workspace::FileKind;
 use crate::workspace::assignment::Assignment;
 use crate::workspace::materials::{LibraryLocation, MaterialAssignment, Materials};
@@ -306,10 +306,13 @@ impl OpenSession {
 /// Checks that the values of all parameters fit into the memory.
 fn check_numbers(read: &Read, memory: Option<u64>) -> Result<(), OpenProjectError> {
     let numbers = Layout::new(&read.formula, read.scene.bodies.len(), read.scene.lights.len()).len() as u64;
-    if numbers.saturating_mul(BYTES_PER_NUMBER) <= memory.unwrap_or(u64::MAX) {
+    let (needed, allowed) = (numbers.saturating_mul(BYTES_PER_NUMBER), memory.unwrap_or(u64::MAX));
+    if needed <= allowed {
         return Ok(());
     }
-    let message = format!("{numbers} parameter values of all bodies and lights take more memory than is allowed");
+    let (needed, allowed) = (MemorySize(needed), MemorySize(allowed));
+    let message =
+        format!("{numbers} parameter values of all bodies and lights take {needed} of memory, and {allowed} may be used");
     Err(Diagnostic::error(message).help("`--memory SIZE` allows more").into())
 }
 

@@ -54,6 +54,15 @@ fn values_of_pairs_are_counted() {
 }
 
 #[test]
+fn parameter_values_are_counted() {
+    // 1000 bodies with seven numbers or more each, 16 bytes a number.
+    let told = refused("jit", [1000, 1], "64KiB");
+    assert!(told.contains("parameter values of all bodies and lights") && told.contains("64.0 KiB may be used"), "{told}");
+    let amount = told.split("take ").nth(1).and_then(|rest| rest.split(' ').next()).and_then(|word| word.parse::<f64>().ok());
+    assert!(amount.is_some_and(|kibibytes| (109.0..400.0).contains(&kibibytes)) && told.contains(" KiB of memory"), "{told}");
+}
+
+#[test]
 fn small_amounts_of_memory_are_named() {
     let told = refused("interpreter", [2, 2], "1KiB");
     assert!(told.contains("1.0 KiB may be used"), "{told}");
