@@ -40,7 +40,7 @@ impl Backend for Interpreter {
         Ok(Footprint::default())
     }
 
-    /// Two programs: the interpreter writes others up to [`BATCH_BYTES`] before one of the largest size, and the memory
+    /// Two programs: the interpreter writes others up to `BATCH_BYTES` before one of the largest size, and the memory
     /// of a growing list doubles. And the tree of rays that a program is written from.
     fn thread_bytes(&self, formula: &Arc<Formula>, world: &World, view: &View) -> Result<u64, EvaluateError> {
         let code = Code::new(formula)?;
