@@ -191,11 +191,15 @@ impl Engine {
         self.prepare(subject, &hits)
     }
 
-    /// The picture of these parameter numbers: the mean of `samples` × `samples` rays for each pixel. It may contain
-    /// NaN.
+    /// The picture of these parameter numbers, one for each place of the [`Layout`](crate::formula::layout::Layout):
+    /// the mean of `samples` × `samples` rays for each pixel (0 counts as 1), in linear RGB, not clamped. It may
+    /// contain NaN. Each of the samples² pictures is traced.
     ///
     /// # Errors
     /// One of the stages failed.
+    ///
+    /// # Panics
+    /// Where there are fewer parameter numbers than places.
     pub fn picture(&self, subject: &Subject, parameters: &[f32], samples: u32, task: &Task) -> Result<Frame, EngineError> {
         let count = samples.max(1).pow(2);
         let mut mean: Option<Frame> = None;

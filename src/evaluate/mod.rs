@@ -1,8 +1,9 @@
 //! What a backend does: it makes pictures of the hits of a traced scene and parameter numbers.
 //!
-//! A [`Backend`] makes an [`Evaluator`] of a formula on a traced scene. The evaluator makes a picture for any parameter
-//! numbers. A [`Drag`] makes the pictures while a slider is held. The backends are in [`backends`](crate::backends).
-//! They share the [`Framebuffer`] and the weights of ray paths. [`inspect`] explains one pixel.
+//! A [`Backend`] makes an [`Evaluator`] of a formula for a scene and a view. The evaluator makes a picture for any
+//! parameter numbers. A [`Drag`] makes the pictures while a slider is held. The backends are in
+//! [`backends`](crate::backends). They share the [`Framebuffer`] and the weights of ray paths. [`inspect`] explains one
+//! pixel.
 //!
 //! Parameter numbers are one array in the order of [`Layout`](crate::formula::layout::Layout). Each number is finite
 //! and within the range of its parameter, as after [`Parameter::clamp`](crate::formula::Parameter::clamp). Compiled
@@ -79,9 +80,10 @@ pub trait Backend: Send + Sync {
     fn prepare(&self, formula: &Arc<Formula>, hits: &Arc<Hits>) -> Result<Arc<dyn Evaluator>, EvaluateError>;
 }
 
-/// A formula on a traced scene, ready to make pictures of parameter numbers.
+/// A formula for a scene and a view, ready to make pictures of parameter numbers.
 pub trait Evaluator: Send + Sync {
-    /// The picture of these parameter numbers, unclamped and linear.
+    /// The picture of these parameter numbers: linear RGB, not clamped, one colour for each pixel of the view. A colour
+    /// may be infinite or NaN if the formula is.
     ///
     /// # Panics
     /// Where there are fewer numbers than the [`Layout`](crate::formula::layout::Layout) of formula and scene has.

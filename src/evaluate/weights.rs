@@ -48,7 +48,8 @@ pub fn last_factor(tile: &Tile, path: &Path, equation: &Equation) -> Option<(usi
     Some((parent, equation.place(weight, tile.paths[parent].body?.index())))
 }
 
-/// The weights of all paths of a tile, in the order of its paths.
+/// Sets `weights` to the weights of all paths of a tile, in the order of its paths: products of kr and kt, usually 0 to
+/// 1. `parameters` has a number for each place of the layout.
 pub fn path_weights(tile: &Tile, equation: &Equation, parameters: &[f32], weights: &mut Vec<Weight>) {
     weights.clear();
     for path in &tile.paths {
@@ -71,9 +72,9 @@ pub struct Powers {
 
 /// The weights of the paths of a tile as monomials of the moved kr and kt: `fixed · kr^i · kt^j`.
 pub struct PathMonomials {
-    /// The weights without the moved kr and kt.
+    /// The weights without the moved kr and kt, path by path.
     pub fixed: Vec<Weight>,
-    /// The powers, path by path.
+    /// The powers, path by path, each less than the depth of the view.
     pub powers: Vec<Powers>,
 }
 

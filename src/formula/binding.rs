@@ -1,7 +1,7 @@
 //! Binding times of a formula's graph: which values are computed when, and which are stored.
 //!
-//! The static values that dynamic code reads are the *frontier*. Only they are stored (Guenter, Knoblock, Ruf 1995,
-//! "Specializing Shaders").
+//! The static and uniform values that dynamic code reads are the *frontier*. Its static values are stored (Guenter,
+//! Knoblock, Ruf 1995, "Specializing Shaders").
 
 use crate::formula::binding_time::BindingTime;
 use crate::formula::equation::{EquationTerm, Site};

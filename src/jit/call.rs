@@ -68,8 +68,9 @@ impl Drop for CodeMemory {
 /// Compiles kernels for vectors of a width, into one piece of memory. If there is a listing, the stages are written
 /// into it.
 ///
-/// # Errors The processor is not supported, a plan does not read what it needs, or the code generator refuses (too
-/// large a function).
+/// # Errors
+/// The processor is not supported, a plan does not read what it needs, or the code generator refuses (too large a
+/// function).
 pub(super) fn generate(
     width: Width,
     specs: &[KernelSpec],
@@ -225,9 +226,10 @@ impl Kernel {
         lines.next_multiple_of(round.unwrap_or(1))
     }
 
-    /// Runs the kernel over this many lines of records. It reads the streams and uniform values, and stores or adds
-    /// into `outputs`: one stream if values are stored, one column for each output if terms are added up. The
-    /// contents of lines after the last, up to [whole rounds](Self::whole_rounds), have no meaning.
+    /// Runs the kernel over this many lines of 16 records. It reads the streams, each with a line of every column for
+    /// each line of records, and the uniform values, one splat each. It stores or adds into `outputs`: one stream if
+    /// values are stored, one column for each output if terms are added up. The contents of lines after the last, up to
+    /// [whole rounds](Self::whole_rounds), have no meaning.
     ///
     /// # Panics
     /// If the number of uniform values or outputs is not that of the kernel, or a stream or an output is shorter than

@@ -19,11 +19,12 @@ pub struct CompiledFormula {
     pub plan: FormulaPlan,
     /// The width of the vectors of its kernels, and of the code for its pixels.
     pub width: Width,
-    /// Variables of hits → the hit frontier.
+    /// Variables of hits → the hit frontier: a column for each of its static values, one number a hit.
     pub hits: Kernel,
-    /// Variables of lit records → the record frontier.
+    /// Variables of hits and lit records → the record frontier: a column for each of its static values, one number a
+    /// record.
     pub records: Kernel,
-    /// Red, green and blue of all contributions.
+    /// Red, green and blue of all contributions, in linear RGB, before path weights: three outputs.
     pub contribution: Contribution,
     sliders: Mutex<Sliders>,
 }

@@ -1,7 +1,7 @@
 //! How kernels are compiled: their parts, shapes, and order of computation.
 //!
 //! 1. A kernel of many outputs is compiled in *parts*, functions that compute some of the outputs each. So the time of
-//!    compilation grows with the number of outputs, and not with a higher power, as that of register allocation can.
+//!    compilation is linear in the number of outputs. Register allocation of one large function may not be.
 //! 2. A part may be written in several *shapes*: for wider or narrower vectors, with several steps side by side or one
 //!    after the other. The quickest that works is taken.
 //! 3. Registers are allocated with care. Where too many values are alive at a time, that would take long, and a quicker

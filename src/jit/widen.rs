@@ -27,8 +27,8 @@ use std::collections::{BTreeMap, BinaryHeap, HashSet};
 
 /// The address at which code is encoded. Not 0, which means no address.
 const BASE: u64 = 0x10000;
-/// The address at which narrow code is decoded. It is far from the other: the encoder takes any address of an old
-/// instruction for that of its counterpart, so no address in the wide code may look like one.
+/// The address at which narrow code is decoded. The encoder replaces every address of an old instruction by that of its
+/// counterpart. So the addresses of the wide code must be far from these.
 const NARROW_BASE: u64 = 1 << 40;
 /// Bytes of a constant of four lanes.
 const NARROW: usize = 16;
@@ -264,8 +264,8 @@ impl Widening {
         true
     }
 
-    /// The instruction for a stack on which everything is `blocks` times as large and as far from the end. None where
-    /// it uses the stack in another way than kernels do.
+    /// The instruction with its stack offsets and sizes times `blocks`. `None` if it uses the stack in another way than
+    /// kernels do.
     fn with_larger_stack(&self, instruction: Instruction) -> Option<Instruction> {
         let times = self.blocks as u64;
         if instruction.memory_base() == Register::RSP && instruction.memory_index() == Register::None {

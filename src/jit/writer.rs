@@ -105,7 +105,7 @@ impl Writer<'_, '_> {
         let round = self.builder.ins().iconst(I64, self.shape.round_bytes() as i64);
         let next = self.builder.ins().iadd(offset, round);
         self.builder.ins().jump(head, &[next.into()]);
-        // After the loop, so that nothing separates its instructions.
+        // Placed after the loop, so that the loop body is contiguous.
         self.builder.set_cold_block(exit);
         self.builder.switch_to_block(exit);
     }

@@ -29,7 +29,8 @@ impl Frame {
         pixels
     }
 
-    /// Adds `share` times another picture of the same size: for averages of samples.
+    /// Adds `share` times another picture of the same size, such as a sample with the share 1 / samples. Pixels that
+    /// only one of the pictures has are left as they are.
     pub fn add(&mut self, other: &Frame, share: f32) {
         for (sum, pixel) in self.linear.iter_mut().zip(&other.linear) {
             *sum = std::array::from_fn(|component| sum[component] + share * pixel[component]);

@@ -140,8 +140,8 @@ impl DragPlan {
         });
         let inseparable = matches!(slider.separation.dependence, Dependence::Inseparable { .. });
         let terms = if inseparable { Vec::new() } else { image_terms(&slider.separation.dependence, &found) };
-        // No slider moves more than one owner, or two factors of one term. An inseparable part has no powers of kr
-        // and kt, and is not visible where a ray leaves the scene.
+        // Today no slider moves more than one owner, or two factors of one term. The general method handles that. An
+        // inseparable part has no powers of kr and kt, and is not visible where a ray leaves the scene.
         let twice = found.windows(2).any(|pair| pair[0].0.term == pair[1].0.term);
         let weights_move = weights.iter().any(Option::is_some);
         let at_misses = found.iter().any(|(moved, _)| TERMS[moved.term].site == Site::Miss);
@@ -210,7 +210,7 @@ impl DragPlan {
         }
     }
 
-    /// The factors of the picture of these parameter numbers.
+    /// The factors of the picture of these parameter numbers: red, green and blue for each term, and kr and kt.
     pub fn factors(&self, parameters: &[f32]) -> Factors {
         let number = |place: usize| flush(parameters[place]);
         let leaf = |id: NodeId| self.leaves.iter().find(|(node, _)| *node == id).map_or(0.0, |(_, place)| number(*place));
@@ -221,7 +221,8 @@ impl DragPlan {
         Factors { terms: terms.collect(), kr, kt }
     }
 
-    /// The sum of the terms of a site without the formula at the hits of a body. Components that move are left out.
+    /// The sum of the terms of a site without the formula at the hits of a body, in linear RGB, not clamped. Components
+    /// that move are left out. At misses, the body has no meaning.
     pub fn fixed(&self, site: Site, parameters: &[f32], body: usize) -> [f32; 3] {
         let mut sum = [0.0; 3];
         for (place, term) in TERMS.iter().enumerate().filter(|(_, term)| term.site == site) {

@@ -22,7 +22,7 @@ pub struct FormulaPlan {
 /// How outputs are computed from columns and parameters in a frame: first uniform values, then records.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ContributionPlan {
-    /// Parameters of pairs of a body and a light → uniform values. Its stream of leaves are parameters.
+    /// Parameters of pairs of a body and a light → uniform values. Its first stream holds the parameters.
     pub uniforms: KernelPlan,
     /// Columns of the hit frontier, of the record frontier and of a drag, and uniform values → outputs.
     pub records: KernelPlan,

@@ -35,7 +35,8 @@ pub struct SliderPlan {
     pub channels: Vec<usize>,
     /// The part of the contribution of moved pairs that does not move, where it is not 0. All three components.
     pub fixed: Option<ContributionPlan>,
-    /// The image of each term of a separable contribution, in the order of the terms, or the moving part of another.
+    /// If the contribution is separable, one plan for the image of each term, in the order of the terms. Otherwise one
+    /// plan, for the live part.
     pub moving: Vec<ContributionPlan>,
     /// Values that do not move and that the moving part reads from columns, one for each lit record.
     pub columns: Option<ContributionPlan>,

@@ -1,8 +1,9 @@
 //! The user interface of the workshop: texts on the left, the picture in the middle, parameters on the right, the log
 //! below.
 //!
-//! Every panel is a module. A panel draws itself and returns [`Action`]s, as menus and keys do. The
-//! [workshop](super::workshop) performs most of them. No window is known here, so tests drive all of this without one.
+//! Every panel is a module. A panel draws itself and pushes [`Action`]s, as menus and keys do; the app performs them.
+//! Sliders and the pane of the picture call the [workshop](super::workshop) directly. No window is known here, so tests
+//! drive all of this without one.
 
 mod action;
 mod autosave;

@@ -5,7 +5,8 @@
 //! copied, not blended. Colours are blended as in egui: in gamma space, with premultiplied alpha.
 //!
 //! This module keeps the state between frames, and decides which tiles are drawn. `item` turns triangles into items,
-//! `raster` draws items, `picture` places the picture, and `texture` holds the textures. No window is known here.
+//! `raster` draws items, `PlacedPicture` says where the picture is, and `texture` holds the textures. No window is
+//! known here.
 
 mod colour;
 mod item;

@@ -39,7 +39,7 @@ pub struct Picture {
     pub pixels: Vec<u32>,
     /// Pictures are counted; 0 is none.
     pub version: u64,
-    /// Of which values it is, by the number that [`Renderer::show`] or [`Renderer::move_to`] gave them.
+    /// The stamp of its parameter numbers, from [`Renderer::show`] or [`Renderer::move_to`].
     pub values: u64,
     /// The size that it stands for: a coarse one has fewer pixels.
     pub full_size: [u32; 2],
@@ -135,9 +135,9 @@ pub struct Renderer {
     threads: Vec<JoinHandle<()>>,
 }
 
-/// Pictures of fewer pixels are traced at once, in milliseconds.
+/// Pictures of at most this many pixels are not traced coarsely first: they take milliseconds.
 const SMALL: u32 = 320 * 200;
-/// A picture that has not changed for so long is looked through for what is no number.
+/// After this time without a change, the NaN pixels of a picture are counted.
 const REST: Duration = Duration::from_millis(250);
 /// Along each side, a coarse picture has one pixel for each of this many.
 const COARSE: u32 = 4;
@@ -173,7 +173,8 @@ impl Renderer {
         Ok(renderer)
     }
 
-    /// Shows something else, with these parameter numbers; the number of these values.
+    /// Shows another scene or formula, with these parameter numbers in the order of their layout. Returns their stamp,
+    /// which increases by 1 with each call.
     pub fn show(&self, scenery: Scenery, numbers: &[f32]) -> u64 {
         let mut wanted = self.shared.wanted();
         let kept = wanted.scenery.as_ref().is_some_and(|before| before.subject.same_hits(&scenery.subject));
@@ -186,7 +187,7 @@ impl Renderer {
         self.set(wanted, numbers)
     }
 
-    /// Shows other values. `held` are the places of those numbers that a slider moves as long as it is held.
+    /// Shows other parameter numbers. `held` are the indices of those that a held slider moves. Returns their stamp.
     pub fn move_to(&self, numbers: &[f32], held: Option<Vec<usize>>) -> u64 {
         let mut wanted = self.shared.wanted();
         wanted.held = held;
@@ -202,16 +203,16 @@ impl Renderer {
         stamp
     }
 
-    /// Waits until the picture of these values, by their number, or of later ones is there to be taken, but not longer
-    /// than so.
+    /// Waits until the picture of the numbers with this stamp, or of later ones, has arrived, but at most `longest`.
     pub fn wait_for(&self, values: u64, longest: Duration) {
         let newest = self.shared.newest.lock().unwrap_or_else(PoisonError::into_inner);
         let is_missing = |newest: &mut Option<Picture>| newest.as_ref().is_none_or(|picture| picture.values < values);
-        // Either way it goes on.
+        // The caller takes what has arrived.
         drop(self.shared.arrived.wait_timeout_while(newest, longest, is_missing));
     }
 
-    /// The newest picture, if there is one that was not taken yet; the one that it takes the place of is given back.
+    /// Replaces `before` by the newest picture if that was not taken yet, and recycles the memory of `before`. Returns
+    /// whether it did.
     pub fn take(&self, before: &mut Picture) -> bool {
         let newest = self.shared.newest.lock().unwrap_or_else(PoisonError::into_inner).take();
         let Some(newest) = newest else { return false };
@@ -264,7 +265,7 @@ fn trace_forever(shared: &Arc<RendererState>, events: &Sender<Event>) {
                     Some(_) | None => wanted = shared.wait(wanted),
                 }
             }
-            // Whoever wants something else from now on says so again.
+            // A later request sets the flag again.
             shared.cancelled.store(false, Ordering::Relaxed);
             wanted.scenery.clone()
         };
@@ -313,7 +314,7 @@ fn trace_stage(
         Ok(hits) => hits,
         Err(error) if error.is_cancelled() => return None,
         Err(error) => {
-            // Whoever listens is gone only when all ends.
+            // The receiver is dropped only at the end of the program.
             let _ = events.send(Event::Failed(error.to_string()));
             (shared.wake)();
             return None;
@@ -333,7 +334,7 @@ fn trace_stage(
 
 /// Draws what is wanted, whenever that changes, and prepares what a held slider will need meanwhile.
 fn draw_forever(shared: &Arc<RendererState>, events: &Sender<Event>) {
-    // Not between what is asked here and the waiting for an answer.
+    // It takes the lock, so that the notification cannot come between a check and the wait that follows.
     let again = || {
         let shared = Arc::clone(shared);
         move || {
@@ -343,7 +344,7 @@ fn draw_forever(shared: &Arc<RendererState>, events: &Sender<Event>) {
     };
     let mut artist = Artist::default();
     let mut drawn: Option<(u64, Arc<Hits>)> = None;
-    // What is drawn and at rest, and was not looked through.
+    // The last picture, until its NaN pixels are counted.
     let mut unseen: Option<(Arc<Hits>, Vec<f32>)> = None;
     loop {
         let (scenery, hits, numbers, held, stamp) = {
@@ -404,7 +405,7 @@ fn draw_forever(shared: &Arc<RendererState>, events: &Sender<Event>) {
         }
         drawn = Some((stamp, hits));
         (shared.wake)();
-        // However soon the next picture is wanted: it would never come to that otherwise.
+        // Also if a new picture is wanted already: otherwise a quick drag would never be prepared.
         artist.prepare(again());
     }
 }

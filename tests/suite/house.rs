@@ -11,8 +11,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use tokens::{Token, tokens, without_tests};
 
-/// Each room with the rooms that it may import. Data flows one way: text → syntax → formula → {bytecode, compiled
-/// code}; scene → world → hits → evaluation. The workspace and the window use all of this, and the program uses them.
+/// Each room with the rooms that it may import. Data flows one way: text → AST → formula → plans → backends; scene →
+/// world → hits → evaluation → picture. The workspace and the window use all of this, and the program uses them.
 const ROOMS: [(&str, &[&str]); 16] = [
     ("files", &[]),
     ("lang", &[]),

@@ -1,7 +1,7 @@
 //! Evaluation by machine code.
 //!
 //! The static values of every record lie in columns (`columns`). A frame runs the contribution kernels over the
-//! groups whose path weight is not 0, and adds their results to the pixels (`pass`, `tile`, `planes`). The order of
+//! spans whose path weight is not 0, and adds their results to the pixels (`pass`, `tile`, `planes`). The order of
 //! that work is kept from frame to frame (`program`). `drag` makes the pictures while a slider is held.
 
 mod columns;

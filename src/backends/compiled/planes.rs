@@ -65,8 +65,8 @@ impl Planes {
         &mut self.planes
     }
 
-    /// Adds the sums of the hits of a span, times its weight, to their pixels. This is for machines without compiled
-    /// code, and for weights that are 0 in single precision.
+    /// Adds the sums of the hits of a span, times its weight, to their pixels. It is for weights that are subnormal
+    /// or 0 in single precision, and where there is no [`PixelCode`](crate::jit::PixelCode).
     pub(super) fn add(&mut self, segments: &[Segment], sums: &Sums, weight: Weight, channels: Channels) {
         let components = channels.components();
         for (component, segment) in components.flat_map(|component| segments.iter().map(move |segment| (component, segment))) {

@@ -20,14 +20,14 @@ use std::ops::Range;
 pub(super) struct TileProgram {
     /// The calls of compiled code.
     calls: CallList,
-    /// The steps of portable code, in order. Each runs after this many calls of compiled code.
+    /// The operations of portable code, in order. Each runs after this many calls of compiled code.
     between: Vec<(usize, Portable)>,
     /// What it depends on: which pairs of a body and a light are active, source by source, and the weight classes of
     /// the paths. `None` before the first frame.
     built_for: Option<(Vec<bool>, Vec<WeightClass>)>,
 }
 
-/// A step of portable code.
+/// An operation of portable code.
 enum Portable {
     /// Clears these lines of the sums of a component.
     Clear(usize, Range<usize>),
@@ -40,7 +40,7 @@ enum Portable {
 enum WeightClass {
     /// The path adds nothing.
     Zero,
-    /// The weight is 0 in single precision, so compiled code cannot use it.
+    /// The weight is subnormal or 0 in single precision, so compiled code cannot use it.
     Tiny,
     Ordinary,
 }

@@ -23,7 +23,7 @@ pub(super) struct TileScratch {
     pub(super) planes: Planes,
     /// The weight of each path of the tile.
     pub(super) weights: Vec<Weight>,
-    /// Red, green and blue of the hits of a chunk, before the weight of their paths.
+    /// Red, green and blue of the hits of a chunk, not yet multiplied by path weights.
     sums: Box<Sums>,
     /// The weight of each span, followed by more numbers, see [`Operands`](crate::jit::Operands).
     span_weights: Vec<f32>,

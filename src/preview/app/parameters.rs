@@ -243,7 +243,7 @@ fn tooltip(parameter: &Parameter, lock: Option<&str>) -> String {
     text
 }
 
-/// EditPhase the user changed a value.
+/// How the user changed a value.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum EditPhase {
     Dragged,
@@ -251,7 +251,7 @@ enum EditPhase {
     Released,
 }
 
-/// EditPhase a widget was used.
+/// How a widget was used.
 fn phase(response: &Response) -> Option<EditPhase> {
     if response.drag_stopped() {
         Some(EditPhase::Released)

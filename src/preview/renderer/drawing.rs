@@ -46,7 +46,7 @@ pub(super) struct Artist {
 }
 
 impl Artist {
-    /// Whether a held slider needs more than there is.
+    /// Whether something is left to prepare for the held slider.
     pub(super) fn has_more_to_prepare(&self) -> bool {
         match self.held.as_ref().map(|held| &held.drag) {
             Some(Readiness::First(_)) => self.ready.is_some(),
@@ -56,7 +56,7 @@ impl Artist {
         }
     }
 
-    /// Makes some of it. What takes longer is made by another thread, which calls `done` at its end.
+    /// Prepares a part of it. Another thread plans and compiles, and calls `done` at its end.
     pub(super) fn prepare(&mut self, done: impl FnOnce() + Send + 'static) {
         let (Some(Held { places, drag }), Some((_, ready))) = (&mut self.held, &self.ready) else { return };
         *drag = match std::mem::replace(drag, Readiness::Impossible) {
@@ -85,7 +85,7 @@ impl Artist {
         };
     }
 
-    /// How many pixels of a picture hold NaN: its bytes do not tell.
+    /// How many pixels of a picture are NaN. Bytes do not show that.
     pub(super) fn undefined(&self, hits: &Arc<Hits>, numbers: &[f32]) -> usize {
         match &self.ready {
             Some((of, ready)) if Arc::ptr_eq(of, hits) => ready.frame(numbers).clean(),
@@ -182,8 +182,8 @@ impl Artist {
     }
 }
 
-/// Copies pixels, on all threads of the current pool: of a large picture that takes longer than drawing what a slider
-/// changes.
+/// Copies pixels, on all threads of the current pool. To copy a large picture can take longer than to draw a frame of a
+/// drag.
 fn copy(from: &[u32], to: &mut Vec<u32>) {
     const PART: usize = 1 << 16;
     to.resize(from.len(), 0);

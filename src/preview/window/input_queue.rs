@@ -1,8 +1,8 @@
 //! The queue of input events, which is split into frames.
 //!
-//! egui determines what is under the pointer once per frame, and a widget can be clicked once per frame. So a frame
-//! gets at most one click, and no movement after a press. It gets no key after a click either: the clicked widget has
-//! the keyboard from the next frame on.
+//! egui determines what is under the pointer once per pass, and a widget can be clicked once per pass. So a pass gets
+//! at most one click, and no movement after a press. It gets no key after a click either: the clicked widget has the
+//! keyboard from the next pass on.
 
 use egui::Event;
 use std::collections::VecDeque;
