@@ -55,7 +55,7 @@ impl KernelCache {
     }
 }
 
-#[cfg(all(test, target_arch = "x86_64", unix))]
+#[cfg(test)]
 mod tests {
     use super::*;
     use crate::lang::source::Source;

@@ -1,9 +1,9 @@
 //! The only module with unsafe code. It owns machine code in executable memory and calls it: kernels, and the code
 //! that adds to pixels. It also holds the function that kernels call for noise.
 //!
-//! Kernels run with FTZ and DAZ set in the MXCSR register, because a subnormal operand costs a hundred cycles or
-//! more. Rust code must not run with these flags. So the register is set before each call and restored after it, and
-//! the other way round where a kernel calls Rust code.
+//! Kernels run with flags that make subnormal numbers zero, because a subnormal operand costs a hundred cycles or
+//! more: FTZ and DAZ of the MXCSR register, or FZ of FPCR on AArch64. Rust code must not run with these flags. So the
+//! register is set before each call and restored after it, and the other way round where a kernel calls Rust code.
 #![allow(unsafe_code)]
 
 use crate::formula::graph::Graph;
@@ -29,7 +29,6 @@ use cranelift_codegen::isa::{CallConv, TargetIsa};
 use cranelift_jit::{JITBuilder, JITModule};
 use cranelift_module::{FuncId, Linkage, Module, ModuleError, ModuleReloc};
 use smallvec::SmallVec;
-use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
 use std::mem::ManuallyDrop;
 use std::ops::Range;
 use std::sync::{Arc, OnceLock};
@@ -176,7 +175,7 @@ impl KernelFunction<'_> {
         compiled.map_err(|error| CompileError::Generator(error.inner.to_string()))?;
         let Some(compiled) = context.compiled_code() else { return Ok(None) };
         let relocations = compiled.buffer.relocs();
-        let own = relocations.is_empty().then(|| compiled.code_buffer());
+        let own = (cfg!(target_arch = "x86_64") && relocations.is_empty()).then(|| compiled.code_buffer());
         let (text, defined) = match own.and_then(|code| widen(code, shape.blocks, shape.spills())) {
             Some(code) => {
                 let text = if listed { disassembled(&code) } else { String::new() };
@@ -447,16 +446,25 @@ impl CallList {
 }
 
 /// Flush to zero, denormals are zero, and all exceptions masked.
-const KERNEL_MXCSR: u32 = 0x9fc0;
+#[cfg(target_arch = "x86_64")]
+static KERNEL_MODE: u32 = 0x9fc0;
 /// The state for Rust code: round to nearest, all exceptions masked.
-const RUST_MXCSR: u32 = 0x1f80;
+#[cfg(target_arch = "x86_64")]
+static RUST_MODE: u32 = 0x1f80;
+/// Flush to zero, for operands and results. No exception traps.
+#[cfg(target_arch = "aarch64")]
+static KERNEL_MODE: u64 = 1 << 24;
+/// The state for Rust code: round to nearest, no exception traps.
+#[cfg(target_arch = "aarch64")]
+static RUST_MODE: u64 = 0;
 
 /// Makes the calls in order. Subnormal operands and results count as zero.
 ///
 /// # Safety
 /// There is at least one call, and it is sound to make each of them with these bases.
+#[cfg(target_arch = "x86_64")]
 unsafe fn perform(calls: &[CodeCall], bases: &Bases) {
-    let mut saved: u32 = RUST_MXCSR;
+    let mut saved: u32 = RUST_MODE;
     let calls = calls.as_ptr_range();
     // SAFETY: saves MXCSR, sets it for the compiled code, makes the calls by the C calling convention (whose registers
     // are all declared lost), and restores MXCSR, so that Rust code never runs under the changed one. r12 to r15
@@ -476,7 +484,7 @@ unsafe fn perform(calls: &[CodeCall], bases: &Bases) {
             entry = const std::mem::offset_of!(CodeCall, entry),
             size = const size_of::<CodeCall>(),
             in("r12") &raw mut saved,
-            in("rax") &raw const KERNEL_MXCSR_VALUE,
+            in("rax") &raw const KERNEL_MODE,
             inout("r13") calls.start => _,
             in("r14") calls.end,
             in("r15") bases,
@@ -485,8 +493,40 @@ unsafe fn perform(calls: &[CodeCall], bases: &Bases) {
     }
 }
 
-static KERNEL_MXCSR_VALUE: u32 = KERNEL_MXCSR;
-static RUST_MXCSR_VALUE: u32 = RUST_MXCSR;
+/// Makes the calls in order. Subnormal operands and results count as zero.
+///
+/// # Safety
+/// There is at least one call, and it is sound to make each of them with these bases.
+#[cfg(target_arch = "aarch64")]
+unsafe fn perform(calls: &[CodeCall], bases: &Bases) {
+    let calls = calls.as_ptr_range();
+    // SAFETY: saves FPCR, sets it for the compiled code, makes the calls by the C calling convention (whose registers
+    // are all declared lost), and restores FPCR, so that Rust code never runs under the changed one. x20 to x23 survive
+    // calls by that convention. `Line` is aligned as the code's loads and stores need.
+    unsafe {
+        std::arch::asm!(
+            "mrs x23, fpcr",
+            "msr fpcr, {mode}",
+            "2:",
+            "mov x0, x20",
+            "mov x1, x22",
+            "ldr x9, [x20, {entry}]",
+            "blr x9",
+            "add x20, x20, {size}",
+            "cmp x20, x21",
+            "b.lo 2b",
+            "msr fpcr, x23",
+            entry = const std::mem::offset_of!(CodeCall, entry),
+            size = const size_of::<CodeCall>(),
+            mode = in(reg) KERNEL_MODE,
+            inout("x20") calls.start => _,
+            in("x21") calls.end,
+            in("x22") bases,
+            out("x23") _,
+            clobber_abi("C"),
+        );
+    }
+}
 
 /// The function that kernels call for noise. `lanes` points to six operands of four lanes, followed by the place of
 /// the result.
@@ -494,10 +534,13 @@ static RUST_MXCSR_VALUE: u32 = RUST_MXCSR;
 /// # Safety
 /// `lanes` points to room for seven times four numbers, of which the first six times four are there.
 unsafe extern "C" fn perlin_lanes(lanes: *mut f32) {
-    let mut saved: u32 = KERNEL_MXCSR;
-    // SAFETY: reads and writes nothing but MXCSR and `saved`: Rust's floating point needs the default register.
+    let mut saved = KERNEL_MODE;
+    // SAFETY: reads and writes nothing but MXCSR or FPCR, and `saved`. Rust's floating point needs the default state.
     unsafe {
-        std::arch::asm!("stmxcsr [{saved}]", "ldmxcsr [{rust}]", saved = in(reg) &raw mut saved, rust = in(reg) &raw const RUST_MXCSR_VALUE, options(nostack));
+        #[cfg(target_arch = "x86_64")]
+        std::arch::asm!("stmxcsr [{saved}]", "ldmxcsr [{rust}]", saved = in(reg) &raw mut saved, rust = in(reg) &raw const RUST_MODE, options(nostack));
+        #[cfg(target_arch = "aarch64")]
+        std::arch::asm!("mrs {saved}, fpcr", "msr fpcr, {rust}", saved = out(reg) saved, rust = in(reg) RUST_MODE, options(nostack));
     }
     const WIDTH: usize = Line::RECORDS / Line::BLOCKS;
     const OPERANDS: usize = PERLIN_OPERANDS as usize;
@@ -510,9 +553,12 @@ unsafe extern "C" fn perlin_lanes(lanes: *mut f32) {
         // SAFETY: as above; the result's place is behind the operands.
         unsafe { lanes.add(OPERANDS * WIDTH + lane).write(value) };
     }
-    // SAFETY: gives the kernel its MXCSR back.
+    // SAFETY: gives the kernel its register back.
     unsafe {
+        #[cfg(target_arch = "x86_64")]
         std::arch::asm!("ldmxcsr [{saved}]", saved = in(reg) &raw const saved, options(nostack, readonly));
+        #[cfg(target_arch = "aarch64")]
+        std::arch::asm!("msr fpcr, {saved}", saved = in(reg) saved, options(nostack));
     }
 }
 
@@ -521,9 +567,14 @@ unsafe extern "C" fn perlin_lanes(lanes: *mut f32) {
 pub fn fetch<T>(list: &[T]) {
     let bytes = list.as_ptr_range();
     for line in (bytes.start.addr()..bytes.end.addr()).step_by(size_of::<Line>()) {
-        // SAFETY: a prefetch has no visible effect, and any address is allowed. The instruction belongs to SSE, which
-        // every x86-64 processor has.
-        unsafe { _mm_prefetch::<_MM_HINT_T0>(std::ptr::without_provenance(line)) };
+        // SAFETY: a prefetch has no visible effect, and any address is allowed. Every processor of the architecture has
+        // the instruction.
+        unsafe {
+            #[cfg(target_arch = "x86_64")]
+            std::arch::x86_64::_mm_prefetch::<{ std::arch::x86_64::_MM_HINT_T0 }>(std::ptr::without_provenance(line));
+            #[cfg(target_arch = "aarch64")]
+            std::arch::asm!("prfm pldl1keep, [{line}]", line = in(reg) line, options(nostack, readonly, preserves_flags));
+        }
     }
 }
 
@@ -546,14 +597,17 @@ type Writing =
     unsafe extern "C" fn(planes: *const f32, pixels: *mut PixelLine, lines: usize, coming: *const Line, table: *const SrgbTable);
 
 impl PixelCode {
-    /// The code for vectors of this width. It is made at its first use. `None` if the processor does not have such
-    /// vectors, or there is no memory for code.
+    /// The code for vectors of this width. It is made at its first use. `None` if the processor is not x86-64 or does
+    /// not have such vectors, or there is no memory for code.
     pub fn get(width: Width) -> Option<&'static PixelCode> {
         static CODE: [OnceLock<Option<PixelCode>>; Width::ALL.len()] = [const { OnceLock::new() }; Width::ALL.len()];
         CODE[width as usize].get_or_init(|| Self::new(width)).as_ref()
     }
 
     fn new(width: Width) -> Option<Self> {
+        if !cfg!(target_arch = "x86_64") {
+            return None;
+        }
         let target = target(width).ok()?;
         let builder = JITBuilder::with_isa(target.isa, cranelift_module::default_libcall_names());
         let mut memory = CodeMemory::new(builder);

@@ -181,8 +181,8 @@ impl CompiledSlider {
     }
 }
 
-#[cfg(all(target_arch = "x86_64", unix))]
-#[cfg(test)]
+// It reads instructions of x86-64.
+#[cfg(all(test, target_arch = "x86_64"))]
 mod tests {
     use super::*;
     use crate::lang::source::Source;

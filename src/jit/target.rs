@@ -59,9 +59,13 @@ impl Target {
     }
 }
 
-/// The features of x86-64 processors that code of each width needs beyond those of the narrower width, by their names
-/// in Cranelift.
-const FEATURES: [(Width, &[&str]); 3] = [
+/// Whether kernels run on the processor and system that this program is built for.
+const RUNS_KERNELS: bool = cfg!(any(all(target_arch = "x86_64", unix), all(target_arch = "aarch64", target_os = "linux")));
+
+/// The features that code of each width needs beyond those of the narrower width, by their names in Cranelift. Every
+/// AArch64 processor has vectors of four lanes, and multiplies and adds in one instruction.
+const FEATURES: &[(Width, &[&str])] = if cfg!(target_arch = "aarch64") { &[] } else { X86_FEATURES };
+const X86_FEATURES: &[(Width, &[&str])] = &[
     (Width::Four, &["has_sse3", "has_ssse3", "has_sse41"]),
     (Width::Eight, &["has_sse42", "has_popcnt", "has_avx", "has_avx2", "has_fma", "has_bmi1", "has_bmi2", "has_lzcnt"]),
     (Width::Sixteen, &["has_avx512f", "has_avx512dq", "has_avx512vl"]),
@@ -95,8 +99,12 @@ pub(super) fn target(width: Width) -> Result<Target, CompileError> {
     let [careful, quick] = [flags(Allocation::Careful)?, flags(Allocation::Quick)?];
     let native = || cranelift_native::builder().map_err(|why| CompileError::Processor(why.to_owned()));
     let native = native()?.finish(careful.clone()).map_err(|error| generator(&error))?;
-    if !cfg!(all(target_arch = "x86_64", unix)) {
-        return Err(CompileError::Processor(format!("kernels are written for x86-64 under Unix, not {}", native.name())));
+    if !RUNS_KERNELS {
+        let expected = "kernels are written for x86-64 under Unix and AArch64 under Linux";
+        return Err(CompileError::Processor(format!("{expected}, not {}", native.name())));
+    }
+    if cfg!(target_arch = "aarch64") && width > Width::Four {
+        return Err(CompileError::Processor(format!("it has no vectors of {width}")));
     }
     let has = |name: &str| native.isa_flags().iter().any(|flag| flag.name == name && flag.as_bool() == Some(true));
     let builder = cranelift_native::builder_with_options(false);
@@ -111,5 +119,5 @@ pub(super) fn target(width: Width) -> Result<Target, CompileError> {
     let isa = builder.finish(careful).map_err(|error| generator(&error))?;
     let quick = builder.finish(quick).map_err(|error| generator(&error))?;
     let blocks = [4, 2, 1].into_iter().filter(|blocks| 4 * blocks <= width.lanes()).collect();
-    Ok(Target { isa, quick, fma: width >= Width::Eight, blocks })
+    Ok(Target { isa, quick, fma: width >= Width::Eight || cfg!(target_arch = "aarch64"), blocks })
 }

@@ -9,7 +9,7 @@ use thiserror::Error;
 /// The width of vectors, in lanes of 32-bit numbers. Code of a width runs on processors that have nothing wider.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Width {
-    /// 4 lanes: SSE4.1, without AVX and without fused multiply-add.
+    /// 4 lanes: SSE4.1, without AVX and without fused multiply-add; or NEON of AArch64.
     Four,
     /// 8 lanes: AVX2 with fused multiply-add (x86-64-v3).
     Eight,

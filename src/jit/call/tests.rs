@@ -223,7 +223,11 @@ fn programs_run_on_nothing_that_is_too_short() {
     let kernel = &compiled.contribution.overwrite;
     let mut program = CallList::default();
     program.contribute(kernel, [0..0, 4..4 + 4 * columns, 0..0], 2, 0..3, 8..12);
-    program.add(PixelCode::get(compiled.width).unwrap(), 1..3, 5, None, 0);
+    let code = PixelCode::get(compiled.width);
+    assert_eq!(code.is_some(), cfg!(target_arch = "x86_64"));
+    if let Some(code) = code {
+        program.add(code, 1..3, 5, None, 0);
+    }
     let lines = vec![Line::default(); 4 + 4 * columns];
     let uniforms = vec![Splat::default(); 2 + compiled.contribution.uniforms.outputs()];
     let segments = vec![Segment::new(0, 0, 0); 3];
@@ -236,5 +240,7 @@ fn programs_run_on_nothing_that_is_too_short() {
     };
     assert!(run(&lines, &uniforms, &segments, &weights));
     assert!(!run(&lines[1..], &uniforms, &segments, &weights) && !run(&lines, &uniforms[1..], &segments, &weights));
-    assert!(!run(&lines, &uniforms, &segments[1..], &weights) && !run(&lines, &uniforms, &segments, &weights[1..]));
+    if code.is_some() {
+        assert!(!run(&lines, &uniforms, &segments[1..], &weights) && !run(&lines, &uniforms, &segments, &weights[1..]));
+    }
 }

@@ -170,7 +170,7 @@ impl VectorMath<'_, '_> {
         let power = self.power_of_two(whole);
         let result = self.mul(significand, power);
         let least = self.constant(-127.0);
-        let above = self.compare(FloatCC::UnorderedOrGreaterThanOrEqual, sum, least);
+        let above = self.not_less(sum, least);
         let result = self.keep(above, result);
 
         // x^0 is 1 even for NaN.

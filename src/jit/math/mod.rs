@@ -118,6 +118,16 @@ impl<'a, 'f> VectorMath<'a, 'f> {
         self.builder.ins().fcmp(condition, a, b)
     }
 
+    /// Where `a` ≥ `b` or one of them is NaN, as a mask.
+    fn not_less(&mut self, a: Value, b: Value) -> Value {
+        if cfg!(target_arch = "aarch64") {
+            // Cranelift has no such comparison of vectors for AArch64.
+            let less = self.compare(FloatCC::LessThan, a, b);
+            return self.builder.ins().bnot(less);
+        }
+        self.compare(FloatCC::UnorderedOrGreaterThanOrEqual, a, b)
+    }
+
     /// `a` in the lanes where `mask` is set, `b` elsewhere. It becomes a single blend if `mask` comes straight from a
     /// comparison.
     pub(in crate::jit) fn select(&mut self, mask: Value, a: Value, b: Value) -> Value {
@@ -159,6 +169,11 @@ impl<'a, 'f> VectorMath<'a, 'f> {
     /// `a` in the lanes where the sign bit of `bits` is set, `b` elsewhere.
     fn select_by_sign(&mut self, bits: Value, a: Value, b: Value) -> Value {
         let bits = self.int(bits);
+        if cfg!(target_arch = "aarch64") {
+            // AArch64 has no instruction that selects by the sign bit.
+            let mask = self.shift_right(bits, 31);
+            return self.select(mask, a, b);
+        }
         let (a, b) = (self.int(a), self.int(b));
         let chosen = self.builder.ins().blendv(bits, a, b);
         self.float(chosen)
