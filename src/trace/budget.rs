@@ -62,6 +62,12 @@ impl Budget {
         if needed > self.bytes { Err(TraceError::Memory(self.shortage(needed, view.pixels()))) } else { Ok(()) }
     }
 
+    /// Checks what does not depend on the pixels: values of pairs, and threads.
+    pub(super) fn check_fixed(&self, view: &View) -> Result<(), TraceError> {
+        let needed = self.pixels(0);
+        if needed > self.bytes { Err(TraceError::Memory(self.shortage(needed, view.pixels()))) } else { Ok(()) }
+    }
+
     fn shortage(&self, needed: u64, pixels: u32) -> Shortage {
         let Budget { bytes: budget, fixed_bytes: pairs, threads, bytes_per_thread, .. } = *self;
         Shortage { needed, pairs, threads, bytes_per_thread, budget, pixels }

@@ -152,7 +152,8 @@ pub fn trace(
     progress: &(dyn Fn(f64) + Sync),
     cancelled: &AtomicBool,
 ) -> Result<Hits, TraceError> {
-    budget.check(view)?;
+    // What the pixels take is refused with all that their hits take: the estimate tells how much that is.
+    budget.check_fixed(view)?;
     let meter = MemoryMeter::start(budget, Estimate::new(world, view, cancelled)?)?;
     let tracer = Tracer::new(world, view);
     let pixels = view.pixels();

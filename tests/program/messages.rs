@@ -58,7 +58,7 @@ fn files() {
             "render -o out.png --formula preset:glass",
             "render -o out.png model.txt",
             "render -o out.png --formula sub/place.txt --scene model.txt",
-            "render session.toml -o out.png --size 4000x4000 --memory 1",
+            "render session.toml -o out.png --size 4000x4000 --memory 1 --threads 1",
             "check latin binary sub none.txt",
         ],
     );

@@ -143,6 +143,13 @@ fn a_type_name_has_one_meaning() {
             continue;
         }
         let tokens = without_tests(&tokens(&text));
+        // A table of declarations names an enumeration.
+        for four in tokens.windows(4) {
+            let [Token::Word(table), Token::Mark('!'), Token::Mark('{'), Token::Word(name)] = four else { continue };
+            if table == "declarations" {
+                declared.entry(name.clone()).or_default().push(path.clone());
+            }
+        }
         let mut depth = 0;
         for pair in tokens.windows(2) {
             match pair[0] {
