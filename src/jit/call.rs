@@ -9,7 +9,7 @@
 use crate::formula::graph::Graph;
 use crate::jit::code_call::{AddCall, Bases, KernelCall, OUTPUTS};
 use crate::jit::emit::PERLIN_OPERANDS;
-use crate::jit::kernel::{self, KernelPart, KernelSpec, Shape};
+use crate::jit::kernel::{self, KernelPart, KernelSpec, LoopShape};
 use crate::jit::lanes::{Line, Operands, PLANE_PIXELS, PixelLine, PixelPlanes, Splat, Streams};
 use crate::jit::pixels::{self, Strides};
 use crate::jit::target::{CompileError, Listing, Target, target};
@@ -85,7 +85,7 @@ pub(super) fn generate(
     let mut noise_signature = Signature::new(CallConv::SystemV);
     noise_signature.params.push(AbiParam::new(I64));
     let noise = module.declare_function("perlin", Linkage::Import, &noise_signature).map_err(failed)?;
-    let mut defined: Vec<Vec<(FuncId, Shape)>> = Vec::with_capacity(specs.len());
+    let mut defined: Vec<Vec<(FuncId, LoopShape)>> = Vec::with_capacity(specs.len());
     for (index, spec) in specs.iter().enumerate() {
         let mut functions = Vec::new();
         for part in spec.parts(graph) {
@@ -99,13 +99,13 @@ pub(super) fn generate(
         defined.push(functions);
     }
     module.finalize_definitions().map_err(failed)?;
-    let finished: Vec<Vec<(*const u8, Shape)>> = defined
+    let finished: Vec<Vec<(*const u8, LoopShape)>> = defined
         .into_iter()
         .map(|functions| functions.into_iter().map(|(id, shape)| (module.get_finalized_function(id), shape)).collect())
         .collect();
     let memory = Arc::new(memory);
-    let kernel = |(spec, functions): (&KernelSpec, Vec<(*const u8, Shape)>)| {
-        let function = |(address, shape): (*const u8, Shape)| {
+    let kernel = |(spec, functions): (&KernelSpec, Vec<(*const u8, LoopShape)>)| {
+        let function = |(address, shape): (*const u8, LoopShape)| {
             // SAFETY: at the address is the finished code of the function that was written just now with the parameters
             // of `Entry`, none of which is wider than a register; its memory lives as long as the kernel.
             let entry = unsafe { std::mem::transmute::<*const u8, Entry>(address) };
@@ -132,7 +132,7 @@ struct KernelFunction<'d> {
 
 impl KernelFunction<'_> {
     /// Compiles the function in the fastest possible shape, and returns that shape.
-    fn define(&self, module: &mut JITModule, mut listing: Option<&mut Listing>) -> Result<Shape, CompileError> {
+    fn define(&self, module: &mut JITModule, mut listing: Option<&mut Listing>) -> Result<LoopShape, CompileError> {
         let Self { target, part, graph, .. } = self;
         let name = part.kernel.plan.name;
         if part.kernel.output_streams().len() > OUTPUTS {
@@ -168,7 +168,7 @@ impl KernelFunction<'_> {
         module: &mut JITModule,
         context: &mut Context,
         isa: &dyn TargetIsa,
-        shape: Shape,
+        shape: LoopShape,
         listed: bool,
     ) -> Result<Option<String>, CompileError> {
         let compiled = context.compile(isa, &mut ControlPlane::default());
@@ -202,7 +202,7 @@ impl KernelFunction<'_> {
 #[derive(Clone)]
 pub struct Kernel {
     /// The functions of its parts. Together they write all outputs.
-    functions: SmallVec<[(Entry, Shape); 1]>,
+    functions: SmallVec<[(Entry, LoopShape); 1]>,
     /// The number of columns in each stream that it reads.
     streams: [usize; STREAMS],
     uniforms: usize,

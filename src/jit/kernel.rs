@@ -128,7 +128,7 @@ pub(super) struct KernelPart<'p> {
 
 /// How a part is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Shape {
+pub(super) struct LoopShape {
     /// The number of blocks of four records in a step: two or four in code that is going to be widened.
     pub(super) blocks: usize,
     /// The number of steps that are computed side by side.
@@ -137,7 +137,7 @@ pub(super) struct Shape {
     pub(super) fma: bool,
 }
 
-impl Shape {
+impl LoopShape {
     /// Whether values that do not fit the registers may go to the stack. They may if no shape of the same width needs
     /// fewer registers.
     pub(super) fn spills(self) -> Spills {
@@ -190,23 +190,23 @@ const MANY_NODES: usize = 60;
 
 impl KernelPart<'_> {
     /// The possible shapes, the fastest first. The last one always works.
-    pub(super) fn shapes(&self, graph: &Graph, target: &Target) -> Vec<Shape> {
+    pub(super) fn shapes(&self, graph: &Graph, target: &Target) -> Vec<LoopShape> {
         let fma = target.fma;
-        let narrow = Shape { blocks: 1, interleave: 1, fma };
+        let narrow = LoopShape { blocks: 1, interleave: 1, fma };
         let few = self.schedule(graph, narrow).is_some_and(|schedule| schedule.len() <= MANY_NODES);
         let interleave = if few { self.kernel.interleave() } else { 1 };
         let mut shapes = Vec::new();
         for blocks in target.blocks.iter().copied().filter(|blocks| *blocks > 1 && self.kernel.wide()) {
             let halves = std::iter::successors(Some(interleave), |interleave| (*interleave > 1).then_some(interleave / 2));
-            shapes.extend(halves.map(|interleave| Shape { blocks, interleave, fma }));
+            shapes.extend(halves.map(|interleave| LoopShape { blocks, interleave, fma }));
         }
-        shapes.push(Shape { interleave, ..narrow });
+        shapes.push(LoopShape { interleave, ..narrow });
         shapes
     }
 
     /// The nodes to compute before the addends, operands before their users. `None` where a variable or parameter is
     /// needed that the kernel does not read.
-    pub(super) fn schedule(&self, graph: &Graph, shape: Shape) -> Option<Vec<NodeId>> {
+    pub(super) fn schedule(&self, graph: &Graph, shape: LoopShape) -> Option<Vec<NodeId>> {
         let addends = self.addends(graph, shape).into_iter().flatten();
         self.kernel.plan.schedule(graph, addends.flat_map(|addend| [Some(addend.factor), addend.other]).flatten())
     }
@@ -214,7 +214,7 @@ impl KernelPart<'_> {
     /// The addends of each of its outputs. If outputs are terms of sums, and one instruction can multiply and add,
     /// sums are split into addends. Sums that several outputs share are not split: they would be computed several
     /// times.
-    pub(super) fn addends(&self, graph: &Graph, shape: Shape) -> Vec<Vec<Addend>> {
+    pub(super) fn addends(&self, graph: &Graph, shape: LoopShape) -> Vec<Vec<Addend>> {
         /// The most addends. Further terms are summed up before.
         const MOST: usize = 16;
         let outputs = &self.kernel.plan.outputs[self.outputs.clone()];

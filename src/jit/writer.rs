@@ -10,7 +10,7 @@
 use crate::formula::graph::{Graph, Node, NodeId};
 use crate::jit::code_call::{Bases, KernelCall};
 use crate::jit::emit::{LANES_BYTES, NodeEmitter, PERLIN_OPERANDS};
-use crate::jit::kernel::{Addend, KernelPart, LINE_BYTES, Output, Shape};
+use crate::jit::kernel::{Addend, KernelPart, LINE_BYTES, LoopShape, Output};
 use crate::jit::lanes::{Line, Splat};
 use crate::lang::scalars::Scalars;
 use crate::plan::STREAMS;
@@ -35,7 +35,7 @@ pub(super) fn write(
     schedule: &[NodeId],
     graph: &Graph,
     isa: &dyn TargetIsa,
-    shape: Shape,
+    shape: LoopShape,
     perlin: Option<FuncRef>,
     function: &mut Function,
 ) {
@@ -80,7 +80,7 @@ struct Writer<'w, 'f> {
     part: &'w KernelPart<'w>,
     graph: &'w Graph,
     builder: FunctionBuilder<'f>,
-    shape: Shape,
+    shape: LoopShape,
     /// The noise function, and the stack slot of its operands.
     perlin: Option<(FuncRef, StackSlot)>,
     streams: [Option<Value>; STREAMS],
@@ -134,7 +134,7 @@ impl Writer<'_, '_> {
         let mut computed = Vec::with_capacity(self.shape.interleave);
         for step in 0..self.shape.interleave {
             let before = self.last_instruction();
-            let Shape { fma, blocks, .. } = self.shape;
+            let LoopShape { fma, blocks, .. } = self.shape;
             let mut emitter =
                 NodeEmitter { builder: &mut self.builder, fma, sixteen: blocks == Line::BLOCKS, perlin: self.perlin };
             computed.push(match node {
