@@ -28,7 +28,10 @@ fn unfinished(folder: &Path) -> usize {
 /// Runs the program in a shell, after a command that prepares something.
 fn start(folder: &Path, prepare: &str, arguments: &str) -> Child {
     let mut shell = Command::new("sh");
-    let shell = shell.args(["-c", &format!("{prepare} exec \"$0\" {arguments}"), env!("CARGO_BIN_EXE_illuminator")]);
+    // Whoever runs the tests in the background may have them ignore signals.
+    let default = if prepare.is_empty() { "env --default-signal" } else { "" };
+    let command = format!("{prepare} exec {default} \"$0\" {arguments}");
+    let shell = shell.args(["-c", &command, env!("CARGO_BIN_EXE_illuminator")]);
     shell.current_dir(folder).stderr(Stdio::piped()).spawn().expect("a shell")
 }
 
