@@ -91,7 +91,7 @@ pub struct Editor {
 enum Order {
     Jump(SourceSpan),
     Insert(String),
-    EditorCommand(EditorCommand),
+    Command(EditorCommand),
 }
 
 impl Editor {
@@ -107,7 +107,7 @@ impl Editor {
 
     /// Performs a command, as its key does: for menus and buttons.
     pub fn order(&mut self, command: EditorCommand) {
-        self.ordered.push(Order::EditorCommand(command));
+        self.ordered.push(Order::Command(command));
     }
 
     /// Takes the keyboard.
@@ -135,7 +135,7 @@ impl Editor {
             match order {
                 Order::Jump(span) => self.show_range(document, span.range(), true),
                 Order::Insert(text) => self.replace_selected(document, text),
-                Order::EditorCommand(command) => self.run(look, document, command, &mut response),
+                Order::Command(command) => self.run(look, document, command, &mut response),
             }
         }
         let wants_focus = std::mem::take(&mut self.wants_focus);

@@ -58,13 +58,15 @@ impl Budget {
     /// # Errors
     /// [`TraceError::Memory`] where it exceeds the budget.
     pub fn check(&self, view: &View) -> Result<(), TraceError> {
-        let needed = self.pixels(view.pixels());
-        if needed > self.bytes { Err(TraceError::Memory(self.shortage(needed, view.pixels()))) } else { Ok(()) }
+        self.check_bytes(self.pixels(view.pixels()), view)
     }
 
     /// Checks what does not depend on the pixels: values of pairs, and threads.
     pub(super) fn check_fixed(&self, view: &View) -> Result<(), TraceError> {
-        let needed = self.pixels(0);
+        self.check_bytes(self.pixels(0), view)
+    }
+
+    fn check_bytes(&self, needed: u64, view: &View) -> Result<(), TraceError> {
         if needed > self.bytes { Err(TraceError::Memory(self.shortage(needed, view.pixels()))) } else { Ok(()) }
     }
 

@@ -48,7 +48,7 @@ impl Editor {
             }
             let [top, bottom] = place;
             if self.list.ui(look.context, id, [top, bottom], look.font, look.palette) {
-                self.ordered.push(Order::EditorCommand(EditorCommand::Accept));
+                self.ordered.push(Order::Command(EditorCommand::Accept));
                 self.wants_focus = true;
                 look.context.request_repaint();
             }
