@@ -66,7 +66,7 @@ fn together(case: &Case, place: usize) -> Vec<usize> {
 
 static METHODS: [AtomicUsize; 3] = [const { AtomicUsize::new(0) }; 3];
 
-/// Drags numbers of one owner through `values`, before and after the preparation.
+/// Drags numbers of one owner through `values`, before and after the preparation. The numbers differ from each other.
 fn drag(
     case: &Case,
     evaluator: &Arc<dyn Evaluator>,
@@ -79,8 +79,8 @@ fn drag(
     let drag = Arc::clone(evaluator).drag(moved, &memory, usize::MAX);
     let mut drag = drag.map_err(|error| failed(&error))?;
     let mut drawn = Framebuffer::black(16, 12, transfer);
-    for (turn, value) in values.iter().enumerate() {
-        for place in moved {
+    for turn in 0..values.len() {
+        for (place, value) in moved.iter().zip(values.iter().cycle().skip(turn)) {
             memory[*place] = parameter_at(case, *place).ok_or_else(|| failed(&"a parameter"))?.clamp(*value).0;
         }
         if turn == 1 {
@@ -90,7 +90,8 @@ fn drag(
         drag.frame(&memory, &mut drawn);
         drag.prepare();
         let frame = evaluator.frame(&memory);
-        prop_assert_eq!(wrong(&drawn, &frame), 0, "{} by {:?}, moved {:?} to {}", &case.text, drag.method(), moved, value);
+        let numbers: Vec<f32> = moved.iter().map(|place| memory[*place]).collect();
+        prop_assert_eq!(wrong(&drawn, &frame), 0, "{} by {:?}, moved {:?} to {:?}", &case.text, drag.method(), moved, numbers);
     }
     Ok(drag.method())
 }

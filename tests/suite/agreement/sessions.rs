@@ -86,11 +86,12 @@ impl Model {
         found.map(|(owner, id, _)| (owner, id)).expect("a slider")
     }
 
-    /// Moves a slider within its range.
+    /// Moves a slider within its range. The components of a colour move to different numbers.
     fn move_to(&mut self, slider: &str, part: f32) {
         let (owner, id) = self.slider(slider);
         let [low, high] = self.values.range_of(owner, id).unwrap_or([0.0, 1.0]);
-        self.values.move_to(owner, id, [low + part * (high - low); 3]);
+        let parts = [part, 1.0 - part, (part + 0.3).fract()];
+        self.values.move_to(owner, id, parts.map(|part| low + part * (high - low)));
     }
 
     fn set(&mut self, setting: &str) {
