@@ -29,7 +29,7 @@ pub(super) struct AddCall {
     /// Planes of pixels, one for each component.
     pub(super) planes: usize,
     /// The lines to prefetch. Nothing need be there.
-    pub(super) coming: usize,
+    pub(super) next_lines: usize,
     /// The weight of each span of the chunk.
     pub(super) weights: usize,
     pub(super) unused: [usize; 2],
@@ -48,5 +48,5 @@ pub(super) struct Bases {
     pub(super) segments: usize,
     pub(super) planes: usize,
     pub(super) weights: usize,
-    pub(super) coming: usize,
+    pub(super) next_lines: usize,
 }

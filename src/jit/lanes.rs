@@ -56,7 +56,7 @@ pub struct Operands<'o> {
     /// The lines that hold the streams of kernels.
     pub streams: Streams<'o>,
     /// Lines that are read from front to back, and prefetched.
-    pub coming: &'o [Line],
+    pub next_lines: &'o [Line],
     /// Uniform values.
     pub uniforms: &'o [Splat],
     /// The segments of hits.

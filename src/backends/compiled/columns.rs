@@ -210,7 +210,7 @@ impl ColumnPart {
     }
 
     /// The index of the first line after the chunk that kernels have not prefetched.
-    pub(super) fn coming(&self) -> usize {
+    pub(super) fn next_lines(&self) -> usize {
         self.start + self.whole + PREFETCH_DISTANCE / size_of::<Line>()
     }
 

@@ -78,8 +78,8 @@ impl Planes {
         }
     }
 
-    /// Writes the pixels of the tile, and prefetches the lines `coming`, which are read next.
-    pub(super) fn quantise(&self, part: Part, coming: &[Line]) {
+    /// Writes the pixels of the tile, and prefetches the lines `next_lines`, which are read next.
+    pub(super) fn quantise(&self, part: Part, next_lines: &[Line]) {
         let Part { pixels, transfer } = part;
         let Some(code) = self.code else {
             return self.quantise_portably(0, Part { pixels, transfer });
@@ -88,7 +88,7 @@ impl Planes {
         let (head, lines, tail) = bytemuck::pod_align_to_mut::<u32, PixelLine>(pixels);
         let (first, last) = (head.len(), head.len() + lines.len() * LINE_HITS);
         self.quantise_portably(0, Part { pixels: head, transfer });
-        code.write(transfer, &self.planes, PIXELS.start + first, lines, coming);
+        code.write(transfer, &self.planes, PIXELS.start + first, lines, next_lines);
         self.quantise_portably(last, Part { pixels: tail, transfer });
     }
 
@@ -198,7 +198,7 @@ mod tests {
         program.add(code, 1..1 + segments.len(), 1, component, 0);
         let planes = planes.pixels_mut();
         let mut operands =
-            Operands { streams: [&[]; 3], coming: &[], uniforms: &[], segments: &all, weights: &weights, sums, planes };
+            Operands { streams: [&[]; 3], next_lines: &[], uniforms: &[], segments: &all, weights: &weights, sums, planes };
         program.run(0..1, &mut operands);
     }
 

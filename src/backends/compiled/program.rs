@@ -119,7 +119,7 @@ impl TileProgram {
                 calls,
                 &mut Operands {
                     streams: [columns, columns, kept],
-                    coming: if inputs.kept.is_some() { kept } else { columns },
+                    next_lines: if inputs.kept.is_some() { kept } else { columns },
                     uniforms: &pass.uniforms,
                     segments: &inputs.tile.segments,
                     weights,
@@ -198,7 +198,7 @@ impl ProgramBuilder<'_, '_> {
                 }
                 let [begin, end] = [first.hits.start, last.hits.end].map(|hit| (hit - group.hits.start) as usize);
                 let lines = begin / LINE_HITS / ROUND_LINES * ROUND_LINES..end.div_ceil(LINE_HITS).next_multiple_of(ROUND_LINES);
-                let coming = self.lights(index, &active_lights, lines);
+                let next_lines = self.lights(index, &active_lights, lines);
                 let segments = first.segments.start as usize..last.segments.end as usize;
                 let component = match self.pass.channels {
                     Channels::All => None,
@@ -206,7 +206,7 @@ impl ProgramBuilder<'_, '_> {
                 };
                 let tiny = run.iter().any(|span| class(span) == WeightClass::Tiny);
                 match self.pass.code.filter(|_| !tiny) {
-                    Some(code) => self.program.calls.add(code, segments, weights, component, coming),
+                    Some(code) => self.program.calls.add(code, segments, weights, component, next_lines),
                     None => self.portably(Portable::Add(spans, self.pass.channels)),
                 }
             }
@@ -237,7 +237,7 @@ impl ProgramBuilder<'_, '_> {
             stale[components].fill(false);
         }
         self.clear(&own, &mut stale, self.pass.channels.components());
-        kept.as_ref().map_or_else(|| part.coming(), ColumnPart::coming)
+        kept.as_ref().map_or_else(|| part.next_lines(), ColumnPart::next_lines)
     }
 
     /// Clears these lines of the sums of those components that are stale.

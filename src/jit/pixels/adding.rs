@@ -18,7 +18,7 @@ const END: Register = Register::RSI;
 /// The weights of the spans.
 const WEIGHTS: Register = Register::R11;
 /// The lines to prefetch.
-const COMING: Register = Register::R8;
+const NEXT_LINES: Register = Register::R8;
 /// The planes of pixels, and the place of the segment in them.
 const PLANES: Register = Register::RCX;
 const PLACE: Register = Register::RAX;
@@ -55,9 +55,9 @@ pub(in crate::jit) fn adding_code(width: Width, strides: Strides, components: us
         add_selected(&mut code, strides, components)?;
     }
     for line in 0..FETCHED {
-        code.push(Instruction::with1(Code::Prefetcht0_m8, at(COMING, (line * size_of::<Line>()) as i64))?);
+        code.push(Instruction::with1(Code::Prefetcht0_m8, at(NEXT_LINES, (line * size_of::<Line>()) as i64))?);
     }
-    code.push(Instruction::with2(Code::Add_rm64_imm32, COMING, (FETCHED * size_of::<Line>()) as i32)?);
+    code.push(Instruction::with2(Code::Add_rm64_imm32, NEXT_LINES, (FETCHED * size_of::<Line>()) as i32)?);
     code.push(Instruction::with2(Code::Add_rm64_imm8, SEGMENT, size_of::<Segment>() as i32)?);
     code.push(Instruction::with2(Code::Cmp_r64_rm64, SEGMENT, END)?);
     code.end_loop(Code::Jb_rel32_64)?;
@@ -69,7 +69,7 @@ fn addresses(code: &mut Assembler) -> Result<(), IcedError> {
     let (addition, bases) = (Register::RDI, Register::RSI);
     let places = [
         (WEIGHTS, offset_of!(AddCall, weights), offset_of!(Bases, weights)),
-        (COMING, offset_of!(AddCall, coming), offset_of!(Bases, coming)),
+        (NEXT_LINES, offset_of!(AddCall, next_lines), offset_of!(Bases, next_lines)),
         (PLANES, offset_of!(AddCall, planes), offset_of!(Bases, planes)),
         (SUMS, offset_of!(AddCall, sums), offset_of!(Bases, outputs)),
         // The last two overwrite the pointers that all are read from.

@@ -14,7 +14,7 @@ const WORDS: Register = Register::RSI;
 /// The number of lines that are left.
 const LINES: Register = Register::RDX;
 /// The lines to prefetch.
-const COMING: Register = Register::RCX;
+const NEXT_LINES: Register = Register::RCX;
 /// The table of the transfer.
 const TABLE: Register = Register::R8;
 
@@ -33,10 +33,10 @@ const BYTE: u32 = 6;
 /// Entries of the table.
 const ENTRIES: u32 = 8;
 
-/// The code of `fn(planes, pixels, lines, coming, table)`. `planes` points to the red of some pixels; green and blue
-/// follow at distances of `plane_stride` bytes. `pixels` points to as many lines of a framebuffer, `table` to the
+/// The code of `fn(planes, pixels, lines, next_lines, table)`. `planes` points to the red of some pixels; green and
+/// blue follow at distances of `plane_stride` bytes. `pixels` points to as many lines of a framebuffer, `table` to the
 /// table for sRGB. The code writes `0x00RRGGBB`, with bytes by the [`Transfer`]. It prefetches as many lines from
-/// `coming` on, into the L2 cache: in the L1 cache, the planes of the next tile would displace them.
+/// `next_lines` on, into the L2 cache: in the L1 cache, the planes of the next tile would displace them.
 pub(in crate::jit) fn writing_code(width: Width, transfer: Transfer, plane_stride: i64) -> Result<Vec<u8>, IcedError> {
     let mut code = Assembler::new(width);
     constants(&mut code, transfer)?;
@@ -55,8 +55,8 @@ pub(in crate::jit) fn writing_code(width: Width, transfer: Transfer, plane_strid
             (Transfer::Srgb, Width::Four | Width::Eight) => looked_up(&mut code, displacement)?,
         }
     }
-    code.push(Instruction::with1(Code::Prefetcht1_m8, at(COMING, 0))?);
-    for pointer in [PLANES, WORDS, COMING] {
+    code.push(Instruction::with1(Code::Prefetcht1_m8, at(NEXT_LINES, 0))?);
+    for pointer in [PLANES, WORDS, NEXT_LINES] {
         code.push(Instruction::with2(Code::Add_rm64_imm8, pointer, size_of::<Line>() as i32)?);
     }
     code.push(Instruction::with2(Code::Sub_rm64_imm8, LINES, 1)?);

@@ -1,10 +1,9 @@
-//! Kernels of different widths, parts and allocations, and the checks of lists of calls.
+//! Kernels of different widths, parts and allocations.
 
 use super::*;
 use crate::formula::Formula;
 use crate::formula::binding::Bindings;
 use crate::formula::graph::{Node, NodeId};
-use crate::jit::lanes::Sums;
 use crate::jit::target::Allocation;
 use crate::lang::scalars::{Floats, Primitive, Recorder, awkward_operands};
 use crate::lang::source::Source;
@@ -213,34 +212,4 @@ fn kernels_with_very_many_values_alive_are_allocated_quickly() {
     let allocation = |root| kernel::allocation(&plan.schedule(&graph, [root]).unwrap(), &graph);
     assert_eq!([values[0], sum].map(allocation), [Allocation::Careful, Allocation::Quick]);
     Width::supported().for_each(|width| assert_columns(&plan, &graph, width));
-}
-
-#[test]
-fn programs_run_on_nothing_that_is_too_short() {
-    let (formula, _) = Formula::parse(&Source::new("formula", presets::text(FileKind::Formula, "phong").unwrap())).unwrap();
-    let compiled = crate::jit::CompiledFormula::new(&formula).unwrap();
-    let columns = compiled.plan.bindings.frontier.records.len();
-    let kernel = &compiled.contribution.overwrite;
-    let mut program = CallList::default();
-    program.contribute(kernel, [0..0, 4..4 + 4 * columns, 0..0], 2, 0..3, 8..12);
-    let code = PixelCode::get(compiled.width);
-    assert_eq!(code.is_some(), cfg!(target_arch = "x86_64"));
-    if let Some(code) = code {
-        program.add(code, 1..3, 5, None, 0);
-    }
-    let lines = vec![Line::default(); 4 + 4 * columns];
-    let uniforms = vec![Splat::default(); 2 + compiled.contribution.uniforms.outputs()];
-    let segments = vec![Segment::new(0, 0, 0); 3];
-    let weights = vec![0.0; 5 + CHUNK_HITS];
-    let (mut sums, mut planes) = (bytemuck::zeroed_box::<Sums>(), bytemuck::zeroed_box::<PixelPlanes>());
-    let mut run = |lines: &[Line], uniforms: &[Splat], segments: &[Segment], weights: &[f32]| {
-        let (sums, planes) = (&mut *sums, &mut *planes);
-        let mut operands = Operands { streams: [&[], lines, &[]], coming: &[], uniforms, segments, weights, sums, planes };
-        std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| program.run(0..program.len(), &mut operands))).is_ok()
-    };
-    assert!(run(&lines, &uniforms, &segments, &weights));
-    assert!(!run(&lines[1..], &uniforms, &segments, &weights) && !run(&lines, &uniforms[1..], &segments, &weights));
-    if code.is_some() {
-        assert!(!run(&lines, &uniforms, &segments[1..], &weights) && !run(&lines, &uniforms, &segments, &weights[1..]));
-    }
 }

@@ -1,0 +1,108 @@
+//! Code that adds to pixels and writes them: made once for each width, and called.
+
+use crate::jit::call::memory::CodeMemory;
+use crate::jit::lanes::{Line, PLANE_PIXELS, PixelLine, PixelPlanes};
+use crate::jit::pixels::{self, Strides};
+use crate::jit::target::target;
+use crate::jit::widen::ALIGNMENT;
+use crate::jit::width::Width;
+use crate::picture::transfer::{SrgbBytes, SrgbTable, Transfer};
+use crate::trace::{CHUNK_LINES, LINE_HITS};
+use cranelift_codegen::ir::Signature;
+use cranelift_codegen::isa::CallConv;
+use cranelift_jit::JITBuilder;
+use cranelift_module::{Linkage, Module};
+use std::sync::OnceLock;
+
+/// Code that adds contributions to pixels and writes pixels, for vectors of a width.
+pub struct PixelCode {
+    /// The addresses of the code of [`pixels`] that adds all components, and one.
+    pub(super) adding_all: usize,
+    pub(super) adding_one: usize,
+    /// The code that writes pixels, with the linear transfer and with that of sRGB.
+    writing: [Writing; 2],
+    _memory: CodeMemory,
+}
+
+/// The code of [`pixels`] that writes pixels.
+///
+/// # Safety
+/// There is at least one line. All lines are readable from `planes` on in three planes, and writable from `pixels`
+/// on. The processor has vectors of this width.
+type Writing = unsafe extern "C" fn(
+    planes: *const f32,
+    pixels: *mut PixelLine,
+    lines: usize,
+    next_lines: *const Line,
+    table: *const SrgbTable,
+);
+
+impl PixelCode {
+    /// The code for vectors of this width. It is made at its first use. `None` if the processor is not x86-64 or does
+    /// not have such vectors, or there is no memory for code.
+    pub fn get(width: Width) -> Option<&'static PixelCode> {
+        static CODE: [OnceLock<Option<PixelCode>>; Width::ALL.len()] = [const { OnceLock::new() }; Width::ALL.len()];
+        CODE[width as usize].get_or_init(|| Self::new(width)).as_ref()
+    }
+
+    fn new(width: Width) -> Option<Self> {
+        if !cfg!(target_arch = "x86_64") {
+            return None;
+        }
+        let target = target(width).ok()?;
+        let builder = JITBuilder::with_isa(target.isa, cranelift_module::default_libcall_names());
+        let mut memory = CodeMemory::new(builder);
+        let module = &mut *memory.0;
+        let strides = Strides { sums: size_of::<[Line; CHUNK_LINES]>() as i64, plane: size_of::<[f32; PLANE_PIXELS]>() as i64 };
+        let codes = [
+            ("adding", pixels::adding_code(width, strides, 3)),
+            ("adding_one", pixels::adding_code(width, strides, 1)),
+            ("writing_linear", pixels::writing_code(width, Transfer::Linear, strides.plane)),
+            ("writing_srgb", pixels::writing_code(width, Transfer::Srgb, strides.plane)),
+        ];
+        let mut define = |(name, code): (&str, Result<Vec<u8>, _>)| {
+            let id = module.declare_function(name, Linkage::Local, &Signature::new(CallConv::SystemV)).ok()?;
+            module.define_function_bytes(id, ALIGNMENT, &code.ok()?, &[]).ok()?;
+            Some(id)
+        };
+        let [adding_all, adding_one, linear, srgb] = codes.map(&mut define);
+        let ids = [adding_all?, adding_one?, linear?, srgb?];
+        module.finalize_definitions().ok()?;
+        let [adding_all, adding_one, linear, srgb] = ids.map(|id| module.get_finalized_function(id));
+        // SAFETY: at the address is the finished code of a function with these parameters and the C calling
+        // convention. Its memory lives as long as the result.
+        let writing = [linear, srgb].map(|code| unsafe { std::mem::transmute::<*const u8, Writing>(code) });
+        let [adding_all, adding_one] = [adding_all, adding_one].map(<*const u8>::expose_provenance);
+        Some(Self { adding_all, adding_one, writing, _memory: memory })
+    }
+
+    /// Writes lines of pixels, `0x00RRGGBB`, from index `place` of the planes on. The transfer turns components into
+    /// bytes. It prefetches as many lines of `next_lines`.
+    ///
+    /// # Panics
+    /// If a plane has fewer pixels.
+    pub fn write(&self, transfer: Transfer, planes: &PixelPlanes, place: usize, pixels: &mut [PixelLine], next_lines: &[Line]) {
+        if pixels.is_empty() {
+            return;
+        }
+        assert!(
+            pixels.len() <= PLANE_PIXELS / LINE_HITS && place + pixels.len() * LINE_HITS <= PLANE_PIXELS,
+            "pixels of a plane"
+        );
+        let first = (&raw const planes.0).cast::<f32>();
+        // If there is nothing to prefetch, it is something that is in the cache already.
+        let next_lines = if next_lines.is_empty() { first.cast() } else { next_lines.as_ptr() };
+        let writing = match transfer {
+            Transfer::Linear => self.writing[0],
+            Transfer::Srgb => self.writing[1],
+        };
+        // SAFETY: there is at least one line. All lines lie within their plane, from `place` on. The planes are an
+        // array, so green and blue follow red at the distance of a plane (the pointer comes from a pointer to the
+        // whole array). `pixels` has as many lines, aligned as their type requires. A prefetch of any address is
+        // harmless. The code reads entries of the table for numbers from `SrgbBytes::LEAST` to 1, and the table has
+        // one for each. The processor was checked for the instructions.
+        unsafe {
+            writing(first.add(place), pixels.as_mut_ptr(), pixels.len(), next_lines, SrgbBytes::get().table());
+        }
+    }
+}
