@@ -137,13 +137,29 @@ pub fn read_source(path: &Path, kind: Option<FileKind>, readable: Readable) -> R
     Source::from_bytes(name, bytes)
 }
 
-/// A hint at the file that the user may have meant by a path that does not exist.
+/// A hint at the file or built-in file that the user may have meant by a path that does not exist.
 fn similar_file(path: &Path, kind: Option<FileKind>) -> Option<String> {
     let name = path.file_name()?.to_str()?;
-    let built_in = |kind: FileKind| presets::text(kind, name).is_some();
-    if path.components().count() == 1 && kind.map_or_else(|| FileKind::ALL.into_iter().any(built_in), built_in) {
+    let presets: Vec<&str> = match kind {
+        _ if path.components().count() > 1 => Vec::new(),
+        Some(kind) => presets::names(kind).collect(),
+        None => FileKind::ALL.into_iter().flat_map(presets::names).collect(),
+    };
+    if presets.contains(&name) {
         return Some(format!("the built-in one is `{PRESET}{name}`"));
     }
+    let file = || Some(near_file(path, name)?.display().to_string());
+    let preset = || {
+        // The prefix may be misspelt, or missing.
+        let prefixed: Vec<String> = presets.iter().map(|preset| format!("{PRESET}{preset}")).collect();
+        let near = nearest(name, prefixed.iter().map(String::as_str)).map(str::to_owned);
+        near.or_else(|| Some(format!("{PRESET}{}", nearest(name, presets.iter().copied())?)))
+    };
+    Some(format!("did you mean `{}`?", file().or_else(preset)?))
+}
+
+/// The file in the same folder whose name is most like this one, if one is.
+fn near_file(path: &Path, name: &str) -> Option<PathBuf> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let entries = fs::read_dir(folder).ok()?;
     // Enough to find a typing mistake; a folder may hold millions of files.
@@ -154,10 +170,8 @@ fn similar_file(path: &Path, kind: Option<FileKind>) -> Option<String> {
         .filter(|other| Path::new(other).extension() == path.extension())
         .filter_map(|other| Some(Path::new(&other).file_stem()?.to_str()?.to_owned()))
         .collect();
-    let near = nearest(stem, stems.iter().map(String::as_str))?;
-    let other = path.with_file_name(near);
-    let other = path.extension().map_or(other.clone(), |suffix| other.with_added_extension(suffix));
-    Some(format!("did you mean `{}`?", other.display()))
+    let other = path.with_file_name(nearest(stem, stems.iter().map(String::as_str))?);
+    Some(path.extension().map_or(other.clone(), |suffix| other.with_added_extension(suffix)))
 }
 
 /// The relative path from `folder` to a file. Both must exist.
@@ -195,6 +209,9 @@ mod tests {
         fs::write(path("binary"), b"\xff\xfe").unwrap();
         assert!(message(Location::File(path("binary"))).0.contains("not UTF-8"));
         assert!(message(Location::new("preset:no such thing")).0.contains("no built-in formula"));
+        let hints = ["phong", "presett:phong", "preset-phong", "phonk"].map(|text| message(Location::new(text)).1);
+        assert_eq!(hints[0], "the built-in one is `preset:phong`");
+        assert_eq!(hints[1..], [const { "did you mean `preset:phong`?" }; 3]);
     }
 
     #[cfg(unix)]
