@@ -13,6 +13,9 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use workload::{Cost, Stage, Workload};
 
+/// The size of the picture while sines grow in number: each of them takes a column.
+pub(crate) const SMALL: [u32; 2] = [64, 36];
+
 /// The number of rounds.
 const ROUNDS: usize = 8;
 
@@ -128,9 +131,8 @@ fn plans() -> Vec<Plan> {
             terms,
             ..Workload::TYPICAL
         }),
-        // A small picture: each sine takes a column.
         growing("sines", "static sines in the formula", &[125, 250, 500, 1000, 2000], &[125, 250, 500, 1000, 2000], |sines| {
-            Workload { sines, size: [64, 36], ..Workload::TYPICAL }
+            Workload { sines, size: SMALL, ..Workload::TYPICAL }
         }),
     ]
 }

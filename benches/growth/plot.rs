@@ -9,6 +9,9 @@ const COLUMNS: usize = 3;
 const AXES: [f64; 2] = [234.0, 212.0];
 const FIRST: [f64; 2] = [52.0, 36.0];
 const STEP: [f64; 2] = [294.0, 292.0];
+/// The height of the legend, below the panels, and the length of an entry.
+const LEGEND_HEIGHT: f64 = 72.0;
+const ENTRY: f64 = 178.0;
 /// The margin at each end of a horizontal axis, as a part of its length.
 const AIR: f64 = 0.06;
 const COLOURS: [&str; SERIES.len()] = ["#0b5fa5", "#c2410c", "#5b7a00", "#8b2fa0"];
@@ -32,8 +35,8 @@ pub(crate) fn svg(sweeps: &[Sweep]) -> String {
         || sweeps.iter().flat_map(|sweep| sweep.points.iter()).flat_map(|(_, cost)| SERIES.iter().map(|own| (own.of)(cost)));
     let lowest = costs().fold(f64::INFINITY, f64::min).log10().floor();
     let highest = costs().fold(0.0, f64::max).log10() + 0.2;
-    // The legend is a panel too.
-    let height = FIRST[1] + STEP[1] * (sweeps.len() + 1).div_ceil(COLUMNS) as f64 - 40.0;
+    let rows = sweeps.len().div_ceil(COLUMNS) as f64;
+    let height = FIRST[1] + STEP[1] * rows + LEGEND_HEIGHT;
     let up = Scale { from: lowest, to: highest, length: AXES[1] };
     let mut text = format!(
         r##"<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH}" height="{height}" viewBox="0 0 {WIDTH} {height}" font-family="Helvetica, Arial, sans-serif" font-size="12" fill="#222">
@@ -44,7 +47,7 @@ pub(crate) fn svg(sweeps: &[Sweep]) -> String {
     for (place, sweep) in sweeps.iter().enumerate() {
         panel(&mut text, place, sweep, &up);
     }
-    legend(&mut text, sweeps.len());
+    legend(&mut text, FIRST[1] + STEP[1] * rows);
     text + "</svg>\n"
 }
 
@@ -102,32 +105,32 @@ fn panel(text: &mut String, place: usize, sweep: &Sweep, up: &Scale) {
     line(text, format_args!("</g>"));
 }
 
-fn legend(text: &mut String, place: usize) {
-    let [x, y] = corner(place);
-    line(text, format_args!(r#"<g transform="translate({x} {y})">"#));
-    let mut row = 14.0;
-    for (series, colour) in SERIES.iter().zip(COLOURS) {
-        line(text, format_args!(r#"<path d="M0 {row}h34" stroke="{colour}" stroke-width="2"/>"#));
-        line(text, format_args!(r#"<circle cx="17" cy="{row}" r="3" fill="{colour}"/>"#));
-        line(text, format_args!(r#"<text x="44" y="{}">{}</text>"#, row + 4.0, series.name));
-        row += 22.0;
+fn legend(text: &mut String, top: f64) {
+    line(text, format_args!(r#"<g transform="translate({} {top})">"#, FIRST[0]));
+    for (place, (series, colour)) in SERIES.iter().zip(COLOURS).enumerate() {
+        let left = ENTRY * place as f64;
+        line(text, format_args!(r#"<path d="M{left} 0h34" stroke="{colour}" stroke-width="2"/>"#));
+        line(text, format_args!(r#"<circle cx="{}" cy="0" r="3" fill="{colour}"/>"#, left + 17.0));
+        line(text, format_args!(r#"<text x="{}" y="4">{}</text>"#, left + 42.0, series.name));
     }
-    line(text, format_args!(r##"<path d="M0 {row}h34" stroke="#aaa" stroke-dasharray="4 4"/>"##));
-    line(text, format_args!(r#"<text x="44" y="{}">slope of linear growth</text>"#, row + 4.0));
-    row += 34.0;
+    let left = ENTRY * SERIES.len() as f64;
+    line(text, format_args!(r##"<path d="M{left} 0h34" stroke="#aaa" stroke-dasharray="4 4"/>"##));
+    line(text, format_args!(r#"<text x="{}" y="4">linear growth</text>"#, left + 42.0));
     let typical = crate::Workload::TYPICAL;
-    let [width, height] = typical.size;
-    let rest = [
-        "Milliseconds on one thread,".to_owned(),
-        "the best of several rounds.".to_owned(),
-        "What does not grow in a panel:".to_owned(),
-        format!("{width}×{height} pixels, {} lights,", typical.lights),
-        format!("{} spheres over a floor,", typical.spheres_a_side * typical.spheres_a_side),
-        format!("depth {}, a formula of {} highlight.", typical.depth, typical.terms),
+    let [[width, height], [small_width, small_height]] = [typical.size, crate::SMALL];
+    let caption = [
+        "Milliseconds on one thread, the best of several rounds. What does not grow in a panel:".to_owned(),
+        format!(
+            "{width}×{height} pixels ({small_width}×{small_height} for sines), {} lights, {} spheres over a floor, depth {}, a formula of \
+             {} highlight.",
+            typical.lights,
+            typical.spheres_a_side * typical.spheres_a_side,
+            typical.depth,
+            typical.terms
+        ),
     ];
-    for words in rest {
+    for (words, row) in caption.iter().zip([32.0, 50.0]) {
         line(text, format_args!(r##"<text x="0" y="{row}" fill="#555">{words}</text>"##));
-        row += 18.0;
     }
     line(text, format_args!("</g>"));
 }
