@@ -45,16 +45,16 @@ pub fn last_factor(tile: &Tile, path: &Path, equation: &Equation) -> Option<(usi
         Edge::Refracted => REFRACTED,
     };
     let parent = path.parent?.index();
-    Some((parent, equation.place(weight, tile.paths[parent].body?.index())))
+    Some((parent, equation.index(weight, tile.paths[parent].body?.index())))
 }
 
 /// Sets `weights` to the weights of all paths of a tile, in the order of its paths: products of kr and kt, usually 0 to
-/// 1. `parameters` has a number for each place of the layout.
+/// 1. `parameters` has as many numbers as the layout.
 pub fn path_weights(tile: &Tile, equation: &Equation, parameters: &[f32], weights: &mut Vec<Weight>) {
     weights.clear();
     for path in &tile.paths {
         let weight = match last_factor(tile, path, equation) {
-            Some((parent, place)) => Weight(weights[parent].0 * f64::from(flush(parameters[place]))),
+            Some((parent, index)) => Weight(weights[parent].0 * f64::from(flush(parameters[index]))),
             None => Weight(1.0),
         };
         weights.push(weight);
@@ -82,7 +82,7 @@ impl PathMonomials {
     /// The weights of the paths of a tile, where the numbers at the indices `[kr, kt]` move.
     pub fn new(tile: &Tile, equation: &Equation, parameters: &[f32], moved: [Option<usize>; 2]) -> Self {
         let mut parameters = parameters.to_vec();
-        moved.into_iter().flatten().for_each(|place| parameters[place] = 1.0);
+        moved.into_iter().flatten().for_each(|index| parameters[index] = 1.0);
         let mut fixed = Vec::new();
         path_weights(tile, equation, &parameters, &mut fixed);
         let [kr, kt] = moved;
@@ -90,9 +90,9 @@ impl PathMonomials {
         for path in &tile.paths {
             powers.push(match last_factor(tile, path, equation) {
                 // A path has at most as many steps as the depth.
-                Some((parent, place)) => {
+                Some((parent, index)) => {
                     let Powers { reflections, refractions } = powers[parent];
-                    let moves = |moved: Option<usize>| u8::from(moved == Some(place));
+                    let moves = |moved: Option<usize>| u8::from(moved == Some(index));
                     match path.edge {
                         Edge::Reflected => Powers { reflections: reflections + moves(kr), refractions },
                         Edge::Refracted | Edge::Primary => Powers { reflections, refractions: refractions + moves(kt) },

@@ -36,8 +36,8 @@ impl KernelCache {
         let kept = || self.kept.lock().unwrap_or_else(PoisonError::into_inner);
         let known = {
             let mut kept = kept();
-            let place = kept.iter().position(|compiled| compiled.plan.bindings.computes_the_same(&bindings));
-            place.map(|place| kept.remove(place))
+            let index = kept.iter().position(|compiled| compiled.plan.bindings.computes_the_same(&bindings));
+            index.map(|index| kept.remove(index))
         };
         let compiled = match known {
             Some(compiled) => compiled,

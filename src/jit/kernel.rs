@@ -164,9 +164,9 @@ impl LoopShape {
         self.round() * LANES_BYTES as usize
     }
 
-    /// The place of a step of a round in a column of a stream of this many columns, in bytes from the beginning of the
+    /// The offset of a step of a round in a column of a stream of this many columns, in bytes from the beginning of the
     /// round.
-    pub(super) fn place(self, step: usize, columns: usize, column: usize) -> i32 {
+    pub(super) fn offset(self, step: usize, columns: usize, column: usize) -> i32 {
         let bytes = self.bytes() * step;
         let (lines, within) = (bytes / LINE_BYTES, bytes % LINE_BYTES);
         // The columns that kernels read take far fewer than 2³¹ bytes.
@@ -261,13 +261,13 @@ const LARGEST_CAREFUL: usize = 1 << 20;
 /// How registers are allocated to nodes that are computed in this order.
 pub(super) fn allocation(schedule: &[NodeId], graph: &Graph) -> Allocation {
     let mut last_use: HashMap<NodeId, usize> = HashMap::new();
-    for (place, id) in schedule.iter().enumerate() {
+    for (index, id) in schedule.iter().enumerate() {
         last_use.insert(*id, schedule.len());
-        last_use.extend(graph.node(*id).operands().iter().map(|operand| (*operand, place)));
+        last_use.extend(graph.node(*id).operands().iter().map(|operand| (*operand, index)));
     }
     // Nodes without a user in the schedule are addends: they are alive until the end.
     let mut ends = vec![0; schedule.len()];
-    last_use.values().filter(|place| **place < schedule.len()).for_each(|place| ends[*place] += 1);
+    last_use.values().filter(|index| **index < schedule.len()).for_each(|index| ends[*index] += 1);
     let (mut alive, mut most) = (0_usize, 0);
     let mut seen = HashSet::new();
     for (id, ends) in schedule.iter().zip(ends) {

@@ -158,11 +158,11 @@ impl Writer<'_, '_> {
         let shape = self.shape;
         let pointer = self.outputs[output / width];
         let address = self.builder.ins().iadd(pointer, target);
-        let place = |step| shape.place(step, width, output % width);
+        let offset = |step| shape.offset(step, width, output % width);
         let mut sums: Vec<Option<Value>> = vec![None; shape.interleave];
         if self.part.kernel.output == Output::AddToSums {
             for (step, sum) in sums.iter_mut().enumerate() {
-                *sum = Some(self.builder.ins().load(F32X4, flags, address, place(step)));
+                *sum = Some(self.builder.ins().load(F32X4, flags, address, offset(step)));
             }
         }
         for Addend { factor, other } in addends {
@@ -182,7 +182,7 @@ impl Writer<'_, '_> {
         }
         for (step, sum) in sums.into_iter().enumerate() {
             if let Some(sum) = sum {
-                self.builder.ins().store(flags, sum, address, place(step));
+                self.builder.ins().store(flags, sum, address, offset(step));
             }
         }
     }
@@ -216,9 +216,9 @@ impl Writer<'_, '_> {
             return;
         }
         copies.iter().flatten().for_each(|inst| function.layout.remove_inst(*inst));
-        for (place, own) in first.iter().enumerate() {
+        for (index, own) in first.iter().enumerate() {
             function.layout.append_inst(*own, block);
-            for other in others.iter().map(|other| other[place]) {
+            for other in others.iter().map(|other| other[index]) {
                 let constant = matches!(function.dfg.insts[*own].opcode(), Opcode::Vconst | Opcode::Iconst);
                 if constant && function.dfg.insts[*own] == function.dfg.insts[other] {
                     function.dfg.replace_with_aliases(other, *own);
@@ -241,14 +241,14 @@ impl Writer<'_, '_> {
             let Some(column) = stream.iter().position(|node| *node == id) else { continue };
             let Some(pointer) = self.streams[index] else { continue };
             let address = self.builder.ins().iadd(pointer, offsets[index]);
-            let places: Vec<i32> = (0..interleave).map(|step| self.shape.place(step, stream.len(), column)).collect();
-            let load = |place| self.builder.ins().load(F32X4, flags, address, place);
-            self.values[id.0 as usize] = places.into_iter().map(load).collect();
+            let step_offsets: Vec<i32> = (0..interleave).map(|step| self.shape.offset(step, stream.len(), column)).collect();
+            let load = |offset| self.builder.ins().load(F32X4, flags, address, offset);
+            self.values[id.0 as usize] = step_offsets.into_iter().map(load).collect();
             return;
         }
         if let Some(uniform) = self.part.kernel.plan.uniforms.iter().position(|node| *node == id) {
-            let place = (size_of::<Splat>() * uniform) as i32;
-            let value = self.builder.ins().load(F32X4, flags, self.uniforms, place);
+            let offset = (size_of::<Splat>() * uniform) as i32;
+            let value = self.builder.ins().load(F32X4, flags, self.uniforms, offset);
             self.values[id.0 as usize] = vec![value; interleave];
         }
     }

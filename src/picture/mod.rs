@@ -84,8 +84,8 @@ impl<W: Write> Write for ErrorKeeper<W> {
 }
 
 impl<W: Seek> Seek for ErrorKeeper<W> {
-    fn seek(&mut self, place: SeekFrom) -> io::Result<u64> {
-        let outcome = self.writer.seek(place);
+    fn seek(&mut self, position: SeekFrom) -> io::Result<u64> {
+        let outcome = self.writer.seek(position);
         self.keep(outcome)
     }
 }
@@ -165,8 +165,8 @@ mod tests {
     }
 
     impl Seek for FullDisk {
-        fn seek(&mut self, place: SeekFrom) -> io::Result<u64> {
-            self.file.seek(place)
+        fn seek(&mut self, position: SeekFrom) -> io::Result<u64> {
+            self.file.seek(position)
         }
     }
 

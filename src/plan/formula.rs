@@ -33,7 +33,7 @@ pub struct ContributionPlan {
 pub struct ParameterSlot {
     /// The kind of owner.
     pub owner: Owner,
-    /// The place in the row of the owner, see [`Layout`](crate::formula::layout::Layout).
+    /// The slot in the row of the owner, see [`Layout`](crate::formula::layout::Layout).
     pub slot: usize,
 }
 

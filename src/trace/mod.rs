@@ -194,20 +194,20 @@ fn trace_tile(
         let (mut hits, mut misses, mut records) = (0, 0, 0);
         for pixel in chunk.clone() {
             // Tiles are small enough.
-            let place = (pixel - pixels.start) as u16;
+            let pixel_in_tile = (pixel - pixels.start) as u16;
             trace_pixel(tracer, pixel, &mut stack, |parent, edge, end| match end {
                 RayEnd::Hit(hit) => {
                     let path = builder.path(parent, edge, Some(hit.body));
                     emitters.clear();
                     emitters.extend(tracer.emitters(hit));
-                    builder.hit(path, &emitters, place);
+                    builder.hit(path, &emitters, pixel_in_tile);
                     hits += 1;
                     records += emitters.len() as u64;
                     path
                 }
                 RayEnd::Miss(_) => {
                     let path = builder.path(parent, edge, None);
-                    builder.miss(path, place);
+                    builder.miss(path, pixel_in_tile);
                     misses += 1;
                     path
                 }

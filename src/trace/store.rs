@@ -24,7 +24,7 @@ use smallvec::SmallVec;
 use std::ops::{Add, Range};
 use std::sync::Arc;
 
-/// A path, by its place in the list of its tile.
+/// A path, by its index in the list of its tile.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct PathId(pub u32);
 

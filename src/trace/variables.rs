@@ -103,7 +103,7 @@ mod tests {
     }
 
     #[test]
-    fn directions_and_angles_at_a_known_place() {
+    fn directions_and_angles_at_a_known_point() {
         let variables = of_light_at("<-6, 0, 8>");
         assert_eq!(variables.light, Vec3::new(-0.6, 0.0, 0.8));
         assert!(variables.mirrored.abs_diff_eq(Vec3::new(0.6, 0.0, 0.8), 1e-7));

@@ -78,7 +78,7 @@ impl View {
     /// offsets are the samples of a smooth picture. Values outside 0..1 are clamped.
     #[must_use]
     pub fn with_offset(self, offset: [f64; 2]) -> Self {
-        Self { offset: offset.map(|place| if place.is_nan() { 0.5 } else { place.clamp(0.0, 1.0) }), ..self }
+        Self { offset: offset.map(|coordinate| if coordinate.is_nan() { 0.5 } else { coordinate.clamp(0.0, 1.0) }), ..self }
     }
 
     /// Pixels in a row.

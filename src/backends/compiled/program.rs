@@ -58,8 +58,8 @@ impl WeightClass {
 /// The inputs of the program of a tile, without its pass.
 pub(super) struct TileInputs<'t> {
     pub(super) tile: &'t Tile,
-    /// The place of the tile among the tiles.
-    pub(super) place: usize,
+    /// The index of the tile among the tiles.
+    pub(super) tile_index: usize,
     /// Columns of a drag, if kernels read any.
     pub(super) kept: Option<&'t Columns>,
     /// The weight of each path.
@@ -111,7 +111,7 @@ impl TileProgram {
 
     /// Does the work. `weights` holds the weight of each span, followed by as many more numbers as a chunk has hits.
     pub(super) fn run(&self, pass: &Pass, inputs: &TileInputs, weights: &[f32], sums: &mut Sums, planes: &mut Planes) {
-        let columns = pass.columns[inputs.place].lines();
+        let columns = pass.columns[inputs.tile_index].lines();
         let kept = inputs.kept.map_or(&[][..], Columns::lines);
         let mut done = 0;
         let calls = |calls: Range<usize>, sums: &mut Sums, planes: &mut Planes| {
@@ -168,10 +168,10 @@ impl ProgramBuilder<'_, '_> {
     fn group(&mut self, group: &Group, index: usize) {
         let mut active_lights = ActiveLights::new();
         for (number, source) in self.pass.sources.iter().enumerate() {
-            for (place, emitter) in group.emitters.iter().enumerate() {
+            for (light, emitter) in group.emitters.iter().enumerate() {
                 let pair = source.pair(group.body, *emitter);
                 if source.active[pair] {
-                    active_lights.push(ActiveLight { source: number, light: place, uniforms: source.uniforms_of(pair).start });
+                    active_lights.push(ActiveLight { source: number, light, uniforms: source.uniforms_of(pair).start });
                 }
             }
         }
@@ -217,7 +217,7 @@ impl ProgramBuilder<'_, '_> {
     /// chunk. Returns the index of the lines that are read next.
     fn lights(&mut self, index: usize, active_lights: &ActiveLights, lines: Range<usize>) -> usize {
         let own = lines.start % CHUNK_LINES..lines.start % CHUNK_LINES + lines.len();
-        let part = self.pass.columns[self.inputs.place].part(index, lines.clone());
+        let part = self.pass.columns[self.inputs.tile_index].part(index, lines.clone());
         let kept = self.inputs.kept.map(|kept| kept.part(index, lines));
         // The sums still hold the chunk before.
         let mut stale = [true; 3];

@@ -241,15 +241,15 @@ impl<'a, 'f> VectorMath<'a, 'f> {
     }
 
     /// The bits of each lane moved left, as integers.
-    fn shift_left(&mut self, bits: Value, places: u32) -> Value {
-        let places = self.builder.ins().iconst(I32, i64::from(places));
-        self.builder.ins().ishl(bits, places)
+    fn shift_left(&mut self, bits: Value, count: u32) -> Value {
+        let count = self.builder.ins().iconst(I32, i64::from(count));
+        self.builder.ins().ishl(bits, count)
     }
 
     /// The bits of each lane moved right, as integers, with copies of the sign bit on the left.
-    fn shift_right(&mut self, bits: Value, places: u32) -> Value {
-        let places = self.builder.ins().iconst(I32, i64::from(places));
-        self.builder.ins().sshr(bits, places)
+    fn shift_right(&mut self, bits: Value, count: u32) -> Value {
+        let count = self.builder.ins().iconst(I32, i64::from(count));
+        self.builder.ins().sshr(bits, count)
     }
 
     /// `bits` in all four lanes, as integers.

@@ -157,9 +157,9 @@ impl ColumnsEvaluator {
         plan: &ContributionPlan,
         kept: &[Column],
         parameters: &[f32],
-        place: [usize; 3],
+        indices: [usize; 3],
     ) -> Vec<Column> {
-        let [tile, group, emitter] = place;
+        let [tile, group, emitter] = indices;
         let (columns, of) = (&self.tiles[tile][group], &self.hits.tiles[tile].groups[group]);
         let light = self.hits.world.light_of(of.emitters[emitter]);
         let uniforms = self.uniforms(plan, graph, parameters, of.body.index(), light.index());
@@ -168,22 +168,22 @@ impl ColumnsEvaluator {
 
     /// Adds a pass to a picture; the weights of paths are given tile by tile.
     fn add(&self, pass: &Pass, parameters: &[f32], weights: &dyn Fn(&Tile) -> Vec<Weight>, picture: &mut [[f32; 3]]) {
-        for (tile_place, tile) in self.hits.tiles.iter().enumerate() {
+        for (tile_index, tile) in self.hits.tiles.iter().enumerate() {
             let weights = weights(tile);
             let mut put = |pixel: usize, weight: Weight, colour: [f32; 3]| {
                 let pixel = &mut picture[tile.pixels.start as usize + pixel];
                 pixel.iter_mut().zip(weight.of(colour)).for_each(|(sum, component)| *sum += component);
             };
-            for (group_place, group) in tile.groups.iter().enumerate() {
+            for (group_index, group) in tile.groups.iter().enumerate() {
                 let body = group.body.index();
                 let mut sums = vec![[0.0; 3]; group.hits.len()];
                 for source in &pass.sources {
-                    for (emitter_place, emitter) in group.emitters.iter().enumerate() {
+                    for (emitter_index, emitter) in group.emitters.iter().enumerate() {
                         if !(source.active)(body, self.hits.world.light_of(*emitter).index()) {
                             continue;
                         }
                         let outputs = |plan, kept: &[Column]| {
-                            self.outputs(source.graph, plan, kept, parameters, [tile_place, group_place, emitter_place])
+                            self.outputs(source.graph, plan, kept, parameters, [tile_index, group_index, emitter_index])
                         };
                         let columns = outputs(source.plan, &source.kept.map(|kept| outputs(kept, &[])).unwrap_or_default());
                         for (channel, column) in source.channels.iter().zip(columns) {
@@ -299,14 +299,14 @@ impl ColumnsDrag {
         Pass { sources: std::iter::once(whole).chain(fixed).collect(), at_hits, at_misses: plan.fixed(Site::Miss, parameters, 0) }
     }
 
-    fn term_pass(&self, place: usize) -> Pass<'_> {
+    fn term_pass(&self, index: usize) -> Pass<'_> {
         let (evaluator, plan, parameters) = (&*self.evaluator, &self.plan, &self.parameters);
-        let term = &plan.terms[place];
+        let term = &plan.terms[index];
         let active = move |body: usize, light: usize| {
             (plan.moves_light_weight(light) || evaluator.is_on(parameters, light)) && plan.moves_pair(body, light)
         };
-        let source = term.contribution.map(|place| {
-            self.source(&plan.slider.moving[place], plan.moving_channels().components().collect(), Box::new(active))
+        let source = term.contribution.map(|contribution| {
+            self.source(&plan.slider.moving[contribution], plan.moving_channels().components().collect(), Box::new(active))
         });
         let at_hits = evaluator.at_hits(|body| plan.image_colour(term, Site::Hit, parameters, body));
         Pass { sources: source.into_iter().collect(), at_hits, at_misses: plan.image_colour(term, Site::Miss, parameters, 0) }

@@ -144,12 +144,12 @@ fn add_images<S: Simd, const C: usize>(
     let Some((base, images)) = images.split_first() else { return };
     for component in 0..C {
         // Explicit vectors: the compiler unrolls loops over few numbers, and then does not always vectorise them.
-        let vector = |rows: &Rows<C>, place: usize| S::as_simd_f32s(&rows[component]).0[place];
-        for (place, sum) in S::as_mut_simd_f32s(&mut sums[component]).0.iter_mut().enumerate() {
-            let mut total = vector(base, place);
+        let vector = |rows: &Rows<C>, index: usize| S::as_simd_f32s(&rows[component]).0[index];
+        for (index, sum) in S::as_mut_simd_f32s(&mut sums[component]).0.iter_mut().enumerate() {
+            let mut total = vector(base, index);
             for (rows, Factor(factor)) in images.iter().zip(factors) {
                 let factor = simd.splat_f32s(factor[first + component]);
-                total = simd.add_f32s(total, simd.mul_f32s(factor, vector(rows, place)));
+                total = simd.add_f32s(total, simd.mul_f32s(factor, vector(rows, index)));
             }
             *sum = total;
         }

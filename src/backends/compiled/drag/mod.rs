@@ -83,7 +83,7 @@ struct LiveTile {
 }
 
 impl CompiledDrag {
-    /// Begins a drag of numbers of one owner. `moved` are their places in `parameters`, which holds the values before
+    /// Begins a drag of numbers of one owner. `moved` are their indices in `parameters`, which holds the values before
     /// the drag. At most `budget` bytes are stored.
     ///
     /// # Errors
@@ -164,9 +164,9 @@ impl CompiledDrag {
         }
         // A step that costs more than a full evaluation is done alone.
         if counts.iter().all(|count| *count == 0)
-            && let Some(place) = self.tiles.iter().position(|tile| matches!(tile, TileState::Waiting { .. }))
+            && let Some(index) = self.tiles.iter().position(|tile| matches!(tile, TileState::Waiting { .. }))
         {
-            counts[place] = 1;
+            counts[index] = 1;
         }
         counts
     }
@@ -207,31 +207,31 @@ impl Drag for CompiledDrag {
         let factor = |key: Key| factor_of(key, &factors);
         // Once everything is made, few tiles are drawn by the general method.
         let whole = OnceLock::new();
-        let draw_all = |place: usize, scratch: &mut TileScratch, part: Part| {
-            compiled.draw_tile(whole.get_or_init(|| compiled.whole(parameters)), parameters, place, scratch, part);
+        let draw_all = |index: usize, scratch: &mut TileScratch, part: Part| {
+            compiled.draw_tile(whole.get_or_init(|| compiled.whole(parameters)), parameters, index, scratch, part);
         };
         let live = self.kernels.live_pass(compiled, parameters);
         let (channels, drawn) = (plan.channels, self.drawn);
         let tiles = framebuffer.parts().zip(&mut self.tiles);
-        compiled.each_tile(tiles, |(part, state), place, scratch| match state {
+        compiled.each_tile(tiles, |(part, state), index, scratch| match state {
             TileState::Untouched if drawn => {}
             TileState::Images { images, right } => {
                 let accurate = images.is_accurate(&factor);
                 if drawn && accurate && *right {
                     images.draw(compiled.width(), &factor, part);
                 } else {
-                    draw_all(place, scratch, part);
+                    draw_all(index, scratch, part);
                 }
                 *right = accurate;
             }
             TileState::Live(tile) if drawn => {
                 if let Some(live) = &live {
-                    path_weights(&compiled.hits.tiles[place], &compiled.equation, parameters, &mut scratch.weights);
-                    tile.draw(&compiled.hits.tiles[place], place, live, channels, scratch, part);
+                    path_weights(&compiled.hits.tiles[index], &compiled.equation, parameters, &mut scratch.weights);
+                    tile.draw(&compiled.hits.tiles[index], index, live, channels, scratch, part);
                 }
             }
             TileState::Untouched | TileState::Live(_) | TileState::Waiting { .. } | TileState::General => {
-                draw_all(place, scratch, part);
+                draw_all(index, scratch, part);
             }
         });
         self.drawn = true;
@@ -249,9 +249,9 @@ impl Drag for CompiledDrag {
                 passes: self.kernels.passes(&self.compiled, &self.parameters),
                 parameters: &self.parameters,
             };
-            self.compiled.each_tile(self.tiles.par_iter_mut().zip(counts), |(state, count), place, scratch| {
+            self.compiled.each_tile(self.tiles.par_iter_mut().zip(counts), |(state, count), index, scratch| {
                 for _ in 0..count {
-                    preparation.advance(state, place, scratch);
+                    preparation.advance(state, index, scratch);
                 }
             });
             self.settle();
@@ -287,22 +287,22 @@ struct Preparation<'p> {
 
 impl Preparation<'_> {
     /// Does the next step for a tile.
-    fn advance(&self, state: &mut TileState, place: usize, scratch: &mut TileScratch) {
+    fn advance(&self, state: &mut TileState, index: usize, scratch: &mut TileScratch) {
         let TileState::Waiting { steps, done, images, kept } = state else { return };
         let Some(step) = steps.get(*done) else { return };
         *done += 1;
         let (compiled, plan) = (self.compiled, &self.kernels.plan);
-        let tile = &compiled.hits.tiles[place];
+        let tile = &compiled.hits.tiles[index];
         let monomials = || PathMonomials::new(tile, &plan.equation, self.parameters, plan.weights);
         match step.work {
-            Work::Columns => *kept = self.passes.columns(compiled, place),
+            Work::Columns => *kept = self.passes.columns(compiled, index),
             Work::Image(key) => {
-                let touched = self.passes.make_image(plan, compiled, &monomials(), key, place, scratch);
+                let touched = self.passes.make_image(plan, compiled, &monomials(), key, index, scratch);
                 images.push(Image::new(key, &scratch.planes, &touched, plan.channels));
             }
             Work::Base => {
                 let monomials = monomials();
-                self.passes.make_base(compiled, &monomials, place, scratch);
+                self.passes.make_base(compiled, &monomials, index, scratch);
                 *state = match plan.method {
                     Method::Images if images.is_empty() => TileState::General,
                     Method::Images => {
@@ -334,12 +334,12 @@ impl LiveTile {
 
     /// Adds the live part to the fixed part, and writes the cells. The scratch memory holds the weights of the tile's
     /// paths.
-    fn draw(&mut self, tile: &Tile, place: usize, live: &Pass, channels: Channels, scratch: &mut TileScratch, part: Part) {
+    fn draw(&mut self, tile: &Tile, index: usize, live: &Pass, channels: Channels, scratch: &mut TileScratch, part: Part) {
         let stride = cells::stride(channels);
         for (cell, lanes) in self.cells.iter().zip(self.base.chunks_exact(stride)) {
             cells::restore(&mut scratch.planes, usize::from(*cell), channels, lanes);
         }
-        live.run(tile, place, self.kept.as_ref(), Accumulate::Add, scratch, &mut self.program);
+        live.run(tile, index, self.kept.as_ref(), Accumulate::Add, scratch, &mut self.program);
         let (planes, width) = (scratch.planes.components(), scratch.planes.width());
         width.dispatch(CellWriter { cells: &self.cells, planes, channels, part });
     }

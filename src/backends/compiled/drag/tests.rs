@@ -32,8 +32,8 @@ fn session() -> (Arc<Compiled>, Values) {
     (Arc::new(Compiled::new(compiled, &formula, &hits).expect("hits of the scene")), values)
 }
 
-/// The places of the numbers that a slider moves.
-fn places(values: &Values, slider: &str) -> Vec<usize> {
+/// The indices of the numbers that a slider moves.
+fn moved_by(values: &Values, slider: &str) -> Vec<usize> {
     let roster = values.table();
     let found = values.iter().find(|(owner, id, _)| roster.label(*owner, *id) == slider);
     let (owner, id, _) = found.expect("a slider");
@@ -53,7 +53,7 @@ fn left(drag: &CompiledDrag) -> (usize, u64) {
 fn preparing_takes_no_more_at_a_time_than_a_full_evaluation() {
     let (compiled, values) = session();
     for slider in SLIDERS {
-        let mut drag = CompiledDrag::new(&compiled, &places(&values, slider), values.numbers(), usize::MAX).expect("kernels");
+        let mut drag = CompiledDrag::new(&compiled, &moved_by(&values, slider), values.numbers(), usize::MAX).expect("kernels");
         let full = full_cost(&compiled);
         let (all, total) = left(&drag);
         assert!(all > 0 && !drag.is_ready(), "{slider}");
@@ -83,7 +83,7 @@ fn preparing_takes_no_more_at_a_time_than_a_full_evaluation() {
 fn nothing_is_kept_without_a_budget() {
     let (compiled, values) = session();
     for slider in SLIDERS {
-        let mut drag = CompiledDrag::new(&compiled, &places(&values, slider), values.numbers(), 0).expect("kernels");
+        let mut drag = CompiledDrag::new(&compiled, &moved_by(&values, slider), values.numbers(), 0).expect("kernels");
         while !drag.prepare() {
             assert_eq!(drag.bytes(), 0, "{slider}");
         }
@@ -102,11 +102,11 @@ fn nothing_is_kept_without_a_budget() {
 fn what_is_counted_is_what_is_kept() {
     let (compiled, values) = session();
     for slider in SLIDERS {
-        let mut drag = CompiledDrag::new(&compiled, &places(&values, slider), values.numbers(), usize::MAX).expect("kernels");
+        let mut drag = CompiledDrag::new(&compiled, &moved_by(&values, slider), values.numbers(), usize::MAX).expect("kernels");
         while !drag.prepare() {}
         let needed = drag.bytes();
         assert!(needed > 0, "{slider}");
-        let mut tight = CompiledDrag::new(&compiled, &places(&values, slider), values.numbers(), needed / 2).expect("kernels");
+        let mut tight = CompiledDrag::new(&compiled, &moved_by(&values, slider), values.numbers(), needed / 2).expect("kernels");
         loop {
             let ready = tight.prepare();
             assert!(tight.bytes() <= needed / 2, "{slider}: {} bytes of {needed}", tight.bytes());
