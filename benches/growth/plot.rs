@@ -41,31 +41,31 @@ pub(crate) fn svg(sweeps: &[Sweep]) -> String {
 <rect width="{WIDTH}" height="{height}" fill="white"/>
 "##
     );
-    for (place, sweep) in sweeps.iter().enumerate() {
-        panel(&mut text, place, sweep, &up);
+    for (index, sweep) in sweeps.iter().enumerate() {
+        panel(&mut text, index, sweep, &up);
     }
     legend(&mut text, sweeps.len());
     text + "</svg>\n"
 }
 
 /// The upper left corner of the axes of a panel.
-fn corner(place: usize) -> [f64; 2] {
-    [FIRST[0] + STEP[0] * (place % COLUMNS) as f64, FIRST[1] + STEP[1] * (place / COLUMNS) as f64]
+fn corner(index: usize) -> [f64; 2] {
+    [FIRST[0] + STEP[0] * (index % COLUMNS) as f64, FIRST[1] + STEP[1] * (index / COLUMNS) as f64]
 }
 
 fn line(text: &mut String, line: std::fmt::Arguments) {
     writeln!(text, "{line}").expect("writing to a string does not fail");
 }
 
-fn panel(text: &mut String, place: usize, sweep: &Sweep, up: &Scale) {
-    let [x, y] = corner(place);
+fn panel(text: &mut String, index: usize, sweep: &Sweep, up: &Scale) {
+    let [x, y] = corner(index);
     let [width, height] = AXES;
     let amounts = || sweep.points.iter().map(|(amount, _)| amount.log10());
     let (least, most) = (amounts().fold(f64::INFINITY, f64::min), amounts().fold(f64::NEG_INFINITY, f64::max));
     let air = AIR * (most - least);
     let along = Scale { from: least - air, to: most + air, length: width };
     line(text, format_args!(r#"<g transform="translate({x} {y})">"#));
-    let clip = format!("axes{place}");
+    let clip = format!("axes{index}");
     line(text, format_args!(r#"<clipPath id="{clip}"><rect width="{width}" height="{height}"/></clipPath>"#));
     line(text, format_args!(r#"<text x="0" y="-12" font-size="14" font-weight="bold">{}</text>"#, sweep.label));
 
@@ -102,8 +102,8 @@ fn panel(text: &mut String, place: usize, sweep: &Sweep, up: &Scale) {
     line(text, format_args!("</g>"));
 }
 
-fn legend(text: &mut String, place: usize) {
-    let [x, y] = corner(place);
+fn legend(text: &mut String, index: usize) {
+    let [x, y] = corner(index);
     line(text, format_args!(r#"<g transform="translate({x} {y})">"#));
     let mut row = 14.0;
     for (series, colour) in SERIES.iter().zip(COLOURS) {

@@ -32,14 +32,14 @@ pub(super) fn draw(diagnostic: &Diagnostic, source: &Source, colour: bool) -> St
         Severity::Error => (ReportKind::Error, Color::Red),
     };
     let sheet = MarkedLines::new(diagnostic, source);
-    let place = |index: usize| (NAME, sheet.marks[index].clone());
-    let mut report = Report::build(kind, place(0))
+    let label_span = |index: usize| (NAME, sheet.marks[index].clone());
+    let mut report = Report::build(kind, label_span(0))
         .with_config(Config::default().with_color(colour).with_index_type(IndexType::Byte))
         .with_message(diagnostic.message());
     for (index, label) in diagnostic.labels().iter().enumerate() {
         let text = if label.text.is_empty() { "here" } else { &label.text };
         let label_colour = if index == 0 { main_colour } else { Color::Blue };
-        report = report.with_label(Label::new(place(index)).with_message(text).with_color(label_colour));
+        report = report.with_label(Label::new(label_span(index)).with_message(text).with_color(label_colour));
     }
     for hint in diagnostic.hints() {
         report = report.with_help(hint);

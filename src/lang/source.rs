@@ -154,10 +154,10 @@ mod tests {
 
     #[test]
     fn bytes_that_are_not_utf8_are_located() {
-        let place = |bytes: &[u8]| Source::from_bytes("f", bytes.to_vec()).unwrap_err().message().to_owned();
-        assert!(place(b"one\ntw\xff").contains("line 2, byte 3"));
-        assert!(place(b"one\r\rtw\xff").contains("line 3, byte 3"));
-        assert!(place(b"one\r\ntw\xff").contains("line 2, byte 3"));
+        let message = |bytes: &[u8]| Source::from_bytes("f", bytes.to_vec()).unwrap_err().message().to_owned();
+        assert!(message(b"one\ntw\xff").contains("line 2, byte 3"));
+        assert!(message(b"one\r\rtw\xff").contains("line 3, byte 3"));
+        assert!(message(b"one\r\ntw\xff").contains("line 2, byte 3"));
     }
 
     #[test]

@@ -95,7 +95,7 @@ struct WantedPicture {
     numbers: Vec<f32>,
     /// Counts values and subjects.
     stamp: u64,
-    /// The places of the numbers of a slider that is held.
+    /// The indices of the numbers of a slider that is held.
     held: Option<Vec<usize>>,
     /// What was traced last, of the subject that is wanted.
     hits: Option<Arc<Hits>>,

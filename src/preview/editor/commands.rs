@@ -99,9 +99,9 @@ mod tests {
 
     /// The text after a command, with `[` and `]` around the selection, or `|` at the cursor.
     fn done(marked: &str, command: impl Fn(&str, Selection) -> Option<(Edit, Selection)>) -> String {
-        let place = |mark: &str| marked.find(mark);
+        let offset = |mark: &str| marked.find(mark);
         let text = marked.replace(['[', ']', '|'], "");
-        let selection = match (place("["), place("]"), place("|")) {
+        let selection = match (offset("["), offset("]"), offset("|")) {
             (Some(start), Some(end), _) => Selection { anchor: start, head: end - 1 },
             (_, _, Some(at)) => Selection::cursor(at),
             _ => panic!("no mark in {marked}"),

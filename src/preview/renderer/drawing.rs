@@ -17,7 +17,7 @@ const DRAG_BYTES: usize = 1 << 30;
 
 /// A slider that is held.
 struct Held {
-    places: Vec<usize>,
+    indices: Vec<usize>,
     drag: Readiness,
 }
 
@@ -58,14 +58,14 @@ impl Artist {
 
     /// Prepares a part of it. Another thread plans and compiles, and calls `done` at its end.
     pub(super) fn prepare(&mut self, done: impl FnOnce() + Send + 'static) {
-        let (Some(Held { places, drag }), Some((_, ready))) = (&mut self.held, &self.ready) else { return };
+        let (Some(Held { indices, drag }), Some((_, ready))) = (&mut self.held, &self.ready) else { return };
         *drag = match std::mem::replace(drag, Readiness::Impossible) {
             Readiness::First(numbers) => {
-                let (ready, places) = (Arc::clone(ready), places.clone());
+                let (ready, indices) = (Arc::clone(ready), indices.clone());
                 let is_done = Arc::new(AtomicBool::new(false));
                 let told = Arc::clone(&is_done);
                 let make = move || {
-                    let made = ready.drag(&places, &numbers, DRAG_BYTES).ok();
+                    let made = ready.drag(&indices, &numbers, DRAG_BYTES).ok();
                     told.store(true, Ordering::Release);
                     done();
                     made
@@ -112,8 +112,8 @@ impl Artist {
         let [width, height] = [hits.view.width(), hits.view.height()];
         let mut framebuffer = self.framebuffer_for(scenery, hits);
         let frame_start = Instant::now();
-        if self.held.as_ref().map(|held| &held.places) != held.as_ref() {
-            self.held = held.map(|places| Held { places, drag: Readiness::First(numbers.to_vec()) });
+        if self.held.as_ref().map(|held| &held.indices) != held.as_ref() {
+            self.held = held.map(|indices| Held { indices, drag: Readiness::First(numbers.to_vec()) });
         }
         let (method, undefined) = match &mut self.held {
             Some(Held { drag: Readiness::Made(drag), .. }) => {

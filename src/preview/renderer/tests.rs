@@ -18,7 +18,7 @@ fn scenery(width: u32, height: u32) -> (Scenery, Values) {
     (Scenery { subject: Subject::new(formula, scene, view), engine: Engine::default(), transfer: Transfer::Linear }, values)
 }
 
-/// Moves a slider of a body; the places of its numbers.
+/// Moves a slider of a body. Returns the indices of its numbers.
 fn moved_kd(values: &mut Values, to: f32) -> Vec<usize> {
     let table = values.table();
     let (owner, id, _) = values.iter().find(|(owner, id, _)| table.label(*owner, *id).ends_with(".kd")).expect("a slider");
@@ -57,8 +57,8 @@ fn the_newest_picture_comes_whatever_was_wanted_before() {
     // Many moves of a held slider: the last one is shown.
     let mut last = first;
     for step in 0..50 {
-        let places = moved_kd(&mut values, 0.02 * step as f32);
-        last = renderer.move_to(values.numbers(), Some(places));
+        let indices = moved_kd(&mut values, 0.02 * step as f32);
+        last = renderer.move_to(values.numbers(), Some(indices));
     }
     assert!(wait_for(&renderer, last).pixels == expected(&small, &values));
     // Another size while the last is still drawn: large enough to come coarsely first.
@@ -88,13 +88,13 @@ fn both_backends_show_the_same_and_a_transfer_brightens() {
     let sum = |picture: &Picture| picture.pixels.iter().flat_map(|word| word.to_be_bytes()).map(u64::from).sum::<u64>();
     assert!(sum(&bright) > sum(&one));
     // A slider is dragged from there on, and the transfer taken away while it is held.
-    let places = moved_kd(&mut values, 0.9);
-    let moved = renderer.move_to(values.numbers(), Some(places.clone()));
+    let indices = moved_kd(&mut values, 0.9);
+    let moved = renderer.move_to(values.numbers(), Some(indices.clone()));
     let srgb = Scenery { transfer: Transfer::Srgb, ..compiled.clone() };
     assert!(wait_for(&renderer, moved).pixels == expected(&srgb, &values));
     renderer.show(compiled.clone(), values.numbers());
     moved_kd(&mut values, 0.1);
-    let moved = renderer.move_to(values.numbers(), Some(places));
+    let moved = renderer.move_to(values.numbers(), Some(indices));
     assert!(wait_for(&renderer, moved).pixels == expected(&compiled, &values));
 }
 
@@ -107,8 +107,8 @@ fn who_waits_for_values_has_their_picture_then() {
     for step in 0..5 {
         renderer.wait_for(stamp, Duration::from_secs(60));
         assert!(renderer.take(&mut picture) && picture.values == stamp);
-        let places = moved_kd(&mut values, 0.1 * step as f32);
-        stamp = renderer.move_to(values.numbers(), Some(places));
+        let indices = moved_kd(&mut values, 0.1 * step as f32);
+        stamp = renderer.move_to(values.numbers(), Some(indices));
     }
     // Not longer than it was told.
     renderer.wait_for(stamp + 1, Duration::from_millis(1));

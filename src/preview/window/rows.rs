@@ -8,7 +8,7 @@ pub(super) struct RowBuffer(Vec<u32>);
 
 impl RowBuffer {
     /// Calls a function for each block of rows of a region. `pixels` has rows of `width`. The function gets the first
-    /// row of the block and its packed pixels, at max_pixels `max_pixels` unless one row has more.
+    /// row of the block and its packed pixels, at most `max_pixels` unless one row has more.
     ///
     /// # Errors
     /// The first error of the function.
