@@ -1,8 +1,7 @@
-//! Pictures made in the background: what is wanted goes in, the newest picture comes out, and nobody waits.
+//! Pictures made in the background. Callers say what they want, take the newest picture, and never wait.
 //!
-//! One thread traces, coarsely at first and then in full; another evaluates. Both look at what is wanted *now*: values
-//! that were overtaken are never drawn, and tracing that nobody wants any more ends soon. Nothing here knows of
-//! widgets.
+//! One thread traces, first at a low resolution and then in full; another evaluates. Both look at what is wanted *now*:
+//! outdated values are never drawn, and tracing that nobody wants any more ends soon. Nothing here knows of widgets.
 
 mod drawing;
 
@@ -10,21 +9,21 @@ use crate::engine::{Engine, Subject, Task};
 use crate::picture::Transfer;
 use crate::plan::Method;
 use crate::trace::{Counts, Hits, View};
-use drawing::Artist;
+use drawing::DrawingWorker;
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// What is shown, beside values.
+/// What is to be drawn, beside parameter numbers.
 #[derive(Clone)]
-pub struct Scenery {
+pub struct RenderRequest {
     /// The formula on the scene, as seen by a view.
     pub subject: Subject,
-    /// By which engine pictures are made.
+    /// The engine that makes the pictures.
     pub engine: Engine,
-    /// How colours become bytes.
+    /// How linear components become bytes.
     pub transfer: Transfer,
 }
 
@@ -91,7 +90,7 @@ pub enum Event {
 /// What is wanted.
 #[derive(Default)]
 struct WantedPicture {
-    scenery: Option<Scenery>,
+    request: Option<RenderRequest>,
     numbers: Vec<f32>,
     /// Counts values and subjects.
     stamp: u64,
@@ -175,14 +174,14 @@ impl Renderer {
 
     /// Shows another scene or formula, with these parameter numbers in the order of their layout. Returns their stamp,
     /// which increases by 1 with each call.
-    pub fn show(&self, scenery: Scenery, numbers: &[f32]) -> u64 {
+    pub fn show(&self, request: RenderRequest, numbers: &[f32]) -> u64 {
         let mut wanted = self.shared.wanted();
-        let kept = wanted.scenery.as_ref().is_some_and(|before| before.subject.same_hits(&scenery.subject));
+        let kept = wanted.request.as_ref().is_some_and(|before| before.subject.same_hits(&request.subject));
         if !kept {
             wanted.hits = None;
             self.shared.cancelled.store(true, Ordering::Relaxed);
         }
-        wanted.scenery = Some(scenery);
+        wanted.request = Some(request);
         wanted.held = None;
         self.set(wanted, numbers)
     }
@@ -254,25 +253,25 @@ impl Drop for Renderer {
 fn trace_forever(shared: &Arc<RendererState>, events: &Sender<Event>) {
     let mut traced: Option<Subject> = None;
     loop {
-        let scenery = {
+        let request = {
             let mut wanted = shared.wanted();
             loop {
                 if wanted.quit {
                     return;
                 }
-                match &wanted.scenery {
-                    Some(scenery) if !traced.as_ref().is_some_and(|traced| traced.same_hits(&scenery.subject)) => break,
+                match &wanted.request {
+                    Some(request) if !traced.as_ref().is_some_and(|traced| traced.same_hits(&request.subject)) => break,
                     Some(_) | None => wanted = shared.wait(wanted),
                 }
             }
             // A later request sets the flag again.
             shared.cancelled.store(false, Ordering::Relaxed);
-            wanted.scenery.clone()
+            wanted.request.clone()
         };
-        let Some(scenery) = scenery else { continue };
-        traced = Some(scenery.subject.clone());
-        for view in stages(&scenery.subject.view) {
-            if trace_stage(shared, events, &scenery, view).is_none() {
+        let Some(request) = request else { continue };
+        traced = Some(request.subject.clone());
+        for view in stages(&request.subject.view) {
+            if trace_stage(shared, events, &request, view).is_none() {
                 break;
             }
         }
@@ -295,7 +294,7 @@ fn stages(view: &View) -> Vec<View> {
 fn trace_stage(
     shared: &RendererState,
     events: &Sender<Event>,
-    Scenery { subject, engine, .. }: &Scenery,
+    RenderRequest { subject, engine, .. }: &RenderRequest,
     view: View,
 ) -> Option<()> {
     let start = Instant::now();
@@ -321,7 +320,7 @@ fn trace_stage(
         }
     };
     let mut wanted = shared.wanted();
-    if !wanted.scenery.as_ref().is_some_and(|wanted| wanted.subject.same_hits(subject)) {
+    if !wanted.request.as_ref().is_some_and(|wanted| wanted.subject.same_hits(subject)) {
         return None;
     }
     let (size, full) = ([view.width(), view.height()], view == subject.view);
@@ -342,26 +341,26 @@ fn draw_forever(shared: &Arc<RendererState>, events: &Sender<Event>) {
             shared.changed.notify_all();
         }
     };
-    let mut artist = Artist::default();
+    let mut worker = DrawingWorker::default();
     let mut drawn: Option<(u64, Arc<Hits>)> = None;
     // The last picture, until its NaN pixels are counted.
     let mut unseen: Option<(Arc<Hits>, Vec<f32>)> = None;
     loop {
-        let (scenery, hits, numbers, held, stamp) = {
+        let (request, hits, numbers, held, stamp) = {
             let mut wanted = shared.wanted();
             loop {
                 if wanted.quit {
                     return;
                 }
-                if let (Some(scenery), Some(hits)) = (&wanted.scenery, &wanted.hits) {
+                if let (Some(request), Some(hits)) = (&wanted.request, &wanted.hits) {
                     let done = |(stamp, of): &(u64, Arc<Hits>)| *stamp == wanted.stamp && Arc::ptr_eq(of, hits);
                     if !drawn.as_ref().is_some_and(done) {
-                        break (scenery.clone(), Arc::clone(hits), wanted.numbers.clone(), wanted.held.clone(), wanted.stamp);
+                        break (request.clone(), Arc::clone(hits), wanted.numbers.clone(), wanted.held.clone(), wanted.stamp);
                     }
                 }
-                if artist.has_more_to_prepare() {
+                if worker.has_more_to_prepare() {
                     drop(wanted);
-                    artist.prepare(again());
+                    worker.prepare(again());
                     wanted = shared.wanted();
                 } else if unseen.is_some() {
                     let timeout;
@@ -370,7 +369,7 @@ fn draw_forever(shared: &Arc<RendererState>, events: &Sender<Event>) {
                         && let Some((hits, numbers)) = unseen.take()
                     {
                         drop(wanted);
-                        let undefined = artist.undefined(&hits, &numbers);
+                        let undefined = worker.undefined(&hits, &numbers);
                         let _ = events.send(Event::Undefined(undefined));
                         if undefined > 0 {
                             (shared.wake)();
@@ -387,7 +386,7 @@ fn draw_forever(shared: &Arc<RendererState>, events: &Sender<Event>) {
         };
         let rests = held.is_none();
         let room = || shared.spare.lock().unwrap_or_else(PoisonError::into_inner).pop().unwrap_or_default();
-        match artist.draw(&scenery, &hits, &numbers, held, &tell, room) {
+        match worker.draw(&request, &hits, &numbers, held, &tell, room) {
             Ok((mut picture, undefined)) => {
                 if let Some(undefined) = undefined.filter(|_| rests) {
                     tell(Event::Undefined(undefined));
@@ -406,7 +405,7 @@ fn draw_forever(shared: &Arc<RendererState>, events: &Sender<Event>) {
         drawn = Some((stamp, hits));
         (shared.wake)();
         // Also if a new picture is wanted already: otherwise a quick drag would never be prepared.
-        artist.prepare(again());
+        worker.prepare(again());
     }
 }
 

@@ -12,7 +12,7 @@ use crate::engine::{Engine, Subject};
 use crate::formula::{Formula, ParameterId};
 use crate::lang::diagnostic::Diagnostics;
 use crate::lang::source::Source;
-use crate::preview::renderer::{Picture, Renderer, Scenery};
+use crate::preview::renderer::{Picture, RenderRequest, Renderer};
 use crate::scene::Scene;
 use crate::trace::{View, ViewError};
 use crate::workspace::Location;
@@ -149,8 +149,8 @@ impl Workshop {
         self.held = None;
         // The settings have been checked.
         let Ok(view) = self.view() else { return };
-        let scenery = Scenery { subject: self.subject(view), engine: self.engine(), transfer: self.picture.transfer() };
-        self.requested = self.renderer.show(scenery, self.values.numbers());
+        let request = RenderRequest { subject: self.subject(view), engine: self.engine(), transfer: self.picture.transfer() };
+        self.requested = self.renderer.show(request, self.values.numbers());
     }
 
     fn subject(&self, view: View) -> Subject {
