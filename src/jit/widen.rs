@@ -4,7 +4,7 @@
 //! with AVX-512 512 bits. A kernel computes lane by lane, and nearly every VEX instruction has a counterpart that does
 //! the same to more lanes. So:
 //!
-//! 1. A kernel is written for steps of two or four times as many bytes (see [`LoopShape`](super::kernel::LoopShape))
+//! 1. A kernel is written for vectors of two or four times as many bytes (see [`LoopShape`](super::kernel::LoopShape))
 //!    and compiled as usual.
 //! 2. Its instructions are decoded, and each is replaced by its counterpart from the table below. Constants are
 //!    repeated for more lanes.

@@ -128,7 +128,7 @@ impl Display {
         let connection = &self.connection;
         for region in changed {
             let wide = (region.right - region.left) as u16;
-            self.rows.for_each_block(pixels, width, region, room, |first, part| {
+            self.rows.for_each_band(pixels, width, region, room, |first, part| {
                 let high = (part.len() / usize::from(wide).max(1)) as u16;
                 let [x, y] = [region.left, first as i32].map(|at| at as i16);
                 let bytes = bytemuck::cast_slice(part);

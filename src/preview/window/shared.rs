@@ -16,7 +16,7 @@ use x11rb::rust_connection::RustConnection;
 const FOLDER: &str = "/dev/shm";
 
 /// How many pixels are packed and written at a time; they fit into a cache.
-const BLOCK: usize = 1 << 16;
+const BAND_PIXELS: usize = 1 << 16;
 
 /// Why shared memory cannot be used. Any reason leads to the same fallback.
 type Refusal = Box<dyn std::error::Error>;
@@ -89,7 +89,7 @@ impl SharedPixels {
         let mut offset = 0;
         for region in changed {
             let [left, top, wide, high] = [region.left, region.top, region.right - region.left, region.bottom - region.top];
-            self.rows.for_each_block(pixels, width, region, BLOCK, |first, part| {
+            self.rows.for_each_band(pixels, width, region, BAND_PIXELS, |first, part| {
                 segment.write(part, offset + 4 * (first - top as usize) * wide as usize)
             })?;
             // The window and its pixels fit the numbers of the protocol.

@@ -108,7 +108,7 @@ fn every_primitive_is_widened_and_computes_its_meaning_at_every_width() {
         let turned = (0..if cases.len() < 2000 { 16 } else { 1 }).flat_map(|turn| cases.iter().chain(&cases[..turn]));
         let cases: Vec<Vec<f32>> = turned.cloned().collect();
         for width in Width::supported() {
-            // Columns are computed one step at a time, sums several side by side.
+            // Columns are computed one vector at a time, sums several side by side.
             for sink in [Sink::Columns, Sink::Sums] {
                 let (lanes, results) = results(primitive, &cases, width, sink);
                 // Noise is called, four points at a time.
