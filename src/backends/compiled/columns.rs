@@ -133,9 +133,9 @@ impl Columns {
         Ok(arrangements.into_iter().map(tile).collect())
     }
 
-    /// The columns that a source computes for each record of a tile where it is active, from these static columns and
+    /// The drag columns that a source computes for each record of a tile where it is active, from static columns and
     /// uniform values.
-    pub(super) fn kept(tile: &Tile, given: &Columns, source: &ContributionSource, uniforms: &[Splat]) -> Self {
+    pub(super) fn for_drag(tile: &Tile, given: &Columns, source: &ContributionSource, uniforms: &[Splat]) -> Self {
         let is_active = |group: &Group, emitter: &EmitterId| source.active[source.pair(group.body, *emitter)];
         let outputs = source.overwrite.outputs();
         let arrangement =

@@ -54,13 +54,13 @@ impl TileScratch {
 
 impl Pass<'_> {
     /// Runs the pass over a tile, into the planes of the scratch memory, which holds the weights of the tile's paths.
-    /// `tile_index` is the index of the tile. `kept` are columns of a drag, if kernels read any. `program` keeps the
-    /// order of work of this tile in passes like this one.
+    /// `tile_index` is the index of the tile. `drag_columns` are given if kernels read any. `program` keeps the order of
+    /// work of this tile in passes like this one.
     pub(super) fn run(
         &self,
         tile: &Tile,
         tile_index: usize,
-        kept: Option<&Columns>,
+        drag_columns: Option<&Columns>,
         accumulate: Accumulate,
         scratch: &mut TileScratch,
         program: &mut TileProgram,
@@ -71,7 +71,7 @@ impl Pass<'_> {
         program.fetch();
         self.fill_regions(tile, accumulate, scratch);
         let TileScratch { planes, weights, sums, span_weights, .. } = scratch;
-        let inputs = TileInputs { tile, tile_index, kept, weights };
+        let inputs = TileInputs { tile, tile_index, drag_columns, weights };
         program.prepare(self, &inputs);
         span_weights.clear();
         span_weights.extend(tile.spans.iter().map(|span| weights[span.path.index()].0 as f32));

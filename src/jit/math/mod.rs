@@ -267,15 +267,15 @@ impl<'a, 'f> VectorMath<'a, 'f> {
     fn and_bits(&mut self, x: Value, mask: u32) -> Value {
         let x = self.int(x);
         let mask = self.bits(mask);
-        let kept = self.builder.ins().band(x, mask);
-        self.float(kept)
+        let masked = self.builder.ins().band(x, mask);
+        self.float(masked)
     }
 
     /// x where `mask` (an `I32X4`) is set, +0 elsewhere.
     fn keep(&mut self, mask: Value, x: Value) -> Value {
         let x = self.int(x);
-        let kept = self.builder.ins().band(x, mask);
-        self.float(kept)
+        let masked = self.builder.ins().band(x, mask);
+        self.float(masked)
     }
 
     /// The bits set in either operand.

@@ -117,7 +117,7 @@ struct Source<'s> {
     channels: Vec<usize>,
     active: Box<dyn Fn(usize, usize) -> bool + 's>,
     /// Whether its kernel reads the columns of a drag.
-    kept: Option<&'s ContributionPlan>,
+    drag_columns: Option<&'s ContributionPlan>,
 }
 
 /// What a pass adds up over all hits and misses.
@@ -155,7 +155,7 @@ impl ColumnsEvaluator {
         &self,
         graph: &Graph,
         plan: &ContributionPlan,
-        kept: &[Column],
+        drag_columns: &[Column],
         parameters: &[f32],
         indices: [usize; 3],
     ) -> Vec<Column> {
@@ -163,7 +163,7 @@ impl ColumnsEvaluator {
         let (columns, of) = (&self.tiles[tile][group], &self.hits.tiles[tile].groups[group]);
         let light = self.hits.world.light_of(of.emitters[emitter]);
         let uniforms = self.uniforms(plan, graph, parameters, of.body.index(), light.index());
-        run(&plan.records, graph, [&columns.hits, &columns.records[emitter], kept], &uniforms, of.hits.len())
+        run(&plan.records, graph, [&columns.hits, &columns.records[emitter], drag_columns], &uniforms, of.hits.len())
     }
 
     /// Adds a pass to a picture; the weights of paths are given tile by tile.
@@ -182,10 +182,13 @@ impl ColumnsEvaluator {
                         if !(source.active)(body, self.hits.world.light_of(*emitter).index()) {
                             continue;
                         }
-                        let outputs = |plan, kept: &[Column]| {
-                            self.outputs(source.graph, plan, kept, parameters, [tile_index, group_index, emitter_index])
+                        let outputs = |plan, drag_columns: &[Column]| {
+                            self.outputs(source.graph, plan, drag_columns, parameters, [tile_index, group_index, emitter_index])
                         };
-                        let columns = outputs(source.plan, &source.kept.map(|kept| outputs(kept, &[])).unwrap_or_default());
+                        let columns = outputs(
+                            source.plan,
+                            &source.drag_columns.map(|drag_columns| outputs(drag_columns, &[])).unwrap_or_default(),
+                        );
                         for (channel, column) in source.channels.iter().zip(columns) {
                             sums.iter_mut().zip(column).for_each(|(sum, value)| sum[*channel] += value);
                         }
@@ -220,7 +223,7 @@ impl ColumnsEvaluator {
     /// The whole contribution, for some pairs.
     fn source<'s>(&'s self, active: impl Fn(usize, usize) -> bool + 's) -> Source<'s> {
         let (plan, graph) = (&self.plan.contribution, &self.plan.bindings.graph);
-        Source { plan, graph, channels: vec![0, 1, 2], active: Box::new(active), kept: None }
+        Source { plan, graph, channels: vec![0, 1, 2], active: Box::new(active), drag_columns: None }
     }
 
     fn weights(&self, tile: &Tile, parameters: &[f32]) -> Vec<Weight> {
@@ -286,7 +289,7 @@ impl ColumnsDrag {
         channels: Vec<usize>,
         active: Box<dyn Fn(usize, usize) -> bool + 's>,
     ) -> Source<'s> {
-        Source { plan, graph: &self.plan.slider.separation.bindings.graph, channels, active, kept: None }
+        Source { plan, graph: &self.plan.slider.separation.bindings.graph, channels, active, drag_columns: None }
     }
 
     /// Everything that does not move.
@@ -353,7 +356,7 @@ impl ColumnsDrag {
         let (evaluator, plan) = (&*self.evaluator, &self.plan);
         let active = Box::new(|body, light| evaluator.is_on(parameters, light) && plan.moves_pair(body, light));
         let mut source = self.source(&plan.slider.moving[0], plan.moving_channels().components().collect(), active);
-        source.kept = plan.slider.columns.as_ref();
+        source.drag_columns = plan.slider.columns.as_ref();
         let at_hits = evaluator.at_hits(|body| plan.moving(Site::Hit, parameters, body));
         let pass = Pass { sources: vec![source], at_hits, at_misses: [0.0; 3] };
         evaluator.add(&pass, parameters, &|tile| evaluator.weights(tile, parameters), picture);

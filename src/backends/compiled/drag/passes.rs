@@ -177,7 +177,7 @@ impl Passes<'_> {
     pub(super) fn columns(&self, compiled: &Compiled, index: usize) -> Option<Columns> {
         let tile = &compiled.hits.tiles[index];
         let columns = |(source, uniforms): &(ContributionSource, Vec<Splat>)| {
-            Columns::kept(tile, &compiled.columns[index], source, uniforms)
+            Columns::for_drag(tile, &compiled.columns[index], source, uniforms)
         };
         self.columns.as_ref().map(columns)
     }
