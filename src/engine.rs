@@ -151,7 +151,7 @@ impl Engine {
     /// Does the work that depends on the formula alone. The backend keeps formulas that it has compiled.
     ///
     /// # Errors
-    /// The backend cannot take the formula.
+    /// The backend does not support the formula.
     pub fn compile(&self, formula: &Arc<Formula>) -> Result<(), EngineError> {
         self.backend.compile(formula)?;
         Ok(())
@@ -191,7 +191,7 @@ impl Engine {
         self.prepare(subject, &hits)
     }
 
-    /// The picture of these parameter numbers, as many as the [`Layout`](crate::formula::layout::Layout) has: the
+    /// The picture of these parameter numbers, in the order of the [`Layout`](crate::formula::layout::Layout): the
     /// mean of `samples` × `samples` rays for each pixel (0 counts as 1), in linear RGB, not clamped. It may
     /// contain NaN. Each of the samples² pictures is traced.
     ///

@@ -44,7 +44,7 @@ pub enum Channels {
 }
 
 impl Channels {
-    /// The components.
+    /// The components, a range within 0..3.
     pub fn components(self) -> Range<usize> {
         match self {
             Channels::All => 0..3,
@@ -60,7 +60,7 @@ pub struct MovedTerm {
     pub term: usize,
     /// The factor that moves.
     pub factor: Predefined,
-    /// Which components of the term move.
+    /// Whether red, green and blue of the term move.
     pub components: [bool; 3],
 }
 
@@ -93,9 +93,9 @@ pub struct DragPlan {
     pub slider: Arc<SliderPlan>,
     /// Where the parameters of equation (2) lie.
     pub equation: Equation,
-    /// The owner whose numbers move.
+    /// The owner whose numbers move: its kind and its index.
     pub owner: (Owner, usize),
-    /// The indices of the numbers that move, in order.
+    /// The indices in the layout of the numbers that move, in ascending order.
     pub moved: Vec<usize>,
     /// The graph that the factors of terms belong to.
     pub bindings: Bindings,
@@ -105,18 +105,18 @@ pub struct DragPlan {
     pub terms: Vec<ImageTerm>,
     /// The terms of equation (2) without the formula that move.
     pub moved_terms: Vec<MovedTerm>,
-    /// The indices of kr and kt, if they move.
+    /// The indices in the layout of the moved kr and kt, if they move.
     pub weights: [Option<usize>; 2],
 }
 
 /// The factors of a picture: those of each image term, and the moved kr and kt (1 if they do not move).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Factors {
-    /// Red, green and blue of each term.
+    /// Red, green and blue of each of [`DragPlan::terms`]; 0 where its image has no such component.
     pub terms: Vec<[f32; 3]>,
-    /// The moved kr.
+    /// The moved kr, usually 0 to 1.
     pub kr: f64,
-    /// The moved kt.
+    /// The moved kt, usually 0 to 1.
     pub kt: f64,
 }
 
@@ -163,14 +163,15 @@ impl DragPlan {
         Self { method, channels, slider, equation, owner, moved, bindings, leaves, terms, moved_terms, weights }
     }
 
-    /// Whether two arrays of parameter numbers differ only in numbers that move.
+    /// Whether two arrays of parameter numbers have the same length, and differ only in numbers that move. Bits are
+    /// compared.
     pub fn same_fixed(&self, one: &[f32], other: &[f32]) -> bool {
         let fixed = |index: usize| self.moved.binary_search(&index).is_err();
         one.len() == other.len()
             && one.iter().zip(other).enumerate().all(|(index, (a, b))| a.to_bits() == b.to_bits() || !fixed(index))
     }
 
-    /// Whether the formula moves for a pair of a body and a light.
+    /// Whether the formula moves for a pair of a body and a light, given by their indices.
     pub fn moves_pair(&self, body: usize, light: usize) -> bool {
         let (owner, index) = self.owner;
         self.slider.separation.dependence != Dependence::None
@@ -211,6 +212,9 @@ impl DragPlan {
     }
 
     /// The factors of the picture of these parameter numbers: red, green and blue for each term, and kr and kt.
+    ///
+    /// # Panics
+    /// Where there are fewer numbers than the layout has.
     pub fn factors(&self, parameters: &[f32]) -> Factors {
         let number = |index: usize| flush(parameters[index]);
         let leaf = |id: NodeId| self.leaves.iter().find(|(node, _)| *node == id).map_or(0.0, |(_, index)| number(*index));
@@ -223,6 +227,9 @@ impl DragPlan {
 
     /// The sum of the terms of a site without the formula at the hits of a body, in linear RGB, not clamped. Components
     /// that move are left out. At misses, the body has no meaning.
+    ///
+    /// # Panics
+    /// Where there are fewer numbers than the layout has.
     pub fn fixed(&self, site: Site, parameters: &[f32], body: usize) -> [f32; 3] {
         let mut sum = [0.0; 3];
         for (index, term) in TERMS.iter().enumerate().filter(|(_, term)| term.site == site) {
@@ -234,6 +241,9 @@ impl DragPlan {
     }
 
     /// The same sum, of the components that move.
+    ///
+    /// # Panics
+    /// Where there are fewer numbers than the layout has.
     pub fn moving(&self, site: Site, parameters: &[f32], body: usize) -> [f32; 3] {
         let mut sum = [0.0; 3];
         for moved in self.moved_at(site).filter(|moved| self.moves_at(moved, body)) {
@@ -243,8 +253,11 @@ impl DragPlan {
         sum
     }
 
-    /// The colour of an image term at the hits of a body, or at misses, without its contribution: the moved terms
-    /// without their moved factor.
+    /// The colour of an image term at the hits of a body, or at misses, in linear RGB, without its contribution: the
+    /// moved terms without their moved factor.
+    ///
+    /// # Panics
+    /// Where there are fewer numbers than the layout has.
     pub fn image_colour(&self, term: &ImageTerm, site: Site, parameters: &[f32], body: usize) -> [f32; 3] {
         let mut sum = [0.0; 3];
         let moved_terms = term.moved_terms.iter().map(|index| &self.moved_terms[*index]);

@@ -22,7 +22,8 @@ pub struct FormulaPlan {
 /// How outputs are computed from columns and parameters in a frame: first uniform values, then records.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ContributionPlan {
-    /// Parameters of pairs of a body and a light → uniform values. Its first stream holds the parameters.
+    /// Parameters of pairs of a body and a light → uniform values. Its records are the pairs, and its first stream
+    /// holds the parameters.
     pub uniforms: KernelPlan,
     /// Columns of the hit frontier, of the record frontier and of a drag, and uniform values → outputs.
     pub records: KernelPlan,

@@ -8,11 +8,11 @@ use crate::formula::{Parameter, ParameterId};
 use crate::plan::formula::ContributionPlan;
 use crate::plan::kernel::Sink;
 
-/// Components of parameters that move together.
+/// Components of parameters that move together, each counted from 0.
 pub type Moved = [(ParameterId, u8)];
 
-/// The components of parameters whose numbers have these indices, each with its index. Indices beyond the layout are
-/// left out.
+/// The components of parameters whose numbers have these indices in the layout: index, parameter and component, 0..3.
+/// Indices beyond the layout are left out.
 pub fn moved_parameters(layout: &Layout, parameters: &[Parameter], indices: &[usize]) -> Vec<(usize, ParameterId, u8)> {
     let moved = |index: &usize| {
         let (owner, _, slot) = layout.owner_of(*index)?;
@@ -32,7 +32,8 @@ pub fn moved_parameters(layout: &Layout, parameters: &[Parameter], indices: &[us
 pub struct SliderPlan {
     /// Which parts of the contribution move, and the graph that all nodes belong to.
     pub separation: Separation,
-    /// The components of the contribution that the moving kernels compute: none, one, or all three.
+    /// The components of the contribution that the moving kernels compute, 0 red, 1 green, 2 blue: none, one, or all
+    /// three.
     pub channels: Vec<usize>,
     /// The part of the contribution of moved pairs that does not move, where it is not 0. All three components.
     pub fixed: Option<ContributionPlan>,

@@ -116,8 +116,8 @@ impl View {
         self.offset
     }
 
-    /// The primary ray of a pixel, counted row by row from the top left. Pixels are square, and the camera's angle of
-    /// view spans the height of the picture.
+    /// The primary ray of a pixel, counted row by row from the top left, in world coordinates. Pixels are square, and
+    /// the camera's angle of view spans the height of the picture.
     pub fn primary_ray(&self, camera: &Camera, pixel: u32) -> Ray {
         let (width, height) = (f64::from(self.width), f64::from(self.height));
         let column = f64::from(pixel % self.width) + self.offset[0];

@@ -54,8 +54,8 @@ impl TileScratch {
 
 impl Pass<'_> {
     /// Runs the pass over a tile, into the planes of the scratch memory, which holds the weights of the tile's paths.
-    /// `tile_index` is the index of the tile. `drag_columns` are given if kernels read any. `program` keeps the order of
-    /// work of this tile in passes like this one.
+    /// `tile_index` is the index of the tile. `drag_columns` are given if kernels read any. `program` keeps the order
+    /// of work of this tile in passes like this one.
     pub(super) fn run(
         &self,
         tile: &Tile,

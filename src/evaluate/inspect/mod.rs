@@ -58,7 +58,7 @@ impl<'i> Inspector<'i> {
         Self { formula, world, equation, parameters }
     }
 
-    /// Follows the rays of a pixel, column and row from the top left; `None` outside the picture.
+    /// Follows the rays of a pixel, given as column and row from the top left. `None` outside the picture.
     pub fn inspect(&self, view: &View, pixel: [u32; 2]) -> Option<Inspection> {
         let [column, row] = pixel;
         if column >= view.width() || row >= view.height() {
