@@ -1,4 +1,4 @@
-//! A cache of compiled formulas: to apply a formula again, or to go back to an earlier one, compiles nothing.
+//! A cache of compiled formulas: nothing is compiled when a formula is applied again, or an earlier one comes back.
 
 use crate::formula::Formula;
 use crate::formula::binding::Bindings;

@@ -4,8 +4,8 @@
 //! yield. From the table follow the [`Primitive`] enumeration and the [`Scalars`] trait with a method for every
 //! primitive. [`Floats`] computes them in `f32`, which is the meaning of the language; [`Doubles`] computes the same in
 //! `f64`, to judge results in `f32`. Other implementations of [`Scalars`] give the primitives another meaning: the
-//! expression graph records them, the code generator emits instructions for them. One that lacks a primitive does not
-//! compile. Operators and functions of the language are written in terms of these methods, in
+//! expression graph records them, the code generator emits instructions for them. An implementation that lacks a
+//! primitive does not compile. Operators and functions of the language are written in terms of these methods, in
 //! [`builtins`](crate::lang::builtins).
 
 use crate::lang::interval::Interval;

@@ -1,6 +1,6 @@
 //! Texts with their names, and places in them as people count them: lines and columns.
 //!
-//! Nothing here reads files; whoever does passes the bytes.
+//! Nothing here reads files. The caller passes the bytes.
 
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::lines::{LINE_ENDS, count_line_ends, line_end, line_start};

@@ -1,5 +1,5 @@
-//! What holds of every tracing: the store says what the trees of rays say, replaying it gives the same bits, and
-//! neither scale nor threads matter.
+//! What is true of every traced picture: the store says what the trees of rays say, replaying it gives the same bits,
+//! and neither scale nor threads matter.
 
 use super::*;
 use crate::lang::source::Source;
