@@ -19,7 +19,7 @@ use std::time::{Duration, Instant};
 /// What is to be drawn, beside parameter numbers.
 #[derive(Clone)]
 pub struct RenderRequest {
-    /// The formula on the scene, as seen by a view.
+    /// Formula, world and view.
     pub subject: Subject,
     /// The engine that makes the pictures.
     pub engine: Engine,
@@ -36,11 +36,11 @@ pub struct Picture {
     pub height: u32,
     /// Row by row from the top left, `0x00RRGGBB`.
     pub pixels: Vec<u32>,
-    /// Pictures are counted; 0 is none.
+    /// The number of the picture, counted from 1. 0 is no picture.
     pub version: u64,
     /// The stamp of its parameter numbers, from [`Renderer::show`] or [`Renderer::move_to`].
     pub values: u64,
-    /// The size that it stands for: a coarse one has fewer pixels.
+    /// Width and height that were asked for. A picture of low resolution has fewer pixels.
     pub full_size: [u32; 2],
 }
 
@@ -54,9 +54,9 @@ impl Picture {
 /// What happened in the background.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Event {
-    /// A formula was compiled, or found among those that were.
+    /// A formula was compiled, or found in the cache of compiled formulas.
     Compiled(Duration),
-    /// Rays were traced, in full where `full`.
+    /// Rays were traced.
     Traced {
         /// How long it took.
         time: Duration,
@@ -64,26 +64,27 @@ pub enum Event {
         counts: Counts,
         /// Pixels in a row, and rows.
         size: [u32; 2],
-        /// Whether that is the size that was asked for.
+        /// Whether this is the size that was asked for.
         full: bool,
     },
-    /// Static values of all hits were worked out, and the first picture was drawn.
+    /// Static values of all hits were computed, and the first picture was drawn.
     Ready {
         /// How long that took.
         time: Duration,
-        /// The memory at rest, in bytes a pixel.
+        /// The memory that the evaluator keeps, in bytes for each pixel.
         bytes_per_pixel: f64,
     },
     /// A frame was drawn.
     Frame {
-        /// How: none where it was no drag.
+        /// The method of the drag; `None` if it was no drag.
         method: Option<Method>,
         /// How long it took.
         time: Duration,
     },
-    /// The number of pixels with a component that is not a number, in a picture at rest. They are black there.
+    /// The number of pixels with a component that is NaN, counted when nothing has changed for a while. The picture
+    /// shows such components as 0.
     Undefined(usize),
-    /// There is no picture, and why.
+    /// There is no picture. The text says why.
     Failed(String),
 }
 
@@ -92,11 +93,11 @@ pub enum Event {
 struct WantedPicture {
     request: Option<RenderRequest>,
     numbers: Vec<f32>,
-    /// Counts values and subjects.
+    /// Increases by 1 when numbers or request change.
     stamp: u64,
     /// The indices of the numbers of a slider that is held.
     held: Option<Vec<usize>>,
-    /// What was traced last, of the subject that is wanted.
+    /// The hits that were traced last for the wanted subject.
     hits: Option<Arc<Hits>>,
     quit: bool,
 }
@@ -105,13 +106,14 @@ struct WantedPicture {
 struct RendererState {
     wanted: Mutex<WantedPicture>,
     changed: Condvar,
-    /// The newest picture that was not taken yet, and buffers to be used again.
+    /// The newest picture, if nobody has taken it yet.
     newest: Mutex<Option<Picture>>,
     arrived: Condvar,
+    /// Buffers of old pictures, to be used again.
     spare: Mutex<Vec<Vec<u32>>>,
     /// Ends tracing.
     cancelled: AtomicBool,
-    /// How much is traced, in thousandths; 1000 where nothing is being traced.
+    /// How much is traced, in thousandths. 1000 if nothing is being traced.
     progress: AtomicU32,
     versions: AtomicU64,
     wake: Box<dyn Fn() + Send + Sync>,
@@ -127,22 +129,22 @@ impl RendererState {
     }
 }
 
-/// Makes pictures.
+/// Makes pictures on threads of its own.
 pub struct Renderer {
     shared: Arc<RendererState>,
     events: Receiver<Event>,
     threads: Vec<JoinHandle<()>>,
 }
 
-/// Pictures of at most this many pixels are not traced coarsely first: they take milliseconds.
+/// Pictures of at most this many pixels are traced in full at once: that takes milliseconds.
 const SMALL: u32 = 320 * 200;
 /// After this time without a change, the NaN pixels of a picture are counted.
 const REST: Duration = Duration::from_millis(250);
-/// Along each side, a coarse picture has one pixel for each of this many.
+/// A picture of low resolution has one pixel for this many in each direction.
 const COARSE: u32 = 4;
 
 impl Renderer {
-    /// Starts the threads; `wake` is called, from any of them, when there is something to see.
+    /// Starts the threads. They call `wake` when there is something new to see.
     ///
     /// # Errors
     /// No thread can be started.
@@ -176,8 +178,8 @@ impl Renderer {
     /// which increases by 1 with each call.
     pub fn show(&self, request: RenderRequest, numbers: &[f32]) -> u64 {
         let mut wanted = self.shared.wanted();
-        let kept = wanted.request.as_ref().is_some_and(|before| before.subject.same_hits(&request.subject));
-        if !kept {
+        let same_hits = wanted.request.as_ref().is_some_and(|before| before.subject.same_hits(&request.subject));
+        if !same_hits {
             wanted.hits = None;
             self.shared.cancelled.store(true, Ordering::Relaxed);
         }
@@ -225,12 +227,12 @@ impl Renderer {
         self.shared.wanted().hits.as_ref().filter(|hits| hits.view == *view).map(Arc::clone)
     }
 
-    /// What happened since it was asked last.
+    /// What happened since the last call.
     pub fn events(&self) -> impl Iterator<Item = Event> {
         self.events.try_iter()
     }
 
-    /// How much of a picture is traced, 0..1; none where nothing is being traced.
+    /// How much of a picture is traced, 0..1. `None` if nothing is being traced.
     pub fn progress(&self) -> Option<f32> {
         let thousandths = self.shared.progress.load(Ordering::Relaxed);
         (thousandths < 1000).then_some(thousandths as f32 / 1000.0)
@@ -243,7 +245,7 @@ impl Drop for Renderer {
         self.shared.cancelled.store(true, Ordering::Relaxed);
         self.shared.changed.notify_all();
         for thread in self.threads.drain(..) {
-            // One that panicked has said so.
+            // A thread that panicked has reported it already.
             let _ = thread.join();
         }
     }

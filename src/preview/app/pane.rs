@@ -109,14 +109,13 @@ impl PicturePane {
         let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
         self.area = rect;
         self.update_size(ui, workshop, scale);
-        if let (PaneMode::Split(_), Some(kept)) = (self.mode, self.kept(workshop)) {
-            let (shown, versions) = (workshop.shown(), [kept.version, workshop.shown().version]);
+        if let (PaneMode::Split(_), Some(old)) = (self.mode, self.snapshot_picture(workshop)) {
+            let (shown, versions) = (workshop.shown(), [old.version, workshop.shown().version]);
             let columns = (self.line * shown.width as f32).round() as usize;
             if (self.split.versions, self.split.columns) != (versions, columns) {
                 // A version that no picture has, and that differs from the previous one.
                 let version = 1 << 63 | (self.split.picture.version + 1);
-                self.split =
-                    SideBySide { picture: Picture { version, ..join_pictures(kept, shown, columns) }, versions, columns };
+                self.split = SideBySide { picture: Picture { version, ..join_pictures(old, shown, columns) }, versions, columns };
             }
         }
         self.clamp_offset(workshop, scale);
@@ -184,7 +183,7 @@ impl PicturePane {
     fn update_size(&mut self, ui: &Ui, workshop: &mut Workshop, scale: f32) {
         let side = |length: f32| ((length * scale) as u32).clamp(16, MAX_SIDE);
         let size = match self.mode {
-            PaneMode::Split(slot) if let Some(kept) = workshop.snapshot(slot) => kept.picture.full_size,
+            PaneMode::Split(slot) if let Some(snapshot) = workshop.snapshot(slot) => snapshot.picture.full_size,
             PaneMode::Current | PaneMode::Snapshot(_) | PaneMode::Split(_) => [side(self.area.width()), side(self.area.height())],
         };
         let now = ui.input(|input| input.time);
@@ -206,23 +205,24 @@ impl PicturePane {
         }
     }
 
-    fn kept<'w>(&self, workshop: &'w Workshop) -> Option<&'w Picture> {
+    /// The picture of the snapshot in view.
+    fn snapshot_picture<'w>(&self, workshop: &'w Workshop) -> Option<&'w Picture> {
         match self.mode {
             PaneMode::Current => None,
-            PaneMode::Snapshot(slot) | PaneMode::Split(slot) => workshop.snapshot(slot).map(|kept| &kept.picture),
+            PaneMode::Snapshot(slot) | PaneMode::Split(slot) => workshop.snapshot(slot).map(|snapshot| &snapshot.picture),
         }
     }
 
     /// The picture in view.
     pub(super) fn picture<'p>(&'p self, workshop: &'p Workshop) -> &'p Picture {
-        match (self.mode, self.kept(workshop)) {
-            (PaneMode::Snapshot(_), Some(kept)) => kept,
+        match (self.mode, self.snapshot_picture(workshop)) {
+            (PaneMode::Snapshot(_), Some(picture)) => picture,
             (PaneMode::Split(_), Some(_)) => &self.split.picture,
             (PaneMode::Current | PaneMode::Snapshot(_) | PaneMode::Split(_), _) => workshop.shown(),
         }
     }
 
-    /// Screen pixels per pixel of a picture. A coarse picture has larger pixels.
+    /// Screen pixels per pixel of a picture. A picture of low resolution has larger pixels.
     fn zoom_of(&self, picture: &Picture) -> u32 {
         let coarse = picture.full_size[0].div_ceil(picture.width.max(1)).max(1);
         self.zoom * coarse
@@ -241,7 +241,7 @@ impl PicturePane {
     fn line_at(&self, workshop: &Workshop, scale: f32) -> Option<f32> {
         let PaneMode::Split(_) = self.mode else { return None };
         let width = (self.picture(workshop).full_size[0] * self.zoom) as f32;
-        self.kept(workshop).map(|_| self.area.left() + (self.offset[0] as f32 + self.line * width) / scale)
+        self.snapshot_picture(workshop).map(|_| self.area.left() + (self.offset[0] as f32 + self.line * width) / scale)
     }
 
     /// Centres a picture that is smaller than the pane. A larger one always covers the pane.

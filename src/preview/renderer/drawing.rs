@@ -23,13 +23,13 @@ struct Held {
 
 /// What pictures of a held slider are made with.
 enum Readiness {
-    /// Nothing yet. These are the numbers of its first picture.
+    /// Nothing yet. These are the parameter numbers of its first picture.
     First(Vec<f32>),
     /// A thread compiles kernels, while pictures are drawn in full. Its result is `None` if they cannot be compiled.
     /// It sets the flag when it is about to end.
     Making(JoinHandle<Option<Box<dyn Drag>>>, Arc<AtomicBool>),
     Made(Box<dyn Drag>),
-    /// There are no kernels for it, and every picture is drawn in full.
+    /// There are no kernels for the slider. Every picture is drawn in full.
     Impossible,
 }
 
@@ -56,7 +56,7 @@ impl DrawingWorker {
         }
     }
 
-    /// Prepares a part of it. Another thread plans and compiles, and calls `done` at its end.
+    /// Prepares a part of the drag. Another thread plans and compiles it, and calls `done` at its end.
     pub(super) fn prepare(&mut self, done: impl FnOnce() + Send + 'static) {
         let (Some(Held { indices, drag }), Some((_, ready))) = (&mut self.held, &self.ready) else { return };
         *drag = match std::mem::replace(drag, Readiness::Impossible) {
