@@ -151,7 +151,7 @@ impl Engine {
     /// Does the work that depends on the formula alone. The backend keeps formulas that it has compiled.
     ///
     /// # Errors
-    /// The backend cannot take the formula.
+    /// The backend does not support the formula.
     pub fn compile(&self, formula: &Arc<Formula>) -> Result<(), EngineError> {
         self.backend.compile(formula)?;
         Ok(())
@@ -191,21 +191,21 @@ impl Engine {
         self.prepare(subject, &hits)
     }
 
-    /// The picture of these parameter numbers, one for each place of the [`Layout`](crate::formula::layout::Layout):
-    /// the mean of `samples` × `samples` rays for each pixel (0 counts as 1), in linear RGB, not clamped. It may
+    /// The picture of these parameter numbers, in the order of the [`Layout`](crate::formula::layout::Layout): the
+    /// mean of `samples` × `samples` rays for each pixel (0 counts as 1), in linear RGB, not clamped. It may
     /// contain NaN. Each of the samples² pictures is traced.
     ///
     /// # Errors
     /// One of the stages failed.
     ///
     /// # Panics
-    /// Where there are fewer parameter numbers than places.
+    /// Where there are fewer parameter numbers than the layout has.
     pub fn picture(&self, subject: &Subject, parameters: &[f32], samples: u32, task: &Task) -> Result<Frame, EngineError> {
         let count = samples.max(1).pow(2);
         let mut mean: Option<Frame> = None;
         for sample in 0..count {
-            let place = |step: u32| (f64::from(step) + 0.5) / f64::from(samples.max(1));
-            let offset = [place(sample % samples.max(1)), place(sample / samples.max(1))];
+            let centre = |step: u32| (f64::from(step) + 0.5) / f64::from(samples.max(1));
+            let offset = [centre(sample % samples.max(1)), centre(sample / samples.max(1))];
             let subject = Subject { view: subject.view.with_offset(offset), ..subject.clone() };
             let progress = |share: f64| (task.progress)((f64::from(sample) + share) / f64::from(count));
             let frame = self.evaluator(&subject, &Task { progress: &progress, ..*task })?.frame(parameters);

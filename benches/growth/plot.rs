@@ -44,31 +44,31 @@ pub(crate) fn svg(sweeps: &[Sweep]) -> String {
 <rect width="{WIDTH}" height="{height}" fill="white"/>
 "##
     );
-    for (place, sweep) in sweeps.iter().enumerate() {
-        panel(&mut text, place, sweep, &up);
+    for (index, sweep) in sweeps.iter().enumerate() {
+        panel(&mut text, index, sweep, &up);
     }
     legend(&mut text, FIRST[1] + STEP[1] * rows);
     text + "</svg>\n"
 }
 
 /// The upper left corner of the axes of a panel.
-fn corner(place: usize) -> [f64; 2] {
-    [FIRST[0] + STEP[0] * (place % COLUMNS) as f64, FIRST[1] + STEP[1] * (place / COLUMNS) as f64]
+fn corner(index: usize) -> [f64; 2] {
+    [FIRST[0] + STEP[0] * (index % COLUMNS) as f64, FIRST[1] + STEP[1] * (index / COLUMNS) as f64]
 }
 
 fn line(text: &mut String, line: std::fmt::Arguments) {
     writeln!(text, "{line}").expect("writing to a string does not fail");
 }
 
-fn panel(text: &mut String, place: usize, sweep: &Sweep, up: &Scale) {
-    let [x, y] = corner(place);
+fn panel(text: &mut String, index: usize, sweep: &Sweep, up: &Scale) {
+    let [x, y] = corner(index);
     let [width, height] = AXES;
     let amounts = || sweep.points.iter().map(|(amount, _)| amount.log10());
     let (least, most) = (amounts().fold(f64::INFINITY, f64::min), amounts().fold(f64::NEG_INFINITY, f64::max));
     let air = AIR * (most - least);
     let along = Scale { from: least - air, to: most + air, length: width };
     line(text, format_args!(r#"<g transform="translate({x} {y})">"#));
-    let clip = format!("axes{place}");
+    let clip = format!("axes{index}");
     line(text, format_args!(r#"<clipPath id="{clip}"><rect width="{width}" height="{height}"/></clipPath>"#));
     line(text, format_args!(r#"<text x="0" y="-12" font-size="14" font-weight="bold">{}</text>"#, sweep.label));
 
@@ -107,8 +107,8 @@ fn panel(text: &mut String, place: usize, sweep: &Sweep, up: &Scale) {
 
 fn legend(text: &mut String, top: f64) {
     line(text, format_args!(r#"<g transform="translate({} {top})">"#, FIRST[0]));
-    for (place, (series, colour)) in SERIES.iter().zip(COLOURS).enumerate() {
-        let left = ENTRY * place as f64;
+    for (index, (series, colour)) in SERIES.iter().zip(COLOURS).enumerate() {
+        let left = ENTRY * index as f64;
         line(text, format_args!(r#"<path d="M{left} 0h34" stroke="{colour}" stroke-width="2"/>"#));
         line(text, format_args!(r#"<circle cx="{}" cy="0" r="3" fill="{colour}"/>"#, left + 17.0));
         line(text, format_args!(r#"<text x="{}" y="4">{}</text>"#, left + 42.0, series.name));

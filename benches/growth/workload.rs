@@ -92,9 +92,9 @@ impl Workload {
         let mut text = "bodies;\n floor: rectangle, <-6,0,-6>, <6,0,-6>, <6,0,6>, opaque;\n".to_owned();
         let side = self.spheres_a_side;
         let cell = FLOOR / f64::from(side);
-        let place = |index: u32| (f64::from(index) + 0.5) * cell - FLOOR / 2.0;
+        let coordinate = |index: u32| (f64::from(index) + 0.5) * cell - FLOOR / 2.0;
         for (row, column) in (0..side).flat_map(|row| (0..side).map(move |column| (row, column))) {
-            let (x, z, radius) = (place(column), place(row), 0.3 * cell);
+            let (x, z, radius) = (coordinate(column), coordinate(row), 0.3 * cell);
             let kind = if is_glass(row, column) { "refractive_index 1.5" } else { "opaque" };
             add(
                 &mut text,
@@ -117,13 +117,13 @@ impl Workload {
         let view = View::new(width, height).and_then(|view| view.with_depth(self.depth)).expect("settings within their ranges");
         let numbers = self.numbers(&formula, &scene);
         let mut framebuffer = Framebuffer::black(width, height, Transfer::Linear);
-        let bodies = moved(&numbers, &all_places(&formula, &scene, &["kd", "h"]), [1.0, 0.999]);
-        let places = places(&formula, &scene, "floor", "kd");
-        let slider = moved(&numbers, &places, [1.0, 0.5]);
+        let bodies = moved(&numbers, &all_indices(&formula, &scene, &["kd", "h"]), [1.0, 0.999]);
+        let indices = indices_of(&formula, &scene, "floor", "kd");
+        let slider = moved(&numbers, &indices, [1.0, 0.5]);
         let (engine, subject) = (Engine::default().with_memory(u64::MAX), Subject::new(formula, scene, view));
         let hits = engine.trace(&subject, &Task::UNWATCHED).expect("tracing that nobody cancels");
         let compiled = engine.prepare(&subject, &hits).expect("a formula that can be compiled");
-        let mut dragged = Arc::clone(&compiled).drag(&places, &slider[0], DRAG_BUDGET).expect("kernels for a slider");
+        let mut dragged = Arc::clone(&compiled).drag(&indices, &slider[0], DRAG_BUDGET).expect("kernels for a slider");
         while !dragged.prepare() {}
         // The first frame draws everything.
         dragged.frame(&slider[0], &mut framebuffer);
@@ -147,7 +147,7 @@ impl Workload {
     /// Parameter numbers that give every ray a weight other than 0.
     fn numbers(self, formula: &Formula, scene: &Scene) -> Vec<f32> {
         let mut numbers = Values::defaults(formula, scene).numbers().to_vec();
-        let mut set = |name: &str, parameter, value| numbers[places(formula, scene, name, parameter)[0]] = value;
+        let mut set = |name: &str, parameter, value| numbers[indices_of(formula, scene, name, parameter)[0]] = value;
         set("floor", "kr", 0.2);
         for (row, column) in (0..self.spheres_a_side).flat_map(|row| (0..self.spheres_a_side).map(move |column| (row, column))) {
             let name = format!("s{row}_{column}");
@@ -186,16 +186,16 @@ fn add(text: &mut String, more: std::fmt::Arguments) {
     text.write_fmt(more).expect("writing to a string does not fail");
 }
 
-/// The positions of the numbers of an owner's parameter.
-fn places(formula: &Formula, scene: &Scene, owner: &str, parameter: &str) -> Vec<usize> {
+/// The indices of the numbers of an owner's parameter.
+fn indices_of(formula: &Formula, scene: &Scene, owner: &str, parameter: &str) -> Vec<usize> {
     let values = Values::defaults(formula, scene);
     let owner: OwnerId = values.table().owners().named(owner).expect("an owner of the scene");
     let id = values.table().parameter_named(parameter).expect("a parameter of the model");
     values.table().indices(owner, id).expect("a parameter of this owner").collect()
 }
 
-/// The positions of the numbers of these parameters of all bodies.
-fn all_places(formula: &Formula, scene: &Scene, parameters: &[&str]) -> Vec<usize> {
+/// The indices of the numbers of these parameters of all bodies.
+fn all_indices(formula: &Formula, scene: &Scene, parameters: &[&str]) -> Vec<usize> {
     let values = Values::defaults(formula, scene);
     let table = values.table();
     let ids = parameters.iter().map(|name| table.parameter_named(name).expect("a parameter of the model"));
@@ -203,11 +203,11 @@ fn all_places(formula: &Formula, scene: &Scene, parameters: &[&str]) -> Vec<usiz
     pairs.filter_map(|(owner, id)| table.indices(owner, id)).flatten().collect()
 }
 
-/// Two copies of the numbers, those at these positions multiplied by a factor.
-fn moved(numbers: &[f32], places: &[usize], factors: [f32; 2]) -> [Vec<f32>; 2] {
+/// Two copies of the numbers, those with these indices multiplied by a factor.
+fn moved(numbers: &[f32], indices: &[usize], factors: [f32; 2]) -> [Vec<f32>; 2] {
     factors.map(|factor| {
         let mut moved = numbers.to_vec();
-        places.iter().for_each(|place| moved[*place] *= factor);
+        indices.iter().for_each(|index| moved[*index] *= factor);
         moved
     })
 }

@@ -126,8 +126,8 @@ impl Script {
         for name in ["kd", "h", "s", "m"] {
             for owner in self.values.table().owners().of_kind(Owner::Body) {
                 let id = self.values.table().parameter_named(name);
-                let Some(places) = id.and_then(|id| self.values.table().indices(owner, id)) else { continue };
-                for number in &mut moved[places] {
+                let Some(indices) = id.and_then(|id| self.values.table().indices(owner, id)) else { continue };
+                for number in &mut moved[indices] {
                     *number += if name == "s" && *number >= 0.5 { -STEP } else { STEP };
                 }
             }
@@ -139,9 +139,9 @@ impl Script {
     /// them.
     fn slider_moved(&self, slider: Slider) -> (Vec<usize>, [Vec<f32>; 2]) {
         let (owner, id) = self.find(slider);
-        let mut places = self.values.moved_indices(owner, id);
+        let mut indices = self.values.moved_indices(owner, id);
         if let Some(component) = slider.component {
-            places = vec![places[component]];
+            indices = vec![indices[component]];
         }
         let [low, high] = self.values.range_of(owner, id).unwrap_or([0.0, 1.0]);
         let turns = [0.25, 0.75].map(|share| {
@@ -155,7 +155,7 @@ impl Script {
             values.move_to(owner, id, value);
             values.numbers().to_vec()
         });
-        (places, turns)
+        (indices, turns)
     }
 
     fn find(&self, slider: Slider) -> (OwnerId, ParameterId) {
@@ -229,8 +229,8 @@ pub(crate) struct Dragged {
 impl Dragged {
     /// With a budget of 0 nothing is kept, and every tile that the slider affects is evaluated in full.
     pub(crate) fn new(stage: &Stage, slider: Slider, budget: usize) -> Self {
-        let (places, turns) = stage.script.slider_moved(slider);
-        let drag = Arc::clone(&stage.compiled).drag(&places, &turns[0], budget).expect("kernels for a slider");
+        let (indices, turns) = stage.script.slider_moved(slider);
+        let drag = Arc::clone(&stage.compiled).drag(&indices, &turns[0], budget).expect("kernels for a slider");
         let mut dragged = Self { drag, turns: Turns::new(turns), framebuffer: stage.framebuffer() };
         while !dragged.drag.prepare() {}
         // The first frame draws everything.

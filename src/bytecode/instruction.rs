@@ -12,9 +12,9 @@ pub enum Instruction {
     ScalarValue(f32),
     /// Pushes three numbers. `VECTOR_VAL`
     VectorValue([f32; 3]),
-    /// Pushes the parameter number at this place of the layout. `SCALAR_PTR`
+    /// Pushes the parameter number with this index. `SCALAR_PTR`
     ScalarReference(u32),
-    /// Pushes the three parameter numbers from this place on. `VECTOR_PTR`
+    /// Pushes the three parameter numbers from this index on. `VECTOR_PTR`
     VectorReference(u32),
     /// Replaces a weight and a vector by their product. If the weight is 0, the product is 0, even if the vector is
     /// infinite or NaN.
@@ -121,8 +121,8 @@ impl fmt::Display for Instruction {
         match self {
             Instruction::ScalarValue(value) => write!(f, "SCALAR_VAL {value}"),
             Instruction::VectorValue([x, y, z]) => write!(f, "VECTOR_VAL <{x}, {y}, {z}>"),
-            Instruction::ScalarReference(place) => write!(f, "SCALAR_PTR [{place}]"),
-            Instruction::VectorReference(place) => write!(f, "VECTOR_PTR [{place}]"),
+            Instruction::ScalarReference(index) => write!(f, "SCALAR_PTR [{index}]"),
+            Instruction::VectorReference(index) => write!(f, "VECTOR_PTR [{index}]"),
             Instruction::Weigh => write!(f, "WEIGH"),
             Instruction::Guard(bytes) => write!(f, "GUARD {bytes}"),
             Instruction::Variable(variable) => write!(f, "VAR_{}_{}", variable.name(), variable.ty().letter()),

@@ -28,8 +28,8 @@ where
             VECTOR_VALUE => (0..3).for_each(|_| stack.push(scalars.constant(f32::from_bits(word(&mut rest))))),
             SCALAR_REFERENCE => stack.push(scalars.constant(parameters[word(&mut rest) as usize])),
             VECTOR_REFERENCE => {
-                let place = word(&mut rest) as usize;
-                parameters[place..place + 3].iter().for_each(|number| stack.push(scalars.constant(*number)));
+                let first = word(&mut rest) as usize;
+                parameters[first..first + 3].iter().for_each(|number| stack.push(scalars.constant(*number)));
             }
             WEIGH => {
                 let [weight, x, y, z] = stack.pop();

@@ -3,7 +3,7 @@
 use crate::bytecode::compile::Code;
 use crate::bytecode::instruction::Instruction;
 use crate::bytecode::machine;
-use crate::formula::equation::{Colour, Equation, EquationTerm, REFLECTED, REFRACTED, Site, index_of};
+use crate::formula::equation::{Colour, Equation, EquationTerm, REFLECTED, REFRACTED, Site, owner_index};
 use crate::lang::builtins::{Operation, Stack};
 use crate::lang::scalars::{Scalars, flush};
 use crate::lang::types::Type;
@@ -17,7 +17,7 @@ use crate::world::World;
 pub struct Instantiation<'i> {
     /// The code of the formula, of type I.
     pub code: &'i Code,
-    /// The places of parameter numbers.
+    /// The indices of parameter numbers.
     pub equation: Equation,
     /// The world.
     pub world: &'i World,
@@ -104,7 +104,7 @@ impl Programs {
         self.code.len()
     }
 
-    /// The program of the pixel at this place.
+    /// The program of the pixel with this index. `None` where there is no such pixel.
     pub fn program(&self, index: usize) -> Option<Program<'_>> {
         let end = *self.ends.get(index)?;
         let start = index.checked_sub(1).map_or(0, |before| self.ends[before]);
@@ -158,12 +158,12 @@ impl BytecodeBuilder<'_> {
         instruction.encode(self.code);
     }
 
-    /// A reference to a predefined parameter of the owner of this index.
-    fn parameter(&mut self, predefined: Predefined, index: usize) {
-        let place = self.instantiation.equation.place(predefined, index) as u32;
+    /// A reference to a predefined parameter of the owner with index `owner`.
+    fn parameter(&mut self, predefined: Predefined, owner: usize) {
+        let index = self.instantiation.equation.index(predefined, owner) as u32;
         self.emit(match predefined.ty() {
-            Type::Scalar | Type::Truth => Instruction::ScalarReference(place),
-            Type::Vector => Instruction::VectorReference(place),
+            Type::Scalar | Type::Truth => Instruction::ScalarReference(index),
+            Type::Vector => Instruction::VectorReference(index),
         });
     }
 
@@ -172,7 +172,7 @@ impl BytecodeBuilder<'_> {
         enum BuildTask {
             Node(usize),
             Child(Predefined, Child, usize),
-            /// Ends a guarded child. The operand of the guard is at this place of the code.
+            /// Ends a guarded child. The operand of the guard is at this offset of the code.
             Close(usize),
         }
         let mut tasks = vec![BuildTask::Node(0)];
@@ -239,14 +239,14 @@ impl BytecodeBuilder<'_> {
     /// A term of equation (2), added to the `count` terms before it.
     fn term(&mut self, term: &EquationTerm, body: usize, light: usize, count: &mut usize, formula: impl FnOnce(&mut Self)) {
         if let Some(weight) = term.weight {
-            self.parameter(weight, index_of(weight, body, light));
+            self.parameter(weight, owner_index(weight, body, light));
         }
         match term.colour {
             Colour::Formula => formula(self),
             Colour::Parameters(factors) => {
-                for (place, factor) in factors.iter().enumerate() {
-                    self.parameter(*factor, index_of(*factor, body, light));
-                    if place > 0 {
+                for (number, factor) in factors.iter().enumerate() {
+                    self.parameter(*factor, owner_index(*factor, body, light));
+                    if number > 0 {
                         self.emit(Instruction::Operation(Operation::MulVV));
                     }
                 }
@@ -274,15 +274,15 @@ impl BytecodeBuilder<'_> {
                     }
                 }
                 Instruction::Parameter(owner, ty, slot) => {
-                    let index = match owner {
+                    let owner_index = match owner {
                         Owner::Global => 0,
                         Owner::Body => node.hit.body.index(),
                         Owner::Light => light.index(),
                     };
-                    let place = (equation.layout.row(owner, index) + slot as usize) as u32;
+                    let index = (equation.layout.row(owner, owner_index) + slot as usize) as u32;
                     match ty {
-                        Type::Scalar | Type::Truth => Instruction::ScalarReference(place),
-                        Type::Vector => Instruction::VectorReference(place),
+                        Type::Scalar | Type::Truth => Instruction::ScalarReference(index),
+                        Type::Vector => Instruction::VectorReference(index),
                     }
                 }
                 same @ (Instruction::ScalarValue(_)

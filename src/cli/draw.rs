@@ -32,14 +32,14 @@ pub(super) fn draw(diagnostic: &Diagnostic, source: &Source, colour: bool) -> St
         Severity::Error => (ReportKind::Error, Color::Red),
     };
     let sheet = MarkedLines::new(diagnostic, source);
-    let place = |index: usize| (NAME, sheet.marks[index].clone());
-    let mut report = Report::build(kind, place(0))
+    let label_span = |index: usize| (NAME, sheet.marks[index].clone());
+    let mut report = Report::build(kind, label_span(0))
         .with_config(Config::default().with_color(colour).with_index_type(IndexType::Byte))
         .with_message(diagnostic.message());
     for (index, label) in diagnostic.labels().iter().enumerate() {
         let text = if label.text.is_empty() { "here" } else { &label.text };
         let label_colour = if index == 0 { main_colour } else { Color::Blue };
-        report = report.with_label(Label::new(place(index)).with_message(text).with_color(label_colour));
+        report = report.with_label(Label::new(label_span(index)).with_message(text).with_color(label_colour));
     }
     for hint in diagnostic.hints() {
         report = report.with_help(hint);
@@ -130,16 +130,16 @@ impl MarkedLines {
         Self { text, marks, places, last_lines }
     }
 
-    /// What `ariadne` has drawn, with the name and the places of the source. `ariadne` starts each block of lines with
-    /// the name and a place in the marked lines. Spaces at the ends of lines are removed.
+    /// What `ariadne` has drawn, with the name and the places of the source. `ariadne` starts each section of lines
+    /// with the name and a place in the marked lines. Spaces at the ends of lines are removed.
     fn with_places(&self, drawn: &str, name: &str) -> String {
-        let mut block_places = self.block_places();
+        let mut section_places = self.section_places();
         let mut text = String::with_capacity(drawn.len());
         for line in drawn.lines() {
             match line.split_once(NAME) {
                 Some((before, behind)) => {
                     let behind = behind.trim_start_matches(|c: char| c == ':' || c.is_ascii_digit());
-                    let (number, column) = block_places.next().unwrap_or(self.places[0]);
+                    let (number, column) = section_places.next().unwrap_or(self.places[0]);
                     text.push_str(&format!("{before}{name}:{number}:{column}{behind}"));
                 }
                 None => text.push_str(line),
@@ -150,9 +150,9 @@ impl MarkedLines {
         text
     }
 
-    /// The place of the first label of each block. `ariadne` begins a new block at a label that ends in an earlier line
-    /// than the one before.
-    fn block_places(&self) -> impl Iterator<Item = (usize, usize)> {
+    /// The place of the first label of each section. `ariadne` begins a new section at a label that ends in an
+    /// earlier line than the one before.
+    fn section_places(&self) -> impl Iterator<Item = (usize, usize)> {
         (0..self.places.len())
             .filter(|&label| label == 0 || self.last_lines[label] < self.last_lines[label - 1])
             .map(|label| self.places[label])
@@ -199,7 +199,7 @@ mod tests {
     }
 
     #[test]
-    fn blocks_have_their_own_places() {
+    fn sections_have_their_own_places() {
         insta::assert_snapshot!(error("one\ntwo\n\n\nfive\n", &[(10, 12), (1, 2)]), @r"
         Error: the message
            ╭─[ name:5:1 ]

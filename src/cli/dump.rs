@@ -49,8 +49,8 @@ enum Stage {
 }
 
 fn pixel(text: &str) -> Result<[u32; 2], String> {
-    let place = |text: &str| text.trim().parse().ok();
-    let read = text.split_once(',').and_then(|(x, y)| Some([place(x)?, place(y)?]));
+    let coordinate = |text: &str| text.trim().parse().ok();
+    let read = text.split_once(',').and_then(|(x, y)| Some([coordinate(x)?, coordinate(y)?]));
     read.ok_or_else(|| "expected column and row such as 320,240".to_owned())
 }
 
@@ -130,8 +130,8 @@ fn bytecode(input: &Project, pixel: Option<[u32; 2]>) -> Result<String, Failure>
         if x >= view.width() || y >= view.height() {
             return Err(outside(input, [x, y]));
         }
-        let place = y * view.width() + x;
-        let programs = engine::interpreter(&input.subject)?.program(place);
+        let index = y * view.width() + x;
+        let programs = engine::interpreter(&input.subject)?.program(index);
         text.push_str(&format!("\ntype II: pixel ({x}, {y}), {} bytes\n", programs.bytes()));
         for instruction in programs.program(0).into_iter().flat_map(|program| program.instructions()) {
             text.push_str(&format!("  {instruction}\n"));

@@ -9,9 +9,10 @@ pub trait Drag: Send {
     /// How pictures are made once everything is prepared.
     fn method(&self) -> Method;
 
-    /// Draws the picture of these numbers. After the first call, the framebuffer must hold the last picture of this
-    /// drag, with the same transfer: pixels that cannot have changed are not written. If any other number has changed,
-    /// the drag drops what it prepared and prepares it again.
+    /// Draws the picture of these parameter numbers, in the order of the [`Layout`](crate::formula::layout::Layout).
+    /// After the first call, the framebuffer must hold the last picture of this drag, with the same transfer: pixels
+    /// that cannot have changed are not written. If any other number has changed, the drag drops what it prepared and
+    /// prepares it again.
     ///
     /// # Panics
     /// Where the framebuffer has another size than the view, or there are too few parameter numbers.

@@ -13,14 +13,14 @@ pub struct Framebuffer {
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// The pixels.
+    /// The pixels, `width` × `height` of them.
     pub pixels: Vec<u32>,
     /// How colours drawn into it become bytes.
     pub transfer: Transfer,
 }
 
 impl Framebuffer {
-    /// A black picture.
+    /// A black picture of `width` × `height` pixels.
     pub fn black(width: u32, height: u32, transfer: Transfer) -> Self {
         Self { width, height, pixels: vec![0; width as usize * height as usize], transfer }
     }

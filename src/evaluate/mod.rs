@@ -64,7 +64,7 @@ pub trait Backend: Send + Sync {
     /// Does the work that depends on the formula alone. Returns the memory that its evaluators will keep.
     ///
     /// # Errors
-    /// The backend cannot take the formula.
+    /// The backend does not support the formula.
     fn compile(&self, formula: &Arc<Formula>) -> Result<Footprint, EvaluateError>;
 
     /// The memory that each thread takes at most while it prepares and evaluates this formula, in bytes.

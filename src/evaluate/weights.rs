@@ -4,8 +4,8 @@ use crate::formula::equation::{Equation, REFLECTED, REFRACTED};
 use crate::lang::scalars::flush;
 use crate::trace::{Edge, MAX_DEPTH, Path, Tile};
 
-/// The weight of a path. It is an `f64`, so that a product of weights other than 0 is never 0, and an infinite term
-/// stays infinite with any weight but 0.
+/// The weight of a path, usually 0 to 1. It is an `f64`, so that a product of weights other than 0 is never 0, and an
+/// infinite term stays infinite with any weight but 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Weight(pub f64);
 
@@ -23,7 +23,7 @@ impl Weight {
         self.0 < f64::from(f32::MIN_POSITIVE)
     }
 
-    /// The weighted colour.
+    /// The weighted colour, linear RGB.
     #[inline]
     pub fn of(self, colour: [f32; 3]) -> [f32; 3] {
         colour.map(|component| self.times(component))
@@ -36,8 +36,8 @@ impl Weight {
     }
 }
 
-/// The path before the last step, and the index of the parameter number that weights that step. `None` for a primary
-/// ray.
+/// The last factor of the weight of a path: the index of the path before its last step, and the index of the parameter
+/// number (kr or kt) that weights that step. `None` for a primary ray.
 pub fn last_factor(tile: &Tile, path: &Path, equation: &Equation) -> Option<(usize, usize)> {
     let weight = match path.edge {
         Edge::Primary => return None,
@@ -45,16 +45,19 @@ pub fn last_factor(tile: &Tile, path: &Path, equation: &Equation) -> Option<(usi
         Edge::Refracted => REFRACTED,
     };
     let parent = path.parent?.index();
-    Some((parent, equation.place(weight, tile.paths[parent].body?.index())))
+    Some((parent, equation.index(weight, tile.paths[parent].body?.index())))
 }
 
-/// Sets `weights` to the weights of all paths of a tile, in the order of its paths: products of kr and kt, usually 0 to
-/// 1. `parameters` has a number for each place of the layout.
+/// Sets `weights` to the weights of all paths of a tile, one for each, in the order of its paths: products of kr and
+/// kt, usually 0 to 1.
+///
+/// # Panics
+/// Where there are fewer parameter numbers than the layout has.
 pub fn path_weights(tile: &Tile, equation: &Equation, parameters: &[f32], weights: &mut Vec<Weight>) {
     weights.clear();
     for path in &tile.paths {
         let weight = match last_factor(tile, path, equation) {
-            Some((parent, place)) => Weight(weights[parent].0 * f64::from(flush(parameters[place]))),
+            Some((parent, index)) => Weight(weights[parent].0 * f64::from(flush(parameters[index]))),
             None => Weight(1.0),
         };
         weights.push(weight);
@@ -80,9 +83,12 @@ pub struct PathMonomials {
 
 impl PathMonomials {
     /// The weights of the paths of a tile, where the numbers at the indices `[kr, kt]` move.
+    ///
+    /// # Panics
+    /// Where there are fewer parameter numbers than the layout has.
     pub fn new(tile: &Tile, equation: &Equation, parameters: &[f32], moved: [Option<usize>; 2]) -> Self {
         let mut parameters = parameters.to_vec();
-        moved.into_iter().flatten().for_each(|place| parameters[place] = 1.0);
+        moved.into_iter().flatten().for_each(|index| parameters[index] = 1.0);
         let mut fixed = Vec::new();
         path_weights(tile, equation, &parameters, &mut fixed);
         let [kr, kt] = moved;
@@ -90,9 +96,9 @@ impl PathMonomials {
         for path in &tile.paths {
             powers.push(match last_factor(tile, path, equation) {
                 // A path has at most as many steps as the depth.
-                Some((parent, place)) => {
+                Some((parent, index)) => {
                     let Powers { reflections, refractions } = powers[parent];
-                    let moves = |moved: Option<usize>| u8::from(moved == Some(place));
+                    let moves = |moved: Option<usize>| u8::from(moved == Some(index));
                     match path.edge {
                         Edge::Reflected => Powers { reflections: reflections + moves(kr), refractions },
                         Edge::Refracted | Edge::Primary => Powers { reflections, refractions: refractions + moves(kt) },
@@ -104,7 +110,7 @@ impl PathMonomials {
         Self { fixed, powers }
     }
 
-    /// The weights of the paths with these powers; the others are 0.
+    /// Sets `weights` to the fixed weights of the paths with these powers, and to 0 for the others, path by path.
     pub fn of(&self, wanted: Powers, weights: &mut Vec<Weight>) {
         let paths = self.fixed.iter().zip(&self.powers);
         weights.clear();

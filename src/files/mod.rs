@@ -1,6 +1,6 @@
 //! Files on disk: opening them without waiting for what is not a file, and replacing them whole or not at all.
 //!
-//! No text is parsed here and no picture encoded; rooms that do so bring the contents.
+//! No text is parsed here, and no picture is encoded. The callers bring the contents.
 
 mod open;
 mod replace;

@@ -96,7 +96,7 @@ pub fn weighed(weight: f32, colour: [f32; 3]) -> [f32; 3] {
     colour.map(|component| if weight == 0.0 { 0.0 } else { Floats.mul(weight, component) })
 }
 
-/// The places of the predefined parameters in the parameter numbers of a formula on a scene.
+/// The indices of the predefined parameters in the parameter numbers of a formula on a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Equation {
     /// The rows of the owners.
@@ -120,27 +120,27 @@ impl Equation {
         self.slots[predefined as usize] + component
     }
 
-    /// The place of the first number of a predefined parameter, for the owner of this index (0 for globals).
-    pub fn place(&self, predefined: Predefined, index: usize) -> usize {
-        self.layout.row(predefined.owner(), index) + self.slot(predefined, 0)
+    /// The index of the first number of a predefined parameter, for the owner with index `owner` (0 for globals).
+    pub fn index(&self, predefined: Predefined, owner: usize) -> usize {
+        self.layout.row(predefined.owner(), owner) + self.slot(predefined, 0)
     }
 
-    /// The value of a predefined parameter for the owner of this index. A scalar is repeated three times.
-    pub fn value(&self, parameters: &[f32], predefined: Predefined, index: usize) -> [f32; 3] {
-        let place = self.place(predefined, index);
+    /// The value of a predefined parameter for the owner with index `owner`. A scalar is repeated three times.
+    pub fn value(&self, parameters: &[f32], predefined: Predefined, owner: usize) -> [f32; 3] {
+        let first = self.index(predefined, owner);
         let last = predefined.ty().slots() - 1;
-        [0, 1, 2].map(|component: usize| flush(parameters[place + component.min(last)]))
+        [0, 1, 2].map(|component: usize| flush(parameters[first + component.min(last)]))
     }
 
     /// The value of a term without the formula at a hit on a body. The value at a miss does not depend on the body.
     pub fn term(&self, term: &EquationTerm, parameters: &[f32], body: usize) -> [f32; 3] {
-        term.product(|factor| self.value(parameters, factor, index_of(factor, body, 0)))
+        term.product(|factor| self.value(parameters, factor, owner_index(factor, body, 0)))
     }
 
     /// The weight of the lit records of this light. If it is 0, the light adds nothing.
     pub fn light_weight(&self, parameters: &[f32], light: usize) -> f32 {
         let weights = EquationTerm::at(Site::LitRecord).filter_map(|term| term.weight);
-        weights.map(|weight| self.value(parameters, weight, index_of(weight, 0, light))[0]).fold(1.0, |a, b| a * b)
+        weights.map(|weight| self.value(parameters, weight, owner_index(weight, 0, light))[0]).fold(1.0, |a, b| a * b)
     }
 
     /// The sum of the terms of a site without the formula.
@@ -151,7 +151,7 @@ impl Equation {
 }
 
 /// The index of the owner of a parameter at a hit of this body, for this light.
-pub fn index_of(predefined: Predefined, body: usize, light: usize) -> usize {
+pub fn owner_index(predefined: Predefined, body: usize, light: usize) -> usize {
     match predefined.owner() {
         Owner::Global => 0,
         Owner::Body => body,

@@ -108,15 +108,15 @@ impl Graph {
             }
         }
         let mut graph = Graph::empty();
-        let mut places = vec![NodeId(0); self.len()];
+        let mut new_ids = vec![NodeId(0); self.len()];
         for (index, _) in wanted.iter().enumerate().filter(|(_, wanted)| **wanted) {
             let node = match self.nodes[index] {
-                Node::Apply(primitive, operands) => Node::Apply(primitive, operands.map(|operand| places[operand.0 as usize])),
+                Node::Apply(primitive, operands) => Node::Apply(primitive, operands.map(|operand| new_ids[operand.0 as usize])),
                 leaf @ (Node::Constant(_) | Node::Variable(..) | Node::Parameter(..)) => leaf,
             };
-            places[index] = graph.add(node);
+            new_ids[index] = graph.add(node);
         }
-        let result = roots.map(|root| places[root.0 as usize]);
+        let result = roots.map(|root| new_ids[root.0 as usize]);
         graph.result = result;
         (graph, result)
     }

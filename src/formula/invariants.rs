@@ -79,9 +79,9 @@ impl InvariantSystem {
         let lines: Vec<(usize, &Invariant)> =
             invariants.iter().enumerate().filter(|(_, line)| !line.terms.is_empty() && line.terms.iter().all(owned)).collect();
         let mut order: Vec<ParameterId> = Vec::new();
-        let mut places: BTreeMap<ParameterId, usize> = BTreeMap::new();
+        let mut unknowns: BTreeMap<ParameterId, usize> = BTreeMap::new();
         for term in lines.iter().flat_map(|(_, line)| &line.terms) {
-            places.entry(*term).or_insert_with(|| {
+            unknowns.entry(*term).or_insert_with(|| {
                 order.push(*term);
                 order.len() - 1
             });
@@ -91,7 +91,7 @@ impl InvariantSystem {
             .map(|(index, line)| NamedSum {
                 index: *index,
                 relation: line.relation,
-                places: line.terms.iter().map(|term| places[term]).collect(),
+                unknowns: line.terms.iter().map(|term| unknowns[term]).collect(),
             })
             .collect();
         if !consistent(&named, order.len()) {
@@ -103,13 +103,13 @@ impl InvariantSystem {
     }
 
     fn assemble(order: &[ParameterId], lines: &[NamedSum], locked: &[Locked], parameters: &[Parameter]) -> Self {
-        let free: Vec<usize> = (0..order.len()).filter(|place| locked.iter().all(|(pivot, ..)| pivot != place)).collect();
-        let coordinates: BTreeMap<usize, usize> = free.iter().enumerate().map(|(index, place)| (*place, index)).collect();
-        let terms = |sum: &Sum| sum.iter().map(|(place, factor)| (coordinates[place], *factor)).collect();
+        let free: Vec<usize> = (0..order.len()).filter(|unknown| locked.iter().all(|(pivot, ..)| pivot != unknown)).collect();
+        let coordinates: BTreeMap<usize, usize> = free.iter().enumerate().map(|(index, unknown)| (*unknown, index)).collect();
+        let terms = |sum: &Sum| sum.iter().map(|(unknown, factor)| (coordinates[unknown], *factor)).collect();
         let dependents = locked.iter().map(|(pivot, constant, sum)| Dependent {
             parameter: order[*pivot],
             constant: *constant,
-            terms: sum.iter().map(|(place, factor)| (order[*place], *factor)).collect(),
+            terms: sum.iter().map(|(unknown, factor)| (order[*unknown], *factor)).collect(),
         });
         let ranges =
             locked.iter().map(|(_, constant, sum)| Condition { constant: *constant, terms: terms(sum), low: 0.0, high: 1.0 });
@@ -120,7 +120,7 @@ impl InvariantSystem {
         InvariantSystem {
             dependents: dependents.collect(),
             polytope: Polytope { coordinates: free.len(), conditions: ranges.chain(at_most).collect() },
-            free: free.iter().map(|place| order[*place]).collect(),
+            free: free.iter().map(|unknown| order[*unknown]).collect(),
             names: order.iter().map(|id| (*id, parameters[id.0 as usize].name.clone())).collect(),
         }
     }

@@ -3,7 +3,7 @@
 use crate::formula::{Formula, Parameter};
 use crate::lang::variables::Owner;
 
-/// The places of all parameter numbers of a formula on a scene, in one array of `f32`.
+/// The indices of all parameter numbers of a formula on a scene, in one array of `f32`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Layout {
     globals: usize,
@@ -53,22 +53,23 @@ impl Layout {
         }
     }
 
-    /// The owner whose row contains this place, its index, and the slot in the row. `None` beyond the last row.
-    pub fn owner_of(&self, place: usize) -> Option<(Owner, usize, usize)> {
-        let (owner, first, length) = if place < self.globals {
+    /// The owner whose row contains the number with this index, the index of the owner, and the slot in the row.
+    /// `None` beyond the last row.
+    pub fn owner_of(&self, index: usize) -> Option<(Owner, usize, usize)> {
+        let (owner, first, length) = if index < self.globals {
             (Owner::Global, 0, self.globals)
-        } else if place < self.globals + self.body * self.bodies {
+        } else if index < self.globals + self.body * self.bodies {
             (Owner::Body, self.globals, self.body)
-        } else if place < self.len() {
+        } else if index < self.len() {
             (Owner::Light, self.globals + self.body * self.bodies, self.light)
         } else {
             return None;
         };
-        Some((owner, (place - first) / length, (place - first) % length))
+        Some((owner, (index - first) / length, (index - first) % length))
     }
 
-    /// The place of the first number of a parameter, for the owner of this index.
-    pub fn place(&self, parameter: &Parameter, index: usize) -> usize {
-        self.row(parameter.owner, index) + parameter.slot as usize
+    /// The index of the first number of a parameter, for the owner with index `owner`.
+    pub fn index(&self, parameter: &Parameter, owner: usize) -> usize {
+        self.row(parameter.owner, owner) + parameter.slot as usize
     }
 }

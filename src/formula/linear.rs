@@ -130,10 +130,10 @@ pub(super) trait LinearForm {
     fn gathered(&mut self, products: impl IntoIterator<Item = Product>) -> Vec<Product> {
         let mut sum: Vec<Product> = Vec::new();
         for product in products {
-            let found = sum.iter().enumerate().find_map(|(place, other)| Some((place, self.common(other, &product)?)));
+            let found = sum.iter().enumerate().find_map(|(index, other)| Some((index, self.common(other, &product)?)));
             match found {
-                Some((place, Common::Outer)) => sum[place].inner = self.plus(sum[place].inner, product.inner),
-                Some((place, Common::Inner)) => sum[place].outer = self.plus(sum[place].outer, product.outer),
+                Some((index, Common::Outer)) => sum[index].inner = self.plus(sum[index].inner, product.inner),
+                Some((index, Common::Inner)) => sum[index].outer = self.plus(sum[index].outer, product.outer),
                 None => sum.push(product),
             }
         }

@@ -45,7 +45,7 @@ pub struct Parameter {
     pub colour: bool,
     /// Which predefined parameter it is, if it is one.
     pub predefined: Option<Predefined>,
-    /// The place of its first number among the numbers of its owner, see [`Formula::slots`].
+    /// The index of its first number among the numbers of its owner, see [`Formula::slots`].
     pub slot: u32,
 }
 

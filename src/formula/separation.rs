@@ -145,19 +145,19 @@ impl Separator {
         let mut fixed = [None; 3];
         let mut terms: Vec<SeparableTerm> = Vec::new();
         for (component, root) in contribution.into_iter().enumerate() {
-            let mut place = 0;
+            let mut index = 0;
             for product in self.sum_of_products(root)? {
                 let Some(factor) = product.outer else {
                     let one = self.constant(1.0);
                     fixed[component] = Some(product.inner.unwrap_or(one));
                     continue;
                 };
-                if place == terms.len() {
+                if index == terms.len() {
                     terms.push(SeparableTerm { factors: [None; 3], parts: [None; 3] });
                 }
-                terms[place].factors[component] = Some(factor);
-                terms[place].parts[component] = product.inner;
-                place += 1;
+                terms[index].factors[component] = Some(factor);
+                terms[index].parts[component] = product.inner;
+                index += 1;
             }
         }
         (terms.len() <= MOST_TERMS).then_some((fixed, terms))

@@ -31,24 +31,24 @@ impl Formula {
         // Operands come before their users.
         parts.sort_unstable_by_key(|(id, _)| *id);
         let mut file = FormulaFile::default();
-        let mut places: HashMap<TermId, ExprId> = HashMap::with_capacity(parts.len());
+        let mut expressions: HashMap<TermId, ExprId> = HashMap::with_capacity(parts.len());
         for (id, text) in parts {
-            places.insert(id, ExprId(file.expressions.len() as u32));
-            let kind = text.map_or_else(|| self.syntax(id, &places), ExprKind::Name);
+            expressions.insert(id, ExprId(file.expressions.len() as u32));
+            let kind = text.map_or_else(|| self.syntax(id, &expressions), ExprKind::Name);
             file.expressions.push(Expr { kind, span: SourceSpan::default(), parenthesised: false });
         }
-        places.get(&root).map_or_else(String::new, |root| print_expression(&file, *root))
+        expressions.get(&root).map_or_else(String::new, |root| print_expression(&file, *root))
     }
 
-    /// The syntax of a term whose operands have a place.
-    fn syntax(&self, id: TermId, places: &HashMap<TermId, ExprId>) -> ExprKind {
+    /// The syntax of a term whose operands have an expression.
+    fn syntax(&self, id: TermId, expressions: &HashMap<TermId, ExprId>) -> ExprKind {
         let (operation, operands) = match self.term(id) {
             Term::Number(value) => return ExprKind::Number(*value),
             Term::Variable(variable) => return ExprKind::Name(variable.name().to_owned()),
             Term::Parameter(parameter) => return ExprKind::Name(self.parameter(*parameter).name.clone()),
             Term::Apply(operation, operands) => (operation, operands),
         };
-        let operands: Vec<ExprId> = operands.iter().filter_map(|operand| places.get(operand).copied()).collect();
+        let operands: Vec<ExprId> = operands.iter().filter_map(|operand| expressions.get(operand).copied()).collect();
         // Every operation has as many operands as its form asks for.
         match (operation.form(), operands.as_slice()) {
             (Form::Prefix(mark), [operand]) => ExprKind::Prefix(mark, *operand),

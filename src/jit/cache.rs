@@ -1,4 +1,4 @@
-//! A cache of compiled formulas: to apply a formula again, or to go back to an earlier one, compiles nothing.
+//! A cache of compiled formulas: nothing is compiled when a formula is applied again, or an earlier one comes back.
 
 use crate::formula::Formula;
 use crate::formula::binding::Bindings;
@@ -18,7 +18,7 @@ pub struct KernelCache {
     /// The width of the vectors that formulas are compiled for. `None` means the widest.
     width: Option<Width>,
     /// The last used formula is the last.
-    kept: Mutex<Vec<Arc<CompiledFormula>>>,
+    formulas: Mutex<Vec<Arc<CompiledFormula>>>,
 }
 
 impl KernelCache {
@@ -33,11 +33,11 @@ impl KernelCache {
     /// The processor is not supported, or the formula is too large for the code generator.
     pub fn compiled(&self, formula: &Formula) -> Result<Arc<CompiledFormula>, CompileError> {
         let bindings = Bindings::new(formula);
-        let kept = || self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        let locked = || self.formulas.lock().unwrap_or_else(PoisonError::into_inner);
         let known = {
-            let mut kept = kept();
-            let place = kept.iter().position(|compiled| compiled.plan.bindings.computes_the_same(&bindings));
-            place.map(|place| kept.remove(place))
+            let mut formulas = locked();
+            let index = formulas.iter().position(|compiled| compiled.plan.bindings.computes_the_same(&bindings));
+            index.map(|index| formulas.remove(index))
         };
         let compiled = match known {
             Some(compiled) => compiled,
@@ -46,11 +46,11 @@ impl KernelCache {
                 Arc::new(CompiledFormula::compile(FormulaPlan::of(bindings), width, None)?)
             }
         };
-        let mut kept = kept();
-        if kept.len() >= KEPT {
-            kept.remove(0);
+        let mut formulas = locked();
+        if formulas.len() >= KEPT {
+            formulas.remove(0);
         }
-        kept.push(Arc::clone(&compiled));
+        formulas.push(Arc::clone(&compiled));
         Ok(compiled)
     }
 }

@@ -98,8 +98,8 @@ impl<'p> Batch<'p> {
 struct Kernels(Vec<Kernel>);
 
 impl Kernels {
-    fn kernel(&self, Ticket(place): Ticket) -> Kernel {
-        self.0[place].clone()
+    fn kernel(&self, Ticket(index): Ticket) -> Kernel {
+        self.0[index].clone()
     }
 
     fn contribution(&self, ticket: ContributionTicket) -> Contribution {

@@ -148,8 +148,8 @@ impl Scalars for NodeEmitter<'_, '_> {
         };
         let base = self.builder.ins().stack_addr(I64, slot, 0);
         let flags = MemFlagsData::trusted();
-        for (place, operand) in (0..).zip([x, y, z, a, b, n]) {
-            self.builder.ins().store(flags, operand, base, place * LANES_BYTES as i32);
+        for (index, operand) in (0..).zip([x, y, z, a, b, n]) {
+            self.builder.ins().store(flags, operand, base, index * LANES_BYTES as i32);
         }
         self.builder.ins().call(function, &[base]);
         self.builder.ins().load(F32X4, flags, base, (PERLIN_OPERANDS * LANES_BYTES) as i32)

@@ -2,7 +2,7 @@
 //!
 //! 1. A kernel of many outputs is compiled in *parts*, functions that compute some of the outputs each. So the time of
 //!    compilation is linear in the number of outputs. Register allocation of one large function may not be.
-//! 2. A part may be written in several *shapes*: for wider or narrower vectors, with several steps side by side or one
+//! 2. A part may be written in several *shapes*: for wider or narrower vectors, which are computed side by side or one
 //!    after the other. The quickest that works is taken.
 //! 3. Registers are allocated with care. Where too many values are alive at a time, that would take long, and a quicker
 //!    [allocation](Allocation) is used.
@@ -38,9 +38,9 @@ pub(super) enum Output {
     AddToSums,
 }
 
-/// At most this many steps are computed side by side. Four hide most of the latency of a polynomial's chain of
+/// At most this many vectors are computed side by side. Four hide most of the latency of a polynomial's chain of
 /// multiplications.
-const MOST_STEPS: usize = ROUND_LINES;
+const MOST_INTERLEAVED: usize = ROUND_LINES;
 
 impl<'p> KernelSpec<'p> {
     /// The kernel of a plan that stores its outputs.
@@ -105,11 +105,11 @@ impl<'p> KernelSpec<'p> {
         parts
     }
 
-    /// The most steps that are computed side by side, a power of two. Their chains of dependent instructions overlap,
-    /// and constants are loaded once for all of them. Columns are stored one step at a time, because they end with
+    /// The most vectors that are computed side by side, a power of two. Their chains of dependent instructions overlap,
+    /// and constants are loaded once for all of them. Columns are stored one vector at a time, because they end with
     /// their last line, not with a whole round.
     fn interleave(&self) -> usize {
-        if self.output == Output::Columns { 1 } else { MOST_STEPS }
+        if self.output == Output::Columns { 1 } else { MOST_INTERLEAVED }
     }
 }
 
@@ -129,9 +129,9 @@ pub(super) struct KernelPart<'p> {
 /// How a part is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct LoopShape {
-    /// The number of blocks of four records in a step: two or four in code that is going to be widened.
+    /// The number of blocks of four records in a vector: two or four in code that is going to be widened.
     pub(super) blocks: usize,
-    /// The number of steps that are computed side by side.
+    /// The number of vectors that are computed side by side.
     pub(super) interleave: usize,
     /// Whether the processor multiplies and adds in one instruction.
     pub(super) fma: bool,
@@ -154,7 +154,7 @@ impl LoopShape {
         self.round().div_ceil(Line::BLOCKS)
     }
 
-    /// Bytes of a step in each column.
+    /// Bytes of a vector.
     fn bytes(self) -> usize {
         self.blocks * LANES_BYTES as usize
     }
@@ -164,10 +164,10 @@ impl LoopShape {
         self.round() * LANES_BYTES as usize
     }
 
-    /// The place of a step of a round in a column of a stream of this many columns, in bytes from the beginning of the
-    /// round.
-    pub(super) fn place(self, step: usize, columns: usize, column: usize) -> i32 {
-        let bytes = self.bytes() * step;
+    /// The offset of a vector of a round in a column of a stream of this many columns, in bytes from the beginning of
+    /// the round.
+    pub(super) fn offset(self, vector: usize, columns: usize, column: usize) -> i32 {
+        let bytes = self.bytes() * vector;
         let (lines, within) = (bytes / LINE_BYTES, bytes % LINE_BYTES);
         // The columns that kernels read take far fewer than 2³¹ bytes.
         ((lines * columns + column) * LINE_BYTES + within) as i32
@@ -184,8 +184,8 @@ pub(super) struct Addend {
     pub(super) other: Option<NodeId>,
 }
 
-/// With more nodes than this, steps are computed one after the other. Side by side, they would need far more
-/// registers than there are, and one step has enough independent instructions.
+/// With more nodes than this, vectors are computed one after the other. Side by side, they would need far more
+/// registers than there are, and one vector has enough independent instructions.
 const MANY_NODES: usize = 60;
 
 impl KernelPart<'_> {
@@ -261,13 +261,13 @@ const LARGEST_CAREFUL: usize = 1 << 20;
 /// How registers are allocated to nodes that are computed in this order.
 pub(super) fn allocation(schedule: &[NodeId], graph: &Graph) -> Allocation {
     let mut last_use: HashMap<NodeId, usize> = HashMap::new();
-    for (place, id) in schedule.iter().enumerate() {
+    for (index, id) in schedule.iter().enumerate() {
         last_use.insert(*id, schedule.len());
-        last_use.extend(graph.node(*id).operands().iter().map(|operand| (*operand, place)));
+        last_use.extend(graph.node(*id).operands().iter().map(|operand| (*operand, index)));
     }
     // Nodes without a user in the schedule are addends: they are alive until the end.
     let mut ends = vec![0; schedule.len()];
-    last_use.values().filter(|place| **place < schedule.len()).for_each(|place| ends[*place] += 1);
+    last_use.values().filter(|index| **index < schedule.len()).for_each(|index| ends[*index] += 1);
     let (mut alive, mut most) = (0_usize, 0);
     let mut seen = HashSet::new();
     for (id, ends) in schedule.iter().zip(ends) {

@@ -4,7 +4,7 @@
 //! with AVX-512 512 bits. A kernel computes lane by lane, and nearly every VEX instruction has a counterpart that does
 //! the same to more lanes. So:
 //!
-//! 1. A kernel is written for steps of two or four times as many bytes (see [`LoopShape`](super::kernel::LoopShape))
+//! 1. A kernel is written for vectors of two or four times as many bytes (see [`LoopShape`](super::kernel::LoopShape))
 //!    and compiled as usual.
 //! 2. Its instructions are decoded, and each is replaced by its counterpart from the table below. Constants are
 //!    repeated for more lanes.
@@ -141,8 +141,8 @@ pub(super) fn widen(code: &[u8], blocks: usize, spills: Spills) -> Option<Vec<u8
     let mut wide = with_prefetches(wide);
     let constant_bytes = NARROW * blocks;
     for instruction in wide.iter_mut().filter(|instruction| instruction.is_ip_rel_memory_operand()) {
-        let place = constants.get(&instruction.ip_rel_memory_address())?;
-        instruction.set_memory_displacement64(BASE + (constant_bytes * place) as u64);
+        let index = constants.get(&instruction.ip_rel_memory_address())?;
+        instruction.set_memory_displacement64(BASE + (constant_bytes * index) as u64);
     }
     // Encoded once to learn the length, which says where the constants go.
     let length = encoded(&wide).ok()?.len() + NARROW;
@@ -155,10 +155,10 @@ pub(super) fn widen(code: &[u8], blocks: usize, spills: Spills) -> Option<Vec<u8
         return None;
     }
     bytes.resize(pool + constant_bytes * constants.len(), 0);
-    for (address, place) in constants {
+    for (address, index) in constants {
         let start = usize::try_from(address - NARROW_BASE).ok()?;
         let constant = code.get(start..start + NARROW)?;
-        let at = pool + constant_bytes * place;
+        let at = pool + constant_bytes * index;
         bytes[at..at + constant_bytes].chunks_exact_mut(NARROW).for_each(|block| block.copy_from_slice(constant));
     }
     Some(bytes)
@@ -173,7 +173,7 @@ struct Widening {
     blocks: usize,
     spills: Spills,
     code: Vec<Instruction>,
-    /// The place of each constant among the wide ones, by its old address.
+    /// The index of each constant among the wide ones, by its old address.
     constants: BTreeMap<u64, usize>,
     /// The extra register that replaces each stack slot, by the offset of the slot.
     slots: BTreeMap<u64, usize>,
@@ -327,18 +327,18 @@ fn with_prefetches(code: Vec<Instruction>) -> Vec<Instruction> {
     let begins_line =
         |instruction: &Instruction| is_column(instruction) && instruction.memory_displacement64().is_multiple_of(LINE);
     // Memory is fetched from front to back, in whatever order columns are read.
-    let mut places: BTreeMap<_, BinaryHeap<Reverse<u64>>> = BTreeMap::new();
+    let mut displacements: BTreeMap<_, BinaryHeap<Reverse<u64>>> = BTreeMap::new();
     for instruction in code.iter().filter(|instruction| begins_line(instruction)) {
-        places.entry(indexed(instruction)).or_default().push(Reverse(instruction.memory_displacement64()));
+        displacements.entry(indexed(instruction)).or_default().push(Reverse(instruction.memory_displacement64()));
     }
     let mut fetching = Vec::with_capacity(code.len());
     for instruction in code {
         fetching.push(instruction);
         let stream = indexed(&instruction);
         if begins_line(&instruction)
-            && let Some(Reverse(displacement)) = places.get_mut(&stream).and_then(BinaryHeap::pop)
+            && let Some(Reverse(displacement)) = displacements.get_mut(&stream).and_then(BinaryHeap::pop)
         {
-            let place = MemoryOperand::new(
+            let ahead = MemoryOperand::new(
                 stream.0,
                 stream.1,
                 1,
@@ -347,7 +347,7 @@ fn with_prefetches(code: Vec<Instruction>) -> Vec<Instruction> {
                 false,
                 Register::None,
             );
-            if let Ok(prefetch) = Instruction::with1(Code::Prefetcht0_m8, place) {
+            if let Ok(prefetch) = Instruction::with1(Code::Prefetcht0_m8, ahead) {
                 fetching.push(prefetch);
             }
         }
@@ -405,7 +405,7 @@ mod tests {
             assert_eq!(action(narrow), action(sixteen), "{narrow}");
             // Stores stay stores, and the same operand is in memory.
             let memory = |code: &str| code.split('_').position(|part| part.contains("mmm"));
-            let first = |code: &str| memory(code).map(|place| place - usize::from(code.contains("EX_")));
+            let first = |code: &str| memory(code).map(|part| part - usize::from(code.contains("EX_")));
             let stores = |code: &str| first(code) == Some(1);
             assert_eq!((stores(narrow), stores(narrow)), (stores(eight), stores(sixteen)), "{narrow}");
             assert!(
@@ -424,8 +424,8 @@ mod tests {
 
     #[test]
     fn extra_registers_replace_stack_slots() {
-        let slot = |place: i64| MemoryOperand::new(Register::RSP, Register::None, 1, 16 * place, 8, false, Register::None);
-        let spill = |place| Instruction::with2(Code::VEX_Vmovups_xmmm128_xmm, slot(place), Register::XMM5).unwrap();
+        let slot = |index: i64| MemoryOperand::new(Register::RSP, Register::None, 1, 16 * index, 8, false, Register::None);
+        let spill = |index| Instruction::with2(Code::VEX_Vmovups_xmmm128_xmm, slot(index), Register::XMM5).unwrap();
         let add = Instruction::with3(Code::VEX_Vaddps_xmm_xmm_xmmm128, Register::XMM1, Register::XMM2, slot(1)).unwrap();
         let few = code(&[spill(0), spill(1), add, Instruction::with(Code::Retnq)], &[]);
         let text = disassembled(&widen(&few, 4, Spills::Refused).unwrap());
@@ -441,8 +441,8 @@ mod tests {
 
     #[test]
     fn what_stays_on_the_stack_gets_room_for_all_lanes() {
-        let slot = |place: i64| MemoryOperand::new(Register::RSP, Register::None, 1, place, 8, false, Register::None);
-        let spill = |place: i64| Instruction::with2(Code::VEX_Vmovups_xmmm128_xmm, slot(16 * place), Register::XMM5).unwrap();
+        let slot = |offset: i64| MemoryOperand::new(Register::RSP, Register::None, 1, offset, 8, false, Register::None);
+        let spill = |index: i64| Instruction::with2(Code::VEX_Vmovups_xmmm128_xmm, slot(16 * index), Register::XMM5).unwrap();
         let stack = |code, size: i32| Instruction::with2(code, Register::RSP, size).unwrap();
         let frame = [
             stack(Code::Sub_rm64_imm32, 0x150),
@@ -466,8 +466,8 @@ mod tests {
     #[test]
     fn constants_are_repeated_and_found() {
         // Two constants behind the code, the second used first.
-        let load = |register, place: u64| {
-            let from = MemoryOperand::new(Register::RIP, Register::None, 1, place as i64, 8, false, Register::None);
+        let load = |register, address: u64| {
+            let from = MemoryOperand::new(Register::RIP, Register::None, 1, address as i64, 8, false, Register::None);
             Instruction::with2(Code::VEX_Vmovups_xmm_xmmm128, register, from).unwrap()
         };
         let instructions = |end: u64| [load(Register::XMM1, end + 16), load(Register::XMM2, end), Instruction::with(Code::Retnq)];
@@ -494,20 +494,20 @@ mod tests {
         const COUNT: usize = 40;
         let (mut narrow, fillers) = (Vec::new(), 20 * COUNT);
         let end = 9 * COUNT + 5 * fillers + 1;
-        for place in 0..COUNT {
-            let displacement = (end + NARROW * place - (narrow.len() + 9)) as i32;
+        for index in 0..COUNT {
+            let displacement = (end + NARROW * index - (narrow.len() + 9)) as i32;
             narrow.extend([0xc4, 0xe1, 0x78, 0x10, 0x0d]);
             narrow.extend(displacement.to_le_bytes());
         }
         narrow.extend([0xc4, 0xe1, 0x78, 0x10, 0x00].repeat(fillers));
         narrow.push(0xc3);
-        narrow.extend((0..COUNT).flat_map(|place| (place as f32).to_ne_bytes().repeat(4)));
+        narrow.extend((0..COUNT).flat_map(|index| (index as f32).to_ne_bytes().repeat(4)));
         let wide = widen(&narrow, 2, Spills::Refused).unwrap();
         assert!(wide.len() - 2 * NARROW * COUNT < end);
         let loads = Decoder::with_ip(64, &wide, BASE, DecoderOptions::NONE).into_iter().take(COUNT);
-        for (place, load) in loads.enumerate() {
+        for (index, load) in loads.enumerate() {
             let at = (load.ip_rel_memory_address() - BASE) as usize;
-            assert_eq!(wide[at..at + 2 * NARROW], (place as f32).to_ne_bytes().repeat(8));
+            assert_eq!(wide[at..at + 2 * NARROW], (index as f32).to_ne_bytes().repeat(8));
         }
     }
 
@@ -521,7 +521,7 @@ mod tests {
     fn streams_are_fetched_in_the_order_of_memory() {
         // Lines of two streams, out of order; scratch memory, which is stored to; and a load from a fixed address.
         let at = |base, index, displacement| MemoryOperand::new(base, index, 1, displacement, 8, false, Register::None);
-        let read = |register, place| Instruction::with2(Code::VEX_Vmovups_xmm_xmmm128, register, place).unwrap();
+        let read = |register, memory| Instruction::with2(Code::VEX_Vmovups_xmm_xmmm128, register, memory).unwrap();
         let load = |register, base, displacement| read(register, at(base, Register::R9, displacement));
         let store =
             |base, register| Instruction::with2(Code::VEX_Vmovups_xmmm128_xmm, at(base, Register::R9, 0), register).unwrap();

@@ -3,8 +3,8 @@
 //!
 //! The function is `fn(call, bases)`. The [`KernelCall`] holds the offsets of the
 //! [streams](crate::plan::KernelPlan::streams), of the uniform values (each in as many lanes as the widest vectors
-//! have) and of the outputs, from [`Bases`]. It also holds the number of rounds of the loop. A round is some steps
-//! side by side. A step is a block of four records, or two or four blocks in code that is going to be
+//! have) and of the outputs, from [`Bases`]. It also holds the number of rounds of the loop. A round is some
+//! vectors side by side. A vector is a block of four records, or two or four blocks in code that is going to be
 //! [widened](super::widen). There are only whole rounds, so there is no tail.
 
 use crate::formula::graph::{Graph, Node, NodeId};
@@ -86,12 +86,13 @@ struct Writer<'w, 'f> {
     streams: [Option<Value>; STREAMS],
     uniforms: Value,
     outputs: Vec<Value>,
-    /// The values of each node that is read or computed, one for each step.
+    /// The values of each node that is read or computed, one for each vector of a round.
     values: Vec<Vec<Value>>,
 }
 
 impl Writer<'_, '_> {
-    /// The loop over all rounds, from offset 0 to `end`, in bytes of a column. The writer ends in the block behind it.
+    /// The loop over all rounds, from offset 0 to `end`, in bytes of a column. The writer ends in the basic
+    /// block behind it.
     fn counted_loop(&mut self, schedule: &[NodeId], end: Value) {
         let [head, body, exit] = [(); 3].map(|()| self.builder.create_block());
         let offset = self.builder.append_block_param(head, I64);
@@ -110,7 +111,7 @@ impl Writer<'_, '_> {
         self.builder.switch_to_block(exit);
     }
 
-    /// Computes the steps that begin at byte `offset` of a column.
+    /// Computes the vectors that begin at byte `offset` of a column.
     fn body(&mut self, schedule: &[NodeId], offset: Value) {
         let offsets = std::array::from_fn(|stream| self.offset_in(offset, self.part.kernel.plan.streams[stream].len()));
         let addends = self.part.addends(self.graph, self.shape);
@@ -124,7 +125,7 @@ impl Writer<'_, '_> {
         }
     }
 
-    /// Computes a node, for all steps before the next node.
+    /// Computes a node, for all vectors of a round before the next node.
     fn compute(&mut self, id: NodeId, offsets: &[Value; STREAMS]) {
         let node = self.graph.node(id);
         for operand in node.operands() {
@@ -132,7 +133,7 @@ impl Writer<'_, '_> {
         }
         let mut copies = Vec::with_capacity(self.shape.interleave);
         let mut computed = Vec::with_capacity(self.shape.interleave);
-        for step in 0..self.shape.interleave {
+        for vector in 0..self.shape.interleave {
             let before = self.last_instruction();
             let LoopShape { fma, blocks, .. } = self.shape;
             let mut emitter =
@@ -141,7 +142,7 @@ impl Writer<'_, '_> {
                 Node::Constant(bits) => emitter.constant(f32::from_bits(bits)),
                 Node::Apply(primitive, _) => {
                     let operands: Vec<Value> =
-                        node.operands().iter().map(|operand| self.values[operand.0 as usize][step]).collect();
+                        node.operands().iter().map(|operand| self.values[operand.0 as usize][vector]).collect();
                     primitive.apply(&mut emitter, &operands)
                 }
                 Node::Variable(..) | Node::Parameter(..) => unreachable!("only constants and operations are computed"),
@@ -158,19 +159,19 @@ impl Writer<'_, '_> {
         let shape = self.shape;
         let pointer = self.outputs[output / width];
         let address = self.builder.ins().iadd(pointer, target);
-        let place = |step| shape.place(step, width, output % width);
+        let offset = |vector| shape.offset(vector, width, output % width);
         let mut sums: Vec<Option<Value>> = vec![None; shape.interleave];
         if self.part.kernel.output == Output::AddToSums {
-            for (step, sum) in sums.iter_mut().enumerate() {
-                *sum = Some(self.builder.ins().load(F32X4, flags, address, place(step)));
+            for (vector, sum) in sums.iter_mut().enumerate() {
+                *sum = Some(self.builder.ins().load(F32X4, flags, address, offset(vector)));
             }
         }
         for Addend { factor, other } in addends {
             for operand in std::iter::once(factor).chain(other) {
                 self.read(*operand, offsets);
             }
-            for (step, sum) in sums.iter_mut().enumerate() {
-                let [x, y] = [Some(*factor), *other].map(|node| node.map(|node| self.values[node.0 as usize][step]));
+            for (vector, sum) in sums.iter_mut().enumerate() {
+                let [x, y] = [Some(*factor), *other].map(|node| node.map(|node| self.values[node.0 as usize][vector]));
                 *sum = match (*sum, x, y) {
                     (Some(sum), Some(x), Some(y)) => Some(self.builder.ins().fma(x, y, sum)),
                     (Some(sum), Some(x), None) => Some(self.builder.ins().fadd(sum, x)),
@@ -180,9 +181,9 @@ impl Writer<'_, '_> {
                 };
             }
         }
-        for (step, sum) in sums.into_iter().enumerate() {
+        for (vector, sum) in sums.into_iter().enumerate() {
             if let Some(sum) = sum {
-                self.builder.ins().store(flags, sum, address, place(step));
+                self.builder.ins().store(flags, sum, address, offset(vector));
             }
         }
     }
@@ -191,7 +192,7 @@ impl Writer<'_, '_> {
         self.builder.func.layout.last_inst(self.builder.current_block()?)
     }
 
-    /// The instructions of the current block that come after one.
+    /// The instructions of the current basic block that come after one.
     fn instructions_after(&self, before: Option<Inst>) -> Vec<Inst> {
         let layout = &self.builder.func.layout;
         let first = match before {
@@ -201,7 +202,7 @@ impl Writer<'_, '_> {
         std::iter::successors(first, |inst| layout.next_inst(*inst)).collect()
     }
 
-    /// Interleaves the instructions of several steps: the first of each, then the second of each. A constant that is
+    /// Interleaves the instructions of several vectors: the first of each, then the second of each. A constant that is
     /// the same in all of them is loaded once.
     fn interleave(&mut self, copies: &[Vec<Inst>]) {
         let Some((first, others)) = copies.split_first() else { return };
@@ -216,9 +217,9 @@ impl Writer<'_, '_> {
             return;
         }
         copies.iter().flatten().for_each(|inst| function.layout.remove_inst(*inst));
-        for (place, own) in first.iter().enumerate() {
+        for (index, own) in first.iter().enumerate() {
             function.layout.append_inst(*own, block);
-            for other in others.iter().map(|other| other[place]) {
+            for other in others.iter().map(|other| other[index]) {
                 let constant = matches!(function.dfg.insts[*own].opcode(), Opcode::Vconst | Opcode::Iconst);
                 if constant && function.dfg.insts[*own] == function.dfg.insts[other] {
                     function.dfg.replace_with_aliases(other, *own);
@@ -241,14 +242,15 @@ impl Writer<'_, '_> {
             let Some(column) = stream.iter().position(|node| *node == id) else { continue };
             let Some(pointer) = self.streams[index] else { continue };
             let address = self.builder.ins().iadd(pointer, offsets[index]);
-            let places: Vec<i32> = (0..interleave).map(|step| self.shape.place(step, stream.len(), column)).collect();
-            let load = |place| self.builder.ins().load(F32X4, flags, address, place);
-            self.values[id.0 as usize] = places.into_iter().map(load).collect();
+            let vector_offsets: Vec<i32> =
+                (0..interleave).map(|vector| self.shape.offset(vector, stream.len(), column)).collect();
+            let load = |offset| self.builder.ins().load(F32X4, flags, address, offset);
+            self.values[id.0 as usize] = vector_offsets.into_iter().map(load).collect();
             return;
         }
         if let Some(uniform) = self.part.kernel.plan.uniforms.iter().position(|node| *node == id) {
-            let place = (size_of::<Splat>() * uniform) as i32;
-            let value = self.builder.ins().load(F32X4, flags, self.uniforms, place);
+            let offset = (size_of::<Splat>() * uniform) as i32;
+            let value = self.builder.ins().load(F32X4, flags, self.uniforms, offset);
             self.values[id.0 as usize] = vec![value; interleave];
         }
     }

@@ -152,16 +152,16 @@ impl Cursor {
         Reported
     }
 
-    /// Moves past the mark, or reports that it is missing; `place` says where, as in "after the name".
+    /// Moves past the mark, or reports that it is missing; `context` says where, as in "after the name".
     ///
     /// # Errors
     /// The current word is another one.
-    pub fn expect(&mut self, mark: Mark, place: &str) -> Result<(), Reported> {
+    pub fn expect(&mut self, mark: Mark, context: &str) -> Result<(), Reported> {
         if self.accept(mark) {
             return Ok(());
         }
         let found = self.kind(0).describe();
-        let missing = Diagnostic::error(format!("expected `{}` {place}, found {found}", mark.spelling()));
+        let missing = Diagnostic::error(format!("expected `{}` {context}, found {found}", mark.spelling()));
         let diagnostic = if mark == Mark::Semicolon {
             // People look for what is missing at the end of something there, not on the next line.
             let end = self.previous_span().end;
@@ -172,12 +172,12 @@ impl Cursor {
         Err(self.report(diagnostic))
     }
 
-    /// Moves past the keyword, or reports that it is missing; `place` says where.
+    /// Moves past the keyword, or reports that it is missing; `context` says where.
     ///
     /// # Errors
     /// The current word is another one.
-    pub fn expect_word(&mut self, keyword: &str, place: &str) -> Result<(), Reported> {
-        if self.accept_word(keyword) { Ok(()) } else { Err(self.unknown_word(&format!("`{keyword}` {place}"), &[keyword])) }
+    pub fn expect_word(&mut self, keyword: &str, context: &str) -> Result<(), Reported> {
+        if self.accept_word(keyword) { Ok(()) } else { Err(self.unknown_word(&format!("`{keyword}` {context}"), &[keyword])) }
     }
 
     /// Reads a name that the text gives to something; `what` describes it in messages, as in "the name of a parameter".
@@ -224,8 +224,8 @@ impl Cursor {
             return Err(self.report(diagnostic.at(start, "a vector belongs here").help("vectors are written `<x, y, z>`")));
         }
         let mut components = [Placed { value: 0.0, span: start }; 3];
-        for (place, component) in components.iter_mut().enumerate() {
-            if place > 0 {
+        for (index, component) in components.iter_mut().enumerate() {
+            if index > 0 {
                 self.expect(Mark::Comma, &format!("between the components of {what}"))?;
             }
             *component = self.number(&format!("a component of {what}"))?;

@@ -32,10 +32,10 @@ impl Excerpt {
             text.push_str(CUT[0]);
         }
         // For each character that is kept: where it begins in the line, and where in the text.
-        let mut places = Vec::with_capacity(kept.len());
+        let mut offsets = Vec::with_capacity(kept.len());
         let mut column = 0;
         for (offset, character) in line[kept.clone()].char_indices() {
-            places.push([kept.start + offset, text.len()]);
+            offsets.push([kept.start + offset, text.len()]);
             if character == '\t' {
                 let width = TAB - column % TAB;
                 text.extend(std::iter::repeat_n(' ', width));
@@ -49,7 +49,7 @@ impl Excerpt {
                 column += shown_length(character);
             }
         }
-        places.push([kept.end, text.len()]);
+        offsets.push([kept.end, text.len()]);
         if kept.end < line.len() {
             text.push_str(CUT[1]);
         }
@@ -57,8 +57,8 @@ impl Excerpt {
             if offset < kept.start {
                 return 0;
             }
-            match places.get(places.partition_point(|[from, _]| *from < offset)) {
-                Some([_, place]) => *place,
+            match offsets.get(offsets.partition_point(|[from, _]| *from < offset)) {
+                Some([_, shown]) => *shown,
                 // In the part that is left out at the end: the `…` there.
                 None => text.len() - '…'.len_utf8(),
             }
@@ -94,13 +94,13 @@ fn is_combining(character: char) -> bool {
     !character.is_ascii() && character.escape_debug().len() > 2
 }
 
-/// The part of a line that is shown if its most important place is at `place`.
-fn kept_part(line: &str, place: usize) -> Range<usize> {
-    let place = line.floor_char_boundary(place);
+/// The part of a line that is shown if this byte is its most important place.
+fn kept_part(line: &str, byte: usize) -> Range<usize> {
+    let byte = line.floor_char_boundary(byte);
     if bytes_within(line.chars(), LONG_LINE) == line.len() {
         return 0..line.len();
     }
-    place - bytes_within(line[..place].chars().rev(), KEPT)..place + bytes_within(line[place..].chars(), KEPT)
+    byte - bytes_within(line[..byte].chars().rev(), KEPT)..byte + bytes_within(line[byte..].chars(), KEPT)
 }
 
 /// How many bytes the first of some characters have that take at most `longest` characters where they are shown.
@@ -154,10 +154,10 @@ mod tests {
         #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
         #[test]
-        fn every_line_can_be_shown(line in "[^\r\n]{0,400}", places in prop::collection::vec(any::<prop::sample::Index>(), 0..6)) {
+        fn every_line_can_be_shown(line in "[^\r\n]{0,400}", bytes in prop::collection::vec(any::<prop::sample::Index>(), 0..6)) {
             let boundaries: Vec<usize> = line.char_indices().map(|(at, _)| at).chain([line.len()]).collect();
-            let places: Vec<usize> = places.iter().map(|place| *place.get(&boundaries)).collect();
-            let marks: Vec<Range<usize>> = places.chunks(2).map(|two| two[0].min(two[two.len() - 1])..two[0].max(two[two.len() - 1])).collect();
+            let bytes: Vec<usize> = bytes.iter().map(|byte| *byte.get(&boundaries)).collect();
+            let marks: Vec<Range<usize>> = bytes.chunks(2).map(|two| two[0].min(two[two.len() - 1])..two[0].max(two[two.len() - 1])).collect();
             let excerpt = Excerpt::new(&line, &marks);
             prop_assert!(!excerpt.text.chars().any(is_hidden));
             prop_assert!(excerpt.text.chars().count() <= LONG_LINE + TAB * LONG_LINE);

@@ -12,16 +12,16 @@ const MAX_NESTING: usize = 256;
 
 /// The surroundings of an expression, as far as parsing depends on them.
 #[derive(Clone, Copy)]
-struct Place {
+struct ExpressionContext {
     /// The number of expressions around this one.
     nesting: usize,
     /// Whether comparisons are allowed here.
     condition: bool,
 }
 
-impl Place {
-    fn value(self) -> Place {
-        Place { condition: false, ..self }
+impl ExpressionContext {
+    fn value(self) -> ExpressionContext {
+        ExpressionContext { condition: false, ..self }
     }
 }
 
@@ -30,7 +30,7 @@ const COMPARISONS: [Mark; 6] = [Mark::Less, Mark::LessEqual, Mark::Greater, Mark
 impl FormulaParser<'_> {
     /// Parses `expr`, outside of conditions.
     pub(super) fn expression(&mut self) -> Result<ExprId, Reported> {
-        self.sum(Place { nesting: 0, condition: false })
+        self.sum(ExpressionContext { nesting: 0, condition: false })
     }
 
     /// Moves past the mark that must follow an expression, or reports why another word cannot follow.
@@ -73,49 +73,49 @@ impl FormulaParser<'_> {
         value && !next.begins_line && !self.cursor.sees_mark(1, Mark::Equal)
     }
 
-    fn nested(&mut self, place: Place) -> Result<Place, Reported> {
-        if place.nesting >= MAX_NESTING {
+    fn nested(&mut self, context: ExpressionContext) -> Result<ExpressionContext, Reported> {
+        if context.nesting >= MAX_NESTING {
             let diagnostic = Diagnostic::error("the expression is nested too deeply")
                 .at(self.cursor.span(), format!("more than {MAX_NESTING} levels here"))
                 .help("give parts of it names: `PART = …;`");
             return Err(self.cursor.report(diagnostic));
         }
-        Ok(Place { nesting: place.nesting + 1, ..place })
+        Ok(ExpressionContext { nesting: context.nesting + 1, ..context })
     }
 
     /// Parses `cond`: comparisons joined by `&&` and `||`. Parentheses in it may hold conditions or values; their types
     /// are checked later.
-    fn condition(&mut self, place: Place) -> Result<ExprId, Reported> {
-        let place = Place { condition: true, ..place };
-        let mut left = self.conjunction(place)?;
+    fn condition(&mut self, context: ExpressionContext) -> Result<ExprId, Reported> {
+        let context = ExpressionContext { condition: true, ..context };
+        let mut left = self.conjunction(context)?;
         while self.cursor.sees_mark(0, Mark::OrOr) {
-            left = self.infix(left, place, Self::conjunction)?;
+            left = self.infix(left, context, Self::conjunction)?;
         }
         Ok(left)
     }
 
-    fn conjunction(&mut self, place: Place) -> Result<ExprId, Reported> {
-        let mut left = self.negation(place)?;
+    fn conjunction(&mut self, context: ExpressionContext) -> Result<ExprId, Reported> {
+        let mut left = self.negation(context)?;
         while self.cursor.sees_mark(0, Mark::AndAnd) {
-            left = self.infix(left, place, Self::negation)?;
+            left = self.infix(left, context, Self::negation)?;
         }
         Ok(left)
     }
 
-    fn negation(&mut self, place: Place) -> Result<ExprId, Reported> {
+    fn negation(&mut self, context: ExpressionContext) -> Result<ExprId, Reported> {
         if self.cursor.sees_mark(0, Mark::Not) {
-            let place = self.nested(place)?;
+            let context = self.nested(context)?;
             let start = self.cursor.advance().span;
-            let operand = self.negation(place)?;
+            let operand = self.negation(context)?;
             let span = start.to(self.cursor.previous_span());
             return Ok(self.add(ExprKind::Prefix(Mark::Not, operand), span));
         }
-        let left = self.sum(place)?;
+        let left = self.sum(context)?;
         let compares = |mark: Option<Mark>| mark.is_some_and(|mark| COMPARISONS.contains(&mark));
         if !compares(self.cursor.mark()) {
             return Ok(left);
         }
-        let comparison = self.infix(left, place, Self::sum)?;
+        let comparison = self.infix(left, context, Self::sum)?;
         if compares(self.cursor.mark()) {
             let diagnostic = Diagnostic::error("comparisons cannot be chained")
                 .at(self.cursor.span(), "a second comparison")
@@ -129,13 +129,13 @@ impl FormulaParser<'_> {
     fn infix(
         &mut self,
         left: ExprId,
-        place: Place,
-        operand: impl FnOnce(&mut Self, Place) -> Result<ExprId, Reported>,
+        context: ExpressionContext,
+        operand: impl FnOnce(&mut Self, ExpressionContext) -> Result<ExprId, Reported>,
     ) -> Result<ExprId, Reported> {
         let start = self.outer_start(left);
         let operator = self.cursor.advance();
         let TokenKind::Mark(mark) = operator.kind else { return Err(self.cursor.expected("an operator")) };
-        let right = operand(self, place)?;
+        let right = operand(self, context)?;
         let span = start.to(self.cursor.previous_span());
         Ok(self.add(ExprKind::Infix(mark, operator.span, [left, right]), span))
     }
@@ -150,44 +150,44 @@ impl FormulaParser<'_> {
         span
     }
 
-    fn sum(&mut self, place: Place) -> Result<ExprId, Reported> {
-        let mut left = self.product(place)?;
+    fn sum(&mut self, context: ExpressionContext) -> Result<ExprId, Reported> {
+        let mut left = self.product(context)?;
         while let Some(Mark::Plus | Mark::Minus) = self.cursor.mark() {
-            left = self.infix(left, place, Self::product)?;
+            left = self.infix(left, context, Self::product)?;
         }
         Ok(left)
     }
 
-    fn product(&mut self, place: Place) -> Result<ExprId, Reported> {
-        let mut left = self.power(place)?;
+    fn product(&mut self, context: ExpressionContext) -> Result<ExprId, Reported> {
+        let mut left = self.power(context)?;
         while let Some(Mark::Star | Mark::Slash | Mark::Dot) = self.cursor.mark() {
-            left = self.infix(left, place, Self::power)?;
+            left = self.infix(left, context, Self::power)?;
         }
         Ok(left)
     }
 
     /// `^` groups to the right, and a unary minus binds more tightly: −2^2 is 4.
-    fn power(&mut self, place: Place) -> Result<ExprId, Reported> {
-        let base = self.unary(place)?;
+    fn power(&mut self, context: ExpressionContext) -> Result<ExprId, Reported> {
+        let base = self.unary(context)?;
         if !self.cursor.sees_mark(0, Mark::Caret) {
             return Ok(base);
         }
-        let place = self.nested(place)?;
-        self.infix(base, place, Self::power)
+        let context = self.nested(context)?;
+        self.infix(base, context, Self::power)
     }
 
-    fn unary(&mut self, place: Place) -> Result<ExprId, Reported> {
+    fn unary(&mut self, context: ExpressionContext) -> Result<ExprId, Reported> {
         if !self.cursor.sees_mark(0, Mark::Minus) {
-            return self.atom(place);
+            return self.atom(context);
         }
-        let place = self.nested(place)?;
+        let context = self.nested(context)?;
         let start = self.cursor.advance().span;
-        let operand = self.unary(place)?;
+        let operand = self.unary(context)?;
         let span = start.to(self.cursor.previous_span());
         Ok(self.add(ExprKind::Prefix(Mark::Minus, operand), span))
     }
 
-    fn atom(&mut self, place: Place) -> Result<ExprId, Reported> {
+    fn atom(&mut self, context: ExpressionContext) -> Result<ExprId, Reported> {
         let token = self.cursor.peek(0).clone();
         match token.kind {
             TokenKind::Number(value) => {
@@ -198,20 +198,20 @@ impl FormulaParser<'_> {
                 Ok(self.add(ExprKind::Number(value), token.span))
             }
             TokenKind::Word(word) => {
-                let place = self.nested(place)?.value();
+                let context = self.nested(context)?.value();
                 let callee = self.cursor.name("a value")?;
                 if word == "if" {
-                    return self.conditional(place, callee);
+                    return self.conditional(context, callee);
                 }
                 if self.cursor.sees_mark(0, Mark::Open) {
-                    return self.call(place, callee);
+                    return self.call(context, callee);
                 }
                 Ok(self.add(ExprKind::Name(word), token.span))
             }
             TokenKind::Mark(Mark::Open) => {
-                let inner = self.nested(place)?;
+                let inner = self.nested(context)?;
                 self.cursor.advance();
-                let expression = if place.condition { self.condition(inner)? } else { self.sum(inner)? };
+                let expression = if context.condition { self.condition(inner)? } else { self.sum(inner)? };
                 if self.cursor.at_end() || self.cursor.sees_mark(0, Mark::Semicolon) {
                     let diagnostic = Diagnostic::error("a `(` is not closed")
                         .at(token.span, "opened here")
@@ -223,7 +223,7 @@ impl FormulaParser<'_> {
                 Ok(expression)
             }
             TokenKind::Mark(Mark::Less) => {
-                let inner = self.nested(place)?.value();
+                let inner = self.nested(context)?.value();
                 self.cursor.advance();
                 let x = self.sum(inner)?;
                 self.expect_component(token.span, Mark::Comma)?;
@@ -287,20 +287,20 @@ impl FormulaParser<'_> {
     }
 
     /// Parses `(condition, then, else)` after `if`.
-    fn conditional(&mut self, place: Place, callee: Name) -> Result<ExprId, Reported> {
+    fn conditional(&mut self, context: ExpressionContext, callee: Name) -> Result<ExprId, Reported> {
         self.cursor.expect(Mark::Open, "after `if`, as in `if(a < b, then, else)`")?;
-        let condition = self.condition(place)?;
+        let condition = self.condition(context)?;
         self.cursor.expect(Mark::Comma, "between the condition and the value if it holds")?;
-        let then = self.sum(place)?;
+        let then = self.sum(context)?;
         self.cursor.expect(Mark::Comma, "between the two values of `if`")?;
-        let other = self.sum(place)?;
+        let other = self.sum(context)?;
         self.cursor.expect(Mark::Close, "to close `if(condition, then, else)`")?;
         let span = callee.span.to(self.cursor.previous_span());
         Ok(self.add(ExprKind::Conditional([condition, then, other]), span))
     }
 
     /// Parses `(arguments)` after a name.
-    fn call(&mut self, place: Place, callee: Name) -> Result<ExprId, Reported> {
+    fn call(&mut self, context: ExpressionContext, callee: Name) -> Result<ExprId, Reported> {
         let open = self.cursor.advance().span;
         let mut arguments = Vec::new();
         if self.cursor.accept(Mark::Close) {
@@ -308,7 +308,7 @@ impl FormulaParser<'_> {
             return Ok(self.add(ExprKind::Call(callee, arguments), span));
         }
         loop {
-            arguments.push(self.sum(place)?);
+            arguments.push(self.sum(context)?);
             if !self.cursor.accept(Mark::Comma) {
                 break;
             }

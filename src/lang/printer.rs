@@ -130,9 +130,9 @@ enum Piece {
 /// parentheses if it binds less tightly than `least`.
 fn list(parts: &[ExprId], least: Binding, close: &'static str) -> Vec<Piece> {
     let mut pieces = vec![Piece::Text(close)];
-    for (place, part) in parts.iter().enumerate().rev() {
-        pieces.push(Piece::Expr(*part, if place == 0 { least } else { Binding::Sum }));
-        if place > 0 {
+    for (index, part) in parts.iter().enumerate().rev() {
+        pieces.push(Piece::Expr(*part, if index == 0 { least } else { Binding::Sum }));
+        if index > 0 {
             pieces.push(Piece::Text(", "));
         }
     }

@@ -4,8 +4,8 @@
 //! yield. From the table follow the [`Primitive`] enumeration and the [`Scalars`] trait with a method for every
 //! primitive. [`Floats`] computes them in `f32`, which is the meaning of the language; [`Doubles`] computes the same in
 //! `f64`, to judge results in `f32`. Other implementations of [`Scalars`] give the primitives another meaning: the
-//! expression graph records them, the code generator emits instructions for them. One that lacks a primitive does not
-//! compile. Operators and functions of the language are written in terms of these methods, in
+//! expression graph records them, the code generator emits instructions for them. An implementation that lacks a
+//! primitive does not compile. Operators and functions of the language are written in terms of these methods, in
 //! [`builtins`](crate::lang::builtins).
 
 use crate::lang::interval::Interval;
@@ -280,13 +280,13 @@ pub(crate) const AWKWARD: [f32; 32] = [
 /// where it takes more.
 #[cfg(test)]
 pub(crate) fn awkward_operands(primitive: Primitive) -> Vec<Vec<f32>> {
-    let number = |place: usize| AWKWARD[place % AWKWARD.len()];
+    let number = |index: usize| AWKWARD[index % AWKWARD.len()];
     match primitive.arity() {
         1 => AWKWARD.iter().map(|x| vec![*x]).collect(),
         2 => AWKWARD.iter().flat_map(|x| AWKWARD.iter().map(move |y| vec![*x, *y])).collect(),
         // Steps without a common divisor, so that combinations differ.
         arity => (0..5000)
-            .map(|case| (0..arity).map(|place| number(case * (2 * place + 1) / (place + 1) + 7 * place)).collect())
+            .map(|case| (0..arity).map(|index| number(case * (2 * index + 1) / (index + 1) + 7 * index)).collect())
             .collect(),
     }
 }
@@ -349,14 +349,14 @@ mod tests {
             let choices = spans.len().pow(arity.min(2) as u32);
             for choice in 0..choices {
                 let chosen: Vec<_> =
-                    (0..arity).map(|place| interval(spans[choice / spans.len().pow((place % 2) as u32) % spans.len()])).collect();
+                    (0..arity).map(|index| interval(spans[choice / spans.len().pow((index % 2) as u32) % spans.len()])).collect();
                 let operands: Vec<Interval> = chosen.iter().map(|(interval, _)| *interval).collect();
                 let result = primitive.interval(&operands);
                 for sample in 0..8 {
                     let members: Vec<f32> = chosen
                         .iter()
                         .enumerate()
-                        .map(|(place, (_, members))| members[sample * (place + 1) * 5 % members.len()])
+                        .map(|(index, (_, members))| members[sample * (index + 1) * 5 % members.len()])
                         .collect();
                     let value = primitive.apply(&mut Floats, &members);
                     let holds = if value.is_nan() {

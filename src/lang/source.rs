@@ -1,6 +1,6 @@
 //! Texts with their names, and places in them as people count them: lines and columns.
 //!
-//! Nothing here reads files; whoever does passes the bytes.
+//! Nothing here reads files. The caller passes the bytes.
 
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::lines::{LINE_ENDS, count_line_ends, line_end, line_start};
@@ -154,10 +154,10 @@ mod tests {
 
     #[test]
     fn bytes_that_are_not_utf8_are_located() {
-        let place = |bytes: &[u8]| Source::from_bytes("f", bytes.to_vec()).unwrap_err().message().to_owned();
-        assert!(place(b"one\ntw\xff").contains("line 2, byte 3"));
-        assert!(place(b"one\r\rtw\xff").contains("line 3, byte 3"));
-        assert!(place(b"one\r\ntw\xff").contains("line 2, byte 3"));
+        let message = |bytes: &[u8]| Source::from_bytes("f", bytes.to_vec()).unwrap_err().message().to_owned();
+        assert!(message(b"one\ntw\xff").contains("line 2, byte 3"));
+        assert!(message(b"one\r\rtw\xff").contains("line 3, byte 3"));
+        assert!(message(b"one\r\ntw\xff").contains("line 2, byte 3"));
     }
 
     #[test]

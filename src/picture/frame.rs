@@ -7,17 +7,18 @@ pub struct Frame {
     pub width: u32,
     /// Rows.
     pub height: u32,
-    /// Linear RGB, nominally 0..1, unclamped; NaN until [`clean`](Self::clean)ed.
+    /// Linear RGB of each pixel, nominally 0..1, not clamped. It may contain infinities, and NaN until
+    /// [`clean`](Self::clean) is called.
     pub linear: Vec<[f32; 3]>,
 }
 
 impl Frame {
-    /// A black picture.
+    /// A black picture of `width` × `height` pixels.
     pub fn black(width: u32, height: u32) -> Self {
         Self { width, height, linear: vec![[0.0; 3]; width as usize * height as usize] }
     }
 
-    /// Makes every NaN 0 and says how many pixels held one.
+    /// Replaces every component that is NaN by 0. Returns the number of pixels that held one.
     pub fn clean(&mut self) -> usize {
         let mut pixels = 0;
         for pixel in &mut self.linear {

@@ -20,8 +20,8 @@ use std::io::{self, Seek, SeekFrom, Write};
 use std::path::Path;
 pub use transfer::Transfer;
 
-/// Colours as bytes, red, green and blue of each pixel: clamped to 0..1, NaN as 0, and rounded to the nearest of
-/// 0..=255.
+/// Linear colours as bytes, three for each pixel (red, green, blue), in the same order: clamped to 0..1, NaN as 0, and
+/// rounded to the nearest of 0..=255.
 pub fn quantise(linear: &[[f32; 3]], transfer: Transfer) -> Vec<u8> {
     // No byte is larger than 255.
     with_bytes!(transfer, bytes => {
@@ -84,8 +84,8 @@ impl<W: Write> Write for ErrorKeeper<W> {
 }
 
 impl<W: Seek> Seek for ErrorKeeper<W> {
-    fn seek(&mut self, place: SeekFrom) -> io::Result<u64> {
-        let outcome = self.writer.seek(place);
+    fn seek(&mut self, position: SeekFrom) -> io::Result<u64> {
+        let outcome = self.writer.seek(position);
         self.keep(outcome)
     }
 }
@@ -165,8 +165,8 @@ mod tests {
     }
 
     impl Seek for FullDisk {
-        fn seek(&mut self, place: SeekFrom) -> io::Result<u64> {
-            self.file.seek(place)
+        fn seek(&mut self, position: SeekFrom) -> io::Result<u64> {
+            self.file.seek(position)
         }
     }
 

@@ -58,7 +58,7 @@ const CELLS: usize = cell(1.0) + 1;
 const ENTRIES: usize = CELLS.next_power_of_two();
 
 impl SrgbBytes {
-    /// How many of a number's low bits give its place in the cell.
+    /// How many of a number's low bits give its position in the cell.
     pub(crate) const WITHIN: u32 = 16;
 
     /// The first cell begins here. Below, every byte is 0.

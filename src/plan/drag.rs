@@ -1,7 +1,7 @@
 //! The plan of a drag: which terms move with the slider, and how a picture is computed from images that do not move.
 
 use crate::formula::binding::Bindings;
-use crate::formula::equation::{Equation, EquationTerm, REFLECTED, REFRACTED, Site, TERMS, index_of};
+use crate::formula::equation::{Equation, EquationTerm, REFLECTED, REFRACTED, Site, TERMS, owner_index};
 use crate::formula::graph::NodeId;
 use crate::formula::separation::{Dependence, SeparableTerm};
 use crate::formula::{Parameter, ParameterId};
@@ -44,7 +44,7 @@ pub enum Channels {
 }
 
 impl Channels {
-    /// The components.
+    /// The components, a range within 0..3.
     pub fn components(self) -> Range<usize> {
         match self {
             Channels::All => 0..3,
@@ -56,11 +56,11 @@ impl Channels {
 /// A term of equation (2) that moves without the formula.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct MovedTerm {
-    /// Its place in the table of terms.
+    /// Its index in the table of terms.
     pub term: usize,
     /// The factor that moves.
     pub factor: Predefined,
-    /// Which components of the term move.
+    /// Whether red, green and blue of the term move.
     pub components: [bool; 3],
 }
 
@@ -93,9 +93,9 @@ pub struct DragPlan {
     pub slider: Arc<SliderPlan>,
     /// Where the parameters of equation (2) lie.
     pub equation: Equation,
-    /// The owner whose numbers move.
+    /// The owner whose numbers move: its kind and its index.
     pub owner: (Owner, usize),
-    /// The places of the numbers that move, in order.
+    /// The indices in the layout of the numbers that move, in ascending order.
     pub moved: Vec<usize>,
     /// The graph that the factors of terms belong to.
     pub bindings: Bindings,
@@ -105,38 +105,38 @@ pub struct DragPlan {
     pub terms: Vec<ImageTerm>,
     /// The terms of equation (2) without the formula that move.
     pub moved_terms: Vec<MovedTerm>,
-    /// The places of kr and kt, if they move.
+    /// The indices in the layout of the moved kr and kt, if they move.
     pub weights: [Option<usize>; 2],
 }
 
 /// The factors of a picture: those of each image term, and the moved kr and kt (1 if they do not move).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Factors {
-    /// Red, green and blue of each term.
+    /// Red, green and blue of each of [`DragPlan::terms`]; 0 where its image has no such component.
     pub terms: Vec<[f32; 3]>,
-    /// The moved kr.
+    /// The moved kr, usually 0 to 1.
     pub kr: f64,
-    /// The moved kt.
+    /// The moved kt, usually 0 to 1.
     pub kt: f64,
 }
 
 impl DragPlan {
-    /// Plans a drag of the numbers at these places. `slider` is the plan for the [parameters](moved_parameters) that
+    /// Plans a drag of the numbers with these indices. `slider` is the plan for the [parameters](moved_parameters) that
     /// they belong to.
     pub fn new(slider: &Arc<SliderPlan>, equation: &Equation, parameters: &[Parameter], moved: &[usize]) -> Self {
         let layout = &equation.layout;
         let owners: BTreeSet<(Owner, usize)> =
-            moved.iter().filter_map(|place| layout.owner_of(*place)).map(|(owner, index, _)| (owner, index)).collect();
+            moved.iter().filter_map(|index| layout.owner_of(*index)).map(|(owner, index, _)| (owner, index)).collect();
         let single = owners.len() == 1;
         let owner = owners.into_iter().next().unwrap_or((Owner::Global, 0));
         let mut bindings = slider.separation.bindings.clone();
-        let mut leaf = |(place, id, component): (usize, ParameterId, u8)| (bindings.parameter(id, component), place);
+        let mut leaf = |(index, id, component): (usize, ParameterId, u8)| (bindings.parameter(id, component), index);
         let leaves: Vec<(NodeId, usize)> = moved_parameters(layout, parameters, moved).into_iter().map(&mut leaf).collect();
-        let node_at = |place: usize| leaves.iter().find(|(_, moved)| *moved == place).map(|(node, _)| *node);
+        let node_at = |index: usize| leaves.iter().find(|(_, moved)| *moved == index).map(|(node, _)| *node);
         let found = moving_terms(equation, owner, node_at);
         let weights = [REFLECTED, REFRACTED].map(|weight| {
-            let place = (owner.0 == weight.owner()).then(|| equation.place(weight, owner.1))?;
-            node_at(place).map(|_| place)
+            let index = (owner.0 == weight.owner()).then(|| equation.index(weight, owner.1))?;
+            node_at(index).map(|_| index)
         });
         let inseparable = matches!(slider.separation.dependence, Dependence::Inseparable { .. });
         let terms = if inseparable { Vec::new() } else { image_terms(&slider.separation.dependence, &found) };
@@ -163,14 +163,15 @@ impl DragPlan {
         Self { method, channels, slider, equation, owner, moved, bindings, leaves, terms, moved_terms, weights }
     }
 
-    /// Whether two arrays of parameter numbers differ only in numbers that move.
+    /// Whether two arrays of parameter numbers have the same length, and differ only in numbers that move. Bits are
+    /// compared.
     pub fn same_fixed(&self, one: &[f32], other: &[f32]) -> bool {
-        let fixed = |place: usize| self.moved.binary_search(&place).is_err();
+        let fixed = |index: usize| self.moved.binary_search(&index).is_err();
         one.len() == other.len()
-            && one.iter().zip(other).enumerate().all(|(place, (a, b))| a.to_bits() == b.to_bits() || !fixed(place))
+            && one.iter().zip(other).enumerate().all(|(index, (a, b))| a.to_bits() == b.to_bits() || !fixed(index))
     }
 
-    /// Whether the formula moves for a pair of a body and a light.
+    /// Whether the formula moves for a pair of a body and a light, given by their indices.
     pub fn moves_pair(&self, body: usize, light: usize) -> bool {
         let (owner, index) = self.owner;
         self.slider.separation.dependence != Dependence::None
@@ -184,7 +185,7 @@ impl DragPlan {
     /// Whether the weight of a light moves.
     pub fn moves_light_weight(&self, light: usize) -> bool {
         let mut weights = EquationTerm::at(Site::LitRecord).filter_map(|term| term.weight);
-        weights.any(|weight| self.moved.binary_search(&self.equation.place(weight, index_of(weight, 0, light))).is_ok())
+        weights.any(|weight| self.moved.binary_search(&self.equation.index(weight, owner_index(weight, 0, light))).is_ok())
     }
 
     /// Whether a term without the formula moves at the hits of a body.
@@ -211,22 +212,28 @@ impl DragPlan {
     }
 
     /// The factors of the picture of these parameter numbers: red, green and blue for each term, and kr and kt.
+    ///
+    /// # Panics
+    /// Where there are fewer numbers than the layout has.
     pub fn factors(&self, parameters: &[f32]) -> Factors {
-        let number = |place: usize| flush(parameters[place]);
-        let leaf = |id: NodeId| self.leaves.iter().find(|(node, _)| *node == id).map_or(0.0, |(_, place)| number(*place));
+        let number = |index: usize| flush(parameters[index]);
+        let leaf = |id: NodeId| self.leaves.iter().find(|(node, _)| *node == id).map_or(0.0, |(_, index)| number(*index));
         let wanted: Vec<NodeId> = self.terms.iter().flat_map(|term| term.factors).flatten().collect();
         let mut values = self.bindings.graph.evaluate(&wanted, leaf).into_iter();
         let terms = self.terms.iter().map(|term| term.factors.map(|factor| factor.map_or(0.0, |_| values.next().unwrap_or(0.0))));
-        let [kr, kt] = self.weights.map(|place| place.map_or(1.0, |place| f64::from(number(place))));
+        let [kr, kt] = self.weights.map(|index| index.map_or(1.0, |index| f64::from(number(index))));
         Factors { terms: terms.collect(), kr, kt }
     }
 
     /// The sum of the terms of a site without the formula at the hits of a body, in linear RGB, not clamped. Components
     /// that move are left out. At misses, the body has no meaning.
+    ///
+    /// # Panics
+    /// Where there are fewer numbers than the layout has.
     pub fn fixed(&self, site: Site, parameters: &[f32], body: usize) -> [f32; 3] {
         let mut sum = [0.0; 3];
-        for (place, term) in TERMS.iter().enumerate().filter(|(_, term)| term.site == site) {
-            let moved = self.moved_terms.iter().find(|moved| moved.term == place && self.moves_at(moved, body));
+        for (index, term) in TERMS.iter().enumerate().filter(|(_, term)| term.site == site) {
+            let moved = self.moved_terms.iter().find(|moved| moved.term == index && self.moves_at(moved, body));
             let colour = self.equation.term(term, parameters, body);
             add(&mut sum, colour, |component| moved.is_none_or(|moved| !moved.components[component]));
         }
@@ -234,6 +241,9 @@ impl DragPlan {
     }
 
     /// The same sum, of the components that move.
+    ///
+    /// # Panics
+    /// Where there are fewer numbers than the layout has.
     pub fn moving(&self, site: Site, parameters: &[f32], body: usize) -> [f32; 3] {
         let mut sum = [0.0; 3];
         for moved in self.moved_at(site).filter(|moved| self.moves_at(moved, body)) {
@@ -243,15 +253,18 @@ impl DragPlan {
         sum
     }
 
-    /// The colour of an image term at the hits of a body, or at misses, without its contribution: the moved terms
-    /// without their moved factor.
+    /// The colour of an image term at the hits of a body, or at misses, in linear RGB, without its contribution: the
+    /// moved terms without their moved factor.
+    ///
+    /// # Panics
+    /// Where there are fewer numbers than the layout has.
     pub fn image_colour(&self, term: &ImageTerm, site: Site, parameters: &[f32], body: usize) -> [f32; 3] {
         let mut sum = [0.0; 3];
-        let moved_terms = term.moved_terms.iter().map(|place| &self.moved_terms[*place]);
+        let moved_terms = term.moved_terms.iter().map(|index| &self.moved_terms[*index]);
         for moved in moved_terms.filter(|moved| TERMS[moved.term].site == site && self.moves_at(moved, body)) {
             let value = |factor: Predefined| match factor == moved.factor {
                 true => [1.0; 3],
-                false => self.equation.value(parameters, factor, index_of(factor, body, 0)),
+                false => self.equation.value(parameters, factor, owner_index(factor, body, 0)),
             };
             add(&mut sum, TERMS[moved.term].product(value), |component| moved.components[component]);
         }
@@ -274,13 +287,13 @@ fn moving_terms(
 ) -> Vec<(MovedTerm, [Option<NodeId>; 3])> {
     let mut found = Vec::new();
     let is_plain = |term: &EquationTerm| term.site != Site::LitRecord;
-    for (place, term) in TERMS.iter().enumerate().filter(|(_, term)| is_plain(term)) {
+    for (number, term) in TERMS.iter().enumerate().filter(|(_, term)| is_plain(term)) {
         for factor in term.factors().filter(|factor| factor.owner() == owner) {
             let last = factor.ty().slots() - 1;
-            let first = equation.place(factor, index);
+            let first = equation.index(factor, index);
             let nodes = [0, 1, 2].map(|component: usize| node_at(first + component.min(last)));
             if nodes.iter().any(Option::is_some) {
-                found.push((MovedTerm { term: place, factor, components: nodes.map(|node| node.is_some()) }, nodes));
+                found.push((MovedTerm { term: number, factor, components: nodes.map(|node| node.is_some()) }, nodes));
             }
         }
     }
@@ -294,16 +307,16 @@ fn image_terms(dependence: &Dependence, found: &[(MovedTerm, [Option<NodeId>; 3]
         Dependence::Separable(terms) => &terms[..],
         Dependence::None | Dependence::Inseparable { .. } => &[],
     };
-    let term = |(place, term): (usize, &SeparableTerm)| ImageTerm {
+    let term = |(contribution, term): (usize, &SeparableTerm)| ImageTerm {
         factors: term.factors,
-        contribution: Some(place),
+        contribution: Some(contribution),
         moved_terms: Vec::new(),
     };
     let mut terms: Vec<ImageTerm> = separable.iter().enumerate().map(term).collect();
-    for (place, (_, factors)) in found.iter().enumerate() {
+    for (index, (_, factors)) in found.iter().enumerate() {
         match terms.iter_mut().find(|term| term.factors == *factors) {
-            Some(term) => term.moved_terms.push(place),
-            None => terms.push(ImageTerm { factors: *factors, contribution: None, moved_terms: vec![place] }),
+            Some(term) => term.moved_terms.push(index),
+            None => terms.push(ImageTerm { factors: *factors, contribution: None, moved_terms: vec![index] }),
         }
     }
     terms

@@ -22,7 +22,8 @@ pub struct FormulaPlan {
 /// How outputs are computed from columns and parameters in a frame: first uniform values, then records.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ContributionPlan {
-    /// Parameters of pairs of a body and a light → uniform values. Its first stream holds the parameters.
+    /// Parameters of pairs of a body and a light → uniform values. Its records are the pairs, and its first stream
+    /// holds the parameters.
     pub uniforms: KernelPlan,
     /// Columns of the hit frontier, of the record frontier and of a drag, and uniform values → outputs.
     pub records: KernelPlan,
@@ -33,7 +34,7 @@ pub struct ContributionPlan {
 pub struct ParameterSlot {
     /// The kind of owner.
     pub owner: Owner,
-    /// The place in the row of the owner, see [`Layout`](crate::formula::layout::Layout).
+    /// The slot in the row of the owner, see [`Layout`](crate::formula::layout::Layout).
     pub slot: usize,
 }
 

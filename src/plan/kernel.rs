@@ -38,7 +38,7 @@ pub struct KernelPlan {
     pub streams: [Vec<NodeId>; STREAMS],
     /// Nodes that have one value for all records of a call, in the order of the uniform values.
     pub uniforms: Vec<NodeId>,
-    /// Nodes that are computed, in the order of the outputs.
+    /// Nodes that are computed, in the order of the outputs. Each has one value for each record.
     pub outputs: Vec<NodeId>,
     /// Where the outputs go.
     pub sink: Sink,

@@ -8,22 +8,23 @@ use crate::formula::{Parameter, ParameterId};
 use crate::plan::formula::ContributionPlan;
 use crate::plan::kernel::Sink;
 
-/// Components of parameters that move together.
+/// Components of parameters that move together, each counted from 0.
 pub type Moved = [(ParameterId, u8)];
 
-/// The components of parameters whose numbers lie at these places.
-pub fn moved_parameters(layout: &Layout, parameters: &[Parameter], places: &[usize]) -> Vec<(usize, ParameterId, u8)> {
-    let moved = |place: &usize| {
-        let (owner, _, slot) = layout.owner_of(*place)?;
+/// The components of parameters whose numbers have these indices in the layout: index, parameter and component, 0..3.
+/// Indices beyond the layout are left out.
+pub fn moved_parameters(layout: &Layout, parameters: &[Parameter], indices: &[usize]) -> Vec<(usize, ParameterId, u8)> {
+    let moved = |index: &usize| {
+        let (owner, _, slot) = layout.owner_of(*index)?;
         let holds = |parameter: &Parameter| {
             let first = parameter.slot as usize;
             parameter.owner == owner && (first..first + parameter.ty.slots()).contains(&slot)
         };
-        let index = parameters.iter().position(holds)?;
+        let parameter = parameters.iter().position(holds)?;
         // A vector has three components.
-        Some((*place, ParameterId(index as u32), (slot - parameters[index].slot as usize) as u8))
+        Some((*index, ParameterId(parameter as u32), (slot - parameters[parameter].slot as usize) as u8))
     };
-    places.iter().filter_map(moved).collect()
+    indices.iter().filter_map(moved).collect()
 }
 
 /// The kernels for a slider that moves some components of parameters.
@@ -31,7 +32,8 @@ pub fn moved_parameters(layout: &Layout, parameters: &[Parameter], places: &[usi
 pub struct SliderPlan {
     /// Which parts of the contribution move, and the graph that all nodes belong to.
     pub separation: Separation,
-    /// The components of the contribution that the moving kernels compute: none, one, or all three.
+    /// The components of the contribution that the moving kernels compute, 0 red, 1 green, 2 blue: none, one, or all
+    /// three.
     pub channels: Vec<usize>,
     /// The part of the contribution of moved pairs that does not move, where it is not 0. All three components.
     pub fixed: Option<ContributionPlan>,
@@ -58,8 +60,8 @@ impl SliderPlan {
         if channels.len() == 2 {
             let given = std::mem::replace(&mut channels, vec![0, 1, 2]);
             for wanted in &mut moving {
-                let places = (0..3).map(|channel| given.iter().position(|known| *known == channel));
-                wanted.outputs = places.map(|place| place.map_or(zero, |place| wanted.outputs[place])).collect();
+                let outputs = (0..3).map(|channel| given.iter().position(|known| *known == channel));
+                wanted.outputs = outputs.map(|output| output.map_or(zero, |output| wanted.outputs[output])).collect();
             }
         }
         let bindings = &separation.bindings;

@@ -105,7 +105,7 @@ pub struct App {
 struct SavedSession {
     numbers: Vec<f32>,
     picture: PictureSettings,
-    places: PerTab<Option<Location>>,
+    locations: PerTab<Option<Location>>,
 }
 
 impl SavedSession {
@@ -113,7 +113,7 @@ impl SavedSession {
         Self {
             numbers: workshop.values().numbers().to_vec(),
             picture: workshop.settings(),
-            places: documents.map(|document| document.location().cloned()),
+            locations: documents.map(|document| document.location().cloned()),
         }
     }
 }
@@ -258,7 +258,7 @@ impl App {
         {
             self.inspector.inspect(&self.workshop, pixel);
         }
-        self.inspector.ui(ui.ctx(), &self.workshop, self.pane.place());
+        self.inspector.ui(ui.ctx(), &self.workshop, self.pane.area());
         self.dialogs.ui(ui.ctx(), &mut actions);
         if let Some(settings) = self.settings_dialog.ui(ui.ctx()) {
             actions.push(Action::SaveSettings(Box::new(settings)));
@@ -435,8 +435,8 @@ impl App {
 
     /// Whether values, settings or files differ from those in the session's file.
     fn session_is_unsaved(&self) -> bool {
-        let SavedSession { numbers, picture, places } = &self.saved;
-        let moved = self.documents.iter().any(|(tab, document)| document.location() != places[tab].as_ref());
+        let SavedSession { numbers, picture, locations } = &self.saved;
+        let moved = self.documents.iter().any(|(tab, document)| document.location() != locations[tab].as_ref());
         let mut settings = self.workshop.settings();
         if self.pane.follows {
             // The size follows the window, and is not the user's choice.

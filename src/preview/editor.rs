@@ -295,10 +295,10 @@ impl Editor {
                 }
                 self.find.search(document.id(), document.revision(), text);
                 let next = command == EditorCommand::FindNext;
-                let place =
+                let range =
                     if next { self.find.next(selection.range().end) } else { self.find.previous(selection.range().start) };
-                if let Some(place) = place {
-                    self.show_range(document, place, true);
+                if let Some(range) = range {
+                    self.show_range(document, range, true);
                 }
                 None
             }

@@ -1,8 +1,7 @@
-//! Pictures made in the background: what is wanted goes in, the newest picture comes out, and nobody waits.
+//! Pictures made in the background. Callers say what they want, take the newest picture, and never wait.
 //!
-//! One thread traces, coarsely at first and then in full; another evaluates. Both look at what is wanted *now*: values
-//! that were overtaken are never drawn, and tracing that nobody wants any more ends soon. Nothing here knows of
-//! widgets.
+//! One thread traces, first at a low resolution and then in full; another evaluates. Both look at what is wanted *now*:
+//! outdated values are never drawn, and tracing that nobody wants any more ends soon. Nothing here knows of widgets.
 
 mod drawing;
 
@@ -10,21 +9,21 @@ use crate::engine::{Engine, Subject, Task};
 use crate::picture::Transfer;
 use crate::plan::Method;
 use crate::trace::{Counts, Hits, View};
-use drawing::Artist;
+use drawing::DrawingWorker;
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// What is shown, beside values.
+/// What is to be drawn, beside parameter numbers.
 #[derive(Clone)]
-pub struct Scenery {
-    /// The formula on the scene, as seen by a view.
+pub struct RenderRequest {
+    /// Formula, world and view.
     pub subject: Subject,
-    /// By which engine pictures are made.
+    /// The engine that makes the pictures.
     pub engine: Engine,
-    /// How colours become bytes.
+    /// How linear components become bytes.
     pub transfer: Transfer,
 }
 
@@ -37,11 +36,11 @@ pub struct Picture {
     pub height: u32,
     /// Row by row from the top left, `0x00RRGGBB`.
     pub pixels: Vec<u32>,
-    /// Pictures are counted; 0 is none.
+    /// The number of the picture, counted from 1. 0 is no picture.
     pub version: u64,
     /// The stamp of its parameter numbers, from [`Renderer::show`] or [`Renderer::move_to`].
     pub values: u64,
-    /// The size that it stands for: a coarse one has fewer pixels.
+    /// Width and height that were asked for. A picture of low resolution has fewer pixels.
     pub full_size: [u32; 2],
 }
 
@@ -55,9 +54,9 @@ impl Picture {
 /// What happened in the background.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Event {
-    /// A formula was compiled, or found among those that were.
+    /// A formula was compiled, or found in the cache of compiled formulas.
     Compiled(Duration),
-    /// Rays were traced, in full where `full`.
+    /// Rays were traced.
     Traced {
         /// How long it took.
         time: Duration,
@@ -65,39 +64,40 @@ pub enum Event {
         counts: Counts,
         /// Pixels in a row, and rows.
         size: [u32; 2],
-        /// Whether that is the size that was asked for.
+        /// Whether this is the size that was asked for.
         full: bool,
     },
-    /// Static values of all hits were worked out, and the first picture was drawn.
+    /// Static values of all hits were computed, and the first picture was drawn.
     Ready {
         /// How long that took.
         time: Duration,
-        /// The memory at rest, in bytes a pixel.
+        /// The memory that the evaluator keeps, in bytes for each pixel.
         bytes_per_pixel: f64,
     },
     /// A frame was drawn.
     Frame {
-        /// How: none where it was no drag.
+        /// The method of the drag; `None` if it was no drag.
         method: Option<Method>,
         /// How long it took.
         time: Duration,
     },
-    /// The number of pixels with a component that is not a number, in a picture at rest. They are black there.
+    /// The number of pixels with a component that is NaN, counted when nothing has changed for a while. The picture
+    /// shows such components as 0.
     Undefined(usize),
-    /// There is no picture, and why.
+    /// There is no picture. The text says why.
     Failed(String),
 }
 
 /// What is wanted.
 #[derive(Default)]
 struct WantedPicture {
-    scenery: Option<Scenery>,
+    request: Option<RenderRequest>,
     numbers: Vec<f32>,
-    /// Counts values and subjects.
+    /// Increases by 1 when numbers or request change.
     stamp: u64,
-    /// The places of the numbers of a slider that is held.
+    /// The indices of the numbers of a slider that is held.
     held: Option<Vec<usize>>,
-    /// What was traced last, of the subject that is wanted.
+    /// The hits that were traced last for the wanted subject.
     hits: Option<Arc<Hits>>,
     quit: bool,
 }
@@ -106,13 +106,14 @@ struct WantedPicture {
 struct RendererState {
     wanted: Mutex<WantedPicture>,
     changed: Condvar,
-    /// The newest picture that was not taken yet, and buffers to be used again.
+    /// The newest picture, if nobody has taken it yet.
     newest: Mutex<Option<Picture>>,
     arrived: Condvar,
+    /// Buffers of old pictures, to be used again.
     spare: Mutex<Vec<Vec<u32>>>,
     /// Ends tracing.
     cancelled: AtomicBool,
-    /// How much is traced, in thousandths; 1000 where nothing is being traced.
+    /// How much is traced, in thousandths. 1000 if nothing is being traced.
     progress: AtomicU32,
     versions: AtomicU64,
     wake: Box<dyn Fn() + Send + Sync>,
@@ -128,22 +129,22 @@ impl RendererState {
     }
 }
 
-/// Makes pictures.
+/// Makes pictures on threads of its own.
 pub struct Renderer {
     shared: Arc<RendererState>,
     events: Receiver<Event>,
     threads: Vec<JoinHandle<()>>,
 }
 
-/// Pictures of at most this many pixels are not traced coarsely first: they take milliseconds.
+/// Pictures of at most this many pixels are traced in full at once: that takes milliseconds.
 const SMALL: u32 = 320 * 200;
 /// After this time without a change, the NaN pixels of a picture are counted.
 const REST: Duration = Duration::from_millis(250);
-/// Along each side, a coarse picture has one pixel for each of this many.
+/// A picture of low resolution has one pixel for this many in each direction.
 const COARSE: u32 = 4;
 
 impl Renderer {
-    /// Starts the threads; `wake` is called, from any of them, when there is something to see.
+    /// Starts the threads. They call `wake` when there is something new to see.
     ///
     /// # Errors
     /// No thread can be started.
@@ -175,14 +176,14 @@ impl Renderer {
 
     /// Shows another scene or formula, with these parameter numbers in the order of their layout. Returns their stamp,
     /// which increases by 1 with each call.
-    pub fn show(&self, scenery: Scenery, numbers: &[f32]) -> u64 {
+    pub fn show(&self, request: RenderRequest, numbers: &[f32]) -> u64 {
         let mut wanted = self.shared.wanted();
-        let kept = wanted.scenery.as_ref().is_some_and(|before| before.subject.same_hits(&scenery.subject));
-        if !kept {
+        let same_hits = wanted.request.as_ref().is_some_and(|before| before.subject.same_hits(&request.subject));
+        if !same_hits {
             wanted.hits = None;
             self.shared.cancelled.store(true, Ordering::Relaxed);
         }
-        wanted.scenery = Some(scenery);
+        wanted.request = Some(request);
         wanted.held = None;
         self.set(wanted, numbers)
     }
@@ -226,12 +227,12 @@ impl Renderer {
         self.shared.wanted().hits.as_ref().filter(|hits| hits.view == *view).map(Arc::clone)
     }
 
-    /// What happened since it was asked last.
+    /// What happened since the last call.
     pub fn events(&self) -> impl Iterator<Item = Event> {
         self.events.try_iter()
     }
 
-    /// How much of a picture is traced, 0..1; none where nothing is being traced.
+    /// How much of a picture is traced, 0..1. `None` if nothing is being traced.
     pub fn progress(&self) -> Option<f32> {
         let thousandths = self.shared.progress.load(Ordering::Relaxed);
         (thousandths < 1000).then_some(thousandths as f32 / 1000.0)
@@ -244,7 +245,7 @@ impl Drop for Renderer {
         self.shared.cancelled.store(true, Ordering::Relaxed);
         self.shared.changed.notify_all();
         for thread in self.threads.drain(..) {
-            // One that panicked has said so.
+            // A thread that panicked has reported it already.
             let _ = thread.join();
         }
     }
@@ -254,25 +255,25 @@ impl Drop for Renderer {
 fn trace_forever(shared: &Arc<RendererState>, events: &Sender<Event>) {
     let mut traced: Option<Subject> = None;
     loop {
-        let scenery = {
+        let request = {
             let mut wanted = shared.wanted();
             loop {
                 if wanted.quit {
                     return;
                 }
-                match &wanted.scenery {
-                    Some(scenery) if !traced.as_ref().is_some_and(|traced| traced.same_hits(&scenery.subject)) => break,
+                match &wanted.request {
+                    Some(request) if !traced.as_ref().is_some_and(|traced| traced.same_hits(&request.subject)) => break,
                     Some(_) | None => wanted = shared.wait(wanted),
                 }
             }
             // A later request sets the flag again.
             shared.cancelled.store(false, Ordering::Relaxed);
-            wanted.scenery.clone()
+            wanted.request.clone()
         };
-        let Some(scenery) = scenery else { continue };
-        traced = Some(scenery.subject.clone());
-        for view in stages(&scenery.subject.view) {
-            if trace_stage(shared, events, &scenery, view).is_none() {
+        let Some(request) = request else { continue };
+        traced = Some(request.subject.clone());
+        for view in stages(&request.subject.view) {
+            if trace_stage(shared, events, &request, view).is_none() {
                 break;
             }
         }
@@ -295,7 +296,7 @@ fn stages(view: &View) -> Vec<View> {
 fn trace_stage(
     shared: &RendererState,
     events: &Sender<Event>,
-    Scenery { subject, engine, .. }: &Scenery,
+    RenderRequest { subject, engine, .. }: &RenderRequest,
     view: View,
 ) -> Option<()> {
     let start = Instant::now();
@@ -321,7 +322,7 @@ fn trace_stage(
         }
     };
     let mut wanted = shared.wanted();
-    if !wanted.scenery.as_ref().is_some_and(|wanted| wanted.subject.same_hits(subject)) {
+    if !wanted.request.as_ref().is_some_and(|wanted| wanted.subject.same_hits(subject)) {
         return None;
     }
     let (size, full) = ([view.width(), view.height()], view == subject.view);
@@ -342,26 +343,26 @@ fn draw_forever(shared: &Arc<RendererState>, events: &Sender<Event>) {
             shared.changed.notify_all();
         }
     };
-    let mut artist = Artist::default();
+    let mut worker = DrawingWorker::default();
     let mut drawn: Option<(u64, Arc<Hits>)> = None;
     // The last picture, until its NaN pixels are counted.
     let mut unseen: Option<(Arc<Hits>, Vec<f32>)> = None;
     loop {
-        let (scenery, hits, numbers, held, stamp) = {
+        let (request, hits, numbers, held, stamp) = {
             let mut wanted = shared.wanted();
             loop {
                 if wanted.quit {
                     return;
                 }
-                if let (Some(scenery), Some(hits)) = (&wanted.scenery, &wanted.hits) {
+                if let (Some(request), Some(hits)) = (&wanted.request, &wanted.hits) {
                     let done = |(stamp, of): &(u64, Arc<Hits>)| *stamp == wanted.stamp && Arc::ptr_eq(of, hits);
                     if !drawn.as_ref().is_some_and(done) {
-                        break (scenery.clone(), Arc::clone(hits), wanted.numbers.clone(), wanted.held.clone(), wanted.stamp);
+                        break (request.clone(), Arc::clone(hits), wanted.numbers.clone(), wanted.held.clone(), wanted.stamp);
                     }
                 }
-                if artist.has_more_to_prepare() {
+                if worker.has_more_to_prepare() {
                     drop(wanted);
-                    artist.prepare(again());
+                    worker.prepare(again());
                     wanted = shared.wanted();
                 } else if unseen.is_some() {
                     let timeout;
@@ -370,7 +371,7 @@ fn draw_forever(shared: &Arc<RendererState>, events: &Sender<Event>) {
                         && let Some((hits, numbers)) = unseen.take()
                     {
                         drop(wanted);
-                        let undefined = artist.undefined(&hits, &numbers);
+                        let undefined = worker.undefined(&hits, &numbers);
                         let _ = events.send(Event::Undefined(undefined));
                         if undefined > 0 {
                             (shared.wake)();
@@ -387,7 +388,7 @@ fn draw_forever(shared: &Arc<RendererState>, events: &Sender<Event>) {
         };
         let rests = held.is_none();
         let room = || shared.spare.lock().unwrap_or_else(PoisonError::into_inner).pop().unwrap_or_default();
-        match artist.draw(&scenery, &hits, &numbers, held, &tell, room) {
+        match worker.draw(&request, &hits, &numbers, held, &tell, room) {
             Ok((mut picture, undefined)) => {
                 if let Some(undefined) = undefined.filter(|_| rests) {
                     tell(Event::Undefined(undefined));
@@ -406,7 +407,7 @@ fn draw_forever(shared: &Arc<RendererState>, events: &Sender<Event>) {
         drawn = Some((stamp, hits));
         (shared.wake)();
         // Also if a new picture is wanted already: otherwise a quick drag would never be prepared.
-        artist.prepare(again());
+        worker.prepare(again());
     }
 }
 

@@ -12,7 +12,7 @@ use crate::engine::{Engine, Subject};
 use crate::formula::{Formula, ParameterId};
 use crate::lang::diagnostic::Diagnostics;
 use crate::lang::source::Source;
-use crate::preview::renderer::{Picture, Renderer, Scenery};
+use crate::preview::renderer::{Picture, RenderRequest, Renderer};
 use crate::scene::Scene;
 use crate::trace::{View, ViewError};
 use crate::workspace::Location;
@@ -149,8 +149,8 @@ impl Workshop {
         self.held = None;
         // The settings have been checked.
         let Ok(view) = self.view() else { return };
-        let scenery = Scenery { subject: self.subject(view), engine: self.engine(), transfer: self.picture.transfer() };
-        self.requested = self.renderer.show(scenery, self.values.numbers());
+        let request = RenderRequest { subject: self.subject(view), engine: self.engine(), transfer: self.picture.transfer() };
+        self.requested = self.renderer.show(request, self.values.numbers());
     }
 
     fn subject(&self, view: View) -> Subject {
@@ -233,8 +233,8 @@ impl Workshop {
             self.held = Some((owner, id));
         }
         self.values.move_to(owner, id, value);
-        let places = self.values.moved_indices(owner, id);
-        self.requested = self.renderer.move_to(self.values.numbers(), Some(places));
+        let indices = self.values.moved_indices(owner, id);
+        self.requested = self.renderer.move_to(self.values.numbers(), Some(indices));
     }
 
     /// Releases the slider that is held.
@@ -331,26 +331,26 @@ impl Workshop {
     }
 
     /// Keeps the picture in view and the values as a snapshot.
-    pub fn take_snapshot(&mut self, place: usize) {
+    pub fn take_snapshot(&mut self, slot: usize) {
         let snapshot = Snapshot {
             picture: self.shown.clone(),
             values: self.values.clone(),
             formula: Arc::clone(&self.formula),
             world: Arc::clone(&self.world),
         };
-        if let Some(kept) = self.snapshots.get_mut(place) {
-            *kept = Some(snapshot);
+        if let Some(taken) = self.snapshots.get_mut(slot) {
+            *taken = Some(snapshot);
         }
     }
 
     /// A snapshot, if there is one in this slot.
-    pub fn snapshot(&self, place: usize) -> Option<&Snapshot> {
-        self.snapshots.get(place)?.as_ref()
+    pub fn snapshot(&self, slot: usize) -> Option<&Snapshot> {
+        self.snapshots.get(slot)?.as_ref()
     }
 
     /// Restores the values, formula and scene of a snapshot.
-    pub fn restore_snapshot(&mut self, place: usize) {
-        let Some(snapshot) = self.snapshot(place).cloned() else { return };
+    pub fn restore_snapshot(&mut self, slot: usize) {
+        let Some(snapshot) = self.snapshot(slot).cloned() else { return };
         if Arc::ptr_eq(&snapshot.formula, &self.formula) && Arc::ptr_eq(&snapshot.world, &self.world) {
             self.change(|values| *values = snapshot.values);
         } else {

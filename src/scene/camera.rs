@@ -83,17 +83,17 @@ impl Camera {
         self.position
     }
 
-    /// The direction in which it looks, as given.
+    /// The direction in which it looks, as given: of any length.
     pub fn gaze(&self) -> DVec3 {
         self.gaze
     }
 
-    /// The direction that is up in the picture, as given.
+    /// The direction that is up in the picture, as given: of any length.
     pub fn up(&self) -> DVec3 {
         self.up
     }
 
-    /// The vertical angle of view in degrees.
+    /// The vertical angle of view in degrees, more than 0 and less than 180.
     pub fn fov(&self) -> f64 {
         self.fov
     }

@@ -2,7 +2,7 @@
 //!
 //! Holds what a scene *says*, how it is read from the scene language and printed in it. Each shape and each kind of
 //! light has a file of its own (`shape/sphere`, `light/point`) and a row in the table of its enumeration, see `syntax`.
-//! Where rays meet all this is computed in [`crate::world`]; what the bodies look like is the formula's business.
+//! Where rays meet bodies is computed in [`crate::world`]. How bodies look is up to the formula.
 
 mod camera;
 pub mod light;

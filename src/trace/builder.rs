@@ -1,4 +1,4 @@
-//! Builds a tile of the store: sorts the hits of its pixels, as they are traced, into groups and spans.
+//! Builds a tile of the store: sorts the hits of its pixels into groups and spans while they are traced.
 //!
 //! Pixels come in order, and a path ends at most once in a pixel. So the list of pixels of each (path, emitter set) is
 //! sorted as it grows, and only the lists themselves are sorted at the end.

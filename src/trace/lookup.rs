@@ -23,7 +23,8 @@ impl HitVariables {
     }
 }
 
-/// The value of any variable at a hit for a light, a scalar three times.
+/// The value of any variable at a hit for a light, a scalar three times. Units and ranges are those of
+/// [`HitVariables`] and [`LightVariables`].
 pub fn variable(variable: Variable, hit: &HitVariables, light: &LightVariables) -> [f32; 3] {
     match variable {
         Variable::ToLight => light.light.to_array(),

@@ -45,7 +45,7 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use walk::{RayEnd, trace_pixel};
 
 /// After this many pixels, progress is reported and memory is counted.
-const PIXELS_PER_STEP: u32 = 64;
+const PIXELS_PER_BATCH: u32 = 64;
 
 /// Why a scene was not traced.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -158,7 +158,7 @@ pub fn trace(
     let tracer = Tracer::new(world, view);
     let pixels = view.pixels();
     let done = AtomicU32::new(0);
-    let step = |traced: u32| -> Result<(), TraceError> {
+    let advance = |traced: u32| -> Result<(), TraceError> {
         let done = done.fetch_add(traced, Ordering::Relaxed) + traced;
         progress(f64::from(done) / f64::from(pixels));
         if cancelled.load(Ordering::Relaxed) { Err(TraceError::Cancelled) } else { Ok(()) }
@@ -167,7 +167,7 @@ pub fn trace(
         .into_par_iter()
         .map(|tile| {
             let start = tile * TILE_PIXELS;
-            trace_tile(&tracer, start..(start + TILE_PIXELS).min(pixels), &meter, &step)
+            trace_tile(&tracer, start..(start + TILE_PIXELS).min(pixels), &meter, &advance)
         })
         .collect::<Result<_, _>>()?;
     Ok(Hits { world: Arc::clone(world), view: *view, tiles })
@@ -184,30 +184,30 @@ fn trace_tile(
     tracer: &Tracer,
     pixels: Range<u32>,
     meter: &MemoryMeter,
-    step: &(dyn Fn(u32) -> Result<(), TraceError> + Sync),
+    advance: &(dyn Fn(u32) -> Result<(), TraceError> + Sync),
 ) -> Result<Tile, TraceError> {
     let mut builder = TileBuilder::default();
     let (mut stack, mut emitters) = (Vec::new(), Vec::new());
     let mut entries = 0;
-    for chunk in pixels.clone().step_by(PIXELS_PER_STEP as usize) {
-        let chunk = chunk..(chunk + PIXELS_PER_STEP).min(pixels.end);
+    for batch in pixels.clone().step_by(PIXELS_PER_BATCH as usize) {
+        let batch = batch..(batch + PIXELS_PER_BATCH).min(pixels.end);
         let (mut hits, mut misses, mut records) = (0, 0, 0);
-        for pixel in chunk.clone() {
+        for pixel in batch.clone() {
             // Tiles are small enough.
-            let place = (pixel - pixels.start) as u16;
+            let pixel_in_tile = (pixel - pixels.start) as u16;
             trace_pixel(tracer, pixel, &mut stack, |parent, edge, end| match end {
                 RayEnd::Hit(hit) => {
                     let path = builder.path(parent, edge, Some(hit.body));
                     emitters.clear();
                     emitters.extend(tracer.emitters(hit));
-                    builder.hit(path, &emitters, place);
+                    builder.hit(path, &emitters, pixel_in_tile);
                     hits += 1;
                     records += emitters.len() as u64;
                     path
                 }
                 RayEnd::Miss(_) => {
                     let path = builder.path(parent, edge, None);
-                    builder.miss(path, place);
+                    builder.miss(path, pixel_in_tile);
                     misses += 1;
                     path
                 }
@@ -218,7 +218,7 @@ fn trace_tile(
         // depend on which tiles are being traced at the same time.
         let grown = builder.entries() - std::mem::replace(&mut entries, builder.entries());
         meter.add(hits, records, (hits + misses) * size_of::<Segment>() as u64 + grown * BYTES_PER_ENTRY)?;
-        step(chunk.end - chunk.start)?;
+        advance(batch.end - batch.start)?;
     }
     let tile = builder.tile(pixels);
     // What is kept of lit hits is kept in whole lines, and once for each group that a hit is in.

@@ -1,8 +1,8 @@
-//! The rays of a pixel again, from the store alone.
+//! Computes the rays of a pixel again, from the store alone.
 //!
-//! A stored hit knows its pixel and its path, that is the body at every step. Following them takes one intersection a
-//! step, with a known body; nothing is searched, and the numbers are those of the tracing, bit for bit. So another
-//! formula gets its variables without tracing again (thesis 4.2.1), and a ray that left the scene gets its direction.
+//! A stored hit has its pixel and its path, so the body at every step is known. Each step takes one intersection with a
+//! known body, and no search. The numbers are those of the tracing, bit for bit. So another formula gets its variables
+//! without tracing again (thesis 4.2.1), and a ray that left the scene gets its direction.
 
 use crate::scene::BodyId;
 use crate::trace::store::{Group, Span, Tile};

@@ -26,22 +26,23 @@ pub const CHUNK_HITS: usize = CHUNK_LINES * LINE_HITS;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(C)]
 pub struct Segment {
-    place: u16,
+    plane_index: u16,
     lanes: u16,
     /// The line and, in the upper bits, the span.
     line_and_span: u16,
 }
 
-// Places are within sixteen bits, and so are a line with a span: there are no more spans in a chunk than hits.
+// Plane indices are within sixteen bits, and so are a line with a span: a chunk has no more spans than hits.
 const _: () = assert!(TILE_PIXELS as usize + Segment::MARGIN <= u16::MAX as usize && LINE_HITS == u16::BITS as usize);
 const _: () = assert!(CHUNK_LINES == 1 << Segment::LINE_BITS && CHUNK_LINES * CHUNK_HITS <= 1 << u16::BITS);
 
 impl Segment {
-    /// What [`place`](Self::place) adds to the number of a pixel, so that it is never negative.
+    /// What [`plane_index`](Self::plane_index) adds to the number of a pixel, so that it is never negative.
     pub const MARGIN: usize = LINE_HITS;
 
-    /// The offsets of place, lanes, and line with span, in bytes. Each has sixteen bits.
-    pub(crate) const OFFSETS: [usize; 3] = [offset_of!(Self, place), offset_of!(Self, lanes), offset_of!(Self, line_and_span)];
+    /// The offsets of plane index, lanes, and line with span, in bytes. Each has sixteen bits.
+    pub(crate) const OFFSETS: [usize; 3] =
+        [offset_of!(Self, plane_index), offset_of!(Self, lanes), offset_of!(Self, line_and_span)];
 
     /// How many low bits are the line. The bits above them are the span.
     pub(crate) const LINE_BITS: u32 = CHUNK_LINES.trailing_zeros();
@@ -55,7 +56,7 @@ impl Segment {
         let lane = hit % LINE_HITS as u32;
         let line = hit / LINE_HITS as u32 % CHUNK_LINES as u32;
         let line_and_span = line as u16 | (span << Self::LINE_BITS) as u16;
-        Self { place: pixel + Self::MARGIN as u16 - lane as u16, lanes: 1 << lane, line_and_span }
+        Self { plane_index: pixel + Self::MARGIN as u16 - lane as u16, lanes: 1 << lane, line_and_span }
     }
 
     /// Adds the next hit, if it is in the same line and its pixel is the next. Whether it was added.
@@ -68,11 +69,11 @@ impl Segment {
         fits
     }
 
-    /// The place of the line's first lane: the pixel that its hit would be in, counted from the tile's first, and
-    /// [`MARGIN`](Self::MARGIN). It is less than [`TILE_PIXELS`] and the margin.
+    /// The index of the line's first lane in a plane: the pixel that its hit would be in, counted from the tile's
+    /// first, plus [`MARGIN`](Self::MARGIN). It is less than [`TILE_PIXELS`] and the margin.
     #[inline]
-    pub fn place(self) -> usize {
-        usize::from(self.place)
+    pub fn plane_index(self) -> usize {
+        usize::from(self.plane_index)
     }
 
     /// A mask of the lanes of the line; the lowest bit is the first lane. At least one bit is set, and the bits that
@@ -103,7 +104,7 @@ impl Segment {
     /// Its pixels, counted from the tile's first.
     #[inline]
     pub fn pixels(self) -> Range<usize> {
-        let first = usize::from(self.place) + self.lanes.trailing_zeros() as usize - Self::MARGIN;
+        let first = usize::from(self.plane_index) + self.lanes.trailing_zeros() as usize - Self::MARGIN;
         first..first + self.hits()
     }
 }

@@ -24,7 +24,7 @@ use smallvec::SmallVec;
 use std::ops::{Add, Range};
 use std::sync::Arc;
 
-/// A path, by its place in the list of its tile.
+/// A path, by its index in the list of its tile.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct PathId(pub u32);
 
@@ -69,7 +69,7 @@ pub struct Group {
     pub emitters: SmallVec<[EmitterId; 6]>,
     /// Whether its hits are scattered: the one emitter of the group is not the only one that reaches them.
     pub scattered: bool,
-    /// The numbers of its hits.
+    /// The numbers of its hits in the tile. Each hit makes a lit record with each of the emitters.
     pub hits: Range<u32>,
     /// The same hits path by path, in the order of path ids: indices into [`Tile::spans`]. A pixel occurs at most once
     /// in a path.
@@ -82,7 +82,7 @@ const _: () = assert!(TILE_PIXELS < 1 << 16);
 /// Consecutive pixels whose rays took the same paths.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Region {
-    /// How many pixels.
+    /// How many pixels, at least 1.
     pub pixels: u16,
     /// Index into [`Tile::path_sets`].
     pub set: u16,
@@ -133,15 +133,16 @@ pub struct Tile {
     pub misses: Vec<Span>,
     /// The pixels of all such rays, span by span.
     pub miss_segments: Vec<Segment>,
-    /// All pixels in order, by the paths of their rays. What a ray adds regardless of its end point, such as the
-    /// ambient light, is the same for all pixels of a region.
+    /// All pixels of the tile in order, by the paths of their rays. What a ray adds regardless of its end point, such
+    /// as the ambient light, is the same for all pixels of a region.
     pub regions: Vec<Region>,
-    /// The paths of the rays of each region.
+    /// The sets of paths that regions refer to.
     pub path_sets: PathSets,
 }
 
 impl Tile {
-    /// The steps of a path from the camera on. The body of the last one is where the path ends.
+    /// The steps of a path from the camera on, one for each ray: the first is the primary ray. Each has the body that
+    /// the ray hits; `None`: it leaves the scene.
     pub fn steps(&self, path: PathId) -> Vec<(Edge, Option<BodyId>)> {
         let chain = std::iter::successors(self.paths.get(path.index()), |path| self.paths.get(path.parent?.index()));
         let mut steps: Vec<_> = chain.map(|path| (path.edge, path.body)).collect();

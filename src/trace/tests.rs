@@ -1,5 +1,5 @@
-//! What holds of every tracing: the store says what the trees of rays say, replaying it gives the same bits, and
-//! neither scale nor threads matter.
+//! What is true of every traced picture: the store says what the trees of rays say, replaying it gives the same bits,
+//! and neither scale nor threads matter.
 
 use super::*;
 use crate::lang::source::Source;
@@ -112,8 +112,8 @@ fn store_and_replay_are_what_the_trees_say_bit_for_bit() {
                     assert_eq!(hit, last.map_or(group.hits.start, |last: u32| last + 1));
                     last = Some(hit);
                     let span = tile.spans_of(group).iter().find(|span| span.hits.contains(&hit)).unwrap();
-                    let place = pixels_of(tile.segments_of(span)).nth((hit - span.hits.start) as usize).unwrap();
-                    assert_eq!(pixel as usize, tile.pixels.start as usize + place);
+                    let pixel_in_tile = pixels_of(tile.segments_of(span)).nth((hit - span.hits.start) as usize).unwrap();
+                    assert_eq!(pixel as usize, tile.pixels.start as usize + pixel_in_tile);
                     let tree = &trees[pixel as usize];
                     let Child::Hit(node) = child_at(tree, &tile.steps(span.path)) else { panic!("no hit") };
                     if group.scattered {

@@ -3,7 +3,7 @@
 use crate::world::{LightSample, SurfaceHit, World};
 use glam::{DVec3, Vec3};
 
-/// The variables of a hit that are the same for every light. Directions are of unit length, angles in 0..π.
+/// The variables of a hit that are the same for every light. Directions are of unit length, angles in radians, 0..π.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HitVariables {
     /// `N`: the shading normal, turned to where the ray came from.
@@ -20,7 +20,7 @@ pub struct HitVariables {
     pub bitangent: Vec3,
 }
 
-/// The variables of a hit that differ from light to light. Directions are of unit length, angles in 0..π.
+/// The variables of a hit that differ from light to light. Directions are of unit length, angles in radians, 0..π.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LightVariables {
     /// `L`: the direction to the light; N for a light in this very point.
@@ -33,7 +33,7 @@ pub struct LightVariables {
     pub beta: f32,
     /// `H`: halfway between L and V; N where these are opposite, so that it is always finite.
     pub half: Vec3,
-    /// `dist`: the distance from the light in world units.
+    /// `dist`: the distance from the light in world units, at least 0. It may be infinite.
     pub distance: f32,
 }
 
@@ -103,7 +103,7 @@ mod tests {
     }
 
     #[test]
-    fn directions_and_angles_at_a_known_place() {
+    fn directions_and_angles_at_a_known_point() {
         let variables = of_light_at("<-6, 0, 8>");
         assert_eq!(variables.light, Vec3::new(-0.6, 0.0, 0.8));
         assert!(variables.mirrored.abs_diff_eq(Vec3::new(0.6, 0.0, 0.8), 1e-7));

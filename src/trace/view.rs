@@ -78,7 +78,7 @@ impl View {
     /// offsets are the samples of a smooth picture. Values outside 0..1 are clamped.
     #[must_use]
     pub fn with_offset(self, offset: [f64; 2]) -> Self {
-        Self { offset: offset.map(|place| if place.is_nan() { 0.5 } else { place.clamp(0.0, 1.0) }), ..self }
+        Self { offset: offset.map(|coordinate| if coordinate.is_nan() { 0.5 } else { coordinate.clamp(0.0, 1.0) }), ..self }
     }
 
     /// Pixels in a row.
@@ -116,8 +116,8 @@ impl View {
         self.offset
     }
 
-    /// The primary ray of a pixel, counted row by row from the top left. Pixels are square, and the camera's angle of
-    /// view spans the height of the picture.
+    /// The primary ray of a pixel, counted row by row from the top left, in world coordinates. Pixels are square, and
+    /// the camera's angle of view spans the height of the picture.
     pub fn primary_ray(&self, camera: &Camera, pixel: u32) -> Ray {
         let (width, height) = (f64::from(self.width), f64::from(self.height));
         let column = f64::from(pixel % self.width) + self.offset[0];

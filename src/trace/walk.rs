@@ -1,5 +1,5 @@
-//! The tree of rays of one pixel (thesis 3.2.2, 3.2.3): the one place that decides which rays follow which, and the
-//! tree itself for those who want to see a whole pixel.
+//! The tree of rays of one pixel (thesis 3.2.2, 3.2.3). Only this module decides which rays follow which. It also
+//! gives the whole tree of a pixel.
 //!
 //! All children are traced whatever their weight, which may be changed later (thesis 6.2.1), except those that the
 //! scene rules out (matte, opaque) or that do not exist (total reflection, maximum depth). Nothing here recurses.
@@ -95,7 +95,7 @@ pub struct Tree {
     pub nodes: Vec<RayNode>,
 }
 
-/// Traces one pixel.
+/// Traces all rays of a pixel, which is counted row by row from the top left.
 pub fn ray_tree(tracer: &Tracer, pixel: u32) -> Tree {
     let mut tree = Tree { primary: Child::None, nodes: Vec::new() };
     trace_pixel(tracer, pixel, &mut Vec::new(), |from: Option<usize>, edge, end| {

@@ -1,8 +1,8 @@
 //! What the program keeps for its user between runs: settings, recent files, drafts of unsaved work, and the folders
 //! for them.
 //!
-//! The window alone needs settings, recent files and drafts, so they are compiled with it only. When something is kept
-//! or read is not decided here.
+//! The window alone needs settings, recent files and drafts, so they are compiled with it only. The window decides
+//! when something is kept or read.
 
 #[cfg(feature = "window")]
 pub mod drafts;

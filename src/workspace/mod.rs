@@ -1,7 +1,7 @@
 //! What a user edits: parameter values, sessions, materials, and the files that hold them.
 //!
-//! Values are kept by owner and parameter, within their ranges and invariants. How they become a picture is the
-//! engine's business. Nothing here knows of windows or command lines; both are built on it.
+//! Values are kept by owner and parameter, within their ranges and invariants. The engine makes pictures of them.
+//! Nothing here knows of windows or command lines; both are built on it.
 
 pub mod assignment;
 mod file_kind;

@@ -89,7 +89,7 @@ impl ParameterTable {
         if parameter.owner != owner.kind() || !self.owners.has(owner) {
             return None;
         }
-        let first = self.layout.place(parameter, owner.index());
+        let first = self.layout.index(parameter, owner.index());
         Some(first..first + parameter.ty.slots())
     }
 

@@ -55,18 +55,18 @@ pub(crate) fn parse(source: &Source) -> Result<DeTable<'_>, Diagnostics> {
     // Duplicates up to here have been reported.
     let mut reported_until = 0;
     for error in errors {
-        let place = error.span().unwrap_or(0..0);
-        if error.message() == DUPLICATE && !place.is_empty() {
-            if place.start >= reported_until {
-                let key = source.slice(span(place.clone()));
+        let range = error.span().unwrap_or(0..0);
+        if error.message() == DUPLICATE && !range.is_empty() {
+            if range.start >= reported_until {
+                let key = source.slice(span(range.clone()));
                 let message = format!("`{key}` occurs twice");
-                diagnostics.push(Diagnostic::error(message).at(span(place.clone()), "").help("each name may occur only once"));
-                reported_until = end_of_table(source.text(), place.start);
+                diagnostics.push(Diagnostic::error(message).at(span(range.clone()), "").help("each name may occur only once"));
+                reported_until = end_of_table(source.text(), range.start);
             }
             continue;
         }
         let diagnostic = Diagnostic::error(error.message());
-        diagnostics.push(diagnostic.at(span(place), "").help("this must be a TOML file (https://toml.io)"));
+        diagnostics.push(diagnostic.at(span(range), "").help("this must be a TOML file (https://toml.io)"));
     }
     if diagnostics.is_empty() { Ok(table.into_inner()) } else { Err(diagnostics) }
 }
@@ -74,19 +74,19 @@ pub(crate) fn parse(source: &Source) -> Result<DeTable<'_>, Diagnostics> {
 /// The library's message about a duplicate name.
 const DUPLICATE: &str = "duplicate key";
 
-/// The end of the table whose header is on the line at `place`; `place` itself if the line is no header. The keys in a
-/// second table of the same name are reported as duplicates too.
-fn end_of_table(text: &str, place: usize) -> usize {
-    let (before, behind) = text.split_at_checked(place).unwrap_or((text, ""));
+/// The end of the table whose header is on the line at byte `start`, or `start` if the line is no header. The keys in
+/// a second table of the same name are reported as duplicates too.
+fn end_of_table(text: &str, start: usize) -> usize {
+    let (before, behind) = text.split_at_checked(start).unwrap_or((text, ""));
     let line = before.rsplit('\n').next().unwrap_or_default();
     if !line.trim_start().starts_with('[') {
-        return place;
+        return start;
     }
-    behind.find("\n[").map_or(text.len(), |length| place + length)
+    behind.find("\n[").map_or(text.len(), |length| start + length)
 }
 
-fn span(place: Range<usize>) -> SourceSpan {
-    SourceSpan::new(place.start, place.end)
+fn span(range: Range<usize>) -> SourceSpan {
+    SourceSpan::new(range.start, range.end)
 }
 
 /// The entries of a table, in the order of the text.

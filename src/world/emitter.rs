@@ -17,7 +17,7 @@ trait Emit {
 pub struct LightSample {
     /// The direction from the hit to the light, of unit length.
     pub direction: DVec3,
-    /// The distance in world units, at least 0.
+    /// The distance in world units, at least 0. It may be infinite.
     pub distance: f64,
 }
 

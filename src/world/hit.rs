@@ -1,4 +1,4 @@
-//! Where a ray meets a surface: first cheaply, then with all that tracing and formulas need of it.
+//! Where a ray meets a surface: first the body and the distance, then everything that tracing and formulas need.
 
 use crate::scene::BodyId;
 use crate::world::ray::{Departure, PrimitiveId, Ray, Side};
@@ -44,8 +44,8 @@ pub struct SurfaceHit {
     /// The normal of the surface itself, of unit length, turned to the side from which the ray came:
     /// `geometric_normal` · `view` ≥ 0.
     pub geometric_normal: DVec3,
-    /// The normal to shade with, turned to the same side. It differs from the geometric one where a smooth surface
-    /// is approximated by flat parts.
+    /// The normal to shade with, of unit length, turned to the same side. It differs from the geometric one where a
+    /// smooth surface is approximated by flat parts.
     pub shading_normal: DVec3,
     /// The direction to where the ray came from, of unit length.
     pub view: DVec3,

@@ -1,5 +1,5 @@
-//! What rays meet: the surfaces of bodies and the emitters of lights, built once from a scene and shared by all who
-//! trace.
+//! What rays meet: the surfaces of bodies and the emitters of lights. It is built once from a scene, and shared by
+//! everything that traces rays.
 //!
 //! 1. A [`Scene`] says what a text declares; a [`World`] answers rays: what a ray hits first, what lies between two
 //!    points, in which direction a hit sees a light. All of it in f64 and world coordinates.
@@ -106,7 +106,7 @@ impl World {
         self.emitter(id).light()
     }
 
-    /// Where the ray meets this body, whatever else is in between.
+    /// Where the ray meets this body, whatever else is in between. `None` where it does not.
     ///
     /// # Panics
     /// If the id is another scene's, and this one has fewer bodies.
@@ -114,7 +114,8 @@ impl World {
         self.meet(ray, body, &self.surfaces[body.index()]).map(|met| Intersection::new(body, met))
     }
 
-    /// What the ray meets first; of several surfaces at equal distance the one declared first.
+    /// What the ray meets first; of several surfaces at equal distance the one declared first. `None` where the ray
+    /// leaves the scene.
     pub fn nearest(&self, ray: &Ray) -> Option<Intersection> {
         let mut nearest: Option<(BodyId, Meeting)> = None;
         for (body, met) in self.meetings(ray) {
@@ -158,7 +159,7 @@ impl World {
         }
     }
 
-    /// The surface where the ray meets it.
+    /// The surface where the ray meets it. `at` belongs to this ray.
     pub fn surface_hit(&self, ray: &Ray, at: &Intersection) -> SurfaceHit {
         let front = self.surfaces[at.body.index()].project(ray.at(at.distance), at.primitive, ray.direction);
         let side = if front.geometric_normal.dot(ray.direction) <= 0.0 { Side::Front } else { Side::Back };

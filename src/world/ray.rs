@@ -44,7 +44,7 @@ pub enum Side {
 }
 
 impl Ray {
-    /// The point at `distance` from the origin.
+    /// The point at `distance` (in world units) from the origin.
     pub fn at(&self, distance: f64) -> DVec3 {
         self.origin + distance * self.direction
     }

@@ -144,8 +144,8 @@ fn measurements_are_reported_as_table_and_json() {
         "/bytes_per_pixel/jit",
         "/bytes_per_pixel/interpreter",
     ];
-    for place in figures.into_iter().chain(["/hits", "/records", "/paths", "/groups"]) {
-        assert!(json.pointer(place).and_then(serde_json::Value::as_f64) > Some(0.0), "{place}: {json}");
+    for pointer in figures.into_iter().chain(["/hits", "/records", "/paths", "/groups"]) {
+        assert!(json.pointer(pointer).and_then(serde_json::Value::as_f64) > Some(0.0), "{pointer}: {json}");
     }
     // Every slider that can be moved, with the components of colours.
     let drags = json["drag"].as_array().expect("drags");

@@ -37,8 +37,8 @@ fn every_preset_adds_up_to_the_interpreters_pixel() {
             let view = View::new(10, 5).and_then(|view| view.with_depth(depth)).expect("within range").with_shadows(shadows);
             let interpreted = Interpreted::new(&formula, &world, view).expect("small code");
             let frame = interpreted.frame(values.numbers());
-            for (place, expected) in frame.linear.iter().enumerate() {
-                let pixel = [place as u32 % 10, place as u32 / 10];
+            for (index, expected) in frame.linear.iter().enumerate() {
+                let pixel = [index as u32 % 10, index as u32 / 10];
                 let what = format!("{name}, depth {depth}, shadows {shadows}, pixel {pixel:?}");
                 let inspection = inspector.inspect(&view, pixel).expect("a pixel of the picture");
                 assert_eq!(&inspection.total, expected, "{what}");

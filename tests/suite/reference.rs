@@ -78,11 +78,11 @@ fn check(name: &str, backend: &str) -> Result<(), String> {
     }
     assert!(compared > width * height / 2, "{name}: most pixels are stable");
     let share = agreeing as f64 / compared as f64;
-    let place = (worst.1 % width, worst.1 / width);
+    let pixel = (worst.1 % width, worst.1 / width);
     if share >= SHARE {
         Ok(())
     } else {
-        Err(format!("{name} ({backend}): {agreeing} of {compared} agree; worst {} at {place:?}", worst.0))
+        Err(format!("{name} ({backend}): {agreeing} of {compared} agree; worst {} at {pixel:?}", worst.0))
     }
 }
 

@@ -59,13 +59,13 @@ impl Screen {
         found.filter(|id| !id.is_empty())
     }
 
-    /// The place of the window on the screen.
+    /// The position of the window on the screen.
     fn corner(&self) -> [i32; 2] {
         let id = self.window_id().expect("a window");
         let told = self.run("xdotool", &["getwindowgeometry", "--shell", &id]);
         let told = String::from_utf8_lossy(&told).into_owned();
         ["X=", "Y="].map(|name| {
-            let line = told.lines().find_map(|line| line.strip_prefix(name)).expect("a place");
+            let line = told.lines().find_map(|line| line.strip_prefix(name)).expect("a position");
             line.parse().expect("a number")
         })
     }
@@ -86,7 +86,7 @@ impl Screen {
         self.run("xdotool", &["mousemove", &x, &y]);
     }
 
-    /// The pixels of a part of the window with this place and size.
+    /// The pixels of a part of the window with this position and size.
     fn pixels(&self, [x, y]: [i32; 2], [width, height]: [i32; 2]) -> Vec<u8> {
         let corner = self.corner();
         let part = format!("{width}x{height}+{}+{}", corner[0] + x, corner[1] + y);

@@ -133,9 +133,9 @@ impl Columns {
         Ok(arrangements.into_iter().map(tile).collect())
     }
 
-    /// The columns that a source computes for each record of a tile where it is active, from these static columns and
+    /// The drag columns that a source computes for each record of a tile where it is active, from static columns and
     /// uniform values.
-    pub(super) fn kept(tile: &Tile, given: &Columns, source: &ContributionSource, uniforms: &[Splat]) -> Self {
+    pub(super) fn for_drag(tile: &Tile, given: &Columns, source: &ContributionSource, uniforms: &[Splat]) -> Self {
         let is_active = |group: &Group, emitter: &EmitterId| source.active[source.pair(group.body, *emitter)];
         let outputs = source.overwrite.outputs();
         let arrangement =
@@ -146,11 +146,11 @@ impl Columns {
             for chunk in Chunk::all(own) {
                 let start = arrangement.chunk(own, &chunk);
                 let part = given.part(index, chunk.first..chunk.first + chunk.lines);
-                for (place, emitter) in group.emitters.iter().enumerate().filter(|(_, emitter)| is_active(group, emitter)) {
+                for (light, emitter) in group.emitters.iter().enumerate().filter(|(_, emitter)| is_active(group, emitter)) {
                     let length = outputs * chunk.lines;
-                    let begin = start + place * length;
+                    let begin = start + light * length;
                     let uniforms = &uniforms[source.uniforms_of(source.pair(group.body, *emitter))];
-                    let streams: Streams = [&given.lines()[part.hits()], &given.lines()[part.records(place)], &[]];
+                    let streams: Streams = [&given.lines()[part.hits()], &given.lines()[part.records(light)], &[]];
                     source.overwrite.run(streams, uniforms, &mut [&mut lines[begin..begin + length]], chunk.lines);
                 }
             }
@@ -168,7 +168,7 @@ impl Columns {
         self.lines.len() * size_of::<Line>() + size_of_val(self.arrangement.groups.as_slice())
     }
 
-    /// The place of some lines of the columns of a group. The lines belong to one chunk. They may end up to a round
+    /// Where some lines of the columns of a group are. The lines belong to one chunk. They may end up to a round
     /// after it, where there is other data.
     pub(super) fn part(&self, group: usize, lines: Range<usize>) -> ColumnPart {
         let arrangement = &self.arrangement;
@@ -185,7 +185,7 @@ impl Columns {
     }
 }
 
-/// The place of some lines of the columns of a group among the lines of the tile, as kernels read them.
+/// Where some lines of the columns of a group are among the lines of the tile, as kernels read them.
 pub(super) struct ColumnPart {
     /// The first line of the chunk.
     start: usize,
@@ -204,7 +204,7 @@ impl ColumnPart {
         self.stream(0, self.hit_columns)
     }
 
-    /// The record frontier, for the light of this place in the group.
+    /// The record frontier, for the light with this index in the group.
     pub(super) fn records(&self, light: usize) -> Range<usize> {
         self.stream(self.chunk * (self.hit_columns + light * self.record_columns), self.record_columns)
     }
@@ -296,10 +296,10 @@ impl LeafColumns {
         }
         let first = hits.start;
         replay(tracer, tile, group, hits, |hit, _, surface| {
-            let place = (hit - first) as usize;
+            let index = (hit - first) as usize;
             let own = HitVariables::new(world, surface);
             let put = |stream: &mut [Line], columns: usize, column: usize, value: f32| {
-                stream[place / Line::RECORDS * columns + column].0[place % Line::RECORDS] = flush(value);
+                stream[index / Line::RECORDS * columns + column].0[index % Line::RECORDS] = flush(value);
             };
             for (emitter, stream) in group.emitters.iter().zip(&mut self.records) {
                 let record = LightVariables::new(surface, &world.emitter(*emitter).sample(surface));

@@ -121,10 +121,10 @@ impl Compiled {
     }
 
     /// Draws a tile into its part of a framebuffer.
-    fn draw_tile(&self, pass: &Pass, parameters: &[f32], place: usize, scratch: &mut TileScratch, part: Part) {
-        self.tile(pass, parameters, place, scratch);
+    fn draw_tile(&self, pass: &Pass, parameters: &[f32], index: usize, scratch: &mut TileScratch, part: Part) {
+        self.tile(pass, parameters, index, scratch);
         // Kernels have prefetched the first lines after those of the tile.
-        let next = self.columns.get(place + 1).and_then(|next| next.lines().get(PREFETCH_DISTANCE / size_of::<Line>()..));
+        let next = self.columns.get(index + 1).and_then(|next| next.lines().get(PREFETCH_DISTANCE / size_of::<Line>()..));
         scratch.planes.quantise(part, next.unwrap_or_default());
     }
 
@@ -144,11 +144,11 @@ impl Compiled {
         work: impl IndexedParallelIterator<Item = T>,
         each: impl Fn(T, usize, &mut TileScratch) + Sync + Send,
     ) {
-        work.enumerate().for_each(|(place, own)| {
+        work.enumerate().for_each(|(index, own)| {
             let pool = || self.scratch.lock().unwrap_or_else(PoisonError::into_inner);
             let free = pool().pop();
             let mut scratch = free.unwrap_or_else(|| TileScratch::new(self.width()));
-            each(own, place, &mut scratch);
+            each(own, index, &mut scratch);
             pool().push(scratch);
         });
     }
@@ -202,11 +202,11 @@ impl Compiled {
     }
 
     /// Computes the pixels of a tile, in the planes of the scratch memory.
-    fn tile(&self, pass: &Pass, parameters: &[f32], place: usize, scratch: &mut TileScratch) {
-        let tile = &self.hits.tiles[place];
+    fn tile(&self, pass: &Pass, parameters: &[f32], index: usize, scratch: &mut TileScratch) {
+        let tile = &self.hits.tiles[index];
         path_weights(tile, &self.equation, parameters, &mut scratch.weights);
-        let mut program = self.programs[place].lock().unwrap_or_else(PoisonError::into_inner);
-        pass.run(tile, place, None, Accumulate::Overwrite, scratch, &mut program);
+        let mut program = self.programs[index].lock().unwrap_or_else(PoisonError::into_inner);
+        pass.run(tile, index, None, Accumulate::Overwrite, scratch, &mut program);
     }
 
     /// The uniform values of all pairs of a body and a light, pair by pair, by a kernel that reads these parameter
@@ -244,8 +244,8 @@ impl Evaluator for Compiled {
         let view = self.hits.view;
         let mut frame = Frame::black(view.width(), view.height());
         let pass = self.whole(parameters);
-        self.each_tile(frame.linear.par_chunks_mut(TILE_PIXELS as usize), |pixels, place, scratch| {
-            self.tile(&pass, parameters, place, scratch);
+        self.each_tile(frame.linear.par_chunks_mut(TILE_PIXELS as usize), |pixels, index, scratch| {
+            self.tile(&pass, parameters, index, scratch);
             for (index, pixel) in pixels.iter_mut().enumerate() {
                 *pixel = scratch.planes.colour(index);
             }
@@ -257,8 +257,8 @@ impl Evaluator for Compiled {
         self.check_size(framebuffer);
         Drawn::timed(|| {
             let pass = self.whole(parameters);
-            self.each_tile(framebuffer.parts(), |part, place, scratch| {
-                self.draw_tile(&pass, parameters, place, scratch, part);
+            self.each_tile(framebuffer.parts(), |part, index, scratch| {
+                self.draw_tile(&pass, parameters, index, scratch, part);
             });
         })
     }

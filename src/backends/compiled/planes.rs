@@ -246,31 +246,31 @@ mod tests {
         // Numbers near the middle between two bytes, alternating with numbers outside 0 to 1. They do not begin at
         // the beginning of a line.
         let odd = [-0.0, 1.0, -1.0, 2.0, 1e30, -1e30, f32::NAN, -f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MIN_POSITIVE];
-        let number = |place: usize| match place % 7 {
-            0 => odd[place / 7 % odd.len()],
-            ulps => f32::from_bits((((place / 7 % 256) as f32 + 0.5) / 255.0).to_bits() + ulps as u32 - 4),
+        let number = |index: usize| match index % 7 {
+            0 => odd[index / 7 % odd.len()],
+            ulps => f32::from_bits((((index / 7 % 256) as f32 + 0.5) / 255.0).to_bits() + ulps as u32 - 4),
         };
         let mut planes = Planes::new(Width::Four);
         for component in 0..3 {
             let part = planes.part_mut(component, 0..2000);
-            part.iter_mut().enumerate().for_each(|(place, pixel)| *pixel = number(place + 31 * component));
+            part.iter_mut().enumerate().for_each(|(index, pixel)| *pixel = number(index + 31 * component));
         }
-        let places = [(0, 2000), (3, 1500), (5, 16), (1, 7), (0, 0)];
+        let ranges = [(0, 2000), (3, 1500), (5, 16), (1, 7), (0, 0)];
         let transfers = [Transfer::Linear, Transfer::Srgb];
-        let all = places.into_iter().flat_map(|place| transfers.map(|transfer| (place, transfer)));
+        let all = ranges.into_iter().flat_map(|range| transfers.map(|transfer| (range, transfer)));
         for (width, ((start, length), transfer)) in Width::supported().flat_map(|width| all.clone().map(move |way| (width, way)))
         {
             let planes = Planes { planes: planes.planes.clone(), ..Planes::new(width) };
             let mut pixels = [0xdead_beef; 2000];
             planes.quantise(Part { pixels: &mut pixels[start..start + length], transfer }, &[]);
-            for (place, pixel) in pixels.into_iter().enumerate() {
-                let is_written = (start..start + length).contains(&place);
-                let [red, green, blue] = if is_written { planes.colour(place - start) } else { [0.0; 3] };
+            for (index, pixel) in pixels.into_iter().enumerate() {
+                let is_written = (start..start + length).contains(&index);
+                let [red, green, blue] = if is_written { planes.colour(index - start) } else { [0.0; 3] };
                 let word = with_bytes!(transfer, bytes => bytes.byte(red) << 16 | bytes.byte(green) << 8 | bytes.byte(blue));
                 assert_eq!(
                     pixel,
                     if is_written { word } else { 0xdead_beef },
-                    "pixel {place} of {length} at {start}, {transfer:?}, {width}"
+                    "pixel {index} of {length} at {start}, {transfer:?}, {width}"
                 );
             }
         }

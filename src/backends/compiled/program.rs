@@ -58,10 +58,10 @@ impl WeightClass {
 /// The inputs of the program of a tile, without its pass.
 pub(super) struct TileInputs<'t> {
     pub(super) tile: &'t Tile,
-    /// The place of the tile among the tiles.
-    pub(super) place: usize,
-    /// Columns of a drag, if kernels read any.
-    pub(super) kept: Option<&'t Columns>,
+    /// The index of the tile among the tiles.
+    pub(super) tile_index: usize,
+    /// The drag columns, if kernels read any.
+    pub(super) drag_columns: Option<&'t Columns>,
     /// The weight of each path.
     pub(super) weights: &'t [Weight],
 }
@@ -111,15 +111,15 @@ impl TileProgram {
 
     /// Does the work. `weights` holds the weight of each span, followed by as many more numbers as a chunk has hits.
     pub(super) fn run(&self, pass: &Pass, inputs: &TileInputs, weights: &[f32], sums: &mut Sums, planes: &mut Planes) {
-        let columns = pass.columns[inputs.place].lines();
-        let kept = inputs.kept.map_or(&[][..], Columns::lines);
+        let columns = pass.columns[inputs.tile_index].lines();
+        let drag_lines = inputs.drag_columns.map_or(&[][..], Columns::lines);
         let mut done = 0;
         let calls = |calls: Range<usize>, sums: &mut Sums, planes: &mut Planes| {
             self.calls.run(
                 calls,
                 &mut Operands {
-                    streams: [columns, columns, kept],
-                    next_lines: if inputs.kept.is_some() { kept } else { columns },
+                    streams: [columns, columns, drag_lines],
+                    next_lines: if inputs.drag_columns.is_some() { drag_lines } else { columns },
                     uniforms: &pass.uniforms,
                     segments: &inputs.tile.segments,
                     weights,
@@ -168,10 +168,10 @@ impl ProgramBuilder<'_, '_> {
     fn group(&mut self, group: &Group, index: usize) {
         let mut active_lights = ActiveLights::new();
         for (number, source) in self.pass.sources.iter().enumerate() {
-            for (place, emitter) in group.emitters.iter().enumerate() {
+            for (light, emitter) in group.emitters.iter().enumerate() {
                 let pair = source.pair(group.body, *emitter);
                 if source.active[pair] {
-                    active_lights.push(ActiveLight { source: number, light: place, uniforms: source.uniforms_of(pair).start });
+                    active_lights.push(ActiveLight { source: number, light, uniforms: source.uniforms_of(pair).start });
                 }
             }
         }
@@ -217,8 +217,8 @@ impl ProgramBuilder<'_, '_> {
     /// chunk. Returns the index of the lines that are read next.
     fn lights(&mut self, index: usize, active_lights: &ActiveLights, lines: Range<usize>) -> usize {
         let own = lines.start % CHUNK_LINES..lines.start % CHUNK_LINES + lines.len();
-        let part = self.pass.columns[self.inputs.place].part(index, lines.clone());
-        let kept = self.inputs.kept.map(|kept| kept.part(index, lines));
+        let part = self.pass.columns[self.inputs.tile_index].part(index, lines.clone());
+        let drag_part = self.inputs.drag_columns.map(|columns| columns.part(index, lines));
         // The sums still hold the chunk before.
         let mut stale = [true; 3];
         for active_lights in active_lights.chunk_by(|a, b| a.source == b.source) {
@@ -230,14 +230,14 @@ impl ProgramBuilder<'_, '_> {
             }
             for ActiveLight { light, uniforms, .. } in active_lights {
                 let kernel = if std::mem::take(&mut store) { overwrite } else { add };
-                let kept = kept.as_ref().map_or(0..0, |kept| kept.records(*light));
-                let streams = [part.hits(), part.records(*light), kept];
+                let drag_stream = drag_part.as_ref().map_or(0..0, |part| part.records(*light));
+                let streams = [part.hits(), part.records(*light), drag_stream];
                 self.program.calls.contribute(kernel, streams, *uniforms, components.clone(), own.clone());
             }
             stale[components].fill(false);
         }
         self.clear(&own, &mut stale, self.pass.channels.components());
-        kept.as_ref().map_or_else(|| part.next_lines(), ColumnPart::next_lines)
+        drag_part.as_ref().map_or_else(|| part.next_lines(), ColumnPart::next_lines)
     }
 
     /// Clears these lines of the sums of those components that are stale.
@@ -249,7 +249,7 @@ impl ProgramBuilder<'_, '_> {
         }
     }
 
-    /// Adds a step of portable code after the calls so far.
+    /// Adds a piece of portable code after the calls so far.
     fn portably(&mut self, work: Portable) {
         self.program.between.push((self.program.calls.len(), work));
     }

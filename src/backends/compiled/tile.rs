@@ -54,13 +54,13 @@ impl TileScratch {
 
 impl Pass<'_> {
     /// Runs the pass over a tile, into the planes of the scratch memory, which holds the weights of the tile's paths.
-    /// `place` is the index of the tile. `kept` are columns of a drag, if kernels read any. `program` keeps the order
+    /// `tile_index` is the index of the tile. `drag_columns` are given if kernels read any. `program` keeps the order
     /// of work of this tile in passes like this one.
     pub(super) fn run(
         &self,
         tile: &Tile,
-        place: usize,
-        kept: Option<&Columns>,
+        tile_index: usize,
+        drag_columns: Option<&Columns>,
         accumulate: Accumulate,
         scratch: &mut TileScratch,
         program: &mut TileProgram,
@@ -71,7 +71,7 @@ impl Pass<'_> {
         program.fetch();
         self.fill_regions(tile, accumulate, scratch);
         let TileScratch { planes, weights, sums, span_weights, .. } = scratch;
-        let inputs = TileInputs { tile, place, kept, weights };
+        let inputs = TileInputs { tile, tile_index, drag_columns, weights };
         program.prepare(self, &inputs);
         span_weights.clear();
         span_weights.extend(tile.spans.iter().map(|span| weights[span.path.index()].0 as f32));
@@ -80,10 +80,10 @@ impl Pass<'_> {
     }
 
     /// Runs a pass that runs only once over the tile. It overwrites the planes.
-    pub(super) fn run_once(&self, tile: &Tile, place: usize, scratch: &mut TileScratch) {
+    pub(super) fn run_once(&self, tile: &Tile, tile_index: usize, scratch: &mut TileScratch) {
         let mut program = std::mem::take(&mut scratch.once);
         program.forget();
-        self.run(tile, place, None, Accumulate::Overwrite, scratch, &mut program);
+        self.run(tile, tile_index, None, Accumulate::Overwrite, scratch, &mut program);
         scratch.once = program;
     }
 

@@ -58,15 +58,15 @@ impl<'i> Inspector<'i> {
         Self { formula, world, equation, parameters }
     }
 
-    /// Follows the rays of a pixel, column and row from the top left; `None` outside the picture.
+    /// Follows the rays of a pixel, given as column and row from the top left. `None` outside the picture.
     pub fn inspect(&self, view: &View, pixel: [u32; 2]) -> Option<Inspection> {
         let [column, row] = pixel;
         if column >= view.width() || row >= view.height() {
             return None;
         }
-        let place = row * view.width() + column;
+        let pixel_index = row * view.width() + column;
         let tracer = Tracer::new(self.world, view);
-        let mut rays = self.follow(&tracer, place, &ray_tree(&tracer, place));
+        let mut rays = self.follow(&tracer, pixel_index, &ray_tree(&tracer, pixel_index));
         // Children come after their parents.
         for index in (0..rays.len()).rev() {
             rays[index].total = self.brought(&rays, index);
@@ -222,9 +222,9 @@ impl<'i> Inspector<'i> {
     /// The value of a parameter of the owner with this index. A scalar is repeated three times.
     fn parameter(&self, id: ParameterId, owner: usize) -> [f32; 3] {
         let parameter = self.formula.parameter(id);
-        let place = self.equation.layout.place(parameter, owner);
+        let first = self.equation.layout.index(parameter, owner);
         let last = parameter.ty.slots() - 1;
-        [0, 1, 2].map(|component: usize| flush(self.parameters[place + component.min(last)]))
+        [0, 1, 2].map(|component: usize| flush(self.parameters[first + component.min(last)]))
     }
 }
 

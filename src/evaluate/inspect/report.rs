@@ -62,7 +62,7 @@ pub struct InspectedHit {
     pub incidence: f64,
     /// How the ray is refracted; `None`: the body is opaque.
     pub crossing: Option<Crossing>,
-    /// ka·Cd·Ia.
+    /// ka·Cd·Ia, linear RGB.
     pub ambient: [f32; 3],
     /// Every emitter of the scene, in the order of their lights.
     pub lights: Vec<InspectedLight>,
@@ -128,7 +128,7 @@ pub struct InspectedLight {
     pub intensity: f32,
     /// The value of the formula for it, linear RGB, even if it does not reach the hit.
     pub local: [f32; 3],
-    /// ki·local; 0 if the light does not reach the hit or ki is 0.
+    /// ki·local, linear RGB; 0 if the light does not reach the hit or ki is 0.
     pub contribution: [f32; 3],
 }
 

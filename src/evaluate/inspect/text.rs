@@ -117,16 +117,16 @@ impl InspectionWriter<'_> {
     fn light(&mut self, hit: &InspectedHit, light: &InspectedLight) {
         let scene = self.inspector.world.scene();
         let name = &scene.light(light.light).name;
-        let place = format!("{} from the normal, distance {}", angle(light.angle), scalar(light.variables.distance));
+        let position = format!("{} from the normal, distance {}", angle(light.angle), scalar(light.variables.distance));
         match &light.visibility {
-            Visibility::Away => self.line(&format!("light `{name}`: behind the surface, {place}")),
+            Visibility::Away => self.line(&format!("light `{name}`: behind the surface, {position}")),
             Visibility::Shadowed(bodies) => {
                 let names: Vec<String> = bodies.iter().map(|body| format!("`{}`", scene.body(*body).name)).collect();
-                self.line(&format!("light `{name}`: in the shadow of {}, {place}", names.join(", ")));
+                self.line(&format!("light `{name}`: in the shadow of {}, {position}", names.join(", ")));
             }
-            Visibility::Lit if light.intensity == 0.0 => self.line(&format!("light `{name}`: out, ki = 0, {place}")),
+            Visibility::Lit if light.intensity == 0.0 => self.line(&format!("light `{name}`: out, ki = 0, {position}")),
             Visibility::Lit => {
-                self.line(&format!("light `{name}`: {place}"));
+                self.line(&format!("light `{name}`: {position}"));
                 self.depth += 1;
                 for line in self.inspector.instance(hit, light.light).into_iter().flat_map(|instance| instance.lines) {
                     let name = line.name.as_deref().unwrap_or("local");

@@ -106,8 +106,8 @@ pub(super) fn solve(
                 contradict = true;
                 let mut error =
                     Diagnostic::error("these invariants cannot hold together while every parameter stays within 0..1");
-                for (place, index) in circle.iter().enumerate() {
-                    error = error.at(spans[*index], if place == 0 { "no values satisfy this" } else { "together with this" });
+                for (number, index) in circle.iter().enumerate() {
+                    error = error.at(spans[*index], if number == 0 { "no values satisfy this" } else { "together with this" });
                 }
                 diagnostics.push(error.help("leave one of them out, or write `<= 1` instead of `= 1`"));
             }
@@ -121,14 +121,14 @@ pub(super) fn solve(
         let declared = file.declarations().find(|declaration| declaration.name.text == parameter.name);
         let mut terms = file.invariants().flat_map(|line| &line.terms);
         let named = terms.find(|term| term.text == parameter.name).map(|term| term.span);
-        let place = declared.and_then(|declaration| declaration.default.map(|(_, span)| span)).or(named);
+        let span = declared.and_then(|declaration| declaration.default.map(|(_, span)| span)).or(named);
         let system = InvariantSystem::new(parameters, &invariants, parameter.owner).ok();
         let why = match system.and_then(|(system, _)| system.explanation(id)) {
             Some(explanation) => format!("it follows from the others: {explanation}"),
             None => "the parameters named before it leave no more".to_owned(),
         };
         let mut warning = Diagnostic::warning(format!("the default {given} of `{}` gives way to {settled}", parameter.name));
-        if let Some(span) = place {
+        if let Some(span) = span {
             warning = warning.at(span, why);
         }
         diagnostics.push(warning);

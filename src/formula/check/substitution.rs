@@ -15,7 +15,7 @@ pub(super) fn warn(file: &FormulaFile, names: &Names, checked: &Checked, diagnos
     let mut warned = vec![false; file.macros.len()];
     for expression in &file.expressions {
         let operands = expression.kind.operands();
-        for (place, operand) in operands.iter().enumerate() {
+        for (position, operand) in operands.iter().enumerate() {
             let used = file.expr(*operand);
             let ExprKind::Name(name) = &used.kind else { continue };
             if used.parenthesised {
@@ -24,7 +24,7 @@ pub(super) fn warn(file: &FormulaFile, names: &Names, checked: &Checked, diagnos
             let Some(Meaning::Macro(index)) = names.meaning(name) else { continue };
             let Some(body) = texts[index].filter(|body| checked.ty(*body).is_some()) else { continue };
             // Only one warning for each macro. The user will look at its other uses.
-            if !warned[index] && differs(file, checked, &expression.kind, place, body) {
+            if !warned[index] && differs(file, checked, &expression.kind, position, body) {
                 warned[index] = true;
                 let text = shortened(&print_expression(file, body));
                 diagnostics.push(
@@ -81,7 +81,7 @@ fn shortened(text: &str) -> String {
 }
 
 /// Whether the text of `body` as an operand of `user` would be grouped so that the value changes.
-fn differs(file: &FormulaFile, checked: &Checked, user: &ExprKind, place: usize, body: ExprId) -> bool {
+fn differs(file: &FormulaFile, checked: &Checked, user: &ExprKind, position: usize, body: ExprId) -> bool {
     let macro_text = file.expr(body);
     if macro_text.parenthesised {
         return false;
@@ -89,7 +89,7 @@ fn differs(file: &FormulaFile, checked: &Checked, user: &ExprKind, place: usize,
     let binding = Binding::of(&macro_text.kind);
     match user {
         ExprKind::Prefix(Mark::Minus, _) => binding == Binding::Sum || binding == Binding::Power,
-        ExprKind::Infix(mark, _, [left, _]) => match (mark, place) {
+        ExprKind::Infix(mark, _, [left, _]) => match (mark, position) {
             (Mark::Caret, 0) => binding < Binding::Unary,
             (Mark::Caret, _) => binding < Binding::Power,
             (Mark::Star | Mark::Slash | Mark::Dot, 0) => binding < Binding::Product,

@@ -1,6 +1,6 @@
-//! Solves lines of sums as a linear system: which places follow from others, and which lines contradict each other.
+//! Solves lines of sums as a linear system: which unknowns follow from others, and which lines contradict each other.
 //!
-//! Here a parameter is a place in the order of naming. Its name and its value do not matter.
+//! Here a parameter is an unknown, numbered in the order of naming. Its name and its value do not matter.
 
 use crate::formula::invariants::polytope::{Condition, Polytope, TOLERANCE};
 use crate::lang::ast::Relation;
@@ -9,25 +9,25 @@ use std::collections::BTreeMap;
 /// Coefficients nearer to 0 than this have cancelled.
 pub(super) const CANCELLED: f64 = 1e-9;
 
-/// A sum of places, each with its coefficient.
+/// A sum of unknowns, each with its coefficient.
 pub(super) type Sum = BTreeMap<usize, f64>;
 
-/// A place that follows: constant + sum over free places.
+/// An unknown that follows: constant + sum over free unknowns.
 pub(super) type Locked = (usize, f64, Sum);
 
-/// An invariant over places in the order of naming.
+/// An invariant over unknowns.
 #[derive(Debug, Clone)]
 pub(super) struct NamedSum {
-    /// Its place in the list of all invariants.
+    /// Its index in the list of all invariants.
     pub(super) index: usize,
     pub(super) relation: Relation,
-    pub(super) places: Vec<usize>,
+    pub(super) unknowns: Vec<usize>,
 }
 
 impl NamedSum {
     fn sum(&self) -> Sum {
         let mut sum = Sum::new();
-        self.places.iter().for_each(|place| *sum.entry(*place).or_insert(0.0) += 1.0);
+        self.unknowns.iter().for_each(|unknown| *sum.entry(*unknown).or_insert(0.0) += 1.0);
         sum
     }
 }
@@ -63,9 +63,9 @@ pub(super) fn irreducible(mut lines: Vec<NamedSum>, parameters: usize) -> Vec<us
 pub(super) fn substituted(line: &NamedSum, locked: &[Locked]) -> (f64, Sum) {
     let mut constant = 0.0;
     let mut sum = Sum::new();
-    for (place, count) in line.sum() {
-        match locked.iter().find(|(pivot, ..)| *pivot == place) {
-            None => *sum.entry(place).or_insert(0.0) += count,
+    for (unknown, count) in line.sum() {
+        match locked.iter().find(|(pivot, ..)| *pivot == unknown) {
+            None => *sum.entry(unknown).or_insert(0.0) += count,
             Some((_, known, terms)) => {
                 constant += count * known;
                 terms.iter().for_each(|(term, factor)| *sum.entry(*term).or_insert(0.0) += count * factor);
@@ -76,27 +76,28 @@ pub(super) fn substituted(line: &NamedSum, locked: &[Locked]) -> (f64, Sum) {
     (constant, sum)
 }
 
-/// Solves the `=` lines in their order. Returns the places that follow, each with its constant and its sum over free
-/// places, and the redundant lines.
+/// Solves the `=` lines in their order. Returns the unknowns that follow, each with its constant and its sum over free
+/// unknowns, and the redundant lines.
 pub(super) fn eliminate(lines: &[NamedSum]) -> (Vec<Locked>, Vec<usize>) {
     let mut locked: Vec<Locked> = Vec::new();
     let mut redundant = Vec::new();
     for line in lines.iter().filter(|line| line.relation == Relation::Equal) {
         let (constant, sum) = substituted(line, &locked);
-        let is_free = |place: &&usize| locked.iter().all(|(pivot, ..)| pivot != *place);
-        // The last named place that is free. If substitution has cancelled it, the last of the remaining ones.
-        let last_named = line.places.iter().rev().find(is_free).filter(|place| sum.contains_key(place)).copied();
+        let is_free = |unknown: &&usize| locked.iter().all(|(pivot, ..)| pivot != *unknown);
+        // The last named unknown that is free. If substitution has cancelled it, the last of the remaining ones.
+        let last_named = line.unknowns.iter().rev().find(is_free).filter(|unknown| sum.contains_key(unknown)).copied();
         let Some(pivot) = last_named.or_else(|| sum.keys().next_back().copied()) else {
             redundant.push(line.index);
             continue;
         };
         let factor = sum[&pivot];
         let own_constant = (1.0 - constant) / factor;
-        let own: Sum = sum.iter().filter(|(place, _)| **place != pivot).map(|(place, other)| (*place, -other / factor)).collect();
+        let own: Sum =
+            sum.iter().filter(|(unknown, _)| **unknown != pivot).map(|(unknown, other)| (*unknown, -other / factor)).collect();
         for (_, constant, terms) in &mut locked {
             if let Some(share) = terms.remove(&pivot) {
                 *constant += share * own_constant;
-                own.iter().for_each(|(place, factor)| *terms.entry(*place).or_insert(0.0) += share * factor);
+                own.iter().for_each(|(unknown, factor)| *terms.entry(*unknown).or_insert(0.0) += share * factor);
                 terms.retain(|_, factor| factor.abs() > CANCELLED);
             }
         }

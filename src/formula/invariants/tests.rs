@@ -21,7 +21,7 @@ fn scalar(name: &str, default: f32) -> Parameter {
 /// Parameters from `names`, invariants from lines such as `a+b=1`.
 fn build(names: &[(&str, f32)], lines: &[&str]) -> (Vec<Parameter>, Vec<Invariant>) {
     let parameters: Vec<Parameter> = names.iter().map(|(name, default)| scalar(name, *default)).collect();
-    let place = |name: &str| ParameterId(names.iter().position(|(other, _)| *other == name).unwrap() as u32);
+    let id = |name: &str| ParameterId(names.iter().position(|(other, _)| *other == name).unwrap() as u32);
     let invariants = lines
         .iter()
         .map(|line| {
@@ -29,7 +29,7 @@ fn build(names: &[(&str, f32)], lines: &[&str]) -> (Vec<Parameter>, Vec<Invarian
                 Some(sum) => (sum, Relation::AtMost),
                 None => (line.strip_suffix("=1").unwrap(), Relation::Equal),
             };
-            Invariant { terms: sum.split('+').map(place).collect(), relation }
+            Invariant { terms: sum.split('+').map(id).collect(), relation }
         })
         .collect();
     (parameters, invariants)

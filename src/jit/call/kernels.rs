@@ -203,21 +203,22 @@ impl Kernel {
         assert!(enough, "a kernel's columns");
         assert!(uniforms.len() >= self.uniforms, "a kernel's uniforms");
         assert!(outputs.len() == self.outputs.len(), "a kernel's outputs");
-        let mut places = [0; OUTPUTS];
-        for ((output, columns), place) in outputs.iter_mut().zip(&self.outputs).zip(&mut places) {
+        let mut addresses = [0; OUTPUTS];
+        for ((output, columns), address) in outputs.iter_mut().zip(&self.outputs).zip(&mut addresses) {
             assert!(holds(output.len(), whole, *columns), "a kernel's outputs");
-            *place = output.as_mut_ptr().expose_provenance();
+            *address = output.as_mut_ptr().expose_provenance();
         }
         let streams = streams.map(|stream| stream.as_ptr().expose_provenance());
-        let calls: SmallVec<[CodeCall; 1]> = self.calls(streams, uniforms.as_ptr().expose_provenance(), places, whole).collect();
+        let calls: SmallVec<[CodeCall; 1]> =
+            self.calls(streams, uniforms.as_ptr().expose_provenance(), addresses, whole).collect();
         // SAFETY: a kernel has at least one function. Its code reads `whole` lines of each column of every stream and
         // `self.uniforms` splats, and writes `whole` lines of each column of every output. The assertions guarantee
-        // that they exist, and `&mut` that outputs do not overlap anything. The places are addresses, so the bases
+        // that they exist, and `&mut` that outputs do not overlap anything. The operands are addresses, so the bases
         // are 0.
         unsafe { perform(&calls, &Bases::default()) }
     }
 
-    /// The calls of its functions, for whole rounds at these places.
+    /// The calls of its functions, for whole rounds of these operands.
     pub(super) fn calls(
         &self,
         streams: [usize; STREAMS],

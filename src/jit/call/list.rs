@@ -98,12 +98,12 @@ impl CallList {
         if !self.memory.iter().any(|memory| Arc::ptr_eq(memory, &kernel.memory)) {
             self.memory.push(Arc::clone(&kernel.memory));
         }
-        let mut places = [0; OUTPUTS];
-        for (component, place) in components.zip(&mut places) {
-            *place = (component * CHUNK_LINES + lines.start) * size_of::<Line>();
+        let mut offsets = [0; OUTPUTS];
+        for (component, offset) in components.zip(&mut offsets) {
+            *offset = (component * CHUNK_LINES + lines.start) * size_of::<Line>();
         }
         let streams = streams.map(|stream| stream.start * size_of::<Line>());
-        self.calls.extend(kernel.calls(streams, uniforms * size_of::<Splat>(), places, whole));
+        self.calls.extend(kernel.calls(streams, uniforms * size_of::<Splat>(), offsets, whole));
     }
 
     /// Adds a call that adds the sums of the hits of these segments, times the weight of their span, to their pixels:
@@ -120,16 +120,16 @@ impl CallList {
         if segments.is_empty() {
             return;
         }
-        let place = component.unwrap_or(0);
-        assert!(place < OUTPUTS, "a component");
+        let first_component = component.unwrap_or(0);
+        assert!(first_component < OUTPUTS, "a component");
         self.sizes.segments = self.sizes.segments.max(segments.end);
         // Enough for any span that a segment may name.
         self.sizes.weights = self.sizes.weights.max(weights + CHUNK_HITS);
         let addition = AddCall {
             segments: segments.start * size_of::<Segment>(),
             end: segments.end * size_of::<Segment>(),
-            sums: place * size_of::<[Line; CHUNK_LINES]>(),
-            planes: place * size_of::<[f32; PLANE_PIXELS]>(),
+            sums: first_component * size_of::<[Line; CHUNK_LINES]>(),
+            planes: first_component * size_of::<[f32; PLANE_PIXELS]>(),
             next_lines: next_lines * size_of::<Line>(),
             weights: weights * size_of::<f32>(),
             unused: Default::default(),
@@ -144,9 +144,9 @@ impl CallList {
     /// If there are fewer operands than any call of the list needs.
     pub fn run(&self, calls: Range<usize>, operands: &mut Operands) {
         let Operands { streams, next_lines, uniforms, segments, weights, sums, planes } = operands;
-        let OperandSizes { streams: lines, uniforms: splats, segments: places, weights: spans } = self.sizes;
+        let OperandSizes { streams: lines, uniforms: splats, segments: least_segments, weights: spans } = self.sizes;
         assert!(streams.iter().zip(lines).all(|(stream, lines)| stream.len() >= lines), "a list's columns");
-        assert!(uniforms.len() >= splats && segments.len() >= places && weights.len() >= spans, "a list's operands");
+        assert!(uniforms.len() >= splats && segments.len() >= least_segments && weights.len() >= spans, "a list's operands");
         let calls = &self.calls[calls];
         if calls.is_empty() {
             return;
@@ -164,9 +164,9 @@ impl CallList {
         // the lines of its rounds of each column of every stream, and its uniform splats: `contribute` counted them
         // in `sizes`, and the assertions here guarantee that they exist. It writes as many lines of sums, within a
         // chunk of each component. Code that adds to pixels reads at least one segment, and only segments that
-        // `sizes` counts. The line of a segment is one of a chunk, and its place is such that a line from there ends
-        // within a plane (see `Segment::line` and `Segment::place`; only their module can make a segment). Sums and
-        // planes are arrays, so they have as many consecutive components from the given one on as the code was
+        // `sizes` counts. The line of a segment is one of a chunk, and its plane index is such that a line from there
+        // ends within a plane (see `Segment::line` and `Segment::plane_index`; only their module can make a segment).
+        // Sums and planes are arrays, so they have as many consecutive components from the given one on as the code was
         // written for. `sizes` counts the weight of each span that a segment may name. A prefetch of any address is
         // harmless. Everything that is written is borrowed uniquely. The code lives as long as the list or for ever,
         // and the processor was checked for the instructions that it uses.

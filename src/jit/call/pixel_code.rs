@@ -76,17 +76,17 @@ impl PixelCode {
         Some(Self { adding_all, adding_one, writing, _memory: memory })
     }
 
-    /// Writes lines of pixels, `0x00RRGGBB`, from index `place` of the planes on. The transfer turns components into
+    /// Writes lines of pixels, `0x00RRGGBB`, from index `start` of the planes on. The transfer turns components into
     /// bytes. It prefetches as many lines of `next_lines`.
     ///
     /// # Panics
     /// If a plane has fewer pixels.
-    pub fn write(&self, transfer: Transfer, planes: &PixelPlanes, place: usize, pixels: &mut [PixelLine], next_lines: &[Line]) {
+    pub fn write(&self, transfer: Transfer, planes: &PixelPlanes, start: usize, pixels: &mut [PixelLine], next_lines: &[Line]) {
         if pixels.is_empty() {
             return;
         }
         assert!(
-            pixels.len() <= PLANE_PIXELS / LINE_HITS && place + pixels.len() * LINE_HITS <= PLANE_PIXELS,
+            pixels.len() <= PLANE_PIXELS / LINE_HITS && start + pixels.len() * LINE_HITS <= PLANE_PIXELS,
             "pixels of a plane"
         );
         let first = (&raw const planes.0).cast::<f32>();
@@ -96,13 +96,13 @@ impl PixelCode {
             Transfer::Linear => self.writing[0],
             Transfer::Srgb => self.writing[1],
         };
-        // SAFETY: there is at least one line. All lines lie within their plane, from `place` on. The planes are an
+        // SAFETY: there is at least one line. All lines lie within their plane, from `start` on. The planes are an
         // array, so green and blue follow red at the distance of a plane (the pointer comes from a pointer to the
         // whole array). `pixels` has as many lines, aligned as their type requires. A prefetch of any address is
         // harmless. The code reads entries of the table for numbers from `SrgbBytes::LEAST` to 1, and the table has
         // one for each. The processor was checked for the instructions.
         unsafe {
-            writing(first.add(place), pixels.as_mut_ptr(), pixels.len(), next_lines, SrgbBytes::get().table());
+            writing(first.add(start), pixels.as_mut_ptr(), pixels.len(), next_lines, SrgbBytes::get().table());
         }
     }
 }

@@ -99,7 +99,7 @@ pub(super) unsafe fn perform(calls: &[CodeCall], bases: &Bases) {
     }
 }
 
-/// The function that kernels call for noise. `lanes` points to six operands of four lanes, followed by the place of
+/// The function that kernels call for noise. `lanes` points to six operands of four lanes, followed by room for
 /// the result.
 ///
 /// # Safety
@@ -121,7 +121,7 @@ pub(super) unsafe extern "C" fn perlin_lanes(lanes: *mut f32) {
         let [x, y, z, a, b, n] =
             std::array::from_fn::<f32, OPERANDS, _>(|index| unsafe { lanes.add(index * WIDTH + lane).read() });
         let value = flush(noise::perlin([x, y, z], a, b, n));
-        // SAFETY: as above; the result's place is behind the operands.
+        // SAFETY: as above; the room for the result is behind the operands.
         unsafe { lanes.add(OPERANDS * WIDTH + lane).write(value) };
     }
     // SAFETY: gives the kernel its register back.

@@ -241,15 +241,15 @@ impl<'a, 'f> VectorMath<'a, 'f> {
     }
 
     /// The bits of each lane moved left, as integers.
-    fn shift_left(&mut self, bits: Value, places: u32) -> Value {
-        let places = self.builder.ins().iconst(I32, i64::from(places));
-        self.builder.ins().ishl(bits, places)
+    fn shift_left(&mut self, bits: Value, count: u32) -> Value {
+        let count = self.builder.ins().iconst(I32, i64::from(count));
+        self.builder.ins().ishl(bits, count)
     }
 
     /// The bits of each lane moved right, as integers, with copies of the sign bit on the left.
-    fn shift_right(&mut self, bits: Value, places: u32) -> Value {
-        let places = self.builder.ins().iconst(I32, i64::from(places));
-        self.builder.ins().sshr(bits, places)
+    fn shift_right(&mut self, bits: Value, count: u32) -> Value {
+        let count = self.builder.ins().iconst(I32, i64::from(count));
+        self.builder.ins().sshr(bits, count)
     }
 
     /// `bits` in all four lanes, as integers.
@@ -267,15 +267,15 @@ impl<'a, 'f> VectorMath<'a, 'f> {
     fn and_bits(&mut self, x: Value, mask: u32) -> Value {
         let x = self.int(x);
         let mask = self.bits(mask);
-        let kept = self.builder.ins().band(x, mask);
-        self.float(kept)
+        let masked = self.builder.ins().band(x, mask);
+        self.float(masked)
     }
 
     /// x where `mask` (an `I32X4`) is set, +0 elsewhere.
     fn keep(&mut self, mask: Value, x: Value) -> Value {
         let x = self.int(x);
-        let kept = self.builder.ins().band(x, mask);
-        self.float(kept)
+        let masked = self.builder.ins().band(x, mask);
+        self.float(masked)
     }
 
     /// The bits set in either operand.

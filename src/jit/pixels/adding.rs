@@ -19,9 +19,9 @@ const END: Register = Register::RSI;
 const WEIGHTS: Register = Register::R11;
 /// The lines to prefetch.
 const NEXT_LINES: Register = Register::R8;
-/// The planes of pixels, and the place of the segment in them.
+/// The planes of pixels, and the index of the segment in them.
 const PLANES: Register = Register::RCX;
-const PLACE: Register = Register::RAX;
+const INDEX: Register = Register::RAX;
 /// The sums, and the offset of the segment's line in them, in bytes.
 const SUMS: Register = Register::RDX;
 const LINE: Register = Register::R9;
@@ -67,7 +67,7 @@ pub(in crate::jit) fn adding_code(width: Width, strides: Strides, components: us
 /// Computes the addresses: offsets of the [`AddCall`] plus bases.
 fn addresses(code: &mut Assembler) -> Result<(), IcedError> {
     let (addition, bases) = (Register::RDI, Register::RSI);
-    let places = [
+    let pointers = [
         (WEIGHTS, offset_of!(AddCall, weights), offset_of!(Bases, weights)),
         (NEXT_LINES, offset_of!(AddCall, next_lines), offset_of!(Bases, next_lines)),
         (PLANES, offset_of!(AddCall, planes), offset_of!(Bases, planes)),
@@ -76,7 +76,7 @@ fn addresses(code: &mut Assembler) -> Result<(), IcedError> {
         (Register::RAX, offset_of!(AddCall, end), offset_of!(Bases, segments)),
         (SEGMENT, offset_of!(AddCall, segments), offset_of!(Bases, segments)),
     ];
-    for (register, offset, base) in places {
+    for (register, offset, base) in pointers {
         code.push(Instruction::with2(Code::Mov_r64_rm64, register, at(addition, offset as i64))?);
         code.push(Instruction::with2(Code::Add_r64_rm64, register, at(bases, base as i64))?);
     }
@@ -84,12 +84,12 @@ fn addresses(code: &mut Assembler) -> Result<(), IcedError> {
     Ok(())
 }
 
-/// Reads the segment: its place, its line in bytes, and the weight of its span.
+/// Reads the segment: its index in the planes, its line in bytes, and the weight of its span.
 fn fields(code: &mut Assembler) -> Result<(), IcedError> {
-    let [place, _, line_and_span] = Segment::OFFSETS.map(|offset| at(SEGMENT, offset as i64));
+    let [index, _, line_and_span] = Segment::OFFSETS.map(|offset| at(SEGMENT, offset as i64));
     let line_shift = size_of::<Line>().trailing_zeros();
     let (line, span) = (Register::R9D, Register::R10D);
-    code.push(Instruction::with2(Code::Movzx_r32_rm16, Register::EAX, place)?);
+    code.push(Instruction::with2(Code::Movzx_r32_rm16, Register::EAX, index)?);
     code.push(Instruction::with2(Code::Movzx_r32_rm16, line, line_and_span)?);
     code.push(Instruction::with2(Code::Mov_r32_rm32, span, line)?);
     code.push(Instruction::with2(Code::Shr_rm32_imm8, span, Segment::LINE_BITS)?);
@@ -102,7 +102,7 @@ fn fields(code: &mut Assembler) -> Result<(), IcedError> {
 /// The pixel of a lane of a component.
 fn pixel(strides: Strides, component: usize, lane: usize) -> MemoryOperand {
     let displacement = component as i64 * strides.plane + (lane * size_of::<f32>()) as i64;
-    MemoryOperand::new(PLANES, PLACE, size_of::<f32>() as u32, displacement, 8, false, Register::None)
+    MemoryOperand::new(PLANES, INDEX, size_of::<f32>() as u32, displacement, 8, false, Register::None)
 }
 
 /// The sum of a lane of a component. The sum of lane 0 is aligned to a line.

@@ -27,7 +27,7 @@ impl Binary {
         Self([Code::Paddd_xmm_xmmm128, Code::VEX_Vpaddd_ymm_ymm_ymmm256, Code::EVEX_Vpaddd_zmm_k1z_zmm_zmmm512b32]);
 }
 
-/// The bits of each lane moved by some places.
+/// The bits of each lane, shifted by some bits.
 #[derive(Clone, Copy)]
 pub(super) enum Shift {
     Left,
@@ -150,15 +150,15 @@ impl Assembler {
         Ok(())
     }
 
-    pub(super) fn shift(&mut self, shift: Shift, vector: u32, places: u32) -> Result<(), IcedError> {
+    pub(super) fn shift(&mut self, shift: Shift, vector: u32, count: u32) -> Result<(), IcedError> {
         let code = self.own(match shift {
             Shift::Left => [Code::Pslld_xmm_imm8, Code::VEX_Vpslld_ymm_ymm_imm8, Code::EVEX_Vpslld_zmm_k1z_zmmm512b32_imm8],
             Shift::Right => [Code::Psrld_xmm_imm8, Code::VEX_Vpsrld_ymm_ymm_imm8, Code::EVEX_Vpsrld_zmm_k1z_zmmm512b32_imm8],
         });
         let register = self.vector(vector);
         self.code.push(match self.width {
-            Width::Four => Instruction::with2(code, register, places)?,
-            Width::Eight | Width::Sixteen => Instruction::with3(code, register, register, places)?,
+            Width::Four => Instruction::with2(code, register, count)?,
+            Width::Eight | Width::Sixteen => Instruction::with3(code, register, register, count)?,
         });
         Ok(())
     }
@@ -191,21 +191,21 @@ impl Assembler {
 
     /// The same bits in all lanes.
     pub(super) fn splat(&mut self, into: u32, bits: u32) -> Result<(), IcedError> {
-        let place = self.data.len();
+        let index = self.data.len();
         self.data.push([bits; 4]);
-        self.broadcast(into, Self::data_at(place))
+        self.broadcast(into, Self::data_at(index))
     }
 
     /// A vector of these bits, one number a lane.
     pub(super) fn constant(&mut self, into: u32, lanes: &[u32]) -> Result<(), IcedError> {
-        let place = self.data.len();
+        let index = self.data.len();
         self.data.extend(lanes.as_chunks::<4>().0);
-        self.load(into, Self::data_at(place))
+        self.load(into, Self::data_at(index))
     }
 
     /// The address of a number of the data.
-    fn data_at(place: usize) -> MemoryOperand {
-        at(Register::RIP, (DATA + place as u64) as i64)
+    fn data_at(index: usize) -> MemoryOperand {
+        at(Register::RIP, (DATA + index as u64) as i64)
     }
 
     /// Begins the loop.
@@ -229,9 +229,9 @@ impl Assembler {
             self.code.push(Instruction::with(Code::VEX_Vzeroupper));
         }
         self.code.push(Instruction::with(Code::Retnq));
-        for (place, [a, b, c, d]) in (DATA..).zip(self.data) {
+        for (address, [a, b, c, d]) in (DATA..).zip(self.data) {
             let mut numbers = Instruction::with_declare_dword_4(a, b, c, d);
-            numbers.set_ip(place);
+            numbers.set_ip(address);
             self.code.push(numbers);
         }
         encoded(&self.code)

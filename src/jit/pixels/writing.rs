@@ -136,7 +136,7 @@ fn gathered(code: &mut Assembler, words: MemoryOperand) -> Result<(), IcedError>
 }
 
 /// Writes clamped components by the table of sRGB, entry by entry: gathering fewer than 16 entries is slow.
-/// `displacement` is the place of the first pixel.
+/// `displacement` is the offset of the first pixel.
 fn looked_up(code: &mut Assembler, displacement: i64) -> Result<(), IcedError> {
     let bytes = code.lanes() * size_of::<f32>();
     let number = |component: usize, lane: usize| (component * bytes + lane * size_of::<f32>()) as i64;
@@ -146,11 +146,11 @@ fn looked_up(code: &mut Assembler, displacement: i64) -> Result<(), IcedError> {
     let sums = [(Register::R9, Register::R9D), (Register::R10, Register::R10D), (Register::R11, Register::R11D)];
     for lane in 0..code.lanes() {
         for (component, (index, sum)) in sums.into_iter().enumerate() {
-            let place = number(component, lane);
-            let first_bits = at(ROOM, place + i64::from(SrgbBytes::WITHIN / u8::BITS));
+            let offset = number(component, lane);
+            let first_bits = at(ROOM, offset + i64::from(SrgbBytes::WITHIN / u8::BITS));
             code.push(Instruction::with2(Code::Movzx_r32_rm16, sum, first_bits)?);
             code.push(Instruction::with2(Code::Mov_r32_rm32, sum, entry(index))?);
-            code.push(Instruction::with2(Code::Add_r32_rm32, sum, at(ROOM, place))?);
+            code.push(Instruction::with2(Code::Add_r32_rm32, sum, at(ROOM, offset))?);
         }
         let [red, green, blue] = sums.map(|(_, sum)| sum);
         code.push(Instruction::with2(Code::Shr_rm32_imm8, green, 8)?);

@@ -86,8 +86,8 @@ impl App {
             Action::Redo => {
                 self.workshop.redo();
             }
-            Action::TakeSnapshot(place) => self.workshop.take_snapshot(place),
-            Action::RestoreSnapshot(place) => self.workshop.restore_snapshot(place),
+            Action::TakeSnapshot(slot) => self.workshop.take_snapshot(slot),
+            Action::RestoreSnapshot(slot) => self.workshop.restore_snapshot(slot),
             Action::SetBackend(backend) => self.workshop.set_backend(backend),
             Action::SetTheme(theme) => {
                 self.theme = theme;
@@ -282,9 +282,9 @@ impl App {
 
     /// Opens the library that the formula names.
     pub(super) fn open_materials(&mut self) {
-        let (formula, place) = (self.workshop.formula(), self.documents.formula.location());
+        let (formula, location) = (self.workshop.formula(), self.documents.formula.location());
         self.notices.clear(Topic::Materials);
-        if let Some(message) = self.materials.open(formula.uses.as_deref(), place, self.user_state.data()) {
+        if let Some(message) = self.materials.open(formula.uses.as_deref(), location, self.user_state.data()) {
             let title = if self.materials.is_open() {
                 "The material library has warnings"
             } else {
@@ -392,17 +392,17 @@ impl App {
     }
 
     fn save_session_to(&self, path: &Path) -> std::io::Result<()> {
-        let mut places = Vec::new();
+        let mut locations = Vec::new();
         for document in self.documents.values() {
             match document.location() {
-                Some(location) => places.push(location.clone()),
+                Some(location) => locations.push(location.clone()),
                 None => {
                     let message = format!("save the {} first: a session names its file", document.kind().noun());
                     return Err(std::io::Error::other(message));
                 }
             }
         }
-        let [formula, scene] = [places.swap_remove(0), places.swap_remove(0)];
+        let [formula, scene] = [locations.swap_remove(0), locations.swap_remove(0)];
         self.workshop.save_session(path, formula, scene)
     }
 

@@ -1,4 +1,4 @@
-//! Jobs that take time and write files. They run one after the other on a background thread, so the interface does not
+//! Slow jobs that write files. They run one after the other on a background thread, so the interface does not
 //! wait for disks.
 
 use crate::lang::diagnostic::Diagnostic;

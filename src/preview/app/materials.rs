@@ -31,8 +31,8 @@ impl Default for MaterialRow {
 impl MaterialRow {
     /// Opens the library that a formula names. Returns errors and warnings as text.
     pub(super) fn open(&mut self, uses: Option<&str>, formula: Option<&Location>, data: Option<&Path>) -> Option<String> {
-        let place = LibraryLocation::find(uses, formula, data).map_err(|reason| reason.message().to_owned());
-        let (library, message) = match place.map(|place| Materials::open(place, Readable::Regular)) {
+        let location = LibraryLocation::find(uses, formula, data).map_err(|reason| reason.message().to_owned());
+        let (library, message) = match location.map(|location| Materials::open(location, Readable::Regular)) {
             Ok(Ok((library, findings))) => (Ok(library), Some(format!("{findings:#}")).filter(|text| !text.is_empty())),
             Ok(Err(findings)) => (Err(findings.to_string()), Some(format!("{findings:#}"))),
             Err(reason) => (Err(reason), None),

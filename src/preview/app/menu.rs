@@ -152,18 +152,18 @@ fn picture(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
 }
 
 fn compare(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
-    for (place, name) in SNAPSHOTS.into_iter().enumerate() {
-        entry(ui, &format!("Keep as {name}"), Action::TakeSnapshot(place), actions);
-        let kept = app.workshop.snapshot(place).is_some();
-        entry_if(ui, kept, &format!("Go back to {name}"), Action::RestoreSnapshot(place), actions);
+    for (slot, name) in SNAPSHOTS.into_iter().enumerate() {
+        entry(ui, &format!("Keep as {name}"), Action::TakeSnapshot(slot), actions);
+        let is_taken = app.workshop.snapshot(slot).is_some();
+        entry_if(ui, is_taken, &format!("Go back to {name}"), Action::RestoreSnapshot(slot), actions);
     }
     ui.separator();
     ui.radio_value(&mut app.pane.mode, PaneMode::Current, "Current picture");
-    for (place, name) in SNAPSHOTS.into_iter().enumerate() {
-        let kept = app.workshop.snapshot(place).is_some();
-        ui.add_enabled_ui(kept, |ui| {
-            ui.radio_value(&mut app.pane.mode, PaneMode::Snapshot(place), name);
-            ui.radio_value(&mut app.pane.mode, PaneMode::Split(place), format!("{name} | now"));
+    for (slot, name) in SNAPSHOTS.into_iter().enumerate() {
+        let is_taken = app.workshop.snapshot(slot).is_some();
+        ui.add_enabled_ui(is_taken, |ui| {
+            ui.radio_value(&mut app.pane.mode, PaneMode::Snapshot(slot), name);
+            ui.radio_value(&mut app.pane.mode, PaneMode::Split(slot), format!("{name} | now"));
         });
     }
 }

@@ -39,7 +39,7 @@ pub(super) struct PicturePane {
     pub(super) zoom: u32,
     pub(super) mode: PaneMode,
     offset: [i32; 2],
-    place: Rect,
+    area: Rect,
     /// The last size of the pane, and since when.
     size: ([u32; 2], f64),
     selected: Option<OwnerId>,
@@ -69,7 +69,7 @@ impl Default for PicturePane {
             zoom: 1,
             mode: PaneMode::Current,
             offset: [0, 0],
-            place: Rect::NOTHING,
+            area: Rect::NOTHING,
             size: ([0, 0], 0.0),
             selected: None,
             pointed: None,
@@ -94,8 +94,8 @@ impl PicturePane {
     }
 
     /// The area of the pane, in points.
-    pub(super) fn place(&self) -> Rect {
-        self.place
+    pub(super) fn area(&self) -> Rect {
+        self.area
     }
 
     /// The pixel that was clicked in this frame.
@@ -107,16 +107,15 @@ impl PicturePane {
     pub(super) fn ui(&mut self, ui: &mut Ui, workshop: &mut Workshop, scale: f32) -> Option<OwnerId> {
         self.around = Theme::pane_background(ui.visuals().dark_mode);
         let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
-        self.place = rect;
+        self.area = rect;
         self.update_size(ui, workshop, scale);
-        if let (PaneMode::Split(_), Some(kept)) = (self.mode, self.kept(workshop)) {
-            let (shown, versions) = (workshop.shown(), [kept.version, workshop.shown().version]);
+        if let (PaneMode::Split(_), Some(old)) = (self.mode, self.snapshot_picture(workshop)) {
+            let (shown, versions) = (workshop.shown(), [old.version, workshop.shown().version]);
             let columns = (self.line * shown.width as f32).round() as usize;
             if (self.split.versions, self.split.columns) != (versions, columns) {
                 // A version that no picture has, and that differs from the previous one.
                 let version = 1 << 63 | (self.split.picture.version + 1);
-                self.split =
-                    SideBySide { picture: Picture { version, ..join_pictures(kept, shown, columns) }, versions, columns };
+                self.split = SideBySide { picture: Picture { version, ..join_pictures(old, shown, columns) }, versions, columns };
             }
         }
         self.clamp_offset(workshop, scale);
@@ -132,7 +131,7 @@ impl PicturePane {
         if response.dragged() && self.drags_line {
             let width = self.picture(workshop).full_size[0] as f32 * self.zoom.max(1) as f32 / scale;
             self.line = (self.line + response.drag_delta().x / width.max(1.0)).clamp(0.0, 1.0);
-            // The line is drawn at its new place in the next frame.
+            // The line is drawn at its new position in the next frame.
             ui.ctx().request_repaint();
         } else if response.dragged() {
             let moved = response.drag_delta() * scale;
@@ -159,9 +158,9 @@ impl PicturePane {
 
     /// Labels the pictures if a snapshot is in view.
     fn label_pictures(&self, ui: &Ui, workshop: &Workshop, scale: f32) {
-        let (PaneMode::Snapshot(place) | PaneMode::Split(place)) = self.mode else { return };
-        let Some(name) = SNAPSHOTS.get(place).filter(|_| workshop.snapshot(place).is_some()) else { return };
-        let painter = ui.painter_at(self.place);
+        let (PaneMode::Snapshot(slot) | PaneMode::Split(slot)) = self.mode else { return };
+        let Some(name) = SNAPSHOTS.get(slot).filter(|_| workshop.snapshot(slot).is_some()) else { return };
+        let painter = ui.painter_at(self.area);
         let say = |at: egui::Pos2, align: egui::Align2, text: String| {
             let font = egui::TextStyle::Body.resolve(ui.style());
             let words = painter.layout_no_wrap(text, font, ui.visuals().strong_text_color());
@@ -169,14 +168,14 @@ impl PicturePane {
             painter.rect_filled(at, 4.0, ui.visuals().window_fill);
             painter.galley(at.min + vec2(6.0, 3.0), words, ui.visuals().strong_text_color());
         };
-        let (top, left, right) = (self.place.top() + 8.0, egui::Align2::LEFT_TOP, egui::Align2::RIGHT_TOP);
+        let (top, left, right) = (self.area.top() + 8.0, egui::Align2::LEFT_TOP, egui::Align2::RIGHT_TOP);
         match self.line_at(workshop, scale) {
             Some(line) => {
-                let line = line.clamp(self.place.left(), self.place.right());
+                let line = line.clamp(self.area.left(), self.area.right());
                 say(egui::pos2(line - 8.0, top), right, (*name).to_owned());
                 say(egui::pos2(line + 8.0, top), left, "now".to_owned());
             }
-            None => say(egui::pos2(self.place.left() + 8.0, top), left, format!("{name}, as it was kept")),
+            None => say(egui::pos2(self.area.left() + 8.0, top), left, format!("{name}, as it was kept")),
         }
     }
 
@@ -184,10 +183,8 @@ impl PicturePane {
     fn update_size(&mut self, ui: &Ui, workshop: &mut Workshop, scale: f32) {
         let side = |length: f32| ((length * scale) as u32).clamp(16, MAX_SIDE);
         let size = match self.mode {
-            PaneMode::Split(place) if let Some(kept) = workshop.snapshot(place) => kept.picture.full_size,
-            PaneMode::Current | PaneMode::Snapshot(_) | PaneMode::Split(_) => {
-                [side(self.place.width()), side(self.place.height())]
-            }
+            PaneMode::Split(slot) if let Some(snapshot) = workshop.snapshot(slot) => snapshot.picture.full_size,
+            PaneMode::Current | PaneMode::Snapshot(_) | PaneMode::Split(_) => [side(self.area.width()), side(self.area.height())],
         };
         let now = ui.input(|input| input.time);
         if self.size.0 != size {
@@ -208,33 +205,34 @@ impl PicturePane {
         }
     }
 
-    fn kept<'w>(&self, workshop: &'w Workshop) -> Option<&'w Picture> {
+    /// The picture of the snapshot in view.
+    fn snapshot_picture<'w>(&self, workshop: &'w Workshop) -> Option<&'w Picture> {
         match self.mode {
             PaneMode::Current => None,
-            PaneMode::Snapshot(place) | PaneMode::Split(place) => workshop.snapshot(place).map(|kept| &kept.picture),
+            PaneMode::Snapshot(slot) | PaneMode::Split(slot) => workshop.snapshot(slot).map(|snapshot| &snapshot.picture),
         }
     }
 
     /// The picture in view.
     pub(super) fn picture<'p>(&'p self, workshop: &'p Workshop) -> &'p Picture {
-        match (self.mode, self.kept(workshop)) {
-            (PaneMode::Snapshot(_), Some(kept)) => kept,
+        match (self.mode, self.snapshot_picture(workshop)) {
+            (PaneMode::Snapshot(_), Some(picture)) => picture,
             (PaneMode::Split(_), Some(_)) => &self.split.picture,
             (PaneMode::Current | PaneMode::Snapshot(_) | PaneMode::Split(_), _) => workshop.shown(),
         }
     }
 
-    /// Screen pixels per pixel of a picture. A coarse picture has larger pixels.
+    /// Screen pixels per pixel of a picture. A picture of low resolution has larger pixels.
     fn zoom_of(&self, picture: &Picture) -> u32 {
         let coarse = picture.full_size[0].div_ceil(picture.width.max(1)).max(1);
         self.zoom * coarse
     }
 
-    /// Zooms. The point at `place`, in screen pixels of the pane, stays where it is.
-    fn zoom_to(&mut self, zoom: u32, place: egui::Vec2) {
+    /// Zooms. The point at `position`, in screen pixels of the pane, stays where it is.
+    fn zoom_to(&mut self, zoom: u32, position: egui::Vec2) {
         let ratio = zoom as f32 / self.zoom.max(1) as f32;
-        for (offset, place) in self.offset.iter_mut().zip([place.x, place.y]) {
-            *offset = (place - (place - *offset as f32) * ratio).round() as i32;
+        for (offset, position) in self.offset.iter_mut().zip([position.x, position.y]) {
+            *offset = (position - (position - *offset as f32) * ratio).round() as i32;
         }
         self.zoom = zoom;
     }
@@ -243,7 +241,7 @@ impl PicturePane {
     fn line_at(&self, workshop: &Workshop, scale: f32) -> Option<f32> {
         let PaneMode::Split(_) = self.mode else { return None };
         let width = (self.picture(workshop).full_size[0] * self.zoom) as f32;
-        self.kept(workshop).map(|_| self.place.left() + (self.offset[0] as f32 + self.line * width) / scale)
+        self.snapshot_picture(workshop).map(|_| self.area.left() + (self.offset[0] as f32 + self.line * width) / scale)
     }
 
     /// Centres a picture that is smaller than the pane. A larger one always covers the pane.
@@ -251,7 +249,7 @@ impl PicturePane {
         let picture = self.picture(workshop);
         let zoom = self.zoom_of(picture) as i32;
         let sizes = [picture.width as i32 * zoom, picture.height as i32 * zoom];
-        let pane = [self.place.width(), self.place.height()].map(|side| (side * scale) as i32);
+        let pane = [self.area.width(), self.area.height()].map(|side| (side * scale) as i32);
         for ((offset, size), pane) in self.offset.iter_mut().zip(sizes).zip(pane) {
             *offset = if size <= pane { (pane - size) / 2 } else { (*offset).clamp(pane - size, 0) };
         }
@@ -260,11 +258,12 @@ impl PicturePane {
     /// The pixel of the full-size picture at a point of the screen.
     fn pixel_at(&self, at: egui::Pos2, workshop: &Workshop, scale: f32) -> Option<[u32; 2]> {
         let picture = self.picture(workshop);
-        let from = (at - self.place.min) * scale - vec2(self.offset[0] as f32, self.offset[1] as f32);
+        let from = (at - self.area.min) * scale - vec2(self.offset[0] as f32, self.offset[1] as f32);
         let zoom = self.zoom.max(1) as f32;
         let pixel = [from.x / zoom, from.y / zoom];
-        let inside = pixel.iter().zip(picture.full_size).all(|(place, size)| *place >= 0.0 && *place < size as f32);
-        inside.then(|| pixel.map(|place| place as u32))
+        let inside =
+            pixel.iter().zip(picture.full_size).all(|(coordinate, size)| *coordinate >= 0.0 && *coordinate < size as f32);
+        inside.then(|| pixel.map(|coordinate| coordinate as u32))
     }
 
     /// The picture for the window to draw under the widgets.
@@ -275,7 +274,7 @@ impl PicturePane {
             width: picture.width as usize,
             height: picture.height as usize,
             version: picture.version,
-            pane: self.place,
+            pane: self.area,
             zoom: self.zoom_of(picture),
             offset: self.offset,
             around: self.around,

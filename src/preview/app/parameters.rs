@@ -304,8 +304,8 @@ fn vector_ui(ui: &mut Ui, parameter: &Parameter, value: [f32; 3]) -> Option<([f3
             }
         }
         let marks = [Color32::from_rgb(226, 92, 92), Color32::from_rgb(96, 190, 104), Color32::from_rgb(96, 140, 232)];
-        for (place, (component, mark)) in edited.iter_mut().zip(marks).enumerate() {
-            ui.push_id(place, |ui| {
+        for (index, (component, mark)) in edited.iter_mut().zip(marks).enumerate() {
+            ui.push_id(index, |ui| {
                 ui.horizontal(|ui| {
                     let (rect, _) = ui.allocate_exact_size(egui::vec2(6.0, 20.0), egui::Sense::hover());
                     ui.painter().rect_filled(rect.shrink2(egui::vec2(1.5, 4.0)), 1.0, mark);

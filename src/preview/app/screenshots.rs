@@ -68,7 +68,7 @@ impl TestWorkshop {
         let output = self.harness.output();
         let scale = output.pixels_per_point;
         let ground = context.global_style().visuals.panel_fill;
-        let pane = self.harness.state().pane.place();
+        let pane = self.harness.state().pane.area();
         // The harness draws a background under everything. In the window, the picture is there.
         let covers = |shape: &egui::Shape| matches!(shape, egui::Shape::Rect(rect) if rect.fill == ground && rect.rect.contains_rect(pane));
         let shapes = output.shapes.iter().filter(|clipped| !covers(&clipped.shape)).cloned().collect();
@@ -132,8 +132,8 @@ fn a_pixel_is_looked_into() {
     let mut stage = TestWorkshop::new();
     stage.harness.key_press(egui::Key::F5);
     stage.harness.run_steps(5);
-    let place = stage.harness.state().pane.place();
-    let at = place.center() + egui::vec2(-40.0, 20.0);
+    let pane = stage.harness.state().pane.area();
+    let at = pane.center() + egui::vec2(-40.0, 20.0);
     stage.harness.drag_at(at);
     stage.harness.run_steps(2);
     stage.harness.drop_at(at);

@@ -12,8 +12,8 @@ pub(super) fn bar(app: &App, ui: &mut Ui, actions: &mut Vec<Action>) {
         ui.label(format!("{width} × {height}"));
         ui.separator();
         let backend = app.backend();
-        let place = CHOICES.iter().position(|choice| *choice == backend).unwrap_or(0);
-        let next = CHOICES[(place + 1) % CHOICES.len()];
+        let index = CHOICES.iter().position(|choice| *choice == backend).unwrap_or(0);
+        let next = CHOICES[(index + 1) % CHOICES.len()];
         let tooltip =
             "How formulas are evaluated: as machine code compiled for them, or by the reference interpreter. Click to change.";
         if ui.small_button(backend.title).on_hover_text(tooltip).clicked() {

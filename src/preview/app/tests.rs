@@ -78,8 +78,8 @@ fn bodies_are_chosen_and_locked_values_say_why() {
 #[test]
 fn the_last_movement_counts_though_the_slider_is_let_go_with_it() {
     let mut harness = harness();
-    let place = harness.get_all_by_role(Role::Slider).next().expect("the slider of ka").rect();
-    let at = |x: f32| place.left_center() + egui::vec2(x, 0.0);
+    let slider = harness.get_all_by_role(Role::Slider).next().expect("the slider of ka").rect();
+    let at = |x: f32| slider.left_center() + egui::vec2(x, 0.0);
     let button = |pos: egui::Pos2, pressed: bool| egui::Event::PointerButton {
         pos,
         button: egui::PointerButton::Primary,
@@ -484,13 +484,13 @@ fn texts_that_could_not_be_kept_are_kept_as_soon_as_that_is_possible() {
     app.set_log_listener(move |line| told.borrow_mut().push(line.to_owned()));
     // Something is in the way of the folder.
     std::fs::create_dir_all(&folders.state).expect("a folder");
-    let place = folders.state.join("drafts");
-    std::fs::write(&place, "").expect("a file");
+    let path = folders.state.join("drafts");
+    std::fs::write(&path, "").expect("a file");
     app.documents.formula.replace_text("formula;\n= N;\n");
     keep(&mut app);
     assert!(lines.borrow().iter().any(|line| line.starts_with("Unsaved work is not kept")), "{:?}", lines.borrow());
     assert!(app.user_state.is_behind(app.unsaved_states()));
-    std::fs::remove_file(&place).expect("the file");
+    std::fs::remove_file(&path).expect("the file");
     keep(&mut app);
     assert!(!app.user_state.is_behind(app.unsaved_states()));
     drop(app);
@@ -507,8 +507,8 @@ fn materials_are_given_to_bodies_and_undone() {
     let numbers = harness.state().workshop.values().numbers().to_vec();
     let app = harness.state_mut();
     let shelf = crate::workspace::materials::LibraryLocation::find(Some("preset:phong"), None, None)
-        .map(|place| crate::workspace::materials::Materials::open(place, Readable::Regular));
-    let (shelf, _) = shelf.expect("a place").expect("a library");
+        .map(|location| crate::workspace::materials::Materials::open(location, Readable::Regular));
+    let (shelf, _) = shelf.expect("a location").expect("a library");
     let (owner, gold) = (app.workshop.values().table().owners().named("ball"), shelf.get("gold").expect("a material"));
     let Some(crate::workspace::OwnerId::Body(body)) = owner else { panic!("a body") };
     let (given, _) = gold.assignments(app.workshop.values().table(), body);
@@ -527,11 +527,11 @@ fn a_slider_is_dragged_and_reported_of_and_undone_by_keys() {
     let lines = Rc::new(RefCell::new(Vec::new()));
     let told = Rc::clone(&lines);
     harness.state_mut().set_log_listener(move |line| told.borrow_mut().push(line.to_owned()));
-    let place = harness.get_all_by_role(Role::Slider).next().expect("the slider of ka").rect();
-    harness.drag_at(place.left_center() + egui::vec2(30.0, 0.0));
+    let slider = harness.get_all_by_role(Role::Slider).next().expect("the slider of ka").rect();
+    harness.drag_at(slider.left_center() + egui::vec2(30.0, 0.0));
     harness.run_steps(2);
     for step in 0..10 {
-        harness.hover_at(place.left_center() + egui::vec2(30.0 + 8.0 * step as f32, 0.0));
+        harness.hover_at(slider.left_center() + egui::vec2(30.0 + 8.0 * step as f32, 0.0));
         harness.run_steps(1);
         // Each step has its picture: the first is drawn before there is anything to draw it quickly with.
         settle(&mut harness);
@@ -540,7 +540,7 @@ fn a_slider_is_dragged_and_reported_of_and_undone_by_keys() {
     }
     assert!(harness.state().workshop.held().is_some());
     let held = settle(&mut harness);
-    harness.drop_at(place.left_center() + egui::vec2(102.0, 0.0));
+    harness.drop_at(slider.left_center() + egui::vec2(102.0, 0.0));
     harness.run_steps(2);
     assert!(harness.state().workshop.held().is_none());
     assert!(settle(&mut harness) == held && held != before);
@@ -590,7 +590,7 @@ fn a_snapshot_is_compared_with_the_picture_along_a_line_that_moves() {
         row.iter().zip(kept).take_while(|(seen, kept)| seen == kept).count()
     };
     assert_eq!(columns(&harness), 32);
-    let line = harness.state().pane.place().center();
+    let line = harness.state().pane.area().center();
     harness.drag_at(line);
     harness.run_steps(2);
     harness.hover_at(line + egui::vec2(16.0, 0.0));
@@ -629,7 +629,7 @@ fn the_wheel_zooms_to_what_is_pointed_at() {
     let large = PictureSettings { size: [900, 700], depth: 1, ..harness.state().workshop.settings() };
     harness.state_mut().workshop.set_picture(large).expect("a size in range");
     settle(&mut harness);
-    harness.hover_at(harness.state().pane.place().center() + egui::vec2(60.0, -40.0));
+    harness.hover_at(harness.state().pane.area().center() + egui::vec2(60.0, -40.0));
     harness.run_steps(2);
     let pointed = |harness: &Harness<'_, App>| harness.state().pane.pointed().expect("a pixel");
     let before = pointed(&harness);

@@ -38,8 +38,8 @@ pub(super) fn outdent(text: &str, selection: Selection) -> Option<(Edit, Selecti
 
 /// Comments the selected lines out; or removes the comments if all lines have them.
 pub(super) fn toggle_comment(text: &str, selection: Selection) -> Option<(Edit, Selection)> {
-    let block = &text[lines_around(text, selection.range())];
-    let full = || block.lines().filter(|line| !line.trim().is_empty());
+    let lines = &text[lines_around(text, selection.range())];
+    let full = || lines.lines().filter(|line| !line.trim().is_empty());
     let commented = full().next().is_some() && full().all(|line| line.trim_start().starts_with(COMMENT));
     let column = full().map(blanks).min().unwrap_or(0);
     by_lines(text, selection, |line| {
@@ -58,8 +58,8 @@ pub(super) fn toggle_comment(text: &str, selection: Selection) -> Option<(Edit, 
 
 /// Changes every line of the selection. A cursor stays at its character; a selection becomes all of the lines.
 fn by_lines(text: &str, selection: Selection, change: impl Fn(&str) -> String) -> Option<(Edit, Selection)> {
-    let block = lines_around(text, selection.range());
-    let old = &text[block.clone()];
+    let lines = lines_around(text, selection.range());
+    let old = &text[lines.clone()];
     let new: Vec<String> = old.split('\n').map(change).collect();
     let new = new.join("\n");
     if new == old {
@@ -67,13 +67,13 @@ fn by_lines(text: &str, selection: Selection, change: impl Fn(&str) -> String) -
     }
     let after = if selection.range().is_empty() {
         // Counted from the end of the line, because only its start changes.
-        let behind = block.end - selection.head;
+        let behind = lines.end - selection.head;
         let kept = new.len().saturating_sub(behind);
-        Selection::cursor(block.start + new.floor_char_boundary(kept))
+        Selection::cursor(lines.start + new.floor_char_boundary(kept))
     } else {
-        Selection { anchor: block.start, head: block.start + new.len() }
+        Selection { anchor: lines.start, head: lines.start + new.len() }
     };
-    Some((Edit::replacing(text, block, new), after))
+    Some((Edit::replacing(text, lines, new), after))
 }
 
 /// The lines of a range, without the last line break. A line is not included if the range only reaches its start.
@@ -99,9 +99,9 @@ mod tests {
 
     /// The text after a command, with `[` and `]` around the selection, or `|` at the cursor.
     fn done(marked: &str, command: impl Fn(&str, Selection) -> Option<(Edit, Selection)>) -> String {
-        let place = |mark: &str| marked.find(mark);
+        let offset = |mark: &str| marked.find(mark);
         let text = marked.replace(['[', ']', '|'], "");
-        let selection = match (place("["), place("]"), place("|")) {
+        let selection = match (offset("["), offset("]"), offset("|")) {
             (Some(start), Some(end), _) => Selection { anchor: start, head: end - 1 },
             (_, _, Some(at)) => Selection::cursor(at),
             _ => panic!("no mark in {marked}"),

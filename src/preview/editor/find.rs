@@ -4,7 +4,7 @@ use super::lines::floor;
 use egui::{Key, Modifiers, TextEdit, Ui};
 use std::ops::Range;
 
-/// The places of all matches in a text, in bytes. They do not overlap.
+/// The ranges of all matches in a text, in bytes. They do not overlap.
 pub(super) fn find_all(text: &str, sought: &str, exact_case: bool) -> Vec<Range<usize>> {
     if sought.is_empty() {
         return Vec::new();
@@ -140,7 +140,7 @@ impl Find {
                 if back || onward {
                     field.request_focus();
                 }
-                let place = self.found.iter().position(|range| *range == selected);
+                let index = self.found.iter().position(|range| *range == selected);
                 if ui.small_button("⏶").on_hover_text("Previous match (Shift+F3)").clicked() || back {
                     wish = self.previous(selected.start).map(Wish::Show);
                 }
@@ -148,13 +148,13 @@ impl Find {
                     wish = self.next(selected.end).map(Wish::Show);
                 }
                 ui.toggle_value(&mut self.exact_case, "Aa").on_hover_text("Match case");
-                ui.label(match (place, self.found.len()) {
+                ui.label(match (index, self.found.len()) {
                     (_, 0) if self.sought.is_empty() => String::new(),
                     (_, 0) => "none".to_owned(),
-                    (Some(place), count) => format!("{} of {count}", place + 1),
+                    (Some(index), count) => format!("{} of {count}", index + 1),
                     (None, count) => count.to_string(),
                 });
-                place.is_some()
+                index.is_some()
             })
             .inner;
         ui.horizontal(|ui| {

@@ -91,12 +91,15 @@ impl List {
         let height = MOST[0].min(below.max(above) - 16.0);
         let needed = height.min(shown.candidates.len() as f32 * ROW) + 16.0;
         let drops = below >= needed || below >= above;
-        let (pivot, place) = if drops { (egui::Align2::LEFT_TOP, bottom) } else { (egui::Align2::LEFT_BOTTOM, top) };
+        let (pivot, corner) = if drops { (egui::Align2::LEFT_TOP, bottom) } else { (egui::Align2::LEFT_BOTTOM, top) };
         let width = MOST[1].min(screen.width() - 24.0);
         let widest = shown.candidates.iter().map(|candidate| candidate.name.chars().count()).max().unwrap_or(0);
         let mut clicked = None;
-        let area =
-            Area::new(Self::layer(id).id).order(Order::Foreground).pivot(pivot).fixed_pos(pos2(place.x, place.y)).constrain(true);
+        let area = Area::new(Self::layer(id).id)
+            .order(Order::Foreground)
+            .pivot(pivot)
+            .fixed_pos(pos2(corner.x, corner.y))
+            .constrain(true);
         area.show(context, |ui| {
             Frame::popup(ui.style()).inner_margin(3.0).show(ui, |ui| {
                 ui.set_max_width(width);

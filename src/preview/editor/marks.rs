@@ -37,7 +37,7 @@ impl VisibleText {
     }
 
     /// Where a byte is on the screen: a vertical line, as high as its row.
-    pub(super) fn place(&self, text: &str, byte: usize) -> [Pos2; 2] {
+    pub(super) fn caret(&self, text: &str, byte: usize) -> [Pos2; 2] {
         let (line, column) = self.laid.lines.place(text, byte);
         let x = self.laid.galley.rows.get(line).map_or(0.0, |row| row.pos.x + row.x_offset(column.into()));
         self.heights(line).map(|y| pos2(self.origin.x + x, y))
@@ -59,7 +59,7 @@ impl VisibleText {
                 if from > end || (to <= from && range.start < bytes.start) {
                     return None;
                 }
-                let [[start, _], [_, stop]] = [self.place(text, from), self.place(text, to.max(from))];
+                let [[start, _], [_, stop]] = [self.caret(text, from), self.caret(text, to.max(from))];
                 Some(Rect::from_min_max(start, pos2(stop.x.max(start.x + 6.0), stop.y)))
             })
             .collect()

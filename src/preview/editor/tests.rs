@@ -144,9 +144,9 @@ fn marks_are_where_the_errors_are() {
 fn the_message_is_shown_under_the_pointer() {
     let mut harness = desk(FileKind::Formula, "formula;\n= unknwn;");
     assert_eq!(harness.query_all_by_label_contains("`unknwn` is not known").count(), 1);
-    let place = egui::pos2(90.0, 24.0);
+    let position = egui::pos2(90.0, 24.0);
     for step in 0..40 {
-        harness.hover_at(place + egui::vec2(step as f32 * 0.1, 0.0));
+        harness.hover_at(position + egui::vec2(step as f32 * 0.1, 0.0));
         harness.step();
     }
     harness.run_steps(60);

@@ -35,9 +35,9 @@ impl Editor {
         scroll.show(&mut inner, |ui| {
             let (origin, hovered) = self.widget(ui, look, document, typed, summoned);
             self.draw(ui, look, document, (origin, hovered), gutter);
-            let place = self.sheet(look, document, (origin, ui.clip_rect())).place(&document.text, self.selection.head);
+            let caret = self.sheet(look, document, (origin, ui.clip_rect())).caret(&document.text, self.selection.head);
             if std::mem::take(&mut self.reveal) {
-                let rect = Rect::from_min_max(place[0], place[1]).expand2(vec2(24.0, 0.0));
+                let rect = Rect::from_min_max(caret[0], caret[1]).expand2(vec2(24.0, 0.0));
                 let seen = ui.clip_rect().shrink2(vec2(0.0, 2.0)).contains_rect(rect);
                 if !seen {
                     ui.scroll_to_rect(rect, Some(Align::Center));
@@ -46,7 +46,7 @@ impl Editor {
             if !ui.memory(|memory| memory.has_focus(id)) {
                 self.list.close();
             }
-            let [top, bottom] = place;
+            let [top, bottom] = caret;
             if self.list.ui(look.context, id, [top, bottom], look.font, look.palette) {
                 self.ordered.push(Order::Command(EditorCommand::Accept));
                 self.wants_focus = true;

@@ -18,10 +18,10 @@ pub struct PixelRect {
 impl PixelRect {
     /// The pixels of a rectangle in points, with its edges rounded to the nearest pixel edges.
     #[must_use]
-    pub fn of(place: egui::Rect, scale: f32) -> Self {
+    pub fn of(rect: egui::Rect, scale: f32) -> Self {
         // The conversion saturates, and turns NaN into 0.
         let pixel = |at: f32| (at * scale).round().clamp(-1e8, 1e8) as i32;
-        Self { left: pixel(place.min.x), top: pixel(place.min.y), right: pixel(place.max.x), bottom: pixel(place.max.y) }
+        Self { left: pixel(rect.min.x), top: pixel(rect.min.y), right: pixel(rect.max.x), bottom: pixel(rect.max.y) }
     }
 
     /// The intersection.

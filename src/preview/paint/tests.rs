@@ -51,8 +51,8 @@ fn paint(size: [usize; 2], widgets: &[ClippedPrimitive]) -> Vec<u32> {
 fn a_rectangle_has_the_pixels_whose_middles_are_in_it() {
     let rect = Rect::from_min_max(pos2(2.5, 3.4), pos2(70.5, 66.6));
     let pixels = paint([80, 70], &[clipped(Rect::EVERYTHING, rectangle(rect, Color32::from_rgb(255, 128, 1)))]);
-    for (place, pixel) in pixels.iter().enumerate() {
-        let middle = pos2((place % 80) as f32 + 0.5, (place / 80) as f32 + 0.5);
+    for (index, pixel) in pixels.iter().enumerate() {
+        let middle = pos2((index % 80) as f32 + 0.5, (index / 80) as f32 + 0.5);
         let inside = middle.x >= rect.min.x && middle.x < rect.max.x && middle.y >= rect.min.y && middle.y < rect.max.y;
         assert_eq!(*pixel, if inside { 0x00ff_8001 } else { GROUND }, "{middle:?}");
     }
@@ -67,8 +67,8 @@ fn a_triangle_has_the_colours_between_those_of_its_corners() {
     let area =
         |a: Pos2, b: Pos2, c: Pos2| f64::from(b.x - a.x) * f64::from(c.y - a.y) - f64::from(c.x - a.x) * f64::from(b.y - a.y);
     let bounds = area(corners[0], corners[1], corners[2]);
-    for (place, pixel) in pixels.iter().enumerate() {
-        let middle = pos2((place % 128) as f32 + 0.5, (place / 128) as f32 + 0.5);
+    for (index, pixel) in pixels.iter().enumerate() {
+        let middle = pos2((index % 128) as f32 + 0.5, (index / 128) as f32 + 0.5);
         let [a, b, c] = corners;
         let parts = [area(middle, b, c), area(a, middle, c), area(a, b, middle)].map(|part| part / bounds);
         if parts.iter().any(|part| *part < -1e-6) {
@@ -95,8 +95,8 @@ fn triangles_that_share_a_border_neither_overlap_nor_leave_a_gap() {
     let pixels = paint([100, 100], &[clipped(Rect::EVERYTHING, mesh)]);
     let once = colour::over(0x8000_0000, GROUND);
     let reach = 60.0 * (std::f32::consts::PI / 23.0).cos() - 1.0;
-    for (place, pixel) in pixels.iter().enumerate() {
-        let middle = pos2((place % 100) as f32 + 0.5, (place / 100) as f32 + 0.5);
+    for (index, pixel) in pixels.iter().enumerate() {
+        let middle = pos2((index % 100) as f32 + 0.5, (index / 100) as f32 + 0.5);
         if middle.distance(hub) < reach {
             assert_eq!(*pixel, once, "{middle:?}");
         }
@@ -164,8 +164,8 @@ fn only_what_changed_is_drawn_again() {
 }
 
 fn view(pixels: &[u32], version: u64) -> PictureView<'_> {
-    let place = Rect::from_min_max(pos2(10.0, 20.0), pos2(90.0, 80.0));
-    PictureView { pixels, width: 30, height: 20, version, pane: place, zoom: 2, offset: [4, -6], around: 0x0077_7777 }
+    let pane = Rect::from_min_max(pos2(10.0, 20.0), pos2(90.0, 80.0));
+    PictureView { pixels, width: 30, height: 20, version, pane, zoom: 2, offset: [4, -6], around: 0x0077_7777 }
 }
 
 #[test]
@@ -175,8 +175,8 @@ fn the_picture_lies_under_the_widgets_at_its_place() {
     let widgets = [clipped(Rect::EVERYTHING, rectangle(menu, Color32::RED))];
     let mut painter = painter();
     painter.paint(&PaintInput { picture: Some(view(&pixels, 1)), ..frame([100, 90], &widgets) });
-    for (place, pixel) in painter.pixels().iter().enumerate() {
-        let [x, y] = [place % 100, place / 100];
+    for (index, pixel) in painter.pixels().iter().enumerate() {
+        let [x, y] = [index % 100, index / 100];
         let expected = if (20..40).contains(&x) && y < 30 {
             0x00ff_0000
         } else if !(10..90).contains(&x) || !(20..80).contains(&y) {
@@ -313,8 +313,8 @@ proptest! {
             widgets.retain(|_| { number += 1; keep >> (number % 8) & 1 == 1 });
             widgets.extend(more);
             let pictures: Vec<Vec<u32>> = (0..3).map(|version| (0..20 * 15).map(|at| at * 999 + version).collect()).collect();
-            let picture = picture.map(|(version, place, zoom, offset)| PictureView {
-                pixels: &pictures[version as usize], width: 20, height: 15, version, pane: place, zoom, offset, around: 0x0055_5555,
+            let picture = picture.map(|(version, pane, zoom, offset)| PictureView {
+                pixels: &pictures[version as usize], width: 20, height: 15, version, pane, zoom, offset, around: 0x0055_5555,
             });
             let frame = PaintInput { scale, picture, ..frame(size, &widgets) };
             let before = kept.pixels().to_vec();
@@ -326,7 +326,7 @@ proptest! {
             if before.len() == kept.pixels().len() {
                 for (at, (old, new)) in before.iter().zip(kept.pixels()).enumerate() {
                     let [x, y] = [(at % size[0]) as i32, (at / size[0]) as i32];
-                    let told = changed.iter().filter(|place| place.contains(PixelRect { left: x, top: y, right: x + 1, bottom: y + 1 })).count();
+                    let told = changed.iter().filter(|rect| rect.contains(PixelRect { left: x, top: y, right: x + 1, bottom: y + 1 })).count();
                     prop_assert!(told <= 1 && (old == new || told == 1), "{x}, {y}: {old:x} became {new:x}, and is in {told} of {changed:?}");
                 }
             }

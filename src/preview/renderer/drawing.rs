@@ -1,10 +1,10 @@
-//! The drawing of one picture: what is ready is used again, a held slider is a drag.
+//! Draws the pictures of the evaluation thread. Evaluators are used again, and a held slider is drawn as a drag.
 
 use crate::engine::EngineError;
 use crate::evaluate::{Drag, Evaluator, Framebuffer};
 use crate::formula::Formula;
 use crate::plan::Method;
-use crate::preview::renderer::{Event, Picture, Scenery};
+use crate::preview::renderer::{Event, Picture, RenderRequest};
 use crate::trace::Hits;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -17,25 +17,25 @@ const DRAG_BYTES: usize = 1 << 30;
 
 /// A slider that is held.
 struct Held {
-    places: Vec<usize>,
+    indices: Vec<usize>,
     drag: Readiness,
 }
 
 /// What pictures of a held slider are made with.
 enum Readiness {
-    /// Nothing yet. These are the numbers of its first picture.
+    /// Nothing yet. These are the parameter numbers of its first picture.
     First(Vec<f32>),
     /// A thread compiles kernels, while pictures are drawn in full. Its result is `None` if they cannot be compiled.
     /// It sets the flag when it is about to end.
     Making(JoinHandle<Option<Box<dyn Drag>>>, Arc<AtomicBool>),
     Made(Box<dyn Drag>),
-    /// There are no kernels for it, and every picture is drawn in full.
+    /// There are no kernels for the slider. Every picture is drawn in full.
     Impossible,
 }
 
-/// Draws pictures.
+/// What the evaluation thread keeps from one picture to the next.
 #[derive(Default)]
-pub(super) struct Artist {
+pub(super) struct DrawingWorker {
     /// The formula that was compiled last, and the name of the backend.
     compiled: Option<(Arc<Formula>, &'static str)>,
     /// The evaluator of the hits that are drawn, of that formula.
@@ -45,7 +45,7 @@ pub(super) struct Artist {
     framebuffer: Option<Framebuffer>,
 }
 
-impl Artist {
+impl DrawingWorker {
     /// Whether something is left to prepare for the held slider.
     pub(super) fn has_more_to_prepare(&self) -> bool {
         match self.held.as_ref().map(|held| &held.drag) {
@@ -56,16 +56,16 @@ impl Artist {
         }
     }
 
-    /// Prepares a part of it. Another thread plans and compiles, and calls `done` at its end.
+    /// Prepares a part of the drag. Another thread plans and compiles it, and calls `done` at its end.
     pub(super) fn prepare(&mut self, done: impl FnOnce() + Send + 'static) {
-        let (Some(Held { places, drag }), Some((_, ready))) = (&mut self.held, &self.ready) else { return };
+        let (Some(Held { indices, drag }), Some((_, ready))) = (&mut self.held, &self.ready) else { return };
         *drag = match std::mem::replace(drag, Readiness::Impossible) {
             Readiness::First(numbers) => {
-                let (ready, places) = (Arc::clone(ready), places.clone());
+                let (ready, indices) = (Arc::clone(ready), indices.clone());
                 let is_done = Arc::new(AtomicBool::new(false));
                 let told = Arc::clone(&is_done);
                 let make = move || {
-                    let made = ready.drag(&places, &numbers, DRAG_BYTES).ok();
+                    let made = ready.drag(&indices, &numbers, DRAG_BYTES).ok();
                     told.store(true, Ordering::Release);
                     done();
                     made
@@ -93,27 +93,28 @@ impl Artist {
         }
     }
 
-    /// Draws a picture into some buffer; and how many of its pixels hold NaN, where that is known.
+    /// Draws a picture into a buffer from `room`. Returns it with the number of its pixels that hold NaN, if that is
+    /// known.
     ///
     /// # Errors
-    /// The backend cannot take the formula.
+    /// The backend cannot compile the formula or prepare it for the hits.
     pub(super) fn draw(
         &mut self,
-        scenery: &Scenery,
+        request: &RenderRequest,
         hits: &Arc<Hits>,
         numbers: &[f32],
         held: Option<Vec<usize>>,
         tell: &dyn Fn(Event),
         room: impl FnOnce() -> Vec<u32>,
     ) -> Result<(Picture, Option<usize>), EngineError> {
-        self.compile(scenery, tell)?;
+        self.compile(request, tell)?;
         let prepare_start = Instant::now();
-        let (ready, is_new) = self.evaluator(scenery, hits)?;
+        let (ready, is_new) = self.evaluator(request, hits)?;
         let [width, height] = [hits.view.width(), hits.view.height()];
-        let mut framebuffer = self.framebuffer_for(scenery, hits);
+        let mut framebuffer = self.framebuffer_for(request, hits);
         let frame_start = Instant::now();
-        if self.held.as_ref().map(|held| &held.places) != held.as_ref() {
-            self.held = held.map(|places| Held { places, drag: Readiness::First(numbers.to_vec()) });
+        if self.held.as_ref().map(|held| &held.indices) != held.as_ref() {
+            self.held = held.map(|indices| Held { indices, drag: Readiness::First(numbers.to_vec()) });
         }
         let (method, undefined) = match &mut self.held {
             Some(Held { drag: Readiness::Made(drag), .. }) => {
@@ -131,13 +132,17 @@ impl Artist {
         } else {
             tell(Event::Frame { method, time: frame_start.elapsed() });
         }
-        let view = &scenery.subject.view;
+        let view = &request.subject.view;
         let picture = Picture { width, height, pixels, version: 0, values: 0, full_size: [view.width(), view.height()] };
         Ok((picture, undefined))
     }
 
     /// Compiles the formula, unless it was the last one.
-    fn compile(&mut self, Scenery { subject, engine, .. }: &Scenery, tell: &dyn Fn(Event)) -> Result<(), EngineError> {
+    fn compile(
+        &mut self,
+        RenderRequest { subject, engine, .. }: &RenderRequest,
+        tell: &dyn Fn(Event),
+    ) -> Result<(), EngineError> {
         let backend = engine.backend().name();
         if !self.compiled.as_ref().is_some_and(|(formula, of)| Arc::ptr_eq(formula, &subject.formula) && *of == backend) {
             let start = Instant::now();
@@ -153,7 +158,7 @@ impl Artist {
     /// The evaluator of these hits, and whether it is new.
     fn evaluator(
         &mut self,
-        Scenery { subject, engine, .. }: &Scenery,
+        RenderRequest { subject, engine, .. }: &RenderRequest,
         hits: &Arc<Hits>,
     ) -> Result<(Arc<dyn Evaluator>, bool), EngineError> {
         if let Some((of, ready)) = &self.ready
@@ -170,8 +175,8 @@ impl Artist {
     }
 
     /// The framebuffer for pictures of these hits. A drag goes on only in its own framebuffer.
-    fn framebuffer_for(&mut self, scenery: &Scenery, hits: &Arc<Hits>) -> Framebuffer {
-        let (width, height, transfer) = (hits.view.width(), hits.view.height(), scenery.transfer);
+    fn framebuffer_for(&mut self, request: &RenderRequest, hits: &Arc<Hits>) -> Framebuffer {
+        let (width, height, transfer) = (hits.view.width(), hits.view.height(), request.transfer);
         match self.framebuffer.take() {
             Some(kept) if (kept.width, kept.height, kept.transfer) == (width, height, transfer) => kept,
             Some(_) | None => {

@@ -9,16 +9,16 @@ use crate::scene::Scene;
 use crate::workspace::Values;
 use crate::workspace::{FileKind, presets};
 
-fn scenery(width: u32, height: u32) -> (Scenery, Values) {
+fn request(width: u32, height: u32) -> (RenderRequest, Values) {
     let source = |kind: FileKind, name: &str| Source::new(name, presets::text(kind, name).expect("a built-in file"));
     let (formula, _) = Formula::parse(&source(FileKind::Formula, "phong")).expect("a formula");
     let (scene, _) = Scene::parse(&source(FileKind::Scene, "studio")).expect("a scene");
     let values = Values::defaults(&formula, &scene);
     let view = View::new(width, height).expect("a size in range").with_depth(3).expect("a depth in range");
-    (Scenery { subject: Subject::new(formula, scene, view), engine: Engine::default(), transfer: Transfer::Linear }, values)
+    (RenderRequest { subject: Subject::new(formula, scene, view), engine: Engine::default(), transfer: Transfer::Linear }, values)
 }
 
-/// Moves a slider of a body; the places of its numbers.
+/// Moves a slider of a body. Returns the indices of its numbers.
 fn moved_kd(values: &mut Values, to: f32) -> Vec<usize> {
     let table = values.table();
     let (owner, id, _) = values.iter().find(|(owner, id, _)| table.label(*owner, *id).ends_with(".kd")).expect("a slider");
@@ -41,7 +41,7 @@ fn wait_for(renderer: &Renderer, values: u64) -> Picture {
 }
 
 /// The picture as it is drawn without any thread.
-fn expected(Scenery { subject, engine, transfer }: &Scenery, values: &Values) -> Vec<u32> {
+fn expected(RenderRequest { subject, engine, transfer }: &RenderRequest, values: &Values) -> Vec<u32> {
     let evaluator = engine.evaluator(subject, &Task::UNWATCHED).expect("a formula of ordinary size");
     let mut framebuffer = Framebuffer::black(subject.view.width(), subject.view.height(), *transfer);
     evaluator.draw(values.numbers(), &mut framebuffer);
@@ -51,19 +51,19 @@ fn expected(Scenery { subject, engine, transfer }: &Scenery, values: &Values) ->
 #[test]
 fn the_newest_picture_comes_whatever_was_wanted_before() {
     let renderer = Renderer::new(|| {}).expect("threads");
-    let (small, mut values) = scenery(96, 64);
+    let (small, mut values) = request(96, 64);
     let first = renderer.show(small.clone(), values.numbers());
     assert!(wait_for(&renderer, first).pixels == expected(&small, &values));
     // Many moves of a held slider: the last one is shown.
     let mut last = first;
     for step in 0..50 {
-        let places = moved_kd(&mut values, 0.02 * step as f32);
-        last = renderer.move_to(values.numbers(), Some(places));
+        let indices = moved_kd(&mut values, 0.02 * step as f32);
+        last = renderer.move_to(values.numbers(), Some(indices));
     }
     assert!(wait_for(&renderer, last).pixels == expected(&small, &values));
     // Another size while the last is still drawn: large enough to come coarsely first.
-    let (large, _) = scenery(480, 320);
-    renderer.show(scenery(300, 300).0, values.numbers());
+    let (large, _) = request(480, 320);
+    renderer.show(request(300, 300).0, values.numbers());
     let other = renderer.show(large.clone(), values.numbers());
     let picture = wait_for(&renderer, other);
     assert_eq!([picture.width, picture.height], [480, 320]);
@@ -76,39 +76,39 @@ fn the_newest_picture_comes_whatever_was_wanted_before() {
 #[test]
 fn both_backends_show_the_same_and_a_transfer_brightens() {
     let renderer = Renderer::new(|| {}).expect("threads");
-    let (compiled, mut values) = scenery(64, 48);
+    let (compiled, mut values) = request(64, 48);
     let one = renderer.show(compiled.clone(), values.numbers());
     let one = wait_for(&renderer, one);
-    let other = renderer.show(Scenery { engine: Engine::new(REFERENCE.make()), ..compiled.clone() }, values.numbers());
+    let other = renderer.show(RenderRequest { engine: Engine::new(REFERENCE.make()), ..compiled.clone() }, values.numbers());
     let other = wait_for(&renderer, other);
     let far = |(a, b): (&u32, &u32)| a.to_be_bytes().iter().zip(b.to_be_bytes()).any(|(a, b)| a.abs_diff(b) > 1);
     assert_eq!(one.pixels.iter().zip(&other.pixels).filter(|pair| far(*pair)).count(), 0);
-    let bright = renderer.show(Scenery { transfer: Transfer::Srgb, ..compiled.clone() }, values.numbers());
+    let bright = renderer.show(RenderRequest { transfer: Transfer::Srgb, ..compiled.clone() }, values.numbers());
     let bright = wait_for(&renderer, bright);
     let sum = |picture: &Picture| picture.pixels.iter().flat_map(|word| word.to_be_bytes()).map(u64::from).sum::<u64>();
     assert!(sum(&bright) > sum(&one));
     // A slider is dragged from there on, and the transfer taken away while it is held.
-    let places = moved_kd(&mut values, 0.9);
-    let moved = renderer.move_to(values.numbers(), Some(places.clone()));
-    let srgb = Scenery { transfer: Transfer::Srgb, ..compiled.clone() };
+    let indices = moved_kd(&mut values, 0.9);
+    let moved = renderer.move_to(values.numbers(), Some(indices.clone()));
+    let srgb = RenderRequest { transfer: Transfer::Srgb, ..compiled.clone() };
     assert!(wait_for(&renderer, moved).pixels == expected(&srgb, &values));
     renderer.show(compiled.clone(), values.numbers());
     moved_kd(&mut values, 0.1);
-    let moved = renderer.move_to(values.numbers(), Some(places));
+    let moved = renderer.move_to(values.numbers(), Some(indices));
     assert!(wait_for(&renderer, moved).pixels == expected(&compiled, &values));
 }
 
 #[test]
 fn who_waits_for_values_has_their_picture_then() {
     let renderer = Renderer::new(|| {}).expect("threads");
-    let (small, mut values) = scenery(240, 200);
+    let (small, mut values) = request(240, 200);
     let mut picture = Picture::default();
     let mut stamp = renderer.show(small, values.numbers());
     for step in 0..5 {
         renderer.wait_for(stamp, Duration::from_secs(60));
         assert!(renderer.take(&mut picture) && picture.values == stamp);
-        let places = moved_kd(&mut values, 0.1 * step as f32);
-        stamp = renderer.move_to(values.numbers(), Some(places));
+        let indices = moved_kd(&mut values, 0.1 * step as f32);
+        stamp = renderer.move_to(values.numbers(), Some(indices));
     }
     // Not longer than it was told.
     renderer.wait_for(stamp + 1, Duration::from_millis(1));
@@ -117,7 +117,7 @@ fn who_waits_for_values_has_their_picture_then() {
 #[test]
 fn who_lets_go_while_tracing_does_not_wait() {
     let renderer = Renderer::new(|| {}).expect("threads");
-    let (huge, values) = scenery(4000, 3000);
+    let (huge, values) = request(4000, 3000);
     renderer.show(huge, values.numbers());
     std::thread::sleep(Duration::from_millis(50));
     drop(renderer);
@@ -126,7 +126,7 @@ fn who_lets_go_while_tracing_does_not_wait() {
 #[test]
 fn pixels_without_a_number_are_counted_by_both_backends() {
     let renderer = Renderer::new(|| {}).expect("threads");
-    let (mut wanted, values) = scenery(96, 64);
+    let (mut wanted, values) = request(96, 64);
     let (formula, _) = Formula::parse(&Source::new("new", "formula; = IL*Cd*sqrt(-1 - N.L);")).expect("a formula");
     wanted.subject.formula = Arc::new(formula);
     let values = values.carry_over(&wanted.subject.formula, wanted.subject.world.scene()).0;

@@ -126,11 +126,11 @@ impl Display {
         // The header of a request is smaller than this.
         let room = (self.connection.maximum_request_bytes().saturating_sub(64) / 4).max(1);
         let connection = &self.connection;
-        for place in changed {
-            let wide = (place.right - place.left) as u16;
-            self.rows.for_each_block(pixels, width, place, room, |first, part| {
+        for region in changed {
+            let wide = (region.right - region.left) as u16;
+            self.rows.for_each_band(pixels, width, region, room, |first, part| {
                 let high = (part.len() / usize::from(wide).max(1)) as u16;
-                let [x, y] = [place.left, first as i32].map(|at| at as i16);
+                let [x, y] = [region.left, first as i32].map(|at| at as i16);
                 let bytes = bytemuck::cast_slice(part);
                 connection.put_image(ImageFormat::Z_PIXMAP, window, gc, wide, high, x, y, 0, depth, bytes).map(drop)
             })?;
@@ -167,30 +167,30 @@ pub(super) fn is_gone() -> bool {
 
 fn loop_event(event: &Event, input_window: u32) -> Option<LoopEvent> {
     let now = Instant::now();
-    let place = |x: i16, y: i16| [f32::from(x), f32::from(y)];
+    let position = |x: i16, y: i16| [f32::from(x), f32::from(y)];
     // Crossings caused by menus of the window manager or by pressed buttons do not count.
     let crossing = |mode: NotifyMode| mode == NotifyMode::NORMAL;
     #[allow(clippy::wildcard_enum_match_arm, reason = "a hundred kinds of events are none of this window's")]
     Some(match event {
         Event::MotionNotify(event) => {
-            LoopEvent::Pointer(PointerInput::Moved(place(event.event_x, event.event_y)), modifiers(event.state), now)
+            LoopEvent::Pointer(PointerInput::Moved(position(event.event_x, event.event_y)), modifiers(event.state), now)
         }
         Event::EnterNotify(event) if crossing(event.mode) => {
-            LoopEvent::Pointer(PointerInput::Moved(place(event.event_x, event.event_y)), modifiers(event.state), now)
+            LoopEvent::Pointer(PointerInput::Moved(position(event.event_x, event.event_y)), modifiers(event.state), now)
         }
         // While a button is held, the pointer is followed outside the window.
         Event::LeaveNotify(event) if crossing(event.mode) && !any_button_down(event.state) => {
             LoopEvent::Pointer(PointerInput::Left, modifiers(event.state), now)
         }
         Event::ButtonPress(event) => {
-            let at = place(event.event_x, event.event_y);
+            let at = position(event.event_x, event.event_y);
             let pointer = button(event.detail)
                 .map(|button| PointerInput::Button { at, button, pressed: true })
                 .or_else(|| wheel(event.detail))?;
             LoopEvent::Pointer(pointer, modifiers(event.state), now)
         }
         Event::ButtonRelease(event) => {
-            let at = place(event.event_x, event.event_y);
+            let at = position(event.event_x, event.event_y);
             LoopEvent::Pointer(
                 PointerInput::Button { at, button: button(event.detail)?, pressed: false },
                 modifiers(event.state),

@@ -234,7 +234,7 @@ impl EventLoop {
         }
         let point = |[x, y]: [f32; 2]| egui::pos2(x, y) / scale;
         let event = match pointer {
-            PointerInput::Moved(place) => Event::PointerMoved(point(place)),
+            PointerInput::Moved(position) => Event::PointerMoved(point(position)),
             PointerInput::Left => Event::PointerGone,
             PointerInput::Button { at, button, pressed } => Event::PointerButton { pos: point(at), button, pressed, modifiers },
             PointerInput::Wheel(notches) => Event::MouseWheel {

@@ -7,12 +7,12 @@ use crate::preview::paint::PixelRect;
 pub(super) struct RowBuffer(Vec<u32>);
 
 impl RowBuffer {
-    /// Calls a function for each block of rows of a region. `pixels` has rows of `width`. The function gets the first
-    /// row of the block and its packed pixels, at max_pixels `max_pixels` unless one row has more.
+    /// Calls a function for each band of rows of a region. `pixels` has rows of `width`. The function gets the first
+    /// row of the band and its packed pixels, at most `max_pixels` unless one row has more.
     ///
     /// # Errors
     /// The first error of the function.
-    pub(super) fn for_each_block<E>(
+    pub(super) fn for_each_band<E>(
         &mut self,
         pixels: &[u32],
         width: usize,

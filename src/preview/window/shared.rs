@@ -16,7 +16,7 @@ use x11rb::rust_connection::RustConnection;
 const FOLDER: &str = "/dev/shm";
 
 /// How many pixels are packed and written at a time; they fit into a cache.
-const BLOCK: usize = 1 << 16;
+const BAND_PIXELS: usize = 1 << 16;
 
 /// Why shared memory cannot be used. Any reason leads to the same fallback.
 type Refusal = Box<dyn std::error::Error>;
@@ -87,9 +87,9 @@ impl SharedPixels {
             }
         };
         let mut offset = 0;
-        for place in changed {
-            let [left, top, wide, high] = [place.left, place.top, place.right - place.left, place.bottom - place.top];
-            self.rows.for_each_block(pixels, width, place, BLOCK, |first, part| {
+        for region in changed {
+            let [left, top, wide, high] = [region.left, region.top, region.right - region.left, region.bottom - region.top];
+            self.rows.for_each_band(pixels, width, region, BAND_PIXELS, |first, part| {
                 segment.write(part, offset + 4 * (first - top as usize) * wide as usize)
             })?;
             // The window and its pixels fit the numbers of the protocol.
@@ -97,9 +97,9 @@ impl SharedPixels {
             let [x, y] = [left, top].map(|at| at as i16);
             let DrawTarget { window, gc, depth } = target;
             let format = ImageFormat::Z_PIXMAP.into();
-            let place_in = offset as u32;
+            let start = offset as u32;
             let asked = connection
-                .shm_put_image(window, gc, wide, high, 0, 0, wide, high, x, y, depth, format, false, segment.id, place_in)?;
+                .shm_put_image(window, gc, wide, high, 0, 0, wide, high, x, y, depth, format, false, segment.id, start)?;
             if segment.proved {
                 asked.ignore_error();
             } else {

@@ -1,4 +1,4 @@
-//! Saving a picture on a background thread, with everything that it needs.
+//! Saves a picture on a background thread. An export holds everything that the thread needs.
 
 use crate::engine::{Engine, EngineError, Subject, Task};
 use crate::picture::Frame;

@@ -1,4 +1,4 @@
-//! Opening a session in the workshop. Everything that is reported is collected.
+//! Opens a session in the workshop, and collects everything that is reported.
 
 use crate::files::Readable;
 use crate::lang::diagnostic::{Diagnostic, Diagnostics, Severity};

@@ -1,4 +1,4 @@
-//! What the buttons of the workshop do, without any.
+//! What the buttons of the workshop do, tested without a window.
 
 use super::*;
 use crate::files::Readable;

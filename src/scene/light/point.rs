@@ -15,12 +15,12 @@ pub struct PointLight {
 }
 
 impl PointLight {
-    /// A light at this place, in world coordinates.
+    /// A light at this position, in world coordinates.
     pub fn new(position: DVec3) -> Self {
         Self { position }
     }
 
-    /// Its place in world coordinates.
+    /// Its position in world coordinates.
     pub fn position(&self) -> DVec3 {
         self.position
     }

@@ -64,7 +64,7 @@ impl Rectangle {
         self.corners
     }
 
-    /// The front normal, normalize((C−A)×(B−A)).
+    /// The front normal, normalize((C−A)×(B−A)), of unit length.
     pub fn normal(&self) -> DVec3 {
         self.normal
     }

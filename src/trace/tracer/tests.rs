@@ -132,10 +132,10 @@ fn the_shadow_of_a_ball_ends_where_the_tangents_meet_the_floor() {
                   ball: sphere, center <0,2,0>, radius 0.5;";
     // The light is 6 above the floor, 4 above the centre of the ball.
     let edge = 6.0 * (0.5f64 / 4.0).asin().tan();
-    for (place, lit) in [(edge * (1.0 - 1e-9), false), (edge * (1.0 + 1e-9), true), (0.0, false)] {
-        let (_, tree) = aim(bodies, "l: point, <0,6,0>;", DVec3::new(5.0, 1.0, 0.5), DVec3::new(place, 0.0, 0.0));
+    for (x, lit) in [(edge * (1.0 - 1e-9), false), (edge * (1.0 + 1e-9), true), (0.0, false)] {
+        let (_, tree) = aim(bodies, "l: point, <0,6,0>;", DVec3::new(5.0, 1.0, 0.5), DVec3::new(x, 0.0, 0.0));
         assert_eq!(tree.nodes[0].hit.body, BodyId(0));
-        assert_eq!(!tree.nodes[0].emitters.is_empty(), lit, "at {place}");
+        assert_eq!(!tree.nodes[0].emitters.is_empty(), lit, "at {x}");
     }
 }
 
@@ -157,8 +157,8 @@ fn a_body_shades_itself_and_what_faces_away_is_dark() {
 #[test]
 fn a_lamp_on_a_wall_is_not_shaded_by_it() {
     let bodies = "floor: rectangle, <-9,0,9>, <-9,0,-9>, <9,0,-9>; roof: rectangle, <-9,3.7,-9>, <-9,3.7,9>, <9,3.7,9>;";
-    for place in [-3.1, -0.7, 0.2, 1.9, 4.3] {
-        let (_, tree) = aim(bodies, "l: point, <0.3, 3.7, -0.9>;", DVec3::new(0.0, 1.0, 8.0), DVec3::new(place, 0.0, place));
+    for x in [-3.1, -0.7, 0.2, 1.9, 4.3] {
+        let (_, tree) = aim(bodies, "l: point, <0.3, 3.7, -0.9>;", DVec3::new(0.0, 1.0, 8.0), DVec3::new(x, 0.0, x));
         assert_eq!(tree.nodes[0].emitters, [EmitterId(0)]);
     }
 }

@@ -1,6 +1,6 @@
 //! Drafts kept, left behind by programs that end or are killed, taken over and discarded.
 //!
-//! A lock belongs to whoever opened the file, so two `Drafts` in one program are as two programs.
+//! A lock belongs to whoever opened the file, so two `Drafts` in one program behave like two programs.
 
 use super::*;
 use crate::user_data::drafts::text::{read, to_toml};

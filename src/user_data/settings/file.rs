@@ -135,9 +135,9 @@ fn merge_value<T: PartialEq + Clone>(ours: &T, last_seen: &T, theirs: &T) -> T {
 fn merge_settings(ours: &Settings, last_seen: &Settings, theirs: &Settings) -> Settings {
     let mut defaults = Defaults::default();
     for &parameter in Predefined::ALL {
-        let place = parameter as usize;
-        defaults.values[place] =
-            merge_value(&ours.defaults.values[place], &last_seen.defaults.values[place], &theirs.defaults.values[place]);
+        let index = parameter as usize;
+        defaults.values[index] =
+            merge_value(&ours.defaults.values[index], &last_seen.defaults.values[index], &theirs.defaults.values[index]);
     }
     Settings {
         shadows: merge_value(&ours.shadows, &last_seen.shadows, &theirs.shadows),

@@ -209,8 +209,8 @@ fn scene_with(bodies: &str) -> String {
 fn libraries_are_looked_for_beside_the_formula() {
     let folder = tempfile::tempdir().unwrap();
     let formula = Location::File(folder.path().join("models/phong.txt"));
-    let place = |uses: &str, formula: &Location| LibraryLocation::find(Some(uses), Some(formula), Some(folder.path()));
-    let file = |uses: &str, formula: &Location| place(uses, formula).unwrap().file().map(Path::to_owned);
+    let location = |uses: &str, formula: &Location| LibraryLocation::find(Some(uses), Some(formula), Some(folder.path()));
+    let file = |uses: &str, formula: &Location| location(uses, formula).unwrap().file().map(Path::to_owned);
     // One that exists nowhere is to be made beside the formula.
     let beside = folder.path().join("models/lib/m.toml");
     assert_eq!(file("lib/m.toml", &formula), Some(beside.clone()));
@@ -227,10 +227,10 @@ fn libraries_are_looked_for_beside_the_formula() {
 fn libraries_of_built_in_formulas_are_kept_in_the_data_folder() {
     let data = Path::new("data");
     let of = |uses: &str, data: Option<&Path>| LibraryLocation::find(Some(uses), Some(&Location::new("preset:phong")), data);
-    let place = of("preset:phong", Some(data)).unwrap();
-    assert_eq!((place.built_in(), place.file()), (Some("phong"), Some(Path::new("data/materials/phong.toml"))));
-    let place = of("preset/material/PhongMaterial.txt", Some(data)).unwrap();
-    assert_eq!((place.built_in(), place.file()), (None, Some(Path::new("data/materials/PhongMaterial.txt"))));
+    let location = of("preset:phong", Some(data)).unwrap();
+    assert_eq!((location.built_in(), location.file()), (Some("phong"), Some(Path::new("data/materials/phong.toml"))));
+    let location = of("preset/material/PhongMaterial.txt", Some(data)).unwrap();
+    assert_eq!((location.built_in(), location.file()), (None, Some(Path::new("data/materials/PhongMaterial.txt"))));
     assert_eq!(of("../../x.toml", Some(data)).unwrap().file(), Some(Path::new("data/materials/x.toml")));
     assert_eq!(of("Cargo.toml", Some(data)).unwrap().file(), Some(Path::new("Cargo.toml")));
     assert_eq!(of("preset:phong", None).unwrap().file(), None);
@@ -242,8 +242,8 @@ fn libraries_of_built_in_formulas_are_kept_in_the_data_folder() {
 }
 
 fn shelf(uses: &str, data: &Path) -> Materials {
-    let place = LibraryLocation::find(Some(uses), Some(&Location::new("preset:phong")), Some(data)).unwrap();
-    let (shelf, found) = Materials::open(place, Readable::Regular).unwrap_or_else(|found| panic!("{found}"));
+    let location = LibraryLocation::find(Some(uses), Some(&Location::new("preset:phong")), Some(data)).unwrap();
+    let (shelf, found) = Materials::open(location, Readable::Regular).unwrap_or_else(|found| panic!("{found}"));
     assert!(found.diagnostics.is_empty());
     shelf
 }
@@ -259,8 +259,8 @@ fn what_is_saved_lies_over_what_is_built_in() {
     shelf.put(Material { name: "my own".to_owned(), ..gold.clone() }).unwrap();
     assert!(!shelf.is_built_in("gold") && !shelf.is_built_in("my own") && !shelf.is_built_in("none"));
     // Order is kept, and another program sees the same.
-    let place = shelf.location().clone();
-    assert_eq!(shelf, Materials::open(place.clone(), Readable::Regular).unwrap().0);
+    let location = shelf.location().clone();
+    assert_eq!(shelf, Materials::open(location.clone(), Readable::Regular).unwrap().0);
     assert_eq!(names(shelf.library()), [built_in.iter().map(String::as_str).collect(), vec!["my own"]].concat());
     assert_eq!(bare(shelf.library()).get("gold"), bare(&library(TEXT)).get("gold"));
     let marked = shelf.get("gold").unwrap().properties[0].span;
@@ -284,10 +284,10 @@ fn a_library_is_made_when_a_material_is_saved() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("preset/material/PhongMaterial.txt");
     let formula = Location::File(folder.path().join("phong.txt"));
-    let place = LibraryLocation::find(Some("preset/material/PhongMaterial.txt"), Some(&formula), None).unwrap();
-    let (mut one, _) = Materials::open(place.clone(), Readable::Regular).unwrap();
+    let location = LibraryLocation::find(Some("preset/material/PhongMaterial.txt"), Some(&formula), None).unwrap();
+    let (mut one, _) = Materials::open(location.clone(), Readable::Regular).unwrap();
     assert!(one.library().is_empty() && !path.exists());
-    let (mut other, _) = Materials::open(place.clone(), Readable::Regular).unwrap();
+    let (mut other, _) = Materials::open(location.clone(), Readable::Regular).unwrap();
     one.put(Material::new("one").unwrap()).unwrap();
     other.put(Material::new("other").unwrap()).unwrap();
     assert_eq!(names(other.library()), ["one", "other"], "what another has saved stays");
@@ -300,9 +300,9 @@ fn a_library_is_made_when_a_material_is_saved() {
 fn files_that_cannot_be_changed_are_left_alone() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("m.toml");
-    let place = LibraryLocation::find(Some("m.toml"), Some(&Location::File(folder.path().join("f.txt"))), None).unwrap();
+    let location = LibraryLocation::find(Some("m.toml"), Some(&Location::File(folder.path().join("f.txt"))), None).unwrap();
     fs::write(&path, TEXT).unwrap();
-    let (mut shelf, _) = Materials::open(place.clone(), Readable::Regular).unwrap();
+    let (mut shelf, _) = Materials::open(location.clone(), Readable::Regular).unwrap();
     let before = shelf.clone();
     let message = |error: SourceDiagnostics| messages(&error.diagnostics)[0].replace(&folder.path().display().to_string(), "F");
     let protect = |readonly: bool| {
@@ -320,7 +320,7 @@ fn files_that_cannot_be_changed_are_left_alone() {
     fs::write(&path, "version = 1\n[gold").unwrap();
     assert!(shelf.put(silver.clone()).is_err() && shelf.remove("gold").is_err());
     assert_eq!((fs::read_to_string(&path).unwrap().as_str(), &shelf), ("version = 1\n[gold", &before));
-    assert!(Materials::open(place.clone(), Readable::Regular).is_err());
+    assert!(Materials::open(location.clone(), Readable::Regular).is_err());
     fs::remove_file(&path).unwrap();
     fs::create_dir(&path).unwrap();
     assert_eq!(message(shelf.put(silver.clone()).unwrap_err()), "`F/m.toml` is a folder, not a material library");

@@ -14,7 +14,7 @@ pub(in crate::world) struct RectangleSurface {
     corner: DVec3,
     /// The front normal, of unit length.
     normal: DVec3,
-    /// The dot products of these with a point, seen from B, are its place along BA and along BC, 0..1 inside.
+    /// The dot products of these with a point, seen from B, are its coordinates along BA and along BC, 0..1 inside.
     along: [DVec3; 2],
     /// The direction from A to B.
     tangent: DVec3,
@@ -48,9 +48,9 @@ impl Geometry for RectangleSurface {
             return None;
         }
         let distance = height / ray.direction.dot(self.normal);
-        let place = ray.at(distance) - self.corner;
+        let from_corner = ray.at(distance) - self.corner;
         // A parallel ray has infinities and NaN here, which are in no range.
-        let inside = self.along.iter().all(|along| (0.0..=1.0).contains(&along.dot(place)));
+        let inside = self.along.iter().all(|along| (0.0..=1.0).contains(&along.dot(from_corner)));
         (distance > 0.0 && inside).then_some(Meeting { primitive: PrimitiveId::ONLY, distance })
     }
 

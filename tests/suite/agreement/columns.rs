@@ -117,7 +117,7 @@ struct Source<'s> {
     channels: Vec<usize>,
     active: Box<dyn Fn(usize, usize) -> bool + 's>,
     /// Whether its kernel reads the columns of a drag.
-    kept: Option<&'s ContributionPlan>,
+    drag_columns: Option<&'s ContributionPlan>,
 }
 
 /// What a pass adds up over all hits and misses.
@@ -155,37 +155,40 @@ impl ColumnsEvaluator {
         &self,
         graph: &Graph,
         plan: &ContributionPlan,
-        kept: &[Column],
+        drag_columns: &[Column],
         parameters: &[f32],
-        place: [usize; 3],
+        indices: [usize; 3],
     ) -> Vec<Column> {
-        let [tile, group, emitter] = place;
+        let [tile, group, emitter] = indices;
         let (columns, of) = (&self.tiles[tile][group], &self.hits.tiles[tile].groups[group]);
         let light = self.hits.world.light_of(of.emitters[emitter]);
         let uniforms = self.uniforms(plan, graph, parameters, of.body.index(), light.index());
-        run(&plan.records, graph, [&columns.hits, &columns.records[emitter], kept], &uniforms, of.hits.len())
+        run(&plan.records, graph, [&columns.hits, &columns.records[emitter], drag_columns], &uniforms, of.hits.len())
     }
 
     /// Adds a pass to a picture; the weights of paths are given tile by tile.
     fn add(&self, pass: &Pass, parameters: &[f32], weights: &dyn Fn(&Tile) -> Vec<Weight>, picture: &mut [[f32; 3]]) {
-        for (tile_place, tile) in self.hits.tiles.iter().enumerate() {
+        for (tile_index, tile) in self.hits.tiles.iter().enumerate() {
             let weights = weights(tile);
             let mut put = |pixel: usize, weight: Weight, colour: [f32; 3]| {
                 let pixel = &mut picture[tile.pixels.start as usize + pixel];
                 pixel.iter_mut().zip(weight.of(colour)).for_each(|(sum, component)| *sum += component);
             };
-            for (group_place, group) in tile.groups.iter().enumerate() {
+            for (group_index, group) in tile.groups.iter().enumerate() {
                 let body = group.body.index();
                 let mut sums = vec![[0.0; 3]; group.hits.len()];
                 for source in &pass.sources {
-                    for (emitter_place, emitter) in group.emitters.iter().enumerate() {
+                    for (emitter_index, emitter) in group.emitters.iter().enumerate() {
                         if !(source.active)(body, self.hits.world.light_of(*emitter).index()) {
                             continue;
                         }
-                        let outputs = |plan, kept: &[Column]| {
-                            self.outputs(source.graph, plan, kept, parameters, [tile_place, group_place, emitter_place])
+                        let outputs = |plan, drag_columns: &[Column]| {
+                            self.outputs(source.graph, plan, drag_columns, parameters, [tile_index, group_index, emitter_index])
                         };
-                        let columns = outputs(source.plan, &source.kept.map(|kept| outputs(kept, &[])).unwrap_or_default());
+                        let columns = outputs(
+                            source.plan,
+                            &source.drag_columns.map(|drag_columns| outputs(drag_columns, &[])).unwrap_or_default(),
+                        );
                         for (channel, column) in source.channels.iter().zip(columns) {
                             sums.iter_mut().zip(column).for_each(|(sum, value)| sum[*channel] += value);
                         }
@@ -220,7 +223,7 @@ impl ColumnsEvaluator {
     /// The whole contribution, for some pairs.
     fn source<'s>(&'s self, active: impl Fn(usize, usize) -> bool + 's) -> Source<'s> {
         let (plan, graph) = (&self.plan.contribution, &self.plan.bindings.graph);
-        Source { plan, graph, channels: vec![0, 1, 2], active: Box::new(active), kept: None }
+        Source { plan, graph, channels: vec![0, 1, 2], active: Box::new(active), drag_columns: None }
     }
 
     fn weights(&self, tile: &Tile, parameters: &[f32]) -> Vec<Weight> {
@@ -286,7 +289,7 @@ impl ColumnsDrag {
         channels: Vec<usize>,
         active: Box<dyn Fn(usize, usize) -> bool + 's>,
     ) -> Source<'s> {
-        Source { plan, graph: &self.plan.slider.separation.bindings.graph, channels, active, kept: None }
+        Source { plan, graph: &self.plan.slider.separation.bindings.graph, channels, active, drag_columns: None }
     }
 
     /// Everything that does not move.
@@ -299,14 +302,14 @@ impl ColumnsDrag {
         Pass { sources: std::iter::once(whole).chain(fixed).collect(), at_hits, at_misses: plan.fixed(Site::Miss, parameters, 0) }
     }
 
-    fn term_pass(&self, place: usize) -> Pass<'_> {
+    fn term_pass(&self, index: usize) -> Pass<'_> {
         let (evaluator, plan, parameters) = (&*self.evaluator, &self.plan, &self.parameters);
-        let term = &plan.terms[place];
+        let term = &plan.terms[index];
         let active = move |body: usize, light: usize| {
             (plan.moves_light_weight(light) || evaluator.is_on(parameters, light)) && plan.moves_pair(body, light)
         };
-        let source = term.contribution.map(|place| {
-            self.source(&plan.slider.moving[place], plan.moving_channels().components().collect(), Box::new(active))
+        let source = term.contribution.map(|contribution| {
+            self.source(&plan.slider.moving[contribution], plan.moving_channels().components().collect(), Box::new(active))
         });
         let at_hits = evaluator.at_hits(|body| plan.image_colour(term, Site::Hit, parameters, body));
         Pass { sources: source.into_iter().collect(), at_hits, at_misses: plan.image_colour(term, Site::Miss, parameters, 0) }
@@ -353,7 +356,7 @@ impl ColumnsDrag {
         let (evaluator, plan) = (&*self.evaluator, &self.plan);
         let active = Box::new(|body, light| evaluator.is_on(parameters, light) && plan.moves_pair(body, light));
         let mut source = self.source(&plan.slider.moving[0], plan.moving_channels().components().collect(), active);
-        source.kept = plan.slider.columns.as_ref();
+        source.drag_columns = plan.slider.columns.as_ref();
         let at_hits = evaluator.at_hits(|body| plan.moving(Site::Hit, parameters, body));
         let pass = Pass { sources: vec![source], at_hits, at_misses: [0.0; 3] };
         evaluator.add(&pass, parameters, &|tile| evaluator.weights(tile, parameters), picture);

@@ -38,8 +38,8 @@ pub(super) fn wrong(drawn: &Framebuffer, frame: &Frame) -> usize {
 }
 
 /// The parameter whose number has this index.
-fn parameter_at(case: &Case, place: usize) -> Option<&Parameter> {
-    let (owner, _, slot) = case.layout.owner_of(place)?;
+fn parameter_at(case: &Case, index: usize) -> Option<&Parameter> {
+    let (owner, _, slot) = case.layout.owner_of(index)?;
     let holds = |parameter: &&Parameter| {
         let first = parameter.slot as usize;
         parameter.owner == owner && (first..first + parameter.ty.slots()).contains(&slot)
@@ -49,10 +49,10 @@ fn parameter_at(case: &Case, place: usize) -> Option<&Parameter> {
 
 /// The numbers that a slider for this number may move. For a scalar: itself and all scalars of its owner with the range
 /// 0..1, because invariants may bind them. For a component of a colour: the colour.
-fn together(case: &Case, place: usize) -> Vec<usize> {
-    let Some((owner, index, slot)) = case.layout.owner_of(place) else { return Vec::new() };
-    let own = parameter_at(case, place);
-    let row = case.layout.row(owner, index);
+fn together(case: &Case, index: usize) -> Vec<usize> {
+    let Some((owner, owner_index, slot)) = case.layout.owner_of(index) else { return Vec::new() };
+    let own = parameter_at(case, index);
+    let row = case.layout.row(owner, owner_index);
     if let Some(colour) = own.filter(|parameter| parameter.ty == Type::Vector) {
         return (0..3).map(|component| row + colour.slot as usize + component).collect();
     }
@@ -80,8 +80,8 @@ fn drag(
     let mut drag = drag.map_err(|error| failed(&error))?;
     let mut drawn = Framebuffer::black(16, 12, transfer);
     for turn in 0..values.len() {
-        for (place, value) in moved.iter().zip(values.iter().cycle().skip(turn)) {
-            memory[*place] = parameter_at(case, *place).ok_or_else(|| failed(&"a parameter"))?.clamp(*value).0;
+        for (index, value) in moved.iter().zip(values.iter().cycle().skip(turn)) {
+            memory[*index] = parameter_at(case, *index).ok_or_else(|| failed(&"a parameter"))?.clamp(*value).0;
         }
         if turn == 1 {
             // The rest is drawn with everything prepared.
@@ -90,7 +90,7 @@ fn drag(
         drag.frame(&memory, &mut drawn);
         drag.prepare();
         let frame = evaluator.frame(&memory);
-        let numbers: Vec<f32> = moved.iter().map(|place| memory[*place]).collect();
+        let numbers: Vec<f32> = moved.iter().map(|index| memory[*index]).collect();
         prop_assert_eq!(wrong(&drawn, &frame), 0, "{} by {:?}, moved {:?} to {:?}", &case.text, drag.method(), moved, numbers);
     }
     Ok(drag.method())
@@ -102,8 +102,8 @@ fn random_drags_give_the_general_picture() {
     let strategy = (ingredients(), any::<prop::sample::Index>(), any::<bool>(), proptest::collection::vec(number(), 4), transfer);
     let outcome = runner(600).run(&strategy, |((scalar, vector, result, numbers), which, all, values, transfer)| {
         let case = Case::new([&scalar, &vector, &result], &numbers)?;
-        let place = which.index(case.layout.len());
-        let moved = if all { together(&case, place) } else { vec![place] };
+        let index = which.index(case.layout.len());
+        let moved = if all { together(&case, index) } else { vec![index] };
         for evaluator in &case.evaluators {
             let method = drag(&case, evaluator, &moved, &values, transfer)?;
             METHODS[method as usize].fetch_add(1, Ordering::Relaxed);

@@ -128,11 +128,11 @@ impl Case {
         let scene = world.scene();
         let interpreted = Interpreted::new(&formula, &world, view).map_err(|error| failed(&error))?;
         let layout = Layout::new(&formula, scene.bodies.len(), scene.lights.len());
-        let mut memory: Vec<f32> = (0..layout.len()).map(|place| numbers[place % numbers.len()]).collect();
+        let mut memory: Vec<f32> = (0..layout.len()).map(|index| numbers[index % numbers.len()]).collect();
         for parameter in &formula.parameters {
-            for index in 0..layout.owners(parameter.owner) {
-                let place = layout.place(parameter, index);
-                memory[place..place + parameter.ty.slots()].iter_mut().for_each(|number| *number = parameter.clamp(*number).0);
+            for owner in 0..layout.owners(parameter.owner) {
+                let first = layout.index(parameter, owner);
+                memory[first..first + parameter.ty.slots()].iter_mut().for_each(|number| *number = parameter.clamp(*number).0);
             }
         }
         Ok(Self { text, formula, layout, evaluators, interpreted, memory })
@@ -195,7 +195,7 @@ fn powers_of_cosines_just_below_one_are_exact() {
             let mut case = Case::new(["1", "N", &format!("IL*({power})")], &[0.5]).expect("a formula");
             let parameter = case.formula.parameter_named("p").map(|id| case.formula.parameter(id)).expect("a parameter");
             for body in 0..case.layout.owners(Owner::Body) {
-                case.memory[case.layout.place(parameter, body)] = exponent;
+                case.memory[case.layout.index(parameter, body)] = exponent;
             }
             for evaluator in &case.evaluators {
                 let found = verify(&**evaluator, &case.interpreted, &case.memory);

@@ -133,8 +133,8 @@ fn run(kernel: &Kernel, input: &[Line], uniforms: &[Splat], terms: bool, cases: 
     // Values are stored in one stream, terms in columns.
     let (count, columns) = if terms { (outputs, 1) } else { (1, outputs) };
     let mut results = vec![vec![Line::default(); whole_rounds(cases) * columns]; count];
-    let mut places: Vec<&mut [Line]> = results.iter_mut().map(Vec::as_mut_slice).collect();
-    kernel.run([input, &[], &[]], uniforms, &mut places, cases.div_ceil(Line::RECORDS));
+    let mut streams: Vec<&mut [Line]> = results.iter_mut().map(Vec::as_mut_slice).collect();
+    kernel.run([input, &[], &[]], uniforms, &mut streams, cases.div_ceil(Line::RECORDS));
     let result = |case: usize, output: usize| {
         let line = case / 16 * columns + output % columns;
         results[output / columns][line].0[case % 16]
@@ -188,7 +188,7 @@ pub(super) fn compiled(formula: &Formula, width: Width, cases: &[Vec<f32>], from
                 }
             };
             std::array::from_fn(|index| match component(index) {
-                Some(place) => results[case][place],
+                Some(output) => results[case][output],
                 // Constant components are folded.
                 None => bindings.graph.constant(bindings.contribution[index]).expect("what depends on nothing is constant"),
             })
@@ -227,7 +227,7 @@ fn cases(count: usize) -> Vec<Vec<f32>> {
         1 => AWKWARD.iter().map(|x| vec![*x]).collect(),
         2 => AWKWARD.iter().flat_map(|x| AWKWARD.iter().map(move |y| vec![*x, *y])).collect(),
         _ => (0..20_000)
-            .map(|case| (0..count).map(|place| awkward(case * (2 * place + 1) / (place + 1) + 7 * place * case)).collect())
+            .map(|case| (0..count).map(|index| awkward(case * (2 * index + 1) / (index + 1) + 7 * index * case)).collect())
             .collect(),
     }
 }

@@ -64,8 +64,8 @@ fn comment(line: &str) -> Option<&str> {
     Some(text.strip_prefix(' ').unwrap_or(text))
 }
 
-/// The numbers of the lines of prose that are too long, counted from 1. `prose` gives the prose of a line; blocks of
-/// code, tables and links that fill their line are none.
+/// The numbers of the lines of prose that are too long, counted from 1. `prose` gives the prose of a line. Code,
+/// tables and links that fill their line are no prose.
 fn long_lines<'a>(text: &'a str, prose: impl Fn(&'a str) -> Option<&'a str>) -> Vec<usize> {
     let mut fenced = false;
     // Whether the next line is code if it is indented: behind an empty line, or such code.

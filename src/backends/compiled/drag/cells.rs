@@ -1,4 +1,4 @@
-//! Parts of a tile's planes, kept by cells of sixteen pixels: only where a drag can change anything.
+//! Parts of a tile's planes, stored by cells of sixteen pixels: only where a drag can change anything.
 
 use crate::backends::compiled::planes::Planes;
 use crate::evaluate::{write, write_component};
@@ -81,7 +81,7 @@ impl CellSet {
 pub(super) struct Factor(pub(super) [f32; 3]);
 
 /// The number of cells that are combined before they are written. Their sums fit in the L1 cache.
-const BLOCK: usize = 32;
+const BATCH: usize = 32;
 
 /// Writes cells. `numbers` holds the base of each cell, followed by an image for each factor.
 #[inline(always)]
@@ -120,12 +120,12 @@ fn combine_images<S: Simd, const C: usize, const N: usize>(
     let factors = if N == 0 { factors } else { &factors[..N] };
     let images: &[Rows<C>] = numbers.as_chunks().0.as_chunks().0;
     let first = channels.components().start;
-    let mut block = [[[0.0; CELL_PIXELS]; 3]; BLOCK];
-    for (images, cells) in images.chunks(BLOCK * (1 + factors.len())).zip(cells.chunks(BLOCK)) {
-        for (images, sums) in images.chunks_exact(1 + factors.len()).zip(&mut block) {
+    let mut batch = [[[0.0; CELL_PIXELS]; 3]; BATCH];
+    for (images, cells) in images.chunks(BATCH * (1 + factors.len())).zip(cells.chunks(BATCH)) {
+        for (images, sums) in images.chunks_exact(1 + factors.len()).zip(&mut batch) {
             add_images(simd, images, factors, first, &mut sums[first..]);
         }
-        for (sums, cell) in block.iter().zip(cells) {
+        for (sums, cell) in batch.iter().zip(cells) {
             write_cell(pixels_of(pixels, *cell), sums.each_ref(), channels, bytes);
         }
     }
@@ -144,12 +144,12 @@ fn add_images<S: Simd, const C: usize>(
     let Some((base, images)) = images.split_first() else { return };
     for component in 0..C {
         // Explicit vectors: the compiler unrolls loops over few numbers, and then does not always vectorise them.
-        let vector = |rows: &Rows<C>, place: usize| S::as_simd_f32s(&rows[component]).0[place];
-        for (place, sum) in S::as_mut_simd_f32s(&mut sums[component]).0.iter_mut().enumerate() {
-            let mut total = vector(base, place);
+        let vector = |rows: &Rows<C>, index: usize| S::as_simd_f32s(&rows[component]).0[index];
+        for (index, sum) in S::as_mut_simd_f32s(&mut sums[component]).0.iter_mut().enumerate() {
+            let mut total = vector(base, index);
             for (rows, Factor(factor)) in images.iter().zip(factors) {
                 let factor = simd.splat_f32s(factor[first + component]);
-                total = simd.add_f32s(total, simd.mul_f32s(factor, vector(rows, place)));
+                total = simd.add_f32s(total, simd.mul_f32s(factor, vector(rows, index)));
             }
             *sum = total;
         }

@@ -103,16 +103,16 @@ impl TileImages {
             numbers: Vec::with_capacity(total * stride),
             channels,
         };
-        let mut places = vec![0; images.len()];
+        let mut taken = vec![0; images.len()];
         for cell in &made.cells {
             let before = made.numbers.len();
             cells::copy(base, usize::from(*cell), channels, &mut made.numbers);
             made.base_largest = made.base_largest.max(cells::largest(&made.numbers[before..]));
             let mut here = Vec::new();
-            for (index, (image, place)) in images.iter().zip(&mut places).enumerate() {
-                if image.cells.get(*place) == Some(cell) {
-                    made.numbers.extend_from_slice(&image.numbers[*place * stride..(*place + 1) * stride]);
-                    *place += 1;
+            for (index, (image, taken)) in images.iter().zip(&mut taken).enumerate() {
+                if image.cells.get(*taken) == Some(cell) {
+                    made.numbers.extend_from_slice(&image.numbers[*taken * stride..(*taken + 1) * stride]);
+                    *taken += 1;
                     here.push(index as u16);
                 }
             }

@@ -17,7 +17,7 @@ mod cells;
 mod images;
 mod passes;
 mod reach;
-mod steps;
+mod work;
 
 use crate::backends::compiled::Compiled;
 use crate::backends::compiled::columns::Columns;
@@ -36,7 +36,7 @@ use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 use reach::Reach;
 use std::sync::{Arc, OnceLock};
-use steps::{TileStep, Work, full_cost, steps_of};
+use work::{Work, WorkItem, full_cost, work_items};
 
 /// A slider that is held: frames in which only some numbers of one owner move.
 pub(super) struct CompiledDrag {
@@ -56,12 +56,12 @@ pub(super) struct CompiledDrag {
 enum TileState {
     /// Nothing that moves is visible in it.
     Untouched,
-    /// The first `done` of the steps are made, with these images.
+    /// The first `done` of the items are made, with these images.
     Waiting {
-        steps: Vec<TileStep>,
+        items: Vec<WorkItem>,
         done: usize,
         images: Vec<Image>,
-        kept: Option<Columns>,
+        columns: Option<Columns>,
     },
     Images {
         images: TileImages,
@@ -78,12 +78,12 @@ enum TileState {
 struct LiveTile {
     cells: Vec<u16>,
     base: Vec<f32>,
-    kept: Option<Columns>,
+    columns: Option<Columns>,
     program: TileProgram,
 }
 
 impl CompiledDrag {
-    /// Begins a drag of numbers of one owner. `moved` are their places in `parameters`, which holds the values before
+    /// Begins a drag of numbers of one owner. `moved` are their indices in `parameters`, which holds the values before
     /// the drag. At most `budget` bytes are stored.
     ///
     /// # Errors
@@ -133,40 +133,40 @@ impl CompiledDrag {
             if plan.method == Method::General {
                 return TileState::General;
             }
-            let steps = steps_of(plan, &self.compiled.hits.world, tile, parameters);
-            if steps.is_empty() {
+            let items = work_items(plan, &self.compiled.hits.world, tile, parameters);
+            if items.is_empty() {
                 TileState::Untouched
             } else {
-                TileState::Waiting { steps, done: 0, images: Vec::new(), kept: None }
+                TileState::Waiting { items, done: 0, images: Vec::new(), columns: None }
             }
         };
         self.tiles = self.compiled.hits.tiles.par_iter().map(state).collect();
         self.settle();
     }
 
-    /// The number of steps of each tile that are made next: together they cost about one full evaluation.
-    fn next_steps(&self) -> Vec<usize> {
+    /// The number of work items of each tile that are done next: together they cost about one full evaluation.
+    fn next_counts(&self) -> Vec<usize> {
         let mut left = full_cost(&self.compiled);
         let mut counts: Vec<usize> = vec![0; self.tiles.len()];
         for (state, count) in self.tiles.iter().zip(&mut counts) {
-            let TileState::Waiting { steps, done, .. } = state else { continue };
-            for step in &steps[*done..] {
-                if step.cost > left {
+            let TileState::Waiting { items, done, .. } = state else { continue };
+            for item in &items[*done..] {
+                if item.cost > left {
                     left = 0;
                     break;
                 }
-                left -= step.cost;
+                left -= item.cost;
                 *count += 1;
             }
             if left == 0 {
                 break;
             }
         }
-        // A step that costs more than a full evaluation is done alone.
+        // An item that costs more than a full evaluation is done alone.
         if counts.iter().all(|count| *count == 0)
-            && let Some(place) = self.tiles.iter().position(|tile| matches!(tile, TileState::Waiting { .. }))
+            && let Some(index) = self.tiles.iter().position(|tile| matches!(tile, TileState::Waiting { .. }))
         {
-            counts[place] = 1;
+            counts[index] = 1;
         }
         counts
     }
@@ -207,31 +207,31 @@ impl Drag for CompiledDrag {
         let factor = |key: Key| factor_of(key, &factors);
         // Once everything is made, few tiles are drawn by the general method.
         let whole = OnceLock::new();
-        let draw_all = |place: usize, scratch: &mut TileScratch, part: Part| {
-            compiled.draw_tile(whole.get_or_init(|| compiled.whole(parameters)), parameters, place, scratch, part);
+        let draw_all = |index: usize, scratch: &mut TileScratch, part: Part| {
+            compiled.draw_tile(whole.get_or_init(|| compiled.whole(parameters)), parameters, index, scratch, part);
         };
         let live = self.kernels.live_pass(compiled, parameters);
         let (channels, drawn) = (plan.channels, self.drawn);
         let tiles = framebuffer.parts().zip(&mut self.tiles);
-        compiled.each_tile(tiles, |(part, state), place, scratch| match state {
+        compiled.each_tile(tiles, |(part, state), index, scratch| match state {
             TileState::Untouched if drawn => {}
             TileState::Images { images, right } => {
                 let accurate = images.is_accurate(&factor);
                 if drawn && accurate && *right {
                     images.draw(compiled.width(), &factor, part);
                 } else {
-                    draw_all(place, scratch, part);
+                    draw_all(index, scratch, part);
                 }
                 *right = accurate;
             }
             TileState::Live(tile) if drawn => {
                 if let Some(live) = &live {
-                    path_weights(&compiled.hits.tiles[place], &compiled.equation, parameters, &mut scratch.weights);
-                    tile.draw(&compiled.hits.tiles[place], place, live, channels, scratch, part);
+                    path_weights(&compiled.hits.tiles[index], &compiled.equation, parameters, &mut scratch.weights);
+                    tile.draw(&compiled.hits.tiles[index], index, live, channels, scratch, part);
                 }
             }
             TileState::Untouched | TileState::Live(_) | TileState::Waiting { .. } | TileState::General => {
-                draw_all(place, scratch, part);
+                draw_all(index, scratch, part);
             }
         });
         self.drawn = true;
@@ -241,7 +241,7 @@ impl Drag for CompiledDrag {
         if self.is_ready() {
             return true;
         }
-        let counts = self.next_steps();
+        let counts = self.next_counts();
         if counts.iter().any(|count| *count > 0) {
             let preparation = Preparation {
                 compiled: &self.compiled,
@@ -249,9 +249,9 @@ impl Drag for CompiledDrag {
                 passes: self.kernels.passes(&self.compiled, &self.parameters),
                 parameters: &self.parameters,
             };
-            self.compiled.each_tile(self.tiles.par_iter_mut().zip(counts), |(state, count), place, scratch| {
+            self.compiled.each_tile(self.tiles.par_iter_mut().zip(counts), |(state, count), index, scratch| {
                 for _ in 0..count {
-                    preparation.advance(state, place, scratch);
+                    preparation.advance(state, index, scratch);
                 }
             });
             self.settle();
@@ -265,13 +265,13 @@ impl TileState {
     fn bytes(&self) -> usize {
         match self {
             TileState::Untouched | TileState::General => 0,
-            TileState::Waiting { images, kept, .. } => {
-                images.iter().map(Image::bytes).sum::<usize>() + kept.as_ref().map_or(0, Columns::bytes)
+            TileState::Waiting { images, columns, .. } => {
+                images.iter().map(Image::bytes).sum::<usize>() + columns.as_ref().map_or(0, Columns::bytes)
             }
             TileState::Images { images, .. } => images.bytes(),
             TileState::Live(live) => {
-                let kept = live.kept.as_ref().map_or(0, Columns::bytes);
-                size_of_val(&*live.base) + size_of_val(&*live.cells) + kept + live.program.bytes()
+                let columns = live.columns.as_ref().map_or(0, Columns::bytes);
+                size_of_val(&*live.base) + size_of_val(&*live.cells) + columns + live.program.bytes()
             }
         }
     }
@@ -286,23 +286,23 @@ struct Preparation<'p> {
 }
 
 impl Preparation<'_> {
-    /// Does the next step for a tile.
-    fn advance(&self, state: &mut TileState, place: usize, scratch: &mut TileScratch) {
-        let TileState::Waiting { steps, done, images, kept } = state else { return };
-        let Some(step) = steps.get(*done) else { return };
+    /// Does the next work item of a tile.
+    fn advance(&self, state: &mut TileState, index: usize, scratch: &mut TileScratch) {
+        let TileState::Waiting { items, done, images, columns } = state else { return };
+        let Some(item) = items.get(*done) else { return };
         *done += 1;
         let (compiled, plan) = (self.compiled, &self.kernels.plan);
-        let tile = &compiled.hits.tiles[place];
+        let tile = &compiled.hits.tiles[index];
         let monomials = || PathMonomials::new(tile, &plan.equation, self.parameters, plan.weights);
-        match step.work {
-            Work::Columns => *kept = self.passes.columns(compiled, place),
+        match item.work {
+            Work::Columns => *columns = self.passes.columns(compiled, index),
             Work::Image(key) => {
-                let touched = self.passes.make_image(plan, compiled, &monomials(), key, place, scratch);
+                let touched = self.passes.make_image(plan, compiled, &monomials(), key, index, scratch);
                 images.push(Image::new(key, &scratch.planes, &touched, plan.channels));
             }
             Work::Base => {
                 let monomials = monomials();
-                self.passes.make_base(compiled, &monomials, place, scratch);
+                self.passes.make_base(compiled, &monomials, index, scratch);
                 *state = match plan.method {
                     Method::Images if images.is_empty() => TileState::General,
                     Method::Images => {
@@ -311,7 +311,7 @@ impl Preparation<'_> {
                     }
                     Method::Specialised => {
                         let reach = Reach { plan, world: &compiled.hits.world, has_fixed: plan.slider.fixed.is_some() };
-                        LiveTile::new(reach.live_cells(tile, &monomials), kept.take(), plan.channels, scratch)
+                        LiveTile::new(reach.live_cells(tile, &monomials), columns.take(), plan.channels, scratch)
                             .map_or(TileState::General, TileState::Live)
                     }
                     Method::General => TileState::General,
@@ -324,22 +324,22 @@ impl Preparation<'_> {
 impl LiveTile {
     /// Stores these cells of the planes. `None` if their numbers are so large that they may cancel against the live
     /// part.
-    fn new(cells: Vec<u16>, kept: Option<Columns>, channels: Channels, scratch: &TileScratch) -> Option<Self> {
+    fn new(cells: Vec<u16>, columns: Option<Columns>, channels: Channels, scratch: &TileScratch) -> Option<Self> {
         let mut base = Vec::with_capacity(cells.len() * cells::stride(channels));
         for cell in &cells {
             cells::copy(&scratch.planes, usize::from(*cell), channels, &mut base);
         }
-        (cells::largest(&base) <= LARGEST_SUM).then(|| Self { cells, base, kept, program: TileProgram::default() })
+        (cells::largest(&base) <= LARGEST_SUM).then(|| Self { cells, base, columns, program: TileProgram::default() })
     }
 
     /// Adds the live part to the fixed part, and writes the cells. The scratch memory holds the weights of the tile's
     /// paths.
-    fn draw(&mut self, tile: &Tile, place: usize, live: &Pass, channels: Channels, scratch: &mut TileScratch, part: Part) {
+    fn draw(&mut self, tile: &Tile, index: usize, live: &Pass, channels: Channels, scratch: &mut TileScratch, part: Part) {
         let stride = cells::stride(channels);
         for (cell, lanes) in self.cells.iter().zip(self.base.chunks_exact(stride)) {
             cells::restore(&mut scratch.planes, usize::from(*cell), channels, lanes);
         }
-        live.run(tile, place, self.kept.as_ref(), Accumulate::Add, scratch, &mut self.program);
+        live.run(tile, index, self.columns.as_ref(), Accumulate::Add, scratch, &mut self.program);
         let (planes, width) = (scratch.planes.components(), scratch.planes.width());
         width.dispatch(CellWriter { cells: &self.cells, planes, channels, part });
     }

@@ -36,7 +36,7 @@ pub(super) struct Passes<'p> {
 }
 
 impl DragKernels {
-    /// Plans and compiles a drag of the numbers at these places.
+    /// Plans and compiles a drag of the numbers with these indices.
     ///
     /// # Errors
     /// The kernels are too large for the code generator.
@@ -89,10 +89,10 @@ impl DragKernels {
         let at_hits = bodies.map(|body| plan.image_colour(term, Site::Hit, parameters, body)).collect();
         let at_misses = plan.image_colour(term, Site::Miss, parameters, 0);
         let mut pass = compiled.empty_pass(at_hits, at_misses, plan.channels);
-        if let Some(place) = term.contribution
-            && let Some(contribution) = self.kernels.moving.get(place)
+        if let Some(index) = term.contribution
+            && let Some(contribution) = self.kernels.moving.get(index)
         {
-            let (source, uniforms) = self.moving_source(compiled, parameters, contribution, &self.moving_leaves[place]);
+            let (source, uniforms) = self.moving_source(compiled, parameters, contribution, &self.moving_leaves[index]);
             pass.push(source, uniforms);
         }
         pass
@@ -144,16 +144,16 @@ impl Passes<'_> {
         compiled: &Compiled,
         monomials: &PathMonomials,
         key: Key,
-        place: usize,
+        index: usize,
         scratch: &mut TileScratch,
     ) -> CellSet {
-        let tile = &compiled.hits.tiles[place];
+        let tile = &compiled.hits.tiles[index];
         monomials.of(key.powers, &mut scratch.weights);
         let pass = match usize::from(key.term).checked_sub(1) {
             Some(term) => &self.terms[term],
             None => &self.fixed,
         };
-        pass.run_once(tile, place, scratch);
+        pass.run_once(tile, index, scratch);
         let reach = Reach { plan, world: &compiled.hits.world, has_fixed: plan.slider.fixed.is_some() };
         let mut touched = CellSet::none(tile.pixels.len());
         for group in tile.groups.iter().filter(|group| reach.emitters_of(group, key.term).is_some()) {
@@ -168,16 +168,16 @@ impl Passes<'_> {
     }
 
     /// Makes the image of everything that does not move, in the planes of the scratch memory.
-    pub(super) fn make_base(&self, compiled: &Compiled, monomials: &PathMonomials, place: usize, scratch: &mut TileScratch) {
+    pub(super) fn make_base(&self, compiled: &Compiled, monomials: &PathMonomials, index: usize, scratch: &mut TileScratch) {
         monomials.of(Powers::default(), &mut scratch.weights);
-        self.fixed.run_once(&compiled.hits.tiles[place], place, scratch);
+        self.fixed.run_once(&compiled.hits.tiles[index], index, scratch);
     }
 
     /// The values that the live part reads from columns, for each record of a tile.
-    pub(super) fn columns(&self, compiled: &Compiled, place: usize) -> Option<Columns> {
-        let tile = &compiled.hits.tiles[place];
+    pub(super) fn columns(&self, compiled: &Compiled, index: usize) -> Option<Columns> {
+        let tile = &compiled.hits.tiles[index];
         let columns = |(source, uniforms): &(ContributionSource, Vec<Splat>)| {
-            Columns::kept(tile, &compiled.columns[place], source, uniforms)
+            Columns::for_drag(tile, &compiled.columns[index], source, uniforms)
         };
         self.columns.as_ref().map(columns)
     }

@@ -29,14 +29,14 @@ impl Reach<'_> {
         let at_hits = term
             .moved_terms
             .iter()
-            .map(|place| &self.plan.moved_terms[*place])
+            .map(|index| &self.plan.moved_terms[*index])
             .any(|moved| TERMS[moved.term].site == Site::Hit && self.plan.moves_at(moved, body));
         (emitters > 0 || at_hits).then_some(emitters)
     }
 
     /// Whether an image contains rays that leave the scene.
     pub(super) fn has_misses(&self, image: u8) -> bool {
-        let of_misses = |place: &usize| TERMS[self.plan.moved_terms[*place].term].site == Site::Miss;
+        let of_misses = |index: &usize| TERMS[self.plan.moved_terms[*index].term].site == Site::Miss;
         match usize::from(image).checked_sub(1) {
             Some(term) => self.plan.terms[term].moved_terms.iter().any(of_misses),
             None => !self.plan.moved_at(Site::Miss).any(|moved| moved.components == [true; 3]),

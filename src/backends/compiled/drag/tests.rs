@@ -32,28 +32,28 @@ fn session() -> (Arc<Compiled>, Values) {
     (Arc::new(Compiled::new(compiled, &formula, &hits).expect("hits of the scene")), values)
 }
 
-/// The places of the numbers that a slider moves.
-fn places(values: &Values, slider: &str) -> Vec<usize> {
+/// The indices of the numbers that a slider moves.
+fn moved_by(values: &Values, slider: &str) -> Vec<usize> {
     let roster = values.table();
     let found = values.iter().find(|(owner, id, _)| roster.label(*owner, *id) == slider);
     let (owner, id, _) = found.expect("a slider");
     values.moved_indices(owner, id)
 }
 
-/// The number of steps that are left, and their cost.
+/// The number of work items that are left, and their cost.
 fn left(drag: &CompiledDrag) -> (usize, u64) {
     let of_tile = |state: &TileState| match state {
-        TileState::Waiting { steps, done, .. } => (steps.len() - done, steps[*done..].iter().map(|step| step.cost).sum::<u64>()),
+        TileState::Waiting { items, done, .. } => (items.len() - done, items[*done..].iter().map(|item| item.cost).sum::<u64>()),
         TileState::Untouched | TileState::Images { .. } | TileState::Live(_) | TileState::General => (0, 0),
     };
-    drag.tiles.iter().map(of_tile).fold((0, 0), |(steps, cost), (more, costs)| (steps + more, cost + costs))
+    drag.tiles.iter().map(of_tile).fold((0, 0), |(items, cost), (more, costs)| (items + more, cost + costs))
 }
 
 #[test]
 fn preparing_takes_no_more_at_a_time_than_a_full_evaluation() {
     let (compiled, values) = session();
     for slider in SLIDERS {
-        let mut drag = CompiledDrag::new(&compiled, &places(&values, slider), values.numbers(), usize::MAX).expect("kernels");
+        let mut drag = CompiledDrag::new(&compiled, &moved_by(&values, slider), values.numbers(), usize::MAX).expect("kernels");
         let full = full_cost(&compiled);
         let (all, total) = left(&drag);
         assert!(all > 0 && !drag.is_ready(), "{slider}");
@@ -62,17 +62,17 @@ fn preparing_takes_no_more_at_a_time_than_a_full_evaluation() {
             let before = left(&drag);
             let ready = drag.prepare();
             let after = left(&drag);
-            let (steps, cost) = (before.0 - after.0, before.1 - after.1);
+            let (items, cost) = (before.0 - after.0, before.1 - after.1);
             calls += 1;
-            assert!(steps == 1 || cost <= full, "{slider}: {steps} steps of cost {cost}, a full evaluation is {full}");
-            assert!(steps > 0, "{slider}: nothing is done in a call");
+            assert!(items == 1 || cost <= full, "{slider}: {items} items of cost {cost}, a full evaluation is {full}");
+            assert!(items > 0, "{slider}: nothing is done in a call");
             assert_eq!(ready, drag.is_ready());
             assert_eq!(ready, after.0 == 0);
             if ready {
                 break;
             }
         }
-        println!("{slider}: {all} steps in {calls} calls, {:.2} full evaluations", total as f64 / full as f64);
+        println!("{slider}: {all} items in {calls} calls, {:.2} full evaluations", total as f64 / full as f64);
         // The work of two calls is more than a full evaluation.
         assert!(calls <= 2 * total / full + 1, "{slider}: {calls} calls for {total}, a full evaluation is {full}");
         assert!(drag.prepare(), "nothing is left to do");
@@ -83,7 +83,7 @@ fn preparing_takes_no_more_at_a_time_than_a_full_evaluation() {
 fn nothing_is_kept_without_a_budget() {
     let (compiled, values) = session();
     for slider in SLIDERS {
-        let mut drag = CompiledDrag::new(&compiled, &places(&values, slider), values.numbers(), 0).expect("kernels");
+        let mut drag = CompiledDrag::new(&compiled, &moved_by(&values, slider), values.numbers(), 0).expect("kernels");
         while !drag.prepare() {
             assert_eq!(drag.bytes(), 0, "{slider}");
         }
@@ -102,11 +102,11 @@ fn nothing_is_kept_without_a_budget() {
 fn what_is_counted_is_what_is_kept() {
     let (compiled, values) = session();
     for slider in SLIDERS {
-        let mut drag = CompiledDrag::new(&compiled, &places(&values, slider), values.numbers(), usize::MAX).expect("kernels");
+        let mut drag = CompiledDrag::new(&compiled, &moved_by(&values, slider), values.numbers(), usize::MAX).expect("kernels");
         while !drag.prepare() {}
         let needed = drag.bytes();
         assert!(needed > 0, "{slider}");
-        let mut tight = CompiledDrag::new(&compiled, &places(&values, slider), values.numbers(), needed / 2).expect("kernels");
+        let mut tight = CompiledDrag::new(&compiled, &moved_by(&values, slider), values.numbers(), needed / 2).expect("kernels");
         loop {
             let ready = tight.prepare();
             assert!(tight.bytes() <= needed / 2, "{slider}: {} bytes of {needed}", tight.bytes());

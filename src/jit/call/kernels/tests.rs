@@ -19,11 +19,11 @@ fn contributions(bindings: &Bindings, width: Width) -> (usize, Vec<f32>) {
     let specs = [KernelSpec::overwriting(&plan), KernelSpec::adding(&plan).unwrap()];
     let kernels = generate(width, &specs, &bindings.graph, None).unwrap();
     const LINES: usize = 3 * ROUND_LINES;
-    let number = |place: usize| 1.25 * ((place as f32 * 0.618_034).fract() - 0.3);
+    let number = |index: usize| 1.25 * ((index as f32 * 0.618_034).fract() - 0.3);
     let line = |first: usize| Line(std::array::from_fn(|lane| number(first + lane)));
-    let stream = |columns: &usize| (0..LINES * columns).map(|place| line(16 * place + 1000 * columns)).collect();
+    let stream = |columns: &usize| (0..LINES * columns).map(|index| line(16 * index + 1000 * columns)).collect();
     let streams: [Vec<Line>; STREAMS] = kernels[0].streams.each_ref().map(stream);
-    let uniforms: Vec<Splat> = (0..kernels[0].uniforms).map(|place| Splat::new(number(7 * place).abs() * 3.0)).collect();
+    let uniforms: Vec<Splat> = (0..kernels[0].uniforms).map(|index| Splat::new(number(7 * index).abs() * 3.0)).collect();
     let mut outputs = vec![vec![Line::default(); LINES]; 3];
     let mut planes: Vec<&mut [Line]> = outputs.iter_mut().map(Vec::as_mut_slice).collect();
     // One stores, the other adds twice.
@@ -60,11 +60,11 @@ fn kernels_of_all_widths_compute_the_same() {
 /// from columns, one case in each lane.
 fn results(primitive: Primitive, cases: &[Vec<f32>], width: Width, sink: Sink) -> (usize, Vec<f32>) {
     let mut graph = Graph::empty();
-    let leaf = |place: usize| {
-        let variable = [Variable::Normal, Variable::ToViewer][place / 3];
-        Node::Variable(variable, (place % 3) as u8)
+    let leaf = |index: usize| {
+        let variable = [Variable::Normal, Variable::ToViewer][index / 3];
+        Node::Variable(variable, (index % 3) as u8)
     };
-    let leaves: Vec<NodeId> = (0..primitive.arity()).map(|place| graph.insert(leaf(place))).collect();
+    let leaves: Vec<NodeId> = (0..primitive.arity()).map(|index| graph.insert(leaf(index))).collect();
     let mut result = graph.record(primitive, &leaves);
     if primitive.yields_truth() {
         let [one, zero] = [1.0, 0.0].map(|value| graph.record_constant(value));
@@ -108,7 +108,7 @@ fn every_primitive_is_widened_and_computes_its_meaning_at_every_width() {
         let turned = (0..if cases.len() < 2000 { 16 } else { 1 }).flat_map(|turn| cases.iter().chain(&cases[..turn]));
         let cases: Vec<Vec<f32>> = turned.cloned().collect();
         for width in Width::supported() {
-            // Columns are computed one step at a time, sums several side by side.
+            // Columns are computed one vector at a time, sums several side by side.
             for sink in [Sink::Columns, Sink::Sums] {
                 let (lanes, results) = results(primitive, &cases, width, sink);
                 // Noise is called, four points at a time.

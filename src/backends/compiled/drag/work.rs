@@ -1,4 +1,4 @@
-//! The preparation of each tile for a drag, in steps of known cost.
+//! The preparation of each tile for a drag, in work items of known cost.
 
 use crate::backends::compiled::Compiled;
 use crate::backends::compiled::drag::images::Key;
@@ -13,47 +13,47 @@ use std::ops::Range;
 /// If a tile needs more images than this, none are kept.
 const MOST_IMAGES: usize = 40;
 
-/// The result of a step.
+/// The result of a work item.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Work {
     /// Columns that the live part reads.
     Columns,
     /// An image.
     Image(Key),
-    /// The image of everything that does not move. It is the last step.
+    /// The image of everything that does not move. It is the last item.
     Base,
 }
 
-/// A step of the preparation of a tile.
+/// A part of the preparation of a tile, done at once.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct TileStep {
+pub(super) struct WorkItem {
     pub(super) work: Work,
     /// Its approximate cost. The unit is the time to add four hits to the pixels, about half of the time to evaluate
     /// them for a light.
     pub(super) cost: u64,
 }
 
-/// The approximate cost of a full evaluation, in the unit of [`TileStep::cost`].
+/// The approximate cost of a full evaluation, in the unit of [`WorkItem::cost`].
 pub(super) fn full_cost(compiled: &Compiled) -> u64 {
     compiled.hits.tiles.iter().map(tile_cost).sum()
 }
 
-/// The steps for a tile. There are none if nothing that moves is visible in it.
-pub(super) fn steps_of(plan: &DragPlan, world: &World, tile: &Tile, parameters: &[f32]) -> Vec<TileStep> {
+/// The work items for a tile, in their order. There are none if nothing that moves is visible in it.
+pub(super) fn work_items(plan: &DragPlan, world: &World, tile: &Tile, parameters: &[f32]) -> Vec<WorkItem> {
     let monomials = PathMonomials::new(tile, &plan.equation, parameters, plan.weights);
     let reach = Reach { plan, world, has_fixed: plan.slider.fixed.is_some() };
-    let base = TileStep { work: Work::Base, cost: tile_cost(tile) };
+    let base = WorkItem { work: Work::Base, cost: tile_cost(tile) };
     match plan.method {
         Method::Images => {
-            let mut steps = image_steps(&reach, tile, &monomials);
-            if steps.len() > MOST_IMAGES {
+            let mut items = image_items(&reach, tile, &monomials);
+            if items.len() > MOST_IMAGES {
                 // A base without images means the general method.
-                return vec![TileStep { cost: 0, ..base }];
+                return vec![WorkItem { cost: 0, ..base }];
             }
-            if !steps.is_empty() {
-                steps.push(base);
+            if !items.is_empty() {
+                items.push(base);
             }
-            steps
+            items
         }
         Method::Specialised => {
             let mut own = Vec::new();
@@ -63,7 +63,7 @@ pub(super) fn steps_of(plan: &DragPlan, world: &World, tile: &Tile, parameters: 
                 return Vec::new();
             }
             let cost = moving().map(|group| group_cost(group.emitters.len(), blocks(&group.hits))).sum();
-            let columns = plan.slider.columns.as_ref().map(|_| TileStep { work: Work::Columns, cost });
+            let columns = plan.slider.columns.as_ref().map(|_| WorkItem { work: Work::Columns, cost });
             columns.into_iter().chain([base]).collect()
         }
         Method::General => Vec::new(),
@@ -71,9 +71,9 @@ pub(super) fn steps_of(plan: &DragPlan, world: &World, tile: &Tile, parameters: 
 }
 
 /// The images of a tile that are not black, apart from the base.
-fn image_steps(reach: &Reach, tile: &Tile, monomials: &PathMonomials) -> Vec<TileStep> {
+fn image_items(reach: &Reach, tile: &Tile, monomials: &PathMonomials) -> Vec<WorkItem> {
     let all: BTreeSet<Powers> = monomials.powers.iter().copied().collect();
-    let (mut own, mut steps) = (Vec::new(), Vec::new());
+    let (mut own, mut items) = (Vec::new(), Vec::new());
     for powers in all {
         monomials.of(powers, &mut own);
         let weighted: Vec<(&Group, usize)> = tile
@@ -90,11 +90,11 @@ fn image_steps(reach: &Reach, tile: &Tile, monomials: &PathMonomials) -> Vec<Til
             let hits: u64 = weighted.iter().filter_map(of_group).sum();
             let cost = hits + if reach.has_misses(term) { misses } else { 0 };
             if cost > 0 && !key.is_base() {
-                steps.push(TileStep { work: Work::Image(key), cost: cost + pixels_cost(tile) });
+                items.push(WorkItem { work: Work::Image(key), cost: cost + pixels_cost(tile) });
             }
         }
     }
-    steps
+    items
 }
 
 /// The approximate cost of a full evaluation of a tile.
