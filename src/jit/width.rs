@@ -78,17 +78,21 @@ impl Width {
         {
             use pulp::Simd;
             use pulp::x86::{V2, V3, V4};
+            // Asking for some twenty features takes a tenth of a microsecond, as long as to draw a few cells of a drag.
+            static SIXTEEN: OnceLock<Option<V4>> = OnceLock::new();
+            static EIGHT: OnceLock<Option<V3>> = OnceLock::new();
+            static FOUR: OnceLock<Option<V2>> = OnceLock::new();
             if self == Width::Sixteen
-                && let Some(simd) = V4::try_new()
+                && let Some(simd) = *SIXTEEN.get_or_init(V4::try_new)
             {
                 return Simd::vectorize(simd, work);
             }
             if self >= Width::Eight
-                && let Some(simd) = V3::try_new()
+                && let Some(simd) = *EIGHT.get_or_init(V3::try_new)
             {
                 return Simd::vectorize(simd, work);
             }
-            if let Some(simd) = V2::try_new() {
+            if let Some(simd) = *FOUR.get_or_init(V2::try_new) {
                 return Simd::vectorize(simd, work);
             }
         }

@@ -80,9 +80,6 @@ impl CellSet {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Factor(pub(super) [f32; 3]);
 
-/// The number of cells that are combined before they are written. Their sums fit in the L1 cache.
-const BATCH: usize = 32;
-
 /// Writes cells. `numbers` holds the base of each cell, followed by an image for each factor.
 #[inline(always)]
 pub(super) fn combine<S: Simd>(
@@ -120,27 +117,17 @@ fn combine_images<S: Simd, const C: usize, const N: usize>(
     let factors = if N == 0 { factors } else { &factors[..N] };
     let images: &[Rows<C>] = numbers.as_chunks().0.as_chunks().0;
     let first = channels.components().start;
-    let mut batch = [[[0.0; CELL_PIXELS]; 3]; BATCH];
-    for (images, cells) in images.chunks(BATCH * (1 + factors.len())).zip(cells.chunks(BATCH)) {
-        for (images, sums) in images.chunks_exact(1 + factors.len()).zip(&mut batch) {
-            add_images(simd, images, factors, first, &mut sums[first..]);
-        }
-        for (sums, cell) in batch.iter().zip(cells) {
-            write_cell(pixels_of(pixels, *cell), sums.each_ref(), channels, bytes);
-        }
+    for (images, cell) in images.chunks_exact(1 + factors.len()).zip(cells) {
+        let mut sums = [[0.0; CELL_PIXELS]; C];
+        add_images(simd, images, factors, first, &mut sums);
+        write_cell(pixels_of(pixels, *cell), sums.each_ref(), first, bytes);
     }
 }
 
 /// Adds images times their factors to the base, which is the first image. The rows are those of the components from
 /// `first` on.
 #[inline(always)]
-fn add_images<S: Simd, const C: usize>(
-    simd: S,
-    images: &[Rows<C>],
-    factors: &[Factor],
-    first: usize,
-    sums: &mut [[f32; CELL_PIXELS]],
-) {
+fn add_images<S: Simd, const C: usize>(simd: S, images: &[Rows<C>], factors: &[Factor], first: usize, sums: &mut Rows<C>) {
     let Some((base, images)) = images.split_first() else { return };
     for component in 0..C {
         // Explicit vectors: the compiler unrolls loops over few numbers, and then does not always vectorise them.
@@ -156,49 +143,33 @@ fn add_images<S: Simd, const C: usize>(
     }
 }
 
-/// Writes the components of a cell that are computed.
+/// Writes the components of a cell that are computed: all three, or the one of this index. The last cell of a picture
+/// may have fewer pixels than the others.
 #[inline(always)]
-pub(super) fn write_cell(pixels: &mut [u32], linear: [&[f32; CELL_PIXELS]; 3], channels: Channels, bytes: impl Bytes) {
-    let mut words = load(pixels);
-    match channels {
-        Channels::All => write(&mut words, linear.map(|component| &component[..]), bytes),
-        Channels::One(component) => write_component(&mut words, component, linear[component], bytes),
-    }
-    store(pixels, words);
-}
-
-/// Reads the pixels of a cell. The last cell of a picture may have fewer pixels; the rest is 0.
-#[inline(always)]
-fn load(pixels: &[u32]) -> [u32; CELL_PIXELS] {
-    match pixels.try_into() {
-        Ok(whole) => whole,
-        Err(_) => load_part(pixels),
-    }
-}
-
-/// Writes the pixels of a cell, which may have fewer than `words`.
-#[inline(always)]
-fn store(pixels: &mut [u32], words: [u32; CELL_PIXELS]) {
+pub(super) fn write_cell<const C: usize>(pixels: &mut [u32], linear: [&[f32; CELL_PIXELS]; C], first: usize, bytes: impl Bytes) {
     match <&mut [u32; CELL_PIXELS]>::try_from(&mut *pixels) {
-        Ok(whole) => *whole = words,
-        Err(_) => store_part(pixels, words),
+        Ok(words) => write_words(words, linear, first, bytes),
+        Err(_) => {
+            let mut words = [0; CELL_PIXELS];
+            words[..pixels.len()].copy_from_slice(pixels);
+            write_words(&mut words, linear, first, bytes);
+            pixels.copy_from_slice(&words[..pixels.len()]);
+        }
     }
 }
 
-// Cells with fewer pixels are handled out of line, so that the words of a whole cell stay in vector registers.
-
-#[cold]
-#[inline(never)]
-fn load_part(pixels: &[u32]) -> [u32; CELL_PIXELS] {
-    let mut words = [0; CELL_PIXELS];
-    words[..pixels.len()].copy_from_slice(pixels);
-    words
-}
-
-#[cold]
-#[inline(never)]
-fn store_part(pixels: &mut [u32], words: [u32; CELL_PIXELS]) {
-    pixels.copy_from_slice(&words[..pixels.len()]);
+/// The same for sixteen pixels. Lengths and the number of components are constants, so all stays in vector registers.
+#[inline(always)]
+fn write_words<const C: usize>(
+    words: &mut [u32; CELL_PIXELS],
+    linear: [&[f32; CELL_PIXELS]; C],
+    first: usize,
+    bytes: impl Bytes,
+) {
+    match linear.as_slice() {
+        [red, green, blue] => write(words, [*red, *green, *blue], bytes),
+        one => one.iter().for_each(|linear| write_component(words, first, *linear, bytes)),
+    }
 }
 
 /// The pixels of a cell in a tile's part of a framebuffer.

@@ -361,8 +361,12 @@ impl WithSimd for CellWriter<'_> {
         let CellWriter { cells, planes, channels, part: Part { pixels, transfer } } = self;
         let planes = planes.map(|plane| plane.as_chunks::<{ cells::CELL_PIXELS }>().0);
         with_bytes!(transfer, bytes => for cell in cells {
-            let linear = planes.map(|plane| &plane[usize::from(*cell)]);
-            cells::write_cell(cells::pixels_of(pixels, *cell), linear, channels, bytes);
+            let pixels = cells::pixels_of(pixels, *cell);
+            let [red, green, blue] = planes.map(|plane| &plane[usize::from(*cell)]);
+            match channels {
+                Channels::All => cells::write_cell(pixels, [red, green, blue], 0, bytes),
+                Channels::One(component) => cells::write_cell(pixels, [[red, green, blue][component]], component, bytes),
+            }
         });
     }
 }
