@@ -11,7 +11,7 @@ use illuminator::lang::source::Source;
 use illuminator::scene::Scene;
 use illuminator::workspace::project::{Project, library_location};
 use illuminator::workspace::{FileKind, Location, kind_of, read_source};
-use illuminator::workspace::{Library, Session};
+use illuminator::workspace::{Library, Session, presets};
 use std::ffi::OsString;
 use std::path::Path;
 
@@ -46,9 +46,19 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
             KindName::Session => FileKind::Session,
             KindName::Material => FileKind::Material,
         });
-        wrong |= !check(&location, given)?;
+        for kind in kinds_of(&location, given) {
+            wrong |= !check(&location, kind)?;
+        }
     }
     if wrong { Err(Failure::Reported) } else { Ok(()) }
+}
+
+/// The kinds as which a file is checked. Built-in files of several kinds may have one name: then all are checked.
+fn kinds_of(location: &Location, given: Option<FileKind>) -> Vec<Option<FileKind>> {
+    let Location::Preset(name) = location else { return vec![given] };
+    let named: Vec<Option<FileKind>> =
+        FileKind::ALL.into_iter().filter(|kind| presets::text(*kind, name).is_some()).map(Some).collect();
+    if given.is_some() || named.is_empty() { vec![given] } else { named }
 }
 
 /// Checks one file. Returns whether it has no errors.
@@ -76,7 +86,7 @@ fn check(location: &Location, given: Option<FileKind>) -> Result<bool, Failure> 
     Ok(errors == 0 && files_are_valid)
 }
 
-/// Reads a file, and finds out what it is. A built-in file is looked up among all kinds.
+/// Reads a file, and finds out what it is if no kind is given.
 fn read(location: &Location, given: Option<FileKind>) -> Result<(FileKind, Source), Diagnostic> {
     if let Some(kind) = given {
         return Ok((kind, location.read(kind, Readable::RegularOrPipe)?));
@@ -99,12 +109,7 @@ fn read(location: &Location, given: Option<FileKind>) -> Result<(FileKind, Sourc
             Ok((told.or(suffix).unwrap_or(FileKind::Formula), source))
         }
         Location::Preset(_) => {
-            let found =
-                FileKind::ALL.into_iter().find_map(|kind| Some((kind, location.read(kind, Readable::RegularOrPipe).ok()?)));
-            found.map_or_else(
-                || location.read(FileKind::Formula, Readable::RegularOrPipe).map(|source| (FileKind::Formula, source)),
-                Ok,
-            )
+            location.read(FileKind::Formula, Readable::RegularOrPipe).map(|source| (FileKind::Formula, source))
         }
     }
 }

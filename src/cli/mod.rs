@@ -10,6 +10,7 @@ mod dump;
 mod engine;
 mod hits;
 mod input;
+mod list;
 mod options;
 mod output;
 #[cfg(feature = "window")]
@@ -29,7 +30,7 @@ use std::process::ExitCode;
 ///
 /// In place of any input file, `preset:NAME` names a built-in one.
 #[derive(Parser)]
-#[command(name = "illuminator", bin_name = "illuminator", version, max_term_width = 100)]
+#[command(name = "illuminator", bin_name = "illuminator", version, max_term_width = 100, after_long_help = list::listed())]
 #[cfg_attr(not(feature = "window"), command(arg_required_else_help = true))]
 struct Arguments {
     /// Without one, the window opens.
@@ -52,6 +53,8 @@ enum Command {
     Bench(bench::Options),
     /// Show the stages of a formula or a picture
     Dump(dump::Options),
+    /// List the built-in sessions, formulas, scenes and material libraries
+    List,
     /// Print the reference of the formula language
     HelpLanguage,
 }
@@ -83,6 +86,7 @@ pub(crate) fn run() -> ExitCode {
         Command::Verify(options) => verify::run(&options),
         Command::Bench(options) => bench::run(&options),
         Command::Dump(options) => dump::run(&options),
+        Command::List => list::run(),
         Command::HelpLanguage => print(&illuminator::lang::reference::reference()),
     };
     #[cfg(unix)]

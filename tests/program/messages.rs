@@ -86,6 +86,11 @@ fn warnings_do_not_stop_the_picture() {
 }
 
 #[test]
+fn lists() {
+    check("lists", &folder(), &["list"]);
+}
+
+#[test]
 fn checks() {
     let folder = folder();
     write(&folder, "wrong.txt", &FORMULA.replace("kd*IL", "kd*Ll").replace("default 20", "default <1,1,1>"));
