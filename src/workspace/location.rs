@@ -101,8 +101,8 @@ pub(super) fn unknown_preset(kind: FileKind, name: &str) -> Diagnostic {
 /// Reads a text file. With a `kind`, messages name it.
 ///
 /// # Errors
-/// There is no such file; it cannot be read, is not of an allowed file type, is larger than [`MAX_BYTES`], or is not
-/// UTF-8.
+/// There is no such file; it cannot be read, is not of an allowed file type, is a mesh or a picture by its suffix, is
+/// larger than [`MAX_BYTES`], or is not UTF-8.
 pub fn read_source(path: &Path, kind: Option<FileKind>, readable: Readable) -> Result<Source, Diagnostic> {
     let (name, noun) = (path.display().to_string(), kind.map_or("text", FileKind::noun));
     let failed = |error: &io::Error| {
@@ -121,6 +121,10 @@ pub fn read_source(path: &Path, kind: Option<FileKind>, readable: Readable) -> R
         }
         OpenError::Io(error) => failed(&error),
     })?;
+    if let Some((found, hint)) = foreign(path) {
+        let expected = kind.map_or_else(String::new, |kind| format!(", not a {}", kind.noun()));
+        return Err(Diagnostic::error(format!("`{name}` is {found}{expected}")).help(hint));
+    }
     let too_large = |bytes: u64| {
         Diagnostic::error(format!("`{name}` is too large for a {noun}: {bytes} bytes or more"))
             .help(format!("formulas, scenes, sessions and material libraries are texts of at most {MAX_BYTES} bytes"))
@@ -135,6 +139,19 @@ pub fn read_source(path: &Path, kind: Option<FileKind>, readable: Readable) -> R
         return Err(too_large(bytes.len() as u64));
     }
     Source::from_bytes(name, bytes)
+}
+
+/// What a file of another program is, by its suffix, and a hint. Its text would be full of mistakes.
+fn foreign(path: &Path) -> Option<(&'static str, &'static str)> {
+    const MESHES: [&str; 11] = ["obj", "ply", "stl", "gltf", "glb", "fbx", "dae", "3ds", "usd", "usda", "blend"];
+    const PICTURES: [&str; 11] = ["png", "bmp", "exr", "jpg", "jpeg", "hdr", "tif", "tiff", "gif", "webp", "svg"];
+    let suffix = path.extension()?.to_str()?.to_lowercase();
+    if MESHES.contains(&suffix.as_str()) {
+        return Some(("a mesh", "meshes cannot be read; a scene is a text that describes spheres and rectangles"));
+    }
+    PICTURES
+        .contains(&suffix.as_str())
+        .then_some(("a picture", "formulas, scenes, sessions and material libraries are texts; pictures are only written"))
 }
 
 /// A hint at the file or built-in file that the user may have meant by a path that does not exist.
@@ -208,6 +225,10 @@ mod tests {
         assert!(message(Location::File(path("large"))).0.contains("too large"));
         fs::write(path("binary"), b"\xff\xfe").unwrap();
         assert!(message(Location::File(path("binary"))).0.contains("not UTF-8"));
+        for (file, found) in [("bunny.OBJ", "mesh"), ("out.png", "picture")] {
+            fs::write(path(file), b"v 0 0 0\n").unwrap();
+            assert_eq!(message(Location::File(path(file))).0, format!("`F/{file}` is a {found}, not a formula"));
+        }
         assert!(message(Location::new("preset:no such thing")).0.contains("no built-in formula"));
         let hints = ["phong", "presett:phong", "preset-phong", "phonk"].map(|text| message(Location::new(text)).1);
         assert_eq!(hints[0], "the built-in one is `preset:phong`");
