@@ -1,7 +1,7 @@
 //! Pictures made in the background. Callers say what they want, take the newest picture, and never wait.
 //!
-//! One thread traces, first at a low resolution and then in full; another evaluates. Both look at what is wanted *now*:
-//! outdated values are never drawn, and tracing that nobody wants any more ends soon. Nothing here knows of widgets.
+//! One thread traces, first at a low resolution and then in full; another evaluates. Both take the newest request:
+//! outdated values are never drawn, and tracing that is no longer needed ends soon. Nothing here knows of widgets.
 
 mod drawing;
 

@@ -187,8 +187,8 @@ impl DrawingWorker {
     }
 }
 
-/// Copies pixels, on all threads of the current pool. To copy a large picture can take longer than to draw a frame of a
-/// drag.
+/// Copies pixels, on all threads of the current pool. Copying a large picture can take longer than drawing a frame of
+/// a drag.
 fn copy(from: &[u32], to: &mut Vec<u32>) {
     const PART: usize = 1 << 16;
     to.resize(from.len(), 0);

@@ -1,6 +1,6 @@
 //! Dragged sliders: each way to make a frame gives the picture of the general kernel.
 
-use crate::agreement::formulas::{Case, ingredients, number, runner};
+use crate::agreement::formulas::{Case, SIZE, ingredients, number, runner};
 use illuminator::backends::verify::TOLERANCE;
 use illuminator::evaluate::{Evaluator, Framebuffer};
 use illuminator::formula::Parameter;
@@ -78,7 +78,7 @@ fn drag(
     let mut memory = case.memory.clone();
     let drag = Arc::clone(evaluator).drag(moved, &memory, usize::MAX);
     let mut drag = drag.map_err(|error| failed(&error))?;
-    let mut drawn = Framebuffer::black(16, 12, transfer);
+    let mut drawn = Framebuffer::black(SIZE.0, SIZE.1, transfer);
     for turn in 0..values.len() {
         for (index, value) in moved.iter().zip(values.iter().cycle().skip(turn)) {
             memory[*index] = parameter_at(case, *index).ok_or_else(|| failed(&"a parameter"))?.clamp(*value).0;

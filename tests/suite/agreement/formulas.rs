@@ -33,7 +33,8 @@ const SCENE: &str = "
     camera;
     position <0,1.6,6>; gaze <0,-0.1,-1>; up <0,1,0>; fov 45;";
 
-const SIZE: (u32, u32) = (16, 12);
+/// The last of the cells of sixteen pixels, which drags draw, is not full.
+pub(super) const SIZE: (u32, u32) = (15, 13);
 
 /// An operand as text. Everything that binds less tightly than a call is in parentheses.
 fn leaf(ty: Type) -> BoxedStrategy<String> {

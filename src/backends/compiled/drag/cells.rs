@@ -92,31 +92,32 @@ pub(super) fn combine<S: Simd>(
     bytes: impl Bytes,
 ) {
     // Most cells have one image. Loops of constant length are unrolled.
+    let first = channels.components().start;
     match (channels, factors) {
-        (Channels::All, [factor]) => combine_images::<S, 3, 1>(simd, numbers, &[*factor], channels, cells, pixels, bytes),
-        (Channels::All, _) => combine_images::<S, 3, 0>(simd, numbers, factors, channels, cells, pixels, bytes),
-        (Channels::One(_), [factor]) => combine_images::<S, 1, 1>(simd, numbers, &[*factor], channels, cells, pixels, bytes),
-        (Channels::One(_), _) => combine_images::<S, 1, 0>(simd, numbers, factors, channels, cells, pixels, bytes),
+        (Channels::All, [factor]) => combine_images::<S, 3, 1>(simd, numbers, &[*factor], first, cells, pixels, bytes),
+        (Channels::All, _) => combine_images::<S, 3, 0>(simd, numbers, factors, first, cells, pixels, bytes),
+        (Channels::One(_), [factor]) => combine_images::<S, 1, 1>(simd, numbers, &[*factor], first, cells, pixels, bytes),
+        (Channels::One(_), _) => combine_images::<S, 1, 0>(simd, numbers, factors, first, cells, pixels, bytes),
     }
 }
 
 /// A row of an image for each of `C` components.
 type Rows<const C: usize> = [[f32; CELL_PIXELS]; C];
 
-/// The same for `C` components, with `N` factors, or with any number of them if that is 0.
+/// The same for `C` components, with `N` factors, or with any number of them if that is 0. `first` is the first
+/// of the components.
 #[inline(always)]
 fn combine_images<S: Simd, const C: usize, const N: usize>(
     simd: S,
     numbers: &[f32],
     factors: &[Factor],
-    channels: Channels,
+    first: usize,
     cells: &[u16],
     pixels: &mut [u32],
     bytes: impl Bytes,
 ) {
     let factors = if N == 0 { factors } else { &factors[..N] };
     let images: &[Rows<C>] = numbers.as_chunks().0.as_chunks().0;
-    let first = channels.components().start;
     for (images, cell) in images.chunks_exact(1 + factors.len()).zip(cells) {
         let mut sums = [[0.0; CELL_PIXELS]; C];
         add_images(simd, images, factors, first, &mut sums);
@@ -170,6 +171,11 @@ fn write_words<const C: usize>(
         [red, green, blue] => write(words, [*red, *green, *blue], bytes),
         one => one.iter().for_each(|linear| write_component(words, first, *linear, bytes)),
     }
+}
+
+/// The number of pixels in these cells of a tile of this many pixels.
+pub(super) fn pixel_count(cells: &[u16], tile_pixels: usize) -> usize {
+    cells.iter().map(|cell| tile_pixels.saturating_sub(usize::from(*cell) * CELL_PIXELS).min(CELL_PIXELS)).sum()
 }
 
 /// The pixels of a cell in a tile's part of a framebuffer.

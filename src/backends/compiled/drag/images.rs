@@ -128,9 +128,9 @@ impl TileImages {
         size_of_val(&*self.numbers) + size_of_val(&*self.cells) + size_of_val(&*self.runs)
     }
 
-    /// The number of pixels that a frame writes.
-    pub(super) fn pixels(&self) -> usize {
-        self.cells.len() * cells::CELL_PIXELS
+    /// The number of pixels that a frame writes, in a tile of this many pixels.
+    pub(super) fn pixels(&self, tile_pixels: usize) -> usize {
+        cells::pixel_count(&self.cells, tile_pixels)
     }
 
     /// Whether a sum with these factors is accurate enough for a picture: no term is too large, infinite or NaN.

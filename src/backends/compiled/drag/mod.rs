@@ -185,8 +185,8 @@ impl Drag for CompiledDrag {
         let of_tile = |(state, tile): (&TileState, &Tile)| match state {
             TileState::Untouched => 0,
             TileState::Waiting { .. } | TileState::General => tile.pixels.len(),
-            TileState::Images { images, .. } => images.pixels(),
-            TileState::Live(live) => live.cells.len() * cells::CELL_PIXELS,
+            TileState::Images { images, .. } => images.pixels(tile.pixels.len()),
+            TileState::Live(live) => cells::pixel_count(&live.cells, tile.pixels.len()),
         };
         self.tiles.iter().zip(&self.compiled.hits.tiles).map(of_tile).sum()
     }
