@@ -5,8 +5,8 @@ use crate::picture::{Frame, ViewTransform};
 use crate::trace::TILE_PIXELS;
 use rayon::prelude::*;
 
-/// A picture of `width` × `height` pixels, row by row from the top left, each `0x00RRGGBB`: linear components by the view
-/// transform, NaN as 0, and rounded to the nearest of 0..=255.
+/// A picture of `width` × `height` pixels, row by row from the top left, each `0x00RRGGBB`: linear components by the
+/// view transform, NaN as 0, and rounded to the nearest of 0..=255.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Framebuffer {
     /// Pixels in a row.

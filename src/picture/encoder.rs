@@ -110,8 +110,8 @@ impl ByteTable {
         (number.to_bits().wrapping_sub(self.least.to_bits()) >> Self::WITHIN) as usize
     }
 
-    /// Where the entry of the number 0 would be, if the table began with it. Counted from there, the index of an entry is
-    /// the bits of its numbers, shifted by [`WITHIN`](Self::WITHIN). There are entries from `least` to `most`.
+    /// Where the entry of the number 0 would be, if the table began with it. Counted from there, the index of an entry
+    /// is the bits of its numbers, shifted by [`WITHIN`](Self::WITHIN). There are entries from `least` to `most`.
     pub(crate) fn origin(&self) -> *const u32 {
         self.entries.as_ptr().wrapping_sub((self.least.to_bits() >> Self::WITHIN) as usize)
     }

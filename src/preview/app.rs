@@ -9,6 +9,7 @@ mod action;
 mod autosave;
 mod dialogs;
 mod files;
+mod histogram;
 mod inspector;
 mod jobs;
 mod log;
@@ -22,6 +23,7 @@ mod status;
 mod tab;
 mod theme;
 mod user_state;
+mod view_controls;
 
 pub use action::Action;
 
@@ -249,6 +251,7 @@ impl App {
             );
         }
         CentralPanel::default().frame(Frame::NONE).show(ui, |ui| {
+            Panel::bottom("view controls").show(ui, |ui| view_controls::bar(self, ui, &mut actions));
             if let Some(owner) = self.pane.ui(ui, &mut self.workshop, self.scale) {
                 self.parameters.select(owner);
             }
@@ -493,6 +496,7 @@ impl WindowApp for App {
         if self.log.last_frame().is_some_and(|time| time < QUICK.as_secs_f32() * 1e3) {
             self.workshop.refresh_while_held(QUICK);
         }
+        self.pane.compose(&self.workshop);
         self.pane.view(&self.workshop)
     }
 

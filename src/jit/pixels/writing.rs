@@ -42,8 +42,8 @@ pub(in crate::jit) enum Writing {
     Table,
 }
 
-/// The code of `fn(planes, pixels, lines, next_lines, table, first, second)`. `planes` points to the red of some pixels;
-/// green and blue follow at distances of `plane_stride` bytes. `pixels` points to as many lines of a framebuffer. The
+/// The code of `fn(planes, pixels, lines, next_lines, table, first, second)`. `planes` points to the red of some
+/// pixels; green and blue follow at distances of `plane_stride` bytes. `pixels` points to as many lines of a framebuffer. The
 /// code writes `0x00RRGGBB`. [`Writing::Linear`] clamps components to 0..`first`, and multiplies them by `second`.
 /// [`Writing::Table`] clamps them to `first`..`second`; `table` is the [origin](ByteTable::origin) of a table. The code
 /// prefetches as many lines from `next_lines` on, into the L2 cache: in the L1 cache, the planes of the next tile would

@@ -46,6 +46,8 @@ pub enum Action {
     RestoreSnapshot(usize),
     /// Show the picture this large.
     Zoom(Zoom),
+    /// Show or hide something over the picture.
+    ToggleOverlay(PictureOverlay),
     /// Zoom in by this many steps; out if it is negative.
     ZoomBy(i32),
     /// Evaluate with this backend.
@@ -74,6 +76,15 @@ pub enum Action {
     ShowShortcuts,
     /// End the program.
     Quit,
+}
+
+/// Something over the picture that can be hidden.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PictureOverlay {
+    /// Marks of pixels that are too bright to be shown, or black.
+    Clipping,
+    /// The histogram.
+    Histogram,
 }
 
 /// A panel that can be hidden.
@@ -120,6 +131,8 @@ pub(super) fn shortcuts() -> Vec<(KeyboardShortcut, Action, &'static str)> {
         (plain(Key::F8), Action::ZoomBy(1), "Zoom in"),
         (KeyboardShortcut::new(Modifiers::SHIFT, Key::F8), Action::ZoomBy(-1), "Zoom out"),
         (plain(Key::F9), Action::Zoom(Zoom::Pane), "Make the picture as large as its pane"),
+        (plain(Key::F10), Action::ToggleOverlay(PictureOverlay::Clipping), "Mark pixels that are too bright, or black"),
+        (plain(Key::F11), Action::ToggleOverlay(PictureOverlay::Histogram), "Show or hide the histogram"),
         (plain(Key::F12), Action::TogglePanel(PanelId::Log), "Show or hide the log"),
         (ctrl(Key::Q), Action::Quit, "Quit"),
     ]

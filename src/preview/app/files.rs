@@ -2,7 +2,7 @@
 
 use crate::files::{Readable, replace_text};
 use crate::lang::source::Source;
-use crate::preview::app::action::PanelId;
+use crate::preview::app::action::{PanelId, PictureOverlay};
 use crate::preview::app::jobs::JobResult;
 use crate::preview::app::notices::{Notice, Topic};
 use crate::preview::app::tab::TextTab;
@@ -90,6 +90,8 @@ impl App {
             Action::RestoreSnapshot(slot) => self.workshop.restore_snapshot(slot),
             Action::Zoom(zoom) => self.pane.zoom_about_middle(zoom, &self.workshop),
             Action::ZoomBy(steps) => self.pane.zoom_by_keys(steps, &self.workshop),
+            Action::ToggleOverlay(PictureOverlay::Clipping) => self.pane.clipping = !self.pane.clipping,
+            Action::ToggleOverlay(PictureOverlay::Histogram) => self.pane.histogram = !self.pane.histogram,
             Action::SetBackend(backend) => self.workshop.set_backend(backend),
             Action::SetTheme(theme) => {
                 self.theme = theme;

@@ -1,16 +1,19 @@
 //! The pane of the picture: size, zoom and position of the picture, the pixel under the pointer, and snapshots beside
 //! it.
 
+pub(super) mod clipping;
 mod placement;
 pub(super) mod zoom;
 
 use crate::preview::PictureView;
+use crate::preview::app::histogram::Histogram;
 use crate::preview::app::theme::Theme;
 use crate::preview::renderer::Picture;
 use crate::preview::workshop::Workshop;
 use crate::scene::BodyId;
 use crate::trace::{MAX_SIDE, Tracer};
 use crate::workspace::OwnerId;
+use clipping::marked;
 use egui::{Pos2, Rect, Response, Sense, Ui, vec2};
 pub(super) use placement::Placement;
 pub(super) use zoom::Zoom;
@@ -40,6 +43,10 @@ pub(super) enum PaneMode {
 pub(super) struct PicturePane {
     pub(super) zoom: Zoom,
     pub(super) mode: PaneMode,
+    /// Whether clipped pixels are marked.
+    pub(super) clipping: bool,
+    /// Whether the histogram is shown.
+    pub(super) histogram: bool,
     /// The upper left corner of the picture, in screen pixels from that of the pane, where the picture is larger.
     offset: [i32; 2],
     area: Rect,
@@ -53,6 +60,9 @@ pub(super) struct PicturePane {
     around: u32,
     split: SideBySide,
     line: DividingLine,
+    /// The picture with marks of clipped pixels, and the version of the picture without them.
+    marked: (Picture, u64),
+    bars: Histogram,
 }
 
 /// The line between two pictures.
@@ -84,6 +94,8 @@ impl Default for PicturePane {
         Self {
             zoom: Zoom::default(),
             mode: PaneMode::default(),
+            clipping: false,
+            histogram: false,
             offset: [0, 0],
             area: Rect::NOTHING,
             scale: 1.0,
@@ -94,6 +106,8 @@ impl Default for PicturePane {
             around: 0,
             split: SideBySide::default(),
             line: DividingLine::default(),
+            marked: (Picture::default(), 0),
+            bars: Histogram::default(),
         }
     }
 }
@@ -131,9 +145,14 @@ impl PicturePane {
         let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
         (self.area, self.scale) = (rect, scale);
         self.update_size(ui, workshop);
-        self.join_pictures(workshop);
+        self.compose(workshop);
         self.move_by_hand(ui, &response, workshop);
         self.label_pictures(ui, workshop);
+        if self.histogram {
+            let mut bars = std::mem::take(&mut self.bars);
+            bars.ui(ui, self.area, self.unmarked(workshop));
+            self.bars = bars;
+        }
         if let Some(at) = response.hover_pos() {
             let notches = ui.input(|input| input.events.iter().map(wheel_notches).sum::<i32>());
             if notches != 0 {
@@ -145,6 +164,18 @@ impl PicturePane {
         let body = self.clicked.and_then(|pixel| body_at(workshop, pixel))?;
         self.selected = Some(OwnerId::Body(body));
         self.selected
+    }
+
+    /// Makes what is shown in place of the current picture: two pictures side by side, or marks of clipped pixels.
+    pub(super) fn compose(&mut self, workshop: &Workshop) {
+        self.join_pictures(workshop);
+        let picture = self.unmarked(workshop);
+        if self.clipping && picture.version > 0 && self.marked.1 != picture.version {
+            let version = picture.version;
+            // A version that no other picture has.
+            let marked = Picture { version: version | 1 << 62, ..marked(picture, &workshop.settings().view) };
+            self.marked = (marked, version);
+        }
     }
 
     /// Puts the parts of two pictures together, if they are in view side by side.
@@ -246,6 +277,12 @@ impl PicturePane {
 
     /// The picture in view.
     pub(super) fn picture<'p>(&'p self, workshop: &'p Workshop) -> &'p Picture {
+        let picture = self.unmarked(workshop);
+        if self.clipping && self.marked.1 == picture.version { &self.marked.0 } else { picture }
+    }
+
+    /// The picture in view, without marks of clipped pixels.
+    fn unmarked<'p>(&'p self, workshop: &'p Workshop) -> &'p Picture {
         match (self.mode, self.snapshot_picture(workshop)) {
             (PaneMode::Snapshot(_), Some(picture)) => picture,
             (PaneMode::Split(_), Some(_)) => &self.split.picture,

@@ -34,7 +34,26 @@ pub(super) fn bar(app: &App, ui: &mut Ui, actions: &mut Vec<Action>) {
             if let Some(pixel @ [x, y]) = app.pane.pointed() {
                 let name = body_at(&app.workshop, pixel).map(|body| app.workshop.scene().body(body).name.as_str());
                 ui.label(format!("({x}, {y})  {}", name.unwrap_or("background")));
+                colours(app, ui, pixel);
             }
         });
     });
+}
+
+/// Draws the linear colour of a pixel and its bytes on the display. The linear colour is missing while a slider is held.
+fn colours(app: &App, ui: &mut Ui, [x, y]: [u32; 2]) {
+    let shown = app.workshop.shown();
+    if !shown.is_full() || x >= shown.width || y >= shown.height {
+        return;
+    }
+    let index = y as usize * shown.width as usize + x as usize;
+    if let Some(pixel) = shown.pixels.get(index) {
+        let [_, red, green, blue] = pixel.to_be_bytes();
+        ui.monospace(format!("#{:06x}", pixel & 0x00ff_ffff)).on_hover_text(format!("As displayed: {red}, {green}, {blue}"));
+        let (rect, _) = ui.allocate_exact_size(egui::vec2(12.0, 12.0), egui::Sense::hover());
+        ui.painter().rect_filled(rect, 2.0, egui::Color32::from_rgb(red, green, blue));
+    }
+    if let Some([red, green, blue]) = shown.linear.as_ref().and_then(|frame| frame.linear.get(index)) {
+        ui.monospace(format!("{red:.3} {green:.3} {blue:.3}")).on_hover_text("Linear colour, before exposure and tone curve");
+    }
 }

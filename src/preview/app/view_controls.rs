@@ -1,0 +1,89 @@
+//! The controls under the picture: zoom, exposure, tone curve, transfer, and what is shown over the picture.
+
+use crate::picture::{EXPOSURES, ToneCurve, Transfer};
+use crate::preview::app::action::{PictureOverlay, shortcut_of};
+use crate::preview::app::histogram::suitable_exposure;
+use crate::preview::app::pane::Zoom;
+use crate::preview::app::{Action, App};
+use egui::{Button, ComboBox, DragValue, Slider, SliderClamping, Ui};
+
+/// The exposures of the slider, in stops.
+const SLIDER: std::ops::RangeInclusive<f32> = -6.0..=6.0;
+
+/// Draws the controls.
+pub(super) fn bar(app: &mut App, ui: &mut Ui, actions: &mut Vec<Action>) {
+    ui.horizontal_wrapped(|ui| {
+        zoom(app, ui, actions);
+        ui.separator();
+        exposure(app, ui);
+        ui.separator();
+        for (overlay, name, seen, about) in [
+            (PictureOverlay::Clipping, "Clipping", app.pane.clipping, "Mark pixels that are too bright to show, or black"),
+            (PictureOverlay::Histogram, "Histogram", app.pane.histogram, "How often each brightness occurs, as displayed"),
+        ] {
+            let action = Action::ToggleOverlay(overlay);
+            let tooltip = format!("{about} ({})", shortcut_of(&action, ui));
+            if ui.add(Button::selectable(seen, name)).on_hover_text(tooltip).clicked() {
+                actions.push(action);
+            }
+        }
+    });
+}
+
+fn zoom(app: &App, ui: &mut Ui, actions: &mut Vec<Action>) {
+    for (zoom, name, about) in [
+        (Zoom::Fit, "Fit", "The whole picture, fitted into the pane"),
+        (Zoom::ACTUAL, "1:1", "One pixel of the screen for each pixel of the picture"),
+    ] {
+        let action = Action::Zoom(zoom);
+        let tooltip = format!("{about} ({})", shortcut_of(&action, ui));
+        if ui.add(Button::selectable(app.pane.zoom == zoom, name)).on_hover_text(tooltip).clicked() {
+            actions.push(action);
+        }
+    }
+    let percent = 100.0 * app.pane.placement(&app.workshop).factor();
+    for (name, steps, about) in [("−", -1, "Zoom out"), ("+", 1, "Zoom in")] {
+        let action = Action::ZoomBy(steps);
+        let tooltip = format!("{about} ({})", shortcut_of(&action, ui));
+        if ui.add(Button::new(name).small()).on_hover_text(tooltip).clicked() {
+            actions.push(action);
+        }
+    }
+    ui.weak(format!("{percent:.0} %"));
+}
+
+fn exposure(app: &mut App, ui: &mut Ui) {
+    let mut settings = app.workshop.settings();
+    let before = settings;
+    let view = &mut settings.view;
+    ui.label("Exposure").on_hover_text("In stops: 1 is twice as bright. Double-click the number for 0.");
+    ui.spacing_mut().slider_width = 90.0;
+    ui.add(Slider::new(&mut view.exposure, SLIDER).show_value(false).clamping(SliderClamping::Edits));
+    let number = DragValue::new(&mut view.exposure).range(EXPOSURES).speed(0.02).fixed_decimals(1);
+    let number = number.custom_formatter(|stops, _| format!("{stops:+.1}"));
+    if ui.add_sized([46.0, 20.0], number).double_clicked() {
+        view.exposure = 0.0;
+    }
+    let curve = view.curve;
+    let linear = app.workshop.shown().linear.as_ref();
+    let auto = ui.add_enabled(linear.is_some(), Button::new("Auto"));
+    if auto.on_hover_text("The exposure at which the brightest parts are just below white").clicked()
+        && let Some(stops) = linear.and_then(|frame| suitable_exposure(frame, curve))
+    {
+        view.exposure = stops;
+    }
+    ComboBox::from_id_salt("curve").selected_text(format!("Tone: {}", curve.title())).width(112.0).show_ui(ui, |ui| {
+        for curve in ToneCurve::ALL {
+            ui.selectable_value(&mut view.curve, curve, curve.title()).on_hover_text(curve.doc());
+        }
+    });
+    let mut srgb = view.transfer == Transfer::Srgb;
+    let tooltip = "Encode linear colours with the curve of sRGB, as displays expect. Without it, they are shown as they are.";
+    if ui.checkbox(&mut srgb, "sRGB").on_hover_text(tooltip).changed() {
+        view.transfer = if srgb { Transfer::Srgb } else { Transfer::Linear };
+    }
+    if settings != before {
+        // The widgets keep the values within their ranges.
+        let _ = app.workshop.set_picture(settings);
+    }
+}
