@@ -1,13 +1,13 @@
-//! `illuminator render`: writes a picture to a file.
+//! `illuminator render`: writes a picture to a file, or to standard output.
 
 use crate::cli::engine;
 use crate::cli::input::load;
 use crate::cli::options::InputOptions;
-use crate::cli::output::{check_distinct, check_picture};
-use crate::cli::report::{Failure, warn};
+use crate::cli::output::{PictureTarget, check_distinct};
+use crate::cli::report::{Failure, print_bytes, warn};
 use clap::Args;
 use illuminator::backends::{BackendChoice, CHOICES, DEFAULT, named};
-use illuminator::picture::{Format, Transfer, save};
+use illuminator::picture::{Format, Transfer, file_bytes, save};
 use std::path::PathBuf;
 
 /// Options of `render`.
@@ -24,19 +24,21 @@ pub(super) struct Options {
     /// Backend that evaluates the formula: compiled code, or the reference interpreter
     #[arg(long, default_value = DEFAULT.name, value_parser = CHOICES.map(|choice| choice.name))]
     backend: String,
-    /// Picture file: .png, .bmp, or .exr for linear unclamped floats
+    /// Picture file: .png, .bmp, or .exr for linear unclamped floats; - writes PNG to standard output
     #[arg(long = "output", short, value_name = "OUT")]
     output: PathBuf,
 }
 
 /// Makes the picture.
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
-    let format = check_picture(&options.output)?;
-    if options.srgb && format == Format::Exr {
+    let target = PictureTarget::new(&options.output)?;
+    if options.srgb && target.format() == Format::Exr {
         warn("OpenEXR files hold linear numbers; `--srgb` changes nothing");
     }
     let input = load(&options.input)?;
-    check_distinct(&options.output, &input.files)?;
+    if let PictureTarget::File(path, _) = target {
+        check_distinct(path, &input.files)?;
+    }
     // The argument parser accepts known names only.
     let backend: &BackendChoice = named(&options.backend).unwrap_or(&DEFAULT);
     let machine = &options.input.machine;
@@ -56,5 +58,11 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         ));
     }
     let transfer = if options.srgb { Transfer::Srgb } else { input.picture.transfer() };
-    save(&options.output, &frame, transfer).map_err(Failure::input)
+    match target {
+        PictureTarget::File(path, _) => save(path, &frame, transfer).map_err(Failure::input),
+        PictureTarget::StandardOutput => {
+            let bytes = file_bytes(&frame, target.format(), transfer);
+            print_bytes(&bytes.map_err(|error| Failure::input(format!("cannot write the picture: {error}")))?)
+        }
+    }
 }
