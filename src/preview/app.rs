@@ -437,12 +437,7 @@ impl App {
     fn session_is_unsaved(&self) -> bool {
         let SavedSession { numbers, picture, locations } = &self.saved;
         let moved = self.documents.iter().any(|(tab, document)| document.location() != locations[tab].as_ref());
-        let mut settings = self.workshop.settings();
-        if self.pane.follows {
-            // The size follows the window, and is not the user's choice.
-            settings.size = picture.size;
-        }
-        let other = *numbers != self.workshop.values().numbers() || *picture != settings;
+        let other = *numbers != self.workshop.values().numbers() || *picture != self.workshop.settings();
         moved || other
     }
 

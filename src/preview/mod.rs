@@ -59,8 +59,9 @@ pub struct PictureView<'a> {
     pub version: u64,
     /// The pane, in points. Where the picture does not cover it, it has the colour `around`.
     pub pane: egui::Rect,
-    /// Screen pixels per picture pixel; 0 counts as 1.
-    pub zoom: u32,
+    /// The width and height of the whole picture on the screen, in screen pixels. The picture is scaled by area, and
+    /// copied if they are whole multiples of its own.
+    pub shown: [u32; 2],
     /// The upper left corner of the picture, in screen pixels from that of the pane. Negative if the picture is moved
     /// out of the pane.
     pub offset: [i32; 2],

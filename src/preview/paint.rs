@@ -2,16 +2,18 @@
 //!
 //! The window is divided into tiles. Everything to draw becomes a list of *items*. Each tile knows the items that
 //! touch it, and a hash of them. Only a tile whose hash changed is drawn again. The picture is below all items, and is
-//! copied, not blended. Colours are blended as in egui: in gamma space, with premultiplied alpha.
+//! scaled, not blended. Colours are blended as in egui: in gamma space, with premultiplied alpha.
 //!
 //! This module keeps the state between frames, and decides which tiles are drawn. `item` turns triangles into items,
-//! `raster` draws items, `PlacedPicture` says where the picture is, and `texture` holds the textures. No window is
-//! known here.
+//! `raster` draws items, `placed_picture` draws the picture, `resampling` scales it, and `texture` holds the textures.
+//! No window is known here.
 
 mod colour;
 mod item;
 mod pixel_rect;
+mod placed_picture;
 mod raster;
+mod resampling;
 #[cfg(test)]
 mod tests;
 mod texture;
@@ -21,6 +23,7 @@ pub use pixel_rect::PixelRect;
 use crate::preview::PictureView;
 use egui::epaint::{ClippedPrimitive, textures::TexturesDelta};
 use item::{Content, Item};
+use placed_picture::PlacedPicture;
 use rayon::prelude::*;
 use std::hash::Hasher;
 use texture::Textures;
@@ -266,74 +269,6 @@ fn hash(write: impl FnOnce(&mut foldhash::quality::FoldHasher<'static>)) -> u64 
     let mut hasher = foldhash::quality::FixedState::with_seed(0x696c_6c75).build_hasher();
     write(&mut hasher);
     hasher.finish()
-}
-
-/// The picture and its position in the window.
-struct PlacedPicture<'a> {
-    view: PictureView<'a>,
-    area: PixelRect,
-    /// The position of its upper left corner.
-    corner: [i64; 2],
-    zoom: i64,
-}
-
-impl<'a> PlacedPicture<'a> {
-    /// `None` if no part of the pane is visible, or there are too few pixels.
-    fn new(view: &PictureView<'a>, scale: f32, bounds: PixelRect) -> Option<Self> {
-        let pane = PixelRect::of(view.pane, scale);
-        let area = pane.intersection(bounds);
-        let enough = view.width.checked_mul(view.height).is_some_and(|count| count <= view.pixels.len());
-        let corner = [i64::from(pane.left) + i64::from(view.offset[0]), i64::from(pane.top) + i64::from(view.offset[1])];
-        (enough && !area.is_empty()).then_some(Self { view: *view, area, corner, zoom: i64::from(view.zoom.max(1)) })
-    }
-
-    fn hash(&self, ground: u64) -> u64 {
-        hash(|hasher| {
-            hasher.write_u64(ground);
-            hasher.write_u64(self.view.version);
-            self.area.write(hasher);
-            self.corner.iter().for_each(|&at| hasher.write_i64(at));
-            [self.view.width, self.view.height].iter().for_each(|&side| hasher.write_usize(side));
-            hasher.write_i64(self.zoom);
-            hasher.write_u32(self.view.around);
-        })
-    }
-
-    fn draw(&self, canvas: &mut raster::Canvas<'_>) {
-        let pane = self.area.intersection(canvas.area());
-        let beyond = |side: usize| (side as i64).saturating_mul(self.zoom);
-        let [left, top] = self.corner;
-        let clamp = |at: i64| at.clamp(i64::from(pane.left), i64::from(pane.right).max(i64::from(pane.left)));
-        let from = clamp(left);
-        let to = clamp(left.saturating_add(beyond(self.view.width))).max(from);
-        let split = [(from - i64::from(pane.left)) as usize, (to - i64::from(pane.left)) as usize];
-        for y in pane.top..pane.bottom {
-            let row = canvas.row(y, pane.left, pane.right);
-            let line = (i64::from(y) - top).div_euclid(self.zoom);
-            let pixels = usize::try_from(line)
-                .ok()
-                .filter(|line| *line < self.view.height)
-                .map(|line| &self.view.pixels[line * self.view.width..(line + 1) * self.view.width]);
-            let Some(pixels) = pixels else {
-                row.fill(self.view.around);
-                continue;
-            };
-            row[..split[0]].fill(self.view.around);
-            row[split[1]..].fill(self.view.around);
-            let seen = &mut row[split[0]..split[1]];
-            let skipped = (from - left) as usize;
-            if self.zoom == 1 {
-                if !seen.is_empty() {
-                    seen.copy_from_slice(&pixels[skipped..skipped + seen.len()]);
-                }
-            } else {
-                let zoom = self.zoom as usize;
-                for (at, pixel) in (skipped..).zip(seen) {
-                    *pixel = pixels[at / zoom];
-                }
-            }
-        }
-    }
 }
 
 impl Item {

@@ -36,6 +36,8 @@ pub struct Workshop {
     values: Values,
     history: ValueHistory,
     picture: PictureSettings,
+    /// The size of the picture in view, if that is not the size of the session.
+    other_size: Option<[u32; 2]>,
     backend: BackendChoice,
     /// The engines in use, each with its compiled code.
     engines: Vec<Engine>,
@@ -70,6 +72,7 @@ impl Workshop {
             values: project.values.clone(),
             history: ValueHistory::default(),
             picture: project.picture,
+            other_size: None,
             backend: DEFAULT,
             engines: Vec::new(),
             held: None,
@@ -127,7 +130,7 @@ impl Workshop {
         &self.values
     }
 
-    /// The picture settings.
+    /// The picture settings of the session.
     pub fn settings(&self) -> PictureSettings {
         self.picture
     }
@@ -142,7 +145,21 @@ impl Workshop {
     /// # Errors
     /// A setting is out of range.
     pub fn view(&self) -> Result<View, ViewError> {
-        view(&self.picture)
+        view(&PictureSettings { size: self.size(), ..self.picture })
+    }
+
+    /// Width and height of the requested picture, in pixels.
+    pub fn size(&self) -> [u32; 2] {
+        self.other_size.unwrap_or(self.picture.size)
+    }
+
+    /// Shows a picture of this size, or of the session's own size. The session keeps its size.
+    pub fn show_size(&mut self, size: Option<[u32; 2]>) {
+        let before = self.size();
+        self.other_size = size;
+        if self.size() != before {
+            self.request_picture();
+        }
     }
 
     fn request_picture(&mut self) {

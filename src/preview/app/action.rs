@@ -1,6 +1,7 @@
 //! The actions of the user interface, which menus, keys, buttons and dialogs cause.
 
 use crate::backends::BackendChoice;
+use crate::preview::app::pane::Zoom;
 use crate::preview::app::theme::Theme;
 use crate::user_data::settings::Settings;
 use crate::workspace::FileKind;
@@ -43,6 +44,10 @@ pub enum Action {
     TakeSnapshot(usize),
     /// Restore the values of a snapshot.
     RestoreSnapshot(usize),
+    /// Show the picture this large.
+    Zoom(Zoom),
+    /// Zoom in by this many steps; out if it is negative.
+    ZoomBy(i32),
     /// Evaluate with this backend.
     SetBackend(BackendChoice),
     /// Use this theme.
@@ -110,6 +115,11 @@ pub(super) fn shortcuts() -> Vec<(KeyboardShortcut, Action, &'static str)> {
         (plain(Key::F3), Action::TogglePanel(PanelId::Texts), "Show or hide the texts"),
         (plain(Key::F4), Action::TogglePanel(PanelId::Parameters), "Show or hide the parameters"),
         (plain(Key::F5), Action::TogglePanel(PanelId::Inspector), "Show or hide the pixel inspector"),
+        (plain(Key::F6), Action::Zoom(Zoom::Fit), "Fit the picture into its pane"),
+        (plain(Key::F7), Action::Zoom(Zoom::ACTUAL), "Show the picture in its actual size"),
+        (plain(Key::F8), Action::ZoomBy(1), "Zoom in"),
+        (KeyboardShortcut::new(Modifiers::SHIFT, Key::F8), Action::ZoomBy(-1), "Zoom out"),
+        (plain(Key::F9), Action::Zoom(Zoom::Pane), "Make the picture as large as its pane"),
         (plain(Key::F12), Action::TogglePanel(PanelId::Log), "Show or hide the log"),
         (ctrl(Key::Q), Action::Quit, "Quit"),
     ]

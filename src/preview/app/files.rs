@@ -88,6 +88,8 @@ impl App {
             }
             Action::TakeSnapshot(slot) => self.workshop.take_snapshot(slot),
             Action::RestoreSnapshot(slot) => self.workshop.restore_snapshot(slot),
+            Action::Zoom(zoom) => self.pane.zoom_about_middle(zoom, &self.workshop),
+            Action::ZoomBy(steps) => self.pane.zoom_by_keys(steps, &self.workshop),
             Action::SetBackend(backend) => self.workshop.set_backend(backend),
             Action::SetTheme(theme) => {
                 self.theme = theme;

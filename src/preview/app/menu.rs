@@ -3,7 +3,7 @@
 use crate::backends::CHOICES;
 use crate::lang::display_text::one_line;
 use crate::preview::app::action::{PanelId, shortcut_of};
-use crate::preview::app::pane::{PaneMode, SNAPSHOTS};
+use crate::preview::app::pane::{PaneMode, SNAPSHOTS, Zoom};
 use crate::preview::app::tab::TextTab;
 use crate::preview::app::theme::Theme;
 use crate::preview::app::{Action, App};
@@ -112,15 +112,12 @@ fn file(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
 fn picture(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
     let mut settings = app.workshop.settings();
     let before = settings;
-    ui.checkbox(&mut app.pane.follows, "Fit to pane");
-    ui.add_enabled_ui(!app.pane.follows, |ui| {
-        ui.horizontal(|ui| {
-            ui.label("Size");
-            let [width, height] = &mut settings.size;
-            ui.add(egui::DragValue::new(width).range(1..=crate::trace::MAX_SIDE).update_while_editing(false));
-            ui.label("×");
-            ui.add(egui::DragValue::new(height).range(1..=crate::trace::MAX_SIDE).update_while_editing(false));
-        });
+    ui.horizontal(|ui| {
+        ui.label("Size").on_hover_text("The size of the session's picture, in pixels");
+        let [width, height] = &mut settings.size;
+        ui.add(egui::DragValue::new(width).range(1..=crate::trace::MAX_SIDE).update_while_editing(false));
+        ui.label("×");
+        ui.add(egui::DragValue::new(height).range(1..=crate::trace::MAX_SIDE).update_while_editing(false));
     });
     ui.horizontal(|ui| {
         ui.label("Depth").on_hover_text("The longest path of rays; 1 means no reflection and no refraction");
@@ -137,12 +134,20 @@ fn picture(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
         let _ = app.workshop.set_picture(settings);
     }
     ui.separator();
-    ui.horizontal(|ui| {
-        ui.label("Zoom");
-        for zoom in [1, 2, 4, 8, 16] {
-            ui.selectable_value(&mut app.pane.zoom, zoom, format!("{zoom}×"));
+    for (zoom, name, about) in [
+        (Zoom::Fit, "Fit into the pane", "The whole picture in the size of the session, scaled to the pane"),
+        (Zoom::ACTUAL, "Actual size", "One pixel of the screen for each pixel of the picture"),
+        (Zoom::Pane, "As large as its pane", "The picture is made in the size of the pane. The session keeps its size"),
+    ] {
+        let action = Action::Zoom(zoom);
+        let button = Button::selectable(app.pane.zoom == zoom, name).shortcut_text(shortcut_of(&action, ui));
+        if ui.add(button).on_hover_text(about).clicked() {
+            actions.push(action);
         }
-    });
+    }
+    for (steps, name) in [(1, "Zoom in"), (-1, "Zoom out")] {
+        entry(ui, name, Action::ZoomBy(steps), actions);
+    }
     ui.separator();
     for backend in CHOICES {
         if ui.radio(app.backend() == backend, backend.title).clicked() {

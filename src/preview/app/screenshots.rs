@@ -39,7 +39,7 @@ impl TestWorkshop {
         let mut harness = harness.build_ui_state(|ui, app: &mut App| app.draw(ui), app);
         let context = harness.ctx.clone();
         harness.state_mut().started(&context);
-        harness.state_mut().pane.follows = false;
+        harness.state_mut().pane.zoom = pane::Zoom::ACTUAL;
         let picture = PictureSettings { size: [260, 180], ..harness.state().workshop.settings() };
         harness.state_mut().workshop.set_picture(picture).expect("a size in range");
         let mut stage = Self { harness, painter };

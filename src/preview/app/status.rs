@@ -8,7 +8,7 @@ use egui::{ProgressBar, Ui};
 /// Draws the status bar.
 pub(super) fn bar(app: &App, ui: &mut Ui, actions: &mut Vec<Action>) {
     ui.horizontal(|ui| {
-        let [width, height] = app.workshop.settings().size;
+        let [width, height] = app.workshop.size();
         ui.label(format!("{width} × {height}"));
         ui.separator();
         let backend = app.backend();

@@ -16,7 +16,7 @@ fn harness_in(folders: Option<&Folders>) -> Harness<'static, App> {
     let app = App::new(Some(&Location::Preset("studio".to_owned())), folders).expect("a built-in session");
     let mut harness =
         Harness::builder().with_size(egui::vec2(1100.0, 700.0)).build_ui_state(|ui, app: &mut App| app.draw(ui), app);
-    harness.state_mut().pane.follows = false;
+    harness.state_mut().pane.zoom = pane::Zoom::ACTUAL;
     let small = crate::workspace::session::PictureSettings { size: [64, 48], depth: 2, ..harness.state().workshop.settings() };
     harness.state_mut().workshop.set_picture(small).expect("a size in range");
     settle(&mut harness);
@@ -603,12 +603,12 @@ fn a_snapshot_is_compared_with_the_picture_along_a_line_that_moves() {
 #[test]
 fn a_picture_beside_a_snapshot_has_its_size_whatever_the_pane_has() {
     let mut harness = harness();
-    harness.state_mut().pane.follows = true;
+    harness.state_mut().pane.zoom = pane::Zoom::Pane;
     let size = |harness: &mut Harness<'_, App>| {
         // The pane's size is taken over after a while.
         harness.run_steps(40);
         settle(harness);
-        harness.state().workshop.settings().size
+        harness.state().workshop.size()
     };
     let wide = size(&mut harness);
     harness.state_mut().perform(Action::TakeSnapshot(0));
@@ -633,12 +633,12 @@ fn the_wheel_zooms_to_what_is_pointed_at() {
     harness.run_steps(2);
     let pointed = |harness: &Harness<'_, App>| harness.state().pane.pointed().expect("a pixel");
     let before = pointed(&harness);
-    for (turned, zoom) in [(1.0, 2), (1.0, 4), (-1.0, 2), (1.0, 4)] {
+    for (turned, zoom) in [(1.0, 1.5), (1.0, 2.0), (-1.0, 1.5), (1.0, 2.0)] {
         let modifiers = egui::Modifiers::NONE;
         let (unit, delta, phase) = (egui::MouseWheelUnit::Line, egui::vec2(0.0, turned), egui::TouchPhase::Move);
         harness.event(egui::Event::MouseWheel { unit, delta, phase, modifiers });
         harness.run_steps(3);
-        assert_eq!(harness.state().pane.zoom, zoom);
+        assert_eq!(harness.state().pane.zoom, pane::Zoom::Fixed(zoom));
         let after = pointed(&harness);
         assert!(before.iter().zip(after).all(|(before, after)| before.abs_diff(after) <= 1), "{before:?} {after:?}");
     }

@@ -165,7 +165,7 @@ fn only_what_changed_is_drawn_again() {
 
 fn view(pixels: &[u32], version: u64) -> PictureView<'_> {
     let pane = Rect::from_min_max(pos2(10.0, 20.0), pos2(90.0, 80.0));
-    PictureView { pixels, width: 30, height: 20, version, pane, zoom: 2, offset: [4, -6], around: 0x0077_7777 }
+    PictureView { pixels, width: 30, height: 20, version, pane, shown: [60, 40], offset: [4, -6], around: 0x0077_7777 }
 }
 
 #[test]
@@ -247,6 +247,23 @@ fn copies(painter: &Painter) -> usize {
 }
 
 /// Numbers that break arithmetic, and usual ones.
+#[test]
+fn a_scaled_picture_has_the_means_of_its_pixels_and_tiles_fit_together() {
+    // Stripes of one row, shown at half their height and a third of their width, over several tiles.
+    let pixels: Vec<u32> = (0..480 * 300).map(|at| if at / 480 % 2 == 0 { 0x00ff_0000 } else { 0x0000_00ff }).collect();
+    let mut painter = painter();
+    let pane = Rect::from_min_max(pos2(3.0, 5.0), pos2(200.0, 190.0));
+    let picture =
+        PictureView { pixels: &pixels, width: 480, height: 300, version: 1, pane, shown: [160, 150], offset: [7, 9], around: 1 };
+    painter.paint(&PaintInput { picture: Some(picture), ..frame([210, 200], &[]) });
+    for (index, pixel) in painter.pixels().iter().enumerate() {
+        let [x, y] = [index % 210, index / 210];
+        let inside = (10..170).contains(&x) && (14..164).contains(&y);
+        let around = if (3..200).contains(&x) && (5..190).contains(&y) { 1 } else { GROUND };
+        assert_eq!(*pixel, if inside { 0x0080_0080 } else { around }, "{x}, {y}");
+    }
+}
+
 fn number() -> impl Strategy<Value = f32> {
     prop_oneof![
         8 => -20.0_f32..220.0,
@@ -285,13 +302,14 @@ fn widget() -> impl Strategy<Value = ClippedPrimitive> {
 
 /// A step of a random session: whether the texture changes, the size, the scale, the widgets to keep, and those to
 /// add.
-type SessionStep = (Option<Color32>, [usize; 2], f32, u8, Vec<ClippedPrimitive>, Option<(u64, Rect, u32, [i32; 2])>);
+type SessionStep = (Option<Color32>, [usize; 2], f32, u8, Vec<ClippedPrimitive>, Option<(u64, Rect, [u32; 2], [i32; 2])>);
 
 fn step() -> impl Strategy<Value = SessionStep> {
     let size = prop_oneof![6 => Just([150, 140]), 1 => Just([1, 1]), 1 => Just([64, 65]), 1 => Just([0, 7])];
     let rect = (number(), number(), number(), number()).prop_map(|(a, b, c, d)| Rect::from_min_max(pos2(a, b), pos2(c, d)));
     let offset = prop::sample::select(vec![[0, 0], [-7, 12], [i32::MAX, i32::MIN], [40, -90]]);
-    let picture = prop::option::of((0..3_u64, rect, 0..4_u32, offset));
+    let shown = prop::sample::select(vec![[0, 0], [20, 15], [40, 30], [33, 25], [7, 90], [100_000_u32, 3]]);
+    let picture = prop::option::of((0..3_u64, rect, shown, offset));
     let scale = prop::sample::select(vec![0.5, 1.0, 1.25, 3.0]);
     (prop::option::weighted(0.2, colour()), size, scale, any::<u8>(), prop::collection::vec(widget(), 0..4), picture)
 }
@@ -313,8 +331,8 @@ proptest! {
             widgets.retain(|_| { number += 1; keep >> (number % 8) & 1 == 1 });
             widgets.extend(more);
             let pictures: Vec<Vec<u32>> = (0..3).map(|version| (0..20 * 15).map(|at| at * 999 + version).collect()).collect();
-            let picture = picture.map(|(version, pane, zoom, offset)| PictureView {
-                pixels: &pictures[version as usize], width: 20, height: 15, version, pane, zoom, offset, around: 0x0055_5555,
+            let picture = picture.map(|(version, pane, shown, offset)| PictureView {
+                pixels: &pictures[version as usize], width: 20, height: 15, version, pane, shown, offset, around: 0x0055_5555,
             });
             let frame = PaintInput { scale, picture, ..frame(size, &widgets) };
             let before = kept.pixels().to_vec();

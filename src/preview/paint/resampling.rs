@@ -1,0 +1,144 @@
+//! Scaling of pictures by exact area: a pixel of the screen has the mean colour of the part of the picture that it
+//! covers. So nothing is left out of a smaller picture, and the pixels of a larger one keep sharp edges.
+
+use std::ops::Range;
+
+/// The sum of the weights of a pixel.
+const WHOLE: u64 = 1 << 8;
+
+/// For each pixel of one axis of the screen, the pixels of the picture below it and their weights.
+#[derive(Debug)]
+pub(super) struct Axis {
+    /// The first pixel of the picture, and the index of its weight.
+    starts: Vec<(usize, usize)>,
+    /// The weights, in 256ths. Those of one pixel of the screen have the sum 256.
+    weights: Vec<u32>,
+}
+
+impl Axis {
+    /// `source` pixels are shown as `shown` pixels. Of these, `seen` are in view. All of them must be below `shown`.
+    pub(super) fn new(source: usize, shown: usize, seen: Range<usize>) -> Self {
+        let (source, shown) = (source as u64, shown as u64);
+        let mut axis = Self { starts: Vec::with_capacity(seen.len() + 1), weights: Vec::new() };
+        for pixel in seen {
+            // In units in which a pixel of the picture has the length `shown`, and a pixel of the screen `source`.
+            let [from, to] = [pixel as u64 * source, (pixel as u64 + 1) * source];
+            let first = from / shown;
+            axis.starts.push((first as usize, axis.weights.len()));
+            let mut told = 0;
+            for covered in first..to.div_ceil(shown) {
+                let until = to.min((covered + 1) * shown) - from;
+                let sum = (until * WHOLE + source / 2) / source;
+                axis.weights.push((sum - told) as u32);
+                told = sum;
+            }
+        }
+        axis.starts.push((source as usize, axis.weights.len()));
+        axis
+    }
+
+    /// The first pixel of the picture below the pixel of the screen with this index in what is in view, and the weights
+    /// from there on.
+    pub(super) fn below(&self, index: usize) -> (usize, &[u32]) {
+        let (start, from) = self.starts[index];
+        (start, &self.weights[from..self.starts[index + 1].1])
+    }
+
+    /// The pixels of the picture below some pixels of the screen.
+    pub(super) fn range_below(&self, seen: Range<usize>) -> Range<usize> {
+        if seen.is_empty() {
+            return 0..0;
+        }
+        let (last, weights) = self.below(seen.end - 1);
+        self.below(seen.start).0..last + weights.len()
+    }
+}
+
+/// A weighted sum of rows of the picture: red and blue in one word, green in another, each with 8 bits more.
+#[derive(Debug, Default)]
+pub(super) struct RowSum {
+    red_blue: Vec<u32>,
+    green: Vec<u32>,
+}
+
+impl RowSum {
+    /// Starts a sum of rows of so many pixels.
+    pub(super) fn clear(&mut self, length: usize) {
+        for channel in [&mut self.red_blue, &mut self.green] {
+            channel.clear();
+            channel.resize(length, 0);
+        }
+    }
+
+    /// Adds a row. All weights of a sum together are 256.
+    pub(super) fn add(&mut self, row: &[u32], weight: u32) {
+        for ((red_blue, green), pixel) in self.red_blue.iter_mut().zip(&mut self.green).zip(row) {
+            *red_blue += (pixel & 0x00ff_00ff) * weight;
+            *green += (pixel >> 8 & 0xff) * weight;
+        }
+    }
+
+    /// The mean of some pixels of the sum, from `start` on, `0x00RRGGBB`.
+    pub(super) fn mean(&self, start: usize, weights: &[u32]) -> u32 {
+        let end = start + weights.len();
+        let (mut red, mut green, mut blue) = (0x8000, 0x8000, 0x8000);
+        for ((red_blue, own_green), weight) in self.red_blue[start..end].iter().zip(&self.green[start..end]).zip(weights) {
+            red += (red_blue >> 16) * weight;
+            blue += (red_blue & 0xffff) * weight;
+            green += own_green * weight;
+        }
+        red & 0x00ff_0000 | green >> 8 & 0xff00 | blue >> 16
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn weights_are_shares_of_the_covered_length() {
+        // Three pixels shown as two: each covers one and a half.
+        let axis = Axis::new(3, 2, 0..2);
+        assert_eq!(axis.below(0), (0, &[171, 85][..]));
+        assert_eq!(axis.below(1), (1, &[85, 171][..]));
+        assert_eq!(axis.range_below(0..2), 0..3);
+        // Two pixels shown as three: the one in the middle covers half of each.
+        let axis = Axis::new(2, 3, 1..3);
+        assert_eq!(axis.below(0), (0, &[128, 128][..]));
+        assert_eq!(axis.below(1), (1, &[256][..]));
+        assert_eq!(axis.range_below(1..2), 1..2);
+    }
+
+    #[test]
+    fn the_weights_of_a_pixel_have_the_sum_one() {
+        for (source, shown) in [(1280, 580), (580, 1280), (7, 3), (1, 16), (4096, 1), (640, 639)] {
+            let axis = Axis::new(source, shown, 0..shown);
+            let mut next = 0;
+            for pixel in 0..shown {
+                let (start, weights) = axis.below(pixel);
+                assert_eq!(weights.iter().sum::<u32>(), 256, "{source} as {shown}: {pixel}");
+                assert!(start <= next && start + weights.len() <= source, "{source} as {shown}: {pixel}");
+                next = start + weights.len();
+            }
+            assert_eq!(next, source);
+        }
+    }
+
+    #[test]
+    fn a_mean_is_exact_to_a_rounding_error() {
+        let rows = [[0x00ff_8001, 0x0000_0000, 0x0012_3456], [0x00ff_8001, 0x00ff_ffff, 0x0065_4321]];
+        let mut sum = RowSum::default();
+        sum.clear(3);
+        sum.add(&rows[0], 64);
+        sum.add(&rows[1], 192);
+        assert_eq!(sum.mean(0, &[256]), 0x00ff_8001, "one colour stays as it is");
+        assert_eq!(sum.mean(1, &[256]), 0x00bf_bfbf, "three quarters of white: 191.25");
+        let channel = |shift: u32| {
+            let exact = |row: &[u32; 3]| {
+                [0.5, 0.25, 0.25].iter().zip(row).map(|(weight, pixel)| weight * f64::from(pixel >> shift & 0xff)).sum::<f64>()
+            };
+            (0.25 * exact(&rows[0]) + 0.75 * exact(&rows[1])).round() as u32
+        };
+        assert_eq!(sum.mean(0, &[128, 64, 64]), channel(16) << 16 | channel(8) << 8 | channel(0));
+    }
+}
