@@ -14,6 +14,27 @@ pub enum Transfer {
     Srgb,
 }
 
+impl Transfer {
+    /// A linear component 0..1 as it is displayed, 0..1. Other numbers are clamped first, with NaN as 0.
+    pub fn encode(self, linear: f32) -> f32 {
+        // NaN fails the comparison.
+        let clamped = if linear > 0.0 { linear.min(1.0) } else { 0.0 };
+        match self {
+            Transfer::Linear => clamped,
+            Transfer::Srgb => encode(f64::from(clamped)) as f32,
+        }
+    }
+
+    /// The linear component of one as it is displayed, both 0..1: the inverse of [`encode`](Self::encode).
+    pub fn decode(self, displayed: f32) -> f32 {
+        let clamped = if displayed > 0.0 { displayed.min(1.0) } else { 0.0 };
+        match self {
+            Transfer::Linear => clamped,
+            Transfer::Srgb => decode(f64::from(clamped)) as f32,
+        }
+    }
+}
+
 /// Makes bytes of components, for one transfer. The compiler can vectorise a loop over it.
 pub(crate) trait Bytes: Copy {
     /// The byte of any linear component.
@@ -89,6 +110,11 @@ impl Bytes for SrgbBytes {
 /// The transfer function of sRGB: a linear component 0..1 as it is stored, 0..1.
 fn encode(linear: f64) -> f64 {
     if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
+}
+
+/// The inverse of the transfer function of sRGB.
+fn decode(stored: f64) -> f64 {
+    if stored <= 0.04045 { stored / 12.92 } else { ((stored + 0.055) / 1.055).powf(2.4) }
 }
 
 fn table() -> SrgbTable {
@@ -188,6 +214,20 @@ mod tests {
             wrong += usize::from(bytes.byte(number) != LinearBytes.byte(number));
         }
         assert!(wrong > 100_000, "the curve is no line");
+    }
+
+    #[test]
+    fn colours_are_encoded_and_decoded() {
+        // From the table of the standard, at half the light.
+        assert!((Transfer::Srgb.encode(0.5) - 0.735_36).abs() < 1e-4);
+        for transfer in [Transfer::Linear, Transfer::Srgb] {
+            assert_eq!([f32::NAN, -1.0, 7.0].map(|number| transfer.encode(number)), [0.0, 0.0, 1.0]);
+            assert_eq!([f32::NAN, -1.0, 7.0].map(|number| transfer.decode(number)), [0.0, 0.0, 1.0]);
+            for byte in 0..=255_u8 {
+                let linear = transfer.decode(f32::from(byte) / 255.0);
+                assert!((transfer.encode(linear) - f32::from(byte) / 255.0).abs() < 1e-6, "{transfer:?} {byte}");
+            }
+        }
     }
 
     #[test]

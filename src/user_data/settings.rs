@@ -9,7 +9,6 @@ mod panel_sizes;
 mod read;
 mod save;
 
-use file::merge_value;
 pub use file::{LoadedSettings, SettingsFile};
 pub use panel_sizes::{PANEL_SIZES, PanelSide, PanelSizes};
 

@@ -4,8 +4,8 @@ use x11rb::connection::Connection;
 use x11rb::protocol::xproto::{AtomEnum, ConnectionExt};
 use x11rb::rust_connection::RustConnection;
 
-/// The screen of the display. Keep it until the window is open: a display without any client may start anew, and refuse
-/// connections meanwhile.
+/// The screen of the display. Keep it until the window is open: a display without any client may start again, and
+/// refuse connections meanwhile.
 pub struct Screen {
     size: [u32; 2],
     wanted_dpi: Option<f32>,

@@ -130,7 +130,7 @@ impl SettingsFile {
 }
 
 /// The merged value: ours if it was changed here, otherwise the file's.
-pub(super) fn merge_value<T: PartialEq + Clone>(ours: &T, last_seen: &T, theirs: &T) -> T {
+fn merge_value<T: PartialEq + Clone>(ours: &T, last_seen: &T, theirs: &T) -> T {
     if ours == last_seen { theirs.clone() } else { ours.clone() }
 }
 

@@ -1,6 +1,5 @@
 //! The sizes of the panels of the window, as the user left them.
 
-use crate::user_data::settings::merge_value;
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
 /// A side of a panel that the user can move.
@@ -77,7 +76,7 @@ impl PanelSizes {
 
     /// The sizes of two programs: ours where they were changed here.
     pub(super) fn merged(&self, last_seen: &Self, theirs: &Self) -> Self {
-        let of = |side: PanelSide| merge_value(&self.get(side), &last_seen.get(side), &theirs.get(side));
+        let of = |side: PanelSide| if self.get(side) == last_seen.get(side) { theirs.get(side) } else { self.get(side) };
         Self { sizes: PanelSide::ALL.map(of) }
     }
 }
