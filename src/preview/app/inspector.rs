@@ -106,7 +106,7 @@ fn header_ui(ui: &mut Ui, workshop: &Workshop, inspection: Option<&Inspection>) 
             }
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            close = ui.small_button("✕").on_hover_text("Close the pixel inspector (F5)").clicked();
+            close = ui.small_button("×").on_hover_text("Close the pixel inspector (F5)").clicked();
         });
     });
     close

@@ -227,7 +227,7 @@ fn the_inspector_is_below_the_picture_and_marks_its_pixel() {
     let title = harness.get_by_label_contains("Pixel (").rect();
     let pane = harness.state().pane.area();
     assert!(title.top() >= pane.bottom(), "the clicked pixel stays in view");
-    harness.get_by_label("✕").click();
+    harness.get_by_label("×").click();
     harness.run_steps(3);
     assert!(harness.query_by_label_contains("Pixel (").is_none() && !harness.state().inspector.open);
     assert!(harness.state().pane.area().height() > pane.height());
