@@ -7,7 +7,7 @@ use crate::cli::output::{PictureTarget, check_distinct};
 use crate::cli::report::{Failure, print_bytes, warn};
 use clap::Args;
 use illuminator::backends::{BackendChoice, CHOICES, DEFAULT, named};
-use illuminator::picture::{Format, Transfer, file_bytes, save};
+use illuminator::picture::{EXPOSURES, Format, ToneCurve, Transfer, file_bytes, save};
 use std::path::PathBuf;
 
 /// Options of `render`.
@@ -18,6 +18,12 @@ pub(super) struct Options {
     /// Write 8-bit components with the sRGB transfer function
     #[arg(long)]
     srgb: bool,
+    /// Exposure in stops, -16 to 16: 1 makes the picture twice as bright [default: that of the session]
+    #[arg(long, value_name = "STOPS", value_parser = exposure, allow_negative_numbers = true)]
+    exposure: Option<f32>,
+    /// Tone curve [default: that of the session]
+    #[arg(long, value_name = "NAME", value_parser = ToneCurve::ALL.map(ToneCurve::name))]
+    curve: Option<String>,
     /// Use N × N rays for each pixel on a regular grid, 1 to 16
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=16))]
     samples: u32,
@@ -32,8 +38,10 @@ pub(super) struct Options {
 /// Makes the picture.
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let target = PictureTarget::new(&options.output)?;
-    if options.srgb && target.format() == Format::Exr {
-        warn("OpenEXR files hold linear numbers; `--srgb` changes nothing");
+    let format = target.format();
+    let of_view = [("--srgb", options.srgb), ("--exposure", options.exposure.is_some()), ("--curve", options.curve.is_some())];
+    for (option, _) in of_view.into_iter().filter(|(_, is_given)| *is_given && format == Format::Exr) {
+        warn(format!("OpenEXR files hold linear numbers; `{option}` changes nothing"));
     }
     let input = load(&options.input)?;
     if let PictureTarget::File(path, _) = target {
@@ -57,12 +65,22 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
             "every pixel has the same colour, <{red}, {green}, {blue}>: no ray hits a body, the camera is inside one, or no light is on"
         ));
     }
-    let transfer = if options.srgb { Transfer::Srgb } else { input.picture.transfer() };
+    let mut view = input.picture.view;
+    if options.srgb {
+        view.transfer = Transfer::Srgb;
+    }
+    view.exposure = options.exposure.unwrap_or(view.exposure);
+    view.curve = options.curve.as_deref().and_then(ToneCurve::named).unwrap_or(view.curve);
     match target {
-        PictureTarget::File(path, _) => save(path, &frame, transfer).map_err(Failure::input),
+        PictureTarget::File(path, _) => save(path, &frame, view).map_err(Failure::input),
         PictureTarget::StandardOutput => {
-            let bytes = file_bytes(&frame, target.format(), transfer);
+            let bytes = file_bytes(&frame, format, view);
             print_bytes(&bytes.map_err(|error| Failure::input(format!("cannot write the picture: {error}")))?)
         }
     }
+}
+
+fn exposure(text: &str) -> Result<f32, String> {
+    let stops = text.trim().parse().ok().filter(|stops| EXPOSURES.contains(stops));
+    stops.ok_or_else(|| format!("expected stops from {} to {}", EXPOSURES.start(), EXPOSURES.end()))
 }

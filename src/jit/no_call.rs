@@ -5,7 +5,7 @@ use crate::jit::kernel::KernelSpec;
 use crate::jit::lanes::{Line, Operands, PixelLine, PixelPlanes, Splat, Streams};
 use crate::jit::target::{CompileError, Listing, target};
 use crate::jit::width::Width;
-use crate::picture::Transfer;
+use crate::picture::encoder::Encoder;
 use crate::plan::STREAMS;
 use std::ops::Range;
 
@@ -100,7 +100,7 @@ impl PixelCode {
     }
 
     /// Writes.
-    pub fn write(&self, _: Transfer, _: &PixelPlanes, _: usize, _: &mut [PixelLine], _: &[Line]) {
+    pub(crate) fn write(&self, _: &Encoder, _: &PixelPlanes, _: usize, _: &mut [PixelLine], _: &[Line]) {
         match *self {}
     }
 }

@@ -11,4 +11,4 @@ mod assembler;
 mod writing;
 
 pub(super) use adding::{Strides, adding_code};
-pub(super) use writing::writing_code;
+pub(super) use writing::{Writing, writing_code};

@@ -1,14 +1,17 @@
-//! Pictures: linear colours ([`Frame`]), how they become bytes ([`Transfer`]), and files as PNG, BMP or OpenEXR.
+//! Pictures: linear colours ([`Frame`]), how they become bytes ([`ViewTransform`]), and files as PNG, BMP or OpenEXR.
 //!
-//! The 8-bit formats hold the bytes that a [`Transfer`] gives.
+//! The 8-bit formats hold the bytes that a [`ViewTransform`] gives.
 //! OpenEXR holds the linear numbers themselves, unclamped.
 
+pub(crate) mod encoder;
 mod format;
 mod frame;
-pub(crate) mod transfer;
+mod tone_curve;
+mod transfer;
+mod view_transform;
 
 use crate::files::{reason, replace_file};
-use crate::picture::transfer::{Bytes, with_bytes};
+use crate::picture::encoder::{Bytes, Encoder, with_bytes};
 pub use format::Format;
 pub use frame::Frame;
 use image::codecs::bmp::BmpEncoder;
@@ -18,28 +21,31 @@ use image::{ExtendedColorType, ImageEncoder, ImageResult};
 use rayon::prelude::*;
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::Path;
+pub use tone_curve::ToneCurve;
 pub use transfer::Transfer;
+pub use view_transform::{EXPOSURES, ViewTransform};
 
 /// Linear colours as bytes, three for each pixel (red, green, blue), in the same order: clamped to 0..1, NaN as 0, and
 /// rounded to the nearest of 0..=255.
-pub fn quantise(linear: &[[f32; 3]], transfer: Transfer) -> Vec<u8> {
+pub fn quantise(linear: &[[f32; 3]], view: impl Into<ViewTransform>) -> Vec<u8> {
     // No byte is larger than 255.
-    with_bytes!(transfer, bytes => {
+    with_bytes!(&Encoder::new(&view.into()), bytes => {
         linear.as_flattened().par_iter().map(|component| bytes.byte(*component) as u8).collect()
     })
 }
 
-/// Writes a picture, whole or not at all, in the format of the path's suffix. The transfer is that of the 8-bit
+/// Writes a picture, whole or not at all, in the format of the path's suffix. The view transform is that of the 8-bit
 /// formats.
 ///
 /// # Errors
 /// The suffix names no format, or the file cannot be written. An existing file is then unchanged. The text is a message
 /// for the user.
-pub fn save(path: &Path, frame: &Frame, transfer: Transfer) -> Result<(), String> {
+pub fn save(path: &Path, frame: &Frame, view: impl Into<ViewTransform>) -> Result<(), String> {
     let name = path.display();
     let format = Format::of(path)
         .ok_or_else(|| format!("`{name}` names no format of pictures; the suffixes of pictures are {}", Format::suffixes()))?;
-    replace_file(path, |writer| write(writer, frame, format, transfer))
+    let view = view.into();
+    replace_file(path, |writer| write(writer, frame, format, view))
         .map_err(|error| format!("cannot write the picture `{name}`: {}", reason(&error)))
 }
 
@@ -47,16 +53,16 @@ pub fn save(path: &Path, frame: &Frame, transfer: Transfer) -> Result<(), String
 ///
 /// # Errors
 /// The picture has too many pixels for the format.
-pub fn file_bytes(frame: &Frame, format: Format, transfer: Transfer) -> io::Result<Vec<u8>> {
+pub fn file_bytes(frame: &Frame, format: Format, view: ViewTransform) -> io::Result<Vec<u8>> {
     let mut file = io::Cursor::new(Vec::new());
-    write(&mut file, frame, format, transfer)?;
+    write(&mut file, frame, format, view)?;
     Ok(file.into_inner())
 }
 
 /// Writes a picture. If the writer fails, its own error is returned.
-fn write<W: Write + Seek>(writer: W, frame: &Frame, format: Format, transfer: Transfer) -> io::Result<()> {
+fn write<W: Write + Seek>(writer: W, frame: &Frame, format: Format, view: ViewTransform) -> io::Result<()> {
     let mut writer = ErrorKeeper { writer, error: None };
-    let outcome = encode(&mut writer, frame, format, transfer);
+    let outcome = encode(&mut writer, frame, format, view);
     match writer.error {
         Some(error) => Err(error),
         None => outcome.map_err(into_io),
@@ -101,9 +107,9 @@ impl<W: Seek> Seek for ErrorKeeper<W> {
     }
 }
 
-fn encode<W: Write + Seek>(writer: &mut W, frame: &Frame, format: Format, transfer: Transfer) -> ImageResult<()> {
+fn encode<W: Write + Seek>(writer: &mut W, frame: &Frame, format: Format, view: ViewTransform) -> ImageResult<()> {
     let (width, height) = (frame.width, frame.height);
-    let bytes = || quantise(&frame.linear, transfer);
+    let bytes = || quantise(&frame.linear, view);
     match format {
         Format::Png => PngEncoder::new(writer).write_image(&bytes(), width, height, ExtendedColorType::Rgb8),
         Format::Bmp => BmpEncoder::new(writer).write_image(&bytes(), width, height, ExtendedColorType::Rgb8),
@@ -185,10 +191,10 @@ mod tests {
     fn a_full_disk_is_reported_as_such() {
         let frame = Frame { width: 20, height: 10, linear: vec![[0.25, -3.5, 1e6]; 200] };
         for format in Format::ALL {
-            let length = file_bytes(&frame, format, Transfer::Linear).unwrap().len();
+            let length = file_bytes(&frame, format, ViewTransform::default()).unwrap().len();
             for room in (0..length).step_by(7) {
                 let disk = FullDisk { file: io::Cursor::default(), room };
-                let error = write(disk, &frame, format, Transfer::Linear).unwrap_err();
+                let error = write(disk, &frame, format, ViewTransform::default()).unwrap_err();
                 assert_eq!(error.kind(), io::ErrorKind::StorageFull, "{format:?} with room for {room} of {length}");
                 assert_eq!(reason(&error), "the disk is full");
             }

@@ -6,7 +6,7 @@
 mod drawing;
 
 use crate::engine::{Engine, Subject, Task};
-use crate::picture::Transfer;
+use crate::picture::{Frame, ViewTransform};
 use crate::plan::Method;
 use crate::trace::{Counts, Hits, View};
 use drawing::DrawingWorker;
@@ -24,7 +24,7 @@ pub struct RenderRequest {
     /// The engine that makes the pictures.
     pub engine: Engine,
     /// How linear components become bytes.
-    pub transfer: Transfer,
+    pub transform: ViewTransform,
 }
 
 /// A picture to be shown.
@@ -42,6 +42,8 @@ pub struct Picture {
     pub values: u64,
     /// Width and height that were asked for. A picture of low resolution has fewer pixels.
     pub full_size: [u32; 2],
+    /// The linear colours of the pixels, with NaN as 0. Pictures of a held slider have none.
+    pub linear: Option<Arc<Frame>>,
 }
 
 impl Picture {
@@ -81,8 +83,8 @@ pub enum Event {
         /// How long it took.
         time: Duration,
     },
-    /// The number of pixels with a component that is NaN, counted when nothing has changed for a while. The picture
-    /// shows such components as 0.
+    /// The number of pixels with a component that is NaN, of a picture without a held slider. The picture shows such
+    /// components as 0.
     Undefined(usize),
     /// There is no picture. The text says why.
     Failed(String),
@@ -138,8 +140,6 @@ pub struct Renderer {
 
 /// Pictures of at most this many pixels are traced in full at once: that takes milliseconds.
 const SMALL: u32 = 320 * 200;
-/// After this time without a change, the NaN pixels of a picture are counted.
-const REST: Duration = Duration::from_millis(250);
 /// A picture of low resolution has one pixel for this many in each direction.
 const COARSE: u32 = 4;
 
@@ -345,8 +345,6 @@ fn draw_forever(shared: &Arc<RendererState>, events: &Sender<Event>) {
     };
     let mut worker = DrawingWorker::default();
     let mut drawn: Option<(u64, Arc<Hits>)> = None;
-    // The last picture, until its NaN pixels are counted.
-    let mut unseen: Option<(Arc<Hits>, Vec<f32>)> = None;
     loop {
         let (request, hits, numbers, held, stamp) = {
             let mut wanted = shared.wanted();
@@ -364,20 +362,6 @@ fn draw_forever(shared: &Arc<RendererState>, events: &Sender<Event>) {
                     drop(wanted);
                     worker.prepare(again());
                     wanted = shared.wanted();
-                } else if unseen.is_some() {
-                    let timeout;
-                    (wanted, timeout) = shared.changed.wait_timeout(wanted, REST).unwrap_or_else(PoisonError::into_inner);
-                    if timeout.timed_out()
-                        && let Some((hits, numbers)) = unseen.take()
-                    {
-                        drop(wanted);
-                        let undefined = worker.undefined(&hits, &numbers);
-                        let _ = events.send(Event::Undefined(undefined));
-                        if undefined > 0 {
-                            (shared.wake)();
-                        }
-                        wanted = shared.wanted();
-                    }
                 } else {
                     wanted = shared.wait(wanted);
                 }
@@ -386,14 +370,9 @@ fn draw_forever(shared: &Arc<RendererState>, events: &Sender<Event>) {
         let tell = |event: Event| {
             let _ = events.send(event);
         };
-        let rests = held.is_none();
         let room = || shared.spare.lock().unwrap_or_else(PoisonError::into_inner).pop().unwrap_or_default();
         match worker.draw(&request, &hits, &numbers, held, &tell, room) {
-            Ok((mut picture, undefined)) => {
-                if let Some(undefined) = undefined.filter(|_| rests) {
-                    tell(Event::Undefined(undefined));
-                }
-                unseen = (rests && picture.is_full() && undefined.is_none()).then(|| (Arc::clone(&hits), numbers));
+            Ok(mut picture) => {
                 picture.version = shared.versions.fetch_add(1, Ordering::Relaxed) + 1;
                 picture.values = stamp;
                 let overtaken = shared.newest.lock().unwrap_or_else(PoisonError::into_inner).replace(picture);

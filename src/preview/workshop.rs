@@ -166,7 +166,7 @@ impl Workshop {
         self.held = None;
         // The settings have been checked.
         let Ok(view) = self.view() else { return };
-        let request = RenderRequest { subject: self.subject(view), engine: self.engine(), transfer: self.picture.transfer() };
+        let request = RenderRequest { subject: self.subject(view), engine: self.engine(), transform: self.picture.view };
         self.requested = self.renderer.show(request, self.values.numbers());
     }
 
@@ -402,7 +402,7 @@ impl Workshop {
             engine: self.engine(),
             hits: self.renderer.hits(&view),
             numbers: self.values.numbers().to_vec(),
-            transfer: self.picture.transfer(),
+            transform: self.picture.view,
         })
     }
 }

@@ -154,7 +154,7 @@ impl Default for WindowSettings {
 impl Default for Settings {
     fn default() -> Self {
         // A session without settings and the default settings give the same picture.
-        let PictureSettings { size, depth, shadows, default_index, srgb: _ } = PictureSettings::default();
+        let PictureSettings { size, depth, shadows, default_index, view: _ } = PictureSettings::default();
         Self {
             shadows,
             depth,
@@ -187,7 +187,7 @@ impl Settings {
     /// How a new session makes its picture.
     pub fn picture(&self) -> PictureSettings {
         let Settings { shadows, depth, size, default_index, .. } = self.within_ranges();
-        PictureSettings { size, depth, shadows, default_index, srgb: false }
+        PictureSettings { size, depth, shadows, default_index, ..PictureSettings::default() }
     }
 
     /// The values of a new session that differ from the defaults of the language, for every owner. Left out are values

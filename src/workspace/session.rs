@@ -10,7 +10,7 @@ use crate::lang::ast::Constant;
 use crate::lang::diagnostic::{Diagnostic, Diagnostics};
 use crate::lang::source::{Source, SourceSpan};
 use crate::lang::variables::Owner;
-use crate::picture::Transfer;
+use crate::picture::ViewTransform;
 use crate::workspace::Location;
 use crate::workspace::assignment::Assignment;
 use crate::workspace::owner::OwnerId;
@@ -46,20 +46,13 @@ pub struct PictureSettings {
     pub shadows: bool,
     /// The refractive index of bodies that have none of their own, greater than 0.
     pub default_index: f64,
-    /// Whether pictures are stored with the sRGB transfer function.
-    pub srgb: bool,
-}
-
-impl PictureSettings {
-    /// How colours become bytes.
-    pub fn transfer(&self) -> Transfer {
-        if self.srgb { Transfer::Srgb } else { Transfer::Linear }
-    }
+    /// How linear colours become those of an 8-bit picture.
+    pub view: ViewTransform,
 }
 
 impl Default for PictureSettings {
     fn default() -> Self {
-        Self { size: [640, 480], depth: 5, shadows: true, default_index: 1.5, srgb: false }
+        Self { size: [640, 480], depth: 5, shadows: true, default_index: 1.5, view: ViewTransform::default() }
     }
 }
 

@@ -8,7 +8,7 @@ use crate::evaluate::weights::Weight;
 use crate::evaluate::{Part, write};
 use crate::jit::lanes::PLANE_PIXELS;
 use crate::jit::{Line, PixelCode, PixelLine, PixelPlanes, Sums, Width};
-use crate::picture::transfer::with_bytes;
+use crate::picture::encoder::with_bytes;
 use crate::plan::Channels;
 use crate::trace::{LINE_HITS, Region, Segment, TILE_PIXELS, Tile};
 use pulp::{Simd, WithSimd};
@@ -80,16 +80,16 @@ impl Planes {
 
     /// Writes the pixels of the tile, and prefetches the lines `next_lines`, which are read next.
     pub(super) fn quantise(&self, part: Part, next_lines: &[Line]) {
-        let Part { pixels, transfer } = part;
+        let Part { pixels, encoder } = part;
         let Some(code) = self.code else {
-            return self.quantise_portably(0, Part { pixels, transfer });
+            return self.quantise_portably(0, Part { pixels, encoder });
         };
         // Stores that bypass the caches write whole lines.
         let (head, lines, tail) = bytemuck::pod_align_to_mut::<u32, PixelLine>(pixels);
         let (first, last) = (head.len(), head.len() + lines.len() * LINE_HITS);
-        self.quantise_portably(0, Part { pixels: head, transfer });
-        code.write(transfer, &self.planes, PIXELS.start + first, lines, next_lines);
-        self.quantise_portably(last, Part { pixels: tail, transfer });
+        self.quantise_portably(0, Part { pixels: head, encoder });
+        code.write(encoder, &self.planes, PIXELS.start + first, lines, next_lines);
+        self.quantise_portably(last, Part { pixels: tail, encoder });
     }
 
     /// Writes some pixels of the tile, from index `first` on, without compiled code.
@@ -153,7 +153,7 @@ impl WithSimd for Quantise<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        with_bytes!(self.part.transfer, bytes => write(self.part.pixels, self.planes, bytes));
+        with_bytes!(self.part.encoder, bytes => write(self.part.pixels, self.planes, bytes));
     }
 }
 
@@ -161,7 +161,8 @@ impl WithSimd for Quantise<'_> {
 mod tests {
     use super::*;
     use crate::jit::{CallList, Operands};
-    use crate::picture::transfer::{Bytes, Transfer};
+    use crate::picture::encoder::{Bytes, Encoder};
+    use crate::picture::{ToneCurve, Transfer, ViewTransform};
     use crate::trace::{CHUNK_HITS, CHUNK_LINES};
 
     /// Segments of hits that follow each other, in these pixels.
@@ -256,21 +257,26 @@ mod tests {
             part.iter_mut().enumerate().for_each(|(index, pixel)| *pixel = number(index + 31 * component));
         }
         let ranges = [(0, 2000), (3, 1500), (5, 16), (1, 7), (0, 0)];
-        let transfers = [Transfer::Linear, Transfer::Srgb];
-        let all = ranges.into_iter().flat_map(|range| transfers.map(|transfer| (range, transfer)));
-        for (width, ((start, length), transfer)) in Width::supported().flat_map(|width| all.clone().map(move |way| (width, way)))
-        {
+        let views = [
+            ViewTransform::default(),
+            ViewTransform { exposure: -1.3, curve: ToneCurve::Aces, transfer: Transfer::Srgb },
+            ViewTransform { exposure: 0.6, ..ViewTransform::default() },
+            Transfer::Srgb.into(),
+        ];
+        let all = ranges.into_iter().flat_map(|range| views.map(|view| (range, view)));
+        for (width, ((start, length), view)) in Width::supported().flat_map(|width| all.clone().map(move |way| (width, way))) {
+            let encoder = &Encoder::new(&view);
             let planes = Planes { planes: planes.planes.clone(), ..Planes::new(width) };
             let mut pixels = [0xdead_beef; 2000];
-            planes.quantise(Part { pixels: &mut pixels[start..start + length], transfer }, &[]);
+            planes.quantise(Part { pixels: &mut pixels[start..start + length], encoder }, &[]);
             for (index, pixel) in pixels.into_iter().enumerate() {
                 let is_written = (start..start + length).contains(&index);
                 let [red, green, blue] = if is_written { planes.colour(index - start) } else { [0.0; 3] };
-                let word = with_bytes!(transfer, bytes => bytes.byte(red) << 16 | bytes.byte(green) << 8 | bytes.byte(blue));
+                let word = with_bytes!(encoder, bytes => bytes.byte(red) << 16 | bytes.byte(green) << 8 | bytes.byte(blue));
                 assert_eq!(
                     pixel,
                     if is_written { word } else { 0xdead_beef },
-                    "pixel {index} of {length} at {start}, {transfer:?}, {width}"
+                    "pixel {index} of {length} at {start}, {view:?}, {width}"
                 );
             }
         }

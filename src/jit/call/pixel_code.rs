@@ -2,11 +2,11 @@
 
 use crate::jit::call::memory::CodeMemory;
 use crate::jit::lanes::{Line, PLANE_PIXELS, PixelLine, PixelPlanes};
-use crate::jit::pixels::{self, Strides};
+use crate::jit::pixels::{self, Strides, Writing};
 use crate::jit::target::target;
 use crate::jit::widen::ALIGNMENT;
 use crate::jit::width::Width;
-use crate::picture::transfer::{SrgbBytes, SrgbTable, Transfer};
+use crate::picture::encoder::Encoder;
 use crate::trace::{CHUNK_LINES, LINE_HITS};
 use cranelift_codegen::ir::Signature;
 use cranelift_codegen::isa::CallConv;
@@ -19,8 +19,8 @@ pub struct PixelCode {
     /// The addresses of the code of [`pixels`] that adds all components, and one.
     pub(super) adding_all: usize,
     pub(super) adding_one: usize,
-    /// The code that writes pixels, with the linear transfer and with that of sRGB.
-    writing: [Writing; 2],
+    /// The code that writes pixels, by multiplication and by a table.
+    writing: [WritingCode; 2],
     _memory: CodeMemory,
 }
 
@@ -28,13 +28,15 @@ pub struct PixelCode {
 ///
 /// # Safety
 /// There is at least one line. All lines are readable from `planes` on in three planes, and writable from `pixels`
-/// on. The processor has vectors of this width.
-type Writing = unsafe extern "C" fn(
+/// on. There are entries at `table` for all numbers between the two bounds. The processor has vectors of this width.
+type WritingCode = unsafe extern "C" fn(
     planes: *const f32,
     pixels: *mut PixelLine,
     lines: usize,
     next_lines: *const Line,
-    table: *const SrgbTable,
+    table: *const u32,
+    first: f32,
+    second: f32,
 );
 
 impl PixelCode {
@@ -57,31 +59,38 @@ impl PixelCode {
         let codes = [
             ("adding", pixels::adding_code(width, strides, 3)),
             ("adding_one", pixels::adding_code(width, strides, 1)),
-            ("writing_linear", pixels::writing_code(width, Transfer::Linear, strides.plane)),
-            ("writing_srgb", pixels::writing_code(width, Transfer::Srgb, strides.plane)),
+            ("writing_linear", pixels::writing_code(width, Writing::Linear, strides.plane)),
+            ("writing_by_table", pixels::writing_code(width, Writing::Table, strides.plane)),
         ];
         let mut define = |(name, code): (&str, Result<Vec<u8>, _>)| {
             let id = module.declare_function(name, Linkage::Local, &Signature::new(CallConv::SystemV)).ok()?;
             module.define_function_bytes(id, ALIGNMENT, &code.ok()?, &[]).ok()?;
             Some(id)
         };
-        let [adding_all, adding_one, linear, srgb] = codes.map(&mut define);
-        let ids = [adding_all?, adding_one?, linear?, srgb?];
+        let [adding_all, adding_one, linear, by_table] = codes.map(&mut define);
+        let ids = [adding_all?, adding_one?, linear?, by_table?];
         module.finalize_definitions().ok()?;
-        let [adding_all, adding_one, linear, srgb] = ids.map(|id| module.get_finalized_function(id));
+        let [adding_all, adding_one, linear, by_table] = ids.map(|id| module.get_finalized_function(id));
         // SAFETY: at the address is the finished code of a function with these parameters and the C calling
         // convention. Its memory lives as long as the result.
-        let writing = [linear, srgb].map(|code| unsafe { std::mem::transmute::<*const u8, Writing>(code) });
+        let writing = [linear, by_table].map(|code| unsafe { std::mem::transmute::<*const u8, WritingCode>(code) });
         let [adding_all, adding_one] = [adding_all, adding_one].map(<*const u8>::expose_provenance);
         Some(Self { adding_all, adding_one, writing, _memory: memory })
     }
 
-    /// Writes lines of pixels, `0x00RRGGBB`, from index `start` of the planes on. The transfer turns components into
+    /// Writes lines of pixels, `0x00RRGGBB`, from index `start` of the planes on. The encoder turns components into
     /// bytes. It prefetches as many lines of `next_lines`.
     ///
     /// # Panics
     /// If a plane has fewer pixels.
-    pub fn write(&self, transfer: Transfer, planes: &PixelPlanes, start: usize, pixels: &mut [PixelLine], next_lines: &[Line]) {
+    pub(crate) fn write(
+        &self,
+        encoder: &Encoder,
+        planes: &PixelPlanes,
+        start: usize,
+        pixels: &mut [PixelLine],
+        next_lines: &[Line],
+    ) {
         if pixels.is_empty() {
             return;
         }
@@ -92,17 +101,17 @@ impl PixelCode {
         let first = (&raw const planes.0).cast::<f32>();
         // If there is nothing to prefetch, it is something that is in the cache already.
         let next_lines = if next_lines.is_empty() { first.cast() } else { next_lines.as_ptr() };
-        let writing = match transfer {
-            Transfer::Linear => self.writing[0],
-            Transfer::Srgb => self.writing[1],
+        let (writing, table, bounds) = match encoder {
+            Encoder::Linear(bytes) => (self.writing[0], std::ptr::null(), [bytes.most, bytes.factor]),
+            Encoder::Table(table) => (self.writing[1], table.origin(), [table.least, table.most]),
         };
         // SAFETY: there is at least one line. All lines lie within their plane, from `start` on. The planes are an
         // array, so green and blue follow red at the distance of a plane (the pointer comes from a pointer to the
         // whole array). `pixels` has as many lines, aligned as their type requires. A prefetch of any address is
-        // harmless. The code reads entries of the table for numbers from `SrgbBytes::LEAST` to 1, and the table has
-        // one for each. The processor was checked for the instructions.
+        // harmless. The code reads entries of the table for numbers from `least` to `most`, and the table has one
+        // for each. The other code reads no table. The processor was checked for the instructions.
         unsafe {
-            writing(first.add(start), pixels.as_mut_ptr(), pixels.len(), next_lines, SrgbBytes::get().table());
+            writing(first.add(start), pixels.as_mut_ptr(), pixels.len(), next_lines, table, bounds[0], bounds[1]);
         }
     }
 }

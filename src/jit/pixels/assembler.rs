@@ -196,6 +196,22 @@ impl Assembler {
         self.broadcast(into, Self::data_at(index))
     }
 
+    /// The first lane of another vector in all lanes.
+    pub(super) fn spread(&mut self, into: u32, from: u32) -> Result<(), IcedError> {
+        let from = Register::XMM0 + from;
+        match self.width {
+            Width::Four => {
+                self.push(Instruction::with2(Code::Movaps_xmm_xmmm128, self.vector(into), from)?);
+                self.push(Instruction::with3(Code::Shufps_xmm_xmmm128_imm8, self.vector(into), self.vector(into), 0)?);
+            }
+            Width::Eight => self.push(Instruction::with2(Code::VEX_Vbroadcastss_ymm_xmm, self.vector(into), from)?),
+            Width::Sixteen => {
+                self.push(Instruction::with2(Code::EVEX_Vbroadcastss_zmm_k1z_xmmm32, self.vector(into), from)?);
+            }
+        }
+        Ok(())
+    }
+
     /// A vector of these bits, one number a lane.
     pub(super) fn constant(&mut self, into: u32, lanes: &[u32]) -> Result<(), IcedError> {
         let index = self.data.len();

@@ -1,16 +1,18 @@
 //! Colours of parameters as the picture shows them: swatches, hexadecimal fields, and the picker.
 //!
-//! Values are linear. What is displayed went through the transfer of the session, as in the picture, but not through
-//! its exposure: a swatch shows the value, not the light on it. The picker and the field work on the displayed colour.
+//! Values are linear. What is displayed went through the transfer of the session, as in the picture, but not through its
+//! exposure and tone curve: a swatch shows the value, not the light on it. The picker and the field work on the
+//! displayed colour.
 
-use crate::picture::Transfer;
+use crate::picture::{Transfer, ViewTransform};
 use crate::preview::app::number_field::{EditPhase, component_ui};
 use egui::epaint::Mesh;
 use egui::{Color32, Id, Key, Pos2, Rect, Response, RichText, Sense, Stroke, StrokeKind, TextEdit, TextStyle, Ui, vec2};
 
 /// A linear colour as it is displayed, each component 0..1.
-fn displayed(transfer: Transfer, linear: [f32; 3]) -> [f32; 3] {
-    linear.map(|component| transfer.encode(component))
+fn displayed(view: impl Into<ViewTransform>, linear: [f32; 3]) -> [f32; 3] {
+    let view = view.into();
+    linear.map(|component| view.at(f64::from(component)) as f32)
 }
 
 /// A displayed colour as bytes.
@@ -24,9 +26,9 @@ fn opaque(displayed: [f32; 3]) -> Color32 {
     Color32::from_rgb(red, green, blue)
 }
 
-/// A linear colour as the picture displays it.
-pub(super) fn shown_colour(transfer: Transfer, linear: [f32; 3]) -> Color32 {
-    opaque(displayed(transfer, linear))
+/// A linear colour as it is displayed.
+pub(super) fn shown_colour(view: impl Into<ViewTransform>, linear: [f32; 3]) -> Color32 {
+    opaque(displayed(view, linear))
 }
 
 /// Paints a square of a colour, with a thin frame so that it shows on any background.
@@ -68,7 +70,7 @@ fn linear_of_hex(transfer: Transfer, text: &str) -> Option<[f32; 3]> {
     let mut linear = [0.0; 3];
     for (index, component) in linear.iter_mut().enumerate() {
         let byte = u8::from_str_radix(pairs.get(2 * index..2 * index + 2)?, 16).ok()?;
-        *component = transfer.decode(f32::from(byte) / 255.0);
+        *component = transfer.decode(f64::from(byte) / 255.0) as f32;
     }
     Some(linear)
 }
@@ -162,7 +164,7 @@ pub(super) fn picker_ui(ui: &mut Ui, transfer: Transfer, linear: [f32; 3]) -> Op
             return None;
         }
         ui.data_mut(|data| data.insert_temp(id, hsv));
-        return Some((rgb_of(hsv).map(|component| transfer.decode(component)), phase));
+        return Some((rgb_of(hsv).map(|component| transfer.decode(f64::from(component)) as f32), phase));
     }
     let entered = ui.horizontal(|ui| {
         let width = (WIDTH - 2.0 * ui.spacing().item_spacing.x) / 3.0;

@@ -115,7 +115,7 @@ fn header_ui(ui: &mut Ui, workshop: &Workshop, inspection: Option<&Inspection>) 
 /// A square of a colour, as in pictures.
 fn swatch(ui: &mut Ui, workshop: &Workshop, colour: [f32; 3]) {
     let (rect, _) = ui.allocate_exact_size(vec2(14.0, 14.0), Sense::hover());
-    paint_swatch(ui, rect, shown_colour(workshop.settings().transfer(), colour));
+    paint_swatch(ui, rect, shown_colour(workshop.settings().view, colour));
 }
 
 fn colour_text(colour: [f32; 3]) -> String {

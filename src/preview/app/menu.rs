@@ -128,7 +128,6 @@ fn picture(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
         ui.label("Refractive index of bodies without their own");
         ui.add(egui::DragValue::new(&mut settings.default_index).range(0.1..=10.0).speed(0.01).update_while_editing(false));
     });
-    ui.checkbox(&mut settings.srgb, "sRGB transfer").on_hover_text("Encode linear values with the sRGB curve; looks brighter");
     if settings != before {
         // The widgets keep the values within their ranges.
         let _ = app.workshop.set_picture(settings);

@@ -59,7 +59,7 @@ impl ParameterPanel {
         if !workshop.values().table().owners().has(self.selected) {
             self.selected = picked.filter(|owner| workshop.values().table().owners().has(*owner)).unwrap_or(OwnerId::Global);
         }
-        let transfer = workshop.settings().transfer();
+        let transfer = workshop.settings().view.transfer;
         ui.add_space(4.0);
         ui.add(TextEdit::singleline(&mut self.search).hint_text("Search: kd, floor, ball.h").desired_width(f32::INFINITY));
         // The list never takes the room of the values.

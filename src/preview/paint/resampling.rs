@@ -62,7 +62,7 @@ pub(super) struct RowSum {
 }
 
 impl RowSum {
-    /// Starts a sum of rows of so many pixels.
+    /// Starts a sum of rows that have `length` pixels.
     pub(super) fn clear(&mut self, length: usize) {
         for channel in [&mut self.red_blue, &mut self.green] {
             channel.clear();

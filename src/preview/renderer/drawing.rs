@@ -3,6 +3,7 @@
 use crate::engine::EngineError;
 use crate::evaluate::{Drag, Evaluator, Framebuffer};
 use crate::formula::Formula;
+use crate::picture::Frame;
 use crate::plan::Method;
 use crate::preview::renderer::{Event, Picture, RenderRequest};
 use crate::trace::Hits;
@@ -43,6 +44,23 @@ pub(super) struct DrawingWorker {
     /// The slider that is held.
     held: Option<Held>,
     framebuffer: Option<Framebuffer>,
+    /// The last picture of the evaluator without a held slider. Another view transform needs no evaluation.
+    linear: Option<LinearPicture>,
+}
+
+/// The linear colours of a picture, with NaN as 0.
+struct LinearPicture {
+    frame: Arc<Frame>,
+    hits: Arc<Hits>,
+    numbers: Vec<f32>,
+}
+
+impl LinearPicture {
+    /// Whether it is the picture of these hits and parameter numbers.
+    fn is_of(&self, hits: &Arc<Hits>, numbers: &[f32]) -> bool {
+        let same = |(one, other): (&f32, &f32)| one.to_bits() == other.to_bits();
+        Arc::ptr_eq(&self.hits, hits) && self.numbers.len() == numbers.len() && self.numbers.iter().zip(numbers).all(same)
+    }
 }
 
 impl DrawingWorker {
@@ -85,16 +103,7 @@ impl DrawingWorker {
         };
     }
 
-    /// How many pixels of a picture are NaN. Bytes do not show that.
-    pub(super) fn undefined(&self, hits: &Arc<Hits>, numbers: &[f32]) -> usize {
-        match &self.ready {
-            Some((of, ready)) if Arc::ptr_eq(of, hits) => ready.frame(numbers).clean(),
-            Some(_) | None => 0,
-        }
-    }
-
-    /// Draws a picture into a buffer from `room`. Returns it with the number of its pixels that hold NaN, if that is
-    /// known.
+    /// Draws a picture into a buffer from `room`.
     ///
     /// # Errors
     /// The backend cannot compile the formula or prepare it for the hits.
@@ -106,7 +115,7 @@ impl DrawingWorker {
         held: Option<Vec<usize>>,
         tell: &dyn Fn(Event),
         room: impl FnOnce() -> Vec<u32>,
-    ) -> Result<(Picture, Option<usize>), EngineError> {
+    ) -> Result<Picture, EngineError> {
         self.compile(request, tell)?;
         let prepare_start = Instant::now();
         let (ready, is_new) = self.evaluator(request, hits)?;
@@ -116,25 +125,48 @@ impl DrawingWorker {
         if self.held.as_ref().map(|held| &held.indices) != held.as_ref() {
             self.held = held.map(|indices| Held { indices, drag: Readiness::First(numbers.to_vec()) });
         }
-        let (method, undefined) = match &mut self.held {
+        let mut told = None;
+        let mut linear = None;
+        match &mut self.held {
             Some(Held { drag: Readiness::Made(drag), .. }) => {
                 drag.frame(numbers, &mut framebuffer);
-                (Some(drag.method()), None)
+                told = Some(Some(drag.method()));
             }
-            other => (other.is_some().then_some(Method::General), ready.draw(numbers, &mut framebuffer).undefined),
-        };
+            Some(_) => {
+                ready.draw(numbers, &mut framebuffer);
+                told = Some(Some(Method::General));
+            }
+            None => {
+                let (frame, undefined) = match self.linear.take().filter(|linear| linear.is_of(hits, numbers)) {
+                    Some(linear) => (linear.frame, None),
+                    None => {
+                        told = Some(None);
+                        let mut frame = ready.frame(numbers);
+                        let undefined = frame.clean();
+                        (Arc::new(frame), Some(undefined))
+                    }
+                };
+                framebuffer.set(&frame);
+                self.linear =
+                    Some(LinearPicture { frame: Arc::clone(&frame), hits: Arc::clone(hits), numbers: numbers.to_vec() });
+                linear = Some(frame);
+                if let Some(undefined) = undefined {
+                    tell(Event::Undefined(undefined));
+                }
+            }
+        }
         let mut pixels = room();
         copy(&framebuffer.pixels, &mut pixels);
         self.framebuffer = Some(framebuffer);
         if is_new {
             let bytes_per_pixel = ready.bytes() as f64 / f64::from(width * height);
             tell(Event::Ready { time: prepare_start.elapsed(), bytes_per_pixel });
-        } else {
+        } else if let Some(method) = told {
             tell(Event::Frame { method, time: frame_start.elapsed() });
         }
         let view = &request.subject.view;
-        let picture = Picture { width, height, pixels, version: 0, values: 0, full_size: [view.width(), view.height()] };
-        Ok((picture, undefined))
+        let full_size = [view.width(), view.height()];
+        Ok(Picture { width, height, pixels, version: 0, values: 0, full_size, linear })
     }
 
     /// Compiles the formula, unless it was the last one.
@@ -151,6 +183,7 @@ impl DrawingWorker {
             self.compiled = Some((Arc::clone(&subject.formula), backend));
             self.held = None;
             self.ready = None;
+            self.linear = None;
         }
         Ok(())
     }
@@ -169,6 +202,7 @@ impl DrawingWorker {
         // Freed before another one is made.
         self.held = None;
         self.ready = None;
+        self.linear = None;
         let made = engine.prepare(subject, hits)?;
         self.ready = Some((Arc::clone(hits), Arc::clone(&made)));
         Ok((made, true))
@@ -176,12 +210,12 @@ impl DrawingWorker {
 
     /// The framebuffer for pictures of these hits. A drag goes on only in its own framebuffer.
     fn framebuffer_for(&mut self, request: &RenderRequest, hits: &Arc<Hits>) -> Framebuffer {
-        let (width, height, transfer) = (hits.view.width(), hits.view.height(), request.transfer);
+        let (width, height, transform) = (hits.view.width(), hits.view.height(), request.transform);
         match self.framebuffer.take() {
-            Some(kept) if (kept.width, kept.height, kept.transfer) == (width, height, transfer) => kept,
+            Some(kept) if (kept.width, kept.height, kept.view()) == (width, height, transform) => kept,
             Some(_) | None => {
                 self.held = None;
-                Framebuffer::black(width, height, transfer)
+                Framebuffer::black(width, height, transform)
             }
         }
     }

@@ -5,6 +5,7 @@ use crate::backends::{CHOICES, REFERENCE};
 use crate::evaluate::Framebuffer;
 use crate::formula::Formula;
 use crate::lang::source::Source;
+use crate::picture::{ToneCurve, Transfer};
 use crate::scene::Scene;
 use crate::workspace::Values;
 use crate::workspace::{FileKind, presets};
@@ -15,7 +16,14 @@ fn request(width: u32, height: u32) -> (RenderRequest, Values) {
     let (scene, _) = Scene::parse(&source(FileKind::Scene, "studio")).expect("a scene");
     let values = Values::defaults(&formula, &scene);
     let view = View::new(width, height).expect("a size in range").with_depth(3).expect("a depth in range");
-    (RenderRequest { subject: Subject::new(formula, scene, view), engine: Engine::default(), transfer: Transfer::Linear }, values)
+    (
+        RenderRequest {
+            subject: Subject::new(formula, scene, view),
+            engine: Engine::default(),
+            transform: ViewTransform::default(),
+        },
+        values,
+    )
 }
 
 /// Moves a slider of a body. Returns the indices of its numbers.
@@ -41,9 +49,9 @@ fn wait_for(renderer: &Renderer, values: u64) -> Picture {
 }
 
 /// The picture as it is drawn without any thread.
-fn expected(RenderRequest { subject, engine, transfer }: &RenderRequest, values: &Values) -> Vec<u32> {
+fn expected(RenderRequest { subject, engine, transform }: &RenderRequest, values: &Values) -> Vec<u32> {
     let evaluator = engine.evaluator(subject, &Task::UNWATCHED).expect("a formula of ordinary size");
-    let mut framebuffer = Framebuffer::black(subject.view.width(), subject.view.height(), *transfer);
+    let mut framebuffer = Framebuffer::black(subject.view.width(), subject.view.height(), *transform);
     evaluator.draw(values.numbers(), &mut framebuffer);
     framebuffer.pixels
 }
@@ -83,19 +91,35 @@ fn both_backends_show_the_same_and_a_transfer_brightens() {
     let other = wait_for(&renderer, other);
     let far = |(a, b): (&u32, &u32)| a.to_be_bytes().iter().zip(b.to_be_bytes()).any(|(a, b)| a.abs_diff(b) > 1);
     assert_eq!(one.pixels.iter().zip(&other.pixels).filter(|pair| far(*pair)).count(), 0);
-    let bright = renderer.show(RenderRequest { transfer: Transfer::Srgb, ..compiled.clone() }, values.numbers());
+    let bright = renderer.show(RenderRequest { transform: Transfer::Srgb.into(), ..compiled.clone() }, values.numbers());
     let bright = wait_for(&renderer, bright);
     let sum = |picture: &Picture| picture.pixels.iter().flat_map(|word| word.to_be_bytes()).map(u64::from).sum::<u64>();
     assert!(sum(&bright) > sum(&one));
     // A slider is dragged from there on, and the transfer taken away while it is held.
     let indices = moved_kd(&mut values, 0.9);
     let moved = renderer.move_to(values.numbers(), Some(indices.clone()));
-    let srgb = RenderRequest { transfer: Transfer::Srgb, ..compiled.clone() };
+    let srgb = RenderRequest { transform: Transfer::Srgb.into(), ..compiled.clone() };
     assert!(wait_for(&renderer, moved).pixels == expected(&srgb, &values));
     renderer.show(compiled.clone(), values.numbers());
     moved_kd(&mut values, 0.1);
     let moved = renderer.move_to(values.numbers(), Some(indices));
     assert!(wait_for(&renderer, moved).pixels == expected(&compiled, &values));
+}
+
+#[test]
+fn another_view_transform_is_shown_without_an_evaluation() {
+    let renderer = Renderer::new(|| {}).expect("threads");
+    let (plain, values) = request(64, 48);
+    let first = renderer.show(plain.clone(), values.numbers());
+    let first = wait_for(&renderer, first);
+    assert!(renderer.events().any(|event| matches!(event, Event::Ready { .. })));
+    let transform = ViewTransform { exposure: 1.5, curve: ToneCurve::Aces, transfer: Transfer::Srgb };
+    let exposed = RenderRequest { transform, ..plain };
+    let other = renderer.show(exposed.clone(), values.numbers());
+    let other = wait_for(&renderer, other);
+    assert!(other.pixels == expected(&exposed, &values) && other.pixels != first.pixels);
+    assert_eq!(first.linear, other.linear, "the linear colours are those of the first picture");
+    assert_eq!(renderer.events().collect::<Vec<_>>(), [], "nothing is traced, compiled or evaluated");
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use crate::engine::{Engine, EngineError, Subject, Task};
 use crate::picture::Frame;
-use crate::picture::{Transfer, save};
+use crate::picture::{ViewTransform, save};
 use crate::trace::Hits;
 use std::path::Path;
 use std::sync::Arc;
@@ -14,7 +14,7 @@ pub struct PictureExport {
     /// The hits, if they have been traced.
     pub(super) hits: Option<Arc<Hits>>,
     pub(super) numbers: Vec<f32>,
-    pub(super) transfer: Transfer,
+    pub(super) transform: ViewTransform,
 }
 
 impl PictureExport {
@@ -26,7 +26,7 @@ impl PictureExport {
     pub fn save(&self, path: &Path) -> Result<usize, String> {
         let mut frame = self.frame().map_err(|error| error.to_string())?;
         let undefined = frame.clean();
-        save(path, &frame, self.transfer)?;
+        save(path, &frame, self.transform)?;
         Ok(undefined)
     }
 

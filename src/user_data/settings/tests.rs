@@ -55,7 +55,8 @@ fn names(folder: &Path) -> Vec<String> {
 fn settings_are_read() {
     let (settings, messages) = parse(TEXT);
     assert_eq!(messages, [""; 0]);
-    let picture = PictureSettings { size: [1280, 720], depth: 3, shadows: false, default_index: 1.25, srgb: false };
+    let picture =
+        PictureSettings { size: [1280, 720], depth: 3, shadows: false, default_index: 1.25, ..PictureSettings::default() };
     assert_eq!(settings.picture(), picture);
     assert_eq!(settings.startup, Location::new("preset:glass"));
     assert_eq!(settings.defaults.of(Predefined::BodyColour), [0.9, 0.2, 0.1]);

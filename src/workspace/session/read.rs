@@ -2,14 +2,15 @@
 
 use crate::lang::diagnostic::{Diagnostic, Diagnostics};
 use crate::lang::source::{Source, SourceSpan};
+use crate::picture::{EXPOSURES, ToneCurve, Transfer};
 use crate::trace::{MAX_DEPTH, MAX_SIDE};
 use crate::workspace::Location;
 use crate::workspace::session::{NamedValue, OwnerName, PictureSettings, Session};
 use crate::workspace::spanned_toml::{TomlEntry, Value, check_version, entries, missing, parse as parse_toml, unknown_key};
 
 /// The keys of a session, outside of tables.
-pub(in crate::workspace) const KEYS: [&str; 11] =
-    ["version", "formula", "scene", "size", "depth", "shadows", "ior", "srgb", "global", "bodies", "lights"];
+pub(in crate::workspace) const KEYS: [&str; 13] =
+    ["version", "formula", "scene", "size", "depth", "shadows", "ior", "srgb", "exposure", "curve", "global", "bodies", "lights"];
 
 pub(super) fn parse(source: &Source) -> Result<(Session, Diagnostics), Diagnostics> {
     let table = parse_toml(source)?;
@@ -34,7 +35,13 @@ pub(super) fn parse(source: &Source) -> Result<(Session, Diagnostics), Diagnosti
             "ior" => reader.index(entry.value),
             "srgb" => {
                 if let Some(srgb) = reader.report_error(entry.value.truth()) {
-                    reader.picture.srgb = srgb;
+                    reader.picture.view.transfer = if srgb { Transfer::Srgb } else { Transfer::Linear };
+                }
+            }
+            "exposure" => reader.exposure(entry.value),
+            "curve" => {
+                if let Some(curve) = reader.report_error(curve(entry.value)) {
+                    reader.picture.view.curve = curve;
                 }
             }
             "global" => reader.values(&OwnerName::Global, entry.key_span, entry.value),
@@ -53,6 +60,13 @@ fn location(value: Value) -> Result<Location, Diagnostic> {
         return Err(Diagnostic::error("the path is empty").at(value.span, "expected a path or `preset:NAME`"));
     }
     Ok(Location::new(text))
+}
+
+fn curve(value: Value) -> Result<ToneCurve, Diagnostic> {
+    ToneCurve::named(value.text()?).ok_or_else(|| {
+        let names = ToneCurve::ALL.map(|curve| format!("`{}`", curve.name())).join(", ");
+        Diagnostic::error("there is no such tone curve").at(value.span, format!("expected one of {names}"))
+    })
 }
 
 /// What has been parsed so far.
@@ -89,6 +103,20 @@ impl SessionReader {
         });
         if let Some(index) = self.report_error(positive) {
             self.picture.default_index = index;
+        }
+    }
+
+    fn exposure(&mut self, value: Value) {
+        let within = value.number().and_then(|stops| {
+            let wrong = || {
+                let [low, high] = [EXPOSURES.start(), EXPOSURES.end()];
+                Diagnostic::error(format!("the exposure {stops} is out of range"))
+                    .at(value.span, format!("expected stops from {low} to {high}"))
+            };
+            if EXPOSURES.contains(&(stops as f32)) { Ok(stops as f32) } else { Err(wrong()) }
+        });
+        if let Some(exposure) = self.report_error(within) {
+            self.picture.view.exposure = exposure;
         }
     }
 

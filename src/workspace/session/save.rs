@@ -1,5 +1,6 @@
 //! Writing a session as text.
 
+use crate::picture::{ToneCurve, Transfer};
 use crate::workspace::session::{OwnerName, Session};
 use crate::workspace::spanned_toml::{TomlNumber, VERSION};
 use serde::Serialize;
@@ -17,6 +18,12 @@ struct SessionFile<'s> {
     shadows: bool,
     ior: f64,
     srgb: bool,
+    /// Left out if it is 0.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    exposure: Option<TomlNumber>,
+    /// Left out if there is none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    curve: Option<&'static str>,
     global: OwnerValues<'s>,
     bodies: BTreeMap<&'s str, OwnerValues<'s>>,
     lights: BTreeMap<&'s str, OwnerValues<'s>>,
@@ -26,6 +33,7 @@ struct SessionFile<'s> {
 type OwnerValues<'s> = BTreeMap<&'s str, TomlNumber>;
 
 pub(super) fn to_toml(session: &Session, folder: &Path) -> Result<String, toml::ser::Error> {
+    let view = session.picture.view;
     let mut file = SessionFile {
         version: VERSION,
         formula: session.formula.relative_to(folder),
@@ -34,7 +42,9 @@ pub(super) fn to_toml(session: &Session, folder: &Path) -> Result<String, toml::
         depth: session.picture.depth,
         shadows: session.picture.shadows,
         ior: session.picture.default_index,
-        srgb: session.picture.srgb,
+        srgb: view.transfer == Transfer::Srgb,
+        exposure: Some(view.exposure).filter(|stops| *stops != 0.0).map(TomlNumber::Scalar),
+        curve: Some(view.curve).filter(|curve| *curve != ToneCurve::None).map(ToneCurve::name),
         global: OwnerValues::new(),
         bodies: BTreeMap::new(),
         lights: BTreeMap::new(),

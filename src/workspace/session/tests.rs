@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::formula::Formula;
+use crate::picture::{ToneCurve, Transfer};
 use crate::scene::Scene;
 
 const TEXT: &str = r#"version = 1
@@ -12,6 +13,8 @@ depth = 3
 shadows = false
 ior = 1.25
 srgb = true
+exposure = -1.5
+curve = "aces"
 [global]
 ka = 0.3
 [bodies.ball]
@@ -42,7 +45,8 @@ fn a_session_is_read() {
     assert!(warnings.is_empty());
     assert_eq!(session.formula, Location::Preset("phong".to_owned()));
     assert_eq!(session.scene, Location::new("../scenes/one.txt"));
-    let picture = PictureSettings { size: [1280, 720], depth: 3, shadows: false, default_index: 1.25, srgb: true };
+    let view = ViewTransform { exposure: -1.5, curve: ToneCurve::Aces, transfer: Transfer::Srgb };
+    let picture = PictureSettings { size: [1280, 720], depth: 3, shadows: false, default_index: 1.25, view };
     assert_eq!(session.picture, picture);
     assert_eq!(session.values.len(), 4);
 }
@@ -83,6 +87,17 @@ fn all_errors_are_reported_at_once() {
             "this number is too large or not finite",
         ]
     );
+}
+
+#[test]
+fn a_view_transform_out_of_range_is_refused() {
+    for (right, wrong, message) in [
+        ("exposure = -1.5", "exposure = 17", "the exposure 17 is out of range"),
+        ("curve = \"aces\"", "curve = \"film\"", "there is no such tone curve"),
+    ] {
+        let errors = parse(&TEXT.replace(right, wrong)).unwrap_err();
+        assert_eq!(messages(&errors), [message]);
+    }
 }
 
 #[test]

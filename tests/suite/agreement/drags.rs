@@ -5,23 +5,36 @@ use illuminator::backends::verify::TOLERANCE;
 use illuminator::evaluate::{Evaluator, Framebuffer};
 use illuminator::formula::Parameter;
 use illuminator::lang::types::Type;
-use illuminator::picture::Frame;
-use illuminator::picture::Transfer;
+use illuminator::picture::{Frame, ToneCurve, Transfer, ViewTransform};
 use illuminator::plan::Method;
 use proptest::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// The byte of a component. The byte of NaN is 0.
-fn byte(component: f32, transfer: Transfer) -> u32 {
-    let linear = f64::from(component.clamp(0.0, 1.0));
-    let stored = match transfer {
+fn byte(component: f32, view: ViewTransform) -> u32 {
+    let exposed = f64::from(component.max(0.0)) * 2f64.powf(f64::from(view.exposure));
+    let curved = match view.curve {
+        ToneCurve::None => exposed,
+        ToneCurve::Reinhard => exposed / (1.0 + exposed),
+        ToneCurve::Aces => (exposed * (2.51 * exposed + 0.03)) / (exposed * (2.43 * exposed + 0.59) + 0.14),
+    };
+    // A fraction of two infinite numbers is the limit of the curve.
+    let linear = if exposed.is_infinite() { 1.0 } else { curved.min(1.0) };
+    let stored = match view.transfer {
         Transfer::Linear => linear,
         Transfer::Srgb if linear <= 0.003_130_8 => 12.92 * linear,
         Transfer::Srgb => 1.055 * linear.powf(1.0 / 2.4) - 0.055,
     };
     (stored * 255.0).round() as u32
 }
+
+/// The view transforms of pictures in tests: every way of writing bytes.
+pub(super) const VIEWS: [ViewTransform; 3] = [
+    ViewTransform { exposure: 0.0, curve: ToneCurve::None, transfer: Transfer::Linear },
+    ViewTransform { exposure: 0.0, curve: ToneCurve::None, transfer: Transfer::Srgb },
+    ViewTransform { exposure: 0.7, curve: ToneCurve::Aces, transfer: Transfer::Srgb },
+];
 
 /// How many components of a drawn picture are not the byte of a number within the tolerance.
 pub(super) fn wrong(drawn: &Framebuffer, frame: &Frame) -> usize {
@@ -31,7 +44,7 @@ pub(super) fn wrong(drawn: &Framebuffer, frame: &Frame) -> usize {
     let is_wrong = |(found, exact): &(u32, f32)| {
         let slack = TOLERANCE * exact.abs().max(1.0);
         let [low, high] = if exact.is_finite() { [exact - slack, exact + slack] } else { [*exact; 2] };
-        let range = byte(low, drawn.transfer)..=byte(high, drawn.transfer);
+        let range = byte(low, drawn.view())..=byte(high, drawn.view());
         !range.contains(found)
     };
     components.filter(is_wrong).count()
@@ -72,13 +85,13 @@ fn drag(
     evaluator: &Arc<dyn Evaluator>,
     moved: &[usize],
     values: &[f32],
-    transfer: Transfer,
+    view: ViewTransform,
 ) -> Result<Method, TestCaseError> {
     let failed = |error: &dyn std::fmt::Display| TestCaseError::fail(error.to_string());
     let mut memory = case.memory.clone();
     let drag = Arc::clone(evaluator).drag(moved, &memory, usize::MAX);
     let mut drag = drag.map_err(|error| failed(&error))?;
-    let mut drawn = Framebuffer::black(SIZE.0, SIZE.1, transfer);
+    let mut drawn = Framebuffer::black(SIZE.0, SIZE.1, view);
     for turn in 0..values.len() {
         for (index, value) in moved.iter().zip(values.iter().cycle().skip(turn)) {
             memory[*index] = parameter_at(case, *index).ok_or_else(|| failed(&"a parameter"))?.clamp(*value).0;
@@ -98,14 +111,14 @@ fn drag(
 
 #[test]
 fn random_drags_give_the_general_picture() {
-    let transfer = prop::sample::select(&[Transfer::Linear, Transfer::Srgb][..]);
-    let strategy = (ingredients(), any::<prop::sample::Index>(), any::<bool>(), proptest::collection::vec(number(), 4), transfer);
-    let outcome = runner(600).run(&strategy, |((scalar, vector, result, numbers), which, all, values, transfer)| {
+    let view = prop::sample::select(&VIEWS[..]);
+    let strategy = (ingredients(), any::<prop::sample::Index>(), any::<bool>(), proptest::collection::vec(number(), 4), view);
+    let outcome = runner(600).run(&strategy, |((scalar, vector, result, numbers), which, all, values, view)| {
         let case = Case::new([&scalar, &vector, &result], &numbers)?;
         let index = which.index(case.layout.len());
         let moved = if all { together(&case, index) } else { vec![index] };
         for evaluator in &case.evaluators {
-            let method = drag(&case, evaluator, &moved, &values, transfer)?;
+            let method = drag(&case, evaluator, &moved, &values, view)?;
             METHODS[method as usize].fetch_add(1, Ordering::Relaxed);
         }
         Ok(())

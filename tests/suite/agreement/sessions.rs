@@ -1,7 +1,7 @@
 //! Dragged sliders of built-in models and scenes: methods, budgets, and numbers that change during a drag.
 
 use crate::agreement::backends;
-use crate::agreement::drags::wrong;
+use crate::agreement::drags::{VIEWS, wrong};
 use illuminator::backends::DEFAULT;
 use illuminator::backends::interpreter::Interpreted;
 use illuminator::backends::verify::verify;
@@ -139,13 +139,12 @@ fn every_slider_is_dragged_by_its_method_by(tested: &Tested) {
     ];
     for (formula, sliders) in cases {
         let mut model = Model::preset(tested, formula);
-        let transfers = [Transfer::Linear, Transfer::Srgb];
-        for ((slider, method), transfer) in sliders.iter().flat_map(|slider| transfers.map(|transfer| (slider, transfer))) {
-            let what = format!("{slider} of {formula}, {transfer:?}");
+        for ((slider, method), view) in sliders.iter().flat_map(|slider| VIEWS.map(|view| (slider, view))) {
+            let what = format!("{slider} of {formula}, {view:?}");
             let mut drag = model.drag(slider, usize::MAX);
             assert_eq!(drag.method(), *method, "{what}");
             assert!(!drag.is_ready(), "{what}");
-            let mut drawn = Framebuffer { transfer, ..model.black() };
+            let mut drawn = Framebuffer::black(model.size[0], model.size[1], view);
             // Before, during and after the preparation.
             for part in [0.2, 0.9, 0.5] {
                 model.move_to(slider, part);

@@ -2,7 +2,7 @@
 
 use crate::backends::compiled::planes::Planes;
 use crate::evaluate::{write, write_component};
-use crate::picture::transfer::Bytes;
+use crate::picture::encoder::Bytes;
 use crate::plan::Channels;
 use crate::trace::Segment;
 use pulp::Simd;

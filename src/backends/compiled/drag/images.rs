@@ -5,7 +5,7 @@ use crate::backends::compiled::planes::Planes;
 use crate::evaluate::Part;
 use crate::evaluate::weights::Powers;
 use crate::jit::Width;
-use crate::picture::transfer::{Bytes, with_bytes};
+use crate::picture::encoder::{Bytes, with_bytes};
 use crate::plan::{Channels, Factors};
 use pulp::{Simd, WithSimd};
 
@@ -161,8 +161,8 @@ impl WithSimd for Drawing<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Part { pixels, transfer } = self.part;
-        with_bytes!(transfer, bytes => self.images.combine(simd, self.factors, pixels, bytes));
+        let Part { pixels, encoder } = self.part;
+        with_bytes!(encoder, bytes => self.images.combine(simd, self.factors, pixels, bytes));
     }
 }
 

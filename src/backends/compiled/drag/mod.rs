@@ -27,7 +27,7 @@ use crate::backends::compiled::tile::{Accumulate, TileScratch};
 use crate::evaluate::weights::{PathMonomials, path_weights};
 use crate::evaluate::{Drag, Framebuffer, Part};
 use crate::jit::CompileError;
-use crate::picture::transfer::with_bytes;
+use crate::picture::encoder::with_bytes;
 use crate::plan::{Channels, Method};
 use crate::trace::Tile;
 use images::{Image, Key, LARGEST_SUM, TileImages, factor_of};
@@ -358,9 +358,9 @@ impl WithSimd for CellWriter<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let CellWriter { cells, planes, channels, part: Part { pixels, transfer } } = self;
+        let CellWriter { cells, planes, channels, part: Part { pixels, encoder } } = self;
         let planes = planes.map(|plane| plane.as_chunks::<{ cells::CELL_PIXELS }>().0);
-        with_bytes!(transfer, bytes => for cell in cells {
+        with_bytes!(encoder, bytes => for cell in cells {
             let pixels = cells::pixels_of(pixels, *cell);
             let [red, green, blue] = planes.map(|plane| &plane[usize::from(*cell)]);
             match channels {

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::formula::ParameterId;
+use crate::picture::Transfer;
 use crate::user_data::settings::PanelSide;
 use crate::workspace::OwnerId;
 use egui::{Pos2, Rect};
@@ -98,8 +99,11 @@ fn enter_hex(harness: &mut Harness<'_, App>, text: &str) {
 fn a_hexadecimal_colour_is_the_displayed_one() {
     let mut harness = with_ball();
     let (ball, colour) = of_ball(harness.state(), "Cd");
-    for (srgb, expected) in [(false, 128.0 / 255.0), (true, 0.215_860_5)] {
-        let settings = PictureSettings { srgb, ..harness.state().workshop.settings() };
+    for (transfer, expected) in [(Transfer::Linear, 128.0 / 255.0), (Transfer::Srgb, 0.215_860_5)] {
+        let mut settings = harness.state().workshop.settings();
+        settings.view.transfer = transfer;
+        // Exposure is light on the scene, not a part of the value.
+        settings.view.exposure = 1.0;
         harness.state_mut().workshop.set_picture(settings).expect("a valid setting");
         harness.state_mut().workshop.set(ball, colour, [0.3; 3]);
         harness.run_steps(2);
@@ -107,7 +111,7 @@ fn a_hexadecimal_colour_is_the_displayed_one() {
         let found = harness.state().workshop.values().get(ball, colour).to_vec();
         // The value of the byte 128 in the table of the standard IEC 61966-2-1.
         let near = (found[0] - expected).abs() < 1e-5 && (found[1] - 1.0).abs() < 1e-6 && found[2] == 0.0;
-        assert!(near, "{srgb}: {found:?}");
+        assert!(near, "{transfer:?}: {found:?}");
         // What is no colour changes nothing.
         enter_hex(&mut harness, "80ff0");
         assert_eq!(harness.state().workshop.values().get(ball, colour), found);
