@@ -10,9 +10,10 @@ use illuminator::lang::display_text::one_line;
 use illuminator::lang::source::Source;
 use illuminator::scene::Scene;
 use illuminator::workspace::project::{Project, library_location};
-use illuminator::workspace::{FileKind, Location, kind_of, read_source};
+use illuminator::workspace::{FileKind, Location, kind_of, read_source, unknown_preset};
 use illuminator::workspace::{Library, Session, presets};
 use std::ffi::OsString;
+use std::io::ErrorKind;
 use std::path::Path;
 
 /// Options of `check`.
@@ -39,18 +40,30 @@ enum KindName {
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let mut wrong = false;
     for file in &options.files {
-        let location = Location::new(file);
         let given = options.kind.map(|kind| match kind {
             KindName::Formula => FileKind::Formula,
             KindName::Scene => FileKind::Scene,
             KindName::Session => FileKind::Session,
             KindName::Material => FileKind::Material,
         });
+        let location = built_in_if_missing(Location::new(file), given)?;
         for kind in kinds_of(&location, given) {
             wrong |= !check(&location, kind)?;
         }
     }
     if wrong { Err(Failure::Reported) } else { Ok(()) }
+}
+
+/// The location, or the built-in files of its name if there is no such file.
+fn built_in_if_missing(location: Location, given: Option<FileKind>) -> Result<Location, Failure> {
+    let Location::File(path) = &location else { return Ok(location) };
+    let missing = path.symlink_metadata().is_err_and(|error| error.kind() == ErrorKind::NotFound);
+    let is_named = |kind: &FileKind, name: &str| given.is_none_or(|given| given == *kind) && presets::text(*kind, name).is_some();
+    let named = path.to_str().filter(|name| missing && FileKind::ALL.iter().any(|kind| is_named(kind, name)));
+    let Some(name) = named.map(str::to_owned) else { return Ok(location) };
+    let built_in = Location::Preset(name.clone());
+    print(&format!("{name}: there is no such file; the built-in `{built_in}` is checked instead\n"))?;
+    Ok(built_in)
 }
 
 /// The kinds as which a file is checked. Built-in files of several kinds may have one name: then all are checked.
@@ -108,9 +121,8 @@ fn read(location: &Location, given: Option<FileKind>) -> Result<(FileKind, Sourc
             });
             Ok((told.or(suffix).unwrap_or(FileKind::Formula), source))
         }
-        Location::Preset(_) => {
-            location.read(FileKind::Formula, Readable::RegularOrPipe).map(|source| (FileKind::Formula, source))
-        }
+        // A name that some kind has comes with that kind.
+        Location::Preset(name) => Err(unknown_preset(None, name)),
     }
 }
 

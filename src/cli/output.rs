@@ -1,21 +1,51 @@
 //! Checks where results are written, before any work is done.
 
-use crate::cli::report::Failure;
+use crate::cli::report::{Failure, prints_to_terminal};
 use illuminator::files::{follow_links, reason};
 use illuminator::lang::diagnostic::Diagnostic;
 use illuminator::picture::Format;
 use std::path::{Path, PathBuf};
 
+/// Where a picture is written.
+pub(super) enum PictureTarget<'o> {
+    /// To a file, in the format of its suffix.
+    File(&'o Path, Format),
+    /// To standard output, as PNG.
+    StandardOutput,
+}
+
+impl<'o> PictureTarget<'o> {
+    /// The target that the command line names: a path, or `-` for standard output. Checks that a picture can be
+    /// written there.
+    pub(super) fn new(path: &'o Path) -> Result<Self, Failure> {
+        if path != Path::new("-") {
+            return Ok(PictureTarget::File(path, check_picture(path)?));
+        }
+        if prints_to_terminal() {
+            let error = Diagnostic::error("a picture cannot be shown in a terminal");
+            return Err(Failure::CommandLine(error.help("send it on, as in `-o - > picture.png` or `-o - | viewer`")));
+        }
+        Ok(PictureTarget::StandardOutput)
+    }
+
+    /// The format of the picture.
+    pub(super) fn format(&self) -> Format {
+        match self {
+            PictureTarget::File(_, format) => *format,
+            PictureTarget::StandardOutput => Format::Png,
+        }
+    }
+}
+
 /// Checks that a picture can be written to this path.
-pub(super) fn check_picture(path: &Path) -> Result<Format, Failure> {
+fn check_picture(path: &Path) -> Result<Format, Failure> {
     let name = path.display();
     let Some(format) = Format::of(path) else {
-        let suffixes = Format::ALL.map(|format| format!(".{}", format.suffix())).join(", ");
         let message = match path.extension() {
             Some(suffix) => format!("pictures of the kind `.{}` cannot be written", suffix.display()),
             None => format!("`{name}` does not say by a suffix what kind of picture it is to be"),
         };
-        return Err(Failure::CommandLine(Diagnostic::error(message).help(format!("the kinds are {suffixes}"))));
+        return Err(Failure::CommandLine(Diagnostic::error(message).help(format!("the kinds are {}", Format::suffixes()))));
     };
     if path.is_dir() {
         return Err(Failure::command_line(format!("`{name}` is a folder; name a file in it")));

@@ -4,6 +4,7 @@ use crate::cli::report::{Failure, say_lines, warn};
 #[cfg(unix)]
 use crate::cli::signals;
 use illuminator::preview::app::App;
+use illuminator::preview::window::screen::Screen;
 use illuminator::preview::window::{WindowError, WindowExit, WindowOptions, run as show};
 use illuminator::user_data::folders::Folders;
 use illuminator::workspace::Location;
@@ -28,6 +29,10 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     }
     if options.log {
         app.set_log_listener(say_lines);
+    }
+    let screen = Screen::of_display();
+    if let Some(screen) = &screen {
+        app.start_on_screen(screen.size(), screen.suggested_scale());
     }
     let size = app.window_size();
     let exit = WindowExit::new(app.last_resort());

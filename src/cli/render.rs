@@ -1,13 +1,13 @@
-//! `illuminator render`: writes a picture to a file.
+//! `illuminator render`: writes a picture to a file, or to standard output.
 
 use crate::cli::engine;
 use crate::cli::input::load;
 use crate::cli::options::InputOptions;
-use crate::cli::output::{check_distinct, check_picture};
-use crate::cli::report::{Failure, warn};
+use crate::cli::output::{PictureTarget, check_distinct};
+use crate::cli::report::{Failure, print_bytes, warn};
 use clap::Args;
 use illuminator::backends::{BackendChoice, CHOICES, DEFAULT, named};
-use illuminator::picture::{EXPOSURES, Format, ToneCurve, Transfer, save};
+use illuminator::picture::{EXPOSURES, Format, ToneCurve, Transfer, file_bytes, save};
 use std::path::PathBuf;
 
 /// Options of `render`.
@@ -30,20 +30,23 @@ pub(super) struct Options {
     /// Backend that evaluates the formula: compiled code, or the reference interpreter
     #[arg(long, default_value = DEFAULT.name, value_parser = CHOICES.map(|choice| choice.name))]
     backend: String,
-    /// Picture file: .png, .bmp, or .exr for linear unclamped floats
+    /// Picture file: .png, .bmp, or .exr for linear unclamped floats; - writes PNG to standard output
     #[arg(long = "output", short, value_name = "OUT")]
     output: PathBuf,
 }
 
 /// Makes the picture.
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
-    let format = check_picture(&options.output)?;
+    let target = PictureTarget::new(&options.output)?;
+    let format = target.format();
     let of_view = [("--srgb", options.srgb), ("--exposure", options.exposure.is_some()), ("--curve", options.curve.is_some())];
     for (option, _) in of_view.into_iter().filter(|(_, is_given)| *is_given && format == Format::Exr) {
         warn(format!("OpenEXR files hold linear numbers; `{option}` changes nothing"));
     }
     let input = load(&options.input)?;
-    check_distinct(&options.output, &input.files)?;
+    if let PictureTarget::File(path, _) = target {
+        check_distinct(path, &input.files)?;
+    }
     // The argument parser accepts known names only.
     let backend: &BackendChoice = named(&options.backend).unwrap_or(&DEFAULT);
     let machine = &options.input.machine;
@@ -68,7 +71,13 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     }
     view.exposure = options.exposure.unwrap_or(view.exposure);
     view.curve = options.curve.as_deref().and_then(ToneCurve::named).unwrap_or(view.curve);
-    save(&options.output, &frame, view).map_err(Failure::input)
+    match target {
+        PictureTarget::File(path, _) => save(path, &frame, view).map_err(Failure::input),
+        PictureTarget::StandardOutput => {
+            let bytes = file_bytes(&frame, format, view);
+            print_bytes(&bytes.map_err(|error| Failure::input(format!("cannot write the picture: {error}")))?)
+        }
+    }
 }
 
 fn exposure(text: &str) -> Result<f32, String> {

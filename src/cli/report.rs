@@ -5,6 +5,7 @@
 
 use crate::cli::draw::{draw, draw_all};
 use clap::error::{ContextKind, ContextValue};
+use illuminator::files::reason;
 use illuminator::lang::diagnostic::{Diagnostic, Diagnostics, Severity};
 use illuminator::lang::display_text::{escaped_lines, one_line};
 use illuminator::lang::source::Source;
@@ -135,9 +136,21 @@ pub(super) fn count(diagnostics: &Diagnostics) -> [usize; 2] {
 
 /// Writes a result to standard output. It is not a failure if the reader has closed the pipe.
 pub(super) fn print(text: &str) -> Result<(), Failure> {
+    print_bytes(escaped_lines(text).as_bytes())
+}
+
+/// Writes a result that is no text to standard output. It is not a failure if the reader has closed the pipe.
+pub(super) fn print_bytes(bytes: &[u8]) -> Result<(), Failure> {
     let mut output = io::stdout().lock();
-    match output.write_all(escaped_lines(text).as_bytes()).and_then(|()| output.flush()) {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(Failure::input(format!("cannot write the output: {error}"))),
+    match output.write_all(bytes).and_then(|()| output.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(Failure::input(format!("cannot write the output: {}", reason(&error))))
+        }
         Ok(()) | Err(_) => Ok(()),
     }
+}
+
+/// Whether standard output is a terminal.
+pub(super) fn prints_to_terminal() -> bool {
+    io::stdout().is_terminal()
 }

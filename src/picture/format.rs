@@ -26,6 +26,11 @@ impl Format {
         }
     }
 
+    /// The suffixes of all formats, for messages: `.png, .bmp, .exr`.
+    pub fn suffixes() -> String {
+        Format::ALL.map(|format| format!(".{}", format.suffix())).join(", ")
+    }
+
     /// The format that a file's suffix names, in capitals or not.
     pub fn of(path: &Path) -> Option<Format> {
         let suffix = path.extension()?.to_str()?;

@@ -42,10 +42,21 @@ pub fn quantise(linear: &[[f32; 3]], view: impl Into<ViewTransform>) -> Vec<u8> 
 /// for the user.
 pub fn save(path: &Path, frame: &Frame, view: impl Into<ViewTransform>) -> Result<(), String> {
     let name = path.display();
-    let format = Format::of(path).ok_or_else(|| format!("`{name}` names no format of pictures"))?;
+    let format = Format::of(path)
+        .ok_or_else(|| format!("`{name}` names no format of pictures; the suffixes of pictures are {}", Format::suffixes()))?;
     let view = view.into();
     replace_file(path, |writer| write(writer, frame, format, view))
         .map_err(|error| format!("cannot write the picture `{name}`: {}", reason(&error)))
+}
+
+/// The bytes of a picture's file.
+///
+/// # Errors
+/// The picture has too many pixels for the format.
+pub fn file_bytes(frame: &Frame, format: Format, view: ViewTransform) -> io::Result<Vec<u8>> {
+    let mut file = io::Cursor::new(Vec::new());
+    write(&mut file, frame, format, view)?;
+    Ok(file.into_inner())
 }
 
 /// Writes a picture. If the writer fails, its own error is returned.
@@ -180,9 +191,7 @@ mod tests {
     fn a_full_disk_is_reported_as_such() {
         let frame = Frame { width: 20, height: 10, linear: vec![[0.25, -3.5, 1e6]; 200] };
         for format in Format::ALL {
-            let mut whole = io::Cursor::new(Vec::new());
-            write(&mut whole, &frame, format, ViewTransform::default()).unwrap();
-            let length = whole.into_inner().len();
+            let length = file_bytes(&frame, format, ViewTransform::default()).unwrap().len();
             for room in (0..length).step_by(7) {
                 let disk = FullDisk { file: io::Cursor::default(), room };
                 let error = write(disk, &frame, format, ViewTransform::default()).unwrap_err();
@@ -196,7 +205,7 @@ mod tests {
     fn what_cannot_be_written_is_told() {
         let frame = Frame::black(1, 1);
         let error = save(Path::new("picture.gif"), &frame, Transfer::Linear).unwrap_err();
-        assert_eq!(error, "`picture.gif` names no format of pictures");
+        assert_eq!(error, "`picture.gif` names no format of pictures; the suffixes of pictures are .png, .bmp, .exr");
         let error = save(Path::new("/no/such/folder/p.png"), &frame, Transfer::Linear).unwrap_err();
         assert!(error.starts_with("cannot write the picture `/no/such/folder/p.png`: there is no such"), "{error}");
     }

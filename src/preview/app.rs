@@ -7,6 +7,7 @@
 
 mod action;
 mod autosave;
+mod colours;
 mod dialogs;
 mod files;
 mod histogram;
@@ -16,13 +17,16 @@ mod log;
 mod materials;
 mod menu;
 mod notices;
+mod number_field;
 mod pane;
+mod panel_sizes;
 mod parameters;
 mod settings_dialog;
 mod status;
 mod tab;
 mod theme;
 mod user_state;
+mod value_rows;
 mod view_controls;
 
 pub use action::Action;
@@ -36,6 +40,7 @@ use crate::preview::renderer::Event;
 use crate::preview::workshop::{OpenedSession, Workshop};
 use crate::preview::{FrameTimes, PictureView, WindowApp};
 use crate::user_data::folders::Folders;
+use crate::user_data::settings::{PanelSide, WindowSettings};
 use crate::workspace::Location;
 use crate::workspace::project::Project;
 use crate::workspace::session::PictureSettings;
@@ -52,6 +57,7 @@ use log::Log;
 use materials::MaterialRow;
 use notices::{Notice, Notices, Topic};
 use pane::PicturePane;
+use panel_sizes::remember;
 use parameters::ParameterPanel;
 use settings_dialog::SettingsDialog;
 use std::hash::{DefaultHasher, Hash, Hasher};
@@ -65,6 +71,11 @@ use user_state::UserState;
 
 /// Windows narrower than this, in points, get narrower panels: otherwise there would be no room for the picture.
 const NARROW: f32 = 860.0;
+
+/// The least widths of the panels and of the picture between them, in points.
+const LEAST_TEXTS: f32 = 220.0;
+const LEAST_PARAMETERS: f32 = 240.0;
+const LEAST_PICTURE: f32 = 160.0;
 
 /// The workshop with its user interface.
 pub struct App {
@@ -233,35 +244,46 @@ impl App {
         // A narrow window has panels of its own, so the others keep their width until there is room again.
         let narrow = ui.ctx().content_rect().width() < NARROW;
         let named = |name: &str| Id::new((name, narrow));
-        let [of_texts, of_parameters] = if narrow { [260.0, 240.0] } else { [400.0, 300.0] };
+        let mut sizes = self.user_state.settings.window.panels;
+        let width = |side: PanelSide, in_narrow: f32| if narrow { in_narrow } else { sizes.get(side) };
+        let [of_texts, of_parameters] = [width(PanelSide::Texts, 260.0), width(PanelSide::Parameters, 250.0)];
+        // The picture keeps some room.
+        let most = ui.available_width() - LEAST_PICTURE;
         if self.panels.texts {
-            Panel::left(named("texts")).resizable(true).default_size(of_texts).size_range(220.0..=900.0).show(ui, |ui| {
-                self.texts_ui(ui, &mut actions);
-            });
+            let most = if self.panels.parameters { most - LEAST_PARAMETERS } else { most };
+            let panel = Panel::left(named("texts")).resizable(true).default_size(of_texts);
+            panel.size_range(LEAST_TEXTS..=most.max(LEAST_TEXTS)).show(ui, |ui| self.texts_ui(ui, &mut actions));
         }
         if self.panels.parameters {
-            Panel::right(named("parameters")).resizable(true).default_size(of_parameters).size_range(230.0..=520.0).show(
-                ui,
-                |ui| {
-                    let error = self.parameters.ui(ui, &mut self.workshop, &mut self.materials, self.pane.selected());
-                    if let Some(error) = error {
-                        self.dialogs.show_message("The material was not saved", error);
-                    }
-                },
-            );
+            let most = (ui.available_width() - LEAST_PICTURE).max(LEAST_PARAMETERS);
+            let panel = Panel::right(named("parameters")).resizable(true).default_size(of_parameters);
+            panel.size_range(LEAST_PARAMETERS..=most).show(ui, |ui| {
+                let shared = (self.pane.selected(), &mut sizes);
+                if let Some(error) = self.parameters.ui(ui, &mut self.workshop, &mut self.materials, shared) {
+                    self.dialogs.show_message("The material was not saved", error);
+                }
+            });
         }
+        if !narrow {
+            remember(ui.ctx(), named("texts"), PanelSide::Texts, &mut sizes);
+            remember(ui.ctx(), named("parameters"), PanelSide::Parameters, &mut sizes);
+        }
+        self.inspector.ui(ui, &self.workshop, &mut sizes);
+        self.user_state.settings.window.panels = sizes;
         CentralPanel::default().frame(Frame::NONE).show(ui, |ui| {
             Panel::bottom("view controls").show(ui, |ui| view_controls::bar(self, ui, &mut actions));
             if let Some(owner) = self.pane.ui(ui, &mut self.workshop, self.scale) {
                 self.parameters.select(owner);
             }
+            if self.inspector.open
+                && let Some(pixel) = self.pane.clicked()
+            {
+                self.inspector.inspect(&self.workshop, pixel);
+                // Its panel has been drawn already.
+                ui.ctx().request_repaint();
+            }
+            self.inspector.mark(ui, &self.pane.placement(&self.workshop), self.pane.area());
         });
-        if self.inspector.open
-            && let Some(pixel) = self.pane.clicked()
-        {
-            self.inspector.inspect(&self.workshop, pixel);
-        }
-        self.inspector.ui(ui.ctx(), &self.workshop, self.pane.area());
         self.dialogs.ui(ui.ctx(), &mut actions);
         if let Some(settings) = self.settings_dialog.ui(ui.ctx()) {
             actions.push(Action::SaveSettings(Box::new(settings)));
@@ -405,6 +427,22 @@ impl App {
         if response.apply || response.changed && sound && self.user_state.settings.window.apply_as_you_type {
             actions.push(Action::Apply);
         }
+    }
+
+    /// Adapts the scale of widgets and the size of the window to a screen of this size in pixels, unless there was an
+    /// earlier run.
+    pub fn start_on_screen(&mut self, screen: [u32; 2], scale: f32) {
+        if self.user_state.scale_is_given {
+            return;
+        }
+        self.scale = scale;
+        let window = &mut self.user_state.settings.window;
+        window.scale = scale;
+        if window.size == WindowSettings::default().size {
+            let fitted = |side: u32, screen: u32| ((side as f32 * scale) as u32).min(screen);
+            window.size = [fitted(window.size[0], screen[0]), fitted(window.size[1], screen[1])];
+        }
+        self.user_state.settings = self.user_state.settings.within_ranges();
     }
 
     /// The initial width and height of the window, in pixels.

@@ -15,6 +15,7 @@ mod input_queue;
 mod keys;
 mod polled;
 mod rows;
+pub mod screen;
 mod shared;
 
 use crate::preview::WindowApp;

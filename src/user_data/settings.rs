@@ -5,10 +5,12 @@
 
 mod file;
 mod nearest;
+mod panel_sizes;
 mod read;
 mod save;
 
 pub use file::{LoadedSettings, SettingsFile};
+pub use panel_sizes::{PANEL_SIZES, PanelSide, PanelSizes};
 
 use crate::lang::diagnostic::{Diagnostic, Diagnostics};
 use crate::lang::source::Source;
@@ -61,6 +63,8 @@ pub struct WindowSettings {
     pub log: bool,
     /// Width and height of the window in pixels when it was last closed, each within [`WINDOW_SIDES`].
     pub size: [u32; 2],
+    /// The sizes of its panels.
+    pub panels: PanelSizes,
 }
 
 /// Whether a window is light or dark.
@@ -136,7 +140,14 @@ impl Default for Defaults {
 
 impl Default for WindowSettings {
     fn default() -> Self {
-        Self { theme: ThemeSetting::System, scale: 1.0, apply_as_you_type: false, log: false, size: [1280, 800] }
+        Self {
+            theme: ThemeSetting::System,
+            scale: 1.0,
+            apply_as_you_type: false,
+            log: false,
+            size: [1280, 800],
+            panels: PanelSizes::default(),
+        }
     }
 }
 

@@ -67,7 +67,7 @@ impl Location {
         match self {
             Location::Preset(name) => match presets::text(kind, name) {
                 Some(text) => Ok(Source::new(self.to_string(), text)),
-                None => Err(unknown_preset(kind, name)),
+                None => Err(unknown_preset(Some(kind), name)),
             },
             Location::File(path) => read_source(path, Some(kind), readable),
         }
@@ -83,17 +83,27 @@ impl fmt::Display for Location {
     }
 }
 
-/// The error that there is no built-in file of this kind and name, with the nearest name.
-pub(super) fn unknown_preset(kind: FileKind, name: &str) -> Diagnostic {
-    let noun = kind.noun();
+/// The error that there is no built-in file of this kind and name, with the nearest name. Without a kind, the names of
+/// all kinds count, and the hint says of which kinds the nearest one is.
+pub fn unknown_preset(kind: Option<FileKind>, name: &str) -> Diagnostic {
+    let noun = kind.map_or("file", FileKind::noun);
     let error = Diagnostic::error(format!("there is no built-in {noun} `{PRESET}{name}`"));
-    if let Some(other) = FileKind::ALL.into_iter().find(|other| presets::text(*other, name).is_some()) {
-        return error.help(format!("`{PRESET}{name}` is a {}", other.noun()));
+    let kinds_of = |name: &str| {
+        let kinds = FileKind::ALL.into_iter().filter(|other| presets::text(*other, name).is_some());
+        kinds.map(|kind| format!("a {}", kind.noun())).collect::<Vec<_>>().join(" and ")
+    };
+    if kind.is_some() && !kinds_of(name).is_empty() {
+        return error.help(format!("`{PRESET}{name}` is {}", kinds_of(name)));
     }
-    let names: Vec<&str> = presets::names(kind).collect();
+    let mut names: Vec<&str> = Vec::new();
+    for named in FileKind::ALL.into_iter().filter(|other| kind.is_none_or(|kind| kind == *other)).flat_map(presets::names) {
+        if !names.contains(&named) {
+            names.push(named);
+        }
+    }
     match nearest(name, names.iter().copied()) {
+        Some(near) if kind.is_none() => error.help(format!("did you mean `{PRESET}{near}`, {}?", kinds_of(near))),
         Some(near) => error.help(format!("did you mean `{PRESET}{near}`?")),
-        None if names.is_empty() => error,
         None => error.help(format!("the built-in ones are {}", names.join(", "))),
     }
 }

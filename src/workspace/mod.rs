@@ -19,7 +19,7 @@ pub mod warning;
 
 pub use assignment::{Assignment, NamedAssignment};
 pub use file_kind::FileKind;
-pub use location::{Location, read_source};
+pub use location::{Location, read_source, unknown_preset};
 pub use materials::{Library, Material, Materials};
 pub use owner::{OwnerId, Owners};
 pub use parameter_table::ParameterTable;

@@ -47,6 +47,8 @@ fn files() {
     let folder = folder();
     write(&folder, "binary", "\u{0}");
     std::fs::write(folder.path().join("latin"), b"formula; = \xe9;").expect("a file");
+    write(&folder, "ball.obj", "v 0 0 0\n");
+    write(&folder, "old.png", "");
     check(
         "files",
         &folder,
@@ -60,6 +62,11 @@ fn files() {
             "render -o out.png --formula sub/place.txt --scene model.txt",
             "render session.toml -o out.png --size 4000x4000 --memory 1 --threads 1",
             "check latin binary sub none.txt",
+            "render -o out.png ball.obj",
+            "render -o out.png --scene ball.obj",
+            "render -o out.png old.png",
+            "preview ball.obj",
+            "check ball.obj old.png",
         ],
     );
 }
@@ -105,6 +112,10 @@ fn checks() {
             "check model.txt sub/place.txt session.toml preset:phong preset:glass",
             "check wrong.txt wrong-scene.txt wrong.toml points.toml torn.toml",
             "check --kind scene model.txt",
+            "check glass",
+            "check --kind scene glass",
+            "check preset:glas preset:nothing",
+            "check glas",
         ],
     );
 }

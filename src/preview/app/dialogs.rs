@@ -1,6 +1,7 @@
 //! Dialogs: for files, messages, questions, and the list of shortcuts.
 
 use crate::lang::display_text::{many_lines, one_line};
+use crate::picture::Format;
 use crate::preview::app::Action;
 use crate::preview::app::action::shortcuts;
 use crate::workspace::FileKind;
@@ -65,7 +66,8 @@ impl Dialogs {
 
     /// Shows the dialog that saves something of this kind, or the picture.
     pub(super) fn show_save_dialog(&mut self, kind: Option<FileKind>, name: &str) {
-        let title = format!("Save {}", kind.map_or("picture (.png, .bmp, .exr)", FileKind::noun));
+        let picture = || format!("picture ({})", Format::suffixes());
+        let title = format!("Save {}", kind.map_or_else(picture, |kind| kind.noun().to_owned()));
         let mut dialog = file_dialog(&title).default_file_name(name);
         dialog.save_file();
         self.file = Some((dialog, Purpose::Save(kind)));

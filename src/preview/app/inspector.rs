@@ -3,9 +3,15 @@
 use crate::evaluate::inspect::{
     End, InspectedHit, InspectedLight, Inspection, Inspector, Onward, Visibility, figures, vector_figures,
 };
+use crate::preview::app::colours::{paint_swatch, shown_colour};
+use crate::preview::app::pane::Placement;
+use crate::preview::app::panel_sizes::remember;
 use crate::preview::workshop::Workshop;
 use crate::trace::Edge;
-use egui::{CollapsingHeader, Color32, Context, Rect, RichText, ScrollArea, Sense, Ui, Window, vec2};
+use crate::user_data::settings::{PanelSide, PanelSizes};
+use egui::{
+    Align, CollapsingHeader, Color32, Id, Layout, Panel, Rect, RichText, ScrollArea, Sense, Stroke, StrokeKind, Ui, vec2,
+};
 
 /// The inspector.
 #[derive(Default)]
@@ -24,8 +30,34 @@ impl InspectorPanel {
         self.inspection = inspector.inspect(&view, pixel).map(|inspection| (inspection, workshop.stamp()));
     }
 
-    /// Draws the inspector with the current values. It first appears in a corner of the picture's pane.
-    pub(super) fn ui(&mut self, context: &Context, workshop: &Workshop, pane: Rect) {
+    /// Marks the inspected pixel in the picture: a frame around it, with four ticks that also show where the pixel is
+    /// small.
+    pub(super) fn mark(&self, ui: &Ui, placement: &Placement, pane: Rect) {
+        /// The least half width of the frame and the length of the ticks, in points.
+        const HALF: f32 = 4.0;
+        const TICK: f32 = 7.0;
+        let Some((inspection, _)) = self.inspection.as_ref().filter(|_| self.open) else { return };
+        let [x, y] = inspection.pixel.map(|coordinate| coordinate as f32);
+        let pixel = Rect::from_min_max(placement.position_of([x, y]), placement.position_of([x + 1.0, y + 1.0]));
+        let frame = Rect::from_center_size(pixel.center(), (pixel.size() + vec2(2.0, 2.0)).max(vec2(2.0 * HALF, 2.0 * HALF)));
+        let ticks = [
+            (frame.center_top(), vec2(0.0, -TICK)),
+            (frame.center_bottom(), vec2(0.0, TICK)),
+            (frame.left_center(), vec2(-TICK, 0.0)),
+            (frame.right_center(), vec2(TICK, 0.0)),
+        ];
+        let painter = ui.painter_at(pane);
+        // Dark under light shows on every picture.
+        for stroke in [Stroke::new(3.0, Color32::from_black_alpha(170)), Stroke::new(1.0, Color32::WHITE)] {
+            painter.rect_stroke(frame, 0.0, stroke, StrokeKind::Middle);
+            for (from, along) in ticks {
+                painter.line_segment([from, from + along], stroke);
+            }
+        }
+    }
+
+    /// Draws the inspector below the picture, with the current values.
+    pub(super) fn ui(&mut self, ui: &mut Ui, workshop: &Workshop, sizes: &mut PanelSizes) {
         if !self.open {
             return;
         }
@@ -35,23 +67,55 @@ impl InspectorPanel {
             let pixel = inspection.pixel;
             self.inspect(workshop, pixel);
         }
-        let mut open = true;
-        let window = Window::new("Pixel inspector").open(&mut open).default_size([480.0, 420.0]).resizable(true);
-        window.default_pos(pane.min + vec2(16.0, 16.0)).show(context, |ui| match &self.inspection {
-            Some((inspection, _)) => tree_ui(ui, workshop, inspection),
-            None => {
-                ui.label("Click a pixel of the picture to see its rays, what lights them, and the formula with its numbers.");
+        // Half of the room is for the picture.
+        let most = (0.5 * ui.available_height()).max(LEAST_HEIGHT);
+        let id = Id::new("inspector");
+        let panel = Panel::bottom(id).resizable(true).default_size(sizes.get(PanelSide::Inspector));
+        panel.size_range(LEAST_HEIGHT..=most).show(ui, |ui| {
+            let close = header_ui(ui, workshop, self.inspection.as_ref().map(|(inspection, _)| inspection));
+            ui.separator();
+            match &self.inspection {
+                Some((inspection, _)) => tree_ui(ui, workshop, inspection),
+                None => {
+                    ui.label("Click a pixel of the picture to see its rays, what lights them, and the formula with its numbers.");
+                    ui.allocate_space(ui.available_size());
+                }
             }
+            self.open &= !close;
         });
-        self.open = open;
+        remember(ui.ctx(), id, PanelSide::Inspector, sizes);
     }
 }
 
+/// The least height of the inspector, in points.
+const LEAST_HEIGHT: f32 = 100.0;
+
+/// Draws the title, the colour of the pixel, and the button that closes the inspector. Returns whether it was clicked.
+fn header_ui(ui: &mut Ui, workshop: &Workshop, inspection: Option<&Inspection>) -> bool {
+    let mut close = false;
+    ui.horizontal(|ui| {
+        match inspection {
+            Some(inspection) => {
+                let [x, y] = inspection.pixel;
+                ui.strong(format!("Pixel ({x}, {y})"));
+                swatch(ui, workshop, inspection.total);
+                ui.monospace(colour_text(inspection.total));
+            }
+            None => {
+                ui.strong("Pixel inspector");
+            }
+        }
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            close = ui.small_button("×").on_hover_text("Close the pixel inspector (F5)").clicked();
+        });
+    });
+    close
+}
+
 /// A square of a colour, as in pictures.
-fn swatch(ui: &mut Ui, colour: [f32; 3]) {
-    let [red, green, blue] = colour.map(|component| (255.0 * component.clamp(0.0, 1.0)).round() as u8);
+fn swatch(ui: &mut Ui, workshop: &Workshop, colour: [f32; 3]) {
     let (rect, _) = ui.allocate_exact_size(vec2(14.0, 14.0), Sense::hover());
-    ui.painter().rect_filled(Rect::from_center_size(rect.center(), vec2(12.0, 12.0)), 2.0, Color32::from_rgb(red, green, blue));
+    paint_swatch(ui, rect, shown_colour(workshop.settings().view, colour));
 }
 
 fn colour_text(colour: [f32; 3]) -> String {
@@ -59,13 +123,6 @@ fn colour_text(colour: [f32; 3]) -> String {
 }
 
 fn tree_ui(ui: &mut Ui, workshop: &Workshop, inspection: &Inspection) {
-    ui.horizontal(|ui| {
-        let [x, y] = inspection.pixel;
-        ui.strong(format!("Pixel ({x}, {y})"));
-        swatch(ui, inspection.total);
-        ui.monospace(colour_text(inspection.total));
-    });
-    ui.separator();
     ScrollArea::both().auto_shrink(false).show(ui, |ui| {
         for (index, ray) in inspection.rays.iter().enumerate() {
             if ray.parent.is_none() {
@@ -135,7 +192,7 @@ fn hit_ui(ui: &mut Ui, workshop: &Workshop, hit: &InspectedHit) {
     }
     ui.weak(facts);
     ui.horizontal(|ui| {
-        swatch(ui, hit.ambient);
+        swatch(ui, workshop, hit.ambient);
         ui.label(format!("ambient {}", colour_text(hit.ambient)));
     });
     for light in &hit.lights {

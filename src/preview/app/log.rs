@@ -61,6 +61,12 @@ impl Log {
         self.lines.push_back(line);
     }
 
+    /// How many lines start with a word.
+    #[cfg(test)]
+    pub(super) fn lines_with(&self, word: &str) -> usize {
+        self.lines.iter().filter(|line| line.starts_with(word)).count()
+    }
+
     /// Adds lines that are safe to display already, such as diagnostics with source lines.
     pub(super) fn say_lines(&mut self, text: &str) {
         text.lines().for_each(|line| self.add(line));

@@ -1,12 +1,17 @@
 //! The parameter panel: the owners, and the sliders of the selected one.
 
-use crate::formula::{Parameter, ParameterId};
-use crate::lang::types::Type;
+use crate::formula::ParameterId;
 use crate::lang::variables::{Owner, Predefined};
+use crate::picture::Transfer;
+use crate::preview::app::colours::{paint_swatch, shown_colour};
 use crate::preview::app::materials::MaterialRow;
+use crate::preview::app::panel_sizes::remember;
+use crate::preview::app::theme::section;
+use crate::preview::app::value_rows::{RowColumns, RowContext, ValueEdit};
 use crate::preview::workshop::Workshop;
+use crate::user_data::settings::{PanelSide, PanelSizes};
 use crate::workspace::{OwnerId, Values};
-use egui::{Color32, DragValue, Response, ScrollArea, Slider, TextEdit, Ui};
+use egui::{Align2, Id, Panel, Rect, Response, ScrollArea, Sense, TextEdit, TextStyle, Ui, vec2};
 
 /// The panel.
 pub(super) struct ParameterPanel {
@@ -26,19 +31,12 @@ impl Default for ParameterPanel {
     }
 }
 
+/// The least heights of the list of owners and of what is below it, in points.
+const LEAST_OWNERS: f32 = 60.0;
+const LEAST_VALUES: f32 = 300.0;
+
 /// The parameters of ambient light.
 const AMBIENT: [Predefined; 2] = [Predefined::Ambient, Predefined::AmbientColour];
-
-/// What the user did with a value.
-enum ValueEdit {
-    /// Moved it while holding it.
-    Drag([f32; 3]),
-    /// Set it.
-    Set([f32; 3]),
-    /// Released it, maybe with a last movement.
-    Release([f32; 3]),
-    Copy,
-}
 
 impl ParameterPanel {
     /// Selects an owner.
@@ -56,20 +54,26 @@ impl ParameterPanel {
         ui: &mut Ui,
         workshop: &mut Workshop,
         materials: &mut MaterialRow,
-        picked: Option<OwnerId>,
+        (picked, sizes): (Option<OwnerId>, &mut PanelSizes),
     ) -> Option<String> {
         if !workshop.values().table().owners().has(self.selected) {
             self.selected = picked.filter(|owner| workshop.values().table().owners().has(*owner)).unwrap_or(OwnerId::Global);
         }
+        let transfer = workshop.settings().view.transfer;
         ui.add_space(4.0);
-        ui.horizontal(|ui| {
-            ui.add(TextEdit::singleline(&mut self.search).hint_text("Search: kd, floor, ball.h").desired_width(f32::INFINITY));
+        ui.add(TextEdit::singleline(&mut self.search).hint_text("Search: kd, floor, ball.h").desired_width(f32::INFINITY));
+        // The list never takes the room of the values.
+        let most = (ui.available_height() - LEAST_VALUES).max(LEAST_OWNERS);
+        let id = Id::new("owners");
+        let list = Panel::top(id).resizable(true).default_size(sizes.get(PanelSide::Owners)).size_range(LEAST_OWNERS..=most);
+        let list = list.frame(egui::Frame::NONE.inner_margin(egui::Margin::symmetric(0, 4)));
+        list.show(ui, |ui| {
+            ScrollArea::vertical().id_salt("owners").auto_shrink(false).show(ui, |ui| {
+                self.owners_ui(ui, workshop.values(), transfer);
+            });
         });
-        let share = (ui.available_height() * 0.32).max(90.0);
-        ScrollArea::vertical().id_salt("owners").max_height(share).auto_shrink(false).show(ui, |ui| {
-            self.owners_ui(ui, workshop.values());
-        });
-        ui.separator();
+        remember(ui.ctx(), id, PanelSide::Owners, sizes);
+        ui.add_space(2.0);
         // While searching, it would not be clear which body a material is for.
         let message = if self.search.trim().is_empty() { materials.ui(ui, workshop, self.selected) } else { None };
         ui.separator();
@@ -79,21 +83,28 @@ impl ParameterPanel {
             if wanted.is_empty() {
                 ui.weak("No match.");
             }
+            let values = workshop.values();
+            let names = wanted.iter().map(|(_, id)| values.table().parameter(*id).name.as_str());
+            let rows = RowContext { values, transfer, columns: RowColumns::new(ui, names) };
             let mut before = None;
             for (owner, id) in wanted {
                 if before != Some(owner) {
-                    ui.add_space(2.0);
-                    ui.strong(owner_name(workshop.values(), owner));
+                    if before.is_some() {
+                        ui.add_space(8.0);
+                    }
+                    section(ui, owner_name(values, owner));
                     before = Some(owner);
                 }
-                if let Some(edit) = value_ui(ui, workshop.values(), owner, id) {
+                let limited = self.limited.as_ref().filter(|(of, limited, _)| (*of, *limited) == (owner, id));
+                if let Some(edit) = rows.value_ui(ui, owner, id, limited.map(|(.., reason)| reason.as_str())) {
                     edits.push((owner, id, edit));
-                }
-                if let Some((_, _, reason)) = self.limited.as_ref().filter(|(of, limited, _)| (*of, *limited) == (owner, id)) {
-                    ui.small(reason);
                 }
             }
         });
+        if edits.is_empty() && !ui.input(|input| input.pointer.any_down()) {
+            // The widget that was held may be gone, such as a picker that was closed.
+            workshop.release();
+        }
         for (owner, id, edit) in edits {
             match edit {
                 ValueEdit::Drag(value) => {
@@ -132,15 +143,18 @@ impl ParameterPanel {
         }
     }
 
-    fn owners_ui(&mut self, ui: &mut Ui, values: &Values) {
+    fn owners_ui(&mut self, ui: &mut Ui, values: &Values, transfer: Transfer) {
+        ui.spacing_mut().item_spacing.y = 1.0;
         let owners = values.table().owners();
         for (kind, title) in [(Owner::Global, ""), (Owner::Light, "Lights"), (Owner::Body, "Bodies")] {
             if !title.is_empty() {
-                ui.weak(title);
+                ui.add_space(4.0);
+                section(ui, title);
             }
             for owner in owners.of_kind(kind) {
                 let selected = self.selected == owner && !self.ambient && self.search.is_empty();
-                let entry = ui.selectable_label(selected, owner_name(values, owner));
+                let colour = colour_of(values, owner).map(|linear| shown_colour(transfer, linear));
+                let entry = owner_ui(ui, selected, owner_name(values, owner), colour);
                 if selected && std::mem::take(&mut self.hidden) {
                     entry.scroll_to_me(None);
                 }
@@ -149,7 +163,8 @@ impl ParameterPanel {
                     self.hidden = false;
                 }
             }
-            if kind == Owner::Global && ui.selectable_label(self.ambient && self.search.is_empty(), "Ambient light").clicked() {
+            let ambient = self.ambient && self.search.is_empty();
+            if kind == Owner::Global && owner_ui(ui, ambient, "Ambient light", None).clicked() {
                 self.select(OwnerId::Global);
                 self.ambient = true;
             }
@@ -170,152 +185,44 @@ impl ParameterPanel {
     }
 }
 
+/// The colour of a body or a light.
+fn colour_of(values: &Values, owner: OwnerId) -> Option<[f32; 3]> {
+    let predefined = match owner.kind() {
+        Owner::Body => Predefined::BodyColour,
+        Owner::Light => Predefined::LightColour,
+        Owner::Global => return None,
+    };
+    let id = values.table().parameter_named(predefined.name())?;
+    <[f32; 3]>::try_from(values.get(owner, id)).ok()
+}
+
+/// Draws an entry of the list of owners, as wide as the list.
+fn owner_ui(ui: &mut Ui, selected: bool, name: &str, colour: Option<egui::Color32>) -> Response {
+    const SWATCH: f32 = 11.0;
+    const INDENT: f32 = 8.0;
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 21.0), Sense::click());
+    response.widget_info(|| egui::WidgetInfo::selected(egui::WidgetType::SelectableLabel, true, selected, name));
+    if ui.is_rect_visible(rect) {
+        let visuals = ui.style().interact_selectable(&response, selected);
+        if selected || response.hovered() {
+            ui.painter().rect_filled(rect, visuals.corner_radius, visuals.weak_bg_fill);
+        }
+        let mut left = rect.left() + INDENT;
+        if let Some(colour) = colour {
+            let swatch = Rect::from_min_size(egui::pos2(left, rect.center().y - SWATCH / 2.0), vec2(SWATCH, SWATCH));
+            paint_swatch(ui, swatch, colour);
+            left += SWATCH + INDENT;
+        }
+        let text = egui::WidgetText::from(name);
+        let room = rect.right() - left - INDENT;
+        let text = text.into_galley(ui, Some(egui::TextWrapMode::Truncate), room, TextStyle::Body);
+        let at = Align2::LEFT_CENTER.anchor_size(egui::pos2(left, rect.center().y), text.size()).min;
+        ui.painter().galley(at, text, visuals.text_color());
+    }
+    response.on_hover_text(name)
+}
+
 /// The name of an owner.
 fn owner_name(values: &Values, owner: OwnerId) -> &str {
     values.table().owners().name(owner).unwrap_or("Scene")
-}
-
-/// Draws a value with its name.
-fn value_ui(ui: &mut Ui, values: &Values, owner: OwnerId, id: ParameterId) -> Option<ValueEdit> {
-    let parameter = values.table().parameter(id);
-    let lock = values.lock_of(owner, id);
-    let mut value = [0.0; 3];
-    values.get(owner, id).iter().zip(&mut value).for_each(|(from, to)| *to = *from);
-    ui.push_id((owner, id), |ui| {
-        let mut edit = None;
-        ui.horizontal(|ui| {
-            let name = name_ui(ui, &parameter.name).on_hover_text(tooltip(parameter, lock.as_deref()));
-            name.context_menu(|ui| {
-                if ui.button("Default").clicked() {
-                    edit = Some(ValueEdit::Set(parameter.default));
-                }
-                if owner.kind() != Owner::Global && ui.button("Copy to all owners of this kind").clicked() {
-                    edit = Some(ValueEdit::Copy);
-                }
-            });
-            if name.double_clicked() {
-                edit = Some(ValueEdit::Set(parameter.default));
-            }
-            let edited = ui.add_enabled_ui(lock.is_none(), |ui| match parameter.ty {
-                Type::Vector => vector_ui(ui, parameter, value),
-                Type::Scalar | Type::Truth => {
-                    scalar_ui(ui, parameter, value[0]).map(|(number, phase)| ([number, 0.0, 0.0], phase))
-                }
-            });
-            edit = match edited.inner {
-                Some((value, EditPhase::Dragged)) => Some(ValueEdit::Drag(value)),
-                Some((value, EditPhase::Set)) => Some(ValueEdit::Set(value)),
-                Some((value, EditPhase::Released)) => Some(ValueEdit::Release(value)),
-                None => edit.take(),
-            };
-        });
-        if let Some(lock) = lock {
-            ui.small(format!("locked: {lock}"));
-        }
-        edit
-    })
-    .inner
-}
-
-/// Draws a name in the column of names.
-fn name_ui(ui: &mut Ui, name: &str) -> Response {
-    let (rect, response) = ui.allocate_exact_size(egui::vec2(78.0, 20.0), egui::Sense::click());
-    response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Label, true, name));
-    let font = egui::TextStyle::Body.resolve(ui.style());
-    let colour = if response.hovered() { ui.visuals().strong_text_color() } else { ui.visuals().text_color() };
-    ui.painter_at(rect).text(rect.left_center(), egui::Align2::LEFT_CENTER, name, font, colour);
-    response
-}
-
-/// A description of a parameter for the tooltip.
-fn tooltip(parameter: &Parameter, lock: Option<&str>) -> String {
-    let mut text = format!("{}: {}", parameter.name, parameter.ty);
-    if let Some([low, high]) = parameter.range {
-        text.push_str(&format!(", {low} to {high}"));
-    }
-    if let Some(predefined) = parameter.predefined {
-        text.push_str(&format!("\n{}", predefined.doc()));
-    }
-    match lock {
-        Some(lock) => text.push_str(&format!("\nLocked: {lock}")),
-        None => text.push_str("\nDouble-click: default. Right-click: more."),
-    }
-    text
-}
-
-/// How the user changed a value.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum EditPhase {
-    Dragged,
-    Set,
-    Released,
-}
-
-/// How a widget was used.
-fn phase(response: &Response) -> Option<EditPhase> {
-    if response.drag_stopped() {
-        Some(EditPhase::Released)
-    } else if response.changed() {
-        Some(if response.dragged() { EditPhase::Dragged } else { EditPhase::Set })
-    } else {
-        None
-    }
-}
-
-/// A slider is logarithmic if its range covers more than two decades.
-fn is_logarithmic([low, high]: [f32; 2]) -> bool {
-    low > 0.0 && high / low > 100.0
-}
-
-fn scalar_ui(ui: &mut Ui, parameter: &Parameter, mut number: f32) -> Option<(f32, EditPhase)> {
-    let mut done = None;
-    if let Some([low, high]) = parameter.range {
-        let slider = Slider::new(&mut number, low..=high).show_value(false).logarithmic(is_logarithmic([low, high]));
-        ui.spacing_mut().slider_width = (ui.available_width() - 74.0).max(60.0);
-        done = phase(&ui.add(slider));
-    }
-    let entered = number_ui(ui, parameter, &mut number);
-    done.or(entered).map(|phase| (number, phase))
-}
-
-/// A number that can be typed or dragged.
-fn number_ui(ui: &mut Ui, parameter: &Parameter, number: &mut f32) -> Option<EditPhase> {
-    let speed = match parameter.range {
-        Some([low, high]) => f64::from(high - low) / 400.0,
-        None => f64::from(number.abs()).max(0.1) / 100.0,
-    };
-    // The widget has no limits: a number out of range is corrected later, with a message.
-    let field = DragValue::new(number).speed(speed).max_decimals(4).update_while_editing(false);
-    phase(&ui.add_sized([62.0, 20.0], field))
-}
-
-/// Three sliders, and a button for their colour.
-fn vector_ui(ui: &mut Ui, parameter: &Parameter, value: [f32; 3]) -> Option<([f32; 3], EditPhase)> {
-    let mut done = None;
-    let mut edited = value;
-    ui.vertical(|ui| {
-        if parameter.colour || parameter.predefined.is_some() {
-            // Linear, as in the picture.
-            let mut bytes = value.map(|component| (255.0 * component.clamp(0.0, 1.0)).round() as u8);
-            let response = ui.color_edit_button_srgb(&mut bytes);
-            if response.changed() {
-                edited = bytes.map(|byte| f32::from(byte) / 255.0);
-                done = Some(EditPhase::Set);
-            }
-        }
-        let marks = [Color32::from_rgb(226, 92, 92), Color32::from_rgb(96, 190, 104), Color32::from_rgb(96, 140, 232)];
-        for (index, (component, mark)) in edited.iter_mut().zip(marks).enumerate() {
-            ui.push_id(index, |ui| {
-                ui.horizontal(|ui| {
-                    let (rect, _) = ui.allocate_exact_size(egui::vec2(6.0, 20.0), egui::Sense::hover());
-                    ui.painter().rect_filled(rect.shrink2(egui::vec2(1.5, 4.0)), 1.0, mark);
-                    if let Some((number, phase)) = scalar_ui(ui, parameter, *component) {
-                        *component = number;
-                        done = Some(phase);
-                    }
-                });
-            });
-        }
-    });
-    done.map(|phase| (edited, phase))
 }

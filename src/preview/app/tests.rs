@@ -8,6 +8,8 @@ use std::cell::RefCell;
 use std::rc::Rc;
 use std::time::Duration;
 
+mod rows;
+
 fn harness() -> Harness<'static, App> {
     harness_in(None)
 }
@@ -667,7 +669,8 @@ fn a_material_is_saved_under_a_name_and_given_again() {
     harness.get_all_by_label("ball").next().expect("a body").click();
     harness.run_steps(3);
     let kept = settle(&mut harness);
-    let beside = |node: &egui_kittest::Node<'_>| node.rect().left() > 790.0;
+    let button = harness.get_by_label("Save material").rect().center().y;
+    let beside = |node: &egui_kittest::Node<'_>| (node.rect().center().y - button).abs() < 4.0;
     let field = harness.get_all_by_role(Role::TextInput).rfind(beside).expect("the field for the name");
     field.focus();
     field.type_text("my own");

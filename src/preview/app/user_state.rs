@@ -23,6 +23,8 @@ pub(super) struct UserState {
     noted: PerDraft<Option<u64>>,
     left: Vec<LeftoverDraft>,
     data: Option<PathBuf>,
+    /// Whether the scale of widgets is that of an earlier run.
+    pub(super) scale_is_given: bool,
 }
 
 impl UserState {
@@ -59,6 +61,7 @@ impl UserState {
             noted: PerDraft::default(),
             left,
             data: Some(folders.data.clone()),
+            scale_is_given: reading.scale_is_given,
         };
         (user_state, notices)
     }

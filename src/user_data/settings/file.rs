@@ -22,6 +22,8 @@ pub struct LoadedSettings {
     pub source: Source,
     /// The problems of the file. If there are errors, the file is renamed and kept when settings are saved.
     pub diagnostics: Diagnostics,
+    /// Whether the file has a scale of widgets. Otherwise the screen may suggest one.
+    pub scale_is_given: bool,
 }
 
 /// The file of the settings.
@@ -45,7 +47,7 @@ impl SettingsFile {
 
     /// Reads the file. Without a file, and for values with errors, the settings are defaults.
     pub fn read(&mut self) -> LoadedSettings {
-        let (source, ParsedSettings { settings, mut diagnostics, .. }) = self.load();
+        let (source, ParsedSettings { settings, mut diagnostics, scale_is_given, .. }) = self.load();
         if diagnostics.has_errors() {
             let name = self.unused_name().display().to_string();
             let message = "settings that cannot be read have their default values";
@@ -53,7 +55,7 @@ impl SettingsFile {
                 .push(Diagnostic::warning(message).help(format!("when settings are saved, this file is kept as `{name}`")));
         }
         self.last_seen.clone_from(&settings);
-        LoadedSettings { settings, source, diagnostics }
+        LoadedSettings { settings, source, diagnostics, scale_is_given }
     }
 
     /// Saves settings, whole or not at all. What another program changed in the file stays, unless it was changed here
@@ -156,6 +158,7 @@ fn merge_settings(ours: &Settings, last_seen: &Settings, theirs: &Settings) -> S
             ),
             log: merge_value(&ours.window.log, &last_seen.window.log, &theirs.window.log),
             size: merge_value(&ours.window.size, &last_seen.window.size, &theirs.window.size),
+            panels: ours.window.panels.merged(&last_seen.window.panels, &theirs.window.panels),
         },
     }
 }

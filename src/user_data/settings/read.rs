@@ -7,7 +7,9 @@ use crate::lang::types::Type;
 use crate::lang::variables::Predefined;
 use crate::trace::{MAX_DEPTH, MAX_SIDE};
 use crate::user_data::settings::nearest::{nearest_number, nearest_whole};
-use crate::user_data::settings::{PREDEFINED_RANGE, SCALES, Settings, ThemeSetting, WINDOW_SIDES, is_index};
+use crate::user_data::settings::{
+    PANEL_SIZES, PREDEFINED_RANGE, PanelSide, SCALES, Settings, ThemeSetting, WINDOW_SIDES, is_index,
+};
 use crate::workspace::Location;
 use crate::workspace::spanned_toml::{TomlEntry, Value, check_version, entries, parse as parse_toml, unknown_key};
 
@@ -23,6 +25,8 @@ pub(super) struct ParsedSettings {
     pub(super) unknown: UnknownKeys,
     /// The problems.
     pub(super) diagnostics: Diagnostics,
+    /// Whether there is a scale of widgets.
+    pub(super) scale_is_given: bool,
 }
 
 /// Unknown keys, perhaps of another version of the program. They stay in the file.
@@ -68,7 +72,7 @@ fn unknown(source: &Source) -> UnknownKeys {
         _ => toml::Table::new(),
     };
     let defaults = rest_of("defaults", &|key| Predefined::named(key).is_some());
-    let window = rest_of("window", &|key| WINDOW_KEYS.contains(&key));
+    let window = rest_of("window", &|key| WINDOW_KEYS.contains(&key) || PanelSide::named(key).is_some());
     file.retain(|key, _| !KEYS.contains(&key));
     UnknownKeys { file, defaults, window }
 }
@@ -188,6 +192,7 @@ impl ParsedSettings {
             "scale" => {
                 if let Some(scale) = self.report_warning(nearest_number(entry.value, SCALES)) {
                     self.settings.window.scale = scale;
+                    self.scale_is_given = true;
                 }
             }
             "apply_as_you_type" => {
@@ -201,7 +206,17 @@ impl ParsedSettings {
                 }
             }
             "size" => self.settings.window.size = self.sides(entry.value, WINDOW_SIDES, self.settings.window.size),
-            _ => self.unknown(entry, &WINDOW_KEYS),
+            key => match PanelSide::named(key) {
+                Some(side) => {
+                    if let Some(size) = self.report_warning(nearest_number(entry.value, PANEL_SIZES)) {
+                        self.settings.window.panels.set(side, size);
+                    }
+                }
+                None => {
+                    let sides = PanelSide::ALL.map(PanelSide::key);
+                    self.unknown(entry, &[WINDOW_KEYS.as_slice(), sides.as_slice()].concat());
+                }
+            },
         }
     }
 }

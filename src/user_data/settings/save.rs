@@ -3,7 +3,7 @@
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::variables::Predefined;
 use crate::user_data::settings::read::UnknownKeys;
-use crate::user_data::settings::{Defaults, Settings};
+use crate::user_data::settings::{Defaults, PanelSizes, Settings};
 use crate::workspace::Location;
 use crate::workspace::spanned_toml::VERSION;
 use serde::{Serialize, Serializer};
@@ -30,6 +30,8 @@ struct WindowText<'s> {
     apply_as_you_type: bool,
     log: bool,
     size: [u32; 2],
+    #[serde(flatten)]
+    panels: PanelSizes,
     #[serde(flatten)]
     unknown: &'s toml::Table,
 }
@@ -80,6 +82,7 @@ pub(super) fn to_toml(settings: &Settings, unknown: &UnknownKeys) -> Result<Stri
             apply_as_you_type: window.apply_as_you_type,
             log: window.log,
             size: window.size,
+            panels: window.panels,
             unknown: &unknown.window,
         },
     };

@@ -27,6 +27,7 @@ scale = 1.5
 apply_as_you_type = true
 log = true
 size = [1920, 1080]
+owners_height = 300
 "#;
 
 fn parse(text: &str) -> (Settings, Vec<String>) {
@@ -62,8 +63,10 @@ fn settings_are_read() {
     assert_eq!(settings.defaults.of(Predefined::Ambient), [0.0]);
     assert_eq!(settings.defaults.of(Predefined::Background), [0.0, 0.0, 0.25]);
     assert_eq!(settings.defaults.of(Predefined::Intensity), [1.0]);
-    let window =
-        WindowSettings { theme: ThemeSetting::Light, scale: 1.5, apply_as_you_type: true, log: true, size: [1920, 1080] };
+    let mut panels = PanelSizes::default();
+    panels.set(PanelSide::Owners, 300.0);
+    let (theme, size) = (ThemeSetting::Light, [1920, 1080]);
+    let window = WindowSettings { theme, scale: 1.5, apply_as_you_type: true, log: true, size, panels };
     assert_eq!(settings.window, window);
 }
 
@@ -82,7 +85,7 @@ fn what_is_not_said_is_as_by_default() {
 #[test]
 fn what_is_out_of_range_is_the_nearest_that_is_within() {
     let text = "version = 1\ndepth = 99999999999999999999\nsize = [0, 40000]\nior = -1\n[defaults]\nkr = 2\n\
-                Cd = [0.5, -1, 3]\n[window]\nscale = 0.1\nsize = [1, 800]\n";
+                Cd = [0.5, -1, 3]\n[window]\nscale = 0.1\nsize = [1, 800]\ntexts_width = 9e9\n";
     let (settings, messages) = parse(text);
     assert_eq!(
         messages,
@@ -96,6 +99,7 @@ fn what_is_out_of_range_is_the_nearest_that_is_within() {
             "3 is out of range; 1 is used",
             "0.1 is out of range; 0.5 is used",
             "1 is out of range; 320 is used",
+            "9000000000 is out of range; 4000 is used",
         ]
     );
     assert_eq!((settings.depth, settings.size, settings.default_index), (9, [1, 32_768], 1.5));
@@ -301,9 +305,13 @@ fn two_programs_keep_each_others_changes() {
     second.defaults.set(Predefined::Refraction, [0.25; 3]);
     other.save(&second).unwrap();
     first.window.log = false;
+    first.window.panels.set(PanelSide::Texts, 500.0);
     one.save(&first).unwrap();
+    second.window.panels.set(PanelSide::Owners, 99.0);
+    other.save(&second).unwrap();
     let settings = SettingsFile::new(&folders).read().settings;
     assert_eq!((settings.depth, settings.window.theme, settings.window.log), (9, ThemeSetting::Dark, false));
+    assert_eq!(PanelSide::ALL.map(|side| settings.window.panels.get(side)), [500.0, 310.0, 99.0, 240.0]);
     assert_eq!(settings.defaults.of(Predefined::Reflection), [0.5]);
     assert_eq!(settings.defaults.of(Predefined::Refraction), [0.25]);
 }
@@ -350,7 +358,10 @@ fn any_settings() -> impl Strategy<Value = Settings> {
             for (parameter, value) in Predefined::ALL.iter().zip(values) {
                 defaults.set(*parameter, value);
             }
-            let window = WindowSettings { theme, scale, apply_as_you_type, log, size: window };
+            let mut panels = PanelSizes::default();
+            panels.set(PanelSide::Texts, scale * 100.0);
+            panels.set(PanelSide::Inspector, scale);
+            let window = WindowSettings { theme, scale, apply_as_you_type, log, size: window, panels };
             let startup = Location::new(startup);
             Settings { shadows, depth, size, default_index, startup, defaults, window }
         },

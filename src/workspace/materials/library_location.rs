@@ -32,7 +32,7 @@ impl LibraryLocation {
         let kept = |name: &Path| data.map(|data| data.join("materials").join(name));
         let path = match Location::new(uses) {
             Location::Preset(name) if presets::text(FileKind::Material, &name).is_none() => {
-                return Err(unknown_preset(FileKind::Material, &name));
+                return Err(unknown_preset(Some(FileKind::Material), &name));
             }
             Location::Preset(name) => {
                 let file = kept(Path::new(&format!("{name}.toml")));
