@@ -5,10 +5,35 @@ use crate::preview::app::action::{PictureOverlay, shortcut_of};
 use crate::preview::app::histogram::suitable_exposure;
 use crate::preview::app::pane::Zoom;
 use crate::preview::app::{Action, App};
-use egui::{Button, ComboBox, DragValue, Slider, SliderClamping, Ui};
+use egui::{Button, ComboBox, DragValue, Label, RichText, Slider, SliderClamping, Ui};
 
 /// The exposures of the slider, in stops.
 const SLIDER: std::ops::RangeInclusive<f32> = -6.0..=6.0;
+
+impl App {
+    /// Exposes the first picture of a new session or scene, whose lights have no chosen intensities yet. A session that
+    /// was saved still counts as saved.
+    pub(super) fn expose_first_picture(&mut self) {
+        /// A picture that is this close to its suitable exposure, in stops, stays as it is.
+        const CLOSE: f32 = 0.35;
+        if !self.exposes_first || !self.workshop.is_up_to_date() {
+            return;
+        }
+        let mut settings = self.workshop.settings();
+        let Some(frame) = &self.workshop.shown().linear else { return };
+        self.exposes_first = false;
+        let suitable = suitable_exposure(frame, settings.view.curve);
+        if let Some(stops) = suitable.filter(|stops| (stops - settings.view.exposure).abs() > CLOSE) {
+            let was_saved = !self.session_is_unsaved();
+            settings.view.exposure = stops;
+            // The exposure is within its range.
+            let _ = self.workshop.set_picture(settings);
+            if was_saved {
+                self.note_saved_session();
+            }
+        }
+    }
+}
 
 /// Draws the controls.
 pub(super) fn bar(app: &mut App, ui: &mut Ui, actions: &mut Vec<Action>) {
@@ -49,7 +74,8 @@ fn zoom(app: &App, ui: &mut Ui, actions: &mut Vec<Action>) {
             actions.push(action);
         }
     }
-    ui.weak(format!("{percent:.0} %"));
+    // Of one width: the rows of the controls, and so the size of the pane, must not depend on it.
+    ui.add_sized([48.0, 20.0], Label::new(RichText::new(format!("{percent:.0} %")).weak()));
 }
 
 fn exposure(app: &mut App, ui: &mut Ui) {
