@@ -4,8 +4,9 @@ use crate::picture::{EXPOSURES, ToneCurve, Transfer};
 use crate::preview::app::action::{PictureOverlay, shortcut_of};
 use crate::preview::app::histogram::suitable_exposure;
 use crate::preview::app::pane::Zoom;
+use crate::preview::app::theme::ROW_HEIGHT;
 use crate::preview::app::{Action, App};
-use egui::{Button, ComboBox, DragValue, Slider, SliderClamping, Ui};
+use egui::{Button, ComboBox, DragValue, Label, RichText, Slider, SliderClamping, Ui};
 
 /// The exposures of the slider, in stops.
 const SLIDER: std::ops::RangeInclusive<f32> = -6.0..=6.0;
@@ -49,7 +50,8 @@ fn zoom(app: &App, ui: &mut Ui, actions: &mut Vec<Action>) {
             actions.push(action);
         }
     }
-    ui.weak(format!("{percent:.0} %"));
+    // Of one width: otherwise the controls could need another line, and the pane another size, at another percentage.
+    ui.add_sized([48.0, ROW_HEIGHT], Label::new(RichText::new(format!("{percent:.0} %")).weak()));
 }
 
 fn exposure(app: &mut App, ui: &mut Ui) {

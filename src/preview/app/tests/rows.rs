@@ -33,8 +33,9 @@ fn button(pos: Pos2, pressed: bool) -> egui::Event {
 }
 
 fn rects(harness: &Harness<'_, App>, role: Role) -> Vec<Rect> {
-    // The menu and the editor have no such widgets.
-    harness.get_all_by_role(role).map(|node| node.rect()).collect()
+    // The controls below the picture have such widgets too.
+    let left = harness.get_all_by_label("ball").next().expect("a body").rect().left() - 40.0;
+    harness.get_all_by_role(role).map(|node| node.rect()).filter(|rect| rect.left() > left).collect()
 }
 
 #[test]
@@ -215,6 +216,8 @@ fn the_first_start_suits_the_screen_and_later_ones_the_user() {
     let mut app = App::new(None, None).expect("the built-in session");
     app.start_on_screen([1024, 640], 1.0);
     assert_eq!(app.window_size(), [1024, 640]);
+    let panels = app.user_state.settings.window.panels;
+    assert!(panels.get(PanelSide::Texts) + panels.get(PanelSide::Parameters) < 600.0, "{panels:?}");
 }
 
 #[test]
