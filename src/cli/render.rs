@@ -15,9 +15,12 @@ use std::path::PathBuf;
 pub(super) struct Options {
     #[command(flatten)]
     input: InputOptions,
-    /// Write 8-bit components with the sRGB transfer function
+    /// Write 8-bit components with the sRGB transfer function [default: as the session says]
     #[arg(long)]
     srgb: bool,
+    /// Write 8-bit components as they are
+    #[arg(long, conflicts_with = "srgb")]
+    linear: bool,
     /// Exposure in stops, -16 to 16: 1 makes the picture twice as bright [default: that of the session]
     #[arg(long, value_name = "STOPS", value_parser = exposure, allow_negative_numbers = true)]
     exposure: Option<f32>,
@@ -39,7 +42,12 @@ pub(super) struct Options {
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let target = PictureTarget::new(&options.output)?;
     let format = target.format();
-    let of_view = [("--srgb", options.srgb), ("--exposure", options.exposure.is_some()), ("--curve", options.curve.is_some())];
+    let of_view = [
+        ("--srgb", options.srgb),
+        ("--linear", options.linear),
+        ("--exposure", options.exposure.is_some()),
+        ("--curve", options.curve.is_some()),
+    ];
     for (option, _) in of_view.into_iter().filter(|(_, is_given)| *is_given && format == Format::Exr) {
         warn(format!("OpenEXR files hold linear numbers; `{option}` changes nothing"));
     }
@@ -68,6 +76,8 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let mut view = input.picture.view;
     if options.srgb {
         view.transfer = Transfer::Srgb;
+    } else if options.linear {
+        view.transfer = Transfer::Linear;
     }
     view.exposure = options.exposure.unwrap_or(view.exposure);
     view.curve = options.curve.as_deref().and_then(ToneCurve::named).unwrap_or(view.curve);
