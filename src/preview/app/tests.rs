@@ -27,12 +27,6 @@ fn harness_in(folders: Option<&Folders>) -> Harness<'static, App> {
     harness
 }
 
-/// The list of materials.
-fn materials<'h>(harness: &'h Harness<'_, App>) -> egui_kittest::Node<'h> {
-    let pane = harness.state().pane.area();
-    harness.get_all_by_role(Role::ComboBox).find(|list| list.rect().left() > pane.right()).expect("a list of materials")
-}
-
 /// Waits until the picture is that of the values.
 fn settle(harness: &mut Harness<'_, App>) -> Vec<u32> {
     for _ in 0..30_000 {
