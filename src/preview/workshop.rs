@@ -22,7 +22,7 @@ use crate::workspace::session::PictureSettings;
 use crate::workspace::{Assignment, OwnerId, ParameterTable, Session, Values};
 use crate::world::World;
 pub use export::PictureExport;
-use history::{HistoryEntry, ValueHistory};
+use history::{HistoryEntry, ValueHistory, changed};
 pub use opening::OpenedSession;
 use std::io;
 use std::path::Path;
@@ -332,6 +332,12 @@ impl Workshop {
     /// Whether there is a change to undo, and one to redo.
     pub fn can_undo_and_redo(&self) -> [bool; 2] {
         self.history.can_undo_and_redo()
+    }
+
+    /// What the change is of that would be undone, and of that which would be redone; `None` if there is none.
+    pub fn undo_and_redo_names(&self) -> [Option<String>; 2] {
+        let name = |other: &HistoryEntry| changed(&self.values, &other.clone().values_for(&self.formula, self.scene()));
+        self.history.last_and_next().map(|entry| entry.map(name))
     }
 
     /// Changes size, depth and other picture settings.
