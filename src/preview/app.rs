@@ -8,6 +8,7 @@
 mod action;
 mod autosave;
 mod colours;
+mod comparison;
 mod confirmation;
 mod dialogs;
 mod file_dialogs;
@@ -465,6 +466,11 @@ impl App {
         if window.size == WindowSettings::default().size {
             let fitted = |side: u32, screen: u32| ((side as f32 * scale) as u32).min(screen);
             window.size = [fitted(window.size[0], screen[0]), fitted(window.size[1], screen[1])];
+        }
+        // On a small screen the panels leave room for the picture.
+        let room = window.size[0] as f32 / scale;
+        for (side, share) in [(PanelSide::Texts, 0.3), (PanelSide::Parameters, 0.27)] {
+            window.panels.set(side, window.panels.get(side).min(share * room));
         }
         self.user_state.settings = self.user_state.settings.within_ranges();
     }

@@ -4,6 +4,7 @@
 //! unchanged.
 
 mod export;
+mod first_look;
 mod history;
 mod opening;
 
@@ -240,6 +241,13 @@ impl Workshop {
         self.world = Arc::new(World::new(scene));
         self.replace_values(values);
         Ok(warnings)
+    }
+
+    /// Gives bodies a first look, unless they have one of these names.
+    pub fn give_first_look(&mut self, known: &[String]) {
+        let mut values = self.values.clone();
+        first_look::give_first_look(&mut values, &self.world, |name| !known.iter().any(|known| known == name));
+        self.replace_values(values);
     }
 
     fn replace_values(&mut self, values: Values) {

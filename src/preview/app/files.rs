@@ -385,9 +385,14 @@ impl App {
         }
     }
 
-    /// Applies a text that has just been opened. A scene without a session is exposed by its first picture.
+    /// Applies a text that has just been opened. A scene without a session gets a first look: colours for bodies that the
+    /// open session does not know, and an exposure by the first picture.
     fn apply_opened(&mut self, tab: TextTab) {
+        let known: Vec<String> = self.workshop.scene().bodies.iter().map(|body| body.name.clone()).collect();
         self.apply(tab);
-        self.exposes_first = tab == TextTab::Scene && self.documents[tab].counts()[0] == 0;
+        if tab == TextTab::Scene && self.documents[tab].counts()[0] == 0 {
+            self.workshop.give_first_look(&known);
+            self.exposes_first = true;
+        }
     }
 }

@@ -10,7 +10,7 @@ use crate::preview::workshop::Workshop;
 use crate::trace::Edge;
 use crate::user_data::settings::{PanelSide, PanelSizes};
 use egui::{
-    Align, CollapsingHeader, Color32, Id, Layout, Panel, Rect, RichText, ScrollArea, Sense, Stroke, StrokeKind, Ui, vec2,
+    Align, CollapsingHeader, Color32, Id, Label, Layout, Panel, Rect, RichText, ScrollArea, Sense, Stroke, StrokeKind, Ui, vec2,
 };
 
 /// The inspector.
@@ -93,20 +93,18 @@ const LEAST_HEIGHT: f32 = 100.0;
 /// Draws the title, the colour of the pixel, and the button that closes the inspector. Returns whether it was clicked.
 fn header_ui(ui: &mut Ui, workshop: &Workshop, inspection: Option<&Inspection>) -> bool {
     let mut close = false;
-    ui.horizontal(|ui| {
-        match inspection {
-            Some(inspection) => {
-                let [x, y] = inspection.pixel;
-                ui.strong(format!("Pixel ({x}, {y})"));
-                swatch(ui, workshop, inspection.total);
-                ui.monospace(colour_text(inspection.total));
-            }
-            None => {
+    ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+        close = ui.small_button("×").on_hover_text("Close the pixel inspector (F5)").clicked();
+        // The rest of the row, which is shortened if it is too long.
+        ui.with_layout(Layout::left_to_right(Align::Center).with_main_align(Align::Min), |ui| {
+            let Some(inspection) = inspection else {
                 ui.strong("Pixel inspector");
-            }
-        }
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            close = ui.small_button("×").on_hover_text("Close the pixel inspector (F5)").clicked();
+                return;
+            };
+            let [x, y] = inspection.pixel;
+            ui.strong(format!("Pixel ({x}, {y})"));
+            swatch(ui, workshop, inspection.total);
+            ui.add(Label::new(RichText::new(colour_text(inspection.total)).monospace()).truncate());
         });
     });
     close

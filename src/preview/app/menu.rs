@@ -3,7 +3,8 @@
 use crate::backends::CHOICES;
 use crate::lang::display_text::one_line;
 use crate::preview::app::action::{PanelId, shortcut_of};
-use crate::preview::app::pane::{PaneMode, SNAPSHOTS, Zoom};
+use crate::preview::app::comparison::{GAINS, PAIRS, Pair, PaneMode, SNAPSHOTS, obstacle};
+use crate::preview::app::pane::Zoom;
 use crate::preview::app::tab::TextTab;
 use crate::preview::app::{Action, App, theme};
 use crate::preview::editor::{PossibleEdits, edit_menu_ui};
@@ -171,11 +172,43 @@ fn compare(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
     ui.separator();
     ui.radio_value(&mut app.pane.mode, PaneMode::Current, "Current picture");
     for (slot, name) in SNAPSHOTS.into_iter().enumerate() {
-        let is_taken = app.workshop.snapshot(slot).is_some();
-        ui.add_enabled_ui(is_taken, |ui| {
-            ui.radio_value(&mut app.pane.mode, PaneMode::Snapshot(slot), name);
-            ui.radio_value(&mut app.pane.mode, PaneMode::Split(slot), format!("{name} | now"));
+        ui.add_enabled_ui(app.workshop.snapshot(slot).is_some(), |ui| {
+            ui.radio_value(&mut app.pane.mode, PaneMode::Snapshot(slot), format!("{name} alone"));
         });
+    }
+    ui.separator();
+    ui.weak("Side by side");
+    for pair in PAIRS {
+        compare_entry(ui, app, pair, PaneMode::Split(pair), "|");
+    }
+    ui.separator();
+    ui.weak("Difference");
+    let gain = match app.pane.mode {
+        PaneMode::Difference(_, gain) => gain,
+        PaneMode::Current | PaneMode::Snapshot(_) | PaneMode::Split(_) => GAINS[0],
+    };
+    for pair in PAIRS {
+        compare_entry(ui, app, pair, PaneMode::Difference(pair, gain), "−");
+    }
+    if let PaneMode::Difference(_, gain) = &mut app.pane.mode {
+        ui.horizontal(|ui| {
+            ui.label("Amplified");
+            for choice in GAINS {
+                ui.selectable_value(gain, choice, format!("×{choice}"));
+            }
+        });
+    }
+}
+
+/// An entry that compares two pictures.
+fn compare_entry(ui: &mut Ui, app: &mut App, pair: Pair, mode: PaneMode, between: &str) {
+    let obstacle = obstacle(pair, &app.workshop);
+    let [one, other] = pair.map(|side| side.name());
+    let radio = egui::RadioButton::new(app.pane.mode == mode, format!("{one} {between} {other}"));
+    let response = ui.add_enabled(obstacle.is_none(), radio);
+    let response = response.on_disabled_hover_text(obstacle.unwrap_or_default());
+    if response.clicked() {
+        app.pane.mode = mode;
     }
 }
 

@@ -6,6 +6,7 @@ mod placement;
 pub(super) mod zoom;
 
 use crate::preview::PictureView;
+use crate::preview::app::comparison::{Compared, Comparison, PaneMode};
 use crate::preview::app::histogram::Histogram;
 use crate::preview::app::theme::Theme;
 use crate::preview::renderer::Picture;
@@ -23,21 +24,6 @@ const RESIZE_DELAY: f64 = 0.2;
 
 /// How close to the line between two pictures the pointer must be to move it, in points.
 const LINE_REACH: f32 = 6.0;
-
-/// The names of the snapshots.
-pub(super) const SNAPSHOTS: [&str; 2] = ["A", "B"];
-
-/// What the pane shows.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(super) enum PaneMode {
-    /// The current picture.
-    #[default]
-    Current,
-    /// A snapshot.
-    Snapshot(usize),
-    /// A snapshot on the left, the current picture on the right.
-    Split(usize),
-}
 
 /// The pane.
 pub(super) struct PicturePane {
@@ -58,7 +44,7 @@ pub(super) struct PicturePane {
     pointed: Option<[u32; 2]>,
     clicked: Option<[u32; 2]>,
     around: u32,
-    split: SideBySide,
+    comparison: Comparison,
     line: DividingLine,
     /// The picture with marks of clipped pixels, and the version of the picture without them.
     marked: (Picture, u64),
@@ -79,16 +65,6 @@ impl Default for DividingLine {
     }
 }
 
-/// Two pictures side by side.
-#[derive(Default)]
-struct SideBySide {
-    picture: Picture,
-    /// The versions of the two pictures.
-    versions: [u64; 2],
-    /// How many columns the first picture has.
-    columns: usize,
-}
-
 impl Default for PicturePane {
     fn default() -> Self {
         Self {
@@ -104,7 +80,7 @@ impl Default for PicturePane {
             pointed: None,
             clicked: None,
             around: 0,
-            split: SideBySide::default(),
+            comparison: Comparison::default(),
             line: DividingLine::default(),
             marked: (Picture::default(), 0),
             bars: Histogram::default(),
@@ -126,6 +102,12 @@ impl PicturePane {
     /// The area of the pane, in points.
     pub(super) fn area(&self) -> Rect {
         self.area
+    }
+
+    /// What the difference in view says in words.
+    pub(super) fn words_of_difference(&self) -> Option<String> {
+        let PaneMode::Difference(pair, gain) = self.mode else { return None };
+        self.comparison.picture(self.mode).map(|_| self.comparison.words(pair, gain))
     }
 
     /// The pixel that was clicked in this frame.
@@ -166,27 +148,15 @@ impl PicturePane {
         self.selected
     }
 
-    /// Makes what is shown in place of the current picture: two pictures side by side, or marks of clipped pixels.
+    /// Makes what is shown in place of the current picture: a comparison, or marks of clipped pixels.
     pub(super) fn compose(&mut self, workshop: &Workshop) {
-        self.join_pictures(workshop);
+        self.comparison.update(self.mode, self.line.position, workshop);
         let picture = self.unmarked(workshop);
         if self.clipping && picture.version > 0 && self.marked.1 != picture.version {
             let version = picture.version;
             // A version that no other picture has.
             let marked = Picture { version: version | 1 << 62, ..marked(picture, &workshop.settings().view) };
             self.marked = (marked, version);
-        }
-    }
-
-    /// Puts the parts of two pictures together, if they are in view side by side.
-    fn join_pictures(&mut self, workshop: &Workshop) {
-        let (PaneMode::Split(_), Some(old)) = (self.mode, self.snapshot_picture(workshop)) else { return };
-        let (shown, versions) = (workshop.shown(), [old.version, workshop.shown().version]);
-        let columns = (self.line.position * shown.width as f32).round() as usize;
-        if (self.split.versions, self.split.columns) != (versions, columns) {
-            // A version that no picture has, and that differs from the previous one.
-            let version = 1 << 63 | (self.split.picture.version + 1);
-            self.split = SideBySide { picture: Picture { version, ..join_pictures(old, shown, columns) }, versions, columns };
         }
     }
 
@@ -216,36 +186,37 @@ impl PicturePane {
         self.line.moves &= response.dragged();
     }
 
-    /// Labels the pictures if a snapshot is in view.
+    /// Labels the pictures if others than the current one are in view.
     fn label_pictures(&self, ui: &Ui, workshop: &Workshop) {
-        let (PaneMode::Snapshot(slot) | PaneMode::Split(slot)) = self.mode else { return };
-        let Some(name) = SNAPSHOTS.get(slot).filter(|_| workshop.snapshot(slot).is_some()) else { return };
         let painter = ui.painter_at(self.area);
-        let say = |at: Pos2, align: egui::Align2, text: String| {
+        let say = |at: Pos2, align: egui::Align2, text: &str| {
             let font = egui::TextStyle::Body.resolve(ui.style());
-            let words = painter.layout_no_wrap(text, font, ui.visuals().strong_text_color());
+            let room = self.area.width() - 28.0;
+            let words = painter.layout(text.to_owned(), font, ui.visuals().strong_text_color(), room);
             let at = align.anchor_size(at, words.size() + vec2(12.0, 6.0));
             painter.rect_filled(at, 4.0, ui.visuals().window_fill);
             painter.galley(at.min + vec2(6.0, 3.0), words, ui.visuals().strong_text_color());
         };
-        let (top, left, right) = (self.area.top() + 8.0, egui::Align2::LEFT_TOP, egui::Align2::RIGHT_TOP);
-        match self.line_at(workshop) {
-            Some(line) => {
-                let line = line.clamp(self.area.left(), self.area.right());
-                say(egui::pos2(line - 8.0, top), right, (*name).to_owned());
-                say(egui::pos2(line + 8.0, top), left, "now".to_owned());
+        let (left, right) = (egui::Align2::LEFT_TOP, egui::Align2::RIGHT_TOP);
+        let corner = self.area.min + vec2(8.0, 8.0);
+        match self.mode {
+            PaneMode::Snapshot(slot) if workshop.snapshot(slot).is_some() => {
+                say(corner, left, &format!("{}, as it was kept", Compared::Snapshot(slot).name()));
             }
-            None => say(egui::pos2(self.area.left() + 8.0, top), left, format!("{name}, as it was kept")),
+            PaneMode::Split(pair) if let Some(line) = self.line_at(workshop) => {
+                let line = line.clamp(self.area.left(), self.area.right());
+                say(egui::pos2(line - 8.0, corner.y), right, pair[0].name());
+                say(egui::pos2(line + 8.0, corner.y), left, pair[1].name());
+            }
+            PaneMode::Difference(..) if let Some(words) = self.words_of_difference() => say(corner, left, &words),
+            PaneMode::Current | PaneMode::Snapshot(_) | PaneMode::Split(_) | PaneMode::Difference(..) => {}
         }
     }
 
     /// Decides the size of the picture: that of the session, that of a snapshot beside it, or that of the pane once it
     /// no longer changes.
     fn update_size(&mut self, ui: &Ui, workshop: &mut Workshop) {
-        let beside = match self.mode {
-            PaneMode::Split(slot) => workshop.snapshot(slot).map(|snapshot| snapshot.picture.full_size),
-            PaneMode::Current | PaneMode::Snapshot(_) => None,
-        };
+        let beside = self.mode.wanted_size(workshop);
         if beside.is_some() || self.zoom != Zoom::Pane {
             self.size = ([0, 0], 0.0);
             workshop.show_size(beside);
@@ -267,14 +238,6 @@ impl PicturePane {
         }
     }
 
-    /// The picture of the snapshot in view.
-    fn snapshot_picture<'w>(&self, workshop: &'w Workshop) -> Option<&'w Picture> {
-        match self.mode {
-            PaneMode::Current => None,
-            PaneMode::Snapshot(slot) | PaneMode::Split(slot) => workshop.snapshot(slot).map(|snapshot| &snapshot.picture),
-        }
-    }
-
     /// The picture in view.
     pub(super) fn picture<'p>(&'p self, workshop: &'p Workshop) -> &'p Picture {
         let picture = self.unmarked(workshop);
@@ -283,11 +246,11 @@ impl PicturePane {
 
     /// The picture in view, without marks of clipped pixels.
     fn unmarked<'p>(&'p self, workshop: &'p Workshop) -> &'p Picture {
-        match (self.mode, self.snapshot_picture(workshop)) {
-            (PaneMode::Snapshot(_), Some(picture)) => picture,
-            (PaneMode::Split(_), Some(_)) => &self.split.picture,
-            (PaneMode::Current | PaneMode::Snapshot(_) | PaneMode::Split(_), _) => workshop.shown(),
-        }
+        let snapshot = match self.mode {
+            PaneMode::Snapshot(slot) => workshop.snapshot(slot).map(|snapshot| &snapshot.picture),
+            PaneMode::Current | PaneMode::Split(_) | PaneMode::Difference(..) => None,
+        };
+        snapshot.or_else(|| self.comparison.picture(self.mode)).unwrap_or_else(|| workshop.shown())
     }
 
     /// Zooms by some steps. The point of the picture at this position of the screen stays where it is.
@@ -319,7 +282,7 @@ impl PicturePane {
     /// Where the line between two pictures is on the screen, in points.
     fn line_at(&self, workshop: &Workshop) -> Option<f32> {
         let PaneMode::Split(_) = self.mode else { return None };
-        self.snapshot_picture(workshop)?;
+        self.comparison.picture(self.mode)?;
         let placement = self.placement(workshop);
         Some(placement.position_of([self.line.position * placement.full()[0] as f32, 0.0]).x)
     }
@@ -354,21 +317,4 @@ pub(super) fn body_at(workshop: &Workshop, [x, y]: [u32; 2]) -> Option<BodyId> {
     }
     let tracer = Tracer::new(workshop.world(), &view);
     tracer.hit(&tracer.primary(y * view.width() + x)).map(|hit| hit.body)
-}
-
-/// Some columns of one picture, a line, and the rest of the other picture.
-fn join_pictures(one: &Picture, other: &Picture, columns: usize) -> Picture {
-    let mut both = other.clone();
-    if one.width != other.width || one.height != other.height {
-        return both;
-    }
-    let width = other.width as usize;
-    let columns = columns.min(width);
-    for (row, from) in both.pixels.chunks_exact_mut(width.max(1)).zip(one.pixels.chunks_exact(width.max(1))) {
-        row[..columns].copy_from_slice(&from[..columns]);
-        if let Some(pixel) = row.get_mut(columns) {
-            *pixel = 0x00ff_ffff;
-        }
-    }
-    both
 }

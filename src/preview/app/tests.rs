@@ -8,6 +8,7 @@ use std::cell::RefCell;
 use std::rc::Rc;
 use std::time::Duration;
 
+mod comparing;
 mod light;
 mod rows;
 mod safety;
@@ -25,12 +26,6 @@ fn harness_in(folders: Option<&Folders>) -> Harness<'static, App> {
     harness.state_mut().workshop.set_picture(small).expect("a size in range");
     settle(&mut harness);
     harness
-}
-
-/// The list of materials.
-fn materials<'h>(harness: &'h Harness<'_, App>) -> egui_kittest::Node<'h> {
-    let pane = harness.state().pane.area();
-    harness.get_all_by_role(Role::ComboBox).find(|list| list.rect().left() > pane.right()).expect("a list of materials")
 }
 
 /// Waits until the picture is that of the values.
@@ -588,7 +583,7 @@ fn a_snapshot_is_compared_with_the_picture_along_a_line_that_moves() {
     let id = workshop.formula().predefined(crate::lang::variables::Predefined::Ambient);
     workshop.set(crate::workspace::OwnerId::Global, id, [1.0; 3]);
     let now = settle(&mut harness);
-    harness.state_mut().pane.mode = pane::PaneMode::Split(0);
+    harness.state_mut().pane.mode = comparison::PaneMode::Split(comparison::PAIRS[0]);
     harness.run_steps(2);
     // How many columns of the last row, which is the floor's, are those of the snapshot.
     let last = 64 * 47..64 * 48;
@@ -625,11 +620,11 @@ fn a_picture_beside_a_snapshot_has_its_size_whatever_the_pane_has() {
     harness.state_mut().perform(Action::TogglePanel(action::PanelId::Log));
     let narrow = size(&mut harness);
     assert!(narrow[1] < wide[1]);
-    harness.state_mut().pane.mode = pane::PaneMode::Split(0);
+    harness.state_mut().pane.mode = comparison::PaneMode::Split(comparison::PAIRS[0]);
     assert_eq!(size(&mut harness), wide);
     let app = harness.state();
     assert_eq!(app.pane.picture(&app.workshop).full_size, wide);
-    harness.state_mut().pane.mode = pane::PaneMode::Current;
+    harness.state_mut().pane.mode = comparison::PaneMode::Current;
     assert_eq!(size(&mut harness), narrow);
 }
 
@@ -674,6 +669,10 @@ fn a_material_is_saved_under_a_name_and_given_again() {
     harness.get_all_by_label("ball").next().expect("a body").click();
     harness.run_steps(3);
     let kept = settle(&mut harness);
+    fn materials<'h>(harness: &'h Harness<'_, App>) -> egui_kittest::Node<'h> {
+        let panel = |node: &egui_kittest::Node<'_>| node.rect().left() > 790.0;
+        harness.get_all_by_role(Role::ComboBox).find(panel).expect("the list of materials")
+    }
     let button = harness.get_by_label("Save material").rect().center().y;
     let beside = |node: &egui_kittest::Node<'_>| (node.rect().center().y - button).abs() < 4.0;
     let field = harness.get_all_by_role(Role::TextInput).rfind(beside).expect("the field for the name");

@@ -4,6 +4,7 @@ use crate::picture::{EXPOSURES, ToneCurve, Transfer};
 use crate::preview::app::action::{PictureOverlay, shortcut_of};
 use crate::preview::app::histogram::suitable_exposure;
 use crate::preview::app::pane::Zoom;
+use crate::preview::app::theme::ROW_HEIGHT;
 use crate::preview::app::{Action, App};
 use egui::{Button, ComboBox, DragValue, Label, RichText, Slider, SliderClamping, Ui};
 
@@ -74,8 +75,8 @@ fn zoom(app: &App, ui: &mut Ui, actions: &mut Vec<Action>) {
             actions.push(action);
         }
     }
-    // Of one width: the rows of the controls, and so the size of the pane, must not depend on it.
-    ui.add_sized([48.0, 20.0], Label::new(RichText::new(format!("{percent:.0} %")).weak()));
+    // Of one width: otherwise the controls could need another line, and the pane another size, at another percentage.
+    ui.add_sized([48.0, ROW_HEIGHT], Label::new(RichText::new(format!("{percent:.0} %")).weak()));
 }
 
 fn exposure(app: &mut App, ui: &mut Ui) {

@@ -216,6 +216,8 @@ fn the_first_start_suits_the_screen_and_later_ones_the_user() {
     let mut app = App::new(None, None).expect("the built-in session");
     app.start_on_screen([1024, 640], 1.0);
     assert_eq!(app.window_size(), [1024, 640]);
+    let panels = app.user_state.settings.window.panels;
+    assert!(panels.get(PanelSide::Texts) + panels.get(PanelSide::Parameters) < 600.0, "{panels:?}");
 }
 
 #[test]
