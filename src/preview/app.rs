@@ -106,6 +106,8 @@ pub struct App {
     query: String,
     /// Whether the text editor had the keyboard in the last frame.
     typing: bool,
+    /// Whether the next picture decides the exposure.
+    exposes_first: bool,
     /// The context of the window, once there is one; it wakes the window.
     context: Arc<OnceLock<Context>>,
     closing: bool,
@@ -191,6 +193,7 @@ impl App {
             user_state,
             query: String::new(),
             typing: false,
+            exposes_first: false,
             context,
             closing: false,
             closing_errors: Vec::new(),
@@ -214,6 +217,7 @@ impl App {
     /// Draws everything, and performs the actions of the user.
     pub fn draw(&mut self, ui: &mut Ui) {
         self.workshop.refresh();
+        self.expose_first_picture();
         let size = ui.ctx().content_rect().size() * self.scale;
         self.user_state.settings.window.size = [size.x, size.y].map(|side| side.round() as u32);
         let events: Vec<_> = self.workshop.renderer().events().collect();

@@ -43,11 +43,11 @@ pub(in crate::jit) enum Writing {
 }
 
 /// The code of `fn(planes, pixels, lines, next_lines, table, first, second)`. `planes` points to the red of some
-/// pixels; green and blue follow at distances of `plane_stride` bytes. `pixels` points to as many lines of a framebuffer. The
-/// code writes `0x00RRGGBB`. [`Writing::Linear`] clamps components to 0..`first`, and multiplies them by `second`.
-/// [`Writing::Table`] clamps them to `first`..`second`; `table` is the [origin](ByteTable::origin) of a table. The code
-/// prefetches as many lines from `next_lines` on, into the L2 cache: in the L1 cache, the planes of the next tile would
-/// displace them.
+/// pixels; green and blue follow at distances of `plane_stride` bytes. `pixels` points to as many lines of a
+/// framebuffer. The code writes `0x00RRGGBB`. [`Writing::Linear`] clamps components to 0..`first`, and multiplies them
+/// by `second`. [`Writing::Table`] clamps them to `first`..`second`; `table` is the [origin](ByteTable::origin) of a
+/// table. The code prefetches as many lines from `next_lines` on, into the L2 cache: in the L1 cache, the planes of the
+/// next tile would displace them.
 pub(in crate::jit) fn writing_code(width: Width, writing: Writing, plane_stride: i64) -> Result<Vec<u8>, IcedError> {
     let mut code = Assembler::new(width);
     constants(&mut code, writing)?;

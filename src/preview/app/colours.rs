@@ -1,7 +1,7 @@
 //! Colours of parameters as the picture shows them: swatches, hexadecimal fields, and the picker.
 //!
-//! Values are linear. What is displayed went through the transfer of the session, as in the picture, but not through its
-//! exposure and tone curve: a swatch shows the value, not the light on it. The picker and the field work on the
+//! Values are linear. What is displayed went through the transfer of the session, as in the picture, but not through
+//! its exposure and tone curve: a swatch shows the value, not the light on it. The picker and the field work on the
 //! displayed colour.
 
 use crate::picture::{Transfer, ViewTransform};

@@ -198,6 +198,7 @@ impl App {
         let settings = &self.user_state.settings;
         self.workshop.begin_session(settings.picture(), |table| settings.initial_values(table));
         self.session = None;
+        self.exposes_first = true;
         self.note_saved_session();
     }
 
@@ -252,7 +253,7 @@ impl App {
         };
         self.documents[tab] = Document::untitled(kind, text);
         self.tab = tab;
-        self.apply(tab);
+        self.apply_opened(tab);
     }
 
     fn open(&mut self, kind: FileKind, location: Location) {
@@ -262,7 +263,7 @@ impl App {
                 self.note_recent(kind, &location);
                 self.documents[tab] = Document::opened(kind, location, source.text());
                 self.tab = tab;
-                self.apply(tab);
+                self.apply_opened(tab);
             }
             Err(error) => self.dialogs.show_message("Not opened", error.message()),
         }
@@ -342,6 +343,12 @@ impl App {
                 document.set_diagnostics(errors);
             }
         }
+    }
+
+    /// Applies a text that has just been opened. A scene without a session is exposed by its first picture.
+    fn apply_opened(&mut self, tab: TextTab) {
+        self.apply(tab);
+        self.exposes_first = tab == TextTab::Scene && self.documents[tab].counts()[0] == 0;
     }
 
     fn save(&mut self) {

@@ -78,8 +78,8 @@ fn draw_bars(painter: &Painter, inner: Rect, bars: &[u32; BARS], most: f32, colo
     painter.add(Shape::line(line, Stroke::new(1.0, colour)));
 }
 
-/// The exposure in stops at which the brightest parts of a picture are just below white, rounded to tenths. One pixel in
-/// a hundred may be brighter. `None` if the picture is black.
+/// The exposure in stops at which the brightest parts of a picture are just below white, rounded to tenths. One pixel
+/// in a hundred may be brighter. `None` if the picture is black.
 pub(super) fn suitable_exposure(frame: &Frame, curve: ToneCurve) -> Option<f32> {
     const SHARE: f64 = 0.99;
     const TARGET: f64 = 0.85;

@@ -40,7 +40,7 @@ pub(super) fn bar(app: &App, ui: &mut Ui, actions: &mut Vec<Action>) {
     });
 }
 
-/// Draws the linear colour of a pixel and its bytes on the display. The linear colour is missing while a slider is held.
+/// Draws the linear colour of a pixel and its bytes on the display. There is no linear colour while a slider is held.
 fn colours(app: &App, ui: &mut Ui, [x, y]: [u32; 2]) {
     let shown = app.workshop.shown();
     if !shown.is_full() || x >= shown.width || y >= shown.height {

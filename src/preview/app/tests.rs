@@ -9,6 +9,7 @@ use std::rc::Rc;
 use std::time::Duration;
 
 mod comparing;
+mod light;
 mod rows;
 
 fn harness() -> Harness<'static, App> {

@@ -11,6 +11,31 @@ use egui::{Button, ComboBox, DragValue, Label, RichText, Slider, SliderClamping,
 /// The exposures of the slider, in stops.
 const SLIDER: std::ops::RangeInclusive<f32> = -6.0..=6.0;
 
+impl App {
+    /// Exposes the first picture of a new session or scene, whose lights have no chosen intensities yet. A session that
+    /// was saved still counts as saved.
+    pub(super) fn expose_first_picture(&mut self) {
+        /// A picture that is this close to its suitable exposure, in stops, stays as it is.
+        const CLOSE: f32 = 0.35;
+        if !self.exposes_first || !self.workshop.is_up_to_date() {
+            return;
+        }
+        let mut settings = self.workshop.settings();
+        let Some(frame) = &self.workshop.shown().linear else { return };
+        self.exposes_first = false;
+        let suitable = suitable_exposure(frame, settings.view.curve);
+        if let Some(stops) = suitable.filter(|stops| (stops - settings.view.exposure).abs() > CLOSE) {
+            let was_saved = !self.session_is_unsaved();
+            settings.view.exposure = stops;
+            // The exposure is within its range.
+            let _ = self.workshop.set_picture(settings);
+            if was_saved {
+                self.note_saved_session();
+            }
+        }
+    }
+}
+
 /// Draws the controls.
 pub(super) fn bar(app: &mut App, ui: &mut Ui, actions: &mut Vec<Action>) {
     ui.horizontal_wrapped(|ui| {
