@@ -43,6 +43,8 @@ pub struct Parameter {
     pub slider: bool,
     /// Whether it gets a colour picker.
     pub colour: bool,
+    /// What the author's comment at the declaration says, as one line. It may hold any characters.
+    pub doc: Option<String>,
     /// Which predefined parameter it is, if it is one.
     pub predefined: Option<Predefined>,
     /// The index of its first number among the numbers of its owner, see [`Formula::slots`].

@@ -110,6 +110,8 @@ pub struct Declaration {
     pub slider: bool,
     /// `color`, with its place.
     pub colour: Option<SourceSpan>,
+    /// What the comments at the declaration say, see [`doc`](crate::lang::comments::doc).
+    pub doc: Option<String>,
 }
 
 /// How the sum of an invariant relates to 1.
@@ -139,6 +141,8 @@ pub struct MacroLine {
     pub name: Name,
     /// What it stands for.
     pub body: ExprId,
+    /// What the comments at the line say, see [`doc`](crate::lang::comments::doc).
+    pub doc: Option<String>,
 }
 
 /// A section of declarations or invariants, in the order of the file.

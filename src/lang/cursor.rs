@@ -2,7 +2,7 @@
 
 use crate::lang::ast::Name;
 use crate::lang::diagnostic::{Diagnostic, Diagnostics, nearest};
-use crate::lang::lexer::tokenize;
+use crate::lang::lexer::{TokenizedText, tokenize};
 use crate::lang::source::{Source, SourceSpan};
 use crate::lang::token::{Mark, Token, TokenKind};
 use crate::lang::variables::RESERVED;
@@ -24,6 +24,7 @@ pub struct Placed<T> {
 #[derive(Debug)]
 pub struct Cursor {
     tokens: Vec<Token>,
+    comments: Vec<SourceSpan>,
     at: usize,
     diagnostics: Diagnostics,
 }
@@ -31,14 +32,19 @@ pub struct Cursor {
 impl Cursor {
     /// The beginning of a source. Errors in its characters are reported here.
     pub fn new(source: &Source) -> Self {
-        let (tokens, diagnostics) = tokenize(source);
-        Self { tokens, at: 0, diagnostics }
+        let TokenizedText { tokens, comments, diagnostics } = tokenize(source);
+        Self { tokens, comments, at: 0, diagnostics }
     }
 
     /// Everything that was reported, in the order of places.
     pub fn into_diagnostics(mut self) -> Diagnostics {
         self.diagnostics.sort();
         self.diagnostics
+    }
+
+    /// All comments of the source, in order.
+    pub fn comments(&self) -> &[SourceSpan] {
+        &self.comments
     }
 
     /// The word `ahead` words after the current one, or the end of the text.

@@ -10,20 +10,29 @@ use crate::lang::token::{Mark, Token, TokenKind};
 /// How many unknown characters a message shows.
 const MOST_SHOWN: usize = 20;
 
-/// The words of a text, with [`TokenKind::End`] after the last, and what is wrong with its characters.
-///
-/// Characters that cannot begin a word are reported; in the list they are [`TokenKind::Unknown`].
-pub fn tokenize(source: &Source) -> (Vec<Token>, Diagnostics) {
-    let mut lexer = Lexer { text: source.text(), at: 0, tokens: Vec::new(), diagnostics: Diagnostics::new() };
+/// A text as words and comments.
+#[derive(Debug, Clone, Default)]
+pub struct TokenizedText {
+    /// The words, with [`TokenKind::End`] after the last. Characters that cannot begin a word are
+    /// [`TokenKind::Unknown`].
+    pub tokens: Vec<Token>,
+    /// The comments, in order, each with the marks that begin and end it.
+    pub comments: Vec<SourceSpan>,
+    /// What is wrong with the characters.
+    pub diagnostics: Diagnostics,
+}
+
+/// The words and the comments of a text.
+pub fn tokenize(source: &Source) -> TokenizedText {
+    let mut lexer = Lexer { text: source.text(), at: 0, found: TokenizedText::default() };
     lexer.run();
-    (lexer.tokens, lexer.diagnostics)
+    lexer.found
 }
 
 struct Lexer<'s> {
     text: &'s str,
     at: usize,
-    tokens: Vec<Token>,
-    diagnostics: Diagnostics,
+    found: TokenizedText,
 }
 
 impl Lexer<'_> {
@@ -72,22 +81,23 @@ impl Lexer<'_> {
     }
 
     fn push(&mut self, kind: TokenKind, start: usize) {
-        let before = self.tokens.last().map_or(0, |token| token.span.end as usize);
-        let begins_line = self.tokens.is_empty() || self.text[before.min(start)..start].contains(LINE_ENDS);
-        self.tokens.push(Token { kind, span: SourceSpan::new(start, self.at), begins_line });
+        let before = self.found.tokens.last().map_or(0, |token| token.span.end as usize);
+        let begins_line = self.found.tokens.is_empty() || self.text[before.min(start)..start].contains(LINE_ENDS);
+        self.found.tokens.push(Token { kind, span: SourceSpan::new(start, self.at), begins_line });
     }
 
     fn skip_blanks(&mut self) {
         loop {
             let blanks = self.rest().len() - self.rest().trim_start().len();
             self.at += blanks;
+            let start = self.at;
             if self.rest().starts_with("//") {
                 self.at = self.line_end(self.at);
             } else if self.rest().starts_with("/*") {
                 match self.rest()[2..].find("*/") {
                     Some(end) => self.at += 2 + end + 2,
                     None => {
-                        self.diagnostics.push(
+                        self.found.diagnostics.push(
                             Diagnostic::error("a comment is not closed")
                                 .at(SourceSpan::new(self.at, self.at + 2), "it begins here and goes on to the end of the file")
                                 .help("end it with `*/`; a comment of one line can begin with `//`"),
@@ -97,6 +107,9 @@ impl Lexer<'_> {
                 }
             } else if blanks == 0 {
                 return;
+            }
+            if self.at > start {
+                self.found.comments.push(SourceSpan::new(start, self.at));
             }
         }
     }
@@ -119,7 +132,7 @@ impl Lexer<'_> {
         // Rust can read every text of this form.
         let value = self.text[start..self.at].parse::<f64>().unwrap_or(f64::INFINITY);
         if value.is_infinite() {
-            self.diagnostics.push(
+            self.found.diagnostics.push(
                 Diagnostic::error("this number is too large")
                     .at(SourceSpan::new(start, self.at), "larger than the largest number")
                     .help(format!("numbers go up to about {:e}", f32::MAX)),
@@ -136,7 +149,7 @@ impl Lexer<'_> {
         if name != "uses" {
             let span = SourceSpan::new(start, self.at + word);
             self.at += word;
-            self.diagnostics.push(
+            self.found.diagnostics.push(
                 Diagnostic::error(if name.is_empty() { "a stray `#`".to_owned() } else { format!("`#{name}` has no meaning") })
                     .at(span, "")
                     .help("only `#uses FILE;` begins with `#`; comments are written `// …` or `/* … */`"),
@@ -150,7 +163,7 @@ impl Lexer<'_> {
         let (path_end, next) = match self.text[self.at..line_end].find(';') {
             Some(length) => (self.at + length, self.at + length + 1),
             None => {
-                self.diagnostics.push(
+                self.found.diagnostics.push(
                     Diagnostic::error("`#uses` has no `;` at the end of its line")
                         .at(SourceSpan::new(start, start + "#uses".len()), "")
                         .help("write `#uses FILE;` on one line"),
@@ -199,7 +212,7 @@ impl Lexer<'_> {
         let diagnostic = Diagnostic::error(format!("`{shown}{rest}` is not part of the language"))
             .at(SourceSpan::new(start, start + text.len()), "not understood")
             .help_if(hint);
-        self.diagnostics.push(diagnostic);
+        self.found.diagnostics.push(diagnostic);
         self.push(TokenKind::Unknown, start);
     }
 }
@@ -209,7 +222,7 @@ mod tests {
     use super::*;
 
     fn kinds(text: &str) -> Vec<TokenKind> {
-        let (tokens, diagnostics) = tokenize(&Source::new("t", text));
+        let TokenizedText { tokens, diagnostics, .. } = tokenize(&Source::new("t", text));
         assert!(diagnostics.is_empty(), "{diagnostics:?}");
         tokens.into_iter().map(|token| token.kind).collect()
     }
@@ -237,7 +250,8 @@ mod tests {
     fn a_comment_and_uses_end_with_their_line() {
         for end in ["\n", "\r\n", "\r"] {
             assert_eq!(kinds(&format!("// a \u{85} \u{2028} b{end}c")), [word("c"), TokenKind::End], "{end:?}");
-            let (tokens, diagnostics) = tokenize(&Source::new("t", format!("#uses x{end}; a{end}b // c{end}d")));
+            let TokenizedText { tokens, diagnostics, .. } =
+                tokenize(&Source::new("t", format!("#uses x{end}; a{end}b // c{end}d")));
             assert_eq!(diagnostics.len(), 1, "`;` is on the next line: {diagnostics:?}");
             let begins: Vec<bool> = tokens.iter().map(|token| token.begins_line).collect();
             assert_eq!(begins, [true, true, false, true, true, false], "{end:?} {tokens:?}");
@@ -253,7 +267,7 @@ mod tests {
 
     #[test]
     fn strangers_are_reported_and_passed_over() {
-        let (tokens, diagnostics) = tokenize(&Source::new("t", "a & b § c $$ d | e"));
+        let TokenizedText { tokens, diagnostics, .. } = tokenize(&Source::new("t", "a & b § c $$ d | e"));
         assert_eq!(tokens.iter().filter(|token| token.kind == TokenKind::Unknown).count(), 4);
         assert_eq!(tokens.len(), 10);
         assert_eq!(diagnostics.len(), 4, "{diagnostics:?}");
@@ -261,7 +275,7 @@ mod tests {
 
     #[test]
     fn an_open_comment_is_an_error_at_its_beginning() {
-        let (_, diagnostics) = tokenize(&Source::new("t", "a /* b"));
+        let TokenizedText { diagnostics, .. } = tokenize(&Source::new("t", "a /* b"));
         assert_eq!(diagnostics.iter().next().and_then(Diagnostic::span), Some(SourceSpan::new(2, 4)));
     }
 }

@@ -16,6 +16,7 @@
 
 pub mod ast;
 pub mod builtins;
+pub mod comments;
 pub mod cursor;
 pub mod diagnostic;
 pub mod display_text;

@@ -5,6 +5,7 @@
 
 use crate::lang::ast::{Constant, Declaration, FormulaFile, InvariantLine, MacroLine, Relation, Section};
 use crate::lang::ast::{Expr, ExprId, ExprKind};
+use crate::lang::comments::doc;
 use crate::lang::cursor::{Cursor, Placed, Reported};
 use crate::lang::diagnostic::{Diagnostic, Diagnostics, nearest};
 use crate::lang::keywords;
@@ -190,8 +191,9 @@ impl FormulaParser<'_> {
             _ => return Err(self.cursor.unknown_word("`scalar` or `vector`", &keywords::words(&keywords::TYPES))),
         };
         self.cursor.advance();
-        let mut declaration = Declaration { name, owner, ty, range: None, default: None, slider: false, colour: None };
+        let mut declaration = Declaration { name, owner, ty, range: None, default: None, slider: false, colour: None, doc: None };
         let outcome = self.attributes(&mut declaration);
+        declaration.doc = self.doc(declaration.name.span);
         list.push(declaration);
         outcome
     }
@@ -365,7 +367,8 @@ impl FormulaParser<'_> {
             self.cursor.advance();
             let body = self.expression_statement();
             let body = body.unwrap_or_else(|Reported| self.missing());
-            self.file.macros.push(MacroLine { name, body });
+            let doc = self.doc(name.span);
+            self.file.macros.push(MacroLine { name, body, doc });
             return Ok(());
         }
         if self.cursor.sees_mark(1, Mark::Colon) {
@@ -381,7 +384,8 @@ impl FormulaParser<'_> {
             Ok(body) => (body, Ok(())),
             Err(Reported) => (self.missing(), Err(Reported)),
         };
-        self.file.macros.push(MacroLine { name, body });
+        let doc = self.doc(name.span);
+        self.file.macros.push(MacroLine { name, body, doc });
         outcome
     }
 
@@ -396,6 +400,11 @@ impl FormulaParser<'_> {
             return Err(Reported);
         }
         Ok(expression)
+    }
+
+    /// What the comments at the statement say that begins with this name and has just been read.
+    fn doc(&self, name: SourceSpan) -> Option<String> {
+        doc(self.source.text(), self.cursor.comments(), name.to(self.cursor.previous_span()))
     }
 
     fn missing(&mut self) -> ExprId {

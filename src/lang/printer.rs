@@ -92,7 +92,8 @@ pub fn print(file: &FormulaFile) -> String {
     }
     out.push_str("formula;\n");
     for line in &file.macros {
-        out.push_str(&format!("{} = {};\n", line.name.text, print_expression(file, line.body)));
+        out.push_str(&format!("{} = {};", line.name.text, print_expression(file, line.body)));
+        print_doc(line.doc.as_deref(), &mut out);
     }
     if let Some(result) = file.result {
         out.push_str(&format!("= {};\n", print_expression(file, result)));
@@ -116,7 +117,16 @@ fn print_declaration(declaration: &Declaration, out: &mut String) {
     }
     out.push_str(if declaration.slider { ", slider" } else { "" });
     out.push_str(if declaration.colour.is_some() { ", color" } else { "" });
-    out.push_str(";\n");
+    out.push(';');
+    print_doc(declaration.doc.as_deref(), out);
+}
+
+/// Ends a line, with what its comment says.
+fn print_doc(doc: Option<&str>, out: &mut String) {
+    if let Some(doc) = doc {
+        out.push_str(&format!(" // {doc}"));
+    }
+    out.push('\n');
 }
 
 /// A part of an expression that is still to be written.

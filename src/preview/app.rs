@@ -9,7 +9,9 @@ mod action;
 mod autosave;
 mod colours;
 mod comparison;
+mod confirmation;
 mod dialogs;
+mod file_dialogs;
 mod files;
 mod histogram;
 mod inspector;
@@ -22,6 +24,8 @@ mod number_field;
 mod pane;
 mod panel_sizes;
 mod parameters;
+mod question;
+mod saving;
 mod settings_dialog;
 mod status;
 mod tab;
@@ -50,6 +54,7 @@ use crate::workspace::{
     presets::{self, DEFAULT_SESSION},
 };
 use autosave::{Autosave, DraftSlot, PerDraft, Unsaved};
+use confirmation::Confirmation;
 use dialogs::Dialogs;
 use egui::{CentralPanel, Context, Frame, Id, Panel, Ui};
 use inspector::InspectorPanel;
@@ -60,6 +65,7 @@ use notices::{Notice, Notices, Topic};
 use pane::PicturePane;
 use panel_sizes::remember;
 use parameters::ParameterPanel;
+use saving::PendingSave;
 use settings_dialog::SettingsDialog;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io;
@@ -93,6 +99,8 @@ pub struct App {
     log: Log,
     dialogs: Dialogs,
     notices: Notices,
+    confirmation: Confirmation,
+    pending_save: Option<PendingSave>,
     jobs: Jobs,
     settings_dialog: SettingsDialog,
     inspector: InspectorPanel,
@@ -182,6 +190,8 @@ impl App {
             log: Log::default(),
             dialogs: Dialogs::default(),
             notices: Notices::default(),
+            confirmation: Confirmation::default(),
+            pending_save: None,
             jobs: Jobs::new(waker(&context)),
             settings_dialog: SettingsDialog::default(),
             inspector: InspectorPanel::default(),
@@ -236,7 +246,7 @@ impl App {
         }
         let typing = std::mem::take(&mut self.typing) || ui.ctx().text_edit_focused();
         // While a dialog waits for an answer, shortcuts do nothing.
-        let waits = self.dialogs.file_dialog_is_open() || ui.memory(|memory| memory.top_modal_layer().is_some());
+        let waits = self.dialogs.files.is_open() || ui.memory(|memory| memory.top_modal_layer().is_some());
         let mut actions = if waits { Vec::new() } else { action::pressed(ui, typing) };
         Panel::top("menu").show(ui, |ui| menu::bar(self, ui, &mut actions));
         if !self.notices.is_empty() {
@@ -264,10 +274,9 @@ impl App {
             let panel = Panel::right(named("parameters")).resizable(true).default_size(of_parameters);
             panel.size_range(LEAST_PARAMETERS..=most).show(ui, |ui| {
                 let shared = (self.pane.selected(), &mut sizes);
-                if let Some(error) = self.parameters.ui(ui, &mut self.workshop, &mut self.materials, shared) {
-                    self.dialogs.show_message("The material was not saved", error);
-                }
+                self.parameters.ui(ui, &mut self.workshop, &mut self.materials, shared);
             });
+            actions.append(&mut self.materials.take_actions());
         }
         if !narrow {
             remember(ui.ctx(), named("texts"), PanelSide::Texts, &mut sizes);
@@ -289,6 +298,7 @@ impl App {
             }
             self.inspector.mark(ui, &self.pane.placement(&self.workshop), self.pane.area());
         });
+        self.confirmation.ui(ui.ctx(), &mut actions);
         self.dialogs.ui(ui.ctx(), &mut actions);
         if let Some(settings) = self.settings_dialog.ui(ui.ctx()) {
             actions.push(Action::SaveSettings(Box::new(settings)));
@@ -371,8 +381,8 @@ impl App {
 
     fn handle_job_result(&mut self, result: JobResult) {
         match result {
-            JobResult::Log(line) => self.log.add(line),
-            JobResult::Message(title, text) => self.dialogs.show_message(title, text),
+            JobResult::Done(text) => self.confirm(text),
+            JobResult::PictureNotSaved(error) => self.tell_not_saved(&error, Action::ShowSavePictureDialog),
             JobResult::DraftsWritten(Ok(())) => {
                 if self.notices.clear(Topic::Drafts) {
                     self.log.add("unsaved work is kept again");
@@ -399,8 +409,13 @@ impl App {
                     self.tab = tab;
                 }
             }
-            let name = self.tab.kind().noun();
-            if ui.button(format!("Apply {name}")).on_hover_text("Apply the text to the picture (Ctrl+Enter)").clicked() {
+            let name = format!("Apply {}", self.tab.kind().noun());
+            let (button, about) = if self.documents[self.tab].is_applied() {
+                (egui::Button::new(egui::RichText::new(&name).weak()), "The picture is made from this text (Ctrl+Enter)")
+            } else {
+                (theme::main_button(ui, &name), "Make the picture from the changed text (Ctrl+Enter)")
+            };
+            if ui.add(button).on_hover_text(about).clicked() {
                 actions.push(Action::Apply);
             }
         });
@@ -522,8 +537,10 @@ fn waker(context: &Arc<OnceLock<Context>>) -> impl Fn() + Send + Sync + use<> {
 
 /// The texts of an open session.
 fn documents(project: &Project) -> PerTab<Document> {
-    let formula = Document::opened(FileKind::Formula, project.formula_location.clone(), project.formula_text.text());
-    let scene = Document::opened(FileKind::Scene, project.scene_location.clone(), project.scene_text.text());
+    let mut formula = Document::opened(FileKind::Formula, project.formula_location.clone(), project.formula_text.text());
+    let mut scene = Document::opened(FileKind::Scene, project.scene_location.clone(), project.scene_text.text());
+    formula.note_applied(true);
+    scene.note_applied(true);
     PerTab { formula, scene }
 }
 

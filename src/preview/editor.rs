@@ -3,14 +3,16 @@
 //! [`Document`] is the text, [`Editor`] is the widget that edits one document at a time. [`problems_ui`] and
 //! [`reference_ui`] are panels beside it. No files or windows are known here. The modules: `words` and `completion`
 //! know the languages; `lines`, `history` and `commands` work on texts; `keys` handles the keyboard; `colouring`,
-//! `marks`, `list` and `palette` draw; `find` is the search bar.
+//! `marks`, `list`, `hover` and `palette` draw; `find` is the search bar, `edit_menu` the menu of edits.
 
 mod colouring;
 mod commands;
 mod completion;
 mod document;
+mod edit_menu;
 mod find;
 mod history;
+mod hover;
 mod keys;
 mod lines;
 mod list;
@@ -24,6 +26,7 @@ mod view;
 mod words;
 
 pub use document::Document;
+pub use edit_menu::{PossibleEdits, edit_menu_ui};
 pub use keys::EditorCommand;
 pub use palette::Palette;
 pub use problems::problems_ui;
@@ -32,7 +35,7 @@ pub use words::Class;
 
 use crate::lang::source::SourceSpan;
 use colouring::{Colouring, Laid};
-use egui::{Context, Event, FontId, Id, Key, TextStyle, Ui};
+use egui::{Context, Event, FontId, Id, Key, TextStyle, Ui, ViewportCommand};
 use find::{Find, Wish};
 use history::{Edit, Selection};
 use keys::{Open, Queue};
@@ -73,6 +76,7 @@ pub struct Editor {
     queue: Queue,
     list: List,
     find: Find,
+    syntax: hover::Syntax,
     /// The document that was shown last, and the selection in each document.
     shown: Option<u64>,
     selections: HashMap<u64, Selection>,
@@ -135,7 +139,11 @@ impl Editor {
             match order {
                 Order::Jump(span) => self.show_range(document, span.range(), true),
                 Order::Insert(text) => self.replace_selected(document, text),
-                Order::Command(command) => self.run(look, document, command, &mut response),
+                Order::Command(command) => {
+                    self.run(look, document, command, &mut response);
+                    // The search bar takes the keyboard itself.
+                    self.wants_focus |= command != EditorCommand::Find;
+                }
             }
         }
         let wants_focus = std::mem::take(&mut self.wants_focus);
@@ -277,6 +285,24 @@ impl Editor {
                     (self.moved, self.reveal) = (true, true);
                     self.list.close();
                 }
+                None
+            }
+            EditorCommand::Cut | EditorCommand::Copy => {
+                let range = fitting(text, selection.range());
+                if !range.is_empty() {
+                    look.context.copy_text(text[range.clone()].to_owned());
+                }
+                let cuts = command == EditorCommand::Cut && !range.is_empty();
+                cuts.then(|| (Edit::replacing(text, range.clone(), ""), Selection::cursor(range.start)))
+            }
+            EditorCommand::Paste => {
+                // The text comes as an event, as if its key was pressed.
+                look.context.send_viewport_cmd(ViewportCommand::RequestPaste);
+                None
+            }
+            EditorCommand::SelectAll => {
+                self.selection = Selection { anchor: 0, head: text.len() };
+                (self.moved, self.reveal) = (true, true);
                 None
             }
             EditorCommand::Apply => {

@@ -4,6 +4,7 @@
 //! unchanged.
 
 mod export;
+mod first_look;
 mod history;
 mod opening;
 
@@ -21,7 +22,7 @@ use crate::workspace::session::PictureSettings;
 use crate::workspace::{Assignment, OwnerId, ParameterTable, Session, Values};
 use crate::world::World;
 pub use export::PictureExport;
-use history::{HistoryEntry, ValueHistory};
+use history::{HistoryEntry, ValueHistory, changed};
 pub use opening::OpenedSession;
 use std::io;
 use std::path::Path;
@@ -238,6 +239,13 @@ impl Workshop {
         Ok(warnings)
     }
 
+    /// Gives bodies a first look, unless they have one of these names.
+    pub fn give_first_look(&mut self, known: &[String]) {
+        let mut values = self.values.clone();
+        first_look::give_first_look(&mut values, &self.world, |name| !known.iter().any(|known| known == name));
+        self.replace_values(values);
+    }
+
     fn replace_values(&mut self, values: Values) {
         self.values = values;
         self.request_picture();
@@ -324,6 +332,12 @@ impl Workshop {
     /// Whether there is a change to undo, and one to redo.
     pub fn can_undo_and_redo(&self) -> [bool; 2] {
         self.history.can_undo_and_redo()
+    }
+
+    /// What the change is of that would be undone, and of that which would be redone; `None` if there is none.
+    pub fn undo_and_redo_names(&self) -> [Option<String>; 2] {
+        let name = |other: &HistoryEntry| changed(&self.values, &other.clone().values_for(&self.formula, self.scene()));
+        self.history.last_and_next().map(|entry| entry.map(name))
     }
 
     /// Changes size, depth and other picture settings.

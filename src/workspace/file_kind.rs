@@ -27,6 +27,15 @@ impl FileKind {
         }
     }
 
+    /// The suffix of its files, without the dot.
+    pub fn suffix(self) -> &'static str {
+        match self {
+            FileKind::Formula => "formula",
+            FileKind::Scene => "scene",
+            FileKind::Session | FileKind::Material => "toml",
+        }
+    }
+
     /// The word for it in files that name kinds.
     pub fn word(self) -> &'static str {
         match self {

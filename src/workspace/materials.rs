@@ -103,6 +103,21 @@ impl Material {
         &self.name
     }
 
+    /// Whether a body has all the values of this material that the formula knows.
+    pub fn is_of(&self, values: &Values, body: BodyId) -> bool {
+        let (table, owner) = (values.table(), OwnerId::Body(body));
+        let known = |property: &Property| {
+            table.parameter_named(&property.parameter).filter(|id| table.parameter(*id).owner == Owner::Body)
+        };
+        let near = |(one, other): (&f32, &f32)| (one - other).abs() <= 1e-5 * one.abs().max(1.0);
+        let mut compared = self.properties.iter().filter_map(|property| known(property).map(|id| (id, property))).peekable();
+        compared.peek().is_some()
+            && compared.all(|(id, property)| {
+                let (has, wanted) = (values.material_value(owner, id), property.value.components());
+                has.is_empty() || has.len() == wanted.len() && has.iter().zip(wanted).all(near)
+            })
+    }
+
     /// The assignments for [`Values::assign`] that give the material to a body, and a warning for each value that does
     /// not fit the formula. The warnings refer to the library's text. Values that the material does not have stay
     /// unchanged.

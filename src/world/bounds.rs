@@ -4,21 +4,22 @@ use glam::DVec3;
 
 /// The smallest box that holds something.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Bounds {
+pub struct Bounds {
     /// The lowest coordinates.
-    pub(super) low: DVec3,
+    pub low: DVec3,
     /// The highest coordinates.
-    pub(super) high: DVec3,
+    pub high: DVec3,
 }
 
 impl Bounds {
     /// The box of two boxes.
-    pub(super) fn union(self, other: Self) -> Self {
+    #[must_use]
+    pub fn union(self, other: Self) -> Self {
         Self { low: self.low.min(other.low), high: self.high.max(other.high) }
     }
 
     /// The distance from corner to corner.
-    pub(super) fn diagonal(&self) -> f64 {
+    pub fn diagonal(&self) -> f64 {
         (self.high - self.low).length()
     }
 }

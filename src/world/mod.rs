@@ -18,12 +18,12 @@ mod hit;
 mod ray;
 mod surface;
 
+pub use bounds::Bounds;
 pub use emitter::{Emitter, EmitterId, LightSample};
 pub use hit::{Intersection, SurfaceHit};
 pub use ray::{Departure, PrimitiveId, Ray, Side};
 
 use crate::scene::{BodyId, LightId, Scene};
-use bounds::Bounds;
 use glam::DVec3;
 use hit::Meeting;
 use std::sync::Arc;
@@ -74,6 +74,14 @@ impl World {
     /// away does not make them coarser.
     pub fn extent(&self) -> f64 {
         self.extent
+    }
+
+    /// The box around a body.
+    ///
+    /// # Panics
+    /// If the id is another scene's, and this one has fewer bodies.
+    pub fn bounds(&self, body: BodyId) -> Bounds {
+        self.surfaces[body.index()].bounds()
     }
 
     /// The distance in world units within which two surfaces count as one: a ray that leaves one does not meet the

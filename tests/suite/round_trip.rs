@@ -94,8 +94,9 @@ fn declaration() -> impl Strategy<Value = String> {
         Just(", default <1, -2.5, .25>".to_owned())
     ];
     let flags = select(vec!["", ", slider", ", color", ", color, slider"]);
-    (select(vec!["kd", "scalar", "slider", "x_9"]), select(vec!["scalar", "vector"]), range, default, flags)
-        .prop_map(|(name, ty, range, default, flags)| format!("{name}: {ty}{range}{default}{flags};\n"))
+    let said = select(vec!["", " // what it is", " /* -1 */ /// dark", "\n// of the next", "\n\n/* of\n nothing */\n"]);
+    (select(vec!["kd", "scalar", "slider", "x_9"]), select(vec!["scalar", "vector"]), range, default, flags, said)
+        .prop_map(|(name, ty, range, default, flags, said)| format!("{name}: {ty}{range}{default}{flags};{said}\n"))
 }
 
 proptest! {

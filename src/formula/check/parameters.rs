@@ -32,6 +32,7 @@ pub(super) fn parameters(file: &FormulaFile, diagnostics: &mut Diagnostics) -> V
             default,
             slider: true,
             colour: predefined.ty() == Type::Vector,
+            doc: None,
             predefined: Some(predefined),
             slot: next_slot(predefined.owner(), predefined.ty()),
         });
@@ -45,6 +46,7 @@ pub(super) fn parameters(file: &FormulaFile, diagnostics: &mut Diagnostics) -> V
             default: [0.0; 3],
             slider: declaration.slider,
             colour: declaration.colour.is_some(),
+            doc: declaration.doc.clone(),
             predefined: None,
             slot: next_slot(declaration.owner, declaration.ty),
         };

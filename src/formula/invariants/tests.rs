@@ -13,6 +13,7 @@ fn scalar(name: &str, default: f32) -> Parameter {
         default: [default, 0.0, 0.0],
         slider: true,
         colour: false,
+        doc: None,
         predefined: None,
         slot: 0,
     }

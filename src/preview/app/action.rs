@@ -1,8 +1,11 @@
 //! The actions of the user interface, which menus, keys, buttons and dialogs cause.
 
 use crate::backends::BackendChoice;
+use crate::preview::app::materials::DeletedMaterial;
 use crate::preview::app::pane::Zoom;
 use crate::preview::app::theme::Theme;
+use crate::preview::editor::EditorCommand;
+use crate::scene::BodyId;
 use crate::user_data::settings::Settings;
 use crate::workspace::FileKind;
 use crate::workspace::Location;
@@ -26,6 +29,35 @@ pub enum Action {
     ShowSaveDialog(FileKind),
     /// Save something of this kind to a path; the picture if there is no kind.
     SaveTo(Option<FileKind>, PathBuf),
+    /// Save work of these kinds one after the other, and then perform an action.
+    SaveAll {
+        /// The kinds of work, the session last.
+        kinds: Vec<FileKind>,
+        /// What is done when all is saved.
+        then: Option<Box<Action>>,
+    },
+    /// Leave the rest of what is saved in turn: the dialog for a file was cancelled.
+    StopSaving,
+    /// Perform a command of the text editor.
+    EditText(EditorCommand),
+    /// Save the values of a body as a material, unless there is one of this name: then ask.
+    SaveMaterial {
+        /// The name.
+        name: String,
+        /// The body.
+        body: BodyId,
+    },
+    /// Save the values of a body as a material, in place of the one of this name.
+    ReplaceMaterial {
+        /// The name.
+        name: String,
+        /// The body.
+        body: BodyId,
+    },
+    /// Delete the material of this name.
+    DeleteMaterial(String),
+    /// Save a material again that was deleted.
+    RestoreMaterial(Box<DeletedMaterial>),
     /// Show the dialog that saves the picture.
     ShowSavePictureDialog,
     /// Copy the picture in view to the clipboard.

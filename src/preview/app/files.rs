@@ -1,10 +1,10 @@
 //! Performing actions: opening, saving, applying, and the others.
 
-use crate::files::{Readable, replace_text};
+use crate::files::Readable;
 use crate::lang::source::Source;
 use crate::preview::app::action::{PanelId, PictureOverlay};
-use crate::preview::app::jobs::JobResult;
 use crate::preview::app::notices::{Notice, Topic};
+use crate::preview::app::saving::SaveStep;
 use crate::preview::app::tab::TextTab;
 use crate::preview::app::{Action, App, SavedSession, documents, theme, user_state};
 use crate::preview::editor::Document;
@@ -12,7 +12,8 @@ use crate::preview::workshop::OpenedSession;
 use crate::user_data::drafts::Draft;
 use crate::workspace::FileKind;
 use crate::workspace::Location;
-use std::path::{Path, PathBuf};
+use std::path::Path;
+use std::sync::Arc;
 
 /// The texts of a new formula and a new scene, which work as they are.
 const NEW_FORMULA: &str = "formula;\n= IL*Cd*max(0, N.L);\n";
@@ -31,27 +32,28 @@ fov 40;
 ";
 
 impl App {
-    /// The unsaved texts that an action would replace.
-    fn texts_lost_by(&self, action: &Action) -> Vec<String> {
+    /// The unsaved work that an action would replace: what it is, and its name.
+    fn work_lost_by(&self, action: &Action) -> Vec<(FileKind, String)> {
         let (Action::New(kind) | Action::Open(kind, _)) = action else { return Vec::new() };
         let replaced = |tab: &TextTab| TextTab::of(*kind).is_none_or(|only| only == *tab);
         let documents = TextTab::ALL.into_iter().filter(replaced).map(|tab| &self.documents[tab]);
         let unsaved = documents.filter(|document| document.unsaved());
-        let mut lost: Vec<String> = unsaved.map(Document::name).collect();
+        let mut lost: Vec<_> = unsaved.map(|document| (document.kind(), document.name())).collect();
         // Unsaved values alone are no reason to ask: users move sliders while they look through sessions.
         if !lost.is_empty() && *kind == FileKind::Session && self.session_is_unsaved() {
-            lost.push("the values".to_owned());
+            lost.push((FileKind::Session, "the values".to_owned()));
         }
         lost
     }
 
     /// Performs an action. If unsaved texts would be lost, the user is asked first.
     pub fn perform(&mut self, action: Action) {
-        let lost = self.texts_lost_by(&action);
+        let lost = self.work_lost_by(&action);
         if lost.is_empty() {
             self.perform_confirmed(action);
         } else {
-            self.dialogs.ask_to_confirm(format!("Your changes in {} would be lost.", lost.join(" and ")), action);
+            let (kinds, names): (Vec<FileKind>, Vec<String>) = lost.into_iter().unzip();
+            self.ask_to_save(&format!("Your changes in {} would be lost.", names.join(" and ")), &kinds, action);
         }
     }
 
@@ -60,21 +62,31 @@ impl App {
             Action::Confirmed(action) if *action == Action::Quit => self.closing = true,
             Action::Confirmed(action) => self.perform_confirmed(*action),
             Action::New(kind) => self.begin(kind),
-            Action::ShowOpenDialog(kind) => self.dialogs.show_open_dialog(kind),
+            Action::ShowOpenDialog(kind) => {
+                let near = self.session.as_ref().and_then(Location::file).and_then(Path::parent);
+                self.dialogs.files.open(kind, near);
+            }
             Action::Open(kind, location) => self.open(kind, location),
             Action::Save => self.save(),
-            Action::ShowSaveDialog(kind) => {
-                let name = format!("new.{}", if kind == FileKind::Session { "toml" } else { kind.noun() });
-                self.dialogs.show_save_dialog(Some(kind), &name);
-            }
+            Action::ShowSaveDialog(kind) => self.show_save_dialog(Some(kind), &format!("Save {}", kind.noun())),
             Action::SaveTo(Some(kind), path) => self.save_to(kind, path),
             Action::SaveTo(None, path) => self.save_picture(path),
-            Action::ShowSavePictureDialog => self.dialogs.show_save_dialog(None, "picture.png"),
+            Action::SaveAll { kinds, then } => {
+                let steps = kinds.into_iter().map(|kind| SaveStep { kind, path: None }).collect();
+                self.save_in_turn(steps, then.map(|then| *then));
+            }
+            Action::StopSaving => self.pending_save = None,
+            Action::ShowSavePictureDialog => self.show_save_dialog(None, "Save picture"),
             Action::CopyPicture => self.copy_picture(),
             Action::SaveSession => match self.session.clone() {
                 Some(Location::File(path)) => self.save_to(FileKind::Session, path),
-                Some(Location::Preset(_)) | None => self.dialogs.show_save_dialog(Some(FileKind::Session), "new.toml"),
+                Some(Location::Preset(_)) | None => self.show_save_dialog(Some(FileKind::Session), "Save session"),
             },
+            Action::EditText(command) => self.editor.order(command),
+            Action::SaveMaterial { name, body } => self.save_material(&name, body, false),
+            Action::ReplaceMaterial { name, body } => self.save_material(&name, body, true),
+            Action::DeleteMaterial(name) => self.delete_material(&name),
+            Action::RestoreMaterial(deleted) => self.restore_material(*deleted),
             Action::Apply => self.apply(self.tab),
             Action::ApplyAsYouType(wanted) => {
                 self.user_state.settings.window.apply_as_you_type = wanted;
@@ -87,7 +99,7 @@ impl App {
                 self.workshop.redo();
             }
             Action::TakeSnapshot(slot) => self.workshop.take_snapshot(slot),
-            Action::RestoreSnapshot(slot) => self.workshop.restore_snapshot(slot),
+            Action::RestoreSnapshot(slot) => self.restore_snapshot(slot),
             Action::Zoom(zoom) => self.pane.zoom_about_middle(zoom, &self.workshop),
             Action::ZoomBy(steps) => self.pane.zoom_by_keys(steps, &self.workshop),
             Action::ToggleOverlay(PictureOverlay::Clipping) => self.pane.clipping = !self.pane.clipping,
@@ -127,6 +139,18 @@ impl App {
         }
     }
 
+    /// Restores a snapshot. The texts in view may be those of another formula or scene.
+    fn restore_snapshot(&mut self, slot: usize) {
+        let before = (Arc::clone(self.workshop.formula()), Arc::clone(self.workshop.scene()));
+        self.workshop.restore_snapshot(slot);
+        if !Arc::ptr_eq(&before.0, self.workshop.formula()) {
+            self.documents.formula.note_applied(false);
+        }
+        if !Arc::ptr_eq(&before.1, self.workshop.scene()) {
+            self.documents.scene.note_applied(false);
+        }
+    }
+
     /// Makes the open session the startup session.
     fn start_with_this(&mut self) {
         if let Some(location) = self.session.clone() {
@@ -135,6 +159,7 @@ impl App {
                 Location::Preset(name) => Location::Preset(name),
             };
             self.save_settings();
+            self.confirm("the next start opens this session");
         }
     }
 
@@ -167,7 +192,10 @@ impl App {
         };
         if is_work {
             let text = format!("Your unsaved changes would be lost. They cannot be kept for the next start: {reason}.");
-            self.dialogs.ask_to_confirm(text, Action::Quit);
+            let texts = self.documents.values().filter(|text| text.unsaved()).map(Document::kind);
+            let session = self.session_is_unsaved().then_some(FileKind::Session);
+            let kinds: Vec<FileKind> = texts.chain(session).collect();
+            self.ask_to_save(&text, &kinds, Action::Quit);
         } else {
             self.closing = true;
         }
@@ -185,7 +213,7 @@ impl App {
         }
     }
 
-    fn note_recent(&mut self, kind: FileKind, location: &Location) {
+    pub(super) fn note_recent(&mut self, kind: FileKind, location: &Location) {
         if let Location::File(path) = location
             && let Err(error) = self.user_state.add_recent(kind, path)
         {
@@ -333,6 +361,7 @@ impl App {
         let name = document.name();
         match applied {
             Ok(_) => {
+                document.note_applied(true);
                 self.log.add(format!("{name}: read in {}", super::log::milliseconds(start.elapsed())));
                 self.open_materials();
             }
@@ -345,103 +374,14 @@ impl App {
         }
     }
 
-    /// Applies a text that has just been opened. A scene without a session is exposed by its first picture.
+    /// Applies a text that has just been opened. A scene without a session gets a first look: colours for bodies that the
+    /// open session does not know, and an exposure by the first picture.
     fn apply_opened(&mut self, tab: TextTab) {
+        let known: Vec<String> = self.workshop.scene().bodies.iter().map(|body| body.name.clone()).collect();
         self.apply(tab);
-        self.exposes_first = tab == TextTab::Scene && self.documents[tab].counts()[0] == 0;
-    }
-
-    fn save(&mut self) {
-        let document = &self.documents[self.tab];
-        match document.location() {
-            Some(Location::File(path)) => {
-                let path = path.clone();
-                self.save_to(document.kind(), path);
-            }
-            Some(Location::Preset(_)) | None => self.perform(Action::ShowSaveDialog(document.kind())),
-        }
-    }
-
-    fn save_to(&mut self, kind: FileKind, path: PathBuf) {
-        let tab = TextTab::of(kind);
-        let saved = match tab {
-            Some(tab) => replace_text(&path, &self.documents[tab].file_text()),
-            None => self.save_session_to(&path),
-        };
-        match saved {
-            Ok(()) => {
-                self.log.add(format!("saved {}", path.display()));
-                let location = Location::File(path);
-                self.note_recent(kind, &location);
-                match tab {
-                    Some(tab) => self.documents[tab].note_saved(location),
-                    None => {
-                        self.session = Some(location);
-                        self.note_saved_session();
-                        self.warn_of_unsaved_texts();
-                    }
-                }
-            }
-            Err(error) => {
-                self.dialogs.show_message("Not saved", format!("{}: {error}\nWhat was there is unharmed.", path.display()))
-            }
-        }
-    }
-
-    /// Warns that a session file holds the names of its texts, but not their unsaved changes.
-    fn warn_of_unsaved_texts(&mut self) {
-        let unsaved = self.documents.values().filter(|document| document.unsaved());
-        let texts: Vec<&str> = unsaved.map(|document| document.kind().noun()).collect();
-        if !texts.is_empty() {
-            let message = format!(
-                "A session names the files of its texts. What you changed in the {} is in no file yet: save it too, \
-                 and then the session once more.",
-                texts.join(" and the ")
-            );
-            self.dialogs.show_message("The session was saved without the changes of a text", message);
-        }
-    }
-
-    fn save_session_to(&self, path: &Path) -> std::io::Result<()> {
-        let mut locations = Vec::new();
-        for document in self.documents.values() {
-            match document.location() {
-                Some(location) => locations.push(location.clone()),
-                None => {
-                    let message = format!("save the {} first: a session names its file", document.kind().noun());
-                    return Err(std::io::Error::other(message));
-                }
-            }
-        }
-        let [formula, scene] = [locations.swap_remove(0), locations.swap_remove(0)];
-        self.workshop.save_session(path, formula, scene)
-    }
-
-    fn copy_picture(&mut self) {
-        let picture = self.pane.picture(&self.workshop);
-        let rgb: Vec<u8> = picture.pixels.iter().flat_map(|word| word.to_be_bytes().into_iter().skip(1)).collect();
-        let size = [picture.width as usize, picture.height as usize];
-        if let Some(context) = self.context.get() {
-            context.copy_image(egui::ColorImage::from_rgb(size, &rgb));
-            self.log.add(format!("copied {}×{}", size[0], size[1]));
-        }
-    }
-
-    fn save_picture(&mut self, path: PathBuf) {
-        match self.workshop.export() {
-            Ok(export) => {
-                self.log.add(format!("saving {}", path.display()));
-                self.run_job(move || {
-                    Some(match export.save(&path) {
-                        Ok(0) => JobResult::Log(format!("saved {}", path.display())),
-                        Ok(undefined) => {
-                            JobResult::Log(format!("saved {}; {}", path.display(), super::log::undefined_pixels(undefined)))
-                        }
-                        Err(error) => JobResult::Message("Not saved".to_owned(), error),
-                    })
-                });
-            }
-            Err(error) => self.dialogs.show_message("Not saved", error.to_string()),
+        if tab == TextTab::Scene && self.documents[tab].counts()[0] == 0 {
+            self.workshop.give_first_look(&known);
+            self.exposes_first = true;
         }
     }
 }

@@ -12,10 +12,10 @@ type Job = Box<dyn FnOnce() -> Option<JobResult> + Send>;
 /// The result of a job.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum JobResult {
-    /// A line for the log.
-    Log(String),
-    /// A message for the user, with a title.
-    Message(String, String),
+    /// Something was done, as the text says.
+    Done(String),
+    /// The picture was not saved, and why.
+    PictureNotSaved(String),
     /// Drafts were written, or could not be.
     DraftsWritten(Result<(), Diagnostic>),
 }

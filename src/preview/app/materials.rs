@@ -2,7 +2,10 @@
 
 use crate::files::Readable;
 use crate::lang::display_text::one_line;
+use crate::preview::app::question::Question;
+use crate::preview::app::{Action, App};
 use crate::preview::workshop::Workshop;
+use crate::scene::BodyId;
 use crate::workspace::materials::{LibraryLocation, Material, Materials};
 use crate::workspace::{Location, OwnerId};
 use egui::{ComboBox, TextEdit, Ui};
@@ -12,19 +15,28 @@ use std::path::Path;
 pub(super) struct MaterialRow {
     /// The materials, or why there are none.
     library: Result<Materials, String>,
-    /// The material that the body was given last.
-    chosen: String,
+    /// The material whose values the body has, and the stamp of the values and the body for which that was found.
+    current: Option<String>,
+    of: Option<(u64, OwnerId)>,
     /// The name for the next material to save.
     name: String,
     /// Whether the list was open in the last frame.
     open: bool,
-    /// The owner that the row was drawn for last.
-    of: Option<OwnerId>,
+    /// What the user wants.
+    actions: Vec<Action>,
+}
+
+/// A material that was deleted, and the library that it was in.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DeletedMaterial {
+    material: Material,
+    library: LibraryLocation,
 }
 
 impl Default for MaterialRow {
     fn default() -> Self {
-        Self { library: Err(String::new()), chosen: String::new(), name: String::new(), open: false, of: None }
+        let library = Err(String::new());
+        Self { library, current: None, of: None, name: String::new(), open: false, actions: Vec::new() }
     }
 }
 
@@ -38,7 +50,7 @@ impl MaterialRow {
             Err(reason) => (Err(reason), None),
         };
         self.library = library;
-        self.chosen.clear();
+        self.of = None;
         message
     }
 
@@ -47,69 +59,152 @@ impl MaterialRow {
         self.library.is_ok()
     }
 
-    /// Draws the row. Returns an error message if there is one.
-    pub(super) fn ui(&mut self, ui: &mut Ui, workshop: &mut Workshop, owner: OwnerId) -> Option<String> {
-        if self.of.replace(owner) != Some(owner) {
-            // Another body has another material.
-            self.chosen.clear();
-            self.name.clear();
+    /// What the user has asked for since the last call.
+    pub(super) fn take_actions(&mut self) -> Vec<Action> {
+        std::mem::take(&mut self.actions)
+    }
+
+    /// Finds the material whose values a body has. Of several, it is the one that was found before.
+    fn find_current(&mut self, workshop: &Workshop, owner: OwnerId, body: BodyId) {
+        let of = Some((workshop.stamp(), owner));
+        let same_owner = self.of.is_some_and(|(_, before)| before == owner);
+        if self.of == of {
+            return;
         }
-        let library = match &mut self.library {
-            Ok(library) => library,
-            Err(reason) => {
-                ui.add_enabled_ui(false, |ui| ui.button("Materials are off")).response.on_disabled_hover_text(reason.as_str());
-                return None;
-            }
-        };
+        self.of = of;
+        let Ok(library) = &self.library else { return };
+        let fits = |material: &&Material| material.is_of(workshop.values(), body);
+        let before = self.current.take().filter(|_| same_owner);
+        let same = before.as_deref().and_then(|name| library.get(name)).filter(fits);
+        let found = same.or_else(|| library.library().iter().find(fits)).map(|material| material.name().to_owned());
+        if found != before || !same_owner {
+            // Only the user's own materials can be saved under the same name.
+            self.name = found.clone().filter(|name| !library.is_built_in(name)).unwrap_or_default();
+        }
+        self.current = found;
+    }
+
+    /// Draws the row.
+    pub(super) fn ui(&mut self, ui: &mut Ui, workshop: &mut Workshop, owner: OwnerId) {
+        if let Err(reason) = &self.library {
+            ui.add_enabled_ui(false, |ui| ui.button("Materials are off")).response.on_disabled_hover_text(reason.as_str());
+            return;
+        }
         let OwnerId::Body(body) = owner else {
             ui.add_enabled_ui(false, |ui| ui.button("Material")).response.on_disabled_hover_text("Choose a body first");
-            return None;
+            return;
         };
-        let mut error = None;
+        self.find_current(workshop, owner, body);
+        let Ok(library) = &self.library else { return };
         ui.horizontal(|ui| {
             let mut wanted = None;
-            let title = if self.chosen.is_empty() { "Material".to_owned() } else { one_line(&self.chosen) };
+            let title = self.current.as_deref().map_or_else(|| "own values".to_owned(), one_line);
             let list = ComboBox::from_id_salt("materials").selected_text(title).width(130.0).show_ui(ui, |ui| {
                 for material in library.library().iter() {
-                    let is_chosen = material.name() == self.chosen;
-                    let entry = ui.selectable_label(is_chosen, one_line(material.name()));
-                    if is_chosen && !self.open {
+                    let is_current = Some(material.name()) == self.current.as_deref();
+                    let entry = ui.selectable_label(is_current, one_line(material.name()));
+                    if is_current && !self.open {
                         entry.scroll_to_me(Some(egui::Align::Center));
                     }
                     if entry.clicked() {
-                        wanted = Some(material.name().to_owned());
+                        wanted = Some(material);
                     }
                 }
             });
+            list.response.on_hover_text("The material whose values this body has");
             self.open = list.inner.is_some();
-            if let Some(material) = wanted.as_deref().and_then(|name| library.get(name)) {
+            if let Some(material) = wanted {
                 let (given, _) = material.assignments(workshop.values().table(), body);
                 workshop.change(|values| {
                     values.assign(&given);
                 });
-                self.chosen = material.name().to_owned();
-                // Only the user's own materials can be saved under the same name.
-                self.name = if library.is_built_in(&self.chosen) { String::new() } else { self.chosen.clone() };
+                self.current = Some(material.name().to_owned());
+                self.name = if library.is_built_in(material.name()) { String::new() } else { material.name().to_owned() };
             }
-            let own = library.get(&self.chosen).is_some() && !library.is_built_in(&self.chosen);
-            let delete = ui.add_enabled(own, egui::Button::new("Delete"));
-            if delete.on_disabled_hover_text("Built-in materials cannot be deleted").clicked() {
-                error = library.remove(&self.chosen).err().map(|findings| format!("{findings:#}"));
-                self.chosen.clear();
-                self.name.clear();
+            let own = self.current.clone().filter(|name| !library.is_built_in(name));
+            let reason = if self.current.is_some() {
+                "Built-in materials cannot be deleted"
+            } else {
+                "This is no material of the library"
+            };
+            let delete = ui.add_enabled(own.is_some(), egui::Button::new("Delete")).on_disabled_hover_text(reason);
+            if delete.clicked() {
+                self.actions.extend(own.map(Action::DeleteMaterial));
             }
         });
         ui.horizontal(|ui| {
             ui.add(TextEdit::singleline(&mut self.name).hint_text("new name").desired_width(122.0));
-            let save = ui.add_enabled(!self.name.trim().is_empty(), egui::Button::new("Save material"));
-            if save.on_hover_text("Save the values of this body under this name").clicked() {
-                let kept = Material::of_body(self.name.trim(), workshop.values(), body).map_err(|error| error.to_string());
-                match kept.and_then(|material| library.put(material).map_err(|findings| format!("{findings:#}"))) {
-                    Ok(()) => self.name.trim().clone_into(&mut self.chosen),
-                    Err(message) => error = Some(message),
-                }
+            let name = self.name.trim().to_owned();
+            let save = ui.add_enabled(!name.is_empty(), egui::Button::new("Save material"));
+            let save = save.on_hover_text("Save the values of this body under this name");
+            if save.on_disabled_hover_text("Enter a name first").clicked() {
+                self.actions.push(Action::SaveMaterial { name, body });
             }
         });
-        error
+    }
+}
+
+impl App {
+    /// Saves the values of a body as a material. If there is one of this name, `replaces` says whether the user wants to
+    /// replace it; if that is not known yet, the user is asked.
+    pub(super) fn save_material(&mut self, name: &str, body: BodyId, replaces: bool) {
+        let Ok(library) = &mut self.materials.library else { return };
+        if library.get(name).is_some() && !replaces {
+            let body_name = one_line(&self.workshop.scene().body(body).name);
+            let text = if library.is_built_in(name) {
+                format!(
+                    "`{}` is a built-in material. Yours, with the values of {body_name}, would take its place.",
+                    one_line(name)
+                )
+            } else {
+                format!("There is already a material `{}`. It would get the values of {body_name}.", one_line(name))
+            };
+            let replace = Action::ReplaceMaterial { name: name.to_owned(), body };
+            return self.dialogs.ask(Question::new("Replace the material?", text).answer("Replace", replace).or("Cancel"));
+        }
+        let made = Material::of_body(name, self.workshop.values(), body).map_err(|error| error.to_string());
+        match made.and_then(|material| library.put(material).map_err(|findings| format!("{findings:#}"))) {
+            Ok(()) => {
+                self.materials.current = Some(name.to_owned());
+                self.materials.of = None;
+                self.confirm(format!("saved the material {name}"));
+            }
+            Err(message) => self.dialogs.show_message("The material was not saved", message),
+        }
+    }
+
+    /// Deletes a material, and offers to undo that.
+    pub(super) fn delete_material(&mut self, name: &str) {
+        let Ok(library) = &mut self.materials.library else { return };
+        let Some(material) = library.get(name).cloned() else { return };
+        let deleted = DeletedMaterial { material, library: library.location().clone() };
+        match library.remove(name) {
+            Ok(()) => {
+                self.materials.of = None;
+                let text = format!("deleted the material {name}");
+                self.log.add(&text);
+                self.confirmation.say_with(text, "Undo", Action::RestoreMaterial(Box::new(deleted)));
+            }
+            Err(findings) => self.dialogs.show_message("The material was not deleted", format!("{findings:#}")),
+        }
+    }
+
+    /// Saves a deleted material again, also if another formula has another library by now.
+    pub(super) fn restore_material(&mut self, deleted: DeletedMaterial) {
+        let name = deleted.material.name().to_owned();
+        let put = |library: &mut Materials| library.put(deleted.material.clone());
+        let outcome = match &mut self.materials.library {
+            Ok(open) if *open.location() == deleted.library => put(open),
+            Ok(_) | Err(_) => {
+                Materials::open(deleted.library.clone(), Readable::Regular).and_then(|(mut library, _)| put(&mut library))
+            }
+        };
+        match outcome {
+            Ok(()) => {
+                self.materials.of = None;
+                self.confirm(format!("restored the material {name}"));
+            }
+            Err(findings) => self.dialogs.show_message("The material was not restored", format!("{findings:#}")),
+        }
     }
 }

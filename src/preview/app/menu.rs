@@ -8,6 +8,7 @@ use crate::preview::app::pane::Zoom;
 use crate::preview::app::tab::TextTab;
 use crate::preview::app::theme::Theme;
 use crate::preview::app::{Action, App};
+use crate::preview::editor::{PossibleEdits, edit_menu_ui};
 use crate::workspace::Location;
 use crate::workspace::{FileKind, presets};
 use egui::containers::menu::{MenuButton, MenuConfig};
@@ -46,11 +47,17 @@ pub(super) fn bar(app: &mut App, ui: &mut Ui, actions: &mut Vec<Action>) {
     MenuBar::new().ui(ui, |ui| {
         ui.menu_button("File", |ui| scrolled(ui, |ui| file(ui, app, actions)));
         ui.menu_button("Edit", |ui| {
-            let [undo, redo] = app.workshop.can_undo_and_redo();
-            entry_if(ui, undo, "Undo value change", Action::Undo, actions);
-            entry_if(ui, redo, "Redo value change", Action::Redo, actions);
+            let texts = app.panels.texts;
+            let can = if texts { app.editor.possible_edits(&app.documents[app.tab]) } else { PossibleEdits::default() };
+            actions.extend(edit_menu_ui(ui, can).map(Action::EditText));
             ui.separator();
-            entry(ui, "Apply text", Action::Apply, actions);
+            let [undo, redo] = app.workshop.undo_and_redo_names();
+            for (name, verb, action) in [(undo, "Undo", Action::Undo), (redo, "Redo", Action::Redo)] {
+                let title = name.as_ref().map_or_else(|| format!("{verb} value change"), |of| format!("{verb} change of {of}"));
+                entry_if(ui, name.is_some(), &one_line(&title), action, actions);
+            }
+            ui.separator();
+            entry(ui, &format!("Apply {}", app.tab.kind().noun()), Action::Apply, actions);
             let mut typing = app.user_state.settings.window.apply_as_you_type;
             if ui.checkbox(&mut typing, "Apply as you type").changed() {
                 actions.push(Action::ApplyAsYouType(typing));

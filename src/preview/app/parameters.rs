@@ -47,15 +47,14 @@ impl ParameterPanel {
         self.hidden = true;
     }
 
-    /// Draws the panel. `picked` is the body that was clicked in the picture last. Returns an error message if there
-    /// is one.
+    /// Draws the panel. `picked` is the body that was clicked in the picture last.
     pub(super) fn ui(
         &mut self,
         ui: &mut Ui,
         workshop: &mut Workshop,
         materials: &mut MaterialRow,
         (picked, sizes): (Option<OwnerId>, &mut PanelSizes),
-    ) -> Option<String> {
+    ) {
         if !workshop.values().table().owners().has(self.selected) {
             self.selected = picked.filter(|owner| workshop.values().table().owners().has(*owner)).unwrap_or(OwnerId::Global);
         }
@@ -75,7 +74,9 @@ impl ParameterPanel {
         remember(ui.ctx(), id, PanelSide::Owners, sizes);
         ui.add_space(2.0);
         // While searching, it would not be clear which body a material is for.
-        let message = if self.search.trim().is_empty() { materials.ui(ui, workshop, self.selected) } else { None };
+        if self.search.trim().is_empty() {
+            materials.ui(ui, workshop, self.selected);
+        }
         ui.separator();
         let wanted = self.wanted(workshop.values());
         let mut edits = Vec::new();
@@ -125,7 +126,6 @@ impl ParameterPanel {
                 ValueEdit::Copy => workshop.copy_to_all(owner, id),
             }
         }
-        message
     }
 
     /// Notes why a value is not what the user wanted, if so.

@@ -9,7 +9,7 @@ use egui::{ProgressBar, Ui};
 pub(super) fn bar(app: &App, ui: &mut Ui, actions: &mut Vec<Action>) {
     ui.horizontal(|ui| {
         let [width, height] = app.workshop.size();
-        ui.label(format!("{width} × {height}"));
+        ui.label(format!("{width} × {height} pixels"));
         ui.separator();
         let backend = app.backend();
         let index = CHOICES.iter().position(|choice| *choice == backend).unwrap_or(0);
@@ -19,13 +19,16 @@ pub(super) fn bar(app: &App, ui: &mut Ui, actions: &mut Vec<Action>) {
         if ui.small_button(backend.title).on_hover_text(tooltip).clicked() {
             actions.push(Action::SetBackend(next));
         }
-        if let Some(time) = app.log.last_frame() {
-            ui.separator();
-            ui.label(format!("{time:.2} ms")).on_hover_text("Evaluation time of the last picture");
-        }
-        if let Some(bytes) = app.log.bytes_per_pixel() {
-            ui.separator();
-            ui.label(format!("{bytes:.0} B/px")).on_hover_text("Memory for hits and their static values, per pixel");
+        // While something else is on its way, the figures would be those of an old picture.
+        if app.workshop.is_up_to_date() || app.workshop.held().is_some() {
+            if let Some(time) = app.log.last_frame() {
+                ui.separator();
+                ui.label(format!("evaluated in {time:.2} ms")).on_hover_text("The time for the last picture, without tracing");
+            }
+            if let Some(bytes) = app.log.bytes_per_pixel() {
+                ui.separator();
+                ui.label(format!("{bytes:.0} bytes per pixel")).on_hover_text("Memory for hits and their static values");
+            }
         }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             if let Some(progress) = app.workshop.renderer().progress() {

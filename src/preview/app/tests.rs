@@ -11,6 +11,7 @@ use std::time::Duration;
 mod comparing;
 mod light;
 mod rows;
+mod safety;
 
 fn harness() -> Harness<'static, App> {
     harness_in(None)
@@ -399,7 +400,7 @@ fn quitting_asks_where_work_cannot_be_kept() {
         harness.run_steps(3);
         harness.state_mut().perform(Action::Quit);
         harness.run_steps(3);
-        harness.get_by_label("Throw it away").click();
+        harness.get_by_label("Discard").click();
         harness.run_steps(3);
         assert!(harness.state().closing);
         // Whoever closes the window in another way is at least told on the terminal.
@@ -657,11 +658,8 @@ fn a_session_is_saved_with_a_word_of_what_is_not_in_it() {
     assert_eq!(app.dialogs.message(), None);
     app.documents.formula.replace_text("formula;\n= IL*Cd*max(0, N.L);\n");
     app.perform(Action::SaveTo(Some(FileKind::Session), folder.path().join("other.toml")));
-    assert!(
-        app.dialogs.message().is_some_and(|told| told.contains("in the formula is in no file yet")),
-        "{:?}",
-        app.dialogs.message()
-    );
+    let asked = app.dialogs.message().expect("a question");
+    assert!(asked.contains("What you changed in the formula is in no file yet"), "{asked}");
 }
 
 #[test]
@@ -741,10 +739,10 @@ fn a_text_that_is_not_saved_is_not_lost_without_asking() {
     }
     // The scene is as it was: nothing is lost by another one.
     harness.state_mut().perform(Action::New(FileKind::Scene));
-    assert!(harness.query_by_label("Throw it away").is_none());
+    assert!(harness.query_by_label("Discard").is_none());
     harness.state_mut().perform(Action::New(FileKind::Formula));
     harness.run_steps(3);
-    harness.get_by_label("Throw it away").click();
+    harness.get_by_label("Discard").click();
     harness.run_steps(3);
     assert!(harness.state().documents.formula.text().contains("max(0, N.L)"));
 }

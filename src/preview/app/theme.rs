@@ -135,6 +135,12 @@ fn visuals(theme: Theme) -> Visuals {
     visuals
 }
 
+/// A button that stands out, in the accent of the theme.
+pub(super) fn main_button<'a>(ui: &Ui, label: &'a str) -> egui::Button<'a> {
+    let selection = ui.visuals().selection;
+    egui::Button::new(RichText::new(label).color(selection.stroke.color)).fill(selection.bg_fill)
+}
+
 /// Applies the theme to a context.
 pub(super) fn apply(context: &Context, theme: Theme) {
     context.set_theme(match theme {

@@ -1,6 +1,7 @@
 //! Rows of parameters: names, sliders, numbers and signs, in columns that all rows of the panel share.
 
 use crate::formula::{Parameter, ParameterId};
+use crate::lang::display_text::one_line;
 use crate::lang::types::Type;
 use crate::lang::variables::Owner;
 use crate::picture::Transfer;
@@ -259,7 +260,8 @@ fn is_logarithmic([low, high]: [f32; 2]) -> bool {
 
 /// A description of a parameter for the tooltip.
 fn tooltip(parameter: &Parameter, lock: Option<&str>) -> String {
-    let mut text = format!("{}: {}", parameter.name, parameter.ty);
+    let said = parameter.doc.as_deref().map_or_else(String::new, |doc| format!("{}\n", one_line(doc)));
+    let mut text = format!("{said}{}: {}", parameter.name, parameter.ty);
     if let Some([low, high]) = parameter.range {
         text.push_str(&format!(", {low} to {high}"));
     }

@@ -111,13 +111,7 @@ fn in_formula(text: &str, words: &Words, word: Range<usize>) -> Vec<Candidate> {
 /// hide others.
 fn expression(text: &str, words: &Words, word: &Range<usize>) -> Vec<Candidate> {
     let mut candidates: Vec<Candidate> = own(text, words, word).collect();
-    let variables = Variable::ALL.iter().map(|variable| Candidate {
-        name: variable.name().to_owned(),
-        insert: variable.name().to_owned(),
-        types: variable.ty().to_string(),
-        doc: variable.doc().to_owned(),
-        class: Class::Variable,
-    });
+    let variables = Variable::ALL.iter().map(variable);
     let given = Predefined::ALL.iter().filter(|one| one.usable_in_formulas()).map(predefined);
     let functions = builtins::names().into_iter().filter_map(builtins::named).chain([Form::Conditional]).map(function);
     candidates.extend(variables.chain(given).chain(functions));
@@ -141,7 +135,17 @@ fn own<'t>(text: &'t str, words: &'t Words, word: &Range<usize>) -> impl Iterato
     })
 }
 
-fn predefined(predefined: &Predefined) -> Candidate {
+pub(super) fn variable(variable: &Variable) -> Candidate {
+    Candidate {
+        name: variable.name().to_owned(),
+        insert: variable.name().to_owned(),
+        types: variable.ty().to_string(),
+        doc: variable.doc().to_owned(),
+        class: Class::Variable,
+    }
+}
+
+pub(super) fn predefined(predefined: &Predefined) -> Candidate {
     Candidate {
         name: predefined.name().to_owned(),
         insert: predefined.name().to_owned(),
@@ -151,7 +155,7 @@ fn predefined(predefined: &Predefined) -> Candidate {
     }
 }
 
-fn function(form: Form) -> Candidate {
+pub(super) fn function(form: Form) -> Candidate {
     let name = form.spelling();
     let call = match form {
         Form::Function(_) | Form::Conditional => format!("{name}("),
@@ -162,7 +166,7 @@ fn function(form: Form) -> Candidate {
     Candidate { name: name.to_owned(), insert: call, types: signatures(form), doc: doc.to_owned(), class }
 }
 
-fn meaning(keyword: &Keyword) -> Candidate {
+pub(super) fn meaning(keyword: &Keyword) -> Candidate {
     let word = keyword.word.to_owned();
     Candidate { insert: word.clone(), name: word, types: String::new(), doc: keyword.doc.to_owned(), class: Class::Keyword }
 }

@@ -25,6 +25,8 @@ pub struct Document {
     location: Option<Location>,
     pub(super) text: String,
     saved: String,
+    /// The text that the picture is made from; `None` if it is another one.
+    applied: Option<String>,
     marked: bool,
     line_end: LineEnd,
     revision: u64,
@@ -46,6 +48,7 @@ impl Document {
             kind,
             location: None,
             saved: text.clone(),
+            applied: None,
             text,
             marked,
             line_end,
@@ -108,6 +111,16 @@ impl Document {
         if self.location.as_ref() != Some(&location) {
             self.location = Some(location);
         }
+    }
+
+    /// Whether the picture is made from the current text.
+    pub fn is_applied(&self) -> bool {
+        self.applied.as_ref() == Some(&self.text)
+    }
+
+    /// Notes whether the picture is made from the current text, or from another one.
+    pub fn note_applied(&mut self, applied: bool) {
+        self.applied = applied.then(|| self.text.clone());
     }
 
     /// The full name, safe to display: the location, or that there is none.
@@ -246,13 +259,16 @@ mod tests {
         let location = Location::File(PathBuf::from("models/phong.formula"));
         let mut document = Document::opened(FileKind::Formula, location.clone(), "formula;\n= Cd;\n");
         assert_eq!((document.title().as_str(), document.counts()), ("phong.formula", [0, 0]));
+        document.note_applied(true);
         document.replace_text("formula;\n= kd;\n");
+        assert!(!document.is_applied());
         assert_eq!(document.title(), "phong.formula •");
         assert!(!document.is_checked());
         document.check();
         assert_eq!(document.counts()[0], 1);
         assert!(document.undo().is_some());
         assert!(!document.unsaved(), "what is undone is as it was saved");
+        assert!(document.is_applied(), "and as it was applied");
         assert!(document.redo().is_some());
         document.note_saved(location);
         assert!(!document.unsaved());

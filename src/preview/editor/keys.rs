@@ -24,6 +24,14 @@ pub enum EditorCommand {
     Outdent,
     /// Comment the selected lines out, or remove the comments.
     Comment,
+    /// Copy the selected text to the clipboard, and remove it. For menus; egui's widget has the key.
+    Cut,
+    /// Copy the selected text to the clipboard. For menus, as `Cut`.
+    Copy,
+    /// Insert the text of the clipboard. For menus, as `Cut`.
+    Paste,
+    /// Select the whole text. For menus, as `Cut`.
+    SelectAll,
     /// Open the search bar.
     Find,
     /// Go to the next match.

@@ -1,10 +1,11 @@
 //! Drawing the editor: gutter, text and list; and what egui's widget did in a frame.
 
 use super::colouring::Laid;
+use super::completion::Candidate;
 use super::history::{Edit, Selection};
 use super::list::List;
 use super::marks::VisibleText;
-use super::{Document, Editor, EditorCommand, Order, TextStyling, problems};
+use super::{Document, Editor, EditorCommand, Order, TextStyling, edit_menu_ui, hover, problems};
 use egui::text::{CCursor, CCursorRange};
 use egui::text_edit::TextEditState;
 use egui::util::undoer::{Settings, Undoer};
@@ -105,6 +106,16 @@ impl Editor {
             let byte = |cursor: CCursor| laid.lines.byte_of(&document.text, cursor.index.0);
             self.selection = Selection { anchor: byte(range.secondary), head: byte(range.primary) };
         }
+        // The widget moves the cursor at any click. A right click into selected text opens the menu for it.
+        if ui.input(|input| input.pointer.secondary_down()) && old.range().contains(&self.selection.head) {
+            (self.selection, self.moved) = (old, true);
+        }
+        let can = self.possible_edits(document);
+        output.response.response.context_menu(|ui| {
+            if let Some(command) = edit_menu_ui(ui, can) {
+                self.ordered.push(Order::Command(command));
+            }
+        });
         if let Some(edit) = Edit::between(&before, &document.text) {
             let now = look.context.input(|input| input.time);
             document.note_typed(edit, old, self.selection, now);
@@ -166,10 +177,36 @@ impl Editor {
             pointer.filter(|at| gutter.contains(*at)),
             look.palette,
         );
+        if in_text.is_empty()
+            && !self.list.is_open()
+            && let Some((known, _)) = self.meaning_at(look, document, (origin, &hovered))
+        {
+            hovered.clone().on_hover_ui_at_pointer(|ui| hover::hover_ui(ui, &known, look.palette));
+        }
         for (response, under) in [(hovered, in_text), (beside, in_gutter)] {
             if !under.is_empty() {
                 response.on_hover_ui_at_pointer(|ui| problems::hover_ui(ui, &under));
             }
         }
+    }
+
+    /// What is known about the word under the pointer, and the bytes of the word.
+    fn meaning_at(
+        &mut self,
+        look: TextStyling<'_>,
+        document: &Document,
+        (origin, hovered): (Pos2, &Response),
+    ) -> Option<(Candidate, std::ops::Range<usize>)> {
+        let pointer = hovered.hover_pos()?;
+        let laid = self.lay(look, document);
+        let near = laid.galley.cursor_from_pos(pointer - origin);
+        let byte = laid.lines.byte_of(&document.text, near.index.0);
+        // The nearest place between two characters is the end of the word if the pointer is on its last half.
+        let candidates = [Some(byte), byte.checked_sub(1)].into_iter().flatten();
+        let sheet = VisibleText { laid: Arc::clone(&laid), origin, clip: hovered.rect };
+        let under = |range: &std::ops::Range<usize>| {
+            sheet.rectangles(&document.text, range.clone()).iter().any(|rect| rect.contains(pointer))
+        };
+        candidates.filter_map(|byte| self.syntax.meaning(document, &laid.words, byte)).find(|(_, range)| under(range))
     }
 }

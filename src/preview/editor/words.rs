@@ -95,7 +95,7 @@ impl Words {
             FileKind::Session | FileKind::Material => return Self::default(),
         }
         // The lexer needs a source. Its name is only used in messages, which are not shown here.
-        let (mut tokens, _) = tokenize(&Source::new("", text));
+        let mut tokens = tokenize(&Source::new("", text)).tokens;
         tokens.pop();
         let mut reader =
             WordReader { kind, tokens: &tokens, section: TextSection::Head, declared: Vec::new(), sections: Vec::new() };

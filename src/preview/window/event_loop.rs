@@ -360,7 +360,13 @@ impl EventLoop {
         if let Some(at) = Instant::now().checked_add(root.repaint_delay) {
             self.repaint_at = self.repaint_at.into_iter().chain([at.max(self.last_frame + MIN_REPAINT_INTERVAL)]).min();
         }
-        root.commands.iter().any(|command| matches!(command, ViewportCommand::Close))
+        let commands = &root.commands;
+        if commands.contains(&ViewportCommand::RequestPaste)
+            && let Some(text) = self.clipboard.text()
+        {
+            self.input_queue.push(Event::Paste(text), Instant::now());
+        }
+        commands.contains(&ViewportCommand::Close)
     }
 
     fn update_title(&mut self, app: &dyn WindowApp) {

@@ -54,9 +54,32 @@ impl ValueHistory {
         move_entry(&mut self.after, &mut self.before, now)
     }
 
+    /// The state before the last change, and that after the change that was undone last.
+    pub(super) fn last_and_next(&self) -> [Option<&HistoryEntry>; 2] {
+        [self.before.last(), self.after.last()]
+    }
+
     /// Whether there is a change to undo, and one to redo.
     pub(super) fn can_undo_and_redo(&self) -> [bool; 2] {
         [!self.before.is_empty(), !self.after.is_empty()]
+    }
+}
+
+/// What differs between two sets of values of the same formula and scene: a parameter, an owner, or several.
+pub(super) fn changed(one: &Values, other: &Values) -> String {
+    let differing = one.iter().zip(other.iter()).filter(|((.., one), (.., other))| one != other);
+    let all: Vec<_> = differing.map(|((owner, id, _), _)| (owner, id)).collect();
+    let table = one.table();
+    match all.as_slice() {
+        [] => "values".to_owned(),
+        [(owner, id)] => table.label(*owner, *id),
+        [(first, id), rest @ ..] if rest.iter().all(|(owner, _)| owner == first) => {
+            table.owners().name(*first).map_or_else(|| table.label(*first, *id), str::to_owned)
+        }
+        [(_, first), rest @ ..] if rest.iter().all(|(_, id)| id == first) => {
+            format!("{} of several", table.parameter(*first).name)
+        }
+        _ => "several values".to_owned(),
     }
 }
 

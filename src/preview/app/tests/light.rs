@@ -111,3 +111,25 @@ fn the_switch_of_the_transfer_is_under_the_picture() {
     harness.run_steps(2);
     assert_eq!(harness.state().workshop.settings().view.transfer, Transfer::Linear);
 }
+
+#[test]
+fn a_scene_opened_alone_has_colours_glass_and_a_sensible_exposure() {
+    let mut harness = harness();
+    harness.state_mut().perform(Action::Open(FileKind::Scene, Location::Preset("crystals".to_owned())));
+    for _ in 0..3 {
+        settle(&mut harness);
+    }
+    let app = harness.state();
+    let values = app.workshop.values();
+    let value = |body: &str, parameter: &str| {
+        let owner = values.table().owners().named(body).expect("a body");
+        values.get(owner, values.table().parameter_named(parameter).expect("a parameter")).to_vec()
+    };
+    assert_ne!(value("coral", "Cd"), value("ivory", "Cd"));
+    assert_eq!(value("wall", "Cd"), [0.8; 3], "a wall is neutral");
+    assert!(value("globe", "kt")[0] > 0.5 && value("coral", "kt") == [0.0]);
+    let shown = app.workshop.shown();
+    let white = shown.pixels.iter().filter(|pixel| **pixel == 0x00ff_ffff).count();
+    let dark = shown.pixels.iter().filter(|pixel| pixel.to_be_bytes()[1..].iter().all(|byte| *byte < 8)).count();
+    assert!(white * 50 < shown.pixels.len() && dark * 4 < shown.pixels.len(), "{white} white and {dark} dark pixels");
+}

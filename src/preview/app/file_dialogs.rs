@@ -1,0 +1,170 @@
+//! The dialogs for files: which files they list, and which name and folder they suggest.
+
+use crate::lang::display_text::one_line;
+use crate::picture::Format;
+use crate::preview::app::Action;
+use crate::preview::app::question::Question;
+use crate::workspace::FileKind;
+use crate::workspace::Location;
+use egui::{Align2, Context};
+use egui_file_dialog::{DialogState, FileDialog};
+use std::path::{Path, PathBuf};
+
+/// What a file dialog is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Purpose {
+    Open(FileKind),
+    Save(Option<FileKind>),
+}
+
+/// The file dialog that is open, and the folder that was used last.
+#[derive(Default)]
+pub(super) struct FileDialogs {
+    shown: Option<(FileDialog, Purpose)>,
+    last_folder: Option<PathBuf>,
+}
+
+/// The format that is suggested for pictures.
+const PICTURE: Format = Format::Png;
+
+/// The name of a filter, with its suffix: `Formulas (*.formula)`.
+fn filter_name(kind: FileKind) -> String {
+    let plural = match kind {
+        FileKind::Formula => "Formulas",
+        FileKind::Scene => "Scenes",
+        FileKind::Session => "Sessions",
+        FileKind::Material => "Material libraries",
+    };
+    format!("{plural} (*.{})", kind.suffix())
+}
+
+/// A dialog in the middle of the window, in a folder or else in the working directory.
+fn dialog(title: &str, folder: Option<&Path>) -> FileDialog {
+    let mut dialog = FileDialog::new().title(title).anchor(Align2::CENTER_CENTER, [0.0, 0.0]);
+    dialog.config_mut().labels.file_filter_all_files = "All files".to_owned();
+    dialog.config_mut().labels.save_extension_any = "All files".to_owned();
+    match folder.filter(|folder| folder.is_dir()).and_then(|folder| std::path::absolute(folder).ok()) {
+        Some(folder) => dialog.initial_directory(folder),
+        None => dialog,
+    }
+}
+
+impl FileDialogs {
+    /// Shows the dialog that opens a file. `near` is the folder that it shows if none was used before.
+    pub(super) fn open(&mut self, kind: FileKind, near: Option<&Path>) {
+        let name = filter_name(kind);
+        let dialog = dialog(&format!("Open {}", kind.noun()), self.last_folder.as_deref().or(near));
+        let mut dialog = dialog.add_file_filter_extensions(&name, vec![kind.suffix()]).default_file_filter(&name);
+        dialog.pick_file();
+        self.shown = Some((dialog, Purpose::Open(kind)));
+    }
+
+    /// Shows the dialog that saves something of this kind, or the picture, with a suggested path.
+    pub(super) fn save(&mut self, kind: Option<FileKind>, title: &str, suggested: &Suggestion) {
+        let folder = suggested.folder.as_deref().or(self.last_folder.as_deref());
+        let dialog = dialog(title, folder).default_file_name(&suggested.name);
+        let mut dialog = match kind {
+            Some(kind) => {
+                let name = filter_name(kind);
+                dialog.add_save_extension(&name, kind.suffix()).default_save_extension(&name)
+            }
+            None => {
+                let name = |format: Format| format!("{} (*.{})", format.suffix().to_uppercase(), format.suffix());
+                let add = |dialog: FileDialog, format: Format| dialog.add_save_extension(&name(format), format.suffix());
+                Format::ALL.into_iter().fold(dialog, add).default_save_extension(&name(PICTURE))
+            }
+        };
+        dialog.save_file();
+        self.shown = Some((dialog, Purpose::Save(kind)));
+    }
+
+    /// Whether a dialog is open. It is not one of egui's modal dialogs.
+    pub(super) fn is_open(&self) -> bool {
+        self.shown.as_ref().is_some_and(|(dialog, _)| *dialog.state() == DialogState::Open)
+    }
+
+    /// Draws the open dialog. Returns a question if a file would be replaced that the user has not seen in it.
+    pub(super) fn ui(&mut self, context: &Context, actions: &mut Vec<Action>) -> Option<Question> {
+        let (dialog, purpose) = self.shown.as_mut()?;
+        // The search field is black in any theme, so its text would be unreadable in the light theme.
+        dialog.config_mut().show_search = context.global_style().visuals.dark_mode;
+        dialog.update(context);
+        let (purpose, picked) = (*purpose, dialog.take_picked());
+        let Some(path) = picked else {
+            if *dialog.state() != DialogState::Open {
+                self.shown = None;
+                actions.push(Action::StopSaving);
+            }
+            return None;
+        };
+        self.shown = None;
+        self.last_folder = path.parent().map(Path::to_owned);
+        match purpose {
+            Purpose::Open(kind) => actions.push(Action::Open(kind, Location::File(path))),
+            Purpose::Save(kind) if path.extension().is_some() => actions.push(Action::SaveTo(kind, path)),
+            Purpose::Save(kind) => {
+                let suffix = kind.map_or(PICTURE.suffix(), FileKind::suffix);
+                let path = path.with_added_extension(suffix);
+                if path.exists() {
+                    let text = format!("There is already a file {}.", one_line(&path.display().to_string()));
+                    return Some(
+                        Question::new("Replace the file?", text).answer("Replace", Action::SaveTo(kind, path)).or("Cancel"),
+                    );
+                }
+                actions.push(Action::SaveTo(kind, path));
+            }
+        }
+        None
+    }
+}
+
+/// A suggestion for the dialog that saves.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub(super) struct Suggestion {
+    /// The name of the file.
+    pub(super) name: String,
+    /// Its folder, if one is better than the one that was used last.
+    pub(super) folder: Option<PathBuf>,
+}
+
+impl Suggestion {
+    /// The suggestion for something of this kind, or the picture: the name of its own file, with the right suffix, or
+    /// else that of the session.
+    pub(super) fn new(kind: Option<FileKind>, own: Option<&Location>, session: Option<&Location>) -> Self {
+        let suffix = kind.map_or(PICTURE.suffix(), FileKind::suffix);
+        let stem = |location: &Location| match location {
+            Location::File(path) => path.file_stem().map(|stem| stem.to_string_lossy().into_owned()),
+            Location::Preset(name) => Some(name.clone()),
+        };
+        let stem = own.and_then(stem).or_else(|| session.and_then(stem)).unwrap_or_else(|| "untitled".to_owned());
+        let folder = |location: &Location| location.file().and_then(Path::parent).map(Path::to_owned);
+        let folder = own.and_then(folder).or_else(|| session.and_then(folder)).filter(|folder| !folder.as_os_str().is_empty());
+        Self { name: format!("{stem}.{suffix}"), folder }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_come_from_the_file_or_the_session() {
+        let file = |path: &str| Location::File(PathBuf::from(path));
+        let name = |kind, own: Option<&Location>, session: Option<&Location>| Suggestion::new(kind, own, session).name;
+        let (own, studio) = (file("/a/gold.formula"), Location::Preset("studio".to_owned()));
+        assert_eq!(name(Some(FileKind::Formula), Some(&own), Some(&studio)), "gold.formula");
+        assert_eq!(name(Some(FileKind::Scene), Some(&studio), None), "studio.scene");
+        assert_eq!(name(Some(FileKind::Formula), None, Some(&studio)), "studio.formula");
+        assert_eq!(name(Some(FileKind::Session), None, Some(&studio)), "studio.toml");
+        assert_eq!(name(None, None, Some(&file("mine.v2.toml"))), "mine.v2.png");
+        assert_eq!(name(Some(FileKind::Session), None, None), "untitled.toml");
+        assert_eq!(Suggestion::new(None, Some(&own), None).folder, Some(PathBuf::from("/a")));
+        assert_eq!(Suggestion::new(None, Some(&file("here.formula")), None).folder, None);
+    }
+
+    #[test]
+    fn filters_name_their_suffixes() {
+        assert_eq!(filter_name(FileKind::Formula), "Formulas (*.formula)");
+        assert_eq!(filter_name(FileKind::Session), "Sessions (*.toml)");
+    }
+}

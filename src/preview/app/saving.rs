@@ -1,0 +1,199 @@
+//! Saving texts, sessions and pictures: the dialogs before it, what is said after it, and several files in turn.
+
+use crate::files::replace_text;
+use crate::preview::app::file_dialogs::Suggestion;
+use crate::preview::app::jobs::JobResult;
+use crate::preview::app::question::Question;
+use crate::preview::app::tab::{PerTab, TextTab};
+use crate::preview::app::{Action, App};
+use crate::preview::editor::Document;
+use crate::workspace::FileKind;
+use crate::workspace::Location;
+use std::collections::VecDeque;
+use std::path::{Path, PathBuf};
+
+/// Something to save, to its own file if there is no path.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct SaveStep {
+    pub(super) kind: FileKind,
+    pub(super) path: Option<PathBuf>,
+}
+
+/// What is still to be saved, and what is done then.
+#[derive(Debug, Default)]
+pub(super) struct PendingSave {
+    steps: VecDeque<SaveStep>,
+    then: Option<Action>,
+}
+
+impl App {
+    /// Saves the text in view.
+    pub(super) fn save(&mut self) {
+        let document = &self.documents[self.tab];
+        match document.location() {
+            Some(Location::File(path)) => {
+                let path = path.clone();
+                self.save_to(document.kind(), path);
+            }
+            Some(Location::Preset(_)) | None => self.perform(Action::ShowSaveDialog(document.kind())),
+        }
+    }
+
+    /// Shows the dialog that saves something of this kind, or the picture, with a name and a folder that fit.
+    pub(super) fn show_save_dialog(&mut self, kind: Option<FileKind>, title: &str) {
+        let session = self.session.as_ref();
+        let own = match kind.map(TextTab::of) {
+            Some(Some(tab)) => self.documents[tab].location(),
+            Some(None) | None => session,
+        };
+        self.dialogs.files.save(kind, title, &Suggestion::new(kind, own, session));
+    }
+
+    /// Asks whether to save work of these kinds before an action that loses it.
+    pub(super) fn ask_to_save(&mut self, text: &str, kinds: &[FileKind], action: Action) {
+        let confirmed = Box::new(Action::Confirmed(Box::new(action)));
+        let save = Action::SaveAll { kinds: kinds.to_vec(), then: Some(confirmed.clone()) };
+        let question = Question::new("Not saved", text).answer("Save", save).answer("Discard", *confirmed).or("Cancel");
+        self.dialogs.ask(question);
+    }
+
+    /// Saves one thing after the other, and then performs an action. What has no file yet is asked for; if the user
+    /// gives none, or something cannot be saved, the rest is left.
+    pub(super) fn save_in_turn(&mut self, steps: Vec<SaveStep>, then: Option<Action>) {
+        self.pending_save = Some(PendingSave { steps: steps.into(), then });
+        self.save_next();
+    }
+
+    /// Goes on with what is saved in turn.
+    fn save_next(&mut self) {
+        let Some(pending) = &mut self.pending_save else { return };
+        let Some(SaveStep { kind, path }) = pending.steps.pop_front() else {
+            let then = self.pending_save.take().and_then(|pending| pending.then);
+            return then.into_iter().for_each(|action| self.perform(action));
+        };
+        let location = match TextTab::of(kind) {
+            Some(tab) => self.documents[tab].location(),
+            None => self.session.as_ref(),
+        };
+        match path.or_else(|| location.and_then(Location::file).map(Path::to_owned)) {
+            Some(path) => self.save_to(kind, path),
+            None => self.show_save_dialog(Some(kind), &format!("Save {}", kind.noun())),
+        }
+    }
+
+    pub(super) fn save_to(&mut self, kind: FileKind, path: PathBuf) {
+        let tab = TextTab::of(kind);
+        if tab.is_none() && self.save_texts_first(&path) {
+            return;
+        }
+        let saved = match tab {
+            Some(tab) => replace_text(&path, &self.documents[tab].file_text()),
+            None => self.save_session_to(&path),
+        };
+        match saved {
+            Ok(()) => {
+                self.confirm(format!("saved {}", path.display()));
+                let location = Location::File(path);
+                self.note_recent(kind, &location);
+                match tab {
+                    Some(tab) => self.documents[tab].note_saved(location),
+                    None => {
+                        self.session = Some(location);
+                        self.note_saved_session();
+                    }
+                }
+                match self.pending_save {
+                    Some(_) => self.save_next(),
+                    None if tab.is_none() => self.warn_of_unsaved_texts(),
+                    None => {}
+                }
+            }
+            Err(error) => {
+                self.pending_save = None;
+                let text = format!("{}: {error}\nWhat was there is unharmed.", path.display());
+                self.tell_not_saved(&text, Action::ShowSaveDialog(kind));
+            }
+        }
+    }
+
+    /// Says that a file was not written. The action saves the same elsewhere.
+    pub(super) fn tell_not_saved(&mut self, text: &str, elsewhere: Action) {
+        self.log.say_lines(&format!("not saved: {text}"));
+        self.dialogs.ask(Question::new("Not saved", text).answer("Save elsewhere…", elsewhere).or("Close"));
+    }
+
+    /// If a text is in no file yet, shows the dialog that saves it, and saves the session after it. Returns whether
+    /// there is such a text.
+    fn save_texts_first(&mut self, session: &Path) -> bool {
+        let without_file = self.documents.values().filter(|text| text.location().is_none());
+        let mut steps: Vec<SaveStep> = without_file.map(|text| SaveStep { kind: text.kind(), path: None }).collect();
+        let Some(first) = steps.first().map(|step| step.kind) else { return false };
+        steps.push(SaveStep { kind: FileKind::Session, path: Some(session.to_owned()) });
+        let (rest, then) = self.pending_save.take().map_or_else(Default::default, |pending| (pending.steps, pending.then));
+        self.pending_save = Some(PendingSave { steps: steps.into_iter().skip(1).chain(rest).collect(), then });
+        let noun = first.noun();
+        self.show_save_dialog(Some(first), &format!("Save the {noun} first: the session names its file"));
+        true
+    }
+
+    /// Says that a session file holds the names of its texts, but not their unsaved changes, and offers to save them.
+    fn warn_of_unsaved_texts(&mut self) {
+        let unsaved = self.documents.values().filter(|document| document.unsaved());
+        let kinds: Vec<FileKind> = unsaved.map(Document::kind).collect();
+        if kinds.is_empty() {
+            return;
+        }
+        let texts = kinds.iter().map(|kind| kind.noun()).collect::<Vec<_>>().join(" and the ");
+        let text = format!(
+            "A session names the files of its texts. What you changed in the {texts} is in no file yet. It can be saved now, \
+             and then the session once more."
+        );
+        let kinds = kinds.into_iter().chain([FileKind::Session]).collect();
+        let question = Question::new("The session was saved without the changes of a text", text);
+        self.dialogs.ask(question.answer("Save them too", Action::SaveAll { kinds, then: None }).or("Leave them unsaved"));
+    }
+
+    fn save_session_to(&self, path: &Path) -> std::io::Result<()> {
+        let PerTab { formula, scene } = self.documents.map(|document| document.location().cloned());
+        let (Some(formula), Some(scene)) = (formula, scene) else {
+            return Err(std::io::Error::other("save the formula and the scene first: a session names their files"));
+        };
+        self.workshop.save_session(path, formula, scene)
+    }
+
+    /// Says for a few seconds that something was done, and adds it to the log.
+    pub(super) fn confirm(&mut self, text: impl AsRef<str>) {
+        self.log.add(text.as_ref());
+        self.confirmation.say(text);
+    }
+
+    /// Copies the picture in view to the clipboard.
+    pub(super) fn copy_picture(&mut self) {
+        let picture = self.pane.picture(&self.workshop);
+        let rgb: Vec<u8> = picture.pixels.iter().flat_map(|word| word.to_be_bytes().into_iter().skip(1)).collect();
+        let size = [picture.width as usize, picture.height as usize];
+        if let Some(context) = self.context.get() {
+            context.copy_image(egui::ColorImage::from_rgb(size, &rgb));
+            self.confirm(format!("copied the picture, {} × {}", size[0], size[1]));
+        }
+    }
+
+    /// Saves the picture, in the background.
+    pub(super) fn save_picture(&mut self, path: PathBuf) {
+        match self.workshop.export() {
+            Ok(export) => {
+                self.log.add(format!("saving {}", path.display()));
+                self.run_job(move || {
+                    Some(match export.save(&path) {
+                        Ok(0) => JobResult::Done(format!("saved {}", path.display())),
+                        Ok(undefined) => {
+                            JobResult::Done(format!("saved {}; {}", path.display(), super::log::undefined_pixels(undefined)))
+                        }
+                        Err(error) => JobResult::PictureNotSaved(error),
+                    })
+                });
+            }
+            Err(error) => self.tell_not_saved(&error.to_string(), Action::ShowSavePictureDialog),
+        }
+    }
+}

@@ -1,0 +1,143 @@
+//! What is known about the word under the pointer: from the tables of the language, and from the author's comments.
+
+use super::completion::{Candidate, function, meaning, predefined, variable};
+use super::palette::Palette;
+use super::words::{Class, Declared, Words, scene_words};
+use crate::lang::ast::FormulaFile;
+use crate::lang::builtins::{self, Form};
+use crate::lang::display_text::one_line;
+use crate::lang::keywords;
+use crate::lang::parser::parse;
+use crate::lang::variables::{Predefined, Variable};
+use crate::preview::editor::Document;
+use crate::workspace::FileKind;
+use egui::{RichText, Ui};
+use std::ops::Range;
+
+/// The syntax of the formula that was pointed at last, which has the author's comments.
+#[derive(Debug, Default)]
+pub(super) struct Syntax {
+    /// The document and its revision.
+    of: Option<(u64, u64)>,
+    file: FormulaFile,
+}
+
+impl Syntax {
+    /// What the author's comments say about a name of a formula.
+    fn doc(&mut self, document: &Document, name: &str) -> Option<String> {
+        let of = Some((document.id(), document.revision()));
+        if self.of != of {
+            (self.of, self.file) = (of, parse(&document.source()).0);
+        }
+        let parameters = self.file.declarations().map(|one| (&one.name.text, &one.doc));
+        let macros = self.file.macros.iter().map(|line| (&line.name.text, &line.doc));
+        let mut named = parameters.chain(macros).filter(|(other, _)| *other == name);
+        named.find_map(|(_, doc)| doc.as_deref().map(one_line))
+    }
+
+    /// What is known about the word at a byte, and the bytes of the word.
+    pub(super) fn meaning(&mut self, document: &Document, words: &Words, byte: usize) -> Option<(Candidate, Range<usize>)> {
+        let text = document.text();
+        let at = words.tokens.partition_point(|token| token.span.range().end <= byte);
+        let range = words.tokens.get(at).map(|token| token.span.range()).filter(|range| range.contains(&byte))?;
+        let (word, class) = (&text[range.clone()], words.class_at(range.start));
+        let found = match class {
+            Class::Keyword if document.kind() == FileKind::Scene => scene_keyword(words, range.start, word),
+            Class::Keyword => formula_keyword(word),
+            Class::Function => builtins::named(word).map(function),
+            Class::Variable => Variable::named(word).as_ref().map(variable),
+            Class::Predefined => Predefined::named(word).as_ref().map(predefined),
+            Class::Parameter | Class::Named => {
+                let declared = words.declared.iter().find(|declared| declared.name == word)?;
+                let doc = match document.kind() {
+                    FileKind::Formula => self.doc(document, word).unwrap_or_default(),
+                    FileKind::Scene | FileKind::Session | FileKind::Material => String::new(),
+                };
+                Some(own(declared, text, doc))
+            }
+            Class::Plain | Class::Number | Class::Comment | Class::Uses | Class::Unknown => None,
+        };
+        found.map(|found| (found, range))
+    }
+}
+
+/// A name that the text defines, with its definition and what the author says about it.
+fn own(declared: &Declared, text: &str, doc: String) -> Candidate {
+    let statement = text[declared.statement.clone()].split_whitespace().collect::<Vec<_>>().join(" ");
+    let rest = statement.strip_prefix(&declared.name).unwrap_or_default().trim_end_matches(';');
+    let types = one_line(rest.trim_start());
+    Candidate { name: declared.name.clone(), insert: String::new(), types, doc, class: declared.class }
+}
+
+fn formula_keyword(word: &str) -> Option<Candidate> {
+    if word == Form::Conditional.spelling() {
+        return Some(function(Form::Conditional));
+    }
+    let tables = [&keywords::FORMULA_SECTIONS[..], &keywords::TYPES[..], &keywords::PARAMETER_ATTRIBUTES[..]];
+    tables.into_iter().flatten().find(|keyword| keyword.word == word).map(meaning)
+}
+
+fn scene_keyword(words: &Words, start: usize, word: &str) -> Option<Candidate> {
+    let in_section = scene_words(words.section(start));
+    let keyword = in_section.into_iter().chain(&keywords::SCENE_SECTIONS).find(|keyword| keyword.word == word);
+    keyword.map(meaning)
+}
+
+/// Draws what is known about a word, as a tooltip.
+pub(super) fn hover_ui(ui: &mut Ui, known: &Candidate, palette: &Palette) {
+    ui.set_max_width(420.0);
+    ui.label(RichText::new(&known.name).monospace().strong().color(palette.of(known.class)));
+    if !known.doc.is_empty() {
+        ui.label(&known.doc);
+    }
+    if !known.types.is_empty() {
+        ui.label(RichText::new(&known.types).monospace().small());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is known about the word at the `|`.
+    fn known(kind: FileKind, marked: &str) -> Option<(String, String)> {
+        let byte = marked.find('|').unwrap();
+        let text = marked.replace('|', "");
+        let document = Document::untitled(kind, &text);
+        let found = Syntax::default().meaning(&document, &Words::new(kind, &text), byte);
+        found.map(|(known, _)| (known.types, known.doc))
+    }
+
+    fn in_formula(marked: &str) -> Option<(String, String)> {
+        known(FileKind::Formula, marked)
+    }
+
+    #[test]
+    fn the_language_and_the_author_say_what_words_mean() {
+        let head = "body_specific;\nkd: scalar, default 0.5; // matte part\nformula;\n// what is scattered\nD = kd*Cd;\n";
+        let doc = |rest: &str| in_formula(&format!("{head}{rest}")).map(|(_, doc)| doc).unwrap_or_default();
+        assert_eq!(doc("= D*|kd;"), "matte part");
+        assert_eq!(doc("= |D;"), "what is scattered");
+        assert_eq!(doc("= IL*C|d;"), "colour of the body");
+        assert_eq!(doc("= |N;"), "surface normal, turned to the side the ray came from");
+        assert_eq!(doc("= |max(0, 1);"), crate::lang::builtins::named("max").unwrap().overloads().next().unwrap().doc());
+        assert_eq!(in_formula("body_specific; a: sca|lar;").map(|(_, doc)| doc).as_deref(), Some("one number"));
+        let own = in_formula(&head.replace("D = k", "D = |k")).expect("a parameter");
+        assert_eq!(own, (": scalar, default 0.5".to_owned(), "matte part".to_owned()));
+        assert_eq!(in_formula("formula; = 1|2; // t|ext"), None);
+    }
+
+    #[test]
+    fn a_text_with_a_mistake_still_says_what_it_knows() {
+        let text = "body_specific;\nkd: scalar; // matte part\nformula;\n= |kd*(Cd;";
+        assert_eq!(in_formula(text).map(|(_, doc)| doc).as_deref(), Some("matte part"));
+    }
+
+    #[test]
+    fn the_words_of_a_scene_are_explained() {
+        let doc = |marked: &str| known(FileKind::Scene, marked).map(|(_, doc)| doc).unwrap_or_default();
+        assert_eq!(doc("bodies; b: sphere, center <0,0,0>, radius 1, mat|te;"), "the body never reflects");
+        assert_eq!(doc("lights; cam|era;"), "position, gaze, up and fov");
+        assert_eq!(doc("camera; f|ov 30;"), "the vertical angle of view in degrees, between 0 and 180");
+    }
+}
