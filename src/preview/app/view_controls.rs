@@ -6,7 +6,7 @@ use crate::preview::app::histogram::suitable_exposure;
 use crate::preview::app::pane::Zoom;
 use crate::preview::app::theme::ROW_HEIGHT;
 use crate::preview::app::{Action, App};
-use egui::{Button, DragValue, Label, RichText, Slider, SliderClamping, Ui};
+use egui::{Button, ComboBox, DragValue, Label, RichText, Slider, SliderClamping, Ui};
 
 /// The exposures of the slider, in stops.
 const SLIDER: std::ops::RangeInclusive<f32> = -6.0..=6.0;
@@ -99,12 +99,15 @@ fn exposure(app: &mut App, ui: &mut Ui) {
     {
         view.exposure = stops;
     }
-    ui.separator();
-    ui.label("Tone");
-    for curve in ToneCurve::ALL {
-        ui.selectable_value(&mut view.curve, curve, curve.title()).on_hover_text(curve.doc());
+    // A list does not wrap by itself.
+    if ui.available_size_before_wrap().x < 132.0 {
+        ui.end_row();
     }
-    ui.separator();
+    ComboBox::from_id_salt("curve").selected_text(format!("Tone: {}", curve.title())).width(112.0).show_ui(ui, |ui| {
+        for curve in ToneCurve::ALL {
+            ui.selectable_value(&mut view.curve, curve, curve.title()).on_hover_text(curve.doc());
+        }
+    });
     let mut srgb = view.transfer == Transfer::Srgb;
     let tooltip = "Encode linear colours with the curve of sRGB, as displays expect. Without it, they are shown as they are.";
     if ui.checkbox(&mut srgb, "sRGB").on_hover_text(tooltip).changed() {
