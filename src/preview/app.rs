@@ -44,6 +44,7 @@ use crate::preview::editor::{Document, Editor, Palette, problems_ui, reference_u
 use crate::preview::renderer::Event;
 use crate::preview::workshop::{OpenedSession, Workshop};
 use crate::preview::{FrameTimes, PictureView, WindowApp};
+use crate::user_data::desktop_theme::desktop_is_dark;
 use crate::user_data::folders::Folders;
 use crate::user_data::settings::{PanelSide, WindowSettings};
 use crate::workspace::Location;
@@ -109,6 +110,8 @@ pub struct App {
     /// When drafts were written last, in seconds of egui's clock.
     drafts_written_at: f64,
     theme: Theme,
+    /// Whether the desktop is dark, if it says so.
+    desktop_is_dark: Option<bool>,
     scale: f32,
     panels: Panels,
     query: String,
@@ -197,7 +200,8 @@ impl App {
             inspector: InspectorPanel::default(),
             materials: MaterialRow::default(),
             drafts_written_at: 0.0,
-            theme: Theme::from_setting(user_state.settings.window.theme),
+            theme: Theme::Dark,
+            desktop_is_dark: folders.and_then(|_| desktop_is_dark()),
             scale: user_state.settings.window.scale,
             panels: Panels { texts: true, parameters: true, log: user_state.settings.window.log, reference: false },
             user_state,
@@ -208,6 +212,7 @@ impl App {
             closing: false,
             closing_errors: Vec::new(),
         };
+        app.follow_settings();
         notices.into_iter().for_each(|notice| app.notify(notice));
         if let Some(location) = app.session.clone() {
             app.notify_of_session(&location, &opened.warnings);

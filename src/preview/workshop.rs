@@ -40,6 +40,8 @@ pub struct Workshop {
     /// The size of the picture in view, if that is not the size of the session.
     other_size: Option<[u32; 2]>,
     backend: BackendChoice,
+    /// The memory that a picture may take, in bytes; `None` for half of what is free.
+    memory: Option<u64>,
     /// The engines in use, each with its compiled code.
     engines: Vec<Engine>,
     /// The slider that is held.
@@ -75,6 +77,7 @@ impl Workshop {
             picture: project.picture,
             other_size: None,
             backend: DEFAULT,
+            memory: None,
             engines: Vec::new(),
             held: None,
             shown: Picture::default(),
@@ -182,6 +185,7 @@ impl Workshop {
             return engine.clone();
         }
         let engine = Engine::new(self.backend.make());
+        let engine = self.memory.map_or(engine.clone(), |bytes| engine.with_memory(bytes));
         self.engines.push(engine.clone());
         engine
     }
@@ -357,6 +361,15 @@ impl Workshop {
     pub fn set_backend(&mut self, backend: BackendChoice) {
         if backend != self.backend {
             self.backend = backend;
+            self.request_picture();
+        }
+    }
+
+    /// Limits the memory that a picture may take, in bytes; `None` for half of what is free.
+    pub fn set_memory(&mut self, memory: Option<u64>) {
+        if memory != self.memory {
+            self.memory = memory;
+            self.engines.clear();
             self.request_picture();
         }
     }

@@ -5,6 +5,8 @@
 //! when something is kept or read.
 
 #[cfg(feature = "window")]
+pub mod desktop_theme;
+#[cfg(feature = "window")]
 pub mod drafts;
 pub mod folders;
 #[cfg(feature = "window")]

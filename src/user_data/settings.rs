@@ -1,4 +1,4 @@
-//! Settings: what new sessions start with, and how the window looks (thesis 8.4).
+//! Settings: how the program works and looks, and what new sessions start with (thesis 8.4).
 //!
 //! Only the window uses them. A session overrides them, and the commands that make pictures or measure ignore them.
 //! `file` has the file that holds them.
@@ -12,9 +12,11 @@ mod save;
 pub use file::{LoadedSettings, SettingsFile};
 pub use panel_sizes::{PANEL_SIZES, PanelSide, PanelSizes};
 
+use crate::backends::{BackendChoice, DEFAULT};
 use crate::lang::diagnostic::{Diagnostic, Diagnostics};
 use crate::lang::source::Source;
 use crate::lang::variables::Predefined;
+use crate::picture::Transfer;
 use crate::trace::{MAX_DEPTH, MAX_SIDE};
 use crate::workspace::Location;
 use crate::workspace::assignment::Assignment;
@@ -24,6 +26,9 @@ use crate::workspace::session::PictureSettings;
 
 /// The scales of widgets, in pixels per point.
 pub const SCALES: [f32; 2] = [0.5, 3.0];
+
+/// The memory that a picture may be allowed, in MiB.
+pub const MEMORY: [u32; 2] = [64, 1 << 24];
 
 /// The allowed widths and heights of the window, in pixels.
 pub const WINDOW_SIDES: [u32; 2] = [320, 16_384];
@@ -42,6 +47,12 @@ pub struct Settings {
     pub size: [u32; 2],
     /// The refractive index of bodies that have none of their own, greater than 0.
     pub default_index: f64,
+    /// How the linear colours of new sessions are stored.
+    pub transfer: Transfer,
+    /// What evaluates formulas.
+    pub backend: BackendChoice,
+    /// The memory that a picture may take, in MiB; `None` for half of what is free.
+    pub memory: Option<u32>,
     /// The session that the window opens if none is named.
     pub startup: Location,
     /// The defaults of predefined parameters, the background among them.
@@ -59,6 +70,8 @@ pub struct WindowSettings {
     pub scale: f32,
     /// Whether a formula or scene is applied while the user types, whenever it has no errors.
     pub apply_as_you_type: bool,
+    /// Whether the gallery is shown when the program starts without a session.
+    pub gallery: bool,
     /// Whether the log is shown.
     pub log: bool,
     /// Width and height of the window in pixels when it was last closed, each within [`WINDOW_SIDES`].
@@ -144,6 +157,7 @@ impl Default for WindowSettings {
             theme: ThemeSetting::System,
             scale: 1.0,
             apply_as_you_type: false,
+            gallery: true,
             log: false,
             size: [1280, 800],
             panels: PanelSizes::default(),
@@ -153,13 +167,17 @@ impl Default for WindowSettings {
 
 impl Default for Settings {
     fn default() -> Self {
-        // A session without settings and the default settings give the same picture.
+        // But for the transfer, a session without settings and the default settings give the same picture. Sessions
+        // without a transfer are those of the thesis.
         let PictureSettings { size, depth, shadows, default_index, view: _ } = PictureSettings::default();
         Self {
             shadows,
             depth,
             size,
             default_index,
+            transfer: Transfer::Srgb,
+            backend: DEFAULT,
+            memory: None,
             startup: Location::Preset(DEFAULT_SESSION.to_owned()),
             defaults: Defaults::default(),
             window: WindowSettings::default(),
@@ -186,8 +204,8 @@ impl Settings {
 
     /// How a new session makes its picture.
     pub fn picture(&self) -> PictureSettings {
-        let Settings { shadows, depth, size, default_index, .. } = self.within_ranges();
-        PictureSettings { size, depth, shadows, default_index, ..PictureSettings::default() }
+        let Settings { shadows, depth, size, default_index, transfer, .. } = self.within_ranges();
+        PictureSettings { size, depth, shadows, default_index, view: transfer.into() }
     }
 
     /// The values of a new session that differ from the defaults of the language, for every owner. Left out are values
@@ -217,6 +235,7 @@ impl Settings {
             depth: self.depth.clamp(1, MAX_DEPTH),
             size: sides(self.size, [1, MAX_SIDE]),
             default_index: if is_index(self.default_index) { self.default_index } else { usual.default_index },
+            memory: self.memory.map(|memory| memory.clamp(MEMORY[0], MEMORY[1])),
             window: WindowSettings {
                 scale: scale.clamp(SCALES[0], SCALES[1]),
                 size: sides(self.window.size, WINDOW_SIDES),

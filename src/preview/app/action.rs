@@ -3,10 +3,9 @@
 use crate::backends::BackendChoice;
 use crate::preview::app::materials::DeletedMaterial;
 use crate::preview::app::pane::Zoom;
-use crate::preview::app::theme::Theme;
 use crate::preview::editor::EditorCommand;
 use crate::scene::BodyId;
-use crate::user_data::settings::Settings;
+use crate::user_data::settings::{Settings, ThemeSetting};
 use crate::workspace::FileKind;
 use crate::workspace::Location;
 use egui::{Key, KeyboardShortcut, Modifiers, Ui};
@@ -85,7 +84,7 @@ pub enum Action {
     /// Evaluate with this backend.
     SetBackend(BackendChoice),
     /// Use this theme.
-    SetTheme(Theme),
+    SetTheme(ThemeSetting),
     /// Draw widgets at this scale, in pixels per point.
     SetScale(f32),
     /// Show or hide a panel.

@@ -6,10 +6,12 @@ use crate::preview::app::action::{PanelId, PictureOverlay};
 use crate::preview::app::notices::{Notice, Topic};
 use crate::preview::app::saving::SaveStep;
 use crate::preview::app::tab::TextTab;
+use crate::preview::app::theme::Theme;
 use crate::preview::app::{Action, App, SavedSession, documents, theme, user_state};
 use crate::preview::editor::Document;
 use crate::preview::workshop::OpenedSession;
 use crate::user_data::drafts::Draft;
+use crate::user_data::settings::{Settings, WindowSettings};
 use crate::workspace::FileKind;
 use crate::workspace::Location;
 use std::path::Path;
@@ -88,10 +90,7 @@ impl App {
             Action::DeleteMaterial(name) => self.delete_material(&name),
             Action::RestoreMaterial(deleted) => self.restore_material(*deleted),
             Action::Apply => self.apply(self.tab),
-            Action::ApplyAsYouType(wanted) => {
-                self.user_state.settings.window.apply_as_you_type = wanted;
-                self.save_settings();
-            }
+            Action::ApplyAsYouType(wanted) => self.change_settings(|settings| settings.window.apply_as_you_type = wanted),
             Action::Undo => {
                 self.workshop.undo();
             }
@@ -104,21 +103,9 @@ impl App {
             Action::ZoomBy(steps) => self.pane.zoom_by_keys(steps, &self.workshop),
             Action::ToggleOverlay(PictureOverlay::Clipping) => self.pane.clipping = !self.pane.clipping,
             Action::ToggleOverlay(PictureOverlay::Histogram) => self.pane.histogram = !self.pane.histogram,
-            Action::SetBackend(backend) => self.workshop.set_backend(backend),
-            Action::SetTheme(theme) => {
-                self.theme = theme;
-                self.user_state.settings.window.theme = theme.setting();
-                self.save_settings();
-                if let Some(context) = self.context.get() {
-                    theme::apply(context, theme);
-                }
-            }
-            Action::SetScale(scale) => {
-                self.user_state.settings.window.scale = scale;
-                self.user_state.settings = self.user_state.settings.within_ranges();
-                self.scale = self.user_state.settings.window.scale;
-                self.save_settings();
-            }
+            Action::SetBackend(backend) => self.change_settings(|settings| settings.backend = backend),
+            Action::SetTheme(theme) => self.change_settings(|settings| settings.window.theme = theme),
+            Action::SetScale(scale) => self.change_settings(|settings| settings.window.scale = scale),
             Action::OfferDrafts => self.dialogs.offer_drafts(self.user_state.draft_names()),
             Action::RestoreDrafts => self.restore_drafts(),
             Action::DiscardDrafts => {
@@ -129,10 +116,12 @@ impl App {
             Action::UseAsStartupSession => self.start_with_this(),
             Action::TogglePanel(panel) => self.toggle(panel),
             Action::NewSession => self.begin_session(),
-            Action::ShowSettings => self.settings_dialog.open(&self.user_state.settings),
+            Action::ShowSettings => self.settings_dialog.open(&self.user_state.settings, self.session.as_ref()),
             Action::SaveSettings(settings) => {
-                self.user_state.settings = *settings;
-                self.save_settings();
+                // What the window has noted meanwhile, such as its size, is not in the dialog.
+                let WindowSettings { log, size, panels, .. } = self.user_state.settings.window;
+                let window = WindowSettings { log, size, panels, ..settings.window };
+                self.change_settings(|kept| *kept = Settings { window, ..*settings });
             }
             Action::ShowShortcuts => self.dialogs.show_shortcuts(),
             Action::Quit => self.quit(),
@@ -198,6 +187,28 @@ impl App {
             self.ask_to_save(&text, &kinds, Action::Quit);
         } else {
             self.closing = true;
+        }
+    }
+
+    /// Changes settings, saves them, and does as they say.
+    pub(super) fn change_settings(&mut self, change: impl FnOnce(&mut Settings)) {
+        change(&mut self.user_state.settings);
+        self.user_state.settings = self.user_state.settings.within_ranges();
+        self.follow_settings();
+        self.save_settings();
+    }
+
+    /// Does as the settings say.
+    pub(super) fn follow_settings(&mut self) {
+        let settings = &self.user_state.settings;
+        self.scale = settings.window.scale;
+        self.workshop.set_backend(settings.backend);
+        self.workshop.set_memory(settings.memory.map(|memory| u64::from(memory) << 20));
+        let theme = Theme::from_setting(settings.window.theme, self.desktop_is_dark);
+        if std::mem::replace(&mut self.theme, theme) != theme
+            && let Some(context) = self.context.get()
+        {
+            theme::apply(context, theme);
         }
     }
 

@@ -6,9 +6,9 @@ use crate::preview::app::action::{PanelId, shortcut_of};
 use crate::preview::app::comparison::{GAINS, PAIRS, Pair, PaneMode, SNAPSHOTS, obstacle};
 use crate::preview::app::pane::Zoom;
 use crate::preview::app::tab::TextTab;
-use crate::preview::app::theme::Theme;
-use crate::preview::app::{Action, App};
+use crate::preview::app::{Action, App, theme};
 use crate::preview::editor::{PossibleEdits, edit_menu_ui};
+use crate::user_data::settings::ThemeSetting;
 use crate::workspace::Location;
 use crate::workspace::{FileKind, presets};
 use egui::containers::menu::{MenuButton, MenuConfig};
@@ -227,8 +227,8 @@ fn view(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
         }
     }
     ui.separator();
-    for theme in [Theme::Dark, Theme::Light] {
-        if ui.radio(app.theme == theme, theme.name()).clicked() {
+    for theme in ThemeSetting::ALL {
+        if ui.radio(app.user_state.settings.window.theme == theme, theme::setting_name(theme)).clicked() {
             actions.push(Action::SetTheme(theme));
         }
     }

@@ -229,7 +229,7 @@ fn what_is_unsaved_is_offered_again_and_settings_last() {
     let folders = Folders::below(home.path());
     let mut app = App::new(Some(&Location::Preset("studio".to_owned())), Some(&folders)).expect("a built-in session");
     app.documents.formula.replace_text("formula;\n= N;\n");
-    app.perform(Action::SetTheme(Theme::Light));
+    app.perform(Action::SetTheme(crate::user_data::settings::ThemeSetting::Light));
     app.perform(Action::ApplyAsYouType(true));
     app.perform(Action::UseAsStartupSession);
     app.closing();

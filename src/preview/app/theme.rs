@@ -1,11 +1,12 @@
 //! Colours, fonts and spacing, in a dark and a light theme.
 
+use crate::user_data::settings::ThemeSetting;
 use egui::style::{HandleShape, ScrollStyle};
 use egui::{Color32, Context, CornerRadius, FontId, Margin, Response, RichText, Stroke, TextStyle, Ui, Visuals, vec2};
 
 /// A theme.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Theme {
+pub(super) enum Theme {
     /// Light text on a dark background, which does not outshine the picture.
     #[default]
     Dark,
@@ -14,31 +15,24 @@ pub enum Theme {
 }
 
 impl Theme {
-    /// The theme of the settings.
-    pub(super) fn from_setting(theme: crate::user_data::settings::ThemeSetting) -> Self {
-        if theme.is_dark(None) { Theme::Dark } else { Theme::Light }
-    }
-
-    /// The theme for the settings.
-    pub(super) fn setting(self) -> crate::user_data::settings::ThemeSetting {
-        match self {
-            Theme::Dark => crate::user_data::settings::ThemeSetting::Dark,
-            Theme::Light => crate::user_data::settings::ThemeSetting::Light,
-        }
-    }
-
-    /// The name in the menu.
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            Theme::Dark => "Dark",
-            Theme::Light => "Light",
-        }
+    /// The theme of the settings. `desktop` is whether the desktop is dark, if it says so.
+    pub(super) fn from_setting(setting: ThemeSetting, desktop: Option<bool>) -> Self {
+        if setting.is_dark(desktop) { Theme::Dark } else { Theme::Light }
     }
 
     /// The colour of the pane around a picture that does not fill it, `0x00RRGGBB`. It is a grey without a hue, so it
     /// does not change how the colours of the picture look.
     pub(super) fn pane_background(dark: bool) -> u32 {
         if dark { 0x002d_2d2d } else { 0x00b4_b4b4 }
+    }
+}
+
+/// The name of a setting in menus.
+pub(super) fn setting_name(setting: ThemeSetting) -> &'static str {
+    match setting {
+        ThemeSetting::System => "As the desktop",
+        ThemeSetting::Dark => "Dark",
+        ThemeSetting::Light => "Light",
     }
 }
 

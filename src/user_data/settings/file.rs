@@ -146,6 +146,9 @@ fn merge_settings(ours: &Settings, last_seen: &Settings, theirs: &Settings) -> S
         depth: merge_value(&ours.depth, &last_seen.depth, &theirs.depth),
         size: merge_value(&ours.size, &last_seen.size, &theirs.size),
         default_index: merge_value(&ours.default_index, &last_seen.default_index, &theirs.default_index),
+        transfer: merge_value(&ours.transfer, &last_seen.transfer, &theirs.transfer),
+        backend: merge_value(&ours.backend, &last_seen.backend, &theirs.backend),
+        memory: merge_value(&ours.memory, &last_seen.memory, &theirs.memory),
         startup: merge_value(&ours.startup, &last_seen.startup, &theirs.startup),
         defaults,
         window: WindowSettings {
@@ -156,6 +159,7 @@ fn merge_settings(ours: &Settings, last_seen: &Settings, theirs: &Settings) -> S
                 &last_seen.window.apply_as_you_type,
                 &theirs.window.apply_as_you_type,
             ),
+            gallery: merge_value(&ours.window.gallery, &last_seen.window.gallery, &theirs.window.gallery),
             log: merge_value(&ours.window.log, &last_seen.window.log, &theirs.window.log),
             size: merge_value(&ours.window.size, &last_seen.window.size, &theirs.window.size),
             panels: ours.window.panels.merged(&last_seen.window.panels, &theirs.window.panels),

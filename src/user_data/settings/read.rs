@@ -1,20 +1,23 @@
 //! Parsing the text of settings, as far as it has no errors.
 
+use crate::backends::{self, BackendChoice};
 use crate::lang::ast::Constant;
 use crate::lang::diagnostic::{Diagnostic, Diagnostics, nearest};
 use crate::lang::source::Source;
 use crate::lang::types::Type;
 use crate::lang::variables::Predefined;
+use crate::picture::Transfer;
 use crate::trace::{MAX_DEPTH, MAX_SIDE};
 use crate::user_data::settings::nearest::{nearest_number, nearest_whole};
 use crate::user_data::settings::{
-    PANEL_SIZES, PREDEFINED_RANGE, PanelSide, SCALES, Settings, ThemeSetting, WINDOW_SIDES, is_index,
+    MEMORY, PANEL_SIZES, PREDEFINED_RANGE, PanelSide, SCALES, Settings, ThemeSetting, WINDOW_SIDES, is_index,
 };
 use crate::workspace::Location;
-use crate::workspace::spanned_toml::{TomlEntry, Value, check_version, entries, parse as parse_toml, unknown_key};
+use crate::workspace::spanned_toml::{TomlEntry, Value, check_version, entries, parse as parse_toml, parse_integer, unknown_key};
 
-const KEYS: [&str; 8] = ["version", "shadows", "depth", "size", "ior", "startup", "defaults", "window"];
-const WINDOW_KEYS: [&str; 5] = ["theme", "scale", "apply_as_you_type", "log", "size"];
+const KEYS: [&str; 11] =
+    ["version", "shadows", "depth", "size", "ior", "srgb", "backend", "memory", "startup", "defaults", "window"];
+const WINDOW_KEYS: [&str; 6] = ["theme", "scale", "apply_as_you_type", "gallery", "log", "size"];
 
 /// A parsed text.
 #[derive(Default)]
@@ -109,6 +112,17 @@ impl ParsedSettings {
                     self.index(entry.value, index);
                 }
             }
+            "srgb" => {
+                if let Some(srgb) = self.report_error(entry.value.truth()) {
+                    self.settings.transfer = if srgb { Transfer::Srgb } else { Transfer::Linear };
+                }
+            }
+            "backend" => {
+                if let Some(backend) = self.report_error(backend(entry.value)) {
+                    self.settings.backend = backend;
+                }
+            }
+            "memory" => self.memory(entry.value),
             "startup" => {
                 if let Some(startup) = self.report_error(startup(entry.value)) {
                     self.settings.startup = startup;
@@ -145,6 +159,20 @@ impl ParsedSettings {
             }
         }
         sides
+    }
+
+    fn memory(&mut self, value: Value) {
+        let any = self.report_error(value.integer("an amount of memory in MiB; 0 for half of what is free"));
+        let is_half = any.map(|number| parse_integer(number) == Some(0));
+        let [low, high] = MEMORY.map(i64::from);
+        match is_half {
+            Some(true) => self.settings.memory = None,
+            Some(false) => {
+                let memory = self.report_warning(nearest_whole(value, low..=high));
+                self.settings.memory = memory.map(|memory| memory as u32);
+            }
+            None => {}
+        }
     }
 
     fn index(&mut self, value: Value, index: f64) {
@@ -200,6 +228,11 @@ impl ParsedSettings {
                     self.settings.window.apply_as_you_type = apply;
                 }
             }
+            "gallery" => {
+                if let Some(gallery) = self.report_error(entry.value.truth()) {
+                    self.settings.window.gallery = gallery;
+                }
+            }
             "log" => {
                 if let Some(log) = self.report_error(entry.value.truth()) {
                     self.settings.window.log = log;
@@ -227,6 +260,16 @@ fn startup(value: Value) -> Result<Location, Diagnostic> {
         return Err(Diagnostic::error("the path of the session is empty").at(value.span, "expected a path or `preset:NAME`"));
     }
     Ok(Location::new(text))
+}
+
+fn backend(value: Value) -> Result<BackendChoice, Diagnostic> {
+    let text = value.text()?;
+    backends::named(text).copied().ok_or_else(|| {
+        let names = backends::CHOICES.map(|choice| choice.name);
+        let hint = nearest(text, names).map(|near| format!("did you mean \"{near}\"?"));
+        let expected = names.map(|name| format!("\"{name}\"")).join(" or ");
+        Diagnostic::error(format!("there is no backend \"{text}\"")).at(value.span, format!("expected {expected}")).help_if(hint)
+    })
 }
 
 fn theme(value: Value) -> Result<ThemeSetting, Diagnostic> {

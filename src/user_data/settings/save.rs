@@ -2,6 +2,7 @@
 
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::variables::Predefined;
+use crate::picture::Transfer;
 use crate::user_data::settings::read::UnknownKeys;
 use crate::user_data::settings::{Defaults, PanelSizes, Settings};
 use crate::workspace::Location;
@@ -16,6 +17,10 @@ struct SettingsText<'s> {
     depth: u32,
     size: [u32; 2],
     ior: f64,
+    srgb: bool,
+    backend: &'static str,
+    /// In MiB; 0 for half of what is free.
+    memory: u32,
     startup: String,
     #[serde(flatten)]
     unknown: &'s toml::Table,
@@ -28,6 +33,7 @@ struct WindowText<'s> {
     theme: &'static str,
     scale: f32,
     apply_as_you_type: bool,
+    gallery: bool,
     log: bool,
     size: [u32; 2],
     #[serde(flatten)]
@@ -66,13 +72,17 @@ enum SettingNumber<'s> {
 
 pub(super) fn to_toml(settings: &Settings, unknown: &UnknownKeys) -> Result<String, Diagnostic> {
     let startup = startup(&settings.startup)?;
-    let Settings { shadows, depth, size, default_index, startup: _, defaults, window } = settings.within_ranges();
+    let Settings { shadows, depth, size, default_index, transfer, backend, memory, startup: _, defaults, window } =
+        settings.within_ranges();
     let text = SettingsText {
         version: VERSION,
         shadows,
         depth,
         size,
         ior: default_index,
+        srgb: transfer == Transfer::Srgb,
+        backend: backend.name,
+        memory: memory.unwrap_or(0),
         startup,
         unknown: &unknown.file,
         defaults: DefaultsTable { defaults: &defaults, unknown: &unknown.defaults },
@@ -80,6 +90,7 @@ pub(super) fn to_toml(settings: &Settings, unknown: &UnknownKeys) -> Result<Stri
             theme: window.theme.name(),
             scale: window.scale,
             apply_as_you_type: window.apply_as_you_type,
+            gallery: window.gallery,
             log: window.log,
             size: window.size,
             panels: window.panels,

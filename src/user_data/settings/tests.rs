@@ -14,6 +14,9 @@ shadows = false
 depth = 3
 size = [1280, 720]
 ior = 1.25
+srgb = false
+backend = "interpreter"
+memory = 2048
 startup = "preset:glass"
 
 [defaults]
@@ -25,6 +28,7 @@ background = [0, 0, 0.25]
 theme = "light"
 scale = 1.5
 apply_as_you_type = true
+gallery = false
 log = true
 size = [1920, 1080]
 owners_height = 300
@@ -59,6 +63,7 @@ fn settings_are_read() {
         PictureSettings { size: [1280, 720], depth: 3, shadows: false, default_index: 1.25, ..PictureSettings::default() };
     assert_eq!(settings.picture(), picture);
     assert_eq!(settings.startup, Location::new("preset:glass"));
+    assert_eq!((settings.backend, settings.memory), (crate::backends::REFERENCE, Some(2048)));
     assert_eq!(settings.defaults.of(Predefined::BodyColour), [0.9, 0.2, 0.1]);
     assert_eq!(settings.defaults.of(Predefined::Ambient), [0.0]);
     assert_eq!(settings.defaults.of(Predefined::Background), [0.0, 0.0, 0.25]);
@@ -66,14 +71,16 @@ fn settings_are_read() {
     let mut panels = PanelSizes::default();
     panels.set(PanelSide::Owners, 300.0);
     let (theme, size) = (ThemeSetting::Light, [1920, 1080]);
-    let window = WindowSettings { theme, scale: 1.5, apply_as_you_type: true, log: true, size, panels };
+    let window = WindowSettings { theme, scale: 1.5, apply_as_you_type: true, gallery: false, log: true, size, panels };
     assert_eq!(settings.window, window);
 }
 
 #[test]
 fn what_is_not_said_is_as_by_default() {
     assert_eq!(parse("version = 1"), (Settings::default(), vec![]));
-    assert_eq!(Settings::default().picture(), PictureSettings::default());
+    let picture = PictureSettings { view: Transfer::Srgb.into(), ..PictureSettings::default() };
+    assert_eq!(Settings::default().picture(), picture);
+    assert_eq!(parse("version = 1\nmemory = 0").0.memory, None);
     assert_eq!(parse("\u{feff}version = 1\r\ndepth = 2\r\n").0.depth, 2);
     assert!(
         ThemeSetting::System.is_dark(None)
@@ -352,8 +359,14 @@ fn a_path_that_is_no_text_is_refused() {
 fn any_settings() -> impl Strategy<Value = Settings> {
     let values = proptest::collection::vec(proptest::array::uniform3(any::<f32>()), Predefined::ALL.len());
     let numbers = (any::<u32>(), any::<[u32; 2]>(), any::<f64>(), any::<f32>(), any::<[u32; 2]>());
-    (any::<[bool; 3]>(), numbers, "/?[^/\0]{1,12}", proptest::sample::select(ThemeSetting::ALL.to_vec()), values).prop_map(
-        |([shadows, apply_as_you_type, log], (depth, size, default_index, scale, window), startup, theme, values)| {
+    (any::<[bool; 6]>(), numbers, "/?[^/\0]{1,12}", proptest::sample::select(ThemeSetting::ALL.to_vec()), values).prop_map(
+        |(
+            [shadows, apply_as_you_type, log, gallery, srgb, compiled],
+            (depth, size, default_index, scale, window),
+            startup,
+            theme,
+            values,
+        )| {
             let mut defaults = Defaults::default();
             for (parameter, value) in Predefined::ALL.iter().zip(values) {
                 defaults.set(*parameter, value);
@@ -361,9 +374,12 @@ fn any_settings() -> impl Strategy<Value = Settings> {
             let mut panels = PanelSizes::default();
             panels.set(PanelSide::Texts, scale * 100.0);
             panels.set(PanelSide::Inspector, scale);
-            let window = WindowSettings { theme, scale, apply_as_you_type, log, size: window, panels };
+            let window = WindowSettings { theme, scale, apply_as_you_type, gallery, log, size: window, panels };
             let startup = Location::new(startup);
-            Settings { shadows, depth, size, default_index, startup, defaults, window }
+            let transfer = if srgb { Transfer::Srgb } else { Transfer::Linear };
+            let backend = if compiled { DEFAULT } else { crate::backends::REFERENCE };
+            let memory = shadows.then_some(depth);
+            Settings { shadows, depth, size, default_index, transfer, backend, memory, startup, defaults, window }
         },
     )
 }
