@@ -99,6 +99,10 @@ fn exposure(app: &mut App, ui: &mut Ui) {
     {
         view.exposure = stops;
     }
+    // A list does not wrap by itself.
+    if ui.available_size_before_wrap().x < 132.0 {
+        ui.end_row();
+    }
     ComboBox::from_id_salt("curve").selected_text(format!("Tone: {}", curve.title())).width(112.0).show_ui(ui, |ui| {
         for curve in ToneCurve::ALL {
             ui.selectable_value(&mut view.curve, curve, curve.title()).on_hover_text(curve.doc());
