@@ -76,7 +76,7 @@ pub struct Editor {
     queue: Queue,
     list: List,
     find: Find,
-    syntax: hover::Syntax,
+    syntax: hover::PointedSyntax,
     /// The document that was shown last, and the selection in each document.
     shown: Option<u64>,
     selections: HashMap<u64, Selection>,

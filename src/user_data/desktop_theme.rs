@@ -1,7 +1,7 @@
 //! Whether the desktop is dark, as far as files and the environment say so.
 //!
-//! Desktops have no common place for it. Read are `GTK_THEME`, the colours of KDE (`kdeglobals`) and the settings of GTK
-//! (`settings.ini`). What a desktop keeps only in a database or behind a service is not asked for.
+//! Desktops have no common place for it. Read are `GTK_THEME`, the colours of KDE (`kdeglobals`) and the settings of
+//! GTK (`settings.ini`). What a desktop keeps only in a database or behind a service is not asked for.
 
 use crate::files::Readable;
 use crate::workspace::read_source;

@@ -29,7 +29,8 @@ const ROOMS: [(&str, &[&str]); 16] = [
     ("backends", &["lang", "formula", "scene", "world", "trace", "bytecode", "plan", "jit", "picture", "evaluate"]),
     ("engine", &["lang", "formula", "scene", "world", "trace", "picture", "evaluate", "backends"]),
     ("workspace", &["files", "lang", "formula", "scene", "trace", "engine", "picture"]),
-    ("user_data", &["files", "lang", "trace", "workspace"]),
+    // Settings name a backend, and the transfer of new sessions.
+    ("user_data", &["files", "lang", "trace", "picture", "backends", "workspace"]),
     (
         "preview",
         &[

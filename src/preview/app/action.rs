@@ -1,13 +1,13 @@
 //! The actions of the user interface, which menus, keys, buttons and dialogs cause.
 
 use crate::backends::BackendChoice;
-use crate::preview::app::materials::DeletedMaterial;
 use crate::preview::app::pane::Zoom;
 use crate::preview::editor::EditorCommand;
 use crate::scene::BodyId;
 use crate::user_data::settings::{Settings, ThemeSetting};
 use crate::workspace::FileKind;
 use crate::workspace::Location;
+use crate::workspace::materials::{LibraryLocation, Material};
 use egui::{Key, KeyboardShortcut, Modifiers, Ui};
 use std::path::PathBuf;
 
@@ -111,6 +111,15 @@ pub enum Action {
     ShowShortcuts,
     /// End the program.
     Quit,
+}
+
+/// A material that was deleted, and the library that it was in.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DeletedMaterial {
+    /// The material.
+    pub material: Material,
+    /// The library.
+    pub library: LibraryLocation,
 }
 
 /// Something over the picture that can be hidden.

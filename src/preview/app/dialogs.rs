@@ -4,22 +4,13 @@ use crate::lang::display_text::{many_lines, one_line};
 use crate::preview::app::Action;
 use crate::preview::app::action::shortcuts;
 use crate::preview::app::file_dialogs::FileDialogs;
+use crate::preview::app::modal::modal;
 use crate::preview::app::question::Question;
-use egui::{Context, Frame, Grid, Key, Modal, ModalResponse, Modifiers, ScrollArea, Ui};
+use egui::{Context, Grid, Key, Modifiers, ScrollArea};
 use std::collections::VecDeque;
 
 /// The height that a dialog needs beside its content: title, button and margins.
 const EXTRA_HEIGHT: f32 = 150.0;
-
-/// A modal dialog with margins and a title.
-pub(super) fn modal<R>(context: &Context, title: &str, content: impl FnOnce(&mut Ui) -> R) -> ModalResponse<R> {
-    let frame = Frame::popup(&context.global_style()).inner_margin(18.0);
-    Modal::new(egui::Id::new(("modal", title))).frame(frame).show(context, |ui| {
-        ui.heading(title);
-        ui.add_space(6.0);
-        content(ui)
-    })
-}
 
 /// More shortcuts, which the text editor has.
 const EDITOR_SHORTCUTS: [(&str, &str); 4] = [

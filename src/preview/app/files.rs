@@ -390,8 +390,8 @@ impl App {
         }
     }
 
-    /// Applies a text that has just been opened. A scene without a session gets a first look: colours for bodies that the
-    /// open session does not know, and an exposure by the first picture.
+    /// Applies a text that has just been opened. A scene without a session gets a first look: colours for bodies that
+    /// the open session does not know, and an exposure by the first picture.
     fn apply_opened(&mut self, tab: TextTab) {
         let known: Vec<String> = self.workshop.scene().bodies.iter().map(|body| body.name.clone()).collect();
         self.apply(tab);

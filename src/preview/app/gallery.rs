@@ -1,7 +1,8 @@
 //! The gallery: the built-in sessions with pictures, and recent files. Escape, or a click beside it, closes it.
 
 use crate::lang::display_text::one_line;
-use crate::preview::app::thumbnails::{THUMBNAIL, ThumbnailKey};
+use crate::preview::app::thumbnail_key::ThumbnailKey;
+use crate::preview::app::thumbnails::THUMBNAIL;
 use crate::preview::app::{Action, App};
 use crate::workspace::{FileKind, Location, presets};
 use egui::{Align, Button, Context, Frame, Layout, Modal, Rect, RichText, ScrollArea, Sense, Ui, WidgetInfo, WidgetType, vec2};

@@ -1,8 +1,8 @@
-//! Slow jobs that write files or make thumbnails. They run one after the other on a background thread, so the interface does not
-//! wait for disks.
+//! Slow jobs that write files or make thumbnails. They run one after the other on a background thread, so the
+//! interface does not wait for them.
 
 use crate::lang::diagnostic::Diagnostic;
-use crate::preview::app::thumbnails::ThumbnailKey;
+use crate::preview::app::thumbnail_key::ThumbnailKey;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::JoinHandle;

@@ -2,6 +2,7 @@
 
 use crate::files::Readable;
 use crate::lang::display_text::one_line;
+use crate::preview::app::action::DeletedMaterial;
 use crate::preview::app::question::Question;
 use crate::preview::app::{Action, App};
 use crate::preview::workshop::Workshop;
@@ -24,13 +25,6 @@ pub(super) struct MaterialRow {
     open: bool,
     /// What the user wants.
     actions: Vec<Action>,
-}
-
-/// A material that was deleted, and the library that it was in.
-#[derive(Debug, Clone, PartialEq)]
-pub struct DeletedMaterial {
-    material: Material,
-    library: LibraryLocation,
 }
 
 impl Default for MaterialRow {
@@ -145,8 +139,8 @@ impl MaterialRow {
 }
 
 impl App {
-    /// Saves the values of a body as a material. If there is one of this name, `replaces` says whether the user wants to
-    /// replace it; if that is not known yet, the user is asked.
+    /// Saves the values of a body as a material. If there is one of this name, the user is asked, unless `replaces`
+    /// says that the answer is known.
     pub(super) fn save_material(&mut self, name: &str, body: BodyId, replaces: bool) {
         let Ok(library) = &mut self.materials.library else { return };
         if library.get(name).is_some() && !replaces {

@@ -6,7 +6,7 @@ use crate::preview::app::action::{PanelId, shortcut_of};
 use crate::preview::app::comparison::{GAINS, PAIRS, Pair, PaneMode, SNAPSHOTS, obstacle};
 use crate::preview::app::pane::Zoom;
 use crate::preview::app::tab::TextTab;
-use crate::preview::app::thumbnails::ThumbnailKey;
+use crate::preview::app::thumbnail_key::ThumbnailKey;
 use crate::preview::app::{Action, App, theme};
 use crate::preview::editor::{PossibleEdits, edit_menu_ui};
 use crate::user_data::settings::ThemeSetting;

@@ -1,7 +1,7 @@
 //! Questions: dialogs that wait for one of a few answers.
 
 use crate::lang::display_text::{many_lines, one_line};
-use crate::preview::app::dialogs::modal;
+use crate::preview::app::modal::modal;
 use crate::preview::app::{Action, theme};
 use egui::{Context, Key, Modifiers};
 

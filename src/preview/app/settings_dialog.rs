@@ -5,7 +5,7 @@ use crate::lang::types::Type;
 use crate::lang::variables::Predefined;
 use crate::picture::Transfer;
 use crate::preview::app::colours::{picker_ui, swatch_button};
-use crate::preview::app::dialogs::modal;
+use crate::preview::app::modal::modal;
 use crate::preview::app::number_field::{NUMBER_WIDTH, component_ui};
 use crate::preview::app::theme;
 use crate::trace::{MAX_DEPTH, MAX_SIDE};

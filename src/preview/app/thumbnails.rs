@@ -6,50 +6,12 @@ use crate::picture::{ToneCurve, quantise};
 use crate::preview::app::App;
 use crate::preview::app::histogram::suitable_exposure;
 use crate::preview::app::jobs::JobResult;
+use crate::preview::app::thumbnail_key::ThumbnailKey;
 use crate::preview::workshop::Thumbnail;
-use crate::workspace::{FileKind, Location};
 use egui::{Color32, ColorImage, Rect, TextureHandle, TextureOptions, Ui, Vec2, pos2, vec2};
-use std::path::PathBuf;
-use std::time::SystemTime;
 
 /// The size of thumbnails, in points.
 pub(super) const THUMBNAIL: Vec2 = vec2(160.0, 120.0);
-
-/// What a thumbnail is of. A file that was changed has another one.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct ThumbnailKey {
-    kind: FileKind,
-    location: Location,
-    changed: Option<SystemTime>,
-}
-
-impl ThumbnailKey {
-    /// The thumbnail of a file as it is now. This asks the file system, so call it when a list opens.
-    pub(super) fn new(kind: FileKind, location: Location) -> Self {
-        let changed = location.file().and_then(|path| std::fs::metadata(path).and_then(|data| data.modified()).ok());
-        Self { kind, location, changed }
-    }
-
-    /// The thumbnail of a built-in file.
-    pub(super) fn preset(kind: FileKind, name: &str) -> Self {
-        Self { kind, location: Location::Preset(name.to_owned()), changed: None }
-    }
-
-    /// The thumbnail of a file of the user.
-    pub(super) fn file(kind: FileKind, path: PathBuf) -> Self {
-        Self::new(kind, Location::File(path))
-    }
-
-    /// The kind of the file.
-    pub(super) fn kind(&self) -> FileKind {
-        self.kind
-    }
-
-    /// Where the file is.
-    pub(super) fn location(&self) -> &Location {
-        &self.location
-    }
-}
 
 /// The thumbnails.
 #[derive(Default)]
@@ -89,7 +51,7 @@ impl Thumbnails {
     pub(super) fn keep(&mut self, context: Option<&egui::Context>, key: ThumbnailKey, image: Option<ColorImage>) {
         self.busy = false;
         let texture = image.zip(context).map(|(image, context)| {
-            context.load_texture(format!("thumbnail of {}", key.location), image, TextureOptions::LINEAR)
+            context.load_texture(format!("thumbnail of {}", key.location()), image, TextureOptions::LINEAR)
         });
         self.made.push((key, texture));
     }
@@ -102,8 +64,8 @@ impl Thumbnails {
 }
 
 impl App {
-    /// Begins the next thumbnail that is wanted. There is at most one at a time, so that other jobs do not wait long. The
-    /// picture of the window comes first, unless the gallery covers it.
+    /// Begins the next thumbnail that is wanted. There is at most one at a time, so that other jobs do not wait long.
+    /// The picture of the window comes first, unless the gallery covers it.
     pub(super) fn make_thumbnails(&mut self, pixels_per_point: f32) {
         let thumbnails = &mut self.thumbnails;
         let waits = self.workshop.shown().version == 0 && !self.gallery.is_open();
@@ -115,7 +77,7 @@ impl App {
         let engine = thumbnails.engine.get_or_insert_with(Engine::default).clone();
         let most = [THUMBNAIL.x, THUMBNAIL.y].map(|side| (side * pixels_per_point.clamp(1.0, 3.0)).round() as u32);
         self.run_job(move || {
-            let made = Thumbnail::new(key.kind, &key.location, most, &engine);
+            let made = Thumbnail::new(key.kind(), key.location(), most, &engine);
             let image = made.as_ref().map(image);
             Some(JobResult::ThumbnailMade(Box::new(key), image))
         });

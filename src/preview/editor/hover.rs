@@ -16,13 +16,13 @@ use std::ops::Range;
 
 /// The syntax of the formula that was pointed at last, which has the author's comments.
 #[derive(Debug, Default)]
-pub(super) struct Syntax {
+pub(super) struct PointedSyntax {
     /// The document and its revision.
     of: Option<(u64, u64)>,
     file: FormulaFile,
 }
 
-impl Syntax {
+impl PointedSyntax {
     /// What the author's comments say about a name of a formula.
     fn doc(&mut self, document: &Document, name: &str) -> Option<String> {
         let of = Some((document.id(), document.revision()));
@@ -104,7 +104,7 @@ mod tests {
         let byte = marked.find('|').unwrap();
         let text = marked.replace('|', "");
         let document = Document::untitled(kind, &text);
-        let found = Syntax::default().meaning(&document, &Words::new(kind, &text), byte);
+        let found = PointedSyntax::default().meaning(&document, &Words::new(kind, &text), byte);
         found.map(|(known, _)| (known.types, known.doc))
     }
 

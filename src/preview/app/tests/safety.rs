@@ -1,5 +1,5 @@
-//! Nothing is lost by a slip: saving before something is replaced, materials that are deleted or overwritten, and what is
-//! said about it.
+//! Nothing is lost by a slip: saving before something is replaced, materials that are deleted or overwritten, and what
+//! is said about it.
 
 use super::*;
 use crate::workspace::OwnerId;
