@@ -83,9 +83,9 @@ pub enum Event {
         /// How long it took.
         time: Duration,
     },
-    /// The number of pixels with a component that is NaN, of a picture without a held slider. The picture shows such
-    /// components as 0.
-    Undefined(usize),
+    /// The number of pixels with a component that is NaN, of a picture without a held slider, and the first of them in
+    /// the picture in full size. The picture shows such components as 0.
+    Undefined(usize, Option<[u32; 2]>),
     /// There is no picture. The text says why.
     Failed(String),
 }

@@ -7,6 +7,7 @@ mod export;
 mod first_look;
 mod history;
 mod opening;
+mod thumbnail;
 
 use crate::backends::{BackendChoice, DEFAULT};
 use crate::engine::{Engine, Subject};
@@ -28,6 +29,7 @@ use std::io;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
+pub use thumbnail::Thumbnail;
 
 /// What is open.
 pub struct Workshop {

@@ -6,13 +6,18 @@ use crate::preview::app::action::{PanelId, shortcut_of};
 use crate::preview::app::comparison::{GAINS, PAIRS, Pair, PaneMode, SNAPSHOTS, obstacle};
 use crate::preview::app::pane::Zoom;
 use crate::preview::app::tab::TextTab;
+use crate::preview::app::thumbnails::ThumbnailKey;
 use crate::preview::app::{Action, App, theme};
 use crate::preview::editor::{PossibleEdits, edit_menu_ui};
 use crate::user_data::settings::ThemeSetting;
+use crate::workspace::FileKind;
 use crate::workspace::Location;
-use crate::workspace::{FileKind, presets};
+use crate::workspace::presets::{self, Preset};
 use egui::containers::menu::{MenuButton, MenuConfig};
-use egui::{Button, MenuBar, PopupCloseBehavior, ScrollArea, Ui};
+use egui::{
+    Button, Label, MenuBar, PopupCloseBehavior, Rect, RichText, ScrollArea, Sense, Ui, UiBuilder, Vec2, WidgetInfo, WidgetType,
+    vec2,
+};
 
 /// A menu entry with its shortcut.
 fn entry(ui: &mut Ui, name: &str, action: Action, actions: &mut Vec<Action>) {
@@ -67,26 +72,30 @@ pub(super) fn bar(app: &mut App, ui: &mut Ui, actions: &mut Vec<Action>) {
         persistent_menu(ui, "Compare", |ui| compare(ui, app, actions));
         persistent_menu(ui, "View", |ui| view(ui, app, actions));
         ui.menu_button("Help", |ui| {
+            entry(ui, "Gallery", Action::ShowGallery, actions);
             entry(ui, "Language reference", Action::TogglePanel(PanelId::Reference), actions);
             entry(ui, "Shortcuts", Action::ShowShortcuts, actions);
         });
     });
 }
 
-fn file(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
+fn file(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
     for kind in TextTab::ALL.map(TextTab::kind) {
         entry(ui, &format!("New {}", kind.noun()), Action::New(kind), actions);
     }
     entry(ui, "New session", Action::NewSession, actions);
     ui.separator();
+    entry(ui, "Gallery", Action::ShowGallery, actions);
     for kind in [FileKind::Formula, FileKind::Scene, FileKind::Session] {
         entry(ui, &format!("Open {}…", kind.noun()), Action::ShowOpenDialog(kind), actions);
     }
     for kind in [FileKind::Formula, FileKind::Scene, FileKind::Session] {
         ui.menu_button(format!("Built-in {}s", kind.noun()), |ui| {
-            for name in presets::names(kind) {
-                entry(ui, name, Action::Open(kind, Location::Preset(name.to_owned())), actions);
-            }
+            scrolled(ui, |ui| {
+                for preset in presets::all(kind) {
+                    preset_ui(ui, app, kind, preset, actions);
+                }
+            });
         });
     }
     ui.menu_button("Recent", |ui| {
@@ -115,6 +124,27 @@ fn file(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
     ui.separator();
     entry_if(ui, !app.user_state.draft_names().is_empty(), "Unsaved work of earlier runs…", Action::OfferDrafts, actions);
     entry(ui, "Quit", Action::Quit, actions);
+}
+
+/// An entry for a built-in file: a thumbnail, its name, and a line.
+fn preset_ui(ui: &mut Ui, app: &mut App, kind: FileKind, preset: &Preset, actions: &mut Vec<Action>) {
+    const SIZE: Vec2 = vec2(80.0, 60.0);
+    let (rect, response) = ui.allocate_exact_size(vec2(360.0, SIZE.y + 6.0), Sense::click());
+    response.widget_info(|| WidgetInfo::labeled(WidgetType::Button, true, preset.name));
+    if response.hovered() {
+        ui.painter().rect_filled(rect, 4.0, ui.visuals().widgets.hovered.weak_bg_fill);
+    }
+    let picture = Rect::from_min_size(rect.min + vec2(3.0, 3.0), SIZE);
+    app.thumbnails.paint(ui, picture, &ThumbnailKey::preset(kind, preset.name));
+    let texts = Rect::from_min_max(picture.right_top() + vec2(10.0, 6.0), rect.max - vec2(6.0, 2.0));
+    let mut inner = ui.new_child(UiBuilder::new().max_rect(texts));
+    inner.spacing_mut().item_spacing.y = 2.0;
+    inner.add(Label::new(RichText::new(preset.name).strong()).selectable(false));
+    inner.add(Label::new(RichText::new(preset.about).small()).selectable(false).wrap());
+    if response.clicked() {
+        actions.push(Action::Open(kind, Location::Preset(preset.name.to_owned())));
+        ui.close();
+    }
 }
 
 fn picture(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {

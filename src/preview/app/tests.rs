@@ -13,6 +13,7 @@ mod layout;
 mod light;
 mod rows;
 mod safety;
+mod start;
 
 fn harness() -> Harness<'static, App> {
     harness_in(None)
