@@ -13,6 +13,7 @@ mod confirmation;
 mod dialogs;
 mod file_dialogs;
 mod files;
+mod hand;
 mod histogram;
 mod inspector;
 mod jobs;
@@ -26,6 +27,8 @@ mod panel_sizes;
 mod parameters;
 mod question;
 mod saving;
+mod scene_actions;
+mod scene_text;
 mod settings_dialog;
 mod status;
 mod tab;
@@ -35,6 +38,7 @@ mod value_rows;
 mod view_controls;
 
 pub use action::Action;
+pub use scene_actions::SceneAction;
 
 use crate::backends::BackendChoice;
 use crate::files::Readable;
@@ -58,6 +62,7 @@ use autosave::{Autosave, DraftSlot, PerDraft, Unsaved};
 use confirmation::Confirmation;
 use dialogs::Dialogs;
 use egui::{CentralPanel, Context, Frame, Id, Panel, Ui};
+use hand::Hand;
 use inspector::InspectorPanel;
 use jobs::{JobResult, Jobs};
 use log::Log;
@@ -67,6 +72,7 @@ use pane::PicturePane;
 use panel_sizes::remember;
 use parameters::ParameterPanel;
 use saving::PendingSave;
+use scene_text::SceneSteps;
 use settings_dialog::SettingsDialog;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io;
@@ -97,6 +103,8 @@ pub struct App {
     saved: SavedSession,
     parameters: ParameterPanel,
     pane: PicturePane,
+    hand: Hand,
+    scene_steps: SceneSteps,
     log: Log,
     dialogs: Dialogs,
     notices: Notices,
@@ -190,6 +198,8 @@ impl App {
             saved,
             parameters: ParameterPanel::default(),
             pane: PicturePane::default(),
+            hand: Hand::default(),
+            scene_steps: SceneSteps::default(),
             log: Log::default(),
             dialogs: Dialogs::default(),
             notices: Notices::default(),
@@ -240,7 +250,7 @@ impl App {
             self.log.record(&event, &self.workshop);
             match event {
                 Event::Failed(message) => self.notify(Notice::error(Topic::Picture, "There is no picture", message)),
-                Event::Frame { .. } => {
+                Event::Frame { .. } | Event::Moved { .. } => {
                     self.notices.clear(Topic::Picture);
                 }
                 Event::Compiled(_) | Event::Traced { .. } | Event::Ready { .. } | Event::Undefined(_) => {}
@@ -294,6 +304,7 @@ impl App {
             if let Some(owner) = self.pane.ui(ui, &mut self.workshop, self.scale) {
                 self.parameters.select(owner);
             }
+            self.scene_by_hand(ui, !typing && !waits, &mut actions);
             if self.inspector.open
                 && let Some(pixel) = self.pane.clicked()
             {
@@ -311,6 +322,7 @@ impl App {
         for action in actions {
             self.perform(action);
         }
+        self.follow_editor_undo();
         self.autosave(ui);
     }
 
