@@ -14,6 +14,7 @@ mod dialogs;
 mod file_dialogs;
 mod files;
 mod gallery;
+mod hand;
 mod histogram;
 mod inspector;
 mod jobs;
@@ -27,6 +28,8 @@ mod panel_sizes;
 mod parameters;
 mod question;
 mod saving;
+mod scene_actions;
+mod scene_text;
 mod settings_dialog;
 mod status;
 mod tab;
@@ -37,6 +40,7 @@ mod value_rows;
 mod view_controls;
 
 pub use action::Action;
+pub use scene_actions::SceneAction;
 
 use crate::backends::BackendChoice;
 use crate::files::Readable;
@@ -61,6 +65,7 @@ use confirmation::Confirmation;
 use dialogs::Dialogs;
 use egui::{CentralPanel, Context, Frame, Id, Panel, Ui};
 use gallery::Gallery;
+use hand::Hand;
 use inspector::InspectorPanel;
 use jobs::{JobResult, Jobs};
 use log::Log;
@@ -70,6 +75,7 @@ use pane::PicturePane;
 use panel_sizes::remember;
 use parameters::ParameterPanel;
 use saving::PendingSave;
+use scene_text::SceneSteps;
 use settings_dialog::SettingsDialog;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io;
@@ -101,6 +107,8 @@ pub struct App {
     saved: SavedSession,
     parameters: ParameterPanel,
     pane: PicturePane,
+    hand: Hand,
+    scene_steps: SceneSteps,
     log: Log,
     dialogs: Dialogs,
     notices: Notices,
@@ -196,6 +204,8 @@ impl App {
             saved,
             parameters: ParameterPanel::default(),
             pane: PicturePane::default(),
+            hand: Hand::default(),
+            scene_steps: SceneSteps::default(),
             log: Log::default(),
             dialogs: Dialogs::default(),
             notices: Notices::default(),
@@ -251,7 +261,7 @@ impl App {
             self.log.record(&event, &self.workshop);
             match event {
                 Event::Failed(message) => self.notify(Notice::error(Topic::Picture, "There is no picture", message)),
-                Event::Frame { .. } => {
+                Event::Frame { .. } | Event::Moved { .. } => {
                     self.notices.clear(Topic::Picture);
                 }
                 Event::Compiled(_) | Event::Traced { .. } | Event::Ready { .. } | Event::Undefined(..) => {}
@@ -305,6 +315,7 @@ impl App {
             if let Some(owner) = self.pane.ui(ui, &mut self.workshop, self.scale) {
                 self.parameters.select(owner);
             }
+            self.scene_by_hand(ui, !typing && !waits, &mut actions);
             if self.inspector.open
                 && let Some(pixel) = self.pane.clicked()
             {
@@ -324,6 +335,7 @@ impl App {
         for action in actions {
             self.perform(action);
         }
+        self.follow_editor_undo();
         self.autosave(ui);
     }
 

@@ -4,7 +4,9 @@ use crate::lang::display_text::{many_lines, one_line};
 use crate::preview::app::Action;
 use crate::preview::app::action::shortcuts;
 use crate::preview::app::file_dialogs::FileDialogs;
+use crate::preview::app::hand::MOUSE_HELP;
 use crate::preview::app::question::Question;
+use crate::preview::app::scene_actions::scene_shortcuts;
 use egui::{Context, Frame, Grid, Key, Modal, ModalResponse, Modifiers, ScrollArea, Ui};
 use std::collections::VecDeque;
 
@@ -145,7 +147,12 @@ impl Dialogs {
                             ui.label(description);
                             ui.end_row();
                         }
-                        for (keys, description) in EDITOR_SHORTCUTS {
+                        for (shortcut, _, description) in scene_shortcuts() {
+                            ui.monospace(ui.ctx().format_shortcut(&shortcut));
+                            ui.label(description);
+                            ui.end_row();
+                        }
+                        for (keys, description) in EDITOR_SHORTCUTS.into_iter().chain(MOUSE_HELP) {
                             ui.monospace(keys);
                             ui.label(description);
                             ui.end_row();
