@@ -256,20 +256,7 @@ impl App {
         self.expose_first_picture();
         let size = ui.ctx().content_rect().size() * self.scale;
         self.user_state.settings.window.size = [size.x, size.y].map(|side| side.round() as u32);
-        let events: Vec<_> = self.workshop.renderer().events().collect();
-        for event in events {
-            self.log.record(&event, &self.workshop);
-            match event {
-                Event::Failed(message) => self.notify(Notice::error(Topic::Picture, "There is no picture", message)),
-                Event::Frame { .. } | Event::Moved { .. } => {
-                    self.notices.clear(Topic::Picture);
-                }
-                Event::Compiled(_) | Event::Traced { .. } | Event::Ready { .. } | Event::Undefined(..) => {}
-            }
-        }
-        for result in self.jobs.results() {
-            self.handle_job_result(result);
-        }
+        self.take_news();
         let typing = std::mem::take(&mut self.typing) || ui.ctx().text_edit_focused();
         // While a dialog waits for an answer, shortcuts do nothing.
         let waits = self.dialogs.files.is_open() || ui.memory(|memory| memory.top_modal_layer().is_some());
@@ -337,6 +324,24 @@ impl App {
         }
         self.follow_editor_undo();
         self.autosave(ui);
+    }
+
+    /// Takes what the renderer and the background jobs have told since the last frame.
+    fn take_news(&mut self) {
+        let events: Vec<_> = self.workshop.renderer().events().collect();
+        for event in events {
+            self.log.record(&event, &self.workshop);
+            match event {
+                Event::Failed(message) => self.notify(Notice::error(Topic::Picture, "There is no picture", message)),
+                Event::Frame { .. } | Event::Moved { .. } => {
+                    self.notices.clear(Topic::Picture);
+                }
+                Event::Compiled(_) | Event::Traced { .. } | Event::Ready { .. } | Event::Undefined(..) => {}
+            }
+        }
+        for result in self.jobs.results() {
+            self.handle_job_result(result);
+        }
     }
 
     /// Notes unsaved work, and writes drafts every few seconds, which is what a crash can cost. Texts are noted in
