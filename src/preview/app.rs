@@ -13,6 +13,7 @@ mod confirmation;
 mod dialogs;
 mod file_dialogs;
 mod files;
+mod gallery;
 mod hand;
 mod histogram;
 mod inspector;
@@ -28,11 +29,13 @@ mod parameters;
 mod question;
 mod saving;
 mod scene_actions;
+mod scene_menu;
 mod scene_text;
 mod settings_dialog;
 mod status;
 mod tab;
 mod theme;
+mod thumbnails;
 mod user_state;
 mod value_rows;
 mod view_controls;
@@ -62,6 +65,7 @@ use autosave::{Autosave, DraftSlot, PerDraft, Unsaved};
 use confirmation::Confirmation;
 use dialogs::Dialogs;
 use egui::{CentralPanel, Context, Frame, Id, Panel, Ui};
+use gallery::Gallery;
 use hand::Hand;
 use inspector::InspectorPanel;
 use jobs::{JobResult, Jobs};
@@ -81,6 +85,7 @@ use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 use tab::{PerTab, TextTab};
 use theme::Theme;
+use thumbnails::Thumbnails;
 use user_state::UserState;
 
 /// Windows narrower than this, in points, get narrower panels: otherwise there would be no room for the picture.
@@ -110,6 +115,8 @@ pub struct App {
     notices: Notices,
     confirmation: Confirmation,
     pending_save: Option<PendingSave>,
+    gallery: Gallery,
+    thumbnails: Thumbnails,
     jobs: Jobs,
     settings_dialog: SettingsDialog,
     inspector: InspectorPanel,
@@ -205,6 +212,8 @@ impl App {
             notices: Notices::default(),
             confirmation: Confirmation::default(),
             pending_save: None,
+            gallery: Gallery::default(),
+            thumbnails: Thumbnails::default(),
             jobs: Jobs::new(waker(&context)),
             settings_dialog: SettingsDialog::default(),
             inspector: InspectorPanel::default(),
@@ -231,6 +240,9 @@ impl App {
             app.dialogs.offer_drafts(app.user_state.draft_names());
         }
         app.open_materials();
+        if session.is_none() && app.user_state.settings.window.gallery && !app.user_state.has_important_drafts() {
+            app.perform(Action::ShowGallery);
+        }
         Ok(app)
     }
 
@@ -253,7 +265,7 @@ impl App {
                 Event::Frame { .. } | Event::Moved { .. } => {
                     self.notices.clear(Topic::Picture);
                 }
-                Event::Compiled(_) | Event::Traced { .. } | Event::Ready { .. } | Event::Undefined(_) => {}
+                Event::Compiled(_) | Event::Traced { .. } | Event::Ready { .. } | Event::Undefined(..) => {}
             }
         }
         for result in self.jobs.results() {
@@ -315,6 +327,8 @@ impl App {
             self.inspector.mark(ui, &self.pane.placement(&self.workshop), self.pane.area());
         });
         self.confirmation.ui(ui.ctx(), &mut actions);
+        gallery::gallery_ui(self, ui.ctx(), &mut actions);
+        self.make_thumbnails(ui.ctx().pixels_per_point());
         self.dialogs.ui(ui.ctx(), &mut actions);
         if let Some(settings) = self.settings_dialog.ui(ui.ctx()) {
             actions.push(Action::SaveSettings(Box::new(settings)));
@@ -322,7 +336,6 @@ impl App {
         for action in actions {
             self.perform(action);
         }
-        self.follow_editor_undo();
         self.autosave(ui);
     }
 
@@ -399,6 +412,7 @@ impl App {
     fn handle_job_result(&mut self, result: JobResult) {
         match result {
             JobResult::Done(text) => self.confirm(text),
+            JobResult::ThumbnailMade(key, image) => self.thumbnails.keep(self.context.get(), *key, image),
             JobResult::PictureNotSaved(error) => self.tell_not_saved(&error, Action::ShowSavePictureDialog),
             JobResult::DraftsWritten(Ok(())) => {
                 if self.notices.clear(Topic::Drafts) {
@@ -460,6 +474,7 @@ impl App {
         let palette = Palette::suiting(ui.visuals());
         let response = self.editor.ui(ui, &mut self.documents[self.tab], &palette);
         self.typing = response.focused;
+        self.follow_editor_undo();
         let sound = self.documents[self.tab].counts()[0] == 0;
         if response.apply || response.changed && sound && self.user_state.settings.window.apply_as_you_type {
             actions.push(Action::Apply);

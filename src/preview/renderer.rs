@@ -98,9 +98,9 @@ pub enum Event {
         /// Pixels in a row, and rows.
         size: [u32; 2],
     },
-    /// The number of pixels with a component that is NaN, of a picture without a held slider. The picture shows such
-    /// components as 0.
-    Undefined(usize),
+    /// The number of pixels with a component that is NaN, of a picture without a held slider, and the first of them in
+    /// the picture in full size. The picture shows such components as 0.
+    Undefined(usize, Option<[u32; 2]>),
     /// There is no picture. The text says why.
     Failed(String),
 }
@@ -161,8 +161,8 @@ impl RendererState {
         self.pace.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Notes how long evaluating new hits took, if the event says so. Returns the event to pass on. `moving` is how long
-    /// tracing took for a scene that moves.
+    /// Notes how long evaluating new hits took, if the event says so. Returns the event to pass on. `moving` is how
+    /// long tracing took for a scene that moves.
     fn noting_pace(&self, event: Event, hits: &Hits, moving: Option<Duration>) -> Option<Event> {
         if let Event::Ready { time, .. } = event {
             self.pace().note_evaluated(hits.view.pixels(), time);
@@ -172,7 +172,7 @@ impl RendererState {
                 Some(Event::Moved { time: tracing + time, size: [hits.view.width(), hits.view.height()] })
             }
             // The picture of the scene at rest will say it.
-            (Event::Undefined(_), Some(_)) => None,
+            (Event::Undefined(..), Some(_)) => None,
             (event, _) => Some(event),
         }
     }

@@ -9,6 +9,7 @@ mod first_look;
 mod history;
 mod moving;
 mod opening;
+mod thumbnail;
 
 use crate::backends::{BackendChoice, DEFAULT};
 use crate::engine::{Engine, Subject};
@@ -32,6 +33,7 @@ use std::io;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
+pub use thumbnail::Thumbnail;
 
 /// What is open.
 pub struct Workshop {

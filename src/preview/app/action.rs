@@ -106,6 +106,10 @@ pub enum Action {
     ShowSettings,
     /// Save these settings.
     SaveSettings(Box<Settings>),
+    /// Show the gallery.
+    ShowGallery,
+    /// Show a pixel in the inspector.
+    InspectPixel([u32; 2]),
     /// Show the list of shortcuts.
     ShowShortcuts,
     /// End the program.

@@ -121,6 +121,11 @@ impl App {
                 let window = WindowSettings { log, size, panels, ..settings.window };
                 self.change_settings(|kept| *kept = Settings { window, ..*settings });
             }
+            Action::ShowGallery => self.gallery.open(|kind| self.user_state.recent(kind)),
+            Action::InspectPixel(pixel) => {
+                self.inspector.open = true;
+                self.inspector.inspect(&self.workshop, pixel);
+            }
             Action::ShowShortcuts => self.dialogs.show_shortcuts(),
             Action::Quit => self.quit(),
         }

@@ -1,7 +1,8 @@
-//! Slow jobs that write files. They run one after the other on a background thread, so the interface does not
+//! Slow jobs that write files or make thumbnails. They run one after the other on a background thread, so the interface does not
 //! wait for disks.
 
 use crate::lang::diagnostic::Diagnostic;
+use crate::preview::app::thumbnails::ThumbnailKey;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::JoinHandle;
@@ -16,6 +17,8 @@ pub(super) enum JobResult {
     Done(String),
     /// The picture was not saved, and why.
     PictureNotSaved(String),
+    /// A thumbnail was made; without an image if there is none.
+    ThumbnailMade(Box<ThumbnailKey>, Option<egui::ColorImage>),
     /// Drafts were written, or could not be.
     DraftsWritten(Result<(), Diagnostic>),
 }

@@ -25,6 +25,8 @@ pub(super) struct Log {
     bytes_per_pixel: Option<f64>,
     /// How many NaN pixels the log has reported.
     undefined: usize,
+    /// The first of them.
+    first_undefined: Option<[u32; 2]>,
     /// Receives every line too.
     listener: Option<LogListener>,
 }
@@ -101,7 +103,8 @@ impl Log {
             }
             Event::Frame { method, time } => self.frame(*method, *time, workshop),
             Event::Moved { time, size } => self.moved(*time, *size, workshop),
-            Event::Undefined(pixels) => {
+            Event::Undefined(pixels, first) => {
+                self.first_undefined = *first;
                 if std::mem::replace(&mut self.undefined, *pixels) != *pixels && *pixels > 0 {
                     self.add(format!("the picture has {}", undefined_pixels(*pixels)));
                 }
@@ -177,6 +180,11 @@ impl Log {
     /// The memory of the picture at rest, in bytes per pixel, if it is known.
     pub(super) fn bytes_per_pixel(&self) -> Option<f64> {
         self.bytes_per_pixel
+    }
+
+    /// The number of NaN pixels of the last picture and the first of them; `None` if there are none.
+    pub(super) fn undefined(&self) -> Option<(usize, [u32; 2])> {
+        self.first_undefined.map(|first| (self.undefined, first))
     }
 
     /// The time of the last picture, in milliseconds.

@@ -5,16 +5,20 @@ use crate::lang::display_text::one_line;
 use crate::preview::app::action::{PanelId, shortcut_of};
 use crate::preview::app::comparison::{GAINS, PAIRS, Pair, PaneMode, SNAPSHOTS, obstacle};
 use crate::preview::app::pane::Zoom;
-use crate::preview::app::scene_actions::{SceneAction, side_name};
+use crate::preview::app::scene_menu;
 use crate::preview::app::tab::TextTab;
+use crate::preview::app::thumbnails::ThumbnailKey;
 use crate::preview::app::{Action, App, theme};
 use crate::preview::editor::{PossibleEdits, edit_menu_ui};
-use crate::scene::{LightKind, Shape, ViewSide};
 use crate::user_data::settings::ThemeSetting;
+use crate::workspace::FileKind;
 use crate::workspace::Location;
-use crate::workspace::{FileKind, presets};
+use crate::workspace::presets::{self, Preset};
 use egui::containers::menu::{MenuButton, MenuConfig};
-use egui::{Button, MenuBar, PopupCloseBehavior, ScrollArea, Ui};
+use egui::{
+    Button, Label, MenuBar, PopupCloseBehavior, Rect, RichText, ScrollArea, Sense, Ui, UiBuilder, Vec2, WidgetInfo, WidgetType,
+    vec2,
+};
 
 /// A menu entry with its shortcut.
 fn entry(ui: &mut Ui, name: &str, action: Action, actions: &mut Vec<Action>) {
@@ -65,31 +69,35 @@ pub(super) fn bar(app: &mut App, ui: &mut Ui, actions: &mut Vec<Action>) {
                 actions.push(Action::ApplyAsYouType(typing));
             }
         });
-        ui.menu_button("Scene", |ui| scrolled(ui, |ui| scene(ui, app, actions)));
+        ui.menu_button("Scene", |ui| scrolled(ui, |ui| scene_menu::entries(ui, app, actions)));
         persistent_menu(ui, "Picture", |ui| picture(ui, app, actions));
         persistent_menu(ui, "Compare", |ui| compare(ui, app, actions));
         persistent_menu(ui, "View", |ui| view(ui, app, actions));
         ui.menu_button("Help", |ui| {
+            entry(ui, "Gallery", Action::ShowGallery, actions);
             entry(ui, "Language reference", Action::TogglePanel(PanelId::Reference), actions);
             entry(ui, "Shortcuts", Action::ShowShortcuts, actions);
         });
     });
 }
 
-fn file(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
+fn file(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
     for kind in TextTab::ALL.map(TextTab::kind) {
         entry(ui, &format!("New {}", kind.noun()), Action::New(kind), actions);
     }
     entry(ui, "New session", Action::NewSession, actions);
     ui.separator();
+    entry(ui, "Gallery", Action::ShowGallery, actions);
     for kind in [FileKind::Formula, FileKind::Scene, FileKind::Session] {
         entry(ui, &format!("Open {}…", kind.noun()), Action::ShowOpenDialog(kind), actions);
     }
     for kind in [FileKind::Formula, FileKind::Scene, FileKind::Session] {
         ui.menu_button(format!("Built-in {}s", kind.noun()), |ui| {
-            for name in presets::names(kind) {
-                entry(ui, name, Action::Open(kind, Location::Preset(name.to_owned())), actions);
-            }
+            scrolled(ui, |ui| {
+                for preset in presets::all(kind) {
+                    preset_ui(ui, app, kind, preset, actions);
+                }
+            });
         });
     }
     ui.menu_button("Recent", |ui| {
@@ -120,48 +128,25 @@ fn file(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
     entry(ui, "Quit", Action::Quit, actions);
 }
 
-/// The menu of the scene, also for a right click into the picture.
-pub(super) fn scene(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
-    let act = |ui: &mut Ui, enabled: bool, name: &str, action: SceneAction, actions: &mut Vec<Action>| {
-        entry_if(ui, enabled, name, Action::Scene(action), actions);
-    };
-    let selected = app.selected_object();
-    let name = selected.map_or_else(|| "the selected".to_owned(), |object| app.name_of(object));
-    act(ui, selected.is_some(), &format!("Frame {name}"), SceneAction::Frame, actions);
-    act(ui, selected.is_some(), &format!("Duplicate {name}"), SceneAction::Duplicate, actions);
-    act(ui, selected.is_some(), &format!("Remove {name}"), SceneAction::Remove, actions);
-    ui.separator();
-    ui.menu_button("Add body", |ui| {
-        for shape in Shape::SYNTAX {
-            act(ui, true, &capitalised(shape.keyword.word), SceneAction::AddBody(shape.keyword.word), actions);
-        }
-    });
-    ui.menu_button("Add light", |ui| {
-        for kind in LightKind::SYNTAX {
-            act(ui, true, &capitalised(kind.keyword.word), SceneAction::AddLight(kind.keyword.word), actions);
-        }
-    });
-    ui.separator();
-    act(ui, true, "Frame everything", SceneAction::FrameAll, actions);
-    ui.menu_button("View from", |ui| {
-        for side in ViewSide::ALL {
-            act(ui, true, side_name(side), SceneAction::View(side), actions);
-        }
-    });
-    act(ui, true, "Reset camera", SceneAction::ResetCamera, actions);
-    ui.separator();
-    let action = Action::Scene(SceneAction::ToggleMarkers);
-    let button = Button::selectable(app.hand.markers, "Markers in the picture").shortcut_text(shortcut_of(&action, ui));
-    if ui.add(button).clicked() {
-        actions.push(action);
+/// An entry for a built-in file: a thumbnail, its name, and a line.
+fn preset_ui(ui: &mut Ui, app: &mut App, kind: FileKind, preset: &Preset, actions: &mut Vec<Action>) {
+    const SIZE: Vec2 = vec2(80.0, 60.0);
+    let (rect, response) = ui.allocate_exact_size(vec2(360.0, SIZE.y + 6.0), Sense::click());
+    response.widget_info(|| WidgetInfo::labeled(WidgetType::Button, true, preset.name));
+    if response.hovered() {
+        ui.painter().rect_filled(rect, 4.0, ui.visuals().widgets.hovered.weak_bg_fill);
+    }
+    let picture = Rect::from_min_size(rect.min + vec2(3.0, 3.0), SIZE);
+    app.thumbnails.paint(ui, picture, &ThumbnailKey::preset(kind, preset.name));
+    let texts = Rect::from_min_max(picture.right_top() + vec2(10.0, 6.0), rect.max - vec2(6.0, 2.0));
+    let mut inner = ui.new_child(UiBuilder::new().max_rect(texts));
+    inner.spacing_mut().item_spacing.y = 2.0;
+    inner.add(Label::new(RichText::new(preset.name).strong()).selectable(false));
+    inner.add(Label::new(RichText::new(preset.about).small()).selectable(false).wrap());
+    if response.clicked() {
+        actions.push(Action::Open(kind, Location::Preset(preset.name.to_owned())));
         ui.close();
     }
-}
-
-/// A word with a capital letter.
-fn capitalised(word: &str) -> String {
-    let mut letters = word.chars();
-    letters.next().map(|first| first.to_uppercase().chain(letters).collect()).unwrap_or_default()
 }
 
 fn picture(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {

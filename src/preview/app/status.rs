@@ -1,9 +1,10 @@
 //! The status bar: the pixel under the pointer, the progress of tracing, the time of the last picture.
 
 use crate::backends::CHOICES;
+use crate::preview::app::log::thousands;
 use crate::preview::app::pane::body_at;
 use crate::preview::app::{Action, App};
-use egui::{ProgressBar, Ui};
+use egui::{Button, ProgressBar, RichText, Ui};
 
 /// Draws the status bar.
 pub(super) fn bar(app: &App, ui: &mut Ui, actions: &mut Vec<Action>) {
@@ -18,6 +19,14 @@ pub(super) fn bar(app: &App, ui: &mut Ui, actions: &mut Vec<Action>) {
             "How formulas are evaluated: as machine code compiled for them, or by the reference interpreter. Click to change.";
         if ui.small_button(backend.title).on_hover_text(tooltip).clicked() {
             actions.push(Action::SetBackend(next));
+        }
+        if let Some((count, first)) = app.log.undefined().filter(|_| app.workshop.is_up_to_date()) {
+            ui.separator();
+            let title = RichText::new(format!("⚠ NaN in {} pixels", thousands(count as u64))).color(ui.visuals().warn_fg_color);
+            let about = "There the formula yields no number, and the picture is black. Click to inspect the first of them.";
+            if ui.add(Button::new(title).small()).on_hover_text(about).clicked() {
+                actions.push(Action::InspectPixel(first));
+            }
         }
         // While something else is on its way, the figures would be those of an old picture.
         if app.workshop.is_up_to_date() || app.workshop.held().is_some() {

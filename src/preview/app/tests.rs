@@ -12,6 +12,7 @@ mod comparing;
 mod light;
 mod rows;
 mod safety;
+mod start;
 
 fn harness() -> Harness<'static, App> {
     harness_in(None)

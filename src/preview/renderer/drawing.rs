@@ -142,16 +142,25 @@ impl DrawingWorker {
                     None => {
                         told = Some(None);
                         let mut frame = ready.frame(numbers);
+                        let is_undefined = |pixel: &[f32; 3]| pixel.iter().any(|component| component.is_nan());
+                        let first = frame.linear.iter().position(is_undefined);
                         let undefined = frame.clean();
-                        (Arc::new(frame), Some(undefined))
+                        (Arc::new(frame), Some((undefined, first)))
                     }
                 };
                 framebuffer.set(&frame);
                 self.linear =
                     Some(LinearPicture { frame: Arc::clone(&frame), hits: Arc::clone(hits), numbers: numbers.to_vec() });
                 linear = Some(frame);
-                if let Some(undefined) = undefined {
-                    tell(Event::Undefined(undefined));
+                if let Some((undefined, first)) = undefined {
+                    let view = &request.subject.view;
+                    // A pixel of a coarse picture stands for several.
+                    let full = |at: usize, side: u32, full: u32| (at as u64 * u64::from(full) / u64::from(side)) as u32;
+                    let place = |index: usize| {
+                        let (x, y) = (index % width as usize, index / width as usize);
+                        [full(x, width, view.width()), full(y, height, view.height())]
+                    };
+                    tell(Event::Undefined(undefined, first.map(place)));
                 }
             }
         }

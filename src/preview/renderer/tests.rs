@@ -156,11 +156,14 @@ fn pixels_without_a_number_are_counted_by_both_backends() {
         wait_for(&renderer, stamp);
         let count = (0..5000).find_map(|_| {
             std::thread::sleep(Duration::from_millis(1));
-            renderer.events().find_map(|event| if let Event::Undefined(count) = event { Some(count) } else { None })
+            renderer
+                .events()
+                .find_map(|event| if let Event::Undefined(count, first) = event { Some((count, first)) } else { None })
         });
         counts.push(count.expect("a count"));
     }
-    assert!(counts[0] > 100 && counts[0] == counts[1], "{counts:?}");
+    assert!(counts[0].0 > 100 && counts[0] == counts[1], "{counts:?}");
+    assert!(counts[0].1.is_some_and(|[x, y]| x < 64 && y < 48), "{counts:?}");
 }
 
 /// The request with the camera moved to the right.

@@ -64,7 +64,8 @@ impl OpenedSession {
         Self::open_request(&Request { session: Some(session), texts: Some(other), ..Request::default() })
     }
 
-    fn open_request(request: &Request) -> Result<OpenedSession, String> {
+    /// Opens what a request says.
+    pub(super) fn open_request(request: &Request) -> Result<OpenedSession, String> {
         let mut collector = ReportCollector::default();
         match Project::open(request, &mut collector) {
             Ok(project) => Ok(OpenedSession { project, warnings: collector.warnings }),

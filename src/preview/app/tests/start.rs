@@ -1,0 +1,111 @@
+//! The start: the gallery, thumbnails, and what the window says about the first picture.
+
+use super::*;
+
+/// A workshop that was started without a session.
+fn started(folders: &Folders) -> Harness<'static, App> {
+    let app = App::new(None, Some(folders)).expect("the startup session");
+    let mut harness =
+        Harness::builder().with_size(egui::vec2(1100.0, 700.0)).build_ui_state(|ui, app: &mut App| app.draw(ui), app);
+    let context = harness.ctx.clone();
+    harness.state_mut().started(&context);
+    harness.run_steps(3);
+    harness
+}
+
+fn is_open(harness: &Harness<'_, App>) -> bool {
+    harness.state().gallery.is_open()
+}
+
+#[test]
+fn the_gallery_is_there_at_the_start_and_never_in_the_way() {
+    let home = tempfile::tempdir().expect("a folder");
+    let folders = Folders::below(home.path());
+    let mut harness = started(&folders);
+    assert!(is_open(&harness) && harness.query_by_label("Open a session").is_some());
+    harness.key_press(egui::Key::Escape);
+    harness.run_steps(3);
+    assert!(!is_open(&harness));
+    // From the menu, and a click beside it.
+    harness.state_mut().perform(Action::ShowGallery);
+    harness.run_steps(3);
+    harness.drag_at(egui::pos2(8.0, 690.0));
+    harness.run_steps(2);
+    harness.drop_at(egui::pos2(8.0, 690.0));
+    harness.run_steps(3);
+    assert!(!is_open(&harness));
+    // A session that was named comes without it.
+    assert!(!is_open(&harness_in(Some(&folders))));
+    // The setting, here from the gallery itself.
+    harness.state_mut().perform(Action::ShowGallery);
+    harness.run_steps(3);
+    harness.get_by_label("Show at the start").click();
+    harness.run_steps(3);
+    assert!(!harness.state().user_state.settings.window.gallery);
+    harness.state_mut().closing();
+    drop(harness);
+    assert!(!is_open(&started(&folders)));
+}
+
+#[test]
+fn a_card_opens_its_session_before_pictures_are_there() {
+    let home = tempfile::tempdir().expect("a folder");
+    let mut harness = started(&Folders::below(home.path()));
+    harness.get_by_role_and_label(Role::Button, "glass").click();
+    harness.run_steps(3);
+    assert!(!is_open(&harness));
+    assert_eq!(harness.state().session, Some(Location::Preset("glass".to_owned())));
+}
+
+#[test]
+fn every_card_gets_its_picture_in_the_background() {
+    let home = tempfile::tempdir().expect("a folder");
+    let mut harness = started(&Folders::below(home.path()));
+    let sessions = presets::names(FileKind::Session).count();
+    for _ in 0..60_000 {
+        harness.step();
+        if harness.state().thumbnails.count() == sessions {
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    panic!("{} of {sessions} pictures came", harness.state().thumbnails.count());
+}
+
+#[test]
+fn recent_files_are_in_the_gallery() {
+    let home = tempfile::tempdir().expect("a folder");
+    let folders = Folders::below(home.path());
+    let mut harness = started(&folders);
+    let own = home.path().join("mine.toml");
+    harness.state_mut().perform(Action::SaveTo(Some(FileKind::Session), own.clone()));
+    harness.state_mut().perform(Action::Open(FileKind::Session, Location::Preset("glass".to_owned())));
+    harness.state_mut().perform(Action::ShowGallery);
+    harness.run_steps(3);
+    harness.get_by_label("mine.toml").click();
+    harness.run_steps(3);
+    assert_eq!(harness.state().session, Some(Location::File(own)));
+}
+
+#[test]
+fn nan_is_announced_and_leads_to_the_inspector() {
+    let mut harness = harness();
+    assert!(harness.query_by_label_contains("NaN").is_none());
+    let text = "formula;\n= IL*sqrt(-max(0, N.L));\n";
+    harness.state_mut().documents.formula.replace_text(text);
+    harness.state_mut().perform(Action::Apply);
+    settle(&mut harness);
+    harness.run_steps(2);
+    let (_, first) = harness.state().log.undefined().expect("pixels without a number");
+    harness.get_by_label_contains("NaN in").click();
+    harness.run_steps(3);
+    assert!(harness.state().inspector.open);
+    let [x, y] = first;
+    assert!(harness.query_by_label_contains(&format!("({x}, {y})")).is_some(), "the inspector shows the pixel {first:?}");
+    // A formula without NaN ends it.
+    harness.state_mut().documents.formula.replace_text("formula;\n= IL*Cd*max(0, N.L);\n");
+    harness.state_mut().perform(Action::Apply);
+    settle(&mut harness);
+    harness.run_steps(2);
+    assert!(harness.query_by_label_contains("NaN in").is_none());
+}
