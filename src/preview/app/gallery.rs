@@ -4,7 +4,7 @@ use crate::lang::display_text::one_line;
 use crate::preview::app::thumbnails::{THUMBNAIL, ThumbnailKey};
 use crate::preview::app::{Action, App};
 use crate::workspace::{FileKind, Location, presets};
-use egui::{Button, Context, Frame, Modal, Rect, RichText, ScrollArea, Sense, Ui, WidgetInfo, WidgetType, vec2};
+use egui::{Align, Button, Context, Frame, Layout, Modal, Rect, RichText, ScrollArea, Sense, Ui, WidgetInfo, WidgetType, vec2};
 use std::path::PathBuf;
 
 /// The space around the picture of a card, and the height of its texts, in points.
@@ -27,7 +27,6 @@ impl Gallery {
     }
 
     /// Whether the gallery is open.
-    #[cfg(test)]
     pub(super) fn is_open(&self) -> bool {
         self.recent.is_some()
     }
@@ -46,7 +45,7 @@ pub(super) fn gallery_ui(app: &mut App, context: &Context, actions: &mut Vec<Act
         ui.set_width(width);
         ui.horizontal(|ui| {
             ui.heading("Open a session");
-            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 if ui.button("Close").on_hover_text("Esc").clicked() {
                     ui.close();
                 }
@@ -127,8 +126,9 @@ fn card_ui(app: &mut App, ui: &mut Ui, size: egui::Vec2, key: &ThumbnailKey, nam
     let picture = Rect::from_min_size(rect.min + vec2(MARGIN, MARGIN), THUMBNAIL);
     app.thumbnails.paint(ui, picture, key);
     let texts = Rect::from_min_max(picture.left_bottom() + vec2(0.0, 6.0), rect.max - vec2(MARGIN, 2.0));
-    let mut inner = ui.new_child(egui::UiBuilder::new().max_rect(texts));
+    let mut inner = ui.new_child(egui::UiBuilder::new().max_rect(texts).layout(Layout::top_down(Align::LEFT)));
     inner.spacing_mut().item_spacing.y = 2.0;
+    inner.set_clip_rect(texts.intersect(ui.clip_rect()));
     inner.add(egui::Label::new(RichText::new(name).strong()).selectable(false));
     inner.add(egui::Label::new(RichText::new(about).small()).selectable(false).wrap());
     response.clicked()

@@ -16,8 +16,8 @@ use crate::workspace::Location;
 use crate::workspace::presets::{self, Preset};
 use egui::containers::menu::{MenuButton, MenuConfig};
 use egui::{
-    Button, Label, MenuBar, PopupCloseBehavior, Rect, RichText, ScrollArea, Sense, Ui, UiBuilder, Vec2, WidgetInfo, WidgetType,
-    vec2,
+    Align, Button, Label, Layout, MenuBar, PopupCloseBehavior, Rect, RichText, ScrollArea, Sense, Ui, UiBuilder, Vec2,
+    WidgetInfo, WidgetType, vec2,
 };
 
 /// A menu entry with its shortcut.
@@ -139,7 +139,7 @@ fn preset_ui(ui: &mut Ui, app: &mut App, kind: FileKind, preset: &Preset, action
     let picture = Rect::from_min_size(rect.min + vec2(3.0, 3.0), SIZE);
     app.thumbnails.paint(ui, picture, &ThumbnailKey::preset(kind, preset.name));
     let texts = Rect::from_min_max(picture.right_top() + vec2(10.0, 6.0), rect.max - vec2(6.0, 2.0));
-    let mut inner = ui.new_child(UiBuilder::new().max_rect(texts));
+    let mut inner = ui.new_child(UiBuilder::new().max_rect(texts).layout(Layout::top_down(Align::LEFT)));
     inner.spacing_mut().item_spacing.y = 2.0;
     inner.add(Label::new(RichText::new(preset.name).strong()).selectable(false));
     inner.add(Label::new(RichText::new(preset.about).small()).selectable(false).wrap());

@@ -103,10 +103,11 @@ impl Thumbnails {
 
 impl App {
     /// Begins the next thumbnail that is wanted. There is at most one at a time, so that other jobs do not wait long. The
-    /// picture of the window comes first.
+    /// picture of the window comes first, unless the gallery covers it.
     pub(super) fn make_thumbnails(&mut self, pixels_per_point: f32) {
         let thumbnails = &mut self.thumbnails;
-        if thumbnails.busy || thumbnails.wanted.is_empty() || self.workshop.shown().version == 0 {
+        let waits = self.workshop.shown().version == 0 && !self.gallery.is_open();
+        if thumbnails.busy || thumbnails.wanted.is_empty() || waits {
             return;
         }
         thumbnails.busy = true;

@@ -65,7 +65,7 @@ impl Syntax {
 fn own(declared: &Declared, text: &str, doc: String) -> Candidate {
     let statement = text[declared.statement.clone()].split_whitespace().collect::<Vec<_>>().join(" ");
     let rest = statement.strip_prefix(&declared.name).unwrap_or_default().trim_end_matches(';');
-    let types = one_line(rest.trim_start());
+    let types = one_line(rest.trim_start().trim_start_matches(':').trim_start());
     Candidate { name: declared.name.clone(), insert: String::new(), types, doc, class: declared.class }
 }
 
@@ -91,7 +91,7 @@ pub(super) fn hover_ui(ui: &mut Ui, known: &Candidate, palette: &Palette) {
         ui.label(&known.doc);
     }
     if !known.types.is_empty() {
-        ui.label(RichText::new(&known.types).monospace().small());
+        ui.label(RichText::new(&known.types).monospace().weak());
     }
 }
 
@@ -123,7 +123,7 @@ mod tests {
         assert_eq!(doc("= |max(0, 1);"), crate::lang::builtins::named("max").unwrap().overloads().next().unwrap().doc());
         assert_eq!(in_formula("body_specific; a: sca|lar;").map(|(_, doc)| doc).as_deref(), Some("one number"));
         let own = in_formula(&head.replace("D = k", "D = |k")).expect("a parameter");
-        assert_eq!(own, (": scalar, default 0.5".to_owned(), "matte part".to_owned()));
+        assert_eq!(own, ("scalar, default 0.5".to_owned(), "matte part".to_owned()));
         assert_eq!(in_formula("formula; = 1|2; // t|ext"), None);
     }
 
