@@ -29,6 +29,7 @@ mod parameters;
 mod question;
 mod saving;
 mod scene_actions;
+mod scene_menu;
 mod scene_text;
 mod settings_dialog;
 mod status;
@@ -322,7 +323,6 @@ impl App {
         for action in actions {
             self.perform(action);
         }
-        self.follow_editor_undo();
         self.autosave(ui);
     }
 
@@ -479,6 +479,7 @@ impl App {
         let palette = Palette::suiting(ui.visuals());
         let response = self.editor.ui(ui, &mut self.documents[self.tab], &palette);
         self.typing = response.focused;
+        self.follow_editor_undo();
         let sound = self.documents[self.tab].counts()[0] == 0;
         if response.apply || response.changed && sound && self.user_state.settings.window.apply_as_you_type {
             actions.push(Action::Apply);

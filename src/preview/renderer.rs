@@ -161,8 +161,8 @@ impl RendererState {
         self.pace.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Notes how long evaluating new hits took, if the event says so. Returns the event to pass on. `moving` is how long
-    /// tracing took for a scene that moves.
+    /// Notes how long evaluating new hits took, if the event says so. Returns the event to pass on. `moving` is how
+    /// long tracing took for a scene that moves.
     fn noting_pace(&self, event: Event, hits: &Hits, moving: Option<Duration>) -> Option<Event> {
         if let Event::Ready { time, .. } = event {
             self.pace().note_evaluated(hits.view.pixels(), time);

@@ -4,9 +4,8 @@ use crate::lang::display_text::{many_lines, one_line};
 use crate::preview::app::Action;
 use crate::preview::app::action::shortcuts;
 use crate::preview::app::file_dialogs::FileDialogs;
-use crate::preview::app::hand::MOUSE_HELP;
 use crate::preview::app::question::Question;
-use crate::preview::app::scene_actions::scene_shortcuts;
+use crate::preview::app::scene_actions::{MOUSE_HELP, scene_shortcuts};
 use egui::{Context, Frame, Grid, Key, Modal, ModalResponse, Modifiers, ScrollArea, Ui};
 use std::collections::VecDeque;
 

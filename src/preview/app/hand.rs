@@ -1,8 +1,8 @@
 //! The scene under the mouse: gestures in the picture lead the camera, and move bodies and lights.
 //!
-//! A `gesture` says which scene follows from where the pointer is. `view` says where things are on the screen, and what
-//! can be taken hold of. `markers` and `outline` draw. Here, the mouse and the keys begin, move and end gestures. When a
-//! gesture ends, the text of the scene follows (`scene_text`).
+//! A `gesture` says which scene follows from where the pointer is. `view` says where things are on the screen, and
+//! what can be taken hold of. `markers` and `outline` draw. Here, the mouse and the keys begin, move and end gestures.
+//! When a gesture ends, the text of the scene follows (`scene_text`).
 
 pub(super) mod gesture;
 mod keys;
@@ -12,14 +12,12 @@ mod outline;
 mod tests;
 pub(super) mod view;
 
-pub(super) use keys::MOUSE_HELP;
-
-use crate::preview::app::{Action, App, menu};
+use crate::preview::app::{Action, App, scene_menu};
 use crate::scene::edit::SceneObject;
 use crate::workspace::OwnerId;
 use crate::world::World;
 use egui::{CursorIcon, Key, Modifiers, PointerButton, Pos2, Response, Ui};
-use gesture::{Axis, Gesture, Motion, Travel, pivot, seen_at};
+use gesture::{Gesture, Motion, SceneAxis, Travel, pivot, seen_at};
 use outline::Outline;
 use std::sync::Arc;
 use view::{Grip, SceneView};
@@ -37,7 +35,7 @@ const SHOWN_AFTER_SELECTION: f64 = 1.2;
 
 /// What ends a gesture.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum End {
+enum GestureEnd {
     /// The button is released.
     Release(PointerButton),
     /// Nothing follows until this time, in seconds of egui's clock.
@@ -46,7 +44,7 @@ enum End {
 
 /// The hand that leads the camera and moves things.
 pub(super) struct Hand {
-    gesture: Option<(Gesture, End)>,
+    gesture: Option<(Gesture, GestureEnd)>,
     /// Whether markers are shown.
     pub(super) markers: bool,
     /// What is selected, and when it was.
@@ -120,8 +118,8 @@ fn motion_of(button: PointerButton, modifiers: Modifiers, grip: Option<Grip>) ->
 }
 
 /// The axis whose key is held.
-fn axis_key(ui: &Ui) -> Option<Axis> {
-    let keys = [(Key::X, Axis::X), (Key::Y, Axis::Y), (Key::Z, Axis::Z)];
+fn axis_key(ui: &Ui) -> Option<SceneAxis> {
+    let keys = [(Key::X, SceneAxis::X), (Key::Y, SceneAxis::Y), (Key::Z, SceneAxis::Z)];
     ui.input(|input| keys.into_iter().find(|(key, _)| input.key_down(*key)).map(|(_, axis)| axis))
 }
 
@@ -171,7 +169,7 @@ impl App {
             };
             self.parameters.select(object.map_or(OwnerId::Global, owner_of));
         }
-        response.context_menu(|ui| menu::scene(ui, self, actions));
+        response.context_menu(|ui| scene_menu::entries(ui, self, actions));
     }
 
     /// The scene as it is on the screen.
@@ -222,7 +220,7 @@ impl App {
             let grip = self.scene_view().grip_at(at, self.hand.markers);
             if let Some(motion) = motion_of(button, modifiers, grip) {
                 let held = grip.filter(|_| matches!(motion, Motion::Move(..) | Motion::Resize(_)));
-                self.begin_gesture(motion, at, held, End::Release(button));
+                self.begin_gesture(motion, at, held, GestureEnd::Release(button));
                 self.go_on(ui);
             }
         }
@@ -235,7 +233,7 @@ impl App {
     }
 
     /// Begins a gesture at a position of the screen. Nothing happens if the text of the scene cannot follow.
-    fn begin_gesture(&mut self, motion: Motion, at: Pos2, grip: Option<Grip>, end: End) {
+    fn begin_gesture(&mut self, motion: Motion, at: Pos2, grip: Option<Grip>, end: GestureEnd) {
         self.end_gesture();
         if !self.scene_text_can_follow() {
             return;
@@ -258,16 +256,16 @@ impl App {
     /// A turn of the wheel or a key: goes on with its gesture, or begins it.
     fn pulse(&mut self, ui: &Ui, motion: Motion, at: Pos2, amount: [f64; 2]) {
         let now = ui.input(|input| input.time);
-        let goes_on = |(gesture, end): &(Gesture, End)| gesture.motion == motion && matches!(end, End::Pause(_));
+        let goes_on = |(gesture, end): &(Gesture, GestureEnd)| gesture.motion == motion && matches!(end, GestureEnd::Pause(_));
         if !self.hand.gesture.as_ref().is_some_and(goes_on) {
-            if self.hand.gesture.as_ref().is_some_and(|(_, end)| matches!(end, End::Release(_))) {
+            if self.hand.gesture.as_ref().is_some_and(|(_, end)| matches!(end, GestureEnd::Release(_))) {
                 // A button is held.
                 return;
             }
-            self.begin_gesture(motion, at, None, End::Pause(now));
+            self.begin_gesture(motion, at, None, GestureEnd::Pause(now));
         }
         let Some((gesture, end)) = &mut self.hand.gesture else { return };
-        *end = End::Pause(now + PAUSE);
+        *end = GestureEnd::Pause(now + PAUSE);
         match motion {
             Motion::Pan => gesture.travel.to = [0, 1].map(|axis| gesture.travel.to[axis] + amount[axis]),
             Motion::Orbit | Motion::Dolly | Motion::FieldOfView | Motion::Move(..) | Motion::Resize(_) => {
@@ -291,10 +289,10 @@ impl App {
         let axis = axis_key(ui);
         let Some((gesture, end)) = &mut self.hand.gesture else { return };
         let ended = match *end {
-            End::Release(button) => !pointer.button_down(button),
-            End::Pause(until) => now >= until,
+            GestureEnd::Release(button) => !pointer.button_down(button),
+            GestureEnd::Pause(until) => now >= until,
         };
-        if let (End::Release(_), Some((at, to)), Some(from)) = (*end, to, from) {
+        if let (GestureEnd::Release(_), Some((at, to)), Some(from)) = (*end, to, from) {
             let before = (gesture.travel, gesture.motion);
             let moved = at - from;
             let turn = moved * TURN / area.size().min_elem().max(1.0);
@@ -309,7 +307,7 @@ impl App {
             if (gesture.travel, gesture.motion) != before {
                 self.show_gesture();
             }
-        } else if let End::Pause(until) = *end {
+        } else if let GestureEnd::Pause(until) = *end {
             ui.ctx().request_repaint_after(std::time::Duration::from_secs_f64((until - now).max(0.0)));
         }
         if ended {

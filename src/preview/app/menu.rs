@@ -5,12 +5,11 @@ use crate::lang::display_text::one_line;
 use crate::preview::app::action::{PanelId, shortcut_of};
 use crate::preview::app::comparison::{GAINS, PAIRS, Pair, PaneMode, SNAPSHOTS, obstacle};
 use crate::preview::app::pane::Zoom;
-use crate::preview::app::scene_actions::{SceneAction, side_name};
+use crate::preview::app::scene_menu;
 use crate::preview::app::tab::TextTab;
 use crate::preview::app::thumbnails::ThumbnailKey;
 use crate::preview::app::{Action, App, theme};
 use crate::preview::editor::{PossibleEdits, edit_menu_ui};
-use crate::scene::{LightKind, Shape, ViewSide};
 use crate::user_data::settings::ThemeSetting;
 use crate::workspace::FileKind;
 use crate::workspace::Location;
@@ -70,7 +69,7 @@ pub(super) fn bar(app: &mut App, ui: &mut Ui, actions: &mut Vec<Action>) {
                 actions.push(Action::ApplyAsYouType(typing));
             }
         });
-        ui.menu_button("Scene", |ui| scrolled(ui, |ui| scene(ui, app, actions)));
+        ui.menu_button("Scene", |ui| scrolled(ui, |ui| scene_menu::entries(ui, app, actions)));
         persistent_menu(ui, "Picture", |ui| picture(ui, app, actions));
         persistent_menu(ui, "Compare", |ui| compare(ui, app, actions));
         persistent_menu(ui, "View", |ui| view(ui, app, actions));
@@ -148,50 +147,6 @@ fn preset_ui(ui: &mut Ui, app: &mut App, kind: FileKind, preset: &Preset, action
         actions.push(Action::Open(kind, Location::Preset(preset.name.to_owned())));
         ui.close();
     }
-}
-
-/// The menu of the scene, also for a right click into the picture.
-pub(super) fn scene(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
-    let act = |ui: &mut Ui, enabled: bool, name: &str, action: SceneAction, actions: &mut Vec<Action>| {
-        entry_if(ui, enabled, name, Action::Scene(action), actions);
-    };
-    let selected = app.selected_object();
-    let name = selected.map_or_else(|| "the selected".to_owned(), |object| app.name_of(object));
-    act(ui, selected.is_some(), &format!("Frame {name}"), SceneAction::Frame, actions);
-    act(ui, selected.is_some(), &format!("Duplicate {name}"), SceneAction::Duplicate, actions);
-    act(ui, selected.is_some(), &format!("Remove {name}"), SceneAction::Remove, actions);
-    ui.separator();
-    ui.menu_button("Add body", |ui| {
-        for shape in Shape::SYNTAX {
-            act(ui, true, &capitalised(shape.keyword.word), SceneAction::AddBody(shape.keyword.word), actions);
-        }
-    });
-    ui.menu_button("Add light", |ui| {
-        for kind in LightKind::SYNTAX {
-            act(ui, true, &capitalised(kind.keyword.word), SceneAction::AddLight(kind.keyword.word), actions);
-        }
-    });
-    ui.separator();
-    act(ui, true, "Frame everything", SceneAction::FrameAll, actions);
-    ui.menu_button("View from", |ui| {
-        for side in ViewSide::ALL {
-            act(ui, true, side_name(side), SceneAction::View(side), actions);
-        }
-    });
-    act(ui, true, "Reset camera", SceneAction::ResetCamera, actions);
-    ui.separator();
-    let action = Action::Scene(SceneAction::ToggleMarkers);
-    let button = Button::selectable(app.hand.markers, "Markers in the picture").shortcut_text(shortcut_of(&action, ui));
-    if ui.add(button).clicked() {
-        actions.push(action);
-        ui.close();
-    }
-}
-
-/// A word with a capital letter.
-fn capitalised(word: &str) -> String {
-    let mut letters = word.chars();
-    letters.next().map(|first| first.to_uppercase().chain(letters).collect()).unwrap_or_default()
 }
 
 fn picture(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {

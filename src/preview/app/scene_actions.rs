@@ -1,4 +1,5 @@
-//! The actions on the scene, and their keys. They are for menus, and for the keyboard while no text is edited.
+//! The actions on the scene, and their keys; and what the mouse does in the picture. The actions are for menus, and for
+//! the keyboard while no text is edited.
 
 use crate::scene::ViewSide;
 use egui::{Key, KeyboardShortcut, Modifiers};
@@ -63,3 +64,21 @@ pub(super) fn scene_shortcuts() -> Vec<(KeyboardShortcut, SceneAction, &'static 
     ]);
     all
 }
+
+/// What the mouse does in the picture, for the list of shortcuts.
+pub(super) const MOUSE_HELP: [(&str, &str); 14] = [
+    ("Click", "Select the body or the light under the pointer; the background selects the scene"),
+    ("Drag", "Orbit about the point under the pointer; about the selected body over the background"),
+    ("Drag the selected", "Move a body or a light parallel to the picture; hold X, Y or Z for an axis, or drag an arrow"),
+    ("Drag the square", "Change the radius of the selected sphere"),
+    ("Middle drag", "Pan; also Shift + drag"),
+    ("Right drag", "Go closer or back (dolly); also Ctrl + drag"),
+    ("Shift + right drag", "Field of view; also Ctrl + Shift + drag"),
+    ("Alt + drag", "Orbit, whatever is under the pointer"),
+    ("Wheel", "Go closer or back"),
+    ("Ctrl + wheel", "Zoom the picture"),
+    ("Space + drag", "Move a picture that is larger than its pane"),
+    ("Right click", "Menu of the scene"),
+    ("Escape", "Give up a drag: everything is as before"),
+    ("Arrow keys", "Orbit; with Shift pan; Page Up and Page Down go closer and back"),
+];

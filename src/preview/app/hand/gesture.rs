@@ -20,36 +20,36 @@ pub(in crate::preview::app) enum Motion {
     /// The field of view.
     FieldOfView,
     /// A body or a light, parallel to the picture; or along an axis of the scene.
-    Move(SceneObject, Option<Axis>),
+    Move(SceneObject, Option<SceneAxis>),
     /// The radius of a body.
     Resize(BodyId),
 }
 
 /// An axis of the scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::preview::app) enum Axis {
+pub(in crate::preview::app) enum SceneAxis {
     X,
     Y,
     Z,
 }
 
-impl Axis {
-    pub(in crate::preview::app) const ALL: [Axis; 3] = [Axis::X, Axis::Y, Axis::Z];
+impl SceneAxis {
+    pub(in crate::preview::app) const ALL: [SceneAxis; 3] = [SceneAxis::X, SceneAxis::Y, SceneAxis::Z];
 
     /// Its direction, of unit length.
     pub(in crate::preview::app) fn direction(self) -> DVec3 {
         match self {
-            Axis::X => DVec3::X,
-            Axis::Y => DVec3::Y,
-            Axis::Z => DVec3::Z,
+            SceneAxis::X => DVec3::X,
+            SceneAxis::Y => DVec3::Y,
+            SceneAxis::Z => DVec3::Z,
         }
     }
 
     pub(in crate::preview::app) fn name(self) -> &'static str {
         match self {
-            Axis::X => "x",
-            Axis::Y => "y",
-            Axis::Z => "z",
+            SceneAxis::X => "x",
+            SceneAxis::Y => "y",
+            SceneAxis::Z => "z",
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Keys that lead the camera, and the help on the mouse.
+//! Keys that lead the camera.
 
 use super::gesture::Motion;
 use crate::preview::app::App;
@@ -10,24 +10,6 @@ const TURN: f64 = 7.5 / 180.0 * std::f64::consts::PI;
 const SHIFT: f64 = 0.08;
 /// One key makes the distance this many times as large.
 const CLOSER: f64 = 0.88;
-
-/// What the mouse does in the picture, for the list of shortcuts.
-pub(in crate::preview::app) const MOUSE_HELP: [(&str, &str); 14] = [
-    ("Click", "Select the body or the light under the pointer; the background selects the scene"),
-    ("Drag", "Orbit about the point under the pointer; about the selected body over the background"),
-    ("Drag the selected", "Move a body or a light parallel to the picture; hold X, Y or Z for an axis, or drag an arrow"),
-    ("Drag the square", "Change the radius of the selected sphere"),
-    ("Middle drag", "Pan; also Shift + drag"),
-    ("Right drag", "Go closer or back (dolly); also Ctrl + drag"),
-    ("Shift + right drag", "Field of view; also Ctrl + Shift + drag"),
-    ("Alt + drag", "Orbit, whatever is under the pointer"),
-    ("Wheel", "Go closer or back"),
-    ("Ctrl + wheel", "Zoom the picture"),
-    ("Space + drag", "Move a picture that is larger than its pane"),
-    ("Right click", "Menu of the scene"),
-    ("Escape", "Give up a drag: everything is as before"),
-    ("Arrow keys", "Orbit; with Shift pan; Page Up and Page Down go closer and back"),
-];
 
 impl App {
     /// Begins gestures by keys, while no widget has the keyboard.

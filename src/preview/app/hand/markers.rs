@@ -1,6 +1,6 @@
 //! Draws markers over the picture: lights, the outline of the selected body, and its handles.
 
-use super::gesture::Axis;
+use super::gesture::SceneAxis;
 use super::view::{Arrows, Grip, LightMarker, SceneView};
 use crate::scene::edit::SceneObject;
 use egui::{Align2, Color32, FontId, Painter, Pos2, Shape, Stroke, Vec2, pos2};
@@ -15,11 +15,11 @@ const LIGHT: Color32 = Color32::from_rgb(255, 221, 87);
 const UNDER: Color32 = Color32::from_black_alpha(170);
 
 /// The usual colour of an axis.
-fn axis_colour(axis: Axis) -> Color32 {
+fn axis_colour(axis: SceneAxis) -> Color32 {
     match axis {
-        Axis::X => Color32::from_rgb(240, 84, 84),
-        Axis::Y => Color32::from_rgb(118, 208, 80),
-        Axis::Z => Color32::from_rgb(86, 148, 255),
+        SceneAxis::X => Color32::from_rgb(240, 84, 84),
+        SceneAxis::Y => Color32::from_rgb(118, 208, 80),
+        SceneAxis::Z => Color32::from_rgb(86, 148, 255),
     }
 }
 

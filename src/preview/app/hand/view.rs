@@ -1,6 +1,6 @@
 //! Points of the scene on the screen, and what of the scene can be taken hold of there.
 
-use super::gesture::{Axis, anchor, distance, seen_at};
+use super::gesture::{SceneAxis, anchor, distance, seen_at};
 use super::outline::Outline;
 use crate::preview::app::pane::Placement;
 use crate::scene::edit::SceneObject;
@@ -27,7 +27,7 @@ pub(in crate::preview::app) enum Grip {
     /// A body or a light, to be moved parallel to the picture.
     Object(SceneObject),
     /// An arrow, to move a body or a light along an axis.
-    Arrow(SceneObject, Axis),
+    Arrow(SceneObject, SceneAxis),
     /// The handle of a body's radius.
     Radius(BodyId),
 }
@@ -48,7 +48,7 @@ pub(super) struct Arrows {
     /// Where all arrows begin.
     pub(super) origin: Pos2,
     /// Where each of them ends.
-    pub(super) tips: [(Axis, Pos2); 3],
+    pub(super) tips: [(SceneAxis, Pos2); 3],
 }
 
 /// A scene on the screen.
@@ -136,7 +136,7 @@ impl SceneView<'_> {
         let height = self.placement.position_of([0.0, self.size()[1]]).y - self.placement.position_of([0.0, 0.0]).y;
         let half = (self.camera().fov().to_radians() / 2.0).tan();
         let length = 2.0 * depth * half * f64::from(ARROW / height.max(1.0));
-        let tips = Axis::ALL.map(|axis| (axis, self.project(anchor + length * axis.direction()).unwrap_or(origin)));
+        let tips = SceneAxis::ALL.map(|axis| (axis, self.project(anchor + length * axis.direction()).unwrap_or(origin)));
         Some(Arrows { object, origin, tips })
     }
 
