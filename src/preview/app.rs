@@ -14,6 +14,7 @@ mod dialogs;
 mod file_dialogs;
 mod files;
 mod gallery;
+mod hand;
 mod histogram;
 mod inspector;
 mod jobs;
@@ -28,6 +29,9 @@ mod panel_sizes;
 mod parameters;
 mod question;
 mod saving;
+mod scene_actions;
+mod scene_menu;
+mod scene_text;
 mod settings_dialog;
 mod status;
 mod tab;
@@ -39,6 +43,7 @@ mod value_rows;
 mod view_controls;
 
 pub use action::Action;
+pub use scene_actions::SceneAction;
 
 use crate::backends::BackendChoice;
 use crate::files::Readable;
@@ -63,6 +68,7 @@ use confirmation::Confirmation;
 use dialogs::Dialogs;
 use egui::{CentralPanel, Context, Frame, Id, Panel, Ui};
 use gallery::Gallery;
+use hand::Hand;
 use inspector::InspectorPanel;
 use jobs::{JobResult, Jobs};
 use log::Log;
@@ -72,6 +78,7 @@ use pane::PicturePane;
 use panel_sizes::remember;
 use parameters::ParameterPanel;
 use saving::PendingSave;
+use scene_text::SceneSteps;
 use settings_dialog::SettingsDialog;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io;
@@ -103,6 +110,8 @@ pub struct App {
     saved: SavedSession,
     parameters: ParameterPanel,
     pane: PicturePane,
+    hand: Hand,
+    scene_steps: SceneSteps,
     log: Log,
     dialogs: Dialogs,
     notices: Notices,
@@ -198,6 +207,8 @@ impl App {
             saved,
             parameters: ParameterPanel::default(),
             pane: PicturePane::default(),
+            hand: Hand::default(),
+            scene_steps: SceneSteps::default(),
             log: Log::default(),
             dialogs: Dialogs::default(),
             notices: Notices::default(),
@@ -248,20 +259,7 @@ impl App {
         self.expose_first_picture();
         let size = ui.ctx().content_rect().size() * self.scale;
         self.user_state.settings.window.size = [size.x, size.y].map(|side| side.round() as u32);
-        let events: Vec<_> = self.workshop.renderer().events().collect();
-        for event in events {
-            self.log.record(&event, &self.workshop);
-            match event {
-                Event::Failed(message) => self.notify(Notice::error(Topic::Picture, "There is no picture", message)),
-                Event::Frame { .. } => {
-                    self.notices.clear(Topic::Picture);
-                }
-                Event::Compiled(_) | Event::Traced { .. } | Event::Ready { .. } | Event::Undefined(..) => {}
-            }
-        }
-        for result in self.jobs.results() {
-            self.handle_job_result(result);
-        }
+        self.take_news();
         let typing = std::mem::take(&mut self.typing) || ui.ctx().text_edit_focused();
         // While a dialog waits for an answer, shortcuts do nothing.
         let waits = self.dialogs.files.is_open() || ui.memory(|memory| memory.top_modal_layer().is_some());
@@ -307,6 +305,7 @@ impl App {
             if let Some(owner) = self.pane.ui(ui, &mut self.workshop, self.scale) {
                 self.parameters.select(owner);
             }
+            self.scene_by_hand(ui, !typing && !waits, &mut actions);
             if self.inspector.open
                 && let Some(pixel) = self.pane.clicked()
             {
@@ -327,6 +326,24 @@ impl App {
             self.perform(action);
         }
         self.autosave(ui);
+    }
+
+    /// Takes what the renderer and the background jobs have told since the last frame.
+    fn take_news(&mut self) {
+        let events: Vec<_> = self.workshop.renderer().events().collect();
+        for event in events {
+            self.log.record(&event, &self.workshop);
+            match event {
+                Event::Failed(message) => self.notify(Notice::error(Topic::Picture, "There is no picture", message)),
+                Event::Frame { .. } | Event::Moved { .. } => {
+                    self.notices.clear(Topic::Picture);
+                }
+                Event::Compiled(_) | Event::Traced { .. } | Event::Ready { .. } | Event::Undefined(..) => {}
+            }
+        }
+        for result in self.jobs.results() {
+            self.handle_job_result(result);
+        }
     }
 
     /// Notes unsaved work, and writes drafts every few seconds, which is what a crash can cost. Texts are noted in
@@ -464,6 +481,7 @@ impl App {
         let palette = Palette::suiting(ui.visuals());
         let response = self.editor.ui(ui, &mut self.documents[self.tab], &palette);
         self.typing = response.focused;
+        self.follow_editor_undo();
         let sound = self.documents[self.tab].counts()[0] == 0;
         if response.apply || response.changed && sound && self.user_state.settings.window.apply_as_you_type {
             actions.push(Action::Apply);

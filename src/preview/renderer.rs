@@ -1,20 +1,25 @@
 //! Pictures made in the background. Callers say what they want, take the newest picture, and never wait.
 //!
 //! One thread traces, first at a low resolution and then in full; another evaluates. Both take the newest request:
-//! outdated values are never drawn, and tracing that is no longer needed ends soon. Nothing here knows of widgets.
+//! outdated values are never drawn, and tracing that is no longer needed ends soon. While a scene is moved by hand, one
+//! coarse picture follows the other, and the full one comes when the scene rests. Nothing here knows of widgets.
 
 mod drawing;
+mod pace;
+mod tracing;
 
-use crate::engine::{Engine, Subject, Task};
+use crate::engine::{Engine, Subject};
 use crate::picture::{Frame, ViewTransform};
 use crate::plan::Method;
 use crate::trace::{Counts, Hits, View};
 use drawing::DrawingWorker;
+use pace::Pace;
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
-use std::time::{Duration, Instant};
+use std::time::Duration;
+use tracing::trace_forever;
 
 /// What is to be drawn, beside parameter numbers.
 #[derive(Clone)]
@@ -25,6 +30,9 @@ pub struct RenderRequest {
     pub engine: Engine,
     /// How linear components become bytes.
     pub transform: ViewTransform,
+    /// Whether the scene is being moved by hand, so other requests will follow soon. They have the same formula, and
+    /// the same bodies and lights in other places.
+    pub moves: bool,
 }
 
 /// A picture to be shown.
@@ -83,6 +91,13 @@ pub enum Event {
         /// How long it took.
         time: Duration,
     },
+    /// A coarse picture of a scene that is being moved was traced and drawn.
+    Moved {
+        /// How long it took.
+        time: Duration,
+        /// Pixels in a row, and rows.
+        size: [u32; 2],
+    },
     /// The number of pixels with a component that is NaN, of a picture without a held slider, and the first of them in
     /// the picture in full size. The picture shows such components as 0.
     Undefined(usize, Option<[u32; 2]>),
@@ -97,11 +112,26 @@ struct WantedPicture {
     numbers: Vec<f32>,
     /// Increases by 1 when numbers or request change.
     stamp: u64,
+    /// The stamp of the request.
+    requested: u64,
     /// The indices of the numbers of a slider that is held.
     held: Option<Vec<usize>>,
-    /// The hits that were traced last for the wanted subject.
-    hits: Option<Arc<Hits>>,
+    /// The hits that were traced last for the wanted subject, or for the one before it while the scene moves.
+    hits: Option<TracedHits>,
+    /// Whether a picture of a moving scene is being traced. The next movement does not end that: otherwise no picture
+    /// would ever be complete.
+    moving: bool,
     quit: bool,
+}
+
+/// Hits with what they were traced for.
+#[derive(Clone)]
+struct TracedHits {
+    hits: Arc<Hits>,
+    /// The stamp of the request.
+    requested: u64,
+    /// How long tracing took, if they are coarse hits of a moving scene.
+    moving: Option<Duration>,
 }
 
 /// What the threads share.
@@ -117,6 +147,7 @@ struct RendererState {
     cancelled: AtomicBool,
     /// How much is traced, in thousandths. 1000 if nothing is being traced.
     progress: AtomicU32,
+    pace: Mutex<Pace>,
     versions: AtomicU64,
     wake: Box<dyn Fn() + Send + Sync>,
 }
@@ -124,6 +155,26 @@ struct RendererState {
 impl RendererState {
     fn wanted(&self) -> MutexGuard<'_, WantedPicture> {
         self.wanted.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn pace(&self) -> MutexGuard<'_, Pace> {
+        self.pace.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Notes how long evaluating new hits took, if the event says so. Returns the event to pass on. `moving` is how
+    /// long tracing took for a scene that moves.
+    fn noting_pace(&self, event: Event, hits: &Hits, moving: Option<Duration>) -> Option<Event> {
+        if let Event::Ready { time, .. } = event {
+            self.pace().note_evaluated(hits.view.pixels(), time);
+        }
+        match (event, moving) {
+            (Event::Ready { time, .. }, Some(tracing)) => {
+                Some(Event::Moved { time: tracing + time, size: [hits.view.width(), hits.view.height()] })
+            }
+            // The picture of the scene at rest will say it.
+            (Event::Undefined(..), Some(_)) => None,
+            (event, _) => Some(event),
+        }
     }
 
     fn wait<'w>(&self, wanted: MutexGuard<'w, WantedPicture>) -> MutexGuard<'w, WantedPicture> {
@@ -137,11 +188,6 @@ pub struct Renderer {
     events: Receiver<Event>,
     threads: Vec<JoinHandle<()>>,
 }
-
-/// Pictures of at most this many pixels are traced in full at once: that takes milliseconds.
-const SMALL: u32 = 320 * 200;
-/// A picture of low resolution has one pixel for this many in each direction.
-const COARSE: u32 = 4;
 
 impl Renderer {
     /// Starts the threads. They call `wake` when there is something new to see.
@@ -157,6 +203,7 @@ impl Renderer {
             spare: Mutex::default(),
             cancelled: AtomicBool::new(false),
             progress: AtomicU32::new(1000),
+            pace: Mutex::default(),
             versions: AtomicU64::new(0),
             wake: Box::new(wake),
         });
@@ -179,9 +226,17 @@ impl Renderer {
     pub fn show(&self, request: RenderRequest, numbers: &[f32]) -> u64 {
         let mut wanted = self.shared.wanted();
         let same_hits = wanted.request.as_ref().is_some_and(|before| before.subject.same_hits(&request.subject));
-        if !same_hits {
-            wanted.hits = None;
-            self.shared.cancelled.store(true, Ordering::Relaxed);
+        wanted.requested = wanted.stamp + 1;
+        if same_hits {
+            let requested = wanted.requested;
+            wanted.hits.iter_mut().for_each(|traced| traced.requested = requested);
+        } else {
+            let moves_on = request.moves && wanted.request.as_ref().is_some_and(|before| before.moves);
+            // The evaluation may not have come to the picture before the movement yet.
+            wanted.hits = wanted.hits.take().filter(|traced| moves_on && traced.moving.is_some());
+            if !(request.moves && wanted.moving) {
+                self.shared.cancelled.store(true, Ordering::Relaxed);
+            }
         }
         wanted.request = Some(request);
         wanted.held = None;
@@ -224,7 +279,9 @@ impl Renderer {
 
     /// The hits of what is shown, if they are all there already.
     pub fn hits(&self, view: &View) -> Option<Arc<Hits>> {
-        self.shared.wanted().hits.as_ref().filter(|hits| hits.view == *view).map(Arc::clone)
+        let wanted = self.shared.wanted();
+        let traced = wanted.hits.as_ref().filter(|traced| traced.requested == wanted.requested && traced.hits.view == *view);
+        traced.map(|traced| Arc::clone(&traced.hits))
     }
 
     /// What happened since the last call.
@@ -251,88 +308,6 @@ impl Drop for Renderer {
     }
 }
 
-/// Traces what is wanted, whenever that changes.
-fn trace_forever(shared: &Arc<RendererState>, events: &Sender<Event>) {
-    let mut traced: Option<Subject> = None;
-    loop {
-        let request = {
-            let mut wanted = shared.wanted();
-            loop {
-                if wanted.quit {
-                    return;
-                }
-                match &wanted.request {
-                    Some(request) if !traced.as_ref().is_some_and(|traced| traced.same_hits(&request.subject)) => break,
-                    Some(_) | None => wanted = shared.wait(wanted),
-                }
-            }
-            // A later request sets the flag again.
-            shared.cancelled.store(false, Ordering::Relaxed);
-            wanted.request.clone()
-        };
-        let Some(request) = request else { continue };
-        traced = Some(request.subject.clone());
-        for view in stages(&request.subject.view) {
-            if trace_stage(shared, events, &request, view).is_none() {
-                break;
-            }
-        }
-        shared.progress.store(1000, Ordering::Relaxed);
-        (shared.wake)();
-    }
-}
-
-/// The views that are traced one after the other.
-fn stages(view: &View) -> Vec<View> {
-    let coarse = || {
-        let side = |side: u32| side.div_ceil(COARSE);
-        let small = View::new(side(view.width()), side(view.height())).ok()?;
-        small.with_depth(view.depth()).ok()?.with_shadows(view.shadows()).with_default_index(view.default_index()).ok()
-    };
-    let first = if view.pixels() > SMALL { coarse() } else { None };
-    first.into_iter().chain([*view]).collect()
-}
-
-fn trace_stage(
-    shared: &RendererState,
-    events: &Sender<Event>,
-    RenderRequest { subject, engine, .. }: &RenderRequest,
-    view: View,
-) -> Option<()> {
-    let start = Instant::now();
-    let told = AtomicU32::new(0);
-    let progress = |share: f64| {
-        let thousandths = ((share * 1000.0) as u32).min(999);
-        shared.progress.store(thousandths, Ordering::Relaxed);
-        // Not more often than can be seen.
-        if thousandths >= told.load(Ordering::Relaxed) + 20 {
-            told.store(thousandths, Ordering::Relaxed);
-            (shared.wake)();
-        }
-    };
-    let task = Task { progress: &progress, cancelled: &shared.cancelled };
-    let hits = match engine.trace(&Subject { view, ..subject.clone() }, &task) {
-        Ok(hits) => hits,
-        Err(error) if error.is_cancelled() => return None,
-        Err(error) => {
-            // The receiver is dropped only at the end of the program.
-            let _ = events.send(Event::Failed(error.to_string()));
-            (shared.wake)();
-            return None;
-        }
-    };
-    let mut wanted = shared.wanted();
-    if !wanted.request.as_ref().is_some_and(|wanted| wanted.subject.same_hits(subject)) {
-        return None;
-    }
-    let (size, full) = ([view.width(), view.height()], view == subject.view);
-    let _ = events.send(Event::Traced { time: start.elapsed(), counts: hits.counts(), size, full });
-    wanted.hits = Some(hits);
-    drop(wanted);
-    shared.changed.notify_all();
-    Some(())
-}
-
 /// Draws what is wanted, whenever that changes, and prepares what a held slider will need meanwhile.
 fn draw_forever(shared: &Arc<RendererState>, events: &Sender<Event>) {
     // It takes the lock, so that the notification cannot come between a check and the wait that follows.
@@ -346,16 +321,21 @@ fn draw_forever(shared: &Arc<RendererState>, events: &Sender<Event>) {
     let mut worker = DrawingWorker::default();
     let mut drawn: Option<(u64, Arc<Hits>)> = None;
     loop {
-        let (request, hits, numbers, held, stamp) = {
+        let (request, traced, numbers, held, stamp, values) = {
             let mut wanted = shared.wanted();
             loop {
                 if wanted.quit {
                     return;
                 }
-                if let (Some(request), Some(hits)) = (&wanted.request, &wanted.hits) {
-                    let done = |(stamp, of): &(u64, Arc<Hits>)| *stamp == wanted.stamp && Arc::ptr_eq(of, hits);
+                if let (Some(request), Some(traced)) = (&wanted.request, &wanted.hits) {
+                    let is_older = traced.requested != wanted.requested;
+                    let done =
+                        |(stamp, of): &(u64, Arc<Hits>)| (*stamp == wanted.stamp || is_older) && Arc::ptr_eq(of, &traced.hits);
                     if !drawn.as_ref().is_some_and(done) {
-                        break (request.clone(), Arc::clone(hits), wanted.numbers.clone(), wanted.held.clone(), wanted.stamp);
+                        // A picture of the scene before the last movement is not that of the wanted values.
+                        let values = if is_older { traced.requested } else { wanted.stamp };
+                        let (numbers, held) = (wanted.numbers.clone(), wanted.held.clone());
+                        break (request.clone(), traced.clone(), numbers, held, wanted.stamp, values);
                     }
                 }
                 if worker.has_more_to_prepare() {
@@ -367,14 +347,16 @@ fn draw_forever(shared: &Arc<RendererState>, events: &Sender<Event>) {
                 }
             }
         };
+        let TracedHits { hits, moving, .. } = traced;
         let tell = |event: Event| {
-            let _ = events.send(event);
+            // The receiver is dropped only at the end of the program.
+            shared.noting_pace(event, &hits, moving).into_iter().for_each(|event| drop(events.send(event)));
         };
         let room = || shared.spare.lock().unwrap_or_else(PoisonError::into_inner).pop().unwrap_or_default();
         match worker.draw(&request, &hits, &numbers, held, &tell, room) {
             Ok(mut picture) => {
                 picture.version = shared.versions.fetch_add(1, Ordering::Relaxed) + 1;
-                picture.values = stamp;
+                picture.values = values;
                 let overtaken = shared.newest.lock().unwrap_or_else(PoisonError::into_inner).replace(picture);
                 shared.arrived.notify_all();
                 if let Some(overtaken) = overtaken {

@@ -3,9 +3,11 @@
 //! There are no widgets here. Pictures come from the [renderer](super::renderer). Whatever fails leaves the workshop
 //! unchanged.
 
+mod departed;
 mod export;
 mod first_look;
 mod history;
+mod moving;
 mod opening;
 mod thumbnail;
 
@@ -22,8 +24,10 @@ use crate::workspace::project::{Project, view};
 use crate::workspace::session::PictureSettings;
 use crate::workspace::{Assignment, OwnerId, ParameterTable, Session, Values};
 use crate::world::World;
+use departed::DepartedValues;
 pub use export::PictureExport;
 use history::{HistoryEntry, ValueHistory, changed};
+use moving::MovingScene;
 pub use opening::OpenedSession;
 use std::io;
 use std::path::Path;
@@ -52,6 +56,9 @@ pub struct Workshop {
     /// The stamp of the values that were requested last.
     requested: u64,
     snapshots: [Option<Snapshot>; 2],
+    /// The scene that is moved by hand, as it was before.
+    moving: Option<MovingScene>,
+    departed: DepartedValues,
 }
 
 /// A picture with its values, kept for comparison.
@@ -85,6 +92,8 @@ impl Workshop {
             shown: Picture::default(),
             requested: 0,
             snapshots: [None, None],
+            moving: None,
+            departed: DepartedValues::default(),
         };
         workshop.request_picture();
         Ok(workshop)
@@ -98,6 +107,7 @@ impl Workshop {
         self.picture = project.picture;
         self.history = ValueHistory::default();
         self.snapshots = [None, None];
+        self.departed = DepartedValues::default();
         self.request_picture();
     }
 
@@ -170,9 +180,16 @@ impl Workshop {
 
     fn request_picture(&mut self) {
         self.held = None;
+        self.moving = None;
+        self.request(false);
+    }
+
+    /// Requests a picture of the current formula, scene and values. `moves` says whether the scene is being moved.
+    fn request(&mut self, moves: bool) {
         // The settings have been checked.
         let Ok(view) = self.view() else { return };
-        let request = RenderRequest { subject: self.subject(view), engine: self.engine(), transform: self.picture.view };
+        let transform = self.picture.view;
+        let request = RenderRequest { subject: self.subject(view), engine: self.engine(), transform, moves };
         self.requested = self.renderer.show(request, self.values.numbers());
     }
 
@@ -233,13 +250,17 @@ impl Workshop {
         Ok(warnings)
     }
 
-    /// Applies a scene. Values are kept by owner and name. Returns the warnings.
+    /// Applies a scene. Values are kept by owner and name, also of bodies and lights that an earlier scene of this
+    /// session had. Returns the warnings.
     ///
     /// # Errors
     /// The errors of the text. Nothing is changed then.
     pub fn apply_scene(&mut self, source: &Source) -> Result<Diagnostics, Diagnostics> {
         let (scene, warnings) = Scene::parse(source)?;
-        let (values, _) = self.values.carry_over(&self.formula, &scene);
+        let (mut values, _) = self.values.carry_over(&self.formula, &scene);
+        self.departed.note(&self.values, &values);
+        let back = self.departed.of_new(&self.values, &values);
+        values.assign(&back);
         self.world = Arc::new(World::new(scene));
         self.replace_values(values);
         Ok(warnings)
@@ -338,6 +359,12 @@ impl Workshop {
     /// Whether there is a change to undo, and one to redo.
     pub fn can_undo_and_redo(&self) -> [bool; 2] {
         self.history.can_undo_and_redo()
+    }
+
+    /// How many changes of values were made and not undone, and how many were made at all. With that, other changes
+    /// can be put in order with them.
+    pub fn history_position(&self) -> [u64; 2] {
+        self.history.position()
     }
 
     /// What the change is of that would be undone, and of that which would be redone; `None` if there is none.

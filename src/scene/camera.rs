@@ -1,6 +1,10 @@
 //! The pinhole camera: its position, its direction, and the image plane that follows from them (thesis 9.3.1).
 //!
-//! Pixels are not known here, see [`crate::trace::View`].
+//! Pixels are not known here, see [`crate::trace::View`]. How a camera is led around a scene is in `camera/motion.rs`.
+
+mod motion;
+
+pub use motion::ViewSide;
 
 use crate::scene::{MIN_LENGTH, is_within_reach};
 use glam::DVec3;
@@ -103,6 +107,31 @@ impl Camera {
     pub fn direction(&self, x: f64, y: f64) -> DVec3 {
         (self.plane.forward + x * self.plane.right + y * self.plane.above).normalize()
     }
+
+    /// The point of the scene at a depth, in world units, that is seen at (`x`, `y`) of the image plane. The depth is
+    /// measured along the gaze.
+    pub fn point_at(&self, [x, y]: [f64; 2], depth: f64) -> DVec3 {
+        self.position + depth * (self.plane.forward + x * self.plane.right + y * self.plane.above)
+    }
+
+    /// How far a point lies before the camera, along the gaze, in world units. Negative behind it.
+    pub fn depth_of(&self, point: DVec3) -> f64 {
+        (point - self.position).dot(self.plane.forward)
+    }
+
+    /// Where a point is seen in the image plane; `None` unless it is before the camera.
+    pub fn project(&self, point: DVec3) -> Option<[f64; 2]> {
+        let depth = self.depth_of(point);
+        let scale = depth * self.plane.right.length_squared();
+        let offset = point - self.position;
+        let seen = [offset.dot(self.plane.right) / scale, offset.dot(self.plane.above) / scale];
+        (depth > 0.0 && seen.iter().all(|coordinate| coordinate.is_finite())).then_some(seen)
+    }
+
+    /// The directions to the right, upwards and forwards in the picture, of unit length.
+    pub fn axes(&self) -> [DVec3; 3] {
+        [self.plane.right.normalize(), self.plane.above.normalize(), self.plane.forward]
+    }
 }
 
 #[cfg(test)]
@@ -115,6 +144,18 @@ mod tests {
         assert!(camera.direction(0.0, 0.0).abs_diff_eq(-DVec3::Z, 1e-15));
         assert!(camera.direction(1.0, 0.0).abs_diff_eq(DVec3::new(1.0, 0.0, -1.0).normalize(), 1e-15));
         assert!(camera.direction(0.0, 1.0).abs_diff_eq(DVec3::new(0.0, 1.0, -1.0).normalize(), 1e-15));
+    }
+
+    #[test]
+    fn a_point_is_projected_to_where_it_is_seen() {
+        let camera = Camera::new(DVec3::new(1.0, 2.0, 3.0), DVec3::new(0.5, -0.3, -2.0), DVec3::Y, 50.0).unwrap();
+        let point = camera.point_at([0.7, -0.4], 6.0);
+        assert!((camera.depth_of(point) - 6.0).abs() < 1e-12);
+        let [x, y] = camera.project(point).unwrap();
+        assert!((x - 0.7).abs() < 1e-12 && (y + 0.4).abs() < 1e-12);
+        assert!((point - camera.position()).normalize().abs_diff_eq(camera.direction(0.7, -0.4), 1e-12));
+        assert_eq!(camera.project(camera.point_at([0.7, -0.4], -6.0)), None);
+        assert_eq!(camera.project(camera.position()), None);
     }
 
     #[test]

@@ -5,14 +5,16 @@
 //! Where rays meet bodies is computed in [`crate::world`]. How bodies look is up to the formula.
 
 mod camera;
+pub mod edit;
 pub mod light;
+mod movable;
 mod parser;
 mod print;
 pub mod shape;
 mod syntax;
 mod values;
 
-pub use camera::{Camera, CameraError};
+pub use camera::{Camera, CameraError, ViewSide};
 pub use light::{Light, LightKind};
 pub use shape::Shape;
 pub use syntax::Syntax;

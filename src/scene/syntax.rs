@@ -1,7 +1,7 @@
 //! How shapes and kinds of lights are written: what each of them says about its own text, and the tables of all.
 //!
-//! A shape or a kind of light is one file (its values, [`TextForm`] and `Display`) and one row in the table of its
-//! enumeration. The parser, its messages and the editor read the tables; nothing else names a shape.
+//! A shape or a kind of light is one file (its values, [`TextForm`], `Display`, `Movable`) and one row in the table
+//! of its enumeration. The parser, its messages and the editor read the tables; nothing else names a shape.
 
 use crate::lang::cursor::{Cursor, Reported};
 use crate::lang::keywords::Keyword;
@@ -76,6 +76,37 @@ macro_rules! declarations {
                     },
                 },)*
             ];
+        }
+
+        impl $name {
+            /// The point that stands for it, in world coordinates; `None` if it is nowhere in particular.
+            pub fn anchor(&self) -> Option<glam::DVec3> {
+                match self {
+                    $($name::$kind(value) => $crate::scene::movable::Movable::anchor(value),)*
+                }
+            }
+
+            /// The same, moved by a vector in world units; `None` if it would be too far away.
+            pub fn moved(&self, by: glam::DVec3) -> Option<Self> {
+                match self {
+                    $($name::$kind(value) => $crate::scene::movable::Movable::moved(value, by).map($name::$kind),)*
+                }
+            }
+
+            /// The same, larger by a factor greater than 0, with the anchor where it is; `None` if it has no size, or
+            /// if it would be too large or too small.
+            pub fn scaled(&self, by: f64) -> Option<Self> {
+                match self {
+                    $($name::$kind(value) => $crate::scene::movable::Movable::scaled(value, by).map($name::$kind),)*
+                }
+            }
+
+            /// Its radius in world units, if it has one.
+            pub fn radius(&self) -> Option<f64> {
+                match self {
+                    $($name::$kind(value) => $crate::scene::movable::Movable::radius(value),)*
+                }
+            }
         }
 
         impl std::fmt::Display for $name {

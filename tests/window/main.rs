@@ -183,6 +183,50 @@ fn the_window_follows_the_mouse_and_the_keyboard() {
     assert!(status.success(), "{status}");
 }
 
+#[test]
+fn the_camera_and_a_light_follow_the_mouse_and_one_undo_brings_each_back() {
+    let screen = Screen::new("preset:studio");
+    let away = [200, 500];
+    screen.mouse(away);
+    let before = screen.picture_at_rest();
+    let shown = |picture: &[u8]| screen.pixels(PICTURE.0, PICTURE.1) == picture;
+    let drag = |from: [i32; 2], by: [i32; 2]| {
+        screen.mouse(from);
+        std::thread::sleep(Duration::from_millis(200));
+        screen.run("xdotool", &["mousedown", "1"]);
+        for step in 1..=12 {
+            screen.mouse([0, 1].map(|axis| from[axis] + by[axis] * step / 12));
+        }
+        screen.run("xdotool", &["mouseup", "1"]);
+        screen.mouse(away);
+    };
+    drag([640, 380], [140, 30]);
+    wait("the log of the orbit", || screen.told("moved the camera:") == 1);
+    wait("unsaved text", || screen.title().contains('•'));
+    assert!(screen.picture_at_rest() != before);
+    // Nothing was clicked that has the keyboard.
+    screen.run("xdotool", &["key", "ctrl+z"]);
+    wait("the first picture", || shown(&before) && !screen.title().contains('•'));
+    // The marker of a light has a colour of its own. It is seen while the pointer is over the picture.
+    screen.mouse([640, 380]);
+    let (left, top, size) = (410, 60, [580, 700]);
+    let mut marker = None;
+    wait("the marker of a light", || {
+        let pixels = screen.pixels([left, top], size);
+        let is_light = |x: i32, y: i32| pixels[(3 * (y * size[0] + x)) as usize..][..3] == [255, 221, 87];
+        let mut inner = (2..size[1] - 2).flat_map(|y| (2..size[0] - 2).map(move |x| (x, y)));
+        let found = inner.find(|(x, y)| (-2..=2).all(|dy| (-2..=2).all(|dx| is_light(x + dx, y + dy))));
+        marker = found.map(|(x, y)| [left + x, top + y]);
+        marker.is_some()
+    });
+    drag(marker.expect("a marker"), [60, 50]);
+    let lights = ["key", "fill", "rim"];
+    wait("the log of the light", || lights.iter().map(|name| screen.told(&format!("moved {name}:"))).sum::<usize>() == 1);
+    assert!(screen.picture_at_rest() != before);
+    screen.run("xdotool", &["key", "ctrl+z"]);
+    wait("the first picture again", || shown(&before) && !screen.title().contains('•'));
+}
+
 /// Types into the formula of a window and ends it at once. Returns the exit status and the text of the draft.
 fn typed_and_ended(end: impl FnOnce(&mut Screen)) -> (std::process::ExitStatus, String) {
     let mut screen = Screen::new("preset:studio");

@@ -2,6 +2,7 @@
 
 use crate::backends::BackendChoice;
 use crate::preview::app::pane::Zoom;
+use crate::preview::app::scene_actions::{SceneAction, scene_shortcuts};
 use crate::preview::editor::EditorCommand;
 use crate::scene::BodyId;
 use crate::user_data::settings::{Settings, ThemeSetting};
@@ -81,6 +82,8 @@ pub enum Action {
     ToggleOverlay(PictureOverlay),
     /// Zoom in by this many steps; out if it is negative.
     ZoomBy(i32),
+    /// Do something with the scene.
+    Scene(SceneAction),
     /// Evaluate with this backend.
     SetBackend(BackendChoice),
     /// Use this theme.
@@ -162,9 +165,13 @@ pub(super) fn shortcuts() -> Vec<(KeyboardShortcut, Action, &'static str)> {
         (
             KeyboardShortcut::new(Modifiers::ALT, Key::Z),
             Action::Undo,
-            "Undo a change of a value; also Ctrl+Z while no text is edited",
+            "Undo a change of a value or of the scene; also Ctrl+Z while no text is edited",
         ),
-        (KeyboardShortcut::new(Modifiers::ALT.plus(Modifiers::SHIFT), Key::Z), Action::Redo, "Redo a change of a value"),
+        (
+            KeyboardShortcut::new(Modifiers::ALT.plus(Modifiers::SHIFT), Key::Z),
+            Action::Redo,
+            "Redo a change of a value or of the scene",
+        ),
         (plain(Key::F1), Action::ShowShortcuts, "Show these shortcuts"),
         (plain(Key::F2), Action::TogglePanel(PanelId::Reference), "Show or hide the language reference"),
         (plain(Key::F3), Action::TogglePanel(PanelId::Texts), "Show or hide the texts"),
@@ -195,7 +202,9 @@ fn beside_texts() -> [(KeyboardShortcut, Action); 3] {
 /// The shortcut of an action for the user; empty if there is none.
 pub(super) fn shortcut_of(action: &Action, ui: &Ui) -> String {
     let found = shortcuts().into_iter().find(|(_, other, _)| other == action);
-    found.map(|(shortcut, ..)| ui.ctx().format_shortcut(&shortcut)).unwrap_or_default()
+    let of_scene = scene_shortcuts().into_iter().find(|(_, other, _)| matches!(action, Action::Scene(own) if own == other));
+    let found = found.map(|(shortcut, ..)| shortcut).or(of_scene.map(|(shortcut, ..)| shortcut));
+    found.map(|shortcut| ui.ctx().format_shortcut(&shortcut)).unwrap_or_default()
 }
 
 /// The actions whose shortcuts were pressed. `typing` says whether a text is edited.
@@ -213,6 +222,13 @@ pub(super) fn pressed(ui: &Ui, typing: bool) -> Vec<Action> {
         for (shortcut, action) in beside_texts() {
             if !typing && input.consume_shortcut(&shortcut) {
                 actions.push(action);
+            }
+        }
+        let mut of_scene = scene_shortcuts();
+        of_scene.sort_by_key(|(shortcut, ..)| std::cmp::Reverse(shortcut.modifiers.shift));
+        for (shortcut, action, _) in of_scene {
+            if !typing && input.consume_shortcut(&shortcut) {
+                actions.push(Action::Scene(action));
             }
         }
     });

@@ -6,6 +6,7 @@ use crate::preview::app::action::shortcuts;
 use crate::preview::app::file_dialogs::FileDialogs;
 use crate::preview::app::modal::modal;
 use crate::preview::app::question::Question;
+use crate::preview::app::scene_actions::{MOUSE_HELP, scene_shortcuts};
 use egui::{Context, Grid, Key, Modifiers, ScrollArea};
 use std::collections::VecDeque;
 
@@ -136,7 +137,12 @@ impl Dialogs {
                             ui.label(description);
                             ui.end_row();
                         }
-                        for (keys, description) in EDITOR_SHORTCUTS {
+                        for (shortcut, _, description) in scene_shortcuts() {
+                            ui.monospace(ui.ctx().format_shortcut(&shortcut));
+                            ui.label(description);
+                            ui.end_row();
+                        }
+                        for (keys, description) in EDITOR_SHORTCUTS.into_iter().chain(MOUSE_HELP) {
                             ui.monospace(keys);
                             ui.label(description);
                             ui.end_row();

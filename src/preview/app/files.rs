@@ -50,6 +50,7 @@ impl App {
 
     /// Performs an action. If unsaved texts would be lost, the user is asked first.
     pub fn perform(&mut self, action: Action) {
+        self.end_gesture();
         let lost = self.work_lost_by(&action);
         if lost.is_empty() {
             self.perform_confirmed(action);
@@ -91,12 +92,9 @@ impl App {
             Action::RestoreMaterial(deleted) => self.restore_material(*deleted),
             Action::Apply => self.apply(self.tab),
             Action::ApplyAsYouType(wanted) => self.change_settings(|settings| settings.window.apply_as_you_type = wanted),
-            Action::Undo => {
-                self.workshop.undo();
-            }
-            Action::Redo => {
-                self.workshop.redo();
-            }
+            Action::Undo => self.move_in_history(false),
+            Action::Redo => self.move_in_history(true),
+            Action::Scene(action) => self.perform_on_scene(&action),
             Action::TakeSnapshot(slot) => self.workshop.take_snapshot(slot),
             Action::RestoreSnapshot(slot) => self.restore_snapshot(slot),
             Action::Zoom(zoom) => self.pane.zoom_about_middle(zoom, &self.workshop),

@@ -93,18 +93,20 @@ const LEAST_HEIGHT: f32 = 100.0;
 /// Draws the title, the colour of the pixel, and the button that closes the inspector. Returns whether it was clicked.
 fn header_ui(ui: &mut Ui, workshop: &Workshop, inspection: Option<&Inspection>) -> bool {
     let mut close = false;
-    ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-        close = ui.small_button("×").on_hover_text("Close the pixel inspector (F5)").clicked();
-        // The rest of the row, which is shortened if it is too long.
-        ui.with_layout(Layout::left_to_right(Align::Center).with_main_align(Align::Min), |ui| {
-            let Some(inspection) = inspection else {
-                ui.strong("Pixel inspector");
-                return;
-            };
-            let [x, y] = inspection.pixel;
-            ui.strong(format!("Pixel ({x}, {y})"));
-            swatch(ui, workshop, inspection.total);
-            ui.add(Label::new(RichText::new(colour_text(inspection.total)).monospace()).truncate());
+    ui.horizontal(|ui| {
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            close = ui.small_button("×").on_hover_text("Close the pixel inspector (F5)").clicked();
+            // The rest of the row, which is shortened if it is too long.
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                let Some(inspection) = inspection else {
+                    ui.strong("Pixel inspector");
+                    return;
+                };
+                let [x, y] = inspection.pixel;
+                ui.strong(format!("Pixel ({x}, {y})"));
+                swatch(ui, workshop, inspection.total);
+                ui.add(Label::new(RichText::new(colour_text(inspection.total)).monospace()).truncate());
+            });
         });
     });
     close

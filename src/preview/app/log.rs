@@ -33,10 +33,12 @@ pub(super) struct Log {
 
 type LogListener = Box<dyn FnMut(&str)>;
 
-/// Statistics of a drag.
+/// Statistics of a drag: of a slider, or of something in the scene.
 #[derive(Default)]
 struct DragTimes {
     label: String,
+    /// The size of the last picture of a scene that is moved by hand.
+    size: Option<[u32; 2]>,
     method: Option<Method>,
     /// The times of its pictures, in milliseconds.
     times: Vec<f32>,
@@ -100,6 +102,7 @@ impl Log {
                 self.add(format!("ready in {}: {bytes_per_pixel:.1} bytes a pixel", milliseconds(*time)));
             }
             Event::Frame { method, time } => self.frame(*method, *time, workshop),
+            Event::Moved { time, size } => self.moved(*time, *size, workshop),
             Event::Undefined(pixels, first) => {
                 self.first_undefined = *first;
                 if std::mem::replace(&mut self.undefined, *pixels) != *pixels && *pixels > 0 {
@@ -124,9 +127,20 @@ impl Log {
         }
     }
 
-    /// Records which slider is held. Returns whether one is.
+    /// Records a picture of a scene that is moved by hand.
+    fn moved(&mut self, time: Duration, size: [u32; 2], workshop: &Workshop) {
+        if self.dragged(workshop)
+            && let Some(drag) = &mut self.drag
+        {
+            drag.size = Some(size);
+            drag.times.push(time.as_secs_f32() * 1e3);
+        }
+    }
+
+    /// Records what is held: a slider, or something in the scene. Returns whether there is something.
     fn dragged(&mut self, workshop: &Workshop) -> bool {
         let label = workshop.held().map(|(owner, id)| workshop.values().table().label(owner, id));
+        let label = label.or_else(|| workshop.moving().map(str::to_owned));
         if self.drag.as_ref().map(|drag| &drag.label) != label.as_ref() {
             self.end_drag();
             self.drag = label.map(|label| DragTimes { label, ..DragTimes::default() });
@@ -135,14 +149,20 @@ impl Log {
     }
 
     fn end_drag(&mut self) {
-        let Some(DragTimes { label, method, times, mut delays, window, .. }) = self.drag.take() else { return };
+        let Some(DragTimes { label, method, times, mut delays, window, size, .. }) = self.drag.take() else { return };
         if times.is_empty() {
             return;
         }
         let mean = times.iter().sum::<f32>() / times.len() as f32;
         let method = method.map_or("interpreter", Method::name);
         let frames = times.len();
-        self.add(format!("dragged {label}: {method}, {frames} frames, {mean:.2} ms a frame, {:.0} frames/s", 1e3 / mean));
+        let line = match size {
+            Some([width, height]) => {
+                format!("moved {label}: {frames} pictures, {mean:.1} ms each, the last one {width}×{height}")
+            }
+            None => format!("dragged {label}: {method}, {frames} frames, {mean:.2} ms a frame, {:.0} frames/s", 1e3 / mean),
+        };
+        self.add(line);
         if delays.is_empty() {
             return;
         }

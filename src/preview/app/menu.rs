@@ -5,6 +5,7 @@ use crate::lang::display_text::one_line;
 use crate::preview::app::action::{PanelId, shortcut_of};
 use crate::preview::app::comparison::{GAINS, PAIRS, Pair, PaneMode, SNAPSHOTS, obstacle};
 use crate::preview::app::pane::Zoom;
+use crate::preview::app::scene_menu;
 use crate::preview::app::tab::TextTab;
 use crate::preview::app::thumbnail_key::ThumbnailKey;
 use crate::preview::app::{Action, App, theme};
@@ -56,7 +57,7 @@ pub(super) fn bar(app: &mut App, ui: &mut Ui, actions: &mut Vec<Action>) {
             let can = if texts { app.editor.possible_edits(&app.documents[app.tab]) } else { PossibleEdits::default() };
             actions.extend(edit_menu_ui(ui, can).map(Action::EditText));
             ui.separator();
-            let [undo, redo] = app.workshop.undo_and_redo_names();
+            let [undo, redo] = app.undo_and_redo_names();
             for (name, verb, action) in [(undo, "Undo", Action::Undo), (redo, "Redo", Action::Redo)] {
                 let title = name.as_ref().map_or_else(|| format!("{verb} value change"), |of| format!("{verb} change of {of}"));
                 entry_if(ui, name.is_some(), &one_line(&title), action, actions);
@@ -68,6 +69,7 @@ pub(super) fn bar(app: &mut App, ui: &mut Ui, actions: &mut Vec<Action>) {
                 actions.push(Action::ApplyAsYouType(typing));
             }
         });
+        ui.menu_button("Scene", |ui| scrolled(ui, |ui| scene_menu::entries(ui, app, actions)));
         persistent_menu(ui, "Picture", |ui| picture(ui, app, actions));
         persistent_menu(ui, "Compare", |ui| compare(ui, app, actions));
         persistent_menu(ui, "View", |ui| view(ui, app, actions));

@@ -26,6 +26,8 @@ pub(super) enum Topic {
     Materials,
     /// The picture.
     Picture,
+    /// The text of the scene, which does not follow a change by hand.
+    SceneText,
 }
 
 /// How serious a notice is.

@@ -46,6 +46,7 @@ pub(super) struct PicturePane {
     around: u32,
     comparison: Comparison,
     line: DividingLine,
+    response: Option<Response>,
     /// The picture with marks of clipped pixels, and the version of the picture without them.
     marked: (Picture, u64),
     bars: Histogram,
@@ -82,6 +83,7 @@ impl Default for PicturePane {
             around: 0,
             comparison: Comparison::default(),
             line: DividingLine::default(),
+            response: None,
             marked: (Picture::default(), 0),
             bars: Histogram::default(),
         }
@@ -89,6 +91,16 @@ impl Default for PicturePane {
 }
 
 impl PicturePane {
+    /// What the user did with the pane in this frame.
+    pub(super) fn response(&self) -> Option<Response> {
+        self.response.clone()
+    }
+
+    /// Whether the mouse leads the scene in the picture. Otherwise it moves the picture itself.
+    pub(super) fn leads_scene(&self, ui: &Ui) -> bool {
+        self.mode == PaneMode::Current && !ui.input(|input| input.key_down(egui::Key::Space))
+    }
+
     /// The body that was clicked last.
     pub(super) fn selected(&self) -> Option<OwnerId> {
         self.selected
@@ -121,14 +133,16 @@ impl PicturePane {
         Placement::new(self.area, self.scale, full, self.zoom.factor(full, self.area.size() * self.scale), self.offset)
     }
 
-    /// Draws the pane into all free space. Returns the body that was clicked.
+    /// Draws the pane into all free space. Returns the owner that was clicked: a body, or the scene for the background.
     pub(super) fn ui(&mut self, ui: &mut Ui, workshop: &mut Workshop, scale: f32) -> Option<OwnerId> {
         self.around = Theme::pane_background(ui.visuals().dark_mode);
         let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
         (self.area, self.scale) = (rect, scale);
         self.update_size(ui, workshop);
         self.compose(workshop);
-        self.move_by_hand(ui, &response, workshop);
+        if !self.leads_scene(ui) {
+            self.move_by_hand(ui, &response, workshop);
+        }
         self.label_pictures(ui, workshop);
         if self.histogram {
             let mut bars = std::mem::take(&mut self.bars);
@@ -136,15 +150,18 @@ impl PicturePane {
             self.bars = bars;
         }
         if let Some(at) = response.hover_pos() {
-            let notches = ui.input(|input| input.events.iter().map(wheel_notches).sum::<i32>());
+            let leads_scene = self.leads_scene(ui);
+            let notches = |event: &egui::Event| zoom_notches(event, leads_scene);
+            let notches = ui.input(|input| input.events.iter().map(notches).sum::<i32>());
             if notches != 0 {
                 self.zoom_by(notches, at, workshop);
             }
         }
         self.pointed = response.hover_pos().and_then(|at| self.placement(workshop).pixel_at(at));
         self.clicked = self.pointed.filter(|_| response.clicked());
-        let body = self.clicked.and_then(|pixel| body_at(workshop, pixel))?;
-        self.selected = Some(OwnerId::Body(body));
+        self.response = Some(response);
+        let clicked = self.clicked?;
+        self.selected = Some(body_at(workshop, clicked).map_or(OwnerId::Global, OwnerId::Body));
         self.selected
     }
 
@@ -303,10 +320,11 @@ impl PicturePane {
     }
 }
 
-/// How far a wheel event turns. 1 is one notch away from the user.
-fn wheel_notches(event: &egui::Event) -> i32 {
-    let egui::Event::MouseWheel { delta, .. } = event else { return 0 };
-    i32::from(delta.y > 0.0) - i32::from(delta.y < 0.0)
+/// How far a wheel event zooms. 1 is one notch away from the user. If the mouse leads the scene, only the wheel with
+/// Ctrl zooms.
+fn zoom_notches(event: &egui::Event, leads_scene: bool) -> i32 {
+    let egui::Event::MouseWheel { delta, modifiers, .. } = event else { return 0 };
+    if leads_scene && !modifiers.ctrl { 0 } else { i32::from(delta.y > 0.0) - i32::from(delta.y < 0.0) }
 }
 
 /// The body that is visible in a pixel.

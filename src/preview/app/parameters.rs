@@ -47,6 +47,11 @@ impl ParameterPanel {
         self.hidden = true;
     }
 
+    /// The selected owner.
+    pub(super) fn selected(&self) -> OwnerId {
+        self.selected
+    }
+
     /// Draws the panel. `picked` is the body that was clicked in the picture last.
     pub(super) fn ui(
         &mut self,

@@ -41,7 +41,8 @@ pub(super) fn bar(app: &App, ui: &mut Ui, actions: &mut Vec<Action>) {
         }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             if let Some(progress) = app.workshop.renderer().progress() {
-                ui.add(ProgressBar::new(progress).desired_width(140.0).text("tracing"));
+                ui.add(ProgressBar::new(progress).desired_width(110.0));
+                ui.label("tracing");
             }
             if let Some(pixel @ [x, y]) = app.pane.pointed() {
                 let name = body_at(&app.workshop, pixel).map(|body| app.workshop.scene().body(body).name.as_str());

@@ -49,11 +49,19 @@ pub(super) fn bar(app: &mut App, ui: &mut Ui, actions: &mut Vec<Action>) {
         ] {
             let action = Action::ToggleOverlay(overlay);
             let tooltip = format!("{about} ({})", shortcut_of(&action, ui));
+            make_room(ui, 84.0);
             if ui.add(Button::selectable(seen, name)).on_hover_text(tooltip).clicked() {
                 actions.push(action);
             }
         }
     });
+}
+
+/// Starts another row unless this many points are left in this one. Not every widget wraps by itself.
+fn make_room(ui: &mut Ui, width: f32) {
+    if ui.available_size_before_wrap().x < width {
+        ui.end_row();
+    }
 }
 
 fn zoom(app: &App, ui: &mut Ui, actions: &mut Vec<Action>) {
@@ -83,9 +91,14 @@ fn exposure(app: &mut App, ui: &mut Ui) {
     let mut settings = app.workshop.settings();
     let before = settings;
     let view = &mut settings.view;
+    // The name, the slider and the number are in one row. A very narrow pane has no slider; the number can be dragged.
+    let has_slider = ui.max_rect().width() > 250.0;
+    make_room(ui, if has_slider { 240.0 } else { 130.0 });
     ui.label("Exposure").on_hover_text("In stops: 1 is twice as bright. Double-click the number for 0.");
-    ui.spacing_mut().slider_width = 90.0;
-    ui.add(Slider::new(&mut view.exposure, SLIDER).show_value(false).clamping(SliderClamping::Edits));
+    if has_slider {
+        ui.spacing_mut().slider_width = 90.0;
+        ui.add(Slider::new(&mut view.exposure, SLIDER).show_value(false).clamping(SliderClamping::Edits));
+    }
     let number = DragValue::new(&mut view.exposure).range(EXPOSURES).speed(0.02).fixed_decimals(1);
     let number = number.custom_formatter(|stops, _| format!("{stops:+.1}"));
     if ui.add_sized([46.0, 20.0], number).double_clicked() {
@@ -99,15 +112,13 @@ fn exposure(app: &mut App, ui: &mut Ui) {
     {
         view.exposure = stops;
     }
-    // A list does not wrap by itself.
-    if ui.available_size_before_wrap().x < 132.0 {
-        ui.end_row();
-    }
+    make_room(ui, 134.0);
     ComboBox::from_id_salt("curve").selected_text(format!("Tone: {}", curve.title())).width(112.0).show_ui(ui, |ui| {
         for curve in ToneCurve::ALL {
             ui.selectable_value(&mut view.curve, curve, curve.title()).on_hover_text(curve.doc());
         }
     });
+    make_room(ui, 74.0);
     let mut srgb = view.transfer == Transfer::Srgb;
     let tooltip = "Encode linear colours with the curve of sRGB, as displays expect. Without it, they are shown as they are.";
     if ui.checkbox(&mut srgb, "sRGB").on_hover_text(tooltip).changed() {

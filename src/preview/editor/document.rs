@@ -94,6 +94,11 @@ impl Document {
         Source::new(self.name(), self.text.clone())
     }
 
+    /// The text as it was saved last, or opened.
+    pub fn saved_source(&self) -> Source {
+        Source::new(self.name(), self.saved.clone())
+    }
+
     /// The text for its file, with the line ends and the byte order mark that it had.
     pub fn file_text(&self) -> String {
         let mark = if self.marked { String::from(BYTE_ORDER_MARK) } else { String::new() };
@@ -226,6 +231,32 @@ impl Document {
         Some(selection)
     }
 
+    /// Takes the text of a scene that was changed by hand, as one step of the history. Returns whether it is another
+    /// text.
+    pub fn take_text_by_hand(&mut self, text: &str) -> bool {
+        let Some(edit) = Edit::between(&self.text, text) else { return false };
+        let after = Selection { anchor: edit.at, head: edit.at + edit.inserted.len() };
+        edit.apply(&mut self.text);
+        self.history.note_by_hand(edit, Selection::cursor(after.anchor), after);
+        self.revision += 1;
+        true
+    }
+
+    /// Undoes or redoes a step if it follows a change of the scene by hand. Returns whether it did.
+    pub fn move_by_hand(&mut self, forwards: bool) -> bool {
+        let moved = self.history.by_hand()[usize::from(forwards)];
+        if moved {
+            let _ = if forwards { self.redo() } else { self.undo() };
+        }
+        moved
+    }
+
+    /// Whether a step that follows a change of the scene was undone or redone since the last call, so that the picture
+    /// must follow.
+    pub fn take_by_hand_moved(&mut self) -> bool {
+        self.history.take_by_hand_moved()
+    }
+
     /// Makes an edit that is undone on its own.
     pub(super) fn edit(&mut self, edit: Edit, before: Selection, after: Selection) {
         edit.apply(&mut self.text);
@@ -252,6 +283,20 @@ mod tests {
             assert_eq!(document.file_text(), text);
             assert!(!document.text().contains(['\r', BYTE_ORDER_MARK]));
         }
+    }
+
+    #[test]
+    fn steps_by_hand_are_told_apart_from_typing() {
+        let mut document = Document::untitled(FileKind::Scene, "bodies;");
+        assert!(document.take_text_by_hand("bodies; lights;") && !document.take_text_by_hand("bodies; lights;"));
+        document.replace_text("bodies; lights; camera;");
+        assert!(!document.move_by_hand(false), "typing is undone first");
+        assert!(document.undo().is_some() && !document.take_by_hand_moved());
+        assert!(!document.move_by_hand(true) && document.move_by_hand(false) && document.text() == "bodies;");
+        assert!(document.take_by_hand_moved() && !document.take_by_hand_moved());
+        // As by keys in the editor.
+        assert!(document.redo().is_some() && document.take_by_hand_moved());
+        assert_eq!(document.text(), "bodies; lights;");
     }
 
     #[test]

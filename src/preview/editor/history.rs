@@ -91,6 +91,8 @@ struct EditStep {
     after: Selection,
     /// When it was last extended, in seconds; `None` if it must not be extended.
     time: Option<f64>,
+    /// Whether something was moved, added or removed in the scene, and the text followed.
+    by_hand: bool,
 }
 
 /// The steps to undo and to redo.
@@ -98,6 +100,8 @@ struct EditStep {
 pub(super) struct EditHistory {
     done: Vec<EditStep>,
     undone: Vec<EditStep>,
+    /// Whether a step by hand was undone or redone since somebody asked.
+    by_hand_moved: bool,
 }
 
 impl EditHistory {
@@ -112,7 +116,17 @@ impl EditHistory {
             (last.after, last.time) = (after, time);
             return;
         }
-        self.done.push(EditStep { edit, before, after, time });
+        self.push(EditStep { edit, before, after, time, by_hand: false });
+    }
+
+    /// Adds an edit that follows a change of the scene, as a step of its own.
+    pub(super) fn note_by_hand(&mut self, edit: Edit, before: Selection, after: Selection) {
+        self.undone.clear();
+        self.push(EditStep { edit, before, after, time: None, by_hand: true });
+    }
+
+    fn push(&mut self, step: EditStep) {
+        self.done.push(step);
         let mut kept = 0;
         let fits = self.done.iter().rev().take_while(|step| {
             kept += step.edit.bytes();
@@ -129,6 +143,7 @@ impl EditHistory {
         step.time = None;
         step.edit.reversed().apply(text);
         let selection = step.before;
+        self.by_hand_moved |= step.by_hand;
         self.undone.push(step);
         Some(selection)
     }
@@ -138,8 +153,19 @@ impl EditHistory {
         let step = self.undone.pop()?;
         step.edit.apply(text);
         let selection = step.after;
+        self.by_hand_moved |= step.by_hand;
         self.done.push(step);
         Some(selection)
+    }
+
+    /// Whether the step to undo, and the step to redo, follow a change of the scene.
+    pub(super) fn by_hand(&self) -> [bool; 2] {
+        [&self.done, &self.undone].map(|steps| steps.last().is_some_and(|step| step.by_hand))
+    }
+
+    /// Whether such a step was undone or redone since the last call.
+    pub(super) fn take_by_hand_moved(&mut self) -> bool {
+        std::mem::take(&mut self.by_hand_moved)
     }
 
     /// Whether there is a step to undo.

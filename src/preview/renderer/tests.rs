@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::backends::{CHOICES, REFERENCE};
+use crate::engine::Task;
 use crate::evaluate::Framebuffer;
 use crate::formula::Formula;
 use crate::lang::source::Source;
@@ -16,14 +17,8 @@ fn request(width: u32, height: u32) -> (RenderRequest, Values) {
     let (scene, _) = Scene::parse(&source(FileKind::Scene, "studio")).expect("a scene");
     let values = Values::defaults(&formula, &scene);
     let view = View::new(width, height).expect("a size in range").with_depth(3).expect("a depth in range");
-    (
-        RenderRequest {
-            subject: Subject::new(formula, scene, view),
-            engine: Engine::default(),
-            transform: ViewTransform::default(),
-        },
-        values,
-    )
+    let (subject, transform) = (Subject::new(formula, scene, view), ViewTransform::default());
+    (RenderRequest { subject, engine: Engine::default(), transform, moves: false }, values)
 }
 
 /// Moves a slider of a body. Returns the indices of its numbers.
@@ -49,7 +44,7 @@ fn wait_for(renderer: &Renderer, values: u64) -> Picture {
 }
 
 /// The picture as it is drawn without any thread.
-fn expected(RenderRequest { subject, engine, transform }: &RenderRequest, values: &Values) -> Vec<u32> {
+fn expected(RenderRequest { subject, engine, transform, .. }: &RenderRequest, values: &Values) -> Vec<u32> {
     let evaluator = engine.evaluator(subject, &Task::UNWATCHED).expect("a formula of ordinary size");
     let mut framebuffer = Framebuffer::black(subject.view.width(), subject.view.height(), *transform);
     evaluator.draw(values.numbers(), &mut framebuffer);
@@ -169,4 +164,44 @@ fn pixels_without_a_number_are_counted_by_both_backends() {
     }
     assert!(counts[0].0 > 100 && counts[0] == counts[1], "{counts:?}");
     assert!(counts[0].1.is_some_and(|[x, y]| x < 64 && y < 48), "{counts:?}");
+}
+
+/// The request with the camera moved to the right.
+fn moved_camera(request: &RenderRequest, by: f64, moves: bool) -> RenderRequest {
+    let mut scene = Scene::clone(request.subject.world.scene());
+    scene.camera = scene.camera.panned(1.0, [by, 0.0], [0.0, 0.0]).expect("a camera");
+    let world = Arc::new(crate::world::World::new(scene));
+    RenderRequest { subject: Subject { world, ..request.subject.clone() }, moves, ..request.clone() }
+}
+
+#[test]
+fn a_moving_scene_is_seen_coarsely_at_every_movement_and_in_full_when_it_rests() {
+    let renderer = Renderer::new(|| {}).expect("threads");
+    let (start, values) = request(800, 600);
+    let first = renderer.show(start.clone(), values.numbers());
+    wait_for(&renderer, first);
+    renderer.events().for_each(drop);
+    // Movements come faster than pictures.
+    let mut picture = Picture::default();
+    let mut seen = Vec::new();
+    let mut last = (first, start.clone());
+    for step in 1..=200 {
+        let moved = moved_camera(&start, 0.005 * f64::from(step), true);
+        last = (renderer.show(moved.clone(), values.numbers()), moved);
+        std::thread::sleep(Duration::from_millis(3));
+        if renderer.take(&mut picture) {
+            seen.push((picture.values, picture.is_full()));
+        }
+    }
+    assert!(seen.len() > 5, "pictures come during the movement: {seen:?}");
+    assert!(seen.is_sorted() && seen.iter().all(|(values, _)| *values <= last.0), "{seen:?}");
+    // Nobody lets go, but the hand rests.
+    assert!(wait_for(&renderer, last.0).pixels == expected(&last.1, &values));
+    let events: Vec<Event> = renderer.events().collect();
+    assert!(events.iter().any(|event| matches!(event, Event::Moved { .. })), "{events:?}");
+    // A movement ends the full picture of the one before, and so does a scene at rest.
+    renderer.show(moved_camera(&start, -1.0, true), values.numbers());
+    let rests = moved_camera(&start, -2.0, false);
+    let stamp = renderer.show(rests.clone(), values.numbers());
+    assert!(wait_for(&renderer, stamp).pixels == expected(&rests, &values));
 }

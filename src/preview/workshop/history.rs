@@ -32,6 +32,10 @@ impl HistoryEntry {
 pub(super) struct ValueHistory {
     before: Vec<HistoryEntry>,
     after: Vec<HistoryEntry>,
+    /// How many changes were made and not undone.
+    position: u64,
+    /// How many changes were made, undone or not.
+    changes: u64,
 }
 
 impl ValueHistory {
@@ -42,16 +46,27 @@ impl ValueHistory {
             self.before.remove(0);
         }
         self.before.push(before);
+        self.position += 1;
+        self.changes += 1;
+    }
+
+    /// How many changes were made and not undone, and how many were made at all.
+    pub(super) fn position(&self) -> [u64; 2] {
+        [self.position, self.changes]
     }
 
     /// The state before the last change. `now` is the current state.
     pub(super) fn undo(&mut self, now: HistoryEntry) -> Option<HistoryEntry> {
-        move_entry(&mut self.before, &mut self.after, now)
+        let entry = move_entry(&mut self.before, &mut self.after, now)?;
+        self.position -= 1;
+        Some(entry)
     }
 
     /// The state after the change that was undone last.
     pub(super) fn redo(&mut self, now: HistoryEntry) -> Option<HistoryEntry> {
-        move_entry(&mut self.after, &mut self.before, now)
+        let entry = move_entry(&mut self.after, &mut self.before, now)?;
+        self.position += 1;
+        Some(entry)
     }
 
     /// The state before the last change, and that after the change that was undone last.

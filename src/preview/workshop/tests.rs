@@ -125,3 +125,55 @@ fn a_value_is_copied_to_all_bodies_and_a_session_holds_everything() {
     assert!(workshop.set_picture(PictureSettings { depth: 10, ..workshop.settings() }).is_err());
     settle(&mut workshop);
 }
+
+#[test]
+fn a_scene_is_moved_by_hand_and_put_back() {
+    let mut workshop = workshop();
+    let first = settle(&mut workshop);
+    let values = workshop.values().clone();
+    let start = Arc::clone(workshop.scene());
+    for step in 1..5 {
+        let mut scene = Scene::clone(&start);
+        scene.camera = scene.camera.orbited(glam::DVec3::ZERO, 0.1 * f64::from(step), 0.0).expect("a camera");
+        workshop.show_moving("the camera", scene);
+    }
+    assert_eq!(workshop.moving(), Some("the camera"));
+    let moved = settle(&mut workshop);
+    assert!(moved != first && *workshop.values() == values && workshop.can_undo_and_redo() == [false, false]);
+    workshop.put_back();
+    assert!(settle(&mut workshop) == first && workshop.moving().is_none() && Arc::ptr_eq(workshop.scene(), &start));
+    // What is applied stays.
+    workshop.show_moving("the camera", Scene::clone(&start));
+    workshop.apply_scene(&Source::new("scene", start.to_string())).expect("a scene");
+    workshop.put_back();
+    assert!(workshop.moving().is_none() && !Arc::ptr_eq(workshop.scene(), &start));
+}
+
+#[test]
+fn a_body_that_comes_back_has_its_values_and_a_copy_those_of_the_original() {
+    let mut workshop = workshop();
+    let (owner, colour) = slider(&workshop, "ball.Cd");
+    workshop.set(owner, colour, [0.25, 0.5, 0.75]);
+    let text = workshop.scene().to_string();
+    let line = text.lines().find(|line| line.starts_with("ball:")).expect("a line").to_owned();
+    let apply = |workshop: &mut Workshop, text: String| workshop.apply_scene(&Source::new("scene", text)).expect("a scene");
+    apply(&mut workshop, text.replace(&line, ""));
+    assert!(workshop.values().table().owners().named("ball").is_none());
+    apply(&mut workshop, text.clone());
+    let value = |workshop: &Workshop, label: &str| {
+        let (owner, id) = slider(workshop, label);
+        workshop.values().get(owner, id).to_vec()
+    };
+    assert_eq!(value(&workshop, "ball.Cd"), [0.25, 0.5, 0.75]);
+    apply(&mut workshop, text.replace(&line, &format!("{line}\n{}", line.replace("ball", "ball2"))));
+    let [from, to] = ["ball.Cd", "ball2.Cd"].map(|label| slider(&workshop, label).0);
+    assert!(value(&workshop, "ball2.Cd") != value(&workshop, "ball.Cd"));
+    workshop.copy_values(from, to);
+    assert_eq!(value(&workshop, "ball2.Cd"), [0.25, 0.5, 0.75]);
+    assert_eq!(value(&workshop, "ball2.kd"), value(&workshop, "ball.kd"));
+    // A new body of a name that is forgotten has defaults.
+    apply(&mut workshop, text.replace(&line, ""));
+    workshop.forget_values(crate::lang::variables::Owner::Body, "ball");
+    apply(&mut workshop, text);
+    assert_eq!(value(&workshop, "ball.Cd"), workshop.values().table().parameter(colour).default);
+}

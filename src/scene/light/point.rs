@@ -3,6 +3,8 @@
 use crate::lang::cursor::{Cursor, Reported};
 use crate::lang::keywords::Keyword;
 use crate::lang::token::Mark;
+use crate::scene::is_within_reach;
+use crate::scene::movable::Movable;
 use crate::scene::syntax::TextForm;
 use crate::scene::values::{Vector, vector};
 use glam::DVec3;
@@ -23,6 +25,16 @@ impl PointLight {
     /// Its position in world coordinates.
     pub fn position(&self) -> DVec3 {
         self.position
+    }
+}
+
+impl Movable for PointLight {
+    fn anchor(&self) -> Option<DVec3> {
+        Some(self.position)
+    }
+
+    fn moved(&self, by: DVec3) -> Option<Self> {
+        Some(self.position + by).filter(|position| is_within_reach(*position)).map(Self::new)
     }
 }
 

@@ -4,6 +4,7 @@ use crate::lang::cursor::{Cursor, Placed, Reported};
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::keywords::Keyword;
 use crate::lang::token::Mark;
+use crate::scene::movable::Movable;
 use crate::scene::syntax::TextForm;
 use crate::scene::values::{Vector, vector};
 use crate::scene::{MIN_LENGTH, is_within_reach};
@@ -67,6 +68,24 @@ impl Rectangle {
     /// The front normal, normalize((C−A)×(B−A)), of unit length.
     pub fn normal(&self) -> DVec3 {
         self.normal
+    }
+}
+
+impl Movable for Rectangle {
+    /// Its middle.
+    fn anchor(&self) -> Option<DVec3> {
+        Some(self.corners[0].midpoint(self.corners[2]))
+    }
+
+    fn moved(&self, by: DVec3) -> Option<Self> {
+        let [a, b, c] = self.corners.map(|corner| corner + by);
+        Self::new(a, b, c).ok()
+    }
+
+    fn scaled(&self, by: f64) -> Option<Self> {
+        let middle = self.corners[0].midpoint(self.corners[2]);
+        let [a, b, c] = self.corners.map(|corner| middle + by * (corner - middle));
+        Self::new(a, b, c).ok()
     }
 }
 

@@ -3,6 +3,7 @@
 use crate::lang::cursor::{Cursor, Reported};
 use crate::lang::keywords::Keyword;
 use crate::lang::token::Mark;
+use crate::scene::movable::Movable;
 use crate::scene::syntax::TextForm;
 use crate::scene::values::{SceneNumber, Vector, positive, vector};
 use crate::scene::{MAX_COORDINATE, MIN_LENGTH, is_within_reach};
@@ -50,6 +51,24 @@ impl Sphere {
     /// Its radius in world units, greater than 0.
     pub fn radius(&self) -> f64 {
         self.radius
+    }
+}
+
+impl Movable for Sphere {
+    fn anchor(&self) -> Option<DVec3> {
+        Some(self.center)
+    }
+
+    fn moved(&self, by: DVec3) -> Option<Self> {
+        Self::new(self.center + by, self.radius).ok()
+    }
+
+    fn scaled(&self, by: f64) -> Option<Self> {
+        Self::new(self.center, self.radius * by).ok()
+    }
+
+    fn radius(&self) -> Option<f64> {
+        Some(self.radius)
     }
 }
 

@@ -234,6 +234,9 @@ fn the_inspector_is_below_the_picture_and_marks_its_pixel() {
     let title = harness.get_by_label_contains("Pixel (").rect();
     let pane = harness.state().pane.area();
     assert!(title.top() >= pane.bottom(), "the clicked pixel stays in view");
+    let panel = egui::panel::PanelState::load(&harness.ctx, egui::Id::new("inspector")).expect("a panel").outer_rect;
+    assert!(title.bottom() - panel.top() < 36.0, "the title takes one row: {title:?} in {panel:?}");
+    assert!(harness.get_by_label_contains("seen, weight 1").rect().bottom() < panel.bottom());
     harness.get_by_label("×").click();
     harness.run_steps(3);
     assert!(harness.query_by_label_contains("Pixel (").is_none() && !harness.state().inspector.open);

@@ -1,0 +1,357 @@
+//! The scene under the mouse: gestures in the picture lead the camera, and move bodies and lights.
+//!
+//! A `gesture` says which scene follows from where the pointer is. `view` says where things are on the screen, and
+//! what can be taken hold of. `markers` and `outline` draw. Here, the mouse and the keys begin, move and end gestures.
+//! When a gesture ends, the text of the scene follows (`scene_text`).
+
+pub(super) mod gesture;
+mod keys;
+mod markers;
+mod outline;
+#[cfg(test)]
+mod tests;
+pub(super) mod view;
+
+use crate::preview::app::{Action, App, scene_menu};
+use crate::scene::edit::SceneObject;
+use crate::workspace::OwnerId;
+use crate::world::World;
+use egui::{CursorIcon, Key, Modifiers, PointerButton, Pos2, Response, Ui};
+use gesture::{Gesture, Motion, SceneAxis, Travel, pivot, seen_at};
+use outline::Outline;
+use std::sync::Arc;
+use view::{Grip, SceneView};
+
+/// A drag over the whole pane turns the camera by this angle, in radians.
+const TURN: f32 = std::f32::consts::PI;
+/// A drag of this many points makes a distance or the field of view e times as large.
+const FACTOR_POINTS: f32 = 180.0;
+/// One notch of the wheel makes the distance this many times as large.
+const NOTCH: f64 = 0.9;
+/// Turns of the wheel and keys that follow within this time are one gesture, in seconds.
+const PAUSE: f64 = 0.5;
+/// After a selection, its outline is shown for this time, even if the pointer is elsewhere. In seconds.
+const SHOWN_AFTER_SELECTION: f64 = 1.2;
+
+/// What ends a gesture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum GestureEnd {
+    /// The button is released.
+    Release(PointerButton),
+    /// Nothing follows until this time, in seconds of egui's clock.
+    Pause(f64),
+}
+
+/// The hand that leads the camera and moves things.
+pub(super) struct Hand {
+    gesture: Option<(Gesture, GestureEnd)>,
+    /// Whether markers are shown.
+    pub(super) markers: bool,
+    /// What is selected, and when it was.
+    selected: (Option<SceneObject>, f64),
+    outline: CachedOutline,
+}
+
+/// The outline of the selected body, with what it was made from.
+#[derive(Default)]
+struct CachedOutline {
+    made_from: Option<(Arc<World>, SceneObject, f64)>,
+    outline: Outline,
+}
+
+impl Default for Hand {
+    fn default() -> Self {
+        Self { gesture: None, markers: true, selected: (None, f64::NEG_INFINITY), outline: CachedOutline::default() }
+    }
+}
+
+impl CachedOutline {
+    fn update(&mut self, world: &Arc<World>, selected: Option<SceneObject>, aspect: f64) {
+        let Some(object @ SceneObject::Body(id)) = selected.filter(|_| aspect.is_finite() && aspect > 0.0) else {
+            *self = Self::default();
+            return;
+        };
+        let same =
+            |(of, body, with): &(Arc<World>, SceneObject, f64)| Arc::ptr_eq(of, world) && *body == object && *with == aspect;
+        if !self.made_from.as_ref().is_some_and(same) {
+            self.outline = Outline::of(world, id, aspect);
+            self.made_from = Some((Arc::clone(world), object, aspect));
+        }
+    }
+}
+
+/// The body or light that owns parameters.
+pub(super) fn object_of(owner: OwnerId) -> Option<SceneObject> {
+    match owner {
+        OwnerId::Global => None,
+        OwnerId::Body(id) => Some(SceneObject::Body(id)),
+        OwnerId::Light(id) => Some(SceneObject::Light(id)),
+    }
+}
+
+/// The owner of the parameters of a body or light.
+pub(super) fn owner_of(object: SceneObject) -> OwnerId {
+    match object {
+        SceneObject::Body(id) => OwnerId::Body(id),
+        SceneObject::Light(id) => OwnerId::Light(id),
+    }
+}
+
+/// What a button does with these modifiers. `grip` is what is under the pointer.
+fn motion_of(button: PointerButton, modifiers: Modifiers, grip: Option<Grip>) -> Option<Motion> {
+    match button {
+        PointerButton::Primary if modifiers.ctrl && modifiers.shift => Some(Motion::FieldOfView),
+        PointerButton::Primary if modifiers.ctrl => Some(Motion::Dolly),
+        PointerButton::Primary if modifiers.shift => Some(Motion::Pan),
+        PointerButton::Primary if modifiers.alt => Some(Motion::Orbit),
+        PointerButton::Primary => Some(match grip {
+            Some(Grip::Object(object)) => Motion::Move(object, None),
+            Some(Grip::Arrow(object, axis)) => Motion::Move(object, Some(axis)),
+            Some(Grip::Radius(id)) => Motion::Resize(id),
+            None => Motion::Orbit,
+        }),
+        PointerButton::Middle => Some(Motion::Pan),
+        PointerButton::Secondary if modifiers.ctrl || modifiers.shift => Some(Motion::FieldOfView),
+        PointerButton::Secondary => Some(Motion::Dolly),
+        PointerButton::Extra1 | PointerButton::Extra2 => None,
+    }
+}
+
+/// The axis whose key is held.
+fn axis_key(ui: &Ui) -> Option<SceneAxis> {
+    let keys = [(Key::X, SceneAxis::X), (Key::Y, SceneAxis::Y), (Key::Z, SceneAxis::Z)];
+    ui.input(|input| keys.into_iter().find(|(key, _)| input.key_down(*key)).map(|(_, axis)| axis))
+}
+
+impl App {
+    /// The selected body or light.
+    pub(super) fn selected_object(&self) -> Option<SceneObject> {
+        let owner = self.parameters.selected();
+        object_of(owner).filter(|_| self.workshop.values().table().owners().has(owner))
+    }
+
+    /// Handles the mouse and the keys over the picture, and draws the markers. `keys` says whether keys are for the
+    /// scene.
+    pub(super) fn scene_by_hand(&mut self, ui: &Ui, keys: bool, actions: &mut Vec<Action>) {
+        let Some(response) = &self.pane.response() else { return };
+        let now = ui.input(|input| input.time);
+        let selected = self.selected_object();
+        if self.hand.selected.0 != selected {
+            self.hand.selected = (selected, now);
+        }
+        let leads = self.pane.leads_scene(ui) && self.workshop.shown().version > 0;
+        if !leads && self.hand.gesture.is_none() {
+            return;
+        }
+        let [width, height] = self.pane.placement(&self.workshop).full().map(f64::from);
+        self.hand.outline.update(self.workshop.world(), selected, width / height);
+        if self.hand.gesture.is_some() {
+            self.go_on(ui);
+        }
+        let grip = response.hover_pos().and_then(|at| self.scene_view().grip_at(at, self.hand.markers));
+        self.begin_by_mouse(ui, response);
+        if keys {
+            self.begin_by_keys(ui, response);
+        }
+        self.show_hand(ui, response, grip);
+        if response.clicked()
+            && let Some(Grip::Object(object @ SceneObject::Light(_))) = grip
+        {
+            self.parameters.select(owner_of(object));
+        }
+        if response.secondary_clicked()
+            && let Some(at) = response.interact_pointer_pos()
+        {
+            let body = seen_at(self.workshop.world(), self.scene_view().image_point(at)).map(|(body, _)| SceneObject::Body(body));
+            let object = match grip {
+                Some(Grip::Object(object)) => Some(object),
+                Some(Grip::Arrow(..) | Grip::Radius(_)) | None => body,
+            };
+            self.parameters.select(object.map_or(OwnerId::Global, owner_of));
+        }
+        response.context_menu(|ui| scene_menu::entries(ui, self, actions));
+    }
+
+    /// The scene as it is on the screen.
+    pub(super) fn scene_view(&self) -> SceneView<'_> {
+        SceneView {
+            world: self.workshop.world(),
+            placement: self.pane.placement(&self.workshop),
+            area: self.pane.area(),
+            selected: self.selected_object(),
+            outline: &self.hand.outline.outline,
+        }
+    }
+
+    /// Draws the markers, and gives the pointer its shape.
+    fn show_hand(&self, ui: &Ui, response: &Response, grip: Option<Grip>) {
+        let held = self.hand.gesture.as_ref().map(|(gesture, _)| gesture.motion);
+        let cursor = match held {
+            Some(Motion::Move(..) | Motion::Resize(_)) => Some(CursorIcon::Move),
+            Some(_) => Some(CursorIcon::Grabbing),
+            None => grip.map(|_| CursorIcon::Move),
+        };
+        if let Some(cursor) = cursor.filter(|_| response.hovered() || held.is_some()) {
+            ui.ctx().set_cursor_icon(cursor);
+        }
+        let left = self.hand.selected.1 + SHOWN_AFTER_SELECTION - ui.input(|input| input.time);
+        if self.hand.markers && (response.contains_pointer() || held.is_some() || left > 0.0) {
+            let grip = match held {
+                Some(Motion::Move(object, None)) => Some(Grip::Object(object)),
+                Some(Motion::Move(object, Some(axis))) => Some(Grip::Arrow(object, axis)),
+                Some(Motion::Resize(id)) => Some(Grip::Radius(id)),
+                Some(_) => None,
+                None => grip,
+            };
+            let view = self.scene_view();
+            markers::draw(&ui.painter_at(view.area), &view, grip);
+            if left > 0.0 {
+                ui.ctx().request_repaint_after(std::time::Duration::from_secs_f64(left));
+            }
+        }
+    }
+
+    /// Begins a gesture with a button or with the wheel.
+    fn begin_by_mouse(&mut self, ui: &Ui, response: &Response) {
+        let buttons = [PointerButton::Primary, PointerButton::Middle, PointerButton::Secondary];
+        let started = buttons.into_iter().find(|button| response.drag_started_by(*button));
+        let (origin, modifiers) = ui.input(|input| (input.pointer.press_origin(), input.modifiers));
+        if let (Some(button), Some(at)) = (started, origin.or(response.interact_pointer_pos())) {
+            let grip = self.scene_view().grip_at(at, self.hand.markers);
+            if let Some(motion) = motion_of(button, modifiers, grip) {
+                let held = grip.filter(|_| matches!(motion, Motion::Move(..) | Motion::Resize(_)));
+                self.begin_gesture(motion, at, held, GestureEnd::Release(button));
+                self.go_on(ui);
+            }
+        }
+        if let Some(at) = response.hover_pos() {
+            let notches = ui.input(|input| input.events.iter().map(wheel_notches).sum::<i32>());
+            if notches != 0 {
+                self.pulse(ui, Motion::Dolly, at, [0.0, f64::from(notches) * NOTCH.ln()]);
+            }
+        }
+    }
+
+    /// Begins a gesture at a position of the screen. Nothing happens if the text of the scene cannot follow.
+    fn begin_gesture(&mut self, motion: Motion, at: Pos2, grip: Option<Grip>, end: GestureEnd) {
+        self.end_gesture();
+        if !self.scene_text_can_follow() {
+            return;
+        }
+        let selected = self.selected_object();
+        let view = self.scene_view();
+        let from = view.image_point(at);
+        let pivot = match grip {
+            Some(grip) => view.held_point(grip, at),
+            None => pivot(view.world, from, selected),
+        };
+        let gesture =
+            Gesture { motion, start: Arc::clone(view.world), pivot, travel: Travel { from, to: from, amount: [0.0; 2] } };
+        if let Motion::Move(object, _) = motion {
+            self.parameters.select(owner_of(object));
+        }
+        self.hand.gesture = Some((gesture, end));
+    }
+
+    /// A turn of the wheel or a key: goes on with its gesture, or begins it.
+    fn pulse(&mut self, ui: &Ui, motion: Motion, at: Pos2, amount: [f64; 2]) {
+        let now = ui.input(|input| input.time);
+        let goes_on = |(gesture, end): &(Gesture, GestureEnd)| gesture.motion == motion && matches!(end, GestureEnd::Pause(_));
+        if !self.hand.gesture.as_ref().is_some_and(goes_on) {
+            if self.hand.gesture.as_ref().is_some_and(|(_, end)| matches!(end, GestureEnd::Release(_))) {
+                // A button is held.
+                return;
+            }
+            self.begin_gesture(motion, at, None, GestureEnd::Pause(now));
+        }
+        let Some((gesture, end)) = &mut self.hand.gesture else { return };
+        *end = GestureEnd::Pause(now + PAUSE);
+        match motion {
+            Motion::Pan => gesture.travel.to = [0, 1].map(|axis| gesture.travel.to[axis] + amount[axis]),
+            Motion::Orbit | Motion::Dolly | Motion::FieldOfView | Motion::Move(..) | Motion::Resize(_) => {
+                gesture.travel.amount = [0, 1].map(|axis| gesture.travel.amount[axis] + amount[axis]);
+            }
+        }
+        self.show_gesture();
+        ui.ctx().request_repaint_after(std::time::Duration::from_secs_f64(PAUSE));
+    }
+
+    /// Goes on with the gesture, ends it, or cancels it.
+    fn go_on(&mut self, ui: &Ui) {
+        if ui.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Escape)) {
+            self.cancel_gesture();
+            return;
+        }
+        let (pointer, now) = ui.input(|input| (input.pointer.clone(), input.time));
+        let to = pointer.latest_pos().map(|at| (at, self.scene_view().image_point(at)));
+        let from = pointer.press_origin();
+        let area = self.pane.area();
+        let axis = axis_key(ui);
+        let Some((gesture, end)) = &mut self.hand.gesture else { return };
+        let ended = match *end {
+            GestureEnd::Release(button) => !pointer.button_down(button),
+            GestureEnd::Pause(until) => now >= until,
+        };
+        if let (GestureEnd::Release(_), Some((at, to)), Some(from)) = (*end, to, from) {
+            let before = (gesture.travel, gesture.motion);
+            let moved = at - from;
+            let turn = moved * TURN / area.size().min_elem().max(1.0);
+            gesture.travel.to = to;
+            gesture.travel.amount = match gesture.motion {
+                Motion::Dolly | Motion::FieldOfView => [0.0, f64::from(moved.y / FACTOR_POINTS)],
+                Motion::Orbit | Motion::Pan | Motion::Move(..) | Motion::Resize(_) => [-f64::from(turn.x), f64::from(turn.y)],
+            };
+            if let (Motion::Move(object, _), Some(axis)) = (gesture.motion, axis) {
+                gesture.motion = Motion::Move(object, Some(axis));
+            }
+            if (gesture.travel, gesture.motion) != before {
+                self.show_gesture();
+            }
+        } else if let GestureEnd::Pause(until) = *end {
+            ui.ctx().request_repaint_after(std::time::Duration::from_secs_f64((until - now).max(0.0)));
+        }
+        if ended {
+            self.end_gesture();
+        }
+    }
+
+    /// Shows the scene as the gesture has it now.
+    fn show_gesture(&mut self) {
+        let Some((gesture, _)) = &self.hand.gesture else { return };
+        if self.workshop.moving().is_none() && !Arc::ptr_eq(&gesture.start, self.workshop.world()) {
+            // Another scene was opened meanwhile.
+            self.hand.gesture = None;
+            return;
+        }
+        // A scene that cannot be is not shown; the one before stays.
+        if let Some(scene) = gesture.moved() {
+            self.workshop.show_moving(&gesture.what(), scene);
+        }
+    }
+
+    /// Ends the gesture. The text of the scene follows.
+    pub(super) fn end_gesture(&mut self) {
+        let Some((gesture, _)) = self.hand.gesture.take() else { return };
+        // Whoever opened another scene meanwhile has ended the movement.
+        if self.workshop.moving().is_none() {
+            return;
+        }
+        match gesture.change() {
+            Some(change) => self.change_scene(&change, gesture.precision()),
+            None => self.workshop.put_back(),
+        }
+    }
+
+    /// Ends the gesture. The scene is as it was before.
+    pub(super) fn cancel_gesture(&mut self) {
+        if self.hand.gesture.take().is_some() {
+            self.workshop.put_back();
+        }
+    }
+}
+
+/// How far a wheel event turns, unless it zooms the picture. 1 is one notch away from the user.
+fn wheel_notches(event: &egui::Event) -> i32 {
+    let egui::Event::MouseWheel { delta, modifiers, .. } = event else { return 0 };
+    if modifiers.ctrl { 0 } else { i32::from(delta.y > 0.0) - i32::from(delta.y < 0.0) }
+}

@@ -1,0 +1,223 @@
+//! A gesture: something in the scene follows the pointer, the wheel or keys, from a start to an end.
+//!
+//! The scene of a gesture is always computed from the scene at its start, so it does not depend on the number of steps.
+
+use crate::scene::edit::{Precision, SceneChange, SceneObject};
+use crate::scene::{BodyId, Camera, Scene, ViewSide};
+use crate::world::{Ray, World};
+use glam::DVec3;
+use std::sync::Arc;
+
+/// What a gesture moves.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::preview::app) enum Motion {
+    /// The camera, about the pivot.
+    Orbit,
+    /// The camera, parallel to the picture.
+    Pan,
+    /// The camera, towards the pivot.
+    Dolly,
+    /// The field of view.
+    FieldOfView,
+    /// A body or a light, parallel to the picture; or along an axis of the scene.
+    Move(SceneObject, Option<SceneAxis>),
+    /// The radius of a body.
+    Resize(BodyId),
+}
+
+/// An axis of the scene.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::preview::app) enum SceneAxis {
+    X,
+    Y,
+    Z,
+}
+
+impl SceneAxis {
+    pub(in crate::preview::app) const ALL: [SceneAxis; 3] = [SceneAxis::X, SceneAxis::Y, SceneAxis::Z];
+
+    /// Its direction, of unit length.
+    pub(in crate::preview::app) fn direction(self) -> DVec3 {
+        match self {
+            SceneAxis::X => DVec3::X,
+            SceneAxis::Y => DVec3::Y,
+            SceneAxis::Z => DVec3::Z,
+        }
+    }
+
+    pub(in crate::preview::app) fn name(self) -> &'static str {
+        match self {
+            SceneAxis::X => "x",
+            SceneAxis::Y => "y",
+            SceneAxis::Z => "z",
+        }
+    }
+}
+
+/// How far a gesture has gone.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(in crate::preview::app) struct Travel {
+    /// From where to where the pointer went, in the image plane of the camera.
+    pub(in crate::preview::app) from: [f64; 2],
+    pub(in crate::preview::app) to: [f64; 2],
+    /// Turn and climb of an orbit in radians, or 0 and the logarithm of a factor.
+    pub(in crate::preview::app) amount: [f64; 2],
+}
+
+/// A gesture in progress.
+#[derive(Debug, Clone)]
+pub(in crate::preview::app) struct Gesture {
+    pub(in crate::preview::app) motion: Motion,
+    /// The world at the start.
+    pub(in crate::preview::app) start: Arc<World>,
+    /// The point that the gesture is about: it was under the pointer at the start.
+    pub(in crate::preview::app) pivot: DVec3,
+    pub(in crate::preview::app) travel: Travel,
+}
+
+impl Gesture {
+    fn scene(&self) -> &Scene {
+        self.start.scene()
+    }
+
+    /// What is moved, for the log.
+    pub(in crate::preview::app) fn what(&self) -> String {
+        match self.motion {
+            Motion::Orbit | Motion::Pan | Motion::Dolly | Motion::FieldOfView => "the camera".to_owned(),
+            Motion::Move(SceneObject::Body(id), _) | Motion::Resize(id) => self.scene().body(id).name.clone(),
+            Motion::Move(SceneObject::Light(id), _) => self.scene().light(id).name.clone(),
+        }
+    }
+
+    /// How exactly the text is written: in steps that the picture shows.
+    pub(in crate::preview::app) fn precision(&self) -> Precision {
+        Precision::for_size(self.scene().camera.position().distance(self.pivot))
+    }
+
+    /// The change of the scene so far; `None` if the scene cannot be like that.
+    pub(in crate::preview::app) fn change(&self) -> Option<SceneChange> {
+        let (camera, Travel { from, to, amount: [turn, climb] }) = (&self.scene().camera, self.travel);
+        let depth = camera.depth_of(self.pivot);
+        let led = |camera: Option<Camera>| camera.map(SceneChange::Camera);
+        match self.motion {
+            Motion::Orbit => led(camera.orbited(self.pivot, turn, climb)),
+            Motion::Pan => led(camera.panned(depth, from, to)),
+            Motion::Dolly => led(camera.dollied(self.pivot, climb.exp())),
+            Motion::FieldOfView => led(camera.widened(climb.exp())),
+            Motion::Move(object, axis) => {
+                let by = match axis {
+                    None => camera.point_at(to, depth) - camera.point_at(from, depth),
+                    Some(axis) => self.along(axis.direction(), to)? - self.along(axis.direction(), from)?,
+                };
+                let by = self.precision().round(by);
+                match object {
+                    SceneObject::Body(id) => Some(SceneChange::Shape(id, self.scene().body(id).shape.moved(by)?)),
+                    SceneObject::Light(id) => Some(SceneChange::Light(id, self.scene().light(id).kind.moved(by)?)),
+                }
+            }
+            Motion::Resize(id) => {
+                let shape = &self.scene().body(id).shape;
+                let anchor = shape.anchor()?;
+                let depth = camera.depth_of(anchor);
+                let [before, after] = [from, to].map(|point| camera.point_at(point, depth).distance(anchor));
+                Some(SceneChange::Shape(id, shape.scaled(after / before)?))
+            }
+        }
+    }
+
+    /// The point of the line through the pivot along an axis that is nearest to what is seen at a point of the image
+    /// plane. `None` if the line leads almost into the picture.
+    fn along(&self, axis: DVec3, [x, y]: [f64; 2]) -> Option<DVec3> {
+        let camera = &self.scene().camera;
+        let (ray, offset) = (camera.direction(x, y), camera.position() - self.pivot);
+        let cosine = ray.dot(axis);
+        let slant = 1.0 - cosine * cosine;
+        // Closest points of two lines.
+        let along = (offset.dot(axis) - cosine * offset.dot(ray)) / slant;
+        (slant > 1e-3).then_some(self.pivot + along * axis)
+    }
+
+    /// The scene with the change so far; `None` if it cannot be like that.
+    pub(in crate::preview::app) fn moved(&self) -> Option<Scene> {
+        let mut scene = self.scene().clone();
+        match self.change()? {
+            SceneChange::Camera(camera) => scene.camera = camera,
+            SceneChange::Shape(id, shape) => scene.bodies.get_mut(id.index())?.shape = shape,
+            SceneChange::Light(id, kind) => scene.lights.get_mut(id.index())?.kind = kind,
+            SceneChange::AddBody(..) | SceneChange::AddLight(..) | SceneChange::Duplicate(..) | SceneChange::Remove(_) => {
+                return None;
+            }
+        }
+        Some(scene)
+    }
+}
+
+/// The point that is seen at a point of the image plane.
+pub(in crate::preview::app) fn seen_at(world: &World, [x, y]: [f64; 2]) -> Option<(BodyId, DVec3)> {
+    let camera = &world.scene().camera;
+    let ray = Ray { origin: camera.position(), direction: camera.direction(x, y), leaves: None };
+    world.nearest(&ray).map(|met| (met.body, ray.at(met.distance)))
+}
+
+/// The point that a motion of the camera is about: what is seen at a point of the image plane; otherwise the selected
+/// thing, otherwise a point there as far away as the middle of the scene.
+pub(in crate::preview::app) fn pivot(world: &World, at: [f64; 2], selected: Option<SceneObject>) -> DVec3 {
+    let camera = &world.scene().camera;
+    if let Some((_, point)) = seen_at(world, at) {
+        return point;
+    }
+    let selected = selected.and_then(|object| anchor(world.scene(), object)).filter(|point| camera.depth_of(*point) > 0.0);
+    selected.unwrap_or_else(|| camera.point_at(at, distance(world)))
+}
+
+/// How far away the scene is, in world units, greater than 0.
+pub(in crate::preview::app) fn distance(world: &World) -> f64 {
+    let camera = &world.scene().camera;
+    if let Some((_, point)) = seen_at(world, [0.0, 0.0]) {
+        return camera.depth_of(point);
+    }
+    let anchors = world.scene().body_ids().filter_map(|id| world.scene().body(id).shape.anchor());
+    let depths = anchors.map(|anchor| camera.depth_of(anchor)).filter(|depth| *depth > 0.0);
+    depths.reduce(f64::min).unwrap_or(1.0)
+}
+
+/// The point that stands for a body or light.
+pub(in crate::preview::app) fn anchor(scene: &Scene, object: SceneObject) -> Option<DVec3> {
+    match object {
+        SceneObject::Body(id) => scene.bodies.get(id.index())?.shape.anchor(),
+        SceneObject::Light(id) => scene.lights.get(id.index())?.kind.anchor(),
+    }
+}
+
+/// The camera that views the scene from a side: about the selected thing, or about what is in the middle.
+pub(in crate::preview::app) fn from_side(world: &World, side: ViewSide, selected: Option<SceneObject>) -> Option<Camera> {
+    let selected = selected.and_then(|object| anchor(world.scene(), object));
+    world.scene().camera.from_side(side, selected.unwrap_or_else(|| pivot(world, [0.0, 0.0], None)))
+}
+
+/// The camera that sees a body, a light or, without one, the whole scene as large as possible.
+pub(in crate::preview::app) fn framing(world: &World, object: Option<SceneObject>, aspect: f64) -> Option<Camera> {
+    let camera = &world.scene().camera;
+    match object {
+        Some(SceneObject::Body(id)) => {
+            let bounds = world.bounds(id);
+            camera.framing(bounds.low, bounds.high, aspect)
+        }
+        Some(light @ SceneObject::Light(_)) => {
+            // A light has no size. The scene stays as far away as it is.
+            let anchor = anchor(world.scene(), light)?;
+            let [.., forward] = camera.axes();
+            Camera::new(anchor - distance(world) * forward, camera.gaze(), camera.up(), camera.fov()).ok()
+        }
+        None => {
+            // Without floors and walls, which are far larger than what stands on them.
+            let bounds: Vec<_> = world.scene().body_ids().map(|id| world.bounds(id)).collect();
+            let mut sizes: Vec<f64> = bounds.iter().map(crate::world::Bounds::diagonal).collect();
+            sizes.sort_by(f64::total_cmp);
+            let usual = sizes.get(sizes.len().saturating_sub(1) / 2).copied()?;
+            let fitting = bounds.iter().filter(|bounds| bounds.diagonal() <= 8.0 * usual);
+            let whole = fitting.copied().reduce(crate::world::Bounds::union)?;
+            camera.framing(whole.low, whole.high, aspect)
+        }
+    }
+}

@@ -1,0 +1,57 @@
+//! The menu of the scene: what can be done with the selected body or light, what can be added, and views.
+
+use crate::lang::display_text::one_line;
+use crate::preview::app::action::shortcut_of;
+use crate::preview::app::scene_actions::{SceneAction, side_name};
+use crate::preview::app::{Action, App};
+use crate::scene::{LightKind, Shape, ViewSide};
+use egui::{Button, Ui};
+
+/// The menu of the scene, also for a right click into the picture.
+pub(super) fn entries(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
+    let act = |ui: &mut Ui, enabled: bool, name: &str, action: SceneAction, actions: &mut Vec<Action>| {
+        let action = Action::Scene(action);
+        let button = Button::new(one_line(name)).shortcut_text(shortcut_of(&action, ui));
+        if ui.add_enabled(enabled, button).clicked() {
+            actions.push(action);
+            ui.close();
+        }
+    };
+    let selected = app.selected_object();
+    let name = selected.map_or_else(|| "the selected".to_owned(), |object| app.name_of(object));
+    act(ui, selected.is_some(), &format!("Frame {name}"), SceneAction::Frame, actions);
+    act(ui, selected.is_some(), &format!("Duplicate {name}"), SceneAction::Duplicate, actions);
+    act(ui, selected.is_some(), &format!("Remove {name}"), SceneAction::Remove, actions);
+    ui.separator();
+    ui.menu_button("Add body", |ui| {
+        for shape in Shape::SYNTAX {
+            act(ui, true, &capitalised(shape.keyword.word), SceneAction::AddBody(shape.keyword.word), actions);
+        }
+    });
+    ui.menu_button("Add light", |ui| {
+        for kind in LightKind::SYNTAX {
+            act(ui, true, &capitalised(kind.keyword.word), SceneAction::AddLight(kind.keyword.word), actions);
+        }
+    });
+    ui.separator();
+    act(ui, true, "Frame everything", SceneAction::FrameAll, actions);
+    ui.menu_button("View from", |ui| {
+        for side in ViewSide::ALL {
+            act(ui, true, side_name(side), SceneAction::View(side), actions);
+        }
+    });
+    act(ui, true, "Reset camera", SceneAction::ResetCamera, actions);
+    ui.separator();
+    let action = Action::Scene(SceneAction::ToggleMarkers);
+    let button = Button::selectable(app.hand.markers, "Markers in the picture").shortcut_text(shortcut_of(&action, ui));
+    if ui.add(button).clicked() {
+        actions.push(action);
+        ui.close();
+    }
+}
+
+/// A word with a capital letter.
+fn capitalised(word: &str) -> String {
+    let mut letters = word.chars();
+    letters.next().map(|first| first.to_uppercase().chain(letters).collect()).unwrap_or_default()
+}

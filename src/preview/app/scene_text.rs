@@ -1,0 +1,277 @@
+//! The text of the scene follows what is moved, added and removed in the picture and in menus; one step of undo each.
+
+use crate::lang::variables::Owner;
+use crate::preview::app::hand::gesture::{distance, framing, from_side, pivot};
+use crate::preview::app::hand::owner_of;
+use crate::preview::app::notices::{Notice, Topic};
+use crate::preview::app::tab::TextTab;
+use crate::preview::app::{App, SceneAction};
+use crate::scene::edit::{EditRefusal, Precision, SceneChange, SceneObject, edit, unused_name};
+use crate::scene::{Camera, LightKind, Scene, Shape, Syntax};
+
+/// Steps of undo that are steps of the scene's text, in order with the changes of values.
+#[derive(Debug, Default)]
+pub(super) struct SceneSteps {
+    /// How many changes of values were made and not undone before each step.
+    done: Vec<u64>,
+    /// The same of undone steps, and how many changes of values were made at all.
+    undone: Vec<[u64; 2]>,
+}
+
+impl SceneSteps {
+    /// Notes a step.
+    fn note(&mut self, [position, _]: [u64; 2]) {
+        self.done.push(position);
+        self.undone.clear();
+    }
+
+    /// Whether there is a step to undo, and one to redo, before any change of a value.
+    pub(super) fn comes_next(&self, [position, changes]: [u64; 2]) -> [bool; 2] {
+        let undo = self.done.last().is_some_and(|at| *at >= position);
+        let redo = self.undone.last().is_some_and(|[at, then]| *at <= position && *then == changes);
+        [undo, redo]
+    }
+}
+
+impl App {
+    /// Makes a change of the scene in its text, and applies it. If the text has errors, nothing changes.
+    pub(super) fn change_scene(&mut self, change: &SceneChange, precision: Precision) {
+        match edit(&self.documents.scene.source(), change, precision) {
+            Ok(done) => {
+                self.notices.clear(Topic::SceneText);
+                if self.documents.scene.take_text_by_hand(&done.text) {
+                    self.scene_steps.note(self.workshop.history_position());
+                    self.follow_scene_text();
+                } else {
+                    self.workshop.put_back();
+                }
+            }
+            Err(refusal) => {
+                self.workshop.put_back();
+                self.refuse_change(&refusal.to_string());
+            }
+        }
+    }
+
+    fn refuse_change(&mut self, reason: &str) {
+        let title = "The scene was not changed: its text cannot follow";
+        self.notify(Notice::warning(Topic::SceneText, title, reason));
+    }
+
+    /// Whether the text of the scene has no errors, so it can follow a gesture. If it is another one than that of the
+    /// picture, it is applied.
+    pub(super) fn scene_text_can_follow(&mut self) -> bool {
+        let source = self.documents.scene.source();
+        match Scene::parse(&source) {
+            Ok((scene, _)) => {
+                if scene != **self.workshop.scene() {
+                    self.follow_scene_text();
+                    self.log.add(format!("{}: applied, because the scene is moved", self.documents.scene.name()));
+                }
+                true
+            }
+            Err(errors) => {
+                let first = errors.iter().next().map(|error| error.message().to_owned());
+                self.refuse_change(&EditRefusal::Errors(first.unwrap_or_default()).to_string());
+                false
+            }
+        }
+    }
+
+    /// Applies the text of the scene, if it has no errors. The selected body or light stays selected.
+    pub(super) fn follow_scene_text(&mut self) {
+        let owners = |app: &Self| app.workshop.values().table().owners().clone();
+        let selected = owners(self).name(self.parameters.selected()).map(str::to_owned);
+        let document = &mut self.documents.scene;
+        document.check();
+        let applied = self.workshop.apply_scene(&document.source()).is_ok();
+        if applied {
+            document.note_applied(true);
+        }
+        if applied && let Some(name) = selected {
+            let owner = owners(self).named(&name).unwrap_or(crate::workspace::OwnerId::Global);
+            if owner != self.parameters.selected() {
+                self.parameters.select(owner);
+            }
+        }
+    }
+
+    /// Undoes or redoes the last step: of the scene or of a value, whichever is next.
+    pub(super) fn move_in_history(&mut self, forwards: bool) {
+        self.cancel_gesture();
+        let position = self.workshop.history_position();
+        if self.scene_steps.comes_next(position)[usize::from(forwards)] {
+            if self.documents.scene.move_by_hand(forwards) {
+                if forwards {
+                    self.scene_steps.done.extend(self.scene_steps.undone.pop().map(|[at, _]| at));
+                } else {
+                    let undone = self.scene_steps.done.pop().map(|at| [at, position[1]]);
+                    self.scene_steps.undone.extend(undone);
+                }
+                self.documents.scene.take_by_hand_moved();
+                self.follow_scene_text();
+                return;
+            }
+            // The text was edited since: its own history knows what to undo.
+            self.scene_steps = SceneSteps::default();
+        }
+        let _ = if forwards { self.workshop.redo() } else { self.workshop.undo() };
+    }
+
+    /// Performs an action on the scene.
+    pub(super) fn perform_on_scene(&mut self, action: &SceneAction) {
+        self.end_gesture();
+        if *action == SceneAction::ToggleMarkers {
+            self.hand.markers = !self.hand.markers;
+            return;
+        }
+        if !self.scene_text_can_follow() {
+            return;
+        }
+        let selected = self.selected_object();
+        let [width, height] = self.workshop.size().map(f64::from);
+        let (world, aspect) = (self.workshop.world().clone(), width / height);
+        match action {
+            SceneAction::Frame => self.lead_camera(framing(&world, selected, aspect)),
+            SceneAction::FrameAll => self.lead_camera(framing(&world, None, aspect)),
+            SceneAction::View(side) => self.lead_camera(from_side(&world, *side, selected)),
+            SceneAction::ResetCamera => match Scene::parse(&self.documents.scene.saved_source()) {
+                Ok((saved, _)) => self.lead_camera(Some(saved.camera)),
+                Err(_) => self.refuse_change("the saved text has errors, so it has no camera"),
+            },
+            SceneAction::AddBody(keyword) => self.add_body(keyword),
+            SceneAction::AddLight(keyword) => self.add_light(keyword),
+            SceneAction::Duplicate => selected.into_iter().for_each(|object| self.duplicate(object)),
+            SceneAction::Remove => {
+                selected.into_iter().for_each(|object| self.change_scene(&SceneChange::Remove(object), Precision::Exact));
+            }
+            SceneAction::ToggleMarkers => {}
+        }
+    }
+
+    fn lead_camera(&mut self, camera: Option<Camera>) {
+        let Some(camera) = camera else { return };
+        if camera != self.workshop.scene().camera {
+            self.change_scene(&SceneChange::Camera(camera), Precision::for_size(self.view_distance()));
+        }
+    }
+
+    /// How far away the scene is, in world units.
+    fn view_distance(&self) -> f64 {
+        distance(self.workshop.world())
+    }
+
+    /// Adds a body where the camera looks, as high as a fifth of the picture.
+    fn add_body(&mut self, keyword: &str) {
+        let Some(shape) = example(Shape::SYNTAX, keyword, |text| Some(scene_with(text, "")?.bodies.into_iter().next()?.shape))
+        else {
+            return;
+        };
+        let (camera, distance) = (&self.workshop.scene().camera, self.view_distance());
+        let size = 0.2 * distance * (camera.fov().to_radians() / 2.0).tan();
+        let bounds = scene_of(&shape).map(|scene| crate::world::World::new(scene).bounds(crate::scene::BodyId(0)));
+        let wanted = bounds.and_then(|bounds| shape.scaled(2.0 * size / (bounds.high - bounds.low).max_element()));
+        let shape = wanted.unwrap_or(shape);
+        // On what is in the middle of the picture.
+        let at = pivot(self.workshop.world(), [0.0, 0.0], None) + size * camera.upright();
+        let precision = Precision::for_size(distance);
+        let Some(shape) = shape.anchor().and_then(|anchor| shape.moved(precision.round(at - anchor))) else { return };
+        let name = unused_name(self.workshop.scene(), keyword);
+        self.add(SceneChange::AddBody(name.clone(), shape), precision, &name, Owner::Body);
+    }
+
+    /// Adds a light above the camera's left shoulder.
+    fn add_light(&mut self, keyword: &str) {
+        let Some(kind) = example(LightKind::SYNTAX, keyword, |text| Some(scene_with("", text)?.lights.into_iter().next()?.kind))
+        else {
+            return;
+        };
+        let (camera, distance) = (&self.workshop.scene().camera, self.view_distance());
+        let [right, _, forward] = camera.axes();
+        let middle = pivot(self.workshop.world(), [0.0, 0.0], None);
+        let at = middle + distance * (0.5 * camera.upright() - 0.3 * right - 0.3 * forward);
+        let precision = Precision::for_size(distance);
+        let moved = kind.anchor().and_then(|anchor| kind.moved(precision.round(at - anchor)));
+        let name = unused_name(self.workshop.scene(), "light");
+        self.add(SceneChange::AddLight(name.clone(), moved.unwrap_or(kind)), precision, &name, Owner::Light);
+    }
+
+    /// Adds something, with default values, and selects it.
+    fn add(&mut self, change: SceneChange, precision: Precision, name: &str, kind: Owner) {
+        self.workshop.forget_values(kind, name);
+        self.change_scene(&change, precision);
+        self.select_named(name);
+    }
+
+    /// Adds a copy of a body or light beside it, with the same values, and selects it.
+    fn duplicate(&mut self, object: SceneObject) {
+        let (scene, world) = (self.workshop.scene().clone(), self.workshop.world().clone());
+        let [right, ..] = scene.camera.axes();
+        let (name, size) = match object {
+            SceneObject::Body(id) if id.index() < scene.bodies.len() => {
+                let bounds = world.bounds(id);
+                // As wide as it is across the picture, with a gap. What is far larger than the picture moves little.
+                let wide = (bounds.high - bounds.low).dot(right.abs());
+                (&scene.body(id).name, (1.1 * wide).min(0.5 * self.view_distance()))
+            }
+            SceneObject::Light(id) if id.index() < scene.lights.len() => (&scene.light(id).name, 0.1 * self.view_distance()),
+            SceneObject::Body(_) | SceneObject::Light(_) => return,
+        };
+        let name_of_copy = unused_name(&scene, name);
+        self.workshop.forget_values(owner_of(object).kind(), &name_of_copy);
+        let precision = Precision::for_size(self.view_distance());
+        self.change_scene(&SceneChange::Duplicate(object, name_of_copy.clone(), size * right), precision);
+        let owners = self.workshop.values().table().owners();
+        if let (Some(from), Some(to)) = (owners.named(name), owners.named(&name_of_copy)) {
+            self.workshop.copy_values(from, to);
+            self.parameters.select(to);
+        }
+    }
+
+    fn select_named(&mut self, name: &str) {
+        if let Some(owner) = self.workshop.values().table().owners().named(name) {
+            self.parameters.select(owner);
+        }
+    }
+
+    /// Makes the picture follow, if a step of the scene's text was undone or redone in the editor.
+    pub(super) fn follow_editor_undo(&mut self) {
+        if self.documents.scene.take_by_hand_moved() {
+            self.follow_scene_text();
+            if self.tab == TextTab::Scene {
+                self.notices.clear(Topic::SceneText);
+            }
+        }
+    }
+
+    /// The selected body or light, for menus.
+    pub(super) fn name_of(&self, object: SceneObject) -> String {
+        self.workshop.values().table().owners().name(owner_of(object)).unwrap_or_default().to_owned()
+    }
+
+    /// What the change is of that would be undone, and of that which would be redone; `None` if there is none.
+    pub(super) fn undo_and_redo_names(&self) -> [Option<String>; 2] {
+        let [undo, redo] = self.scene_steps.comes_next(self.workshop.history_position());
+        let [value, next_value] = self.workshop.undo_and_redo_names();
+        let scene = || Some("the scene".to_owned());
+        [if undo { scene() } else { value }, if redo { scene() } else { next_value }]
+    }
+}
+
+/// A kind's example.
+fn example<T>(kinds: &'static [Syntax<T>], keyword: &str, read: impl Fn(&str) -> Option<T>) -> Option<T> {
+    kinds.iter().find(|kind| kind.keyword.word == keyword).and_then(|kind| read(kind.example))
+}
+
+/// A scene with a body and a light of these texts.
+fn scene_with(body: &str, light: &str) -> Option<Scene> {
+    let declared = |text: &str| if text.is_empty() { String::new() } else { format!("new: {text};") };
+    let camera = "camera; position <0, 0, 9>; gaze <0, 0, -1>; up <0, 1, 0>; fov 45;";
+    let text = format!("bodies; {} lights; {} {camera}", declared(body), declared(light));
+    Scene::parse(&crate::lang::source::Source::new("example", text)).ok().map(|(scene, _)| scene)
+}
+
+/// A scene with a body of this shape.
+fn scene_of(shape: &Shape) -> Option<Scene> {
+    scene_with(&shape.to_string(), "")
+}

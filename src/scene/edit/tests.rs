@@ -1,0 +1,216 @@
+//! Edits of texts: what is changed, and what stays.
+
+use super::*;
+use proptest::prelude::*;
+
+const CAMERA: &str = "camera; position <0, 1, 5>; gaze <0, 0, -1>; up <0, 1, 0>; fov 45;";
+
+fn scene_of(text: &str) -> Scene {
+    Scene::parse(&Source::new("scene", text)).unwrap_or_else(|errors| panic!("{text}\n{errors:?}")).0
+}
+
+fn edited(text: &str, change: &SceneChange, precision: Precision) -> SceneEdit {
+    let done = edit(&Source::new("scene", text), change, precision).unwrap();
+    assert_eq!(done.scene, scene_of(&done.text));
+    assert_eq!(applied(text, &done.replacements), done.text);
+    done
+}
+
+fn sphere(text: &str, id: u32) -> Shape {
+    scene_of(text).body(BodyId(id)).shape.clone()
+}
+
+#[test]
+fn only_the_numbers_that_change_are_written_again() {
+    let text = "bodies; /* two */\n ball:  sphere, center <-0.5 /* left */, 1.250, +0>, radius 1.25, opaque; // round\n"
+        .replace('+', "")
+        + "lights; key: point, <1,2,  -3>;\n"
+        + CAMERA;
+    let by = DVec3::new(0.25, 0.0, 0.125);
+    let moved = sphere(&text, 0).moved(by).unwrap();
+    let done = edited(&text, &SceneChange::Shape(BodyId(0), moved), Precision::Decimals(2));
+    assert_eq!(done.text, text.replace("-0.5 /*", "-0.25 /*").replace("1.250, 0>", "1.250, 0.12>"));
+    let light = scene_of(&text).lights[0].kind.moved(DVec3::new(0.0, 0.0, 4.0)).unwrap();
+    let done = edited(&text, &SceneChange::Light(LightId(0), light), Precision::Decimals(2));
+    assert_eq!(done.text, text.replace("  -3>", "  1>"));
+    let larger = sphere(&text, 0).scaled(1.1).unwrap();
+    let done = edited(&text, &SceneChange::Shape(BodyId(0), larger), Precision::Decimals(2));
+    assert_eq!(done.text, text.replace("radius 1.25", "radius 1.38"), "1.375, to the decimals of the text");
+}
+
+#[test]
+fn numbers_keep_the_decimals_that_a_person_wrote() {
+    let text = format!("bodies; b: rectangle, <0.125, 0, 0>, <0.125, 1, 0>, <1.125, 1, 0>; lights; {CAMERA}");
+    let moved = sphere(&text, 0).moved(Precision::Decimals(1).round(DVec3::new(0.12345, 0.0, 0.26))).unwrap();
+    let done = edited(&text, &SceneChange::Shape(BodyId(0), moved), Precision::Decimals(1));
+    assert!(done.text.contains("<0.225, 0, 0.3>, <0.225, 1, 0.3>, <1.225, 1, 0.3>"), "{}", done.text);
+    // Large scenes have large steps.
+    let text = format!("bodies; b: sphere, center <1e6, 0, 0>, radius 25000; lights; {CAMERA}");
+    let moved = sphere(&text, 0).moved(DVec3::new(123_456.0, 7.0, -987_654.0)).unwrap();
+    let done = edited(&text, &SceneChange::Shape(BodyId(0), moved), Precision::for_size(2e6));
+    assert!(done.text.contains("center <1123000, 0, -988000>, radius 25000"), "{}", done.text);
+    // A radius that would vanish is written exactly.
+    let small = sphere(&text, 0).scaled(1e-9).unwrap();
+    let done = edited(&text, &SceneChange::Shape(BodyId(0), small.clone()), Precision::for_size(2e6));
+    assert_eq!(done.scene.body(BodyId(0)).shape, small);
+}
+
+#[test]
+fn the_camera_is_written_in_place_with_few_digits() {
+    let text = "bodies;\nlights;\ncamera; // seen from here\n\tposition <0.2, 2.1, 8>; gaze <0, -0.15,\n -1>; up <0,1,0>; fov 29; // deg";
+    let camera = scene_of(text).camera;
+    let orbited = camera.orbited(DVec3::ZERO, 0.3, 0.1).unwrap();
+    let done = edited(text, &SceneChange::Camera(orbited.clone()), Precision::for_size(8.0));
+    assert_eq!(
+        done.text,
+        // By Rodrigues' formula, twice.
+        "bodies;\nlights;\ncamera; // seen from here\n\tposition <2.481, 2.888, 7.345>; gaze <-0.2896, -0.2491,\n -0.9363>; \
+         up <0,1,0>; fov 29; // deg"
+    );
+    let wide = edited(text, &SceneChange::Camera(camera.widened(1.1).unwrap()), Precision::for_size(8.0));
+    assert_eq!(wide.text, text.replace("fov 29", "fov 31.76"));
+    let exact = edited(text, &SceneChange::Camera(orbited.clone()), Precision::Exact);
+    assert_eq!(exact.scene.camera, orbited);
+}
+
+#[test]
+fn declarations_are_added_where_they_belong() {
+    let ball = scene_of(&format!("bodies; b: sphere, center <0.12345, 0, 0>, radius 1; lights; {CAMERA}"));
+    let (shape, light) = (ball.body(BodyId(0)).shape.clone(), LightKind::SYNTAX[0].example);
+    let light = scene_of(&format!("bodies; lights; l: {light}; {CAMERA}")).lights[0].kind.clone();
+    let add = |text: &str| {
+        let body = edited(text, &SceneChange::AddBody("new".to_owned(), shape.clone()), Precision::Decimals(2));
+        edited(&body.text, &SceneChange::AddLight("lamp".to_owned(), light.clone()), Precision::Decimals(2)).text
+    };
+    let (new, lamp) = ("new: sphere, center <0.12, 0, 0>, radius 1;", format!("lamp: {light};"));
+    // Each declaration on a line, with comments, and with either line end.
+    for end in ["\n", "\r\n", "\r"] {
+        let text = ["bodies;", "  a: sphere, center <0,0,0>, radius 1; // one", "  // end", "lights;", "", CAMERA].join(end);
+        let expected =
+            ["bodies;", "  a: sphere, center <0,0,0>, radius 1; // one", &format!("  {new}"), "  // end", "lights;"].join(end);
+        assert_eq!(add(&text), [expected, format!("  {lamp}"), String::new(), CAMERA.to_owned()].join(end));
+    }
+    // Several in a line.
+    let text = format!("bodies; a: sphere, center <0,0,0>, radius 1; lights; {CAMERA}");
+    assert_eq!(add(&text), format!("bodies; a: sphere, center <0,0,0>, radius 1; {new} lights; {lamp} {CAMERA}"));
+    let text = format!("bodies;\na: sphere, center <0,0,0>, radius 1; b: sphere, center <9,0,0>, radius 1;\nlights; {CAMERA}");
+    assert!(add(&text).contains(&format!("radius 1; {new}\nlights;")), "{}", add(&text));
+    // A comment of several lines behind the last one.
+    let text = format!("bodies;\n a: sphere, center <0,0,0>, radius 1; /* from here\n to here */\nlights;\n{CAMERA}");
+    assert!(add(&text).contains(&format!("radius 1;\n {new} /* from here\n to here */\nlights;\n {lamp}\n")), "{}", add(&text));
+}
+
+#[test]
+fn a_copy_has_everything_of_the_original_but_its_name_and_place() {
+    let text = format!(
+        "bodies;\n  ball1: sphere, center <1, /* x */ 2, 3>, radius .5, refractive_index 1.5, matte; // glass\nlights;\n  key: point, <1, 2, 3>;\n{CAMERA}"
+    );
+    let name = unused_name(&scene_of(&text), "ball1");
+    assert_eq!(name, "ball");
+    let copy = SceneChange::Duplicate(SceneObject::Body(BodyId(0)), name, DVec3::new(1.00001, 0.0, 0.0));
+    let done = edited(&text, &copy, Precision::Decimals(2));
+    let line = "\n  ball: sphere, center <2, /* x */ 2, 3>, radius .5, refractive_index 1.5, matte;";
+    assert_eq!(done.text, text.replace("// glass", &format!("// glass{line}")));
+    let copy = SceneChange::Duplicate(SceneObject::Light(LightId(0)), "key2".to_owned(), DVec3::X);
+    let done = edited(&text, &copy, Precision::Decimals(2));
+    assert_eq!(done.text, text.replace("<1, 2, 3>;\n", "<1, 2, 3>;\n  key2: point, <2, 2, 3>;\n"));
+    assert_eq!(unused_name(&done.scene, "key2"), "key3");
+    assert_eq!(unused_name(&done.scene, "lamp"), "lamp");
+}
+
+#[test]
+fn what_is_removed_takes_its_line_and_its_comment() {
+    let sphere = |name: &str| format!("{name}: sphere, center <0,0,0>, radius 1;");
+    let [a, b, c] = ["a", "b", "c"].map(sphere);
+    let remove = |text: &str, id| edited(text, &SceneChange::Remove(SceneObject::Body(BodyId(id))), Precision::Exact).text;
+    for end in ["\n", "\r\n", "\r"] {
+        let lines = ["bodies;", &format!(" {a}"), &format!("\t{b} // bee"), "// sea", &c, "lights;", CAMERA];
+        let without = |line: usize| [&lines[..line], &lines[line + 1..]].concat().join(end);
+        let text = lines.join(end);
+        assert_eq!([0, 1, 2].map(|id| remove(&text, id)), [1, 2, 4].map(without));
+    }
+    let text = format!("bodies; {a} {b}  {c}\nlights; {CAMERA}");
+    assert_eq!(remove(&text, 0), format!("bodies; {b}  {c}\nlights; {CAMERA}"));
+    assert_eq!(remove(&text, 1), format!("bodies; {a} {c}\nlights; {CAMERA}"));
+    assert_eq!(remove(&text, 2), format!("bodies; {a} {b}\nlights; {CAMERA}"));
+    let text = format!("bodies;\n {a} /* not only\n of a */ {b}\nlights; k: point, <0,0,0>;{CAMERA}");
+    assert_eq!(remove(&text, 0), format!("bodies;\n /* not only\n of a */ {b}\nlights; k: point, <0,0,0>;{CAMERA}"));
+    let light = edited(&text, &SceneChange::Remove(SceneObject::Light(LightId(0))), Precision::Exact);
+    assert!(light.text.ends_with(&format!("lights; {CAMERA}")), "{}", light.text);
+}
+
+#[test]
+fn texts_with_errors_and_changes_that_would_make_some_are_refused() {
+    let camera = scene_of(&format!("bodies; lights; {CAMERA}")).camera;
+    let refused = |text: &str, change: &SceneChange| edit(&Source::new("scene", text), change, Precision::Exact).unwrap_err();
+    for broken in ["", "bodies; lights;", "bodies; lights; camera; position <0,0,0>; gaze <0,0,-1>; up <0,1,0>;"] {
+        let why = refused(broken, &SceneChange::Camera(camera.clone()));
+        assert!(matches!(why, EditRefusal::Errors(_)) && why.to_string().starts_with("the scene text has an error: "), "{why}");
+    }
+    let text = format!("bodies; a: sphere, center <0,0,0>, radius 1; lights; {CAMERA}");
+    assert_eq!(refused(&text, &SceneChange::Remove(SceneObject::Body(BodyId(1)))), EditRefusal::Missing);
+    let why = refused(&text, &SceneChange::AddBody("a".to_owned(), sphere(&text, 0)));
+    assert_eq!(why.to_string(), "the scene text would have an error: the name `a` is already taken");
+}
+
+/// White space and comments between words.
+fn gap() -> impl Strategy<Value = &'static str> {
+    prop_oneof![Just(" "), Just("\n"), Just("\r\n\t"), Just(" /* ; , < */ "), Just(" // x; y\n"), Just("\r")]
+}
+
+/// A text without its words: what must stay. What is between a sign and its number belongs to the number.
+fn gaps(text: &str) -> Vec<String> {
+    let tokens = crate::lang::lexer::tokenize(&Source::new("scene", text)).tokens;
+    let mut end = 0;
+    let mut found = Vec::new();
+    for token in tokens {
+        if !text[..end].ends_with('-') {
+            found.push(text[end..token.span.range().start].to_owned());
+        }
+        end = token.span.range().end;
+    }
+    found
+}
+
+proptest! {
+    /// A scene with every shape and every light, written with gaps of any kind: each is moved, and nothing else.
+    #[test]
+    fn a_moved_thing_reads_back_exactly_and_all_comments_stay(
+        gaps_between in proptest::collection::vec(gap(), 400),
+        by in (-1e3..1e3f64, -1e3..1e3f64, -1e3..1e3f64),
+        turn in -3.0..3.0f64,
+    ) {
+        let bodies: String = Shape::SYNTAX.iter().map(|row| format!("b_{}: {}, matte;", row.keyword.word, row.example)).collect();
+        let lights: String = LightKind::SYNTAX.iter().map(|row| format!("l_{}: {};", row.keyword.word, row.example)).collect();
+        let plain = format!("bodies; {bodies} lights; {lights} {CAMERA}");
+        let tokens = crate::lang::lexer::tokenize(&Source::new("scene", plain.as_str())).tokens;
+        let mut text = String::new();
+        for (token, gap) in tokens.iter().zip(gaps_between.iter().cycle()) {
+            text.push_str(&plain[token.span.range()]);
+            text.push_str(gap);
+        }
+        let scene = scene_of(&text);
+        let by = DVec3::from(by);
+        let mut changes = vec![SceneChange::Camera(scene.camera.orbited(by, turn, turn).unwrap())];
+        changes.extend(scene.body_ids().map(|id| SceneChange::Shape(id, scene.body(id).shape.moved(by).unwrap())));
+        changes.extend(scene.light_ids().filter_map(|id| Some(SceneChange::Light(id, scene.light(id).kind.moved(by)?))));
+        for change in changes {
+            let done = edited(&text, &change, Precision::Exact);
+            let mut wanted = scene.clone();
+            match change.clone() {
+                SceneChange::Camera(camera) => wanted.camera = camera,
+                SceneChange::Shape(id, shape) => wanted.bodies[id.index()].shape = shape,
+                SceneChange::Light(id, kind) => wanted.lights[id.index()].kind = kind,
+                SceneChange::AddBody(..) | SceneChange::AddLight(..) | SceneChange::Duplicate(..) | SceneChange::Remove(_) => {}
+            }
+            prop_assert_eq!(done.scene.to_string(), wanted.to_string());
+            prop_assert_eq!(gaps(&done.text), gaps(&text));
+            // Rounded, it is no further away than the rounding.
+            let rounded = edited(&text, &change, Precision::Decimals(3));
+            if let SceneChange::Shape(id, shape) = &change {
+                let far = rounded.scene.body(*id).shape.anchor().unwrap().distance(shape.anchor().unwrap());
+                prop_assert!(far < 1e-3, "{}", far);
+            }
+        }
+    }
+}
