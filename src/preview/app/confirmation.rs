@@ -9,8 +9,8 @@ use std::time::Duration;
 const SHOWN_FOR: f64 = 4.0;
 const UNDO_SHOWN_FOR: f64 = 12.0;
 
-/// The space below a confirmation, in points: the status bar, and some air.
-const SPACE_BELOW: f32 = 38.0;
+/// The space below a confirmation, in points: the status bar, the controls under the picture, and some air.
+const SPACE_BELOW: f32 = 98.0;
 
 /// The newest confirmation.
 #[derive(Default)]

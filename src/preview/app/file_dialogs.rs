@@ -27,15 +27,19 @@ pub(super) struct FileDialogs {
 /// The format that is suggested for pictures.
 const PICTURE: Format = Format::Png;
 
-/// The name of a filter, with its suffix: `Formulas (*.formula)`.
-fn filter_name(kind: FileKind) -> String {
-    let plural = match kind {
+/// The files of a kind.
+fn plural(kind: FileKind) -> &'static str {
+    match kind {
         FileKind::Formula => "Formulas",
         FileKind::Scene => "Scenes",
         FileKind::Session => "Sessions",
         FileKind::Material => "Material libraries",
-    };
-    format!("{plural} (*.{})", kind.suffix())
+    }
+}
+
+/// The name of a filter, with its suffix: `Formulas (*.formula)`.
+fn filter_name(kind: FileKind) -> String {
+    format!("{} (*.{})", plural(kind), kind.suffix())
 }
 
 /// A dialog in the middle of the window, in a folder or else in the working directory.
@@ -65,11 +69,11 @@ impl FileDialogs {
         let dialog = dialog(title, folder).default_file_name(&suggested.name);
         let mut dialog = match kind {
             Some(kind) => {
-                let name = filter_name(kind);
-                dialog.add_save_extension(&name, kind.suffix()).default_save_extension(&name)
+                // The dialog writes the suffix behind the name.
+                dialog.add_save_extension(plural(kind), kind.suffix()).default_save_extension(plural(kind))
             }
             None => {
-                let name = |format: Format| format!("{} (*.{})", format.suffix().to_uppercase(), format.suffix());
+                let name = |format: Format| format.suffix().to_uppercase();
                 let add = |dialog: FileDialog, format: Format| dialog.add_save_extension(&name(format), format.suffix());
                 Format::ALL.into_iter().fold(dialog, add).default_save_extension(&name(PICTURE))
             }
