@@ -245,8 +245,13 @@ impl App {
             Some(grip) => view.held_point(grip, at),
             None => pivot(view.world, from, selected),
         };
-        let gesture =
-            Gesture { motion, start: Arc::clone(view.world), pivot, travel: Travel { from, to: from, amount: [0.0; 2] } };
+        let gesture = Gesture {
+            motion,
+            begun: motion,
+            start: Arc::clone(view.world),
+            pivot,
+            travel: Travel { from, to: from, amount: [0.0; 2] },
+        };
         if let Motion::Move(object, _) = motion {
             self.parameters.select(owner_of(object));
         }
@@ -301,9 +306,10 @@ impl App {
                 Motion::Dolly | Motion::FieldOfView => [0.0, f64::from(moved.y / FACTOR_POINTS)],
                 Motion::Orbit | Motion::Pan | Motion::Move(..) | Motion::Resize(_) => [-f64::from(turn.x), f64::from(turn.y)],
             };
-            if let (Motion::Move(object, _), Some(axis)) = (gesture.motion, axis) {
-                gesture.motion = Motion::Move(object, Some(axis));
-            }
+            gesture.motion = match (gesture.begun, axis) {
+                (Motion::Move(object, _), Some(axis)) => Motion::Move(object, Some(axis)),
+                (begun, _) => begun,
+            };
             if (gesture.travel, gesture.motion) != before {
                 self.show_gesture();
             }

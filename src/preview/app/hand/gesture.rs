@@ -68,6 +68,8 @@ pub(in crate::preview::app) struct Travel {
 #[derive(Debug, Clone)]
 pub(in crate::preview::app) struct Gesture {
     pub(in crate::preview::app) motion: Motion,
+    /// What it moved at the start, before a key chose an axis.
+    pub(in crate::preview::app) begun: Motion,
     /// The world at the start.
     pub(in crate::preview::app) start: Arc<World>,
     /// The point that the gesture is about: it was under the pointer at the start.
