@@ -113,10 +113,10 @@ impl<'a> PlacedPicture<'a> {
                 let left = (x - self.covered.left) as usize;
                 let seen = left..left + into.len();
                 let needed: Range<usize> = columns.range_below(seen.clone());
-                sum.clear(needed.len());
                 let (first, weights) = rows.below((y - self.covered.top) as usize);
-                for (line, weight) in (first..).zip(weights) {
-                    sum.add(&self.row(line)[needed.clone()], *weight);
+                for (index, weight) in weights.iter().enumerate() {
+                    let row = &self.row(first + index)[needed.clone()];
+                    if index == 0 { sum.start(row, *weight) } else { sum.add(row, *weight) }
                 }
                 for (column, pixel) in seen.zip(into) {
                     let (start, weights) = columns.below(column);
