@@ -42,9 +42,9 @@ pub(super) fn entries(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
     });
     act(ui, true, "Reset camera", SceneAction::ResetCamera, actions);
     ui.separator();
-    let action = Action::Scene(SceneAction::ToggleMarkers);
-    let button = Button::selectable(app.hand.markers, "Markers in the picture").shortcut_text(shortcut_of(&action, ui));
-    if ui.add(button).clicked() {
+    let (action, mut seen) = (Action::Scene(SceneAction::ToggleMarkers), app.hand.markers);
+    let title = format!("Markers in the picture ({})", shortcut_of(&action, ui));
+    if ui.checkbox(&mut seen, title).changed() {
         actions.push(action);
         ui.close();
     }
