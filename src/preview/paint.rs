@@ -23,7 +23,7 @@ pub use pixel_rect::PixelRect;
 use crate::preview::PictureView;
 use egui::epaint::{ClippedPrimitive, textures::TexturesDelta};
 use item::{Content, Item};
-use placed_picture::PlacedPicture;
+use placed_picture::{PlacedPicture, ScaledRows};
 use rayon::prelude::*;
 use std::hash::Hasher;
 use texture::Textures;
@@ -204,6 +204,7 @@ impl Painter {
         }
         let (items, textures, tiles) = (&self.items, &self.textures, &self.tiles);
         let draw_band = |(row, band): (usize, &mut [u32])| {
+            let mut scaled = ScaledRows::default();
             for (index, tile) in (row * columns..).zip(&tiles[row * columns..(row + 1) * columns]) {
                 if !tile.is_stale() {
                     continue;
@@ -213,7 +214,7 @@ impl Painter {
                 if !tile.covered {
                     canvas.clear(background);
                     if let Some(picture) = picture {
-                        picture.draw(&mut canvas);
+                        picture.draw(&mut canvas, &mut scaled);
                     }
                 }
                 for &number in &tile.items {

@@ -5,7 +5,6 @@ use crate::preview::paint::pixel_rect::PixelRect;
 use crate::preview::paint::raster::Canvas;
 use crate::preview::paint::resampling::{Axis, RowSum};
 use std::hash::Hasher;
-use std::ops::Range;
 
 /// The picture and its position in the window.
 pub(super) struct PlacedPicture<'a> {
@@ -17,6 +16,30 @@ pub(super) struct PlacedPicture<'a> {
     /// The position of the upper left corner of the picture.
     corner: [i64; 2],
     scaling: Scaling,
+}
+
+/// Rows of the scaled picture, over its whole width, for the tiles of one band. A row is scaled when the first tile needs
+/// it. Tile by tile, parts of rows would be read, which takes longer.
+#[derive(Default)]
+pub(super) struct ScaledRows {
+    rows: Vec<(i32, Vec<u32>)>,
+    sum: RowSum,
+}
+
+impl ScaledRows {
+    /// The row `y` of the screen, which `scale` makes.
+    fn row(&mut self, y: i32, scale: impl FnOnce(&mut RowSum, &mut Vec<u32>)) -> &[u32] {
+        let index = match self.rows.binary_search_by_key(&y, |(row, _)| *row) {
+            Ok(index) => index,
+            Err(index) => {
+                let mut pixels = Vec::new();
+                scale(&mut self.sum, &mut pixels);
+                self.rows.insert(index, (y, pixels));
+                index
+            }
+        };
+        &self.rows[index].1
+    }
 }
 
 /// How pixels of the picture become those of the screen.
@@ -77,11 +100,10 @@ impl<'a> PlacedPicture<'a> {
         })
     }
 
-    /// Draws the part that is in the area of a canvas.
-    pub(super) fn draw(&self, canvas: &mut Canvas<'_>) {
+    /// Draws the part that is in the area of a canvas. `scaled` belongs to the canvases of one band of tiles.
+    pub(super) fn draw(&self, canvas: &mut Canvas<'_>, scaled: &mut ScaledRows) {
         let pane = self.area.intersection(canvas.area());
         let seen = self.covered.intersection(pane);
-        let mut sum = RowSum::default();
         for y in pane.top..pane.bottom {
             let row = canvas.row(y, pane.left, pane.right);
             if seen.is_empty() || !(seen.top..seen.bottom).contains(&y) {
@@ -91,12 +113,12 @@ impl<'a> PlacedPicture<'a> {
             let [from, to] = [seen.left, seen.right].map(|x| (x - pane.left) as usize);
             row[..from].fill(self.view.around);
             row[to..].fill(self.view.around);
-            self.draw_row(y, seen.left, &mut row[from..to], &mut sum);
+            self.draw_row(y, seen.left, &mut row[from..to], scaled);
         }
     }
 
     /// Draws pixels of one row of the screen, from `x` on. All of them are in `covered`.
-    fn draw_row(&self, y: i32, x: i32, into: &mut [u32], sum: &mut RowSum) {
+    fn draw_row(&self, y: i32, x: i32, into: &mut [u32], scaled: &mut ScaledRows) {
         match &self.scaling {
             Scaling::Whole(zoom) => {
                 let [left, top] = [i64::from(x) - self.corner[0], i64::from(y) - self.corner[1]].map(|at| at as usize);
@@ -110,18 +132,16 @@ impl<'a> PlacedPicture<'a> {
                 }
             }
             Scaling::Area([columns, rows]) => {
+                let row = scaled.row(y, |sum, pixels| {
+                    let (first, weights) = rows.below((y - self.covered.top) as usize);
+                    for (index, weight) in weights.iter().enumerate() {
+                        let row = &self.row(first + index)[columns.range()];
+                        if index == 0 { sum.start(row, *weight) } else { sum.add(row, *weight) }
+                    }
+                    columns.means(sum, pixels);
+                });
                 let left = (x - self.covered.left) as usize;
-                let seen = left..left + into.len();
-                let needed: Range<usize> = columns.range_below(seen.clone());
-                let (first, weights) = rows.below((y - self.covered.top) as usize);
-                for (index, weight) in weights.iter().enumerate() {
-                    let row = &self.row(first + index)[needed.clone()];
-                    if index == 0 { sum.start(row, *weight) } else { sum.add(row, *weight) }
-                }
-                for (column, pixel) in seen.zip(into) {
-                    let (start, weights) = columns.below(column);
-                    *pixel = sum.mean(start - needed.start, weights);
-                }
+                into.copy_from_slice(&row[left..left + into.len()]);
             }
         }
     }

@@ -44,13 +44,25 @@ impl Axis {
         (start, &self.weights[from..self.starts[index + 1].1])
     }
 
-    /// The pixels of the picture below some pixels of the screen.
-    pub(super) fn range_below(&self, seen: Range<usize>) -> Range<usize> {
-        if seen.is_empty() {
-            return 0..0;
+    /// The pixels of the picture below what is in view.
+    pub(super) fn range(&self) -> Range<usize> {
+        match self.starts.len() {
+            0 | 1 => 0..0,
+            ends => {
+                let (last, weights) = self.below(ends - 2);
+                self.starts[0].0..last + weights.len()
+            }
         }
-        let (last, weights) = self.below(seen.end - 1);
-        self.below(seen.start).0..last + weights.len()
+    }
+
+    /// Appends the pixels in view to `pixels`. `sum` is the sum of rows in [`range`](Self::range).
+    pub(super) fn means(&self, sum: &RowSum, pixels: &mut Vec<u32>) {
+        let first = self.range().start;
+        let ends = self.starts.get(1..).unwrap_or_default();
+        pixels.extend(self.starts.iter().zip(ends).map(|((start, from), (_, to))| {
+            let weights = &self.weights[*from..*to];
+            sum.mean(start - first, weights)
+        }));
     }
 }
 
@@ -107,12 +119,13 @@ mod tests {
         let axis = Axis::new(3, 2, 0..2);
         assert_eq!(axis.below(0), (0, &[171, 85][..]));
         assert_eq!(axis.below(1), (1, &[85, 171][..]));
-        assert_eq!(axis.range_below(0..2), 0..3);
+        assert_eq!(axis.range(), 0..3);
         // Two pixels shown as three: the one in the middle covers half of each.
         let axis = Axis::new(2, 3, 1..3);
         assert_eq!(axis.below(0), (0, &[128, 128][..]));
         assert_eq!(axis.below(1), (1, &[256][..]));
-        assert_eq!(axis.range_below(1..2), 1..2);
+        assert_eq!(axis.range(), 0..2);
+        assert_eq!(Axis::new(2, 3, 2..3).range(), 1..2);
     }
 
     #[test]
