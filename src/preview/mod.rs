@@ -9,6 +9,7 @@ pub mod app;
 pub mod editor;
 pub mod paint;
 pub mod renderer;
+mod resampling;
 pub mod window;
 pub mod workshop;
 

@@ -5,7 +5,7 @@
 //! scaled, not blended. Colours are blended as in egui: in gamma space, with premultiplied alpha.
 //!
 //! This module keeps the state between frames, and decides which tiles are drawn. `item` turns triangles into items,
-//! `raster` draws items, `placed_picture` draws the picture, `resampling` scales it, and `texture` holds the textures.
+//! `raster` draws items, `placed_picture` draws the picture, and `texture` holds the textures.
 //! No window is known here.
 
 mod colour;
@@ -13,7 +13,6 @@ mod item;
 mod pixel_rect;
 mod placed_picture;
 mod raster;
-mod resampling;
 #[cfg(test)]
 mod tests;
 mod texture;

@@ -116,6 +116,8 @@ struct WantedPicture {
     requested: u64,
     /// The indices of the numbers of a slider that is held.
     held: Option<Vec<usize>>,
+    /// The size of pictures on the screen.
+    shown: Option<[u32; 2]>,
     /// The hits that were traced last for the wanted subject, or for the one before it while the scene moves.
     hits: Option<TracedHits>,
     /// Whether a picture of a moving scene is being traced. The next movement does not end that: otherwise no picture
@@ -250,6 +252,12 @@ impl Renderer {
         self.set(wanted, numbers)
     }
 
+    /// Says how large pictures are on the screen, in pixels. Pictures of a held slider are scaled to that size, if it
+    /// is smaller than their own: then fewer pixels go from thread to thread.
+    pub fn show_scaled(&self, size: Option<[u32; 2]>) {
+        self.shared.wanted().shown = size;
+    }
+
     fn set(&self, mut wanted: MutexGuard<'_, WantedPicture>, numbers: &[f32]) -> u64 {
         numbers.clone_into(&mut wanted.numbers);
         wanted.stamp += 1;
@@ -332,6 +340,7 @@ fn draw_forever(shared: &Arc<RendererState>, events: &Sender<Event>) {
                     let done =
                         |(stamp, of): &(u64, Arc<Hits>)| (*stamp == wanted.stamp || is_older) && Arc::ptr_eq(of, &traced.hits);
                     if !drawn.as_ref().is_some_and(done) {
+                        worker.shown = wanted.shown;
                         // A picture of the scene before the last movement is not that of the wanted values.
                         let values = if is_older { traced.requested } else { wanted.stamp };
                         let (numbers, held) = (wanted.numbers.clone(), wanted.held.clone());

@@ -143,6 +143,8 @@ impl PicturePane {
         if !self.leads_scene(ui) {
             self.move_by_hand(ui, &response, workshop);
         }
+        let alone = self.mode == PaneMode::Current;
+        workshop.renderer().show_scaled(alone.then(|| self.placement(workshop).shown()));
         self.label_pictures(ui, workshop);
         if self.histogram {
             let mut bars = std::mem::take(&mut self.bars);

@@ -3,7 +3,7 @@
 use crate::preview::PictureView;
 use crate::preview::paint::pixel_rect::PixelRect;
 use crate::preview::paint::raster::Canvas;
-use crate::preview::paint::resampling::{Axis, RowSum};
+use crate::preview::resampling::{Axis, RowSum};
 use std::hash::Hasher;
 
 /// The picture and its position in the window.
@@ -18,8 +18,8 @@ pub(super) struct PlacedPicture<'a> {
     scaling: Scaling,
 }
 
-/// Rows of the scaled picture, over its whole width, for the tiles of one band. A row is scaled when the first tile needs
-/// it. Tile by tile, parts of rows would be read, which takes longer.
+/// Rows of the scaled picture, over its whole width, for the tiles of one band. A row is scaled when the first tile
+/// needs it. Tile by tile, parts of rows would be read, which takes longer.
 #[derive(Default)]
 pub(super) struct ScaledRows {
     rows: Vec<(i32, Vec<u32>)>,
@@ -28,12 +28,11 @@ pub(super) struct ScaledRows {
 
 impl ScaledRows {
     /// The row `y` of the screen, which `scale` makes.
-    fn row(&mut self, y: i32, scale: impl FnOnce(&mut RowSum, &mut Vec<u32>)) -> &[u32] {
+    fn row(&mut self, y: i32, scale: impl FnOnce(&mut RowSum) -> Vec<u32>) -> &[u32] {
         let index = match self.rows.binary_search_by_key(&y, |(row, _)| *row) {
             Ok(index) => index,
             Err(index) => {
-                let mut pixels = Vec::new();
-                scale(&mut self.sum, &mut pixels);
+                let pixels = scale(&mut self.sum);
                 self.rows.insert(index, (y, pixels));
                 index
             }
@@ -132,13 +131,11 @@ impl<'a> PlacedPicture<'a> {
                 }
             }
             Scaling::Area([columns, rows]) => {
-                let row = scaled.row(y, |sum, pixels| {
-                    let (first, weights) = rows.below((y - self.covered.top) as usize);
-                    for (index, weight) in weights.iter().enumerate() {
-                        let row = &self.row(first + index)[columns.range()];
-                        if index == 0 { sum.start(row, *weight) } else { sum.add(row, *weight) }
-                    }
-                    columns.means(sum, pixels);
+                let row = scaled.row(y, |sum| {
+                    sum.set(|line| &self.row(line)[columns.range()], rows.below((y - self.covered.top) as usize));
+                    let mut pixels = vec![0; (self.covered.right - self.covered.left) as usize];
+                    columns.write_means(sum, &mut pixels);
+                    pixels
                 });
                 let left = (x - self.covered.left) as usize;
                 into.copy_from_slice(&row[left..left + into.len()]);

@@ -6,6 +6,7 @@ use crate::formula::Formula;
 use crate::picture::Frame;
 use crate::plan::Method;
 use crate::preview::renderer::{Event, Picture, RenderRequest};
+use crate::preview::resampling::scale;
 use crate::trace::Hits;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -44,6 +45,9 @@ pub(super) struct DrawingWorker {
     /// The slider that is held.
     held: Option<Held>,
     framebuffer: Option<Framebuffer>,
+    /// The size in which pictures are shown on the screen. Pictures of a held slider are scaled to it while they are in
+    /// the caches of the threads that drew them, if it is smaller than they are.
+    pub(super) shown: Option<[u32; 2]>,
     /// The last picture of the evaluator without a held slider. Another view transform needs no evaluation.
     linear: Option<LinearPicture>,
 }
@@ -165,10 +169,17 @@ impl DrawingWorker {
             }
         }
         let mut pixels = room();
-        copy(&framebuffer.pixels, &mut pixels);
+        let full = [width, height];
+        let is_held = matches!(told, Some(Some(_)));
+        let smaller = self.shown.filter(|shown| is_held && (0..2).all(|axis| (1..full[axis]).contains(&shown[axis])));
+        match smaller {
+            Some(shown) => scale(&framebuffer.pixels, full, shown, &mut pixels),
+            None => copy(&framebuffer.pixels, &mut pixels),
+        }
+        let [width, height] = smaller.unwrap_or(full);
         self.framebuffer = Some(framebuffer);
         if is_new {
-            let bytes_per_pixel = ready.bytes() as f64 / f64::from(width * height);
+            let bytes_per_pixel = ready.bytes() as f64 / f64::from(full[0] * full[1]);
             tell(Event::Ready { time: prepare_start.elapsed(), bytes_per_pixel });
         } else if let Some(method) = told {
             tell(Event::Frame { method, time: frame_start.elapsed() });

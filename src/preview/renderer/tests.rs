@@ -118,6 +118,34 @@ fn another_view_transform_is_shown_without_an_evaluation() {
 }
 
 #[test]
+fn a_held_picture_is_scaled_to_the_screen_and_a_released_one_is_whole() {
+    let renderer = Renderer::new(|| {}).expect("threads");
+    let (small, mut values) = request(96, 64);
+    let first = renderer.show(small.clone(), values.numbers());
+    assert!(wait_for(&renderer, first).is_full());
+    renderer.show_scaled(Some([48, 32]));
+    let indices = moved_kd(&mut values, 0.9);
+    let moved = renderer.move_to(values.numbers(), Some(indices));
+    let mut picture = Picture::default();
+    renderer.wait_for(moved, Duration::from_secs(60));
+    assert!(renderer.take(&mut picture) && picture.values == moved);
+    assert_eq!(([picture.width, picture.height], picture.full_size), ([48, 32], [96, 64]));
+    // A pixel is the mean of four.
+    let whole = expected(&small, &values);
+    for (at, pixel) in picture.pixels.iter().enumerate() {
+        let corner = at / 48 * 2 * 96 + at % 48 * 2;
+        let four = [corner, corner + 1, corner + 96, corner + 97].map(|at| whole[at].to_be_bytes());
+        for (channel, byte) in pixel.to_be_bytes().into_iter().enumerate() {
+            let mean = four.iter().map(|bytes| f64::from(bytes[channel])).sum::<f64>() / 4.0;
+            // Tolerance for a picture that was drawn as a drag.
+            assert!((f64::from(byte) - mean).abs() <= 1.6, "{at}: {byte}, {mean}");
+        }
+    }
+    let released = renderer.move_to(values.numbers(), None);
+    assert!(wait_for(&renderer, released).pixels == whole);
+}
+
+#[test]
 fn who_waits_for_values_has_their_picture_then() {
     let renderer = Renderer::new(|| {}).expect("threads");
     let (small, mut values) = request(240, 200);

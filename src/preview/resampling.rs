@@ -1,10 +1,30 @@
 //! Scaling of pictures by exact area: a pixel of the screen has the mean colour of the part of the picture that it
 //! covers. So nothing is left out of a smaller picture, and the pixels of a larger one keep sharp edges.
 
+use rayon::prelude::*;
 use std::ops::Range;
 
 /// The sum of the weights of a pixel.
 const WHOLE: u64 = 1 << 8;
+
+/// Scales a picture, on all threads of the current pool. `size` and `shown` are its width and height before and after;
+/// none is 0.
+///
+/// # Panics
+/// If there are fewer pixels.
+pub(super) fn scale(pixels: &[u32], size: [u32; 2], shown: [u32; 2], into: &mut Vec<u32>) {
+    /// The rows that a thread scales at a time.
+    const ROWS: usize = 16;
+    let [[width, height], [shown_width, shown_height]] = [size, shown].map(|size| size.map(|side| side as usize));
+    let [columns, rows] = [Axis::new(width, shown_width, 0..shown_width), Axis::new(height, shown_height, 0..shown_height)];
+    into.resize(shown_width * shown_height, 0);
+    into.par_chunks_mut(ROWS * shown_width).enumerate().for_each_init(RowSum::default, |sum, (part, into)| {
+        for (index, into) in into.chunks_exact_mut(shown_width).enumerate() {
+            sum.set(|line| &pixels[line * width..(line + 1) * width], rows.below(part * ROWS + index));
+            columns.write_means(sum, into);
+        }
+    });
+}
 
 /// For each pixel of one axis of the screen, the pixels of the picture below it and their weights.
 #[derive(Debug)]
@@ -55,14 +75,13 @@ impl Axis {
         }
     }
 
-    /// Appends the pixels in view to `pixels`. `sum` is the sum of rows in [`range`](Self::range).
-    pub(super) fn means(&self, sum: &RowSum, pixels: &mut Vec<u32>) {
+    /// Writes the pixels in view. `sum` is the sum of rows in [`range`](Self::range).
+    pub(super) fn write_means(&self, sum: &RowSum, pixels: &mut [u32]) {
         let first = self.range().start;
         let ends = self.starts.get(1..).unwrap_or_default();
-        pixels.extend(self.starts.iter().zip(ends).map(|((start, from), (_, to))| {
-            let weights = &self.weights[*from..*to];
-            sum.mean(start - first, weights)
-        }));
+        for (pixel, ((start, from), (_, to))) in pixels.iter_mut().zip(self.starts.iter().zip(ends)) {
+            *pixel = sum.mean(start - first, &self.weights[*from..*to]);
+        }
     }
 }
 
@@ -74,14 +93,22 @@ pub(super) struct RowSum {
 }
 
 impl RowSum {
+    /// Makes the sum of some rows with their weights: the first and those that follow it.
+    pub(super) fn set<'r>(&mut self, row: impl Fn(usize) -> &'r [u32], (first, weights): (usize, &[u32])) {
+        for (index, weight) in weights.iter().enumerate() {
+            let row = row(first + index);
+            if index == 0 { self.start(row, *weight) } else { self.add(row, *weight) }
+        }
+    }
+
     /// Starts a sum with a row.
-    pub(super) fn start(&mut self, row: &[u32], weight: u32) {
+    fn start(&mut self, row: &[u32], weight: u32) {
         self.numbers.clear();
         self.numbers.extend(components(row).iter().map(|byte| u16::from(*byte) * weight as u16));
     }
 
     /// Adds a row. All weights of a sum together are 256.
-    pub(super) fn add(&mut self, row: &[u32], weight: u32) {
+    fn add(&mut self, row: &[u32], weight: u32) {
         // The sum of the weights times the largest byte is less than 2^16. Multiplications of 16 bits are the only ones
         // of whole numbers that every processor has as vectors.
         for (number, byte) in self.numbers.iter_mut().zip(components(row)) {
@@ -141,6 +168,21 @@ mod tests {
             }
             assert_eq!(next, source);
         }
+    }
+
+    #[test]
+    fn a_picture_is_scaled_by_area() {
+        // Four quarters, and a size that is not a multiple.
+        let pixels: Vec<u32> = (0..60 * 40).map(|at| u32::from(at % 60 < 30) * 0xff + u32::from(at / 60 < 20) * 0xff00).collect();
+        let mut scaled = vec![7; 3];
+        scale(&pixels, [60, 40], [7, 5], &mut scaled);
+        let side = |at: usize, middle: usize| match at.cmp(&middle) {
+            std::cmp::Ordering::Less => 0xff,
+            std::cmp::Ordering::Equal => 0x80,
+            std::cmp::Ordering::Greater => 0,
+        };
+        let expected: Vec<u32> = (0..35).map(|at| side(at % 7, 3) | side(at / 7, 2) << 8).collect();
+        assert_eq!(scaled, expected);
     }
 
     #[test]
