@@ -305,6 +305,7 @@ impl App {
             if let Some(owner) = self.pane.ui(ui, &mut self.workshop, self.scale) {
                 self.parameters.select(owner);
             }
+            self.end_typing(ui, typing);
             self.scene_by_hand(ui, !typing && !waits, &mut actions);
             if self.inspector.open
                 && let Some(pixel) = self.pane.clicked()
@@ -343,6 +344,15 @@ impl App {
         }
         for result in self.jobs.results() {
             self.handle_job_result(result);
+        }
+    }
+
+    /// Takes the keyboard from a text when the picture is pressed or a slider dragged, as a click elsewhere does.
+    /// Otherwise keys that are held in a drag would be typed, and Ctrl+Z would undo typing and not the drag.
+    fn end_typing(&self, ui: &Ui, typing: bool) {
+        let pressed = self.pane.response().is_some_and(|response| response.is_pointer_button_down_on());
+        if typing && (pressed || self.workshop.held().is_some()) {
+            ui.memory_mut(|memory| memory.focused().into_iter().for_each(|id| memory.surrender_focus(id)));
         }
     }
 

@@ -104,7 +104,7 @@ impl Dialogs {
     /// Draws the offer of drafts.
     fn offer_ui(&mut self, context: &Context, actions: &mut Vec<Action>) {
         if !self.offered_drafts.is_empty() {
-            modal(context, "Unsaved work", |ui| {
+            let shown = modal(context, "Unsaved work", |ui| {
                 ui.label("When Illuminator was closed last, this was unsaved, and has been kept:");
                 for left in &self.offered_drafts {
                     ui.label(format!("   {left}"));
@@ -122,6 +122,10 @@ impl Dialogs {
                     }
                 });
             });
+            // Escape and a click beside the dialog mean *Later*.
+            if shown.should_close() {
+                self.offered_drafts.clear();
+            }
         }
     }
 

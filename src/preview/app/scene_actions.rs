@@ -69,7 +69,10 @@ pub(super) fn scene_shortcuts() -> Vec<(KeyboardShortcut, SceneAction, &'static 
 pub(super) const MOUSE_HELP: [(&str, &str); 14] = [
     ("Click", "Select the body or the light under the pointer; the background selects the scene"),
     ("Drag", "Orbit about the point under the pointer; about the selected body over the background"),
-    ("Drag the selected", "Move a body or a light parallel to the picture; hold X, Y or Z for an axis, or drag an arrow"),
+    (
+        "Drag the selected",
+        "Move a body or a light parallel to the picture; hold X, Y or Z for an axis, or drag an arrow (a floor: only so)",
+    ),
     ("Drag the square", "Change the radius of the selected sphere"),
     ("Middle drag", "Pan; also Shift + drag"),
     ("Right drag", "Go closer or back (dolly); also Ctrl + drag"),

@@ -1,6 +1,7 @@
 //! The status bar: the pixel under the pointer, the progress of tracing, the time of the last picture.
 
 use crate::backends::CHOICES;
+use crate::preview::app::comparison::PaneMode;
 use crate::preview::app::log::thousands;
 use crate::preview::app::pane::body_at;
 use crate::preview::app::{Action, App};
@@ -56,7 +57,8 @@ pub(super) fn bar(app: &App, ui: &mut Ui, actions: &mut Vec<Action>) {
 /// Draws the linear colour of a pixel and its bytes on the display. There is no linear colour while a slider is held.
 fn colours(app: &App, ui: &mut Ui, [x, y]: [u32; 2]) {
     let shown = app.workshop.shown();
-    if !shown.is_full() || x >= shown.width || y >= shown.height {
+    // In a comparison, other pictures are in view too.
+    if app.pane.mode != PaneMode::Current || !shown.is_full() || x >= shown.width || y >= shown.height {
         return;
     }
     let index = y as usize * shown.width as usize + x as usize;

@@ -9,6 +9,7 @@ use std::rc::Rc;
 use std::time::Duration;
 
 mod comparing;
+mod focus;
 mod layout;
 mod light;
 mod rows;
