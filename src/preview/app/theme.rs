@@ -2,7 +2,10 @@
 
 use crate::user_data::settings::ThemeSetting;
 use egui::style::{HandleShape, ScrollStyle};
-use egui::{Color32, Context, CornerRadius, FontId, Margin, Response, RichText, Stroke, TextStyle, Ui, Visuals, vec2};
+use egui::{
+    Color32, Context, CornerRadius, FontDefinitions, FontFamily, FontId, Margin, Response, RichText, Stroke, TextStyle, Ui,
+    Visuals, vec2,
+};
 
 /// A theme.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -141,6 +144,11 @@ pub(super) fn apply(context: &Context, theme: Theme) {
         Theme::Dark => egui::Theme::Dark,
         Theme::Light => egui::Theme::Light,
     });
+    // Arrows and other signs of messages are in the monospaced font alone.
+    let mut fonts = FontDefinitions::default();
+    let signs = fonts.families.get(&FontFamily::Monospace).cloned().unwrap_or_default();
+    fonts.families.entry(FontFamily::Proportional).or_default().extend(signs);
+    context.set_fonts(fonts);
     context.set_visuals_of(egui::Theme::Dark, visuals(Theme::Dark));
     context.set_visuals_of(egui::Theme::Light, visuals(Theme::Light));
     context.all_styles_mut(|style| {
