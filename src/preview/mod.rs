@@ -75,7 +75,7 @@ pub struct PictureView<'a> {
 pub struct FrameTimes {
     /// Time to lay out the widgets and tessellate them.
     pub layout: Duration,
-    /// Time to paint what changed of widgets and picture.
+    /// Time to wait for the picture of a held slider, and to paint what changed of widgets and picture.
     pub painting: Duration,
     /// Time to send the pixels to the display; `None` if nothing changed, so nothing was sent.
     pub present: Option<Duration>,

@@ -3,6 +3,7 @@
 //! After an intended change, run these tests with `UPDATE_SCREENSHOTS=1` and look at the new screenshots.
 
 use super::*;
+use crate::workspace::session::PictureSettings;
 use egui_kittest::kittest::Queryable;
 use egui_kittest::{Harness, TestRenderer};
 use std::cell::RefCell;

@@ -148,7 +148,8 @@ impl DrawingWorker {
                         let mut frame = ready.frame(numbers);
                         let is_undefined = |pixel: &[f32; 3]| pixel.iter().any(|component| component.is_nan());
                         let first = frame.linear.iter().position(is_undefined);
-                        let undefined = frame.clean();
+                        // Most pictures have none, and are read once.
+                        let undefined = if first.is_some() { frame.clean() } else { 0 };
                         (Arc::new(frame), Some((undefined, first)))
                     }
                 };

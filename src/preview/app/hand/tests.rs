@@ -1,6 +1,7 @@
 //! The scene under the mouse, without a window.
 
 use crate::files::Readable;
+use crate::preview::app::tests::settle;
 use crate::preview::app::{Action, App, SceneAction};
 use crate::preview::workshop::OpenedSession;
 use crate::scene::edit::SceneObject;
@@ -9,7 +10,6 @@ use crate::workspace::{Location, OwnerId};
 use egui::{Event, Key, Modifiers, PointerButton, Pos2, Vec2, vec2};
 use egui_kittest::Harness;
 use glam::DVec3;
-use std::time::Duration;
 
 fn harness() -> Harness<'static, App> {
     let app = App::new(Some(&Location::Preset("studio".to_owned())), None).expect("a built-in session");
@@ -22,18 +22,6 @@ fn harness() -> Harness<'static, App> {
     // The controls under the picture may need another line, once its zoom is known.
     harness.run_steps(3);
     harness
-}
-
-/// Waits until the picture is that of the scene.
-fn settle(harness: &mut Harness<'_, App>) -> Vec<u32> {
-    for _ in 0..30_000 {
-        harness.step();
-        if harness.state().workshop.is_up_to_date() {
-            return harness.state().workshop.shown().pixels.clone();
-        }
-        std::thread::sleep(Duration::from_millis(1));
-    }
-    panic!("no picture came");
 }
 
 fn scene(harness: &Harness<'_, App>) -> Scene {

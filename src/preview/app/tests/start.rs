@@ -1,6 +1,7 @@
 //! The start: the gallery, thumbnails, and what the window says about the first picture.
 
 use super::*;
+use crate::workspace::presets;
 
 /// A workshop that was started without a session.
 fn started(folders: &Folders) -> Harness<'static, App> {
