@@ -123,8 +123,8 @@ fn hsv_of(rgb: [f32; 3]) -> Hsv {
     [sixth.rem_euclid(6.0) / 6.0, chroma / most, most]
 }
 
-/// The colour that the picker shows. A grey has no hue, and black has no saturation either. So the picker keeps the last
-/// hue and saturation, until the colour is changed elsewhere.
+/// The colour that the picker shows. A grey has no hue, and black has no saturation either. So the picker keeps the
+/// last hue and saturation, until the colour is changed elsewhere.
 fn picked(ui: &Ui, id: Id, rgb: [f32; 3]) -> Hsv {
     let last = ui.data(|data| data.get_temp::<Hsv>(id));
     let is_same = |hsv: &Hsv| rgb_of(*hsv).into_iter().zip(rgb).all(|(one, other)| (one - other).abs() < 2e-3);

@@ -1,5 +1,5 @@
-//! The actions on the scene with their keys, and the help for the mouse in the picture. Menus offer the actions, and the
-//! keys work while no text is edited.
+//! The actions on the scene with their keys, and the help for the mouse in the picture. Menus offer the actions, and
+//! the keys work while no text is edited.
 
 use crate::scene::ViewSide;
 use egui::{Key, KeyboardShortcut, Modifiers};
