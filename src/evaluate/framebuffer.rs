@@ -2,7 +2,7 @@
 
 use crate::picture::encoder::{Bytes, Encoder, with_bytes};
 use crate::picture::{Frame, ViewTransform};
-use crate::trace::TILE_PIXELS;
+use crate::trace::tile_pixels;
 use rayon::prelude::*;
 
 /// A picture of `width` × `height` pixels, row by row from the top left, each `0x00RRGGBB`: linear components by the
@@ -49,7 +49,8 @@ impl Framebuffer {
     /// The parts of the framebuffer, in the order of tiles.
     pub(crate) fn parts(&mut self) -> impl IndexedParallelIterator<Item = Part<'_>> {
         let encoder = &self.encoder;
-        self.pixels.par_chunks_mut(TILE_PIXELS as usize).map(move |pixels| Part { pixels, encoder })
+        let of_tile = tile_pixels(self.width * self.height) as usize;
+        self.pixels.par_chunks_mut(of_tile).map(move |pixels| Part { pixels, encoder })
     }
 }
 

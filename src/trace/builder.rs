@@ -8,8 +8,8 @@ use crate::trace::segment::{CHUNK_HITS, Segment};
 use crate::trace::store::{Group, Path, PathId, PathSets, Region, Span, Tile};
 use crate::trace::walk::Edge;
 use crate::world::EmitterId;
+use foldhash::{HashMap, HashSet};
 use smallvec::SmallVec;
-use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
 /// About what a path, an emitter set or a list of pixels takes in the tables of the builder, hits aside, in bytes. A
@@ -167,7 +167,7 @@ const MIN_REDUCTION: usize = 4;
 fn hit_lists(hits: HashMap<(PathId, u32), Vec<u16>>, sets: &[(Vec<EmitterId>, u32)], paths: &[Path]) -> (Vec<HitList>, u32) {
     let body_of = |path: PathId| paths.get(path.index()).and_then(|path| path.body);
     let emitters_of = |set: u32| sets.get(set as usize).map_or(&[][..], |(emitters, _)| emitters);
-    let mut sizes: HashMap<(BodyId, u32), usize> = HashMap::new();
+    let mut sizes: HashMap<(BodyId, u32), usize> = HashMap::default();
     for ((path, set), pixels) in &hits {
         if let Some(body) = body_of(*path) {
             *sizes.entry((body, *set)).or_default() += pixels.len();
@@ -175,7 +175,7 @@ fn hit_lists(hits: HashMap<(PathId, u32), Vec<u16>>, sets: &[(Vec<EmitterId>, u3
     }
     let is_small = |body: BodyId, set: u32| emitters_of(set).len() > 1 && sizes[&(body, set)] < SMALL_GROUP;
     // For each body: the pairs of a small group and an emitter, and the emitters.
-    let mut small: HashMap<BodyId, (usize, HashSet<EmitterId>)> = HashMap::new();
+    let mut small: HashMap<BodyId, (usize, HashSet<EmitterId>)> = HashMap::default();
     for (body, set) in sizes.keys().filter(|(body, set)| is_small(*body, *set)) {
         let (pairs, emitters) = small.entry(*body).or_default();
         *pairs += emitters_of(*set).len();
@@ -183,7 +183,7 @@ fn hit_lists(hits: HashMap<(PathId, u32), Vec<u16>>, sets: &[(Vec<EmitterId>, u3
     }
     let is_scattered = |body| small.get(&body).is_some_and(|(pairs, emitters)| *pairs >= MIN_REDUCTION * emitters.len());
     let mut lists = Vec::with_capacity(hits.len());
-    let mut scattered: HashMap<(BodyId, EmitterId, PathId), Vec<u16>> = HashMap::new();
+    let mut scattered: HashMap<(BodyId, EmitterId, PathId), Vec<u16>> = HashMap::default();
     let mut copies = 0;
     for ((path, set), pixels) in hits {
         let Some(body) = body_of(path) else { continue };

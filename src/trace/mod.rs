@@ -28,7 +28,7 @@ pub use budget::{Budget, Estimate};
 pub use lookup::variable;
 pub use memory::usable_memory;
 pub use replay::{Mismatch, replay, replay_misses};
-pub use segment::{CHUNK_HITS, CHUNK_LINES, LINE_HITS, ROUND_LINES, Segment, TILE_PIXELS};
+pub use segment::{CHUNK_HITS, CHUNK_LINES, LINE_HITS, ROUND_LINES, Segment, TILE_PIXELS, tile_pixels};
 pub use store::{Counts, Group, Hits, Path, PathId, PathSets, Region, Span, Tile};
 pub use tracer::Tracer;
 pub use variables::{HitVariables, LightVariables};
@@ -163,11 +163,12 @@ pub fn trace(
         progress(f64::from(done) / f64::from(pixels));
         if cancelled.load(Ordering::Relaxed) { Err(TraceError::Cancelled) } else { Ok(()) }
     };
-    let tiles = (0..pixels.div_ceil(TILE_PIXELS))
+    let of_tile = tile_pixels(pixels);
+    let tiles = (0..pixels.div_ceil(of_tile))
         .into_par_iter()
         .map(|tile| {
-            let start = tile * TILE_PIXELS;
-            trace_tile(&tracer, start..(start + TILE_PIXELS).min(pixels), &meter, &advance)
+            let start = tile * of_tile;
+            trace_tile(&tracer, start..(start + of_tile).min(pixels), &meter, &advance)
         })
         .collect::<Result<_, _>>()?;
     Ok(Hits { world: Arc::clone(world), view: *view, tiles })

@@ -3,8 +3,21 @@
 use std::mem::offset_of;
 use std::ops::Range;
 
-/// How many consecutive pixels make a tile. It is fixed, so that sums are taken in the same order on any machine.
+/// The most consecutive pixels that make a tile, see [`tile_pixels`].
 pub const TILE_PIXELS: u32 = 16_384;
+
+/// A small picture has about this many tiles, so that all threads have work.
+const MIN_TILES: u32 = 16;
+/// A tile has at least this many pixels, if the picture does: each tile has tables of its own.
+const MIN_TILE_PIXELS: u32 = 256;
+
+/// How many consecutive pixels make a tile of a picture with this many pixels: at most [`TILE_PIXELS`], and a multiple
+/// of 256. It depends on nothing else, so sums are taken in the same order on any machine.
+#[must_use]
+pub fn tile_pixels(picture_pixels: u32) -> u32 {
+    let share = picture_pixels.div_ceil(MIN_TILES).next_multiple_of(MIN_TILE_PIXELS);
+    share.clamp(MIN_TILE_PIXELS, TILE_PIXELS)
+}
 
 /// How many hits make a line: as many as the widest vectors have lanes. The hits of a group are cut in lines in their
 /// order.

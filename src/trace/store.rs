@@ -233,7 +233,7 @@ pub struct Hits {
     pub world: Arc<World>,
     /// The view that was traced.
     pub view: View,
-    /// [`TILE_PIXELS`](crate::trace::segment::TILE_PIXELS) pixels each, in the order of pixels; the last one has the
+    /// [`tile_pixels`](crate::trace::segment::tile_pixels) pixels each, in the order of pixels; the last one has the
     /// rest.
     pub tiles: Vec<Tile>,
 }

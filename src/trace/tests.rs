@@ -165,7 +165,7 @@ fn a_part_of_a_group_replays_as_in_the_whole() {
     let (world, view) = (room(1.0), view(80, 60, 5));
     let hits = traced(&world, &view);
     let tracer = Tracer::new(&world, &view);
-    let tile = &hits.tiles[0];
+    let tile = hits.tiles.iter().max_by_key(|tile| tile.spans.len()).unwrap();
     let group = tile.groups.iter().max_by_key(|group| group.spans.len()).unwrap();
     let collect = |range: Range<u32>| {
         let mut all = Vec::new();
@@ -199,7 +199,8 @@ fn a_store_of_another_scene_is_noticed() {
 #[test]
 fn groups_and_spans_are_in_order_and_complete() {
     let hits = traced(&room(1.0), &view(200, 150, 5));
-    assert_eq!(hits.tiles.len(), 2);
+    // 1875 pixels would make 16 tiles; they have the next multiple of 256.
+    assert_eq!(hits.tiles.len(), 15);
     assert_eq!(hits.tiles.last().unwrap().pixels.end, 30_000);
     for tile in &hits.tiles {
         assert!(tile.paths.iter().enumerate().all(|(id, path)| path.parent.is_none_or(|parent| parent.index() < id)));

@@ -23,7 +23,7 @@ use crate::lang::scalars::flush;
 use crate::lang::variables::Owner;
 use crate::picture::Frame;
 use crate::plan::{Channels, ParameterSlot};
-use crate::trace::{Hits, Mismatch, TILE_PIXELS, View};
+use crate::trace::{Hits, Mismatch, View, tile_pixels};
 use crate::world::World;
 use columns::{Columns, LeafColumns};
 use drag::CompiledDrag;
@@ -244,7 +244,7 @@ impl Evaluator for Compiled {
         let view = self.hits.view;
         let mut frame = Frame::black(view.width(), view.height());
         let pass = self.whole(parameters);
-        self.each_tile(frame.linear.par_chunks_mut(TILE_PIXELS as usize), |pixels, index, scratch| {
+        self.each_tile(frame.linear.par_chunks_mut(tile_pixels(view.pixels()) as usize), |pixels, index, scratch| {
             self.tile(&pass, parameters, index, scratch);
             for (index, pixel) in pixels.iter_mut().enumerate() {
                 *pixel = scratch.planes.colour(index);
