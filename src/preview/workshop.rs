@@ -9,6 +9,7 @@ mod first_look;
 mod history;
 mod moving;
 mod opening;
+mod snapshots;
 mod thumbnail;
 mod view_change;
 
@@ -30,6 +31,7 @@ pub use export::PictureExport;
 use history::{CurrentState, HistoryEntry, PastValues, ValueHistory, changed, changed_in_view};
 use moving::MovingScene;
 pub use opening::OpenedSession;
+pub use snapshots::Snapshot;
 use std::io;
 use std::path::Path;
 use std::sync::Arc;
@@ -62,16 +64,6 @@ pub struct Workshop {
     /// The scene that is moved by hand, as it was before.
     moving: Option<MovingScene>,
     departed: DepartedValues,
-}
-
-/// A picture with its values, kept for comparison.
-#[derive(Clone)]
-pub struct Snapshot {
-    /// The picture.
-    pub picture: Picture,
-    values: Values,
-    formula: Arc<Formula>,
-    world: Arc<World>,
 }
 
 impl Workshop {
@@ -215,7 +207,11 @@ impl Workshop {
 
     /// Takes the newest picture, if there is one. Returns whether there was.
     pub fn refresh(&mut self) -> bool {
-        self.renderer.take(&mut self.shown)
+        let is_new = self.renderer.take(&mut self.shown);
+        if is_new {
+            self.complete_snapshots();
+        }
+        is_new
     }
 
     /// Takes the picture of the current values. While a slider is held, this waits a little for it, so the slider and
@@ -421,37 +417,6 @@ impl Workshop {
             self.memory = memory;
             self.engines.clear();
             self.request_picture();
-        }
-    }
-
-    /// Keeps the picture in view and the values as a snapshot.
-    pub fn take_snapshot(&mut self, slot: usize) {
-        let snapshot = Snapshot {
-            picture: self.shown.clone(),
-            values: self.values.clone(),
-            formula: Arc::clone(&self.formula),
-            world: Arc::clone(&self.world),
-        };
-        if let Some(taken) = self.snapshots.get_mut(slot) {
-            *taken = Some(snapshot);
-        }
-    }
-
-    /// A snapshot, if there is one in this slot.
-    pub fn snapshot(&self, slot: usize) -> Option<&Snapshot> {
-        self.snapshots.get(slot)?.as_ref()
-    }
-
-    /// Restores the values, formula and scene of a snapshot.
-    pub fn restore_snapshot(&mut self, slot: usize) {
-        let Some(snapshot) = self.snapshot(slot).cloned() else { return };
-        if Arc::ptr_eq(&snapshot.formula, &self.formula) && Arc::ptr_eq(&snapshot.world, &self.world) {
-            self.change(|values| *values = snapshot.values);
-        } else {
-            self.note_values(self.current_state().values);
-            self.formula = snapshot.formula;
-            self.world = snapshot.world;
-            self.replace_values(snapshot.values);
         }
     }
 

@@ -83,6 +83,53 @@ fn clipped_pixels_are_marked_on_demand() {
 }
 
 #[test]
+fn the_picture_is_copied_without_the_marks() {
+    let mut harness = harness();
+    let mut settings = harness.state().workshop.settings();
+    settings.view.exposure = 4.0;
+    harness.state_mut().workshop.set_picture(settings).expect("in range");
+    let plain = settle(&mut harness);
+    let context = harness.ctx.clone();
+    harness.state_mut().started(&context);
+    harness.state_mut().perform(Action::ToggleOverlay(PictureOverlay::Clipping));
+    harness.run_steps(2);
+    harness.state_mut().perform(Action::CopyPicture);
+    let commands = context.output(|output| output.commands.clone());
+    let copied = commands.into_iter().find_map(|command| match command {
+        egui::OutputCommand::CopyImage(image) => Some(image),
+        egui::OutputCommand::CopyText(_) | egui::OutputCommand::OpenUrl(_) => None,
+    });
+    let words = |image: egui::ColorImage| {
+        image.pixels.iter().map(|pixel| u32::from_be_bytes([0, pixel.r(), pixel.g(), pixel.b()])).collect::<Vec<_>>()
+    };
+    assert!(words(copied.expect("a picture")) == plain);
+    let app = harness.state();
+    assert!(app.pane.picture(&app.workshop).pixels != plain, "the marks are still in view");
+}
+
+#[test]
+fn a_pixel_that_is_no_number_is_called_nan_and_displayed_as_black() {
+    let mut harness = harness();
+    harness.state_mut().documents.formula.replace_text("formula;\n= IL*sqrt(-max(0, N.L));\n");
+    harness.state_mut().perform(Action::Apply);
+    settle(&mut harness);
+    harness.run_steps(2);
+    let (_, [x, y]) = harness.state().log.undefined().expect("pixels without a number");
+    let app = harness.state();
+    let at = app.pane.placement(&app.workshop).position_of([x as f32 + 0.5, y as f32 + 0.5]);
+    harness.hover_at(at);
+    harness.run_steps(3);
+    assert_eq!(harness.state().pane.pointed(), Some([x, y]));
+    assert!(harness.query_by_label("NaN NaN NaN").is_some() && harness.query_by_label("#000000").is_some());
+    // Another exposure only encodes the picture again, and it is still known.
+    let brighter = crate::picture::ViewTransform { exposure: 2.0, ..view(&harness) };
+    harness.state_mut().workshop.set_view(brighter);
+    settle(&mut harness);
+    harness.run_steps(3);
+    assert!(harness.query_by_label("NaN NaN NaN").is_some());
+}
+
+#[test]
 fn a_new_session_is_exposed_by_its_first_picture_and_counts_as_saved() {
     let mut harness = harness();
     // Three lights of full intensity are too bright for this formula.
