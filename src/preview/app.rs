@@ -34,6 +34,7 @@ mod scene_menu;
 mod scene_text;
 mod settings_dialog;
 mod status;
+mod steps;
 mod tab;
 mod theme;
 mod thumbnail_key;
@@ -74,11 +75,11 @@ use pane::PicturePane;
 use panel_sizes::remember;
 use parameters::ParameterPanel;
 use saving::PendingSave;
-use scene_text::SceneSteps;
 use settings_dialog::SettingsDialog;
 use std::io;
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
+use steps::OtherSteps;
 use tab::{PerTab, TextTab};
 use theme::Theme;
 use thumbnails::Thumbnails;
@@ -106,7 +107,7 @@ pub struct App {
     parameters: ParameterPanel,
     pane: PicturePane,
     hand: Hand,
-    scene_steps: SceneSteps,
+    steps: OtherSteps,
     log: Log,
     dialogs: Dialogs,
     notices: Notices,
@@ -184,7 +185,7 @@ impl App {
             parameters: ParameterPanel::default(),
             pane: PicturePane::default(),
             hand: Hand::default(),
-            scene_steps: SceneSteps::default(),
+            steps: OtherSteps::default(),
             log: Log::default(),
             dialogs: Dialogs::default(),
             notices: Notices::default(),

@@ -5,6 +5,7 @@
 //! coarse picture follows the other, and the full one comes when the scene rests. Nothing here knows of widgets.
 
 mod drawing;
+mod nan_mask;
 mod pace;
 mod tracing;
 
@@ -13,6 +14,7 @@ use crate::picture::{Frame, ViewTransform};
 use crate::plan::Method;
 use crate::trace::{Counts, Hits, View};
 use drawing::DrawingWorker;
+pub use nan_mask::NanMask;
 use pace::Pace;
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -52,6 +54,8 @@ pub struct Picture {
     pub full_size: [u32; 2],
     /// The linear colours of the pixels, with NaN as 0. Pictures of a held slider have none.
     pub linear: Option<Arc<Frame>>,
+    /// Which of them are NaN.
+    pub nan: NanMask,
 }
 
 impl Picture {

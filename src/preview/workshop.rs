@@ -9,7 +9,9 @@ mod first_look;
 mod history;
 mod moving;
 mod opening;
+mod snapshots;
 mod thumbnail;
+mod view_change;
 
 use crate::backends::{BackendChoice, DEFAULT};
 use crate::engine::{Engine, Subject};
@@ -26,9 +28,10 @@ use crate::workspace::{Assignment, OwnerId, ParameterTable, Session, Values};
 use crate::world::World;
 use departed::DepartedValues;
 pub use export::PictureExport;
-use history::{HistoryEntry, ValueHistory, changed};
+use history::{CurrentState, HistoryEntry, PastValues, ValueHistory, changed, changed_in_view};
 use moving::MovingScene;
 pub use opening::OpenedSession;
+pub use snapshots::Snapshot;
 use std::io;
 use std::path::Path;
 use std::sync::Arc;
@@ -52,6 +55,8 @@ pub struct Workshop {
     engines: Vec<Engine>,
     /// The slider that is held.
     held: Option<(OwnerId, ParameterId)>,
+    /// Whether a slider of the view transform is held.
+    view_is_held: bool,
     shown: Picture,
     /// The stamp of the values that were requested last.
     requested: u64,
@@ -59,16 +64,6 @@ pub struct Workshop {
     /// The scene that is moved by hand, as it was before.
     moving: Option<MovingScene>,
     departed: DepartedValues,
-}
-
-/// A picture with its values, kept for comparison.
-#[derive(Clone)]
-pub struct Snapshot {
-    /// The picture.
-    pub picture: Picture,
-    values: Values,
-    formula: Arc<Formula>,
-    world: Arc<World>,
 }
 
 impl Workshop {
@@ -89,6 +84,7 @@ impl Workshop {
             memory: None,
             engines: Vec::new(),
             held: None,
+            view_is_held: false,
             shown: Picture::default(),
             requested: 0,
             snapshots: [None, None],
@@ -211,7 +207,11 @@ impl Workshop {
 
     /// Takes the newest picture, if there is one. Returns whether there was.
     pub fn refresh(&mut self) -> bool {
-        self.renderer.take(&mut self.shown)
+        let is_new = self.renderer.take(&mut self.shown);
+        if is_new {
+            self.complete_snapshots();
+        }
+        is_new
     }
 
     /// Takes the picture of the current values. While a slider is held, this waits a little for it, so the slider and
@@ -281,7 +281,7 @@ impl Workshop {
     /// Moves a slider that the user holds.
     pub fn drag(&mut self, owner: OwnerId, id: ParameterId, value: [f32; 3]) {
         if self.held != Some((owner, id)) {
-            self.history.push(self.entry());
+            self.note_values(self.current_state().values);
             self.held = Some((owner, id));
         }
         self.values.move_to(owner, id, value);
@@ -322,38 +322,52 @@ impl Workshop {
 
     /// Changes values. The change can be undone.
     pub fn change(&mut self, change: impl FnOnce(&mut Values)) {
-        let before = self.entry();
+        let before = self.current_state().values;
         change(&mut self.values);
         if before.values != self.values {
-            self.history.push(before);
+            self.note_values(before);
             self.held = None;
             self.requested = self.renderer.move_to(self.values.numbers(), None);
         }
     }
 
-    /// Undoes the last change of values. Returns whether there was one.
+    /// Undoes the last change of values or of the view transform. Returns whether there was one.
     pub fn undo(&mut self) -> bool {
-        let other = self.history.undo(self.entry());
+        let other = self.history.undo(self.current_state());
         self.move_to(other)
     }
 
     /// Redoes the change that was undone last. Returns whether there was one.
     pub fn redo(&mut self) -> bool {
-        let other = self.history.redo(self.entry());
+        let other = self.history.redo(self.current_state());
         self.move_to(other)
     }
 
-    /// Uses other values, which may be of another formula or scene.
+    /// Uses other values, which may be of another formula or scene, or another view transform.
     fn move_to(&mut self, other: Option<HistoryEntry>) -> bool {
         let Some(other) = other else { return false };
-        self.values = other.values_for(&self.formula, self.world.scene());
-        self.held = None;
-        self.requested = self.renderer.move_to(self.values.numbers(), None);
+        self.view_is_held = false;
+        match other {
+            HistoryEntry::Values(other) => {
+                self.values = other.values_for(&self.formula, self.world.scene());
+                self.held = None;
+                self.requested = self.renderer.move_to(self.values.numbers(), None);
+            }
+            HistoryEntry::View(view) => self.show_through(view),
+        }
         true
     }
 
-    fn entry(&self) -> HistoryEntry {
-        HistoryEntry { values: self.values.clone(), formula: Arc::clone(&self.formula), scene: Arc::clone(self.scene()) }
+    fn current_state(&self) -> CurrentState {
+        let (formula, scene) = (Arc::clone(&self.formula), Arc::clone(self.scene()));
+        let values = PastValues { values: self.values.clone(), formula, scene };
+        CurrentState { values, view: self.picture.view }
+    }
+
+    /// Notes values that are about to change.
+    fn note_values(&mut self, values: PastValues) {
+        self.view_is_held = false;
+        self.history.push(HistoryEntry::Values(values));
     }
 
     /// Whether there is a change to undo, and one to redo.
@@ -361,7 +375,7 @@ impl Workshop {
         self.history.can_undo_and_redo()
     }
 
-    /// How many changes of values were made and not undone, and how many were made at all. With that, other changes
+    /// How many changes of values and of the view transform were made and not undone, and how many were made at all. With that, other changes
     /// can be put in order with them.
     pub fn history_position(&self) -> [u64; 2] {
         self.history.position()
@@ -369,7 +383,10 @@ impl Workshop {
 
     /// What the change is of that would be undone, and of that which would be redone; `None` if there is none.
     pub fn undo_and_redo_names(&self) -> [Option<String>; 2] {
-        let name = |other: &HistoryEntry| changed(&self.values, &other.clone().values_for(&self.formula, self.scene()));
+        let name = |other: &HistoryEntry| match other {
+            HistoryEntry::Values(other) => changed(&self.values, &other.clone().values_for(&self.formula, self.scene())),
+            HistoryEntry::View(other) => changed_in_view(&self.picture.view, other).to_owned(),
+        };
         self.history.last_and_next().map(|entry| entry.map(name))
     }
 
@@ -400,37 +417,6 @@ impl Workshop {
             self.memory = memory;
             self.engines.clear();
             self.request_picture();
-        }
-    }
-
-    /// Keeps the picture in view and the values as a snapshot.
-    pub fn take_snapshot(&mut self, slot: usize) {
-        let snapshot = Snapshot {
-            picture: self.shown.clone(),
-            values: self.values.clone(),
-            formula: Arc::clone(&self.formula),
-            world: Arc::clone(&self.world),
-        };
-        if let Some(taken) = self.snapshots.get_mut(slot) {
-            *taken = Some(snapshot);
-        }
-    }
-
-    /// A snapshot, if there is one in this slot.
-    pub fn snapshot(&self, slot: usize) -> Option<&Snapshot> {
-        self.snapshots.get(slot)?.as_ref()
-    }
-
-    /// Restores the values, formula and scene of a snapshot.
-    pub fn restore_snapshot(&mut self, slot: usize) {
-        let Some(snapshot) = self.snapshot(slot).cloned() else { return };
-        if Arc::ptr_eq(&snapshot.formula, &self.formula) && Arc::ptr_eq(&snapshot.world, &self.world) {
-            self.change(|values| *values = snapshot.values);
-        } else {
-            self.history.push(self.entry());
-            self.formula = snapshot.formula;
-            self.world = snapshot.world;
-            self.replace_values(snapshot.values);
         }
     }
 

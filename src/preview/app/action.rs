@@ -56,8 +56,8 @@ pub enum Action {
     },
     /// Delete the material of this name.
     DeleteMaterial(String),
-    /// Save a material again that was deleted.
-    RestoreMaterial(Box<DeletedMaterial>),
+    /// Take back the deletion or the replacement of a material.
+    RestoreMaterial(Box<MaterialChange>),
     /// Show the dialog that saves the picture.
     ShowSavePictureDialog,
     /// Copy the picture in view to the clipboard.
@@ -116,13 +116,17 @@ pub enum Action {
     Quit,
 }
 
-/// A material that was deleted, and the library that it was in.
+/// The deletion or the replacement of a material of the user.
 #[derive(Debug, Clone, PartialEq)]
-pub struct DeletedMaterial {
-    /// The material.
-    pub material: Material,
-    /// The library.
+pub struct MaterialChange {
+    /// The name of the material.
+    pub name: String,
+    /// The library that it is in.
     pub library: LibraryLocation,
+    /// The material before; `None` if there was only a built-in one of the name.
+    pub before: Option<Material>,
+    /// The material after; `None` if it was deleted.
+    pub after: Option<Material>,
 }
 
 /// Something over the picture that can be hidden.
@@ -165,12 +169,12 @@ pub(super) fn shortcuts() -> Vec<(KeyboardShortcut, Action, &'static str)> {
         (
             KeyboardShortcut::new(Modifiers::ALT, Key::Z),
             Action::Undo,
-            "Undo a change of a value or of the scene; also Ctrl+Z while no text is edited",
+            "Undo a change of a value, the exposure, the scene or a material; also Ctrl+Z while no text is edited",
         ),
         (
             KeyboardShortcut::new(Modifiers::ALT.plus(Modifiers::SHIFT), Key::Z),
             Action::Redo,
-            "Redo a change of a value or of the scene",
+            "Redo what was undone; also Ctrl+Shift+Z or Ctrl+Y while no text is edited",
         ),
         (plain(Key::F1), Action::ShowShortcuts, "Show these shortcuts"),
         (plain(Key::F2), Action::TogglePanel(PanelId::Reference), "Show or hide the language reference"),

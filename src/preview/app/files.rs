@@ -5,6 +5,7 @@ use crate::lang::source::Source;
 use crate::preview::app::action::{PanelId, PictureOverlay};
 use crate::preview::app::notices::{Notice, Topic};
 use crate::preview::app::saving::SaveStep;
+use crate::preview::app::steps::OtherSteps;
 use crate::preview::app::tab::TextTab;
 use crate::preview::app::theme::Theme;
 use crate::preview::app::{Action, App, SavedSession, documents, theme, user_state};
@@ -14,6 +15,7 @@ use crate::user_data::drafts::Draft;
 use crate::user_data::settings::{Settings, WindowSettings};
 use crate::workspace::FileKind;
 use crate::workspace::Location;
+use crate::workspace::project::Project;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -89,7 +91,7 @@ impl App {
             Action::SaveMaterial { name, body } => self.save_material(&name, body, false),
             Action::ReplaceMaterial { name, body } => self.save_material(&name, body, true),
             Action::DeleteMaterial(name) => self.delete_material(&name),
-            Action::RestoreMaterial(deleted) => self.restore_material(*deleted),
+            Action::RestoreMaterial(change) => self.restore_material(*change),
             Action::Apply => self.apply(self.tab),
             Action::ApplyAsYouType(wanted) => self.change_settings(|settings| settings.window.apply_as_you_type = wanted),
             Action::Undo => self.move_in_history(false),
@@ -239,6 +241,7 @@ impl App {
     fn begin_session(&mut self) {
         let settings = &self.user_state.settings;
         self.workshop.begin_session(settings.picture(), |table| settings.initial_values(table));
+        self.steps = OtherSteps::default();
         self.session = None;
         self.exposes_first = true;
         self.note_saved_session();
@@ -267,6 +270,13 @@ impl App {
         }
     }
 
+    /// Shows another session with its texts. Nothing that was done before can be undone.
+    fn show_session(&mut self, project: &Project) {
+        self.workshop.open(project);
+        self.documents = documents(project);
+        self.steps = OtherSteps::default();
+    }
+
     /// Opens a draft of a session, with the drafts of its texts if they have no errors.
     fn take_session(&mut self, draft: &Draft, texts: &[Draft]) {
         let source = Source::new("the draft of the session", draft.text.as_str());
@@ -277,8 +287,7 @@ impl App {
         let open = |texts: &dyn Fn(FileKind) -> Option<Source>| OpenedSession::from_text(&source, Path::new("/"), texts);
         match open(&kept).or_else(|_| open(&|_| None)) {
             Ok(opened) => {
-                self.workshop.open(&opened.project);
-                self.documents = documents(&opened.project);
+                self.show_session(&opened.project);
                 self.open_materials();
                 self.session = draft.location.clone();
                 self.saved = SavedSession::default();
@@ -314,8 +323,7 @@ impl App {
     fn open_session(&mut self, location: Location) {
         match OpenedSession::open(&location, Readable::Regular) {
             Ok(opened) => {
-                self.workshop.open(&opened.project);
-                self.documents = documents(&opened.project);
+                self.show_session(&opened.project);
                 self.log.add(format!("opened {location}"));
                 self.note_recent(FileKind::Session, &location);
                 self.notify_of_session(&location, &opened.warnings);

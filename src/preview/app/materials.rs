@@ -2,8 +2,9 @@
 
 use crate::files::Readable;
 use crate::lang::display_text::one_line;
-use crate::preview::app::action::DeletedMaterial;
+use crate::preview::app::action::MaterialChange;
 use crate::preview::app::question::Question;
+use crate::preview::app::steps::OtherStep;
 use crate::preview::app::{Action, App};
 use crate::preview::workshop::Workshop;
 use crate::scene::BodyId;
@@ -156,49 +157,88 @@ impl App {
             let replace = Action::ReplaceMaterial { name: name.to_owned(), body };
             return self.dialogs.ask(Question::new("Replace the material?", text).answer("Replace", replace).or("Cancel"));
         }
+        let before = Some(name).filter(|name| !library.is_built_in(name)).and_then(|name| library.get(name)).cloned();
+        let location = library.location().clone();
         let made = Material::of_body(name, self.workshop.values(), body).map_err(|error| error.to_string());
-        match made.and_then(|material| library.put(material).map_err(|findings| format!("{findings:#}"))) {
-            Ok(()) => {
+        let saved = made
+            .and_then(|material| library.put(material.clone()).map(|()| material).map_err(|findings| format!("{findings:#}")));
+        match saved {
+            Ok(material) => {
                 self.materials.current = Some(name.to_owned());
                 self.materials.of = None;
-                self.confirm(format!("saved the material {name}"));
+                if replaces {
+                    let change = MaterialChange { name: name.to_owned(), library: location, before, after: Some(material) };
+                    self.note_material_change(change, &format!("replaced the material {name}"));
+                } else {
+                    self.confirm(format!("saved the material {name}"));
+                }
             }
             Err(message) => self.dialogs.show_message("The material was not saved", message),
         }
     }
 
-    /// Deletes a material, and offers to undo that.
+    /// Deletes a material. That can be undone.
     pub(super) fn delete_material(&mut self, name: &str) {
         let Ok(library) = &mut self.materials.library else { return };
-        let Some(material) = library.get(name).cloned() else { return };
-        let deleted = DeletedMaterial { material, library: library.location().clone() };
+        let Some(before) = library.get(name).cloned() else { return };
+        let library_location = library.location().clone();
         match library.remove(name) {
             Ok(()) => {
                 self.materials.of = None;
-                let text = format!("deleted the material {name}");
-                self.log.add(&text);
-                self.confirmation.say_with(text, "Undo", Action::RestoreMaterial(Box::new(deleted)));
+                let name = name.to_owned();
+                let said = format!("deleted the material {name}");
+                let change = MaterialChange { name, library: library_location, before: Some(before), after: None };
+                self.note_material_change(change, &said);
             }
             Err(findings) => self.dialogs.show_message("The material was not deleted", format!("{findings:#}")),
         }
     }
 
-    /// Saves a deleted material again, also if another formula has another library by now.
-    pub(super) fn restore_material(&mut self, deleted: DeletedMaterial) {
-        let name = deleted.material.name().to_owned();
-        let put = |library: &mut Materials| library.put(deleted.material.clone());
+    /// Notes a step of undo, and says what was done, with a button that takes it back.
+    fn note_material_change(&mut self, change: MaterialChange, said: &str) {
+        let change = Box::new(change);
+        self.steps.note(OtherStep::Material(change.clone()), self.workshop.history_position());
+        self.log.add(said);
+        self.confirmation.say_with(said, "Undo", Action::RestoreMaterial(change));
+    }
+
+    /// Takes back the deletion or the replacement of a material, also if it is not the last step.
+    pub(super) fn restore_material(&mut self, change: MaterialChange) {
+        let step = OtherStep::Material(Box::new(change));
+        if self.steps.next(false, self.workshop.history_position()) == Some(&step) {
+            // It can be redone then.
+            self.move_in_history(false);
+        } else if let OtherStep::Material(change) = &step {
+            self.steps.forget(&step);
+            self.move_material(change, false);
+        }
+    }
+
+    /// Makes a material what it was before a change, or after it. Its library may be that of another formula.
+    pub(super) fn move_material(&mut self, change: &MaterialChange, forwards: bool) {
+        let MaterialChange { name, library, before, after } = change;
+        let wanted = if forwards { after } else { before };
+        let write = |library: &mut Materials| match wanted {
+            Some(material) => library.put(material.clone()),
+            None => library.remove(name),
+        };
         let outcome = match &mut self.materials.library {
-            Ok(open) if *open.location() == deleted.library => put(open),
+            Ok(open) if open.location() == library => write(open),
             Ok(_) | Err(_) => {
-                Materials::open(deleted.library.clone(), Readable::Regular).and_then(|(mut library, _)| put(&mut library))
+                Materials::open(library.clone(), Readable::Regular).and_then(|(mut library, _)| write(&mut library))
             }
         };
         match outcome {
             Ok(()) => {
                 self.materials.of = None;
-                self.confirm(format!("restored the material {name}"));
+                self.confirm(match (wanted, forwards) {
+                    (Some(_), true) => format!("replaced the material {name}"),
+                    (Some(_), false) => format!("restored the material {name}"),
+                    (None, true) => format!("deleted the material {name}"),
+                    (None, false) => format!("the built-in material {name} is back"),
+                });
             }
-            Err(findings) => self.dialogs.show_message("The material was not restored", format!("{findings:#}")),
+            Err(findings) => self.dialogs.show_message("The material stays as it is", format!("{findings:#}")),
         }
     }
 }

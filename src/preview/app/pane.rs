@@ -15,7 +15,7 @@ use crate::scene::BodyId;
 use crate::trace::{MAX_SIDE, Tracer};
 use crate::workspace::OwnerId;
 use clipping::marked;
-use egui::{Pos2, Rect, Response, Sense, Ui, vec2};
+use egui::{ColorImage, Pos2, Rect, Response, Sense, Ui, vec2};
 pub(super) use placement::Placement;
 pub(super) use zoom::Zoom;
 
@@ -270,6 +270,13 @@ impl PicturePane {
             PaneMode::Current | PaneMode::Split(_) | PaneMode::Difference(..) => None,
         };
         snapshot.or_else(|| self.comparison.picture(self.mode)).unwrap_or_else(|| workshop.shown())
+    }
+
+    /// The picture in view as an image, without marks of clipped pixels.
+    pub(super) fn image(&self, workshop: &Workshop) -> ColorImage {
+        let picture = self.unmarked(workshop);
+        let rgb: Vec<u8> = picture.pixels.iter().flat_map(|word| word.to_be_bytes().into_iter().skip(1)).collect();
+        ColorImage::from_rgb([picture.width as usize, picture.height as usize], &rgb)
     }
 
     /// Zooms by some steps. The point of the picture at this position of the screen stays where it is.

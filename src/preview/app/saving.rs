@@ -167,14 +167,15 @@ impl App {
         self.confirmation.say(text);
     }
 
-    /// Copies the picture in view to the clipboard.
+    /// Copies the picture in view to the clipboard, without marks of clipped pixels.
     pub(super) fn copy_picture(&mut self) {
-        let picture = self.pane.picture(&self.workshop);
-        let rgb: Vec<u8> = picture.pixels.iter().flat_map(|word| word.to_be_bytes().into_iter().skip(1)).collect();
-        let size = [picture.width as usize, picture.height as usize];
+        self.workshop.show_all_pixels();
+        self.pane.compose(&self.workshop);
+        let image = self.pane.image(&self.workshop);
         if let Some(context) = self.context.get() {
-            context.copy_image(egui::ColorImage::from_rgb(size, &rgb));
-            self.confirm(format!("copied the picture, {} × {}", size[0], size[1]));
+            let [width, height] = image.size;
+            context.copy_image(image);
+            self.confirm(format!("copied the picture, {width} × {height}"));
         }
     }
 

@@ -4,34 +4,11 @@ use crate::lang::variables::Owner;
 use crate::preview::app::hand::gesture::{distance, framing, from_side, pivot};
 use crate::preview::app::hand::owner_of;
 use crate::preview::app::notices::{Notice, Topic};
+use crate::preview::app::steps::OtherStep;
 use crate::preview::app::tab::TextTab;
 use crate::preview::app::{App, SceneAction};
 use crate::scene::edit::{EditRefusal, Precision, SceneChange, SceneObject, edit, unused_name};
 use crate::scene::{Camera, LightKind, Scene, Shape, Syntax};
-
-/// Steps of undo that are steps of the scene's text, in order with the changes of values.
-#[derive(Debug, Default)]
-pub(super) struct SceneSteps {
-    /// How many changes of values were made and not undone before each step.
-    done: Vec<u64>,
-    /// The same of undone steps, and how many changes of values were made at all.
-    undone: Vec<[u64; 2]>,
-}
-
-impl SceneSteps {
-    /// Notes a step.
-    fn note(&mut self, [position, _]: [u64; 2]) {
-        self.done.push(position);
-        self.undone.clear();
-    }
-
-    /// Whether there is a step to undo, and one to redo, before any change of a value.
-    pub(super) fn comes_next(&self, [position, changes]: [u64; 2]) -> [bool; 2] {
-        let undo = self.done.last().is_some_and(|at| *at >= position);
-        let redo = self.undone.last().is_some_and(|[at, then]| *at <= position && *then == changes);
-        [undo, redo]
-    }
-}
 
 impl App {
     /// Makes a change of the scene in its text, and applies it. If the text has errors, nothing changes.
@@ -40,7 +17,7 @@ impl App {
             Ok(done) => {
                 self.notices.clear(Topic::SceneText);
                 if self.documents.scene.take_text_by_hand(&done.text) {
-                    self.scene_steps.note(self.workshop.history_position());
+                    self.steps.note(OtherStep::SceneText, self.workshop.history_position());
                     self.follow_scene_text();
                 } else {
                     self.workshop.put_back();
@@ -96,24 +73,29 @@ impl App {
         }
     }
 
-    /// Undoes or redoes the last step: of the scene or of a value, whichever is next.
+    /// Undoes or redoes the last step: of the scene, of a material or of a value, whichever is next.
     pub(super) fn move_in_history(&mut self, forwards: bool) {
         self.cancel_gesture();
         let position = self.workshop.history_position();
-        if self.scene_steps.comes_next(position)[usize::from(forwards)] {
-            if self.documents.scene.move_by_hand(forwards) {
-                if forwards {
-                    self.scene_steps.done.extend(self.scene_steps.undone.pop().map(|[at, _]| at));
+        match self.steps.next(forwards, position).cloned() {
+            Some(OtherStep::SceneText) => {
+                if self.documents.scene.move_by_hand(forwards) {
+                    self.steps.pass(forwards, position);
+                    self.documents.scene.take_by_hand_moved();
+                    self.follow_scene_text();
                 } else {
-                    let undone = self.scene_steps.done.pop().map(|at| [at, position[1]]);
-                    self.scene_steps.undone.extend(undone);
+                    // The text was edited since: its own history knows what to undo.
+                    self.steps.forget(&OtherStep::SceneText);
+                    self.move_in_history(forwards);
                 }
-                self.documents.scene.take_by_hand_moved();
-                self.follow_scene_text();
                 return;
             }
-            // The text was edited since: its own history knows what to undo.
-            self.scene_steps = SceneSteps::default();
+            Some(OtherStep::Material(change)) => {
+                self.steps.pass(forwards, position);
+                self.move_material(&change, forwards);
+                return;
+            }
+            None => {}
         }
         let _ = if forwards { self.workshop.redo() } else { self.workshop.undo() };
     }
@@ -251,10 +233,14 @@ impl App {
 
     /// What the change is of that would be undone, and of that which would be redone; `None` if there is none.
     pub(super) fn undo_and_redo_names(&self) -> [Option<String>; 2] {
-        let [undo, redo] = self.scene_steps.comes_next(self.workshop.history_position());
+        let position = self.workshop.history_position();
         let [value, next_value] = self.workshop.undo_and_redo_names();
-        let scene = || Some("the scene".to_owned());
-        [if undo { scene() } else { value }, if redo { scene() } else { next_value }]
+        let name = |forwards: bool, of_value: Option<String>| match self.steps.next(forwards, position) {
+            Some(OtherStep::SceneText) => Some("the scene".to_owned()),
+            Some(OtherStep::Material(change)) => Some(format!("the material {}", change.name)),
+            None => of_value,
+        };
+        [name(false, value), name(true, next_value)]
     }
 }
 

@@ -68,7 +68,24 @@ fn colours(app: &App, ui: &mut Ui, [x, y]: [u32; 2]) {
         let (rect, _) = ui.allocate_exact_size(egui::vec2(12.0, 12.0), egui::Sense::hover());
         ui.painter().rect_filled(rect, 2.0, egui::Color32::from_rgb(red, green, blue));
     }
-    if let Some([red, green, blue]) = shown.linear.as_ref().and_then(|frame| frame.linear.get(index)) {
-        ui.monospace(format!("{red:.3} {green:.3} {blue:.3}")).on_hover_text("Linear colour, before exposure and tone curve");
+    if let Some(colour) = shown.linear.as_ref().and_then(|frame| frame.linear.get(index)) {
+        let about = "Linear colour, before exposure and tone curve. NaN is displayed as 0";
+        ui.monospace(linear_text(*colour, shown.nan.at(index))).on_hover_text(about);
+    }
+}
+
+/// The components of a linear colour. The picture has 0 for those that are NaN.
+fn linear_text(colour: [f32; 3], nan: [bool; 3]) -> String {
+    let text = |(component, is_nan): (f32, bool)| if is_nan { "NaN".to_owned() } else { format!("{component:.3}") };
+    colour.into_iter().zip(nan).map(text).collect::<Vec<_>>().join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_component_that_is_nan_is_named() {
+        assert_eq!(linear_text([0.0, 0.25, 0.0], [true, false, false]), "NaN 0.250 0.000");
     }
 }

@@ -3,6 +3,7 @@
 use crate::picture::{EXPOSURES, ToneCurve, Transfer};
 use crate::preview::app::action::{PictureOverlay, shortcut_of};
 use crate::preview::app::histogram::suitable_exposure;
+use crate::preview::app::number_field::{EditPhase, phase};
 use crate::preview::app::pane::Zoom;
 use crate::preview::app::theme::ROW_HEIGHT;
 use crate::preview::app::{Action, App};
@@ -88,20 +89,23 @@ fn zoom(app: &App, ui: &mut Ui, actions: &mut Vec<Action>) {
 }
 
 fn exposure(app: &mut App, ui: &mut Ui) {
-    let mut settings = app.workshop.settings();
-    let before = settings;
-    let view = &mut settings.view;
+    let mut view = app.workshop.settings().view;
+    let before = view;
     // The name, the slider and the number are in one row. A very narrow pane has no slider; the number can be dragged.
     let has_slider = ui.max_rect().width() > 250.0;
     make_room(ui, if has_slider { 240.0 } else { 130.0 });
     ui.label("Exposure").on_hover_text("In stops: 1 is twice as bright. Double-click the number for 0.");
+    let mut phases = [None, None];
     if has_slider {
         ui.spacing_mut().slider_width = 90.0;
-        ui.add(Slider::new(&mut view.exposure, SLIDER).show_value(false).clamping(SliderClamping::Edits));
+        let slider = Slider::new(&mut view.exposure, SLIDER).show_value(false).clamping(SliderClamping::Edits);
+        phases[0] = phase(&ui.add(slider));
     }
     let number = DragValue::new(&mut view.exposure).range(EXPOSURES).speed(0.02).fixed_decimals(1);
-    let number = number.custom_formatter(|stops, _| format!("{stops:+.1}"));
-    if ui.add_sized([46.0, 20.0], number).double_clicked() {
+    let number = number.custom_formatter(|stops, _| format!("{stops:+.1}")).update_while_editing(false);
+    let number = ui.add_sized([46.0, 20.0], number);
+    phases[1] = phase(&number);
+    if number.double_clicked() {
         view.exposure = 0.0;
     }
     let curve = view.curve;
@@ -124,8 +128,13 @@ fn exposure(app: &mut App, ui: &mut Ui) {
     if ui.checkbox(&mut srgb, "sRGB").on_hover_text(tooltip).changed() {
         view.transfer = if srgb { Transfer::Srgb } else { Transfer::Linear };
     }
-    if settings != before {
-        // The widgets keep the values within their ranges.
-        let _ = app.workshop.set_picture(settings);
+    match phases[0].or(phases[1]) {
+        Some(EditPhase::Dragged) => app.workshop.drag_view(view),
+        Some(EditPhase::Released) => {
+            app.workshop.drag_view(view);
+            app.workshop.release_view();
+        }
+        Some(EditPhase::Set) | None if view != before => app.workshop.set_view(view),
+        Some(EditPhase::Set) | None => {}
     }
 }

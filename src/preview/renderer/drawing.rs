@@ -5,7 +5,7 @@ use crate::evaluate::{Drag, Evaluator, Framebuffer};
 use crate::formula::Formula;
 use crate::picture::Frame;
 use crate::plan::Method;
-use crate::preview::renderer::{Event, Picture, RenderRequest};
+use crate::preview::renderer::{Event, NanMask, Picture, RenderRequest};
 use crate::preview::resampling::scale;
 use crate::trace::Hits;
 use rayon::prelude::*;
@@ -55,6 +55,7 @@ pub(super) struct DrawingWorker {
 /// The linear colours of a picture, with NaN as 0.
 struct LinearPicture {
     frame: Arc<Frame>,
+    nan: NanMask,
     hits: Arc<Hits>,
     numbers: Vec<f32>,
 }
@@ -130,7 +131,7 @@ impl DrawingWorker {
             self.held = held.map(|indices| Held { indices, drag: Readiness::First(numbers.to_vec()) });
         }
         let mut told = None;
-        let mut linear = None;
+        let (mut linear, mut nan) = (None, NanMask::default());
         match &mut self.held {
             Some(Held { drag: Readiness::Made(drag), .. }) => {
                 drag.frame(numbers, &mut framebuffer);
@@ -141,21 +142,23 @@ impl DrawingWorker {
                 told = Some(Some(Method::General));
             }
             None => {
-                let (frame, undefined) = match self.linear.take().filter(|linear| linear.is_of(hits, numbers)) {
-                    Some(linear) => (linear.frame, None),
+                let (frame, mask, undefined) = match self.linear.take().filter(|linear| linear.is_of(hits, numbers)) {
+                    Some(linear) => (linear.frame, linear.nan, None),
                     None => {
                         told = Some(None);
                         let mut frame = ready.frame(numbers);
                         let is_undefined = |pixel: &[f32; 3]| pixel.iter().any(|component| component.is_nan());
                         let first = frame.linear.iter().position(is_undefined);
                         // Most pictures have none, and are read once.
+                        let mask = first.map(|_| NanMask::of(&frame)).unwrap_or_default();
                         let undefined = if first.is_some() { frame.clean() } else { 0 };
-                        (Arc::new(frame), Some((undefined, first)))
+                        (Arc::new(frame), mask, Some((undefined, first)))
                     }
                 };
                 framebuffer.set(&frame);
-                self.linear =
-                    Some(LinearPicture { frame: Arc::clone(&frame), hits: Arc::clone(hits), numbers: numbers.to_vec() });
+                nan = mask.clone();
+                let (frame_kept, hits, numbers) = (Arc::clone(&frame), Arc::clone(hits), numbers.to_vec());
+                self.linear = Some(LinearPicture { frame: frame_kept, nan: mask, hits, numbers });
                 linear = Some(frame);
                 if let Some((undefined, first)) = undefined {
                     let view = &request.subject.view;
@@ -187,7 +190,7 @@ impl DrawingWorker {
         }
         let view = &request.subject.view;
         let full_size = [view.width(), view.height()];
-        Ok(Picture { width, height, pixels, version: 0, values: 0, full_size, linear })
+        Ok(Picture { width, height, pixels, version: 0, values: 0, full_size, linear, nan })
     }
 
     /// Compiles the formula, unless it was the last one.

@@ -1,6 +1,7 @@
-//! Undo and redo of value changes.
+//! Undo and redo of changes of values and of the view transform.
 
 use crate::formula::Formula;
+use crate::picture::ViewTransform;
 use crate::scene::Scene;
 use crate::workspace::Values;
 use std::sync::Arc;
@@ -8,21 +9,46 @@ use std::sync::Arc;
 /// How many changes can be undone.
 const MAX_ENTRIES: usize = 500;
 
+/// What a change replaced. A change of values leaves the view transform alone, and the other way round.
+#[derive(Clone)]
+pub(super) enum HistoryEntry {
+    /// The values.
+    Values(PastValues),
+    /// The view transform.
+    View(ViewTransform),
+}
+
 /// Values with their formula and scene.
 #[derive(Clone)]
-pub(super) struct HistoryEntry {
+pub(super) struct PastValues {
     pub(super) values: Values,
     pub(super) formula: Arc<Formula>,
     pub(super) scene: Arc<Scene>,
 }
 
-impl HistoryEntry {
+impl PastValues {
     /// The values for a formula and a scene: unchanged, or carried over by owner and name.
     pub(super) fn values_for(self, formula: &Arc<Formula>, scene: &Arc<Scene>) -> Values {
         if Arc::ptr_eq(&self.formula, formula) && Arc::ptr_eq(&self.scene, scene) {
             self.values
         } else {
             self.values.carry_over(formula, scene).0
+        }
+    }
+}
+
+/// The current state, to come back to.
+pub(super) struct CurrentState {
+    pub(super) values: PastValues,
+    pub(super) view: ViewTransform,
+}
+
+impl CurrentState {
+    /// The part of it that an entry is of.
+    fn part_of(self, entry: &HistoryEntry) -> HistoryEntry {
+        match entry {
+            HistoryEntry::Values(_) => HistoryEntry::Values(self.values),
+            HistoryEntry::View(_) => HistoryEntry::View(self.view),
         }
     }
 }
@@ -55,15 +81,15 @@ impl ValueHistory {
         [self.position, self.changes]
     }
 
-    /// The state before the last change. `now` is the current state.
-    pub(super) fn undo(&mut self, now: HistoryEntry) -> Option<HistoryEntry> {
+    /// The state before the last change.
+    pub(super) fn undo(&mut self, now: CurrentState) -> Option<HistoryEntry> {
         let entry = move_entry(&mut self.before, &mut self.after, now)?;
         self.position -= 1;
         Some(entry)
     }
 
     /// The state after the change that was undone last.
-    pub(super) fn redo(&mut self, now: HistoryEntry) -> Option<HistoryEntry> {
+    pub(super) fn redo(&mut self, now: CurrentState) -> Option<HistoryEntry> {
         let entry = move_entry(&mut self.after, &mut self.before, now)?;
         self.position += 1;
         Some(entry)
@@ -98,8 +124,19 @@ pub(super) fn changed(one: &Values, other: &Values) -> String {
     }
 }
 
-fn move_entry(from: &mut Vec<HistoryEntry>, to: &mut Vec<HistoryEntry>, now: HistoryEntry) -> Option<HistoryEntry> {
+/// What differs between two view transforms, as the controls call it.
+pub(super) fn changed_in_view(one: &ViewTransform, other: &ViewTransform) -> &'static str {
+    let differs = [one.exposure != other.exposure, one.curve != other.curve, one.transfer != other.transfer];
+    match differs {
+        [true, false, false] => "the exposure",
+        [false, true, false] => "the tone curve",
+        [false, false, true] => "sRGB",
+        _ => "exposure and tone",
+    }
+}
+
+fn move_entry(from: &mut Vec<HistoryEntry>, to: &mut Vec<HistoryEntry>, now: CurrentState) -> Option<HistoryEntry> {
     let other = from.pop()?;
-    to.push(now);
+    to.push(now.part_of(&other));
     Some(other)
 }

@@ -105,6 +105,40 @@ fn snapshots_bring_values_and_formulas_back() {
 }
 
 #[test]
+fn a_snapshot_of_a_held_slider_has_all_pixels_and_one_of_a_coarse_picture_gets_them() {
+    let mut workshop = workshop();
+    settle(&mut workshop);
+    let (owner, id) = slider(&workshop, "ball.kd");
+    // On the screen, the picture has a quarter of its size.
+    workshop.renderer().show_scaled(Some([16, 12]));
+    workshop.drag(owner, id, [0.25; 3]);
+    for _ in 0..30_000 {
+        workshop.refresh();
+        if workshop.shown().values == workshop.stamp() {
+            break;
+        }
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    assert_eq!(workshop.shown().pixels.len(), 16 * 12);
+    workshop.take_snapshot(0);
+    assert!(workshop.held().is_some(), "the slider is still held");
+    let kept = workshop.snapshot(0).expect("a snapshot").picture.clone();
+    assert!(kept.is_full() && kept.pixels.len() == 64 * 48);
+    workshop.release();
+    let released = settle(&mut workshop);
+    let near = |(one, other): (&u32, &u32)| [0, 8, 16].iter().all(|at| (one >> at & 0xff).abs_diff(other >> at & 0xff) <= 1);
+    assert!(kept.pixels.iter().zip(&released).all(near));
+    // The picture in view is still that before the change.
+    workshop.set(owner, id, [0.75; 3]);
+    let before = workshop.shown().version;
+    workshop.take_snapshot(1);
+    assert_eq!(workshop.snapshot(1).expect("a snapshot").picture.version, before);
+    let changed = settle(&mut workshop);
+    assert!(changed != released && workshop.snapshot(1).expect("a snapshot").picture.pixels == changed);
+    assert!(workshop.snapshot(0).expect("a snapshot").picture.pixels == kept.pixels);
+}
+
+#[test]
 fn a_value_is_copied_to_all_bodies_and_a_session_holds_everything() {
     let mut workshop = workshop();
     settle(&mut workshop);

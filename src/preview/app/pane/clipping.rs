@@ -1,7 +1,7 @@
 //! The clipping warning: which pixels of a picture are too bright to be shown, or black.
 
 use crate::picture::ViewTransform;
-use crate::preview::renderer::Picture;
+use crate::preview::renderer::{NanMask, Picture};
 
 /// The colour of pixels with a component that is brighter than the display can show.
 pub(in crate::preview::app) const TOO_BRIGHT: u32 = 0x00ff_00c8;
@@ -29,7 +29,7 @@ pub(super) fn marked(picture: &Picture, view: &ViewTransform) -> Picture {
             picture.pixels.iter().map(|pixel| mark(*pixel, is_full(*pixel))).collect()
         }
     };
-    Picture { pixels, linear: None, ..*picture }
+    Picture { pixels, linear: None, nan: NanMask::default(), ..*picture }
 }
 
 #[cfg(test)]

@@ -83,6 +83,53 @@ fn clipped_pixels_are_marked_on_demand() {
 }
 
 #[test]
+fn the_picture_is_copied_without_the_marks() {
+    let mut harness = harness();
+    let mut settings = harness.state().workshop.settings();
+    settings.view.exposure = 4.0;
+    harness.state_mut().workshop.set_picture(settings).expect("in range");
+    let plain = settle(&mut harness);
+    let context = harness.ctx.clone();
+    harness.state_mut().started(&context);
+    harness.state_mut().perform(Action::ToggleOverlay(PictureOverlay::Clipping));
+    harness.run_steps(2);
+    harness.state_mut().perform(Action::CopyPicture);
+    let commands = context.output(|output| output.commands.clone());
+    let copied = commands.into_iter().find_map(|command| match command {
+        egui::OutputCommand::CopyImage(image) => Some(image),
+        egui::OutputCommand::CopyText(_) | egui::OutputCommand::OpenUrl(_) => None,
+    });
+    let words = |image: egui::ColorImage| {
+        image.pixels.iter().map(|pixel| u32::from_be_bytes([0, pixel.r(), pixel.g(), pixel.b()])).collect::<Vec<_>>()
+    };
+    assert!(words(copied.expect("a picture")) == plain);
+    let app = harness.state();
+    assert!(app.pane.picture(&app.workshop).pixels != plain, "the marks are still in view");
+}
+
+#[test]
+fn a_pixel_that_is_no_number_is_called_nan_and_displayed_as_black() {
+    let mut harness = harness();
+    harness.state_mut().documents.formula.replace_text("formula;\n= IL*sqrt(-max(0, N.L));\n");
+    harness.state_mut().perform(Action::Apply);
+    settle(&mut harness);
+    harness.run_steps(2);
+    let (_, [x, y]) = harness.state().log.undefined().expect("pixels without a number");
+    let app = harness.state();
+    let at = app.pane.placement(&app.workshop).position_of([x as f32 + 0.5, y as f32 + 0.5]);
+    harness.hover_at(at);
+    harness.run_steps(3);
+    assert_eq!(harness.state().pane.pointed(), Some([x, y]));
+    assert!(harness.query_by_label("NaN NaN NaN").is_some() && harness.query_by_label("#000000").is_some());
+    // Another exposure only encodes the picture again, and it is still known.
+    let brighter = crate::picture::ViewTransform { exposure: 2.0, ..view(&harness) };
+    harness.state_mut().workshop.set_view(brighter);
+    settle(&mut harness);
+    harness.run_steps(3);
+    assert!(harness.query_by_label("NaN NaN NaN").is_some());
+}
+
+#[test]
 fn a_new_session_is_exposed_by_its_first_picture_and_counts_as_saved() {
     let mut harness = harness();
     // Three lights of full intensity are too bright for this formula.
@@ -132,4 +179,84 @@ fn a_scene_opened_alone_has_colours_glass_and_a_sensible_exposure() {
     let white = shown.pixels.iter().filter(|pixel| **pixel == 0x00ff_ffff).count();
     let dark = shown.pixels.iter().filter(|pixel| pixel.to_be_bytes()[1..].iter().all(|byte| *byte < 8)).count();
     assert!(white * 50 < shown.pixels.len() && dark * 4 < shown.pixels.len(), "{white} white and {dark} dark pixels");
+}
+
+/// The exposure, the curve and the transfer.
+fn view(harness: &Harness<'_, App>) -> crate::picture::ViewTransform {
+    harness.state().workshop.settings().view
+}
+
+#[test]
+fn exposure_curve_and_transfer_are_undone_step_by_step_and_values_in_order_with_them() {
+    let mut harness = harness();
+    let first = settle(&mut harness);
+    let start = view(&harness);
+    let beside = harness.get_by_label("Exposure").rect();
+    let is_beside = |slider: &egui_kittest::Node<'_>| (slider.rect().center().y - beside.center().y).abs() < 6.0;
+    let slider = harness.get_all_by_role(Role::Slider).find(is_beside).expect("the slider of the exposure").rect();
+    // A drag is one step, however many movements it has.
+    harness.drag_at(slider.left_center() + egui::vec2(50.0, 0.0));
+    harness.run_steps(2);
+    for step in 0..5 {
+        harness.hover_at(slider.left_center() + egui::vec2(50.0 + 5.0 * step as f32, 0.0));
+        harness.run_steps(1);
+    }
+    harness.drop_at(slider.left_center() + egui::vec2(75.0, 0.0));
+    harness.run_steps(2);
+    let dragged = view(&harness);
+    assert!(dragged.exposure > 1.0, "{dragged:?}");
+    // A value in between.
+    let app = harness.state_mut();
+    let ambient = app.workshop.formula().predefined(crate::lang::variables::Predefined::Ambient);
+    let before = app.workshop.values().clone();
+    app.workshop.set(crate::workspace::OwnerId::Global, ambient, [0.9; 3]);
+    settle(&mut harness);
+    harness.get_by_label("Auto").click();
+    harness.run_steps(2);
+    let automatic = view(&harness);
+    assert_ne!(automatic.exposure, dragged.exposure);
+    harness.get_by_label("sRGB").click();
+    harness.run_steps(2);
+    let curved = crate::picture::ViewTransform { curve: ToneCurve::Aces, ..view(&harness) };
+    harness.state_mut().workshop.set_view(curved);
+    let last = view(&harness);
+    assert_eq!((last.curve, last.transfer), (ToneCurve::Aces, Transfer::Linear));
+    let undo = |harness: &mut Harness<'_, App>| {
+        let [name, _] = harness.state().undo_and_redo_names();
+        harness.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::Z);
+        harness.run_steps(2);
+        name.expect("something to undo")
+    };
+    assert_eq!(undo(&mut harness), "the tone curve");
+    assert_eq!(undo(&mut harness), "sRGB");
+    assert_eq!(view(&harness), automatic);
+    assert_eq!(undo(&mut harness), "the exposure");
+    assert_eq!(view(&harness), dragged);
+    // The exposure stays as it was when a value is undone.
+    assert_eq!(undo(&mut harness), "ka");
+    assert!(view(&harness) == dragged && *harness.state().workshop.values() == before);
+    assert_eq!(undo(&mut harness), "the exposure");
+    assert!(view(&harness) == start && settle(&mut harness) == first);
+    assert_eq!(harness.state().workshop.can_undo_and_redo(), [false, true]);
+    for _ in 0..5 {
+        harness.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::Y);
+        harness.run_steps(2);
+    }
+    assert_eq!(view(&harness), last);
+    assert_eq!(harness.state().workshop.can_undo_and_redo(), [true, false]);
+}
+
+#[test]
+fn what_the_first_picture_chooses_is_no_step_and_undo_of_a_value_keeps_it() {
+    let mut harness = harness();
+    let app = harness.state_mut();
+    let ambient = app.workshop.formula().predefined(crate::lang::variables::Predefined::Ambient);
+    app.workshop.set(crate::workspace::OwnerId::Global, ambient, [0.9; 3]);
+    app.perform(Action::Open(FileKind::Scene, Location::Preset("crystals".to_owned())));
+    for _ in 0..3 {
+        settle(&mut harness);
+    }
+    let chosen = view(&harness);
+    harness.state_mut().perform(Action::Undo);
+    assert_eq!((view(&harness), harness.state().workshop.can_undo_and_redo()), (chosen, [false, true]));
 }

@@ -137,6 +137,74 @@ fn a_deleted_material_comes_back() {
 }
 
 #[test]
+fn a_deleted_material_is_undone_and_redone_by_keys_in_order_with_values() {
+    let home = tempfile::tempdir().expect("a folder");
+    let folders = Folders::below(home.path());
+    let (mut harness, body) = with_ball(&folders);
+    harness.state_mut().perform(Action::SaveMaterial { name: "my own".to_owned(), body });
+    harness.run_steps(3);
+    let press = |harness: &mut Harness<'_, App>, key: egui::Key| {
+        harness.key_press_modifiers(egui::Modifiers::COMMAND, key);
+        harness.run_steps(3);
+    };
+    click(&mut harness, "Delete");
+    let id = harness.state().workshop.formula().parameter_named("kd").expect("a parameter");
+    let before = harness.state().workshop.values().clone();
+    harness.state_mut().workshop.set(OwnerId::Body(body), id, [0.123; 3]);
+    harness.run_steps(3);
+    // The value was changed later, so it is undone first.
+    press(&mut harness, egui::Key::Z);
+    assert!(*harness.state().workshop.values() == before && saved_names(&folders).is_empty());
+    assert_eq!(harness.state().undo_and_redo_names()[0].as_deref(), Some("the material my own"));
+    press(&mut harness, egui::Key::Z);
+    assert_eq!(saved_names(&folders), ["my own"]);
+    assert_eq!(harness.state().confirmation.text(), "restored the material my own");
+    press(&mut harness, egui::Key::Y);
+    assert!(saved_names(&folders).is_empty());
+    harness.key_press_modifiers(egui::Modifiers::ALT, egui::Key::Z);
+    harness.run_steps(3);
+    assert_eq!(saved_names(&folders), ["my own"]);
+    // The button takes the same step back, and only once.
+    click(&mut harness, "Delete");
+    click(&mut harness, "Undo");
+    assert_eq!(saved_names(&folders), ["my own"]);
+    assert_eq!(harness.state().undo_and_redo_names()[0], None);
+    // Another session has nothing to undo.
+    click(&mut harness, "Delete");
+    harness.state_mut().perform(Action::Open(FileKind::Session, Location::Preset("glass".to_owned())));
+    harness.state_mut().perform(Action::Undo);
+    assert!(saved_names(&folders).is_empty());
+}
+
+#[test]
+fn a_replaced_material_is_undone_and_a_built_in_one_comes_back() {
+    let home = tempfile::tempdir().expect("a folder");
+    let folders = Folders::below(home.path());
+    let (mut harness, body) = with_ball(&folders);
+    let kd = harness.state().workshop.formula().parameter_named("kd").expect("a parameter");
+    let saved = |name: &str| {
+        let location = LibraryLocation::find(Some("preset:phong"), None, Some(&folders.data)).expect("a location");
+        Materials::open(location, Readable::Regular).expect("a library").0.get(name).cloned().expect("a material")
+    };
+    let replace = |harness: &mut Harness<'_, App>, name: &str| {
+        harness.state_mut().workshop.set(OwnerId::Body(body), kd, [0.0625; 3]);
+        harness.state_mut().perform(Action::ReplaceMaterial { name: name.to_owned(), body });
+        harness.run_steps(3);
+    };
+    harness.state_mut().perform(Action::SaveMaterial { name: "my own".to_owned(), body });
+    for name in ["my own", "gold"] {
+        let before = saved(name);
+        replace(&mut harness, name);
+        let after = saved(name);
+        assert_ne!(after.properties, before.properties);
+        harness.state_mut().perform(Action::Undo);
+        assert_eq!(saved(name).properties, before.properties, "{name}");
+        harness.state_mut().perform(Action::Redo);
+        assert_eq!(saved(name).properties, after.properties, "{name}");
+    }
+}
+
+#[test]
 fn a_material_is_replaced_only_when_the_user_says_so() {
     let home = tempfile::tempdir().expect("a folder");
     let folders = Folders::below(home.path());
