@@ -36,6 +36,19 @@ fn the_menu_of_comparisons_closes_after_a_choice() {
 }
 
 #[test]
+fn one_escape_closes_the_dialog_for_files_though_its_field_has_the_keyboard() {
+    let mut harness = harness();
+    for action in [Action::ShowSaveDialog(FileKind::Session), Action::ShowOpenDialog(FileKind::Session)] {
+        harness.state_mut().perform(action.clone());
+        harness.run_steps(5);
+        assert!(harness.state().dialogs.files.is_open());
+        harness.key_press(Key::Escape);
+        harness.run_steps(3);
+        assert!(!harness.state().dialogs.files.is_open(), "{action:?}");
+    }
+}
+
+#[test]
 fn every_key_is_listed_under_its_heading() {
     let mut harness = harness();
     harness.key_press(Key::F1);
