@@ -112,7 +112,9 @@ fn exposure(app: &App, ui: &mut Ui, view: &mut ViewTransform, short: bool) {
     // The name, the slider and the number are in one row.
     let has_slider = ui.max_rect().width() > NO_SLIDER_BELOW;
     make_room(ui, if has_slider { 160.0 } else { 112.0 });
-    let name = ui.label(if short { "EV" } else { "Exposure" });
+    // As high as the row: the first widget of a further row would be placed too high otherwise.
+    let (name, width) = if short { ("EV", 18.0) } else { ("Exposure", 60.0) };
+    let name = ui.add_sized([width, ROW_HEIGHT], Label::new(name));
     name.on_hover_text("Exposure in stops: 1 is twice as bright. Double-click the number for 0.");
     if has_slider {
         ui.spacing_mut().slider_width = if short { 48.0 } else { 90.0 };
