@@ -94,8 +94,8 @@ impl FileDialogs {
     pub(super) fn ui(&mut self, context: &Context, actions: &mut Vec<Action>) -> Option<Question> {
         let (focused, was_escaped) = self.focused;
         let (dialog, purpose) = self.shown.as_mut()?;
-        // The dialog itself closes a field that is open for a moment. Any other field loses the keyboard and stays: then
-        // Escape was for the dialog.
+        // The dialog itself closes a field that is open for a moment. Any other field loses the keyboard and stays:
+        // then Escape was for the dialog.
         if was_escaped && focused.is_some_and(|id| context.read_response(id).is_some()) {
             (self.shown, self.focused) = (None, (None, false));
             actions.push(Action::StopSaving);

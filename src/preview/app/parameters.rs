@@ -77,6 +77,8 @@ impl ParameterPanel {
         list.show(ui, |ui| {
             // Whole rows, so none is cut in two. The panel keeps its height.
             ui.take_available_height();
+            // A row of the list is short: faded, it would look half selected.
+            ui.spacing_mut().scroll.fade.strength = 0.0;
             let rows = ((ui.available_height() + OWNER_GAP) / OWNER_ROW).floor().max(1.0);
             let height = rows * OWNER_ROW - OWNER_GAP;
             ScrollArea::vertical().id_salt("owners").auto_shrink(false).max_height(height).show(ui, |ui| {

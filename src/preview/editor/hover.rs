@@ -71,8 +71,8 @@ fn own(declared: &Declared, text: &str, doc: String) -> Candidate {
     Candidate { name: declared.name.clone(), insert: String::new(), types, doc, class: declared.class }
 }
 
-/// The operator of a token, if it is one. A sign before its operand and one between two operands have their own meanings,
-/// and so has `<`.
+/// The operator of a token, if it is one. A sign before its operand and one between two operands have their own
+/// meanings, and so has `<`.
 fn operator(words: &Words, at: usize) -> Option<Form> {
     if words.section(words.tokens[at].span.range().start) != TextSection::Formula {
         return None;
