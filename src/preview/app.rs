@@ -13,14 +13,18 @@ mod confirmation;
 mod dialogs;
 mod file_dialogs;
 mod files;
+mod focus_ring;
 mod gallery;
 mod hand;
 mod histogram;
 mod inspector;
 mod jobs;
+mod key_groups;
+mod key_list;
 mod log;
 mod materials;
 mod menu;
+mod menu_entries;
 mod modal;
 mod notices;
 mod number_field;
@@ -64,6 +68,7 @@ use crate::workspace::{FileKind, presets::DEFAULT_SESSION};
 use confirmation::Confirmation;
 use dialogs::Dialogs;
 use egui::{CentralPanel, Context, Frame, Id, Panel, Ui};
+use focus_ring::FocusRing;
 use gallery::Gallery;
 use hand::Hand;
 use inspector::InspectorPanel;
@@ -114,6 +119,7 @@ pub struct App {
     confirmation: Confirmation,
     pending_save: Option<PendingSave>,
     gallery: Gallery,
+    focus_ring: FocusRing,
     thumbnails: Thumbnails,
     jobs: Jobs,
     settings_dialog: SettingsDialog,
@@ -192,6 +198,7 @@ impl App {
             confirmation: Confirmation::default(),
             pending_save: None,
             gallery: Gallery::default(),
+            focus_ring: FocusRing::default(),
             thumbnails: Thumbnails::default(),
             jobs: Jobs::new(waker(&context)),
             settings_dialog: SettingsDialog::default(),
@@ -300,6 +307,7 @@ impl App {
         if let Some(settings) = self.settings_dialog.ui(ui.ctx()) {
             actions.push(Action::SaveSettings(Box::new(settings)));
         }
+        self.focus_ring.ui(ui.ctx());
         for action in actions {
             self.perform(action);
         }

@@ -89,6 +89,8 @@ pub struct Editor {
     /// Requests from outside since the last frame.
     ordered: Vec<Order>,
     changed_at: f64,
+    /// Whether the mouse has not moved since the last key. It then rests wherever it was left, and points at nothing.
+    mouse_rests: bool,
 }
 
 /// A request from outside.
@@ -151,6 +153,7 @@ impl Editor {
             context.memory_mut(|memory| memory.request_focus(id));
         }
         let focused = context.memory(|memory| memory.has_focus(id));
+        self.note_mouse(&context, focused);
         let typed = if focused { self.before_typing(look, document, &mut response) } else { Vec::new() };
         if !focused {
             self.queue.clear();
@@ -172,6 +175,17 @@ impl Editor {
         response.place = (line + 1, column + 1);
         self.selections.insert(document.id(), self.selection);
         response
+    }
+
+    /// Notes whether the mouse or the keyboard was used last.
+    fn note_mouse(&mut self, context: &Context, focused: bool) {
+        context.input(|input| {
+            for event in &input.events {
+                let typed = focused && matches!(event, Event::Key { pressed: true, .. } | Event::Text(_));
+                let moved = matches!(event, Event::PointerMoved(_) | Event::PointerButton { .. } | Event::MouseWheel { .. });
+                self.mouse_rests = (self.mouse_rests || typed) && !moved;
+            }
+        });
     }
 
     /// Switches to a document, with the selection that it had.

@@ -2,6 +2,7 @@
 #![cfg(target_os = "linux")]
 #![allow(clippy::expect_used, clippy::panic, reason = "a test that cannot go on has failed")]
 
+mod clicks;
 mod looks;
 
 use std::io::{BufRead, BufReader};
@@ -24,7 +25,7 @@ impl Screen {
         Self::with(session, &[])
     }
 
-    /// A desktop with these further arguments for the display server.
+    /// A desktop with these further arguments for the display server. Without a name, the session is that of the start.
     fn with(session: &str, told: &[&str]) -> Self {
         // The server chooses a free number and reports it when it accepts connections. It keeps running without
         // clients.
@@ -36,7 +37,8 @@ impl Screen {
         let display = format!(":{}", number.trim());
         let home = tempfile::tempdir().expect("a folder");
         let mut window = Command::new(env!("CARGO_BIN_EXE_illuminator"));
-        let window = window.args(["preview", "--log", session]).env("DISPLAY", &display).env("ILLUMINATOR_HOME", home.path());
+        let named = (!session.is_empty()).then_some(session);
+        let window = window.args(["preview", "--log"]).args(named).env("DISPLAY", &display).env("ILLUMINATOR_HOME", home.path());
         let mut window = window.current_dir(home.path()).stderr(Stdio::piped()).spawn().expect("the program");
         let log = Arc::new(Mutex::new(Vec::new()));
         let (told, lines) = (window.stderr.take().expect("a pipe"), Arc::clone(&log));

@@ -1,6 +1,7 @@
 //! The actions of the user interface, which menus, keys, buttons and dialogs cause.
 
 use crate::backends::BackendChoice;
+use crate::preview::app::key_groups::{KeyGroup, Shortcut};
 use crate::preview::app::pane::Zoom;
 use crate::preview::app::scene_actions::{SceneAction, scene_shortcuts};
 use crate::preview::editor::EditorCommand;
@@ -153,44 +154,65 @@ pub enum PanelId {
     Inspector,
 }
 
-/// Every shortcut: its key, its action, and a description.
-pub(super) fn shortcuts() -> Vec<(KeyboardShortcut, Action, &'static str)> {
+/// Every shortcut of an action that is not on the scene.
+pub(super) fn shortcuts() -> Vec<Shortcut<Action>> {
     let ctrl = |key| KeyboardShortcut::new(Modifiers::COMMAND, key);
     let ctrl_shift = |key| KeyboardShortcut::new(Modifiers::COMMAND.plus(Modifiers::SHIFT), key);
     let plain = |key| KeyboardShortcut::new(Modifiers::NONE, key);
-    vec![
-        (ctrl(Key::Enter), Action::Apply, "Apply the text in view"),
-        (ctrl(Key::S), Action::Save, "Save the text in view"),
-        (ctrl_shift(Key::S), Action::SaveSession, "Save the session"),
-        (ctrl(Key::O), Action::ShowOpenDialog(FileKind::Formula), "Open a formula"),
-        (ctrl_shift(Key::O), Action::ShowOpenDialog(FileKind::Session), "Open a session"),
-        (ctrl(Key::E), Action::ShowSavePictureDialog, "Save the picture"),
-        (ctrl_shift(Key::E), Action::CopyPicture, "Copy the picture to the clipboard"),
+    let undo = KeyboardShortcut::new(Modifiers::ALT, Key::Z);
+    let redo = KeyboardShortcut::new(Modifiers::ALT.plus(Modifiers::SHIFT), Key::Z);
+    let undo_doc = "Undo a change of a value, the exposure, the scene or a material; also Ctrl+Z while no text is edited";
+    let redo_doc = "Redo what was undone; also Ctrl+Shift+Z or Ctrl+Y while no text is edited";
+    let zoom_out = KeyboardShortcut::new(Modifiers::SHIFT, Key::F8);
+    let clipping = Action::ToggleOverlay(PictureOverlay::Clipping);
+    let histogram = Action::ToggleOverlay(PictureOverlay::Histogram);
+    let panel = Action::TogglePanel;
+    let groups = [
         (
-            KeyboardShortcut::new(Modifiers::ALT, Key::Z),
-            Action::Undo,
-            "Undo a change of a value, the exposure, the scene or a material; also Ctrl+Z while no text is edited",
+            KeyGroup::Files,
+            vec![
+                (ctrl(Key::S), Action::Save, "Save the text in view"),
+                (ctrl_shift(Key::S), Action::SaveSession, "Save the session"),
+                (ctrl(Key::O), Action::ShowOpenDialog(FileKind::Formula), "Open a formula"),
+                (ctrl_shift(Key::O), Action::ShowOpenDialog(FileKind::Session), "Open a session"),
+                (ctrl(Key::Q), Action::Quit, "Quit"),
+            ],
         ),
         (
-            KeyboardShortcut::new(Modifiers::ALT.plus(Modifiers::SHIFT), Key::Z),
-            Action::Redo,
-            "Redo what was undone; also Ctrl+Shift+Z or Ctrl+Y while no text is edited",
+            KeyGroup::Editing,
+            vec![
+                (ctrl(Key::Enter), Action::Apply, "Apply the text in view"),
+                (undo, Action::Undo, undo_doc),
+                (redo, Action::Redo, redo_doc),
+            ],
         ),
-        (plain(Key::F1), Action::ShowShortcuts, "Show these shortcuts"),
-        (plain(Key::F2), Action::TogglePanel(PanelId::Reference), "Show or hide the language reference"),
-        (plain(Key::F3), Action::TogglePanel(PanelId::Texts), "Show or hide the texts"),
-        (plain(Key::F4), Action::TogglePanel(PanelId::Parameters), "Show or hide the parameters"),
-        (plain(Key::F5), Action::TogglePanel(PanelId::Inspector), "Show or hide the pixel inspector"),
-        (plain(Key::F6), Action::Zoom(Zoom::Fit), "Fit the picture into its pane"),
-        (plain(Key::F7), Action::Zoom(Zoom::ACTUAL), "Show the picture in its actual size"),
-        (plain(Key::F8), Action::ZoomBy(1), "Zoom in"),
-        (KeyboardShortcut::new(Modifiers::SHIFT, Key::F8), Action::ZoomBy(-1), "Zoom out"),
-        (plain(Key::F9), Action::Zoom(Zoom::Pane), "Make the picture as large as its pane"),
-        (plain(Key::F10), Action::ToggleOverlay(PictureOverlay::Clipping), "Mark pixels that are too bright, or black"),
-        (plain(Key::F11), Action::ToggleOverlay(PictureOverlay::Histogram), "Show or hide the histogram"),
-        (plain(Key::F12), Action::TogglePanel(PanelId::Log), "Show or hide the log"),
-        (ctrl(Key::Q), Action::Quit, "Quit"),
-    ]
+        (
+            KeyGroup::Picture,
+            vec![
+                (plain(Key::F6), Action::Zoom(Zoom::Fit), "Fit the picture into its pane"),
+                (plain(Key::F7), Action::Zoom(Zoom::ACTUAL), "Show the picture in its actual size"),
+                (plain(Key::F8), Action::ZoomBy(1), "Zoom in"),
+                (zoom_out, Action::ZoomBy(-1), "Zoom out"),
+                (plain(Key::F9), Action::Zoom(Zoom::Pane), "Make the picture as large as its pane"),
+                (plain(Key::F10), clipping, "Mark pixels that are too bright, or black"),
+                (plain(Key::F11), histogram, "Show or hide the histogram"),
+                (ctrl(Key::E), Action::ShowSavePictureDialog, "Save the picture"),
+                (ctrl_shift(Key::E), Action::CopyPicture, "Copy the picture to the clipboard"),
+            ],
+        ),
+        (
+            KeyGroup::Window,
+            vec![
+                (plain(Key::F1), Action::ShowShortcuts, "Show these shortcuts"),
+                (plain(Key::F2), panel(PanelId::Reference), "Show or hide the language reference"),
+                (plain(Key::F3), panel(PanelId::Texts), "Show or hide the texts"),
+                (plain(Key::F4), panel(PanelId::Parameters), "Show or hide the parameters"),
+                (plain(Key::F5), panel(PanelId::Inspector), "Show or hide the pixel inspector"),
+                (plain(Key::F12), panel(PanelId::Log), "Show or hide the log"),
+            ],
+        ),
+    ];
+    groups.into_iter().flat_map(|(group, keys)| Shortcut::all_of(group, keys)).collect()
 }
 
 /// The shortcuts that undo and redo value changes while no text is edited. The text editor has its own undo.
@@ -205,9 +227,11 @@ fn beside_texts() -> [(KeyboardShortcut, Action); 3] {
 
 /// The shortcut of an action for the user; empty if there is none.
 pub(super) fn shortcut_of(action: &Action, ui: &Ui) -> String {
-    let found = shortcuts().into_iter().find(|(_, other, _)| other == action);
-    let of_scene = scene_shortcuts().into_iter().find(|(_, other, _)| matches!(action, Action::Scene(own) if own == other));
-    let found = found.map(|(shortcut, ..)| shortcut).or(of_scene.map(|(shortcut, ..)| shortcut));
+    let found = if let Action::Scene(own) = action {
+        scene_shortcuts().into_iter().find(|one| one.action == *own).map(|one| one.keys)
+    } else {
+        shortcuts().into_iter().find(|one| one.action == *action).map(|one| one.keys)
+    };
     found.map(|shortcut| ui.ctx().format_shortcut(&shortcut)).unwrap_or_default()
 }
 
@@ -215,12 +239,12 @@ pub(super) fn shortcut_of(action: &Action, ui: &Ui) -> String {
 pub(super) fn pressed(ui: &Ui, typing: bool) -> Vec<Action> {
     let mut all = shortcuts();
     // Shortcuts with Shift come first, because the ones without it would match too.
-    all.sort_by_key(|(shortcut, ..)| std::cmp::Reverse(shortcut.modifiers.shift));
+    all.sort_by_key(|one| std::cmp::Reverse(one.keys.modifiers.shift));
     let mut actions = Vec::new();
     ui.input_mut(|input| {
-        for (shortcut, action, _) in all {
-            if input.consume_shortcut(&shortcut) {
-                actions.push(action);
+        for one in all {
+            if input.consume_shortcut(&one.keys) {
+                actions.push(one.action);
             }
         }
         for (shortcut, action) in beside_texts() {
@@ -229,10 +253,10 @@ pub(super) fn pressed(ui: &Ui, typing: bool) -> Vec<Action> {
             }
         }
         let mut of_scene = scene_shortcuts();
-        of_scene.sort_by_key(|(shortcut, ..)| std::cmp::Reverse(shortcut.modifiers.shift));
-        for (shortcut, action, _) in of_scene {
-            if !typing && input.consume_shortcut(&shortcut) {
-                actions.push(Action::Scene(action));
+        of_scene.sort_by_key(|one| std::cmp::Reverse(one.keys.modifiers.shift));
+        for one in of_scene {
+            if !typing && input.consume_shortcut(&one.keys) {
+                actions.push(Action::Scene(one.action));
             }
         }
     });

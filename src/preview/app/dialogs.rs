@@ -2,24 +2,12 @@
 
 use crate::lang::display_text::{many_lines, one_line};
 use crate::preview::app::Action;
-use crate::preview::app::action::shortcuts;
 use crate::preview::app::file_dialogs::FileDialogs;
+use crate::preview::app::key_list::key_list_ui;
 use crate::preview::app::modal::modal;
 use crate::preview::app::question::Question;
-use crate::preview::app::scene_actions::{MOUSE_HELP, scene_shortcuts};
-use egui::{Context, Grid, Key, Modifiers, ScrollArea};
+use egui::{Context, Key, Modifiers};
 use std::collections::VecDeque;
-
-/// The height that a dialog needs beside its content: title, button and margins.
-const EXTRA_HEIGHT: f32 = 150.0;
-
-/// More shortcuts, which the text editor has.
-const EDITOR_SHORTCUTS: [(&str, &str); 4] = [
-    ("Ctrl+F", "Find and replace"),
-    ("Ctrl+Space", "Complete the word"),
-    ("Ctrl+Z", "Undo in the text"),
-    ("Ctrl+Y", "Redo in the text"),
-];
 
 /// The dialogs.
 #[derive(Default)]
@@ -77,7 +65,7 @@ impl Dialogs {
             self.questions.pop_front();
         }
         self.offer_ui(context, actions);
-        self.shortcuts_ui(context);
+        self.shortcuts = self.shortcuts && !key_list_ui(context);
     }
 
     /// Draws the oldest message.
@@ -125,39 +113,6 @@ impl Dialogs {
             // Escape and a click beside the dialog mean *Later*.
             if shown.should_close() {
                 self.offered_drafts.clear();
-            }
-        }
-    }
-
-    /// Draws the list of shortcuts.
-    fn shortcuts_ui(&mut self, context: &Context) {
-        if self.shortcuts {
-            let modal = modal(context, "Shortcuts", |ui| {
-                let room = (ui.ctx().content_rect().height() - EXTRA_HEIGHT).max(60.0);
-                ScrollArea::vertical().max_height(room).min_scrolled_height(room).show(ui, |ui| {
-                    Grid::new("shortcuts").num_columns(2).spacing([24.0, 5.0]).show(ui, |ui| {
-                        for (shortcut, _, description) in shortcuts() {
-                            ui.monospace(ui.ctx().format_shortcut(&shortcut));
-                            ui.label(description);
-                            ui.end_row();
-                        }
-                        for (shortcut, _, description) in scene_shortcuts() {
-                            ui.monospace(ui.ctx().format_shortcut(&shortcut));
-                            ui.label(description);
-                            ui.end_row();
-                        }
-                        for (keys, description) in EDITOR_SHORTCUTS.into_iter().chain(MOUSE_HELP) {
-                            ui.monospace(keys);
-                            ui.label(description);
-                            ui.end_row();
-                        }
-                    });
-                });
-                ui.add_space(8.0);
-                ui.button("Close").clicked()
-            });
-            if modal.inner || modal.should_close() {
-                self.shortcuts = false;
             }
         }
     }

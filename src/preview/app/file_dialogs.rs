@@ -6,7 +6,8 @@ use crate::preview::app::Action;
 use crate::preview::app::question::Question;
 use crate::workspace::FileKind;
 use crate::workspace::Location;
-use egui::{Align2, Context};
+use egui::layers::ShapeIdx;
+use egui::{Align2, Context, Id, Key, LayerId, Memory, Order, Shape, TextFormat};
 use egui_file_dialog::{DialogState, FileDialog};
 use std::path::{Path, PathBuf};
 
@@ -21,6 +22,8 @@ enum Purpose {
 #[derive(Default)]
 pub(super) struct FileDialogs {
     shown: Option<(FileDialog, Purpose)>,
+    /// The widget that had the keyboard in the last frame, and whether Escape took the keyboard from it then.
+    focused: (Option<Id>, bool),
     last_folder: Option<PathBuf>,
 }
 
@@ -89,10 +92,26 @@ impl FileDialogs {
 
     /// Draws the open dialog. Returns a question if a file would be replaced that the user has not seen in it.
     pub(super) fn ui(&mut self, context: &Context, actions: &mut Vec<Action>) -> Option<Question> {
+        let (focused, was_escaped) = self.focused;
         let (dialog, purpose) = self.shown.as_mut()?;
+        // The dialog itself closes a field that is open for a moment. Any other field loses the keyboard and stays:
+        // then Escape was for the dialog.
+        if was_escaped && focused.is_some_and(|id| context.read_response(id).is_some()) {
+            (self.shown, self.focused) = (None, (None, false));
+            actions.push(Action::StopSaving);
+            return None;
+        }
         // The search field is black in any theme, so its text would be unreadable in the light theme.
         dialog.config_mut().show_search = context.global_style().visuals.dark_mode;
         dialog.update(context);
+        let escaped = focused.is_some() && context.input(|input| input.key_pressed(Key::Escape));
+        if escaped {
+            self.focused = (focused, true);
+            context.request_repaint();
+        } else {
+            self.focused = (context.memory(Memory::focused), false);
+        }
+        legible(context, dialog.get_window_id());
         let (purpose, picked) = (*purpose, dialog.take_picked());
         let Some(path) = picked else {
             if *dialog.state() != DialogState::Open {
@@ -120,6 +139,25 @@ impl FileDialogs {
         }
         None
     }
+}
+
+/// Gives texts without a colour the colour of the theme. The dialog writes the name of a file that would be replaced
+/// in a grey for dark themes.
+fn legible(context: &Context, window: Id) {
+    let colour = context.global_style().visuals.text_color();
+    let default = TextFormat::default().color;
+    context.graphics_mut(|graphics| {
+        let list = graphics.entry(LayerId::new(Order::Middle, window));
+        for index in 0..list.next_idx().0 {
+            list.mutate_shape(ShapeIdx(index), |clipped| {
+                if let Shape::Text(text) = &mut clipped.shape
+                    && text.galley.job.sections.iter().all(|section| section.format.color == default)
+                {
+                    text.override_text_color = Some(colour);
+                }
+            });
+        }
+    });
 }
 
 /// A suggestion for the dialog that saves.

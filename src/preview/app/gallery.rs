@@ -122,6 +122,9 @@ fn recent_ui(ui: &mut Ui, recent: &[ThumbnailKey], actions: &mut Vec<Action>) {
 fn card_ui(app: &mut App, ui: &mut Ui, size: egui::Vec2, key: &ThumbnailKey, name: &str, about: &str) -> bool {
     let (rect, response) = ui.allocate_exact_size(size, Sense::click());
     response.widget_info(|| WidgetInfo::labeled(WidgetType::Button, true, name));
+    if response.gained_focus() {
+        response.scroll_to_me(None);
+    }
     let widget = ui.style().interact(&response);
     ui.painter().rect_filled(rect, 6.0, if response.hovered() { widget.weak_bg_fill } else { ui.visuals().faint_bg_color });
     let picture = Rect::from_min_size(rect.min + vec2(MARGIN, MARGIN), THUMBNAIL);

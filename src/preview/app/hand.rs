@@ -49,6 +49,8 @@ pub(super) struct Hand {
     pub(super) markers: bool,
     /// What is selected, and when it was.
     selected: (Option<SceneObject>, f64),
+    /// What was just added: it is marked until the pointer comes over the picture, or a value is moved.
+    pub(super) added: Option<SceneObject>,
     outline: CachedOutline,
 }
 
@@ -61,7 +63,7 @@ struct CachedOutline {
 
 impl Default for Hand {
     fn default() -> Self {
-        Self { gesture: None, markers: true, selected: (None, f64::NEG_INFINITY), outline: CachedOutline::default() }
+        Self { gesture: None, markers: true, selected: (None, f64::NEG_INFINITY), added: None, outline: CachedOutline::default() }
     }
 }
 
@@ -139,6 +141,9 @@ impl App {
         if self.hand.selected.0 != selected {
             self.hand.selected = (selected, now);
         }
+        if self.hand.added != selected || response.contains_pointer() || self.workshop.held().is_some() {
+            self.hand.added = None;
+        }
         let leads = self.pane.leads_scene(ui) && self.workshop.shown().version > 0;
         if !leads && self.hand.gesture.is_none() {
             return;
@@ -195,7 +200,8 @@ impl App {
             ui.ctx().set_cursor_icon(cursor);
         }
         let left = self.hand.selected.1 + SHOWN_AFTER_SELECTION - ui.input(|input| input.time);
-        if self.hand.markers && (response.contains_pointer() || held.is_some() || left > 0.0) {
+        let just_added = self.hand.added.is_some();
+        if self.hand.markers && (response.contains_pointer() || held.is_some() || just_added || left > 0.0) {
             let grip = match held {
                 Some(Motion::Move(object, None)) => Some(Grip::Object(object)),
                 Some(Motion::Move(object, Some(axis))) => Some(Grip::Arrow(object, axis)),

@@ -2,13 +2,14 @@
 
 use crate::backends::CHOICES;
 use crate::lang::display_text::one_line;
-use crate::preview::app::action::{PanelId, shortcut_of};
+use crate::preview::app::action::{PanelId, PictureOverlay, shortcut_of};
 use crate::preview::app::comparison::{GAINS, PAIRS, Pair, PaneMode, SNAPSHOTS, obstacle};
+use crate::preview::app::menu_entries::{check_entry, entry, entry_if};
 use crate::preview::app::pane::Zoom;
 use crate::preview::app::scene_menu;
 use crate::preview::app::tab::TextTab;
 use crate::preview::app::thumbnail_key::ThumbnailKey;
-use crate::preview::app::{Action, App, theme};
+use crate::preview::app::{Action, App, SceneAction, theme};
 use crate::preview::editor::{PossibleEdits, edit_menu_ui};
 use crate::user_data::settings::ThemeSetting;
 use crate::workspace::FileKind;
@@ -19,19 +20,6 @@ use egui::{
     Align, Button, Label, Layout, MenuBar, PopupCloseBehavior, Rect, RichText, ScrollArea, Sense, Ui, UiBuilder, Vec2,
     WidgetInfo, WidgetType, vec2,
 };
-
-/// A menu entry with its shortcut.
-fn entry(ui: &mut Ui, name: &str, action: Action, actions: &mut Vec<Action>) {
-    entry_if(ui, true, name, action, actions);
-}
-
-fn entry_if(ui: &mut Ui, enabled: bool, name: &str, action: Action, actions: &mut Vec<Action>) {
-    let button = Button::new(name).shortcut_text(shortcut_of(&action, ui));
-    if ui.add_enabled(enabled, button).clicked() {
-        actions.push(action);
-        ui.close();
-    }
-}
 
 /// The height that a menu needs beside its entries: the menu bar, and margins.
 const EXTRA_HEIGHT: f32 = 70.0;
@@ -173,25 +161,30 @@ fn picture(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
         let _ = app.workshop.set_picture(settings);
     }
     ui.separator();
+    zoom_entries(ui, app, actions);
+    ui.separator();
+    for backend in CHOICES {
+        if ui.radio(app.backend() == backend, backend.title).clicked() {
+            actions.push(Action::SetBackend(backend));
+        }
+    }
+}
+
+/// The entries for how large the picture is.
+fn zoom_entries(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
     for (zoom, name, about) in [
         (Zoom::Fit, "Fit into the pane", "The whole picture in the size of the session, scaled to the pane"),
         (Zoom::ACTUAL, "Actual size", "One pixel of the screen for each pixel of the picture"),
         (Zoom::Pane, "As large as its pane", "The picture is made in the size of the pane. The session keeps its size"),
     ] {
         let action = Action::Zoom(zoom);
-        let button = Button::selectable(app.pane.zoom == zoom, name).shortcut_text(shortcut_of(&action, ui));
+        let button = Button::selectable(app.pane.zoom == zoom, name).right_text(shortcut_of(&action, ui));
         if ui.add(button).on_hover_text(about).clicked() {
             actions.push(action);
         }
     }
     for (steps, name) in [(1, "Zoom in"), (-1, "Zoom out")] {
         entry(ui, name, Action::ZoomBy(steps), actions);
-    }
-    ui.separator();
-    for backend in CHOICES {
-        if ui.radio(app.backend() == backend, backend.title).clicked() {
-            actions.push(Action::SetBackend(backend));
-        }
     }
 }
 
@@ -202,16 +195,17 @@ fn compare(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
         entry_if(ui, is_taken, &format!("Go back to {name}"), Action::RestoreSnapshot(slot), actions);
     }
     ui.separator();
-    ui.radio_value(&mut app.pane.mode, PaneMode::Current, "Current picture");
+    let mut chosen = ui.radio_value(&mut app.pane.mode, PaneMode::Current, "Current picture").clicked();
     for (slot, name) in SNAPSHOTS.into_iter().enumerate() {
         ui.add_enabled_ui(app.workshop.snapshot(slot).is_some(), |ui| {
-            ui.radio_value(&mut app.pane.mode, PaneMode::Snapshot(slot), format!("{name} alone"));
+            let mode = PaneMode::Snapshot(slot);
+            chosen |= ui.radio_value(&mut app.pane.mode, mode, format!("{name} alone")).clicked();
         });
     }
     ui.separator();
     ui.weak("Side by side");
     for pair in PAIRS {
-        compare_entry(ui, app, pair, PaneMode::Split(pair), "|");
+        chosen |= compare_entry(ui, app, pair, PaneMode::Split(pair), "|");
     }
     ui.separator();
     ui.weak("Difference");
@@ -220,20 +214,23 @@ fn compare(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
         PaneMode::Current | PaneMode::Snapshot(_) | PaneMode::Split(_) => GAINS[0],
     };
     for pair in PAIRS {
-        compare_entry(ui, app, pair, PaneMode::Difference(pair, gain), "−");
+        chosen |= compare_entry(ui, app, pair, PaneMode::Difference(pair, gain), "−");
     }
     if let PaneMode::Difference(_, gain) = &mut app.pane.mode {
         ui.horizontal(|ui| {
             ui.label("Amplified");
             for choice in GAINS {
-                ui.selectable_value(gain, choice, format!("×{choice}"));
+                chosen |= ui.selectable_value(gain, choice, format!("×{choice}")).clicked();
             }
         });
     }
+    if chosen {
+        ui.close();
+    }
 }
 
-/// An entry that compares two pictures.
-fn compare_entry(ui: &mut Ui, app: &mut App, pair: Pair, mode: PaneMode, between: &str) {
+/// An entry that compares two pictures. Returns whether it was chosen.
+fn compare_entry(ui: &mut Ui, app: &mut App, pair: Pair, mode: PaneMode, between: &str) -> bool {
     let obstacle = obstacle(pair, &app.workshop);
     let [one, other] = pair.map(|side| side.name());
     let radio = egui::RadioButton::new(app.pane.mode == mode, format!("{one} {between} {other}"));
@@ -242,6 +239,7 @@ fn compare_entry(ui: &mut Ui, app: &mut App, pair: Pair, mode: PaneMode, between
     if response.clicked() {
         app.pane.mode = mode;
     }
+    response.clicked()
 }
 
 fn view(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
@@ -253,11 +251,18 @@ fn view(ui: &mut Ui, app: &mut App, actions: &mut Vec<Action>) {
         (PanelId::Reference, "Language reference", panels.reference),
         (PanelId::Inspector, "Pixel inspector", app.inspector.open),
     ] {
-        let mut seen = seen;
-        if ui.checkbox(&mut seen, name).changed() {
-            actions.push(Action::TogglePanel(panel));
-        }
+        check_entry(ui, seen, name, Action::TogglePanel(panel), actions);
     }
+    ui.separator();
+    for (overlay, name, seen) in [
+        (PictureOverlay::Clipping, "Marks of clipped pixels", app.pane.clipping),
+        (PictureOverlay::Histogram, "Histogram", app.pane.histogram),
+    ] {
+        check_entry(ui, seen, name, Action::ToggleOverlay(overlay), actions);
+    }
+    check_entry(ui, app.hand.markers, "Markers in the picture", Action::Scene(SceneAction::ToggleMarkers), actions);
+    ui.separator();
+    zoom_entries(ui, app, actions);
     ui.separator();
     for theme in ThemeSetting::ALL {
         if ui.radio(app.user_state.settings.window.theme == theme, theme::setting_name(theme)).clicked() {

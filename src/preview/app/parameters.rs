@@ -11,7 +11,7 @@ use crate::preview::app::value_rows::{RowColumns, RowContext, ValueEdit};
 use crate::preview::workshop::Workshop;
 use crate::user_data::settings::{PanelSide, PanelSizes};
 use crate::workspace::{OwnerId, Values};
-use egui::{Align2, Id, Panel, Rect, Response, ScrollArea, Sense, TextEdit, TextStyle, Ui, vec2};
+use egui::{Align, Align2, Id, Layout, Panel, Rect, Response, ScrollArea, Sense, TextEdit, TextStyle, Ui, vec2};
 
 /// The panel.
 pub(super) struct ParameterPanel {
@@ -31,8 +31,11 @@ impl Default for ParameterPanel {
     }
 }
 
+/// The height of a row of the list of owners with the space below it, and that space, in points.
+const OWNER_ROW: f32 = 22.0;
+const OWNER_GAP: f32 = 1.0;
 /// The least heights of the list of owners and of what is below it, in points.
-const LEAST_OWNERS: f32 = 60.0;
+const LEAST_OWNERS: f32 = 3.0 * OWNER_ROW + 8.0;
 const LEAST_VALUES: f32 = 300.0;
 
 /// The parameters of ambient light.
@@ -72,7 +75,13 @@ impl ParameterPanel {
         let list = Panel::top(id).resizable(true).default_size(sizes.get(PanelSide::Owners)).size_range(LEAST_OWNERS..=most);
         let list = list.frame(egui::Frame::NONE.inner_margin(egui::Margin::symmetric(0, 4)));
         list.show(ui, |ui| {
-            ScrollArea::vertical().id_salt("owners").auto_shrink(false).show(ui, |ui| {
+            // Whole rows, so none is cut in two. The panel keeps its height.
+            ui.take_available_height();
+            // A row of the list is short: faded, it would look half selected.
+            ui.spacing_mut().scroll.fade.strength = 0.0;
+            let rows = ((ui.available_height() + OWNER_GAP) / OWNER_ROW).floor().max(1.0);
+            let height = rows * OWNER_ROW - OWNER_GAP;
+            ScrollArea::vertical().id_salt("owners").auto_shrink(false).max_height(height).show(ui, |ui| {
                 self.owners_ui(ui, workshop.values(), transfer);
             });
         });
@@ -142,19 +151,22 @@ impl ParameterPanel {
             && let Some([low, high]) = values.range_of(owner, id)
         {
             let name = &values.table().parameter(id).name;
-            let by = if Some([low, high]) == values.table().parameter(id).range { "" } else { ", by invariants" };
+            let by = if Some([low, high]) == values.table().parameter(id).range { "" } else { ": the invariants allow no more" };
             let [low, high] = [low, high].map(|bound| (bound * 1e4).round() / 1e4);
             self.limited = Some((owner, id, format!("{name} is from {low} to {high} here{by}")));
         }
     }
 
     fn owners_ui(&mut self, ui: &mut Ui, values: &Values, transfer: Transfer) {
-        ui.spacing_mut().item_spacing.y = 1.0;
+        ui.spacing_mut().item_spacing.y = OWNER_GAP;
         let owners = values.table().owners();
         for (kind, title) in [(Owner::Global, ""), (Owner::Light, "Lights"), (Owner::Body, "Bodies")] {
             if !title.is_empty() {
-                ui.add_space(4.0);
-                section(ui, title);
+                let size = vec2(ui.available_width(), OWNER_ROW - OWNER_GAP);
+                ui.allocate_ui_with_layout(size, Layout::left_to_right(Align::Max), |ui| {
+                    ui.set_min_size(size);
+                    section(ui, title);
+                });
             }
             for owner in owners.of_kind(kind) {
                 let selected = self.selected == owner && !self.ambient && self.search.is_empty();
@@ -205,7 +217,7 @@ fn colour_of(values: &Values, owner: OwnerId) -> Option<[f32; 3]> {
 fn owner_ui(ui: &mut Ui, selected: bool, name: &str, colour: Option<egui::Color32>) -> Response {
     const SWATCH: f32 = 11.0;
     const INDENT: f32 = 8.0;
-    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 21.0), Sense::click());
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), OWNER_ROW - OWNER_GAP), Sense::click());
     response.widget_info(|| egui::WidgetInfo::selected(egui::WidgetType::SelectableLabel, true, selected, name));
     if ui.is_rect_visible(rect) {
         let visuals = ui.style().interact_selectable(&response, selected);

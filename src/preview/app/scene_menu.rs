@@ -2,6 +2,7 @@
 
 use crate::lang::display_text::one_line;
 use crate::preview::app::action::shortcut_of;
+use crate::preview::app::menu_entries::check_entry;
 use crate::preview::app::scene_actions::{SceneAction, side_name};
 use crate::preview::app::{Action, App};
 use crate::scene::{LightKind, Shape, ViewSide};
@@ -11,7 +12,7 @@ use egui::{Button, Ui};
 pub(super) fn entries(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
     let act = |ui: &mut Ui, enabled: bool, name: &str, action: SceneAction, actions: &mut Vec<Action>| {
         let action = Action::Scene(action);
-        let button = Button::new(one_line(name)).shortcut_text(shortcut_of(&action, ui));
+        let button = Button::new(one_line(name)).right_text(shortcut_of(&action, ui));
         if ui.add_enabled(enabled, button).clicked() {
             actions.push(action);
             ui.close();
@@ -42,10 +43,9 @@ pub(super) fn entries(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
     });
     act(ui, true, "Reset camera", SceneAction::ResetCamera, actions);
     ui.separator();
-    let (action, mut seen) = (Action::Scene(SceneAction::ToggleMarkers), app.hand.markers);
-    let title = format!("Markers in the picture ({})", shortcut_of(&action, ui));
-    if ui.checkbox(&mut seen, title).changed() {
-        actions.push(action);
+    let before = actions.len();
+    check_entry(ui, app.hand.markers, "Markers in the picture", Action::Scene(SceneAction::ToggleMarkers), actions);
+    if actions.len() > before {
         ui.close();
     }
 }

@@ -183,6 +183,7 @@ impl App {
         self.workshop.forget_values(kind, name);
         self.change_scene(&change, precision);
         self.select_named(name);
+        self.hand.added = self.selected_object();
     }
 
     /// Adds a copy of a body or light beside it, with the same values, and selects it.
@@ -207,6 +208,7 @@ impl App {
         if let (Some(from), Some(to)) = (owners.named(name), owners.named(&name_of_copy)) {
             self.workshop.copy_values(from, to);
             self.parameters.select(to);
+            self.hand.added = self.selected_object();
         }
     }
 

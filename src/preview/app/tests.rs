@@ -13,6 +13,7 @@ mod drafts;
 mod focus;
 mod layout;
 mod light;
+mod menus;
 mod picture;
 mod rows;
 mod safety;
@@ -140,7 +141,7 @@ fn a_number_that_cannot_be_is_brought_back_with_a_word() {
     assert_eq!(said(&harness), None);
     enter(&mut harness, "0.97");
     let note = said(&harness).expect("a word");
-    assert!(note.starts_with("kd is from 0 to 0.") && note.ends_with(", by invariants"), "{note}");
+    assert!(note.starts_with("kd is from 0 to 0.") && note.ends_with(": the invariants allow no more"), "{note}");
     enter(&mut harness, "0.25");
     assert_eq!(said(&harness), None);
     enter(&mut harness, "-3");

@@ -208,8 +208,11 @@ impl Signs<'_> {
             painter.circle_stroke(pos2(rect.center().x, body.top()), 3.2, Stroke::new(1.6, colour));
             painter.rect_filled(body, 1.5, colour);
         } else {
-            let font = TextStyle::Button.resolve(ui.style());
-            ui.painter().text(rect.center(), Align2::CENTER_CENTER, "⚠", font, ui.visuals().warn_fg_color);
+            // An end stop. The value is all right, so it has no colour of a warning.
+            let stroke = Stroke::new(1.6, ui.visuals().weak_text_color());
+            let (painter, at) = (ui.painter(), rect.center());
+            painter.line_segment([at + vec2(3.0, -4.5), at + vec2(3.0, 4.5)], stroke);
+            painter.line_segment([at + vec2(-4.0, 0.0), at + vec2(2.0, 0.0)], stroke);
         }
         response.on_hover_text(said);
     }

@@ -49,7 +49,7 @@ pub fn edit_menu_ui(ui: &mut Ui, can: PossibleEdits) -> Option<EditorCommand> {
             ui.separator();
         }
         for (command, name, key, possible) in entries {
-            let button = Button::new(*name).shortcut_text(ui.ctx().format_shortcut(&shortcut(*key)));
+            let button = Button::new(*name).right_text(ui.ctx().format_shortcut(&shortcut(*key)));
             if ui.add_enabled(*possible, button).clicked() {
                 chosen = Some(*command);
                 ui.close();

@@ -2,12 +2,13 @@
 
 use super::completion::{Candidate, function, meaning, predefined, variable};
 use super::palette::Palette;
-use super::words::{Class, Declared, Words, scene_words};
+use super::words::{Class, Declared, TextSection, Words, scene_words};
 use crate::lang::ast::FormulaFile;
 use crate::lang::builtins::{self, Form};
 use crate::lang::display_text::one_line;
 use crate::lang::keywords;
 use crate::lang::parser::parse;
+use crate::lang::token::{Mark, TokenKind};
 use crate::lang::variables::{Predefined, Variable};
 use crate::preview::editor::Document;
 use crate::workspace::FileKind;
@@ -55,6 +56,7 @@ impl PointedSyntax {
                 };
                 Some(own(declared, text, doc))
             }
+            Class::Plain if document.kind() == FileKind::Formula => operator(words, at).map(function),
             Class::Plain | Class::Number | Class::Comment | Class::Uses | Class::Unknown => None,
         };
         found.map(|found| (found, range))
@@ -67,6 +69,47 @@ fn own(declared: &Declared, text: &str, doc: String) -> Candidate {
     let rest = statement.strip_prefix(&declared.name).unwrap_or_default().trim_end_matches(';');
     let types = one_line(rest.trim_start().trim_start_matches(':').trim_start());
     Candidate { name: declared.name.clone(), insert: String::new(), types, doc, class: declared.class }
+}
+
+/// The operator of a token, if it is one. A sign before its operand and one between two operands have their own
+/// meanings, and so has `<`.
+fn operator(words: &Words, at: usize) -> Option<Form> {
+    if words.section(words.tokens[at].span.range().start) != TextSection::Formula {
+        return None;
+    }
+    let mark = |at: usize| match words.tokens[at].kind {
+        TokenKind::Mark(mark) => Some(mark),
+        TokenKind::Number(_) | TokenKind::Word(_) | TokenKind::Uses(..) | TokenKind::Unknown | TokenKind::End => None,
+    };
+    // The vectors and parentheses that are open at the token.
+    let mut open = Vec::new();
+    let mut found = None;
+    // Whether an operand stands before the token. After a vector there is one.
+    let mut behind_operand = false;
+    for index in 0..=at {
+        let (one, before) = (mark(index), behind_operand);
+        behind_operand = one.is_none();
+        let Some(one) = one else {
+            found = None;
+            continue;
+        };
+        let ends_vector = one == Mark::Greater && open.last() == Some(&Mark::Less);
+        let starts_vector = one == Mark::Less && !before;
+        if starts_vector || one == Mark::Open {
+            open.push(one);
+        } else if ends_vector || one == Mark::Close {
+            open.pop();
+            behind_operand = true;
+        } else if one == Mark::Semicolon {
+            open.clear();
+        }
+        found = Some(match before {
+            _ if starts_vector || ends_vector => Form::Vector,
+            true => Form::Infix(one),
+            false => Form::Prefix(one),
+        });
+    }
+    found.filter(|form| form.overloads().next().is_some())
 }
 
 fn formula_keyword(word: &str) -> Option<Candidate> {
@@ -125,6 +168,25 @@ mod tests {
         let own = in_formula(&head.replace("D = k", "D = |k")).expect("a parameter");
         assert_eq!(own, ("scalar, default 0.5".to_owned(), "matte part".to_owned()));
         assert_eq!(in_formula("formula; = 1|2; // t|ext"), None);
+    }
+
+    #[test]
+    fn operators_are_explained_by_the_table_of_the_language() {
+        let doc = |marked: &str| in_formula(&format!("formula;\n{marked}")).map(|(_, doc)| doc).unwrap_or_default();
+        let of = |form: Form| form.overloads().next().unwrap().doc().to_owned();
+        assert_eq!(doc("= Cd|*2;"), of(Form::Infix(Mark::Star)));
+        assert_eq!(doc("= N|.L*Cd;"), of(Form::Infix(Mark::Dot)));
+        assert_eq!(doc("= (1 |- 2)*Cd;"), of(Form::Infix(Mark::Minus)));
+        assert_eq!(doc("= |-2*Cd;"), of(Form::Prefix(Mark::Minus)));
+        assert_eq!(doc("= Cd*(|-2);"), of(Form::Prefix(Mark::Minus)));
+        assert_eq!(doc("= if(N.L |<= 2, Cd, Cs);"), of(Form::Infix(Mark::LessEqual)));
+        assert_eq!(doc("= if(N.L |< 2, Cd, Cs);"), of(Form::Infix(Mark::Less)));
+        assert_eq!(doc("= if(2 |> N.L, Cd, Cs);"), of(Form::Infix(Mark::Greater)));
+        assert_eq!(doc("= |<1, 2, 3>;"), of(Form::Vector));
+        assert_eq!(doc("= <1, 2, 3|>;"), of(Form::Vector));
+        assert_eq!(doc("= <1, 2, 3> |- Cd;"), of(Form::Infix(Mark::Minus)));
+        assert_eq!(doc("D |= Cd;\n= D;"), "");
+        assert_eq!(in_formula("body_specific; a: scalar, constraint 0|..1; formula; = a*Cd;"), None);
     }
 
     #[test]

@@ -154,6 +154,28 @@ fn the_message_is_shown_under_the_pointer() {
 }
 
 #[test]
+fn nothing_is_explained_while_the_mouse_rests_and_keys_are_pressed() {
+    let mut harness = desk(FileKind::Formula, "formula;\n= smoothstep(0, 1, N.L)*Cd;");
+    let rest = |harness: &mut Harness<'_, Desk>, from: f32| {
+        for step in 0..10 {
+            harness.hover_at(egui::pos2(from + step as f32 * 0.1, 32.0));
+            harness.step();
+        }
+        harness.run_steps(60);
+    };
+    let doc = crate::lang::builtins::named("smoothstep").and_then(|form| form.overloads().next()).unwrap().doc();
+    let explained = |harness: &Harness<'_, Desk>| harness.query_all_by_label_contains(doc).count() > 0;
+    rest(&mut harness, 90.0);
+    assert!(explained(&harness));
+    cursor_to(&mut harness, 9);
+    press(&mut harness, Modifiers::NONE, Key::ArrowRight);
+    harness.run_steps(90);
+    assert!(!explained(&harness));
+    rest(&mut harness, 92.0);
+    assert!(explained(&harness));
+}
+
+#[test]
 fn completion_writes_the_rest() {
     let mut harness = desk(FileKind::Formula, "formula;\n= ");
     cursor_to(&mut harness, 11);

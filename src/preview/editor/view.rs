@@ -179,6 +179,7 @@ impl Editor {
         );
         if in_text.is_empty()
             && !self.list.is_open()
+            && !self.mouse_rests
             && let Some((known, _)) = self.meaning_at(look, document, (origin, &hovered))
         {
             hovered.clone().on_hover_ui_at_pointer(|ui| hover::hover_ui(ui, &known, look.palette));

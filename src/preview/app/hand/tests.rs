@@ -390,3 +390,16 @@ fn a_text_that_cannot_follow_is_not_touched_and_one_that_can_is_applied() {
     release(&mut harness, PointerButton::Primary, NONE, centre + vec2(80.0, 0.0));
     assert_eq!((text(&harness), &scene(&harness)), (glass, &**opened.project.subject.world.scene()));
 }
+
+#[test]
+fn what_was_added_is_marked_until_the_pointer_comes() {
+    let mut harness = harness();
+    harness.state_mut().perform(Action::Scene(SceneAction::AddBody("sphere")));
+    harness.run_steps(100);
+    let added = harness.state().hand.added;
+    assert!(added.is_some() && added == harness.state().selected_object());
+    let at = harness.state().pane.area().center();
+    harness.hover_at(at);
+    harness.run_steps(2);
+    assert_eq!(harness.state().hand.added, None);
+}

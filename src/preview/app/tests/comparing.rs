@@ -19,6 +19,14 @@ fn seen(harness: &Harness<'_, App>) -> Vec<u32> {
     app.pane.picture(&app.workshop).pixels.clone()
 }
 
+/// Chooses an entry of the menu, which closes.
+fn choose(harness: &mut Harness<'_, App>, entry: &str) {
+    harness.get_by_label("Compare").click();
+    harness.run_steps(3);
+    harness.get_by_label(entry).click();
+    harness.run_steps(3);
+}
+
 #[test]
 fn snapshots_are_compared_with_each_other_and_the_difference_is_told() {
     let mut harness = harness();
@@ -45,8 +53,7 @@ fn snapshots_are_compared_with_each_other_and_the_difference_is_told() {
         split[64 * row..][..32] == dark[64 * row..][..32] && split[64 * row + 33..][..31] == light[64 * row + 33..][..31]
     };
     assert!((0..48).all(is_half));
-    harness.get_by_label("A − B").click();
-    harness.run_steps(3);
+    choose(&mut harness, "A − B");
     let byte = |word: u32, shift: u32| word >> shift & 0xff;
     let steps = |gain: u32| {
         let differ = |(a, b): (&u32, &u32)| {
@@ -55,8 +62,7 @@ fn snapshots_are_compared_with_each_other_and_the_difference_is_told() {
         dark.iter().zip(&light).map(differ).collect::<Vec<u32>>()
     };
     assert!(seen(&harness) == steps(1));
-    harness.get_by_label("×16").click();
-    harness.run_steps(3);
+    choose(&mut harness, "×16");
     assert!(seen(&harness) == steps(16));
     let largest = steps(1).iter().flat_map(|word| [16, 8, 0].map(|shift| byte(*word, shift))).max().expect("pixels");
     let app = harness.state();

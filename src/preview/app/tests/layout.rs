@@ -24,7 +24,20 @@ fn every_control_is_within_its_panel_at_every_size() {
             harness.run_steps(4);
             let window = Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(size[0], size[1]));
             let pane = harness.state().pane.area();
-            let controls = ["Fit", "1:1", "−", "+", "Exposure", "Auto", "sRGB", "Clipping", "Histogram"];
+            let short = harness.query_by_label("Exposure").is_none();
+            let named = if short { ["EV", "Clip", "Hist"] } else { ["Exposure", "Clipping", "Histogram"] };
+            let controls = ["Fit", "1:1", "Pane", "−", "+", named[0], "Auto", "sRGB", named[1], named[2]];
+            if !inspector {
+                let mut centres: Vec<f32> = rects(&harness, &controls).iter().map(|rect| rect.center().y).collect();
+                centres.sort_by(f32::total_cmp);
+                let rows = 1 + centres.windows(2).filter(|pair| pair[1] - pair[0] > 12.0).count();
+                let most = if size[0] >= 1280.0 { 1 } else { 2 };
+                assert!(
+                    size[0] < 1024.0 || rows <= most,
+                    "the controls take {rows} rows at {size:?}, pane {pane:?}: {centres:?}"
+                );
+                assert_eq!(short, size[0] < 1700.0, "at {size:?}");
+            }
             for (rect, name) in rects(&harness, &controls).into_iter().zip(controls) {
                 let inside = rect.left() >= pane.left() - 1.0 && rect.right() <= pane.right() + 1.0;
                 assert!(inside && rect.bottom() < window.bottom(), "{name} at {size:?}: {rect:?}, pane {pane:?}");
@@ -36,5 +49,29 @@ fn every_control_is_within_its_panel_at_every_size() {
             }
             assert!(pane.height() > 60.0 && pane.width() >= 150.0, "the picture keeps room at {size:?}: {pane:?}");
         }
+    }
+}
+
+#[test]
+fn the_list_of_bodies_and_lights_shows_whole_rows() {
+    let mut harness = harness();
+    harness.state_mut().perform(Action::Open(FileKind::Scene, Location::Preset("crystals".to_owned())));
+    for height in [560.0, 571.0, 583.0] {
+        harness.set_size(egui::vec2(1100.0, height));
+        harness.run_steps(4);
+        let owners = harness.state().workshop.values().table().owners();
+        let names: Vec<String> = owners.all().filter_map(|owner| owners.name(owner)).map(str::to_owned).collect();
+        let pane = harness.state().pane.area();
+        let material = harness.get_by_label("Material").rect().top();
+        let of_list = |rect: &Rect| rect.left() > pane.right() && rect.height() > 15.0;
+        let tops: Vec<f32> = names
+            .iter()
+            .flat_map(|name| harness.get_all_by_label(name).map(|node| node.rect()).filter(of_list).collect::<Vec<_>>())
+            .map(|rect| rect.top())
+            .collect();
+        assert!(tops.len() > 4, "{tops:?}");
+        let off = |top: &&f32| ((**top - tops[0]) / 22.0).fract().abs() > 0.01;
+        assert_eq!(tops.iter().find(off), None, "rows of one height");
+        assert!(tops[0] < material);
     }
 }
