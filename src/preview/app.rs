@@ -506,6 +506,10 @@ impl WindowApp for App {
         self.scale
     }
 
+    fn follows_slowly(&self) -> bool {
+        self.workshop.moving().is_some()
+    }
+
     fn title(&self) -> String {
         let name = match &self.session {
             Some(location) => location.to_string(),

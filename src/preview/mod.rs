@@ -31,6 +31,12 @@ pub trait WindowApp {
     /// The scale of widgets, in pixels per point.
     fn scale(&self) -> f32;
 
+    /// Whether the picture takes longer to follow the pointer than the widgets do. Then there are fewer frames, because
+    /// each takes time from the threads that make the picture.
+    fn follows_slowly(&self) -> bool {
+        false
+    }
+
     /// The text of the title bar.
     fn title(&self) -> String;
 

@@ -20,6 +20,9 @@ use std::time::{Duration, Instant};
 /// The shortest time between two frames because of pointer movements.
 const MIN_MOTION_INTERVAL: Duration = Duration::from_millis(4);
 
+/// The same, if the picture [follows slowly](WindowApp::follows_slowly).
+const SLOW_MOTION_INTERVAL: Duration = Duration::from_millis(16);
+
 /// The shortest time between two frames that egui asks for, for instance for animations.
 const MIN_REPAINT_INTERVAL: Duration = Duration::from_millis(16);
 
@@ -58,6 +61,8 @@ pub(super) struct EventLoop {
     started: Instant,
     last_input: Instant,
     last_frame: Instant,
+    /// The shortest time between two frames because of pointer movements.
+    motion_interval: Duration,
     last_sent: Instant,
     /// When the next frame is wanted, even without input.
     repaint_at: Option<Instant>,
@@ -114,6 +119,7 @@ impl EventLoop {
             started: now,
             last_input: now,
             last_frame: now,
+            motion_interval: MIN_MOTION_INTERVAL,
             last_sent: now,
             repaint_at: Some(now),
             exit: exit.clone(),
@@ -162,7 +168,7 @@ impl EventLoop {
         let seen = if self.input_queue.is_urgent() {
             Some(now)
         } else {
-            (!self.input_queue.is_empty()).then(|| self.last_frame + MIN_MOTION_INTERVAL)
+            (!self.input_queue.is_empty()).then(|| self.last_frame + self.motion_interval)
         };
         seen.into_iter().chain(self.repaint_at).min()
     }
@@ -295,6 +301,7 @@ impl EventLoop {
         let background = self.context.global_style().visuals.panel_fill.to_array();
         let laid_out = Instant::now();
 
+        self.motion_interval = if app.follows_slowly() { SLOW_MOTION_INTERVAL } else { MIN_MOTION_INTERVAL };
         let picture = app.picture();
         let version = picture.as_ref().map(|picture| picture.version);
         let frame = PaintInput {
