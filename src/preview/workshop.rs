@@ -375,8 +375,8 @@ impl Workshop {
         self.history.can_undo_and_redo()
     }
 
-    /// How many changes of values and of the view transform were made and not undone, and how many were made at all. With that, other changes
-    /// can be put in order with them.
+    /// How many changes of values and of the view transform were made and not undone, and how many were made at all.
+    /// With that, other changes can be put in order with them.
     pub fn history_position(&self) -> [u64; 2] {
         self.history.position()
     }

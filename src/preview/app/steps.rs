@@ -12,8 +12,8 @@ pub(super) enum OtherStep {
     Material(Box<MaterialChange>),
 }
 
-/// The steps that can be undone and redone. A *position* is how many changes of values were made and not undone, and how
-/// many were made at all.
+/// The steps that can be undone and redone. A *position* is how many changes of values were made and not undone, and
+/// how many were made at all.
 #[derive(Debug, Default)]
 pub(super) struct OtherSteps {
     /// Each step with how many changes of values were made and not undone before it.

@@ -21,8 +21,8 @@ pub struct Snapshot {
 }
 
 impl Workshop {
-    /// While a slider is held, pictures have only the pixels that are shown. Takes one with all pixels. It waits for the
-    /// picture, which is that of a drag, so not long.
+    /// While a slider is held, pictures have only the pixels that are shown. Takes one with all pixels. It waits for
+    /// the picture, which is that of a drag, so not long.
     pub fn show_all_pixels(&mut self) {
         const LONGEST: Duration = Duration::from_secs(2);
         if let Some((owner, id)) = self.held
