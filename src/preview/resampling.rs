@@ -18,11 +18,18 @@ pub(super) fn scale(pixels: &[u32], size: [u32; 2], shown: [u32; 2], into: &mut 
     let [[width, height], [shown_width, shown_height]] = [size, shown].map(|size| size.map(|side| side as usize));
     let [columns, rows] = [Axis::new(width, shown_width, 0..shown_width), Axis::new(height, shown_height, 0..shown_height)];
     into.resize(shown_width * shown_height, 0);
+    // The code below is compiled for each width of vectors.
+    let processor = pulp::Arch::new();
     into.par_chunks_mut(ROWS * shown_width).enumerate().for_each_init(RowSum::default, |sum, (part, into)| {
-        for (index, into) in into.chunks_exact_mut(shown_width).enumerate() {
-            sum.set(|line| &pixels[line * width..(line + 1) * width], rows.below(part * ROWS + index));
-            columns.write_means(sum, into);
-        }
+        processor.dispatch(
+            #[inline(always)]
+            || {
+                for (index, into) in into.chunks_exact_mut(shown_width).enumerate() {
+                    sum.set(|line| &pixels[line * width..(line + 1) * width], rows.below(part * ROWS + index));
+                    columns.write_means(sum, into);
+                }
+            },
+        );
     });
 }
 
@@ -76,6 +83,7 @@ impl Axis {
     }
 
     /// Writes the pixels in view. `sum` is the sum of rows in [`range`](Self::range).
+    #[inline(always)]
     pub(super) fn write_means(&self, sum: &RowSum, pixels: &mut [u32]) {
         let first = self.range().start;
         let ends = self.starts.get(1..).unwrap_or_default();
@@ -94,6 +102,7 @@ pub(super) struct RowSum {
 
 impl RowSum {
     /// Makes the sum of some rows with their weights: the first and those that follow it.
+    #[inline(always)]
     pub(super) fn set<'r>(&mut self, row: impl Fn(usize) -> &'r [u32], (first, weights): (usize, &[u32])) {
         for (index, weight) in weights.iter().enumerate() {
             let row = row(first + index);
@@ -102,12 +111,14 @@ impl RowSum {
     }
 
     /// Starts a sum with a row.
+    #[inline(always)]
     fn start(&mut self, row: &[u32], weight: u32) {
         self.numbers.clear();
         self.numbers.extend(components(row).iter().map(|byte| u16::from(*byte) * weight as u16));
     }
 
     /// Adds a row. All weights of a sum together are 256.
+    #[inline(always)]
     fn add(&mut self, row: &[u32], weight: u32) {
         // The sum of the weights times the largest byte is less than 2^16. Multiplications of 16 bits are the only ones
         // of whole numbers that every processor has as vectors.
@@ -117,6 +128,7 @@ impl RowSum {
     }
 
     /// The mean of some pixels of the sum, from `start` on, `0x00RRGGBB`.
+    #[inline(always)]
     pub(super) fn mean(&self, start: usize, weights: &[u32]) -> u32 {
         let pixels = &self.numbers.as_chunks::<4>().0[start..start + weights.len()];
         let mut sum = [0x8000_u32; 4];
@@ -131,6 +143,7 @@ impl RowSum {
 }
 
 /// The bytes of pixels, four for each, from the lowest on.
+#[inline(always)]
 fn components(row: &[u32]) -> &[u8] {
     const { assert!(cfg!(target_endian = "little")) };
     bytemuck::cast_slice(row)

@@ -40,7 +40,7 @@ impl App {
 /// Bars narrower than this, in points, have short labels.
 const SHORT_BELOW: f32 = 920.0;
 /// The width of the controls of light with short labels. They are in one row.
-const SECOND_HALF: f32 = 296.0;
+const SECOND_HALF: f32 = 282.0;
 /// Bars narrower than this have no slider. The number can be dragged.
 const NO_SLIDER_BELOW: f32 = 250.0;
 
