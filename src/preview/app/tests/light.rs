@@ -191,17 +191,18 @@ fn exposure_curve_and_transfer_are_undone_step_by_step_and_values_in_order_with_
     let mut harness = harness();
     let first = settle(&mut harness);
     let start = view(&harness);
-    let beside = harness.get_by_label("Exposure").rect();
+    let beside = harness.get_by_label("EV").rect();
     let is_beside = |slider: &egui_kittest::Node<'_>| (slider.rect().center().y - beside.center().y).abs() < 6.0;
     let slider = harness.get_all_by_role(Role::Slider).find(is_beside).expect("the slider of the exposure").rect();
     // A drag is one step, however many movements it has.
-    harness.drag_at(slider.left_center() + egui::vec2(50.0, 0.0));
+    let at = |share: f32| slider.left_center() + egui::vec2(share * slider.width(), 0.0);
+    harness.drag_at(at(0.5));
     harness.run_steps(2);
     for step in 0..5 {
-        harness.hover_at(slider.left_center() + egui::vec2(50.0 + 5.0 * step as f32, 0.0));
+        harness.hover_at(at(0.5 + 0.05 * step as f32));
         harness.run_steps(1);
     }
-    harness.drop_at(slider.left_center() + egui::vec2(75.0, 0.0));
+    harness.drop_at(at(0.75));
     harness.run_steps(2);
     let dragged = view(&harness);
     assert!(dragged.exposure > 1.0, "{dragged:?}");
