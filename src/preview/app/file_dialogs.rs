@@ -130,9 +130,8 @@ impl FileDialogs {
                 let path = path.with_added_extension(suffix);
                 if path.exists() {
                     let text = format!("There is already a file {}.", one_line(&path.display().to_string()));
-                    return Some(
-                        Question::new("Replace the file?", text).answer("Replace", Action::SaveTo(kind, path)).or("Cancel"),
-                    );
+                    let question = Question::new("Replace the file?", text).answer("Replace", Action::SaveTo(kind, path));
+                    return Some(question.or("Cancel").dismissed(Action::StopSaving));
                 }
                 actions.push(Action::SaveTo(kind, path));
             }

@@ -80,7 +80,7 @@ impl App {
                 let steps = kinds.into_iter().map(|kind| SaveStep { kind, path: None }).collect();
                 self.save_in_turn(steps, then.map(|then| *then));
             }
-            Action::StopSaving => self.pending_save = None,
+            Action::StopSaving => self.stop_saving(),
             Action::ShowSavePictureDialog => self.show_save_dialog(None, "Save picture"),
             Action::CopyPicture => self.copy_picture(),
             Action::SaveSession => match self.session.clone() {

@@ -5,12 +5,13 @@ use crate::preview::app::modal::modal;
 use crate::preview::app::{Action, theme};
 use egui::{Context, Key, Modifiers};
 
-/// A question. Escape and a click beside it answer it with nothing.
+/// A question. Escape and a click beside it dismiss it, and so does an answer without an action.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Question {
     title: String,
     text: String,
     answers: Vec<Answer>,
+    dismissal: Option<Action>,
 }
 
 /// An answer: a button.
@@ -23,7 +24,7 @@ struct Answer {
 impl Question {
     /// A question without answers.
     pub(super) fn new(title: impl AsRef<str>, text: impl AsRef<str>) -> Self {
-        Self { title: one_line(title.as_ref()), text: many_lines(text.as_ref()), answers: Vec::new() }
+        Self { title: one_line(title.as_ref()), text: many_lines(text.as_ref()), answers: Vec::new(), dismissal: None }
     }
 
     /// The question with one more answer, which performs an action. The first answer stands out, and Enter gives it.
@@ -36,6 +37,11 @@ impl Question {
     pub(super) fn or(mut self, label: &'static str) -> Self {
         self.answers.push(Answer { label, action: None });
         self
+    }
+
+    /// The question with an action for the case that it is dismissed.
+    pub(super) fn dismissed(self, action: Action) -> Self {
+        Self { dismissal: Some(action), ..self }
     }
 
     /// What is asked.
@@ -68,7 +74,10 @@ impl Question {
         if context.input_mut(|input| input.consume_key(Modifiers::NONE, Key::Enter)) {
             given = given.or(self.answers.first());
         }
-        actions.extend(given.and_then(|answer| answer.action.clone()));
-        given.is_some() || shown.should_close()
+        let is_closed = given.is_some() || shown.should_close();
+        if is_closed {
+            actions.extend(given.and_then(|answer| answer.action.clone()).or_else(|| self.dismissal.clone()));
+        }
+        is_closed
     }
 }

@@ -6,7 +6,6 @@ use crate::preview::app::jobs::JobResult;
 use crate::preview::app::question::Question;
 use crate::preview::app::tab::{PerTab, TextTab};
 use crate::preview::app::{Action, App};
-use crate::preview::editor::Document;
 use crate::workspace::FileKind;
 use crate::workspace::Location;
 use std::collections::VecDeque;
@@ -22,8 +21,15 @@ pub(super) struct SaveStep {
 /// What is still to be saved, and what is done then.
 #[derive(Debug, Default)]
 pub(super) struct PendingSave {
+    /// What the user is asked about, or what is being written.
+    current: Option<SaveStep>,
     steps: VecDeque<SaveStep>,
     then: Option<Action>,
+}
+
+/// The session that is among them.
+fn pending_session(steps: &VecDeque<SaveStep>) -> Option<&SaveStep> {
+    steps.iter().find(|step| step.kind == FileKind::Session)
 }
 
 impl App {
@@ -41,7 +47,10 @@ impl App {
 
     /// Shows the dialog that saves something of this kind, or the picture, with a name and a folder that fit.
     pub(super) fn show_save_dialog(&mut self, kind: Option<FileKind>, title: &str) {
-        let session = self.session.as_ref();
+        // A text that is saved before its session has the name of the session.
+        let pending = self.pending_save.as_ref().and_then(|pending| pending_session(&pending.steps));
+        let pending = pending.and_then(|step| step.path.clone()).map(Location::File);
+        let session = pending.as_ref().or(self.session.as_ref());
         let own = match kind.map(TextTab::of) {
             Some(Some(tab)) => self.documents[tab].location(),
             Some(None) | None => session,
@@ -57,17 +66,31 @@ impl App {
         self.dialogs.ask(question);
     }
 
-    /// Saves one thing after the other, and then performs an action. What has no file yet is asked for; if the user
-    /// gives none, or something cannot be saved, the rest is left.
+    /// Saves one thing after the other, and then performs an action. What has no file yet is asked for. If the user
+    /// gives none, the rest is left. If something cannot be saved, the user may choose another file for it.
     pub(super) fn save_in_turn(&mut self, steps: Vec<SaveStep>, then: Option<Action>) {
-        self.pending_save = Some(PendingSave { steps: steps.into(), then });
+        self.pending_save = Some(PendingSave { current: None, steps: steps.into(), then });
         self.save_next();
+    }
+
+    /// Saves nothing more of what is saved in turn, and says what was not saved.
+    pub(super) fn stop_saving(&mut self) {
+        let Some(PendingSave { current, steps, .. }) = self.pending_save.take() else { return };
+        let name = |SaveStep { kind, path }: SaveStep| match path.as_deref().and_then(Path::file_name) {
+            Some(name) => format!("the {} {}", kind.noun(), name.to_string_lossy()),
+            None => format!("the {}", kind.noun()),
+        };
+        let names: Vec<String> = current.into_iter().chain(steps).map(name).collect();
+        if !names.is_empty() {
+            self.confirm(format!("not saved: {}", names.join(" and ")));
+        }
     }
 
     /// Goes on with what is saved in turn.
     fn save_next(&mut self) {
         let Some(pending) = &mut self.pending_save else { return };
-        let Some(SaveStep { kind, path }) = pending.steps.pop_front() else {
+        pending.current = pending.steps.pop_front();
+        let Some(SaveStep { kind, path }) = pending.current.clone() else {
             let then = self.pending_save.take().and_then(|pending| pending.then);
             return then.into_iter().for_each(|action| self.perform(action));
         };
@@ -77,7 +100,11 @@ impl App {
         };
         match path.or_else(|| location.and_then(Location::file).map(Path::to_owned)) {
             Some(path) => self.save_to(kind, path),
-            None => self.show_save_dialog(Some(kind), &format!("Save {}", kind.noun())),
+            None => {
+                let before_session = pending_session(&pending.steps).is_some() && kind != FileKind::Session;
+                let reason = if before_session { " first: the session names its file" } else { "" };
+                self.show_save_dialog(Some(kind), &format!("Save the {}{reason}", kind.noun()));
+            }
         }
     }
 
@@ -102,14 +129,9 @@ impl App {
                         self.note_saved_session();
                     }
                 }
-                match self.pending_save {
-                    Some(_) => self.save_next(),
-                    None if tab.is_none() => self.warn_of_unsaved_texts(),
-                    None => {}
-                }
+                self.save_next();
             }
             Err(error) => {
-                self.pending_save = None;
                 let text = format!("{}: {error}\nWhat was there is unharmed.", path.display());
                 self.tell_not_saved(&text, Action::ShowSaveDialog(kind));
             }
@@ -119,38 +141,23 @@ impl App {
     /// Says that a file was not written. The action saves the same elsewhere.
     pub(super) fn tell_not_saved(&mut self, text: &str, elsewhere: Action) {
         self.log.say_lines(&format!("not saved: {text}"));
-        self.dialogs.ask(Question::new("Not saved", text).answer("Save elsewhere…", elsewhere).or("Close"));
+        self.dialogs
+            .ask(Question::new("Not saved", text).answer("Save elsewhere…", elsewhere).or("Close").dismissed(Action::StopSaving));
     }
 
-    /// If a text is in no file yet, shows the dialog that saves it, and saves the session after it. Returns whether
-    /// there is such a text.
+    /// If texts have unsaved changes or are in no file, saves them, and the session after them. What has no file of the
+    /// user is asked for. Returns whether there are such texts.
     fn save_texts_first(&mut self, session: &Path) -> bool {
-        let without_file = self.documents.values().filter(|text| text.location().is_none());
-        let mut steps: Vec<SaveStep> = without_file.map(|text| SaveStep { kind: text.kind(), path: None }).collect();
-        let Some(first) = steps.first().map(|step| step.kind) else { return false };
-        steps.push(SaveStep { kind: FileKind::Session, path: Some(session.to_owned()) });
-        let (rest, then) = self.pending_save.take().map_or_else(Default::default, |pending| (pending.steps, pending.then));
-        self.pending_save = Some(PendingSave { steps: steps.into_iter().skip(1).chain(rest).collect(), then });
-        let noun = first.noun();
-        self.show_save_dialog(Some(first), &format!("Save the {noun} first: the session names its file"));
-        true
-    }
-
-    /// Says that a session file holds the names of its texts, but not their unsaved changes, and offers to save them.
-    fn warn_of_unsaved_texts(&mut self) {
-        let unsaved = self.documents.values().filter(|document| document.unsaved());
-        let kinds: Vec<FileKind> = unsaved.map(Document::kind).collect();
-        if kinds.is_empty() {
-            return;
+        let changed = self.documents.values().filter(|text| text.unsaved() || text.location().is_none());
+        let mut steps: VecDeque<SaveStep> = changed.map(|text| SaveStep { kind: text.kind(), path: None }).collect();
+        if steps.is_empty() {
+            return false;
         }
-        let texts = kinds.iter().map(|kind| kind.noun()).collect::<Vec<_>>().join(" and the ");
-        let text = format!(
-            "A session names the files of its texts. What you changed in the {texts} is in no file yet. It can be saved now, \
-             and then the session once more."
-        );
-        let kinds = kinds.into_iter().chain([FileKind::Session]).collect();
-        let question = Question::new("The session was saved without the changes of a text", text);
-        self.dialogs.ask(question.answer("Save them too", Action::SaveAll { kinds, then: None }).or("Leave them unsaved"));
+        steps.push_back(SaveStep { kind: FileKind::Session, path: Some(session.to_owned()) });
+        let PendingSave { steps: rest, then, .. } = self.pending_save.take().unwrap_or_default();
+        steps.extend(rest);
+        self.save_in_turn(steps.into(), then);
+        true
     }
 
     fn save_session_to(&self, path: &Path) -> std::io::Result<()> {

@@ -302,16 +302,25 @@ fn a_slider_is_dragged_and_reported_of_and_undone_by_keys() {
 }
 
 #[test]
-fn a_session_is_saved_with_a_word_of_what_is_not_in_it() {
+fn a_session_is_saved_after_its_texts_or_not_at_all() {
     let mut harness = harness();
     let folder = tempfile::tempdir().expect("a folder");
     let app = harness.state_mut();
     app.perform(Action::SaveTo(Some(FileKind::Session), folder.path().join("one.toml")));
-    assert_eq!(app.dialogs.message(), None);
-    app.documents.formula.replace_text("formula;\n= IL*Cd*max(0, N.L);\n");
-    app.perform(Action::SaveTo(Some(FileKind::Session), folder.path().join("other.toml")));
-    let asked = app.dialogs.message().expect("a question");
-    assert!(asked.contains("What you changed in the formula is in no file yet"), "{asked}");
+    assert!(!app.dialogs.files.is_open());
+    // The changes of a built-in text need a file.
+    let text = "formula;\n= IL*Cd*max(0, N.L);\n";
+    app.documents.formula.replace_text(text);
+    let session = folder.path().join("other.toml");
+    app.perform(Action::SaveTo(Some(FileKind::Session), session.clone()));
+    assert!(app.dialogs.files.is_open() && !session.exists());
+    // As the dialog does when it is cancelled.
+    app.perform(Action::StopSaving);
+    assert_eq!(app.confirmation.text(), "not saved: the formula and the session other.toml");
+    let formula = folder.path().join("other.formula");
+    app.perform(Action::SaveTo(Some(FileKind::Formula), formula.clone()));
+    assert!(formula.exists() && !session.exists(), "the session is no longer waited for");
+    assert_eq!(app.documents.formula.text(), text);
 }
 
 #[test]

@@ -273,7 +273,13 @@ fn tooltip(parameter: &Parameter, lock: Option<&str>) -> String {
     }
     match lock {
         Some(lock) => text.push_str(&format!("\nLocked: {lock}")),
-        None => text.push_str("\nDouble-click: default. Right-click: more."),
+        None => {
+            let default = match parameter.ty {
+                Type::Vector => format!("<{}>", parameter.default.map(|number| number.to_string()).join(", ")),
+                Type::Scalar | Type::Truth => parameter.default[0].to_string(),
+            };
+            text.push_str(&format!("\nDouble-click: the default of the formula, {default}. Right-click: more."));
+        }
     }
     text
 }

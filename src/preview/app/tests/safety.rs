@@ -77,18 +77,35 @@ fn a_session_of_a_text_without_a_file_saves_the_text_first() {
 }
 
 #[test]
-fn a_session_without_the_changes_of_a_text_offers_to_save_them_too() {
+fn a_session_is_saved_after_a_changed_text() {
     let mut harness = harness();
     let folder = tempfile::tempdir().expect("a folder");
     let [session, formula] = ["my.toml", "my.formula"].map(|name| folder.path().join(name));
     let app = harness.state_mut();
     app.perform(Action::SaveTo(Some(FileKind::Formula), formula.clone()));
     app.documents.formula.replace_text(CHANGED);
-    app.perform(Action::SaveTo(Some(FileKind::Session), session));
-    harness.run_steps(3);
-    click(&mut harness, "Save them too");
+    app.perform(Action::SaveTo(Some(FileKind::Session), session.clone()));
     assert_eq!(std::fs::read_to_string(formula).expect("a file"), CHANGED);
-    assert!(!harness.state().is_unsaved());
+    assert!(session.exists() && !harness.state().is_unsaved());
+}
+
+#[test]
+fn the_rest_is_saved_after_a_file_that_was_saved_elsewhere() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let [session, formula] = ["my.toml", "my.formula"].map(|name| folder.path().join(name));
+    for answer in ["Save elsewhere…", "Close"] {
+        let mut harness = harness();
+        let app = harness.state_mut();
+        app.perform(Action::New(FileKind::Formula));
+        app.perform(Action::SaveTo(Some(FileKind::Session), session.clone()));
+        app.perform(Action::SaveTo(Some(FileKind::Formula), folder.path().join("no/such/folder.formula")));
+        harness.run_steps(3);
+        click(&mut harness, answer);
+        harness.state_mut().perform(Action::SaveTo(Some(FileKind::Formula), formula.clone()));
+        assert!(formula.exists());
+        assert_eq!(session.exists(), answer == "Save elsewhere…", "{answer}");
+        let _ = std::fs::remove_file(&session);
+    }
 }
 
 #[test]
