@@ -8,7 +8,7 @@ const SMALL: u32 = 320 * 200;
 /// The first picture of a scene has one pixel for this many in each direction.
 const FIRST: u32 = 4;
 /// While a scene is moved, a picture has one pixel for at most this many in each direction.
-const COARSEST: u32 = 16;
+const COARSEST: u32 = 24;
 /// While a scene is moved, tracing and evaluating a picture takes about this long. A movement waits for the picture
 /// before it, so its own comes after at most twice this time.
 const PICTURE_TIME: Duration = Duration::from_millis(18);
@@ -78,7 +78,7 @@ mod tests {
             pace.coarseness(&view)
         };
         // 18 ms · n² is how long it may take in full.
-        assert_eq!([note(10), note(18 * 9), note(18 * 9 + 1), note(100_000)], [1, 3, 4, 16]);
+        assert_eq!([note(10), note(18 * 9), note(18 * 9 + 1), note(100_000)], [1, 3, 4, 24]);
     }
 
     #[test]
