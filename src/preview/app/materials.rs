@@ -157,7 +157,7 @@ impl App {
             let replace = Action::ReplaceMaterial { name: name.to_owned(), body };
             return self.dialogs.ask(Question::new("Replace the material?", text).answer("Replace", replace).or("Cancel"));
         }
-        let before = Some(name).filter(|name| !library.is_built_in(name)).and_then(|name| library.get(name)).cloned();
+        let before = if library.is_built_in(name) { None } else { library.get(name).cloned() };
         let location = library.location().clone();
         let made = Material::of_body(name, self.workshop.values(), body).map_err(|error| error.to_string());
         let saved = made

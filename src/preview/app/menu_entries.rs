@@ -1,5 +1,5 @@
-//! Entries of menus, each with its shortcut at the right. A shortcut has the colour of the entry, so it is legible on a
-//! highlighted one too.
+//! Entries of menus, each with its shortcut at the right. A shortcut has the colour of its entry. So it is legible on a
+//! highlighted entry, too.
 
 use crate::preview::app::Action;
 use crate::preview::app::action::shortcut_of;
@@ -19,11 +19,12 @@ pub(super) fn entry_if(ui: &mut Ui, enabled: bool, name: &str, action: Action, a
     }
 }
 
-/// Something that is shown or hidden, with its shortcut.
-pub(super) fn check_entry(ui: &mut Ui, seen: bool, name: &str, action: Action, actions: &mut Vec<Action>) {
-    let mut seen = seen;
+/// Something that is shown or hidden, with its shortcut. Returns whether it was chosen.
+pub(super) fn check_entry(ui: &mut Ui, mut seen: bool, name: &str, action: Action, actions: &mut Vec<Action>) -> bool {
     let title = (name, Atom::grow(), shortcut_of(&action, ui));
-    if ui.add(Checkbox::new(&mut seen, title)).changed() {
+    let is_chosen = ui.add(Checkbox::new(&mut seen, title)).changed();
+    if is_chosen {
         actions.push(action);
     }
+    is_chosen
 }

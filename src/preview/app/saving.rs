@@ -149,14 +149,14 @@ impl App {
     /// user is asked for. Returns whether there are such texts.
     fn save_texts_first(&mut self, session: &Path) -> bool {
         let changed = self.documents.values().filter(|text| text.unsaved() || text.location().is_none());
-        let mut steps: VecDeque<SaveStep> = changed.map(|text| SaveStep { kind: text.kind(), path: None }).collect();
+        let mut steps: Vec<SaveStep> = changed.map(|text| SaveStep { kind: text.kind(), path: None }).collect();
         if steps.is_empty() {
             return false;
         }
-        steps.push_back(SaveStep { kind: FileKind::Session, path: Some(session.to_owned()) });
+        steps.push(SaveStep { kind: FileKind::Session, path: Some(session.to_owned()) });
         let PendingSave { steps: rest, then, .. } = self.pending_save.take().unwrap_or_default();
         steps.extend(rest);
-        self.save_in_turn(steps.into(), then);
+        self.save_in_turn(steps, then);
         true
     }
 

@@ -1,22 +1,16 @@
 //! The menu of the scene: what can be done with the selected body or light, what can be added, and views.
 
 use crate::lang::display_text::one_line;
-use crate::preview::app::action::shortcut_of;
-use crate::preview::app::menu_entries::check_entry;
+use crate::preview::app::menu_entries::{check_entry, entry_if};
 use crate::preview::app::scene_actions::{SceneAction, side_name};
 use crate::preview::app::{Action, App};
 use crate::scene::{LightKind, Shape, ViewSide};
-use egui::{Button, Ui};
+use egui::Ui;
 
 /// The menu of the scene, also for a right click into the picture.
 pub(super) fn entries(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
     let act = |ui: &mut Ui, enabled: bool, name: &str, action: SceneAction, actions: &mut Vec<Action>| {
-        let action = Action::Scene(action);
-        let button = Button::new(one_line(name)).right_text(shortcut_of(&action, ui));
-        if ui.add_enabled(enabled, button).clicked() {
-            actions.push(action);
-            ui.close();
-        }
+        entry_if(ui, enabled, &one_line(name), Action::Scene(action), actions);
     };
     let selected = app.selected_object();
     let name = selected.map_or_else(|| "the selected".to_owned(), |object| app.name_of(object));
@@ -43,9 +37,8 @@ pub(super) fn entries(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
     });
     act(ui, true, "Reset camera", SceneAction::ResetCamera, actions);
     ui.separator();
-    let before = actions.len();
-    check_entry(ui, app.hand.markers, "Markers in the picture", Action::Scene(SceneAction::ToggleMarkers), actions);
-    if actions.len() > before {
+    let markers = Action::Scene(SceneAction::ToggleMarkers);
+    if check_entry(ui, app.hand.markers, "Markers in the picture", markers, actions) {
         ui.close();
     }
 }

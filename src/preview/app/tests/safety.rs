@@ -70,6 +70,10 @@ fn a_session_of_a_text_without_a_file_saves_the_text_first() {
     app.perform(Action::New(FileKind::Formula));
     app.perform(Action::SaveTo(Some(FileKind::Session), session.clone()));
     assert!(app.dialogs.files.is_open() && !session.exists());
+    harness.run_steps(3);
+    let is_suggested = |field: egui_kittest::Node<'_>| field.value().is_some_and(|name| name == "my.formula");
+    assert!(harness.get_all_by_role(Role::TextInput).any(is_suggested), "the name of the session");
+    let app = harness.state_mut();
     // As the dialog does when a name was entered.
     app.perform(Action::SaveTo(Some(FileKind::Formula), formula.clone()));
     assert!(formula.exists() && std::fs::read_to_string(session).is_ok_and(|text| text.contains("my.formula")));
