@@ -9,6 +9,7 @@ mod files;
 mod materials;
 mod memory;
 mod messages;
+mod misspellings;
 mod pipe;
 mod rays;
 mod terminal;
