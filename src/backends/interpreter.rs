@@ -41,17 +41,18 @@ impl Backend for Interpreter {
     }
 
     /// Two programs: the interpreter writes others up to `BATCH_BYTES` before one of the largest size, and the memory
-    /// of a growing list doubles. And the tree of rays that a program is written from.
+    /// of a growing list doubles. And the memory of the machine, and the tree of rays that a program is written from.
     fn thread_bytes(&self, formula: &Arc<Formula>, world: &World, view: &View) -> Result<u64, EvaluateError> {
         let code = Code::new(formula)?;
         let scene = world.scene();
         let equation = Equation::new(formula, scene.bodies.len(), scene.lights.len());
-        let program = Instantiation { code: &code, equation, world }.largest(view.depth());
+        let instantiation = Instantiation { code: &code, equation, world };
+        let (program, memory) = (instantiation.largest(view.depth()), instantiation.memory_bytes(view.depth()));
         if program > MAX_PROGRAM_BYTES {
             return Err(CodeTooLarge.into());
         }
         let node = size_of::<RayNode>() + world.emitter_ids().count() * size_of::<EmitterId>();
-        Ok(2 * (BATCH_BYTES as u64 + program) + largest_tree(world, view.depth()) * node as u64)
+        Ok(2 * (BATCH_BYTES as u64 + program) + memory + largest_tree(world, view.depth()) * node as u64)
     }
 
     fn prepare(&self, formula: &Arc<Formula>, hits: &Arc<Hits>) -> Result<Arc<dyn Evaluator>, EvaluateError> {
@@ -128,10 +129,10 @@ impl Interpreted {
                 let pixel = first + (done + programs.len()) as u32;
                 programs.add(&instantiation, &ray_tree(&tracer, pixel));
             }
-            let mut stack = programs.stack(0.0);
+            let mut memory = programs.memory(0.0);
             let start = Instant::now();
             for (index, pixel) in pixels[done..done + programs.len()].iter_mut().enumerate() {
-                *pixel = programs.run(&mut Floats, index, parameters, &mut stack);
+                *pixel = programs.run(&mut Floats, index, parameters, &mut memory);
             }
             timing.evaluation += start.elapsed();
             timing.bytes += programs.bytes() as u64;

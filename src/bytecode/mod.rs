@@ -7,6 +7,9 @@
 //!    instances into one program.
 //! 3. [`machine`] runs the program on a stack.
 //!
+//! Unlike the thesis's code, it computes a macro once in an instance and keeps the value in a slot beside the stack. A
+//! guard skips whole instances, so no instance loads what another one stored.
+//!
 //! It uses the mathematical functions of the standard library. It shares only the table of operations with compiled
 //! code, so that each checks the other.
 

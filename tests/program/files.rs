@@ -156,6 +156,26 @@ fn measurements_are_reported_as_table_and_json() {
     assert!(drags.iter().all(|drag| drag["frame_ms"].as_f64() > Some(0.0) && drag["prepare_ms"].as_f64() > Some(0.0)), "{json}");
 }
 
+/// Ten macros, each of which uses the one before it three times: written out at every use, 29,524 powers.
+fn chain() -> String {
+    let links: String = (1..10).map(|n| format!("M{n} = (M{0} + M{0}*M{0})/(1 + {n}*alpha)^2;\n", n - 1)).collect();
+    format!("body_specific;\nkd: scalar;\nformula;\nM0 = kd*max(0, N.L)^1.5;\n{links}= IL*Cd*M9;\n")
+}
+
+#[test]
+fn chains_of_macros_are_computed_once_by_every_backend() {
+    let folder = folder();
+    fs::write(folder.path().join("chain.formula"), chain()).expect("write");
+    let text = told(folder.path(), "dump session.toml --formula chain.formula --stage bytecode");
+    let count = |word: &str| text.matches(word).count();
+    assert_eq!((count("PowerSS"), count("STORE_S"), count("LOAD_S")), (10, 9, 18), "{text}");
+    assert!(text.starts_with("type I: the formula, ") && text.contains(" bytes; slots: 1\n"), "{text}");
+    for command in ["verify", "render --backend interpreter -o interpreted.png", "render -o compiled.png"] {
+        let said = told(folder.path(), &format!("{command} session.toml --formula chain.formula --depth 3"));
+        assert!(said.ends_with("exit status 0\n"), "{said}");
+    }
+}
+
 #[test]
 fn every_stage_is_shown() {
     let folder = folder();

@@ -59,7 +59,7 @@ pub(super) fn parameters(file: &FormulaFile, diagnostics: &mut Diagnostics) -> V
             predefined: None,
             slot: next_slot(declaration.owner, declaration.ty),
         };
-        Declared { name: &declaration.name, attributes: &declaration.attributes }.apply(&mut parameter, diagnostics);
+        AttributeReader { name: &declaration.name, attributes: &declaration.attributes }.apply(&mut parameter, diagnostics);
         parameters.push(parameter);
     }
     check_predefined_names(file, diagnostics);
@@ -94,7 +94,7 @@ fn check_predefined_names(file: &FormulaFile, diagnostics: &mut Diagnostics) {
 fn redefine(parameter: &mut Parameter, line: &PredefinedLine, diagnostics: &mut Diagnostics) {
     let attributes = &line.attributes;
     let before = parameter.clone();
-    Declared { name: &line.name, attributes }.apply(parameter, diagnostics);
+    AttributeReader { name: &line.name, attributes }.apply(parameter, diagnostics);
     if attributes.default.is_none() {
         parameter.default = before.default.map(|number| parameter.clamp(number).0);
         parameter.default[parameter.ty.slots()..].fill(0.0);
@@ -104,12 +104,12 @@ fn redefine(parameter: &mut Parameter, line: &PredefinedLine, diagnostics: &mut 
 }
 
 /// A parameter's name and attributes in the file.
-struct Declared<'d> {
+struct AttributeReader<'d> {
     name: &'d Name,
     attributes: &'d Attributes,
 }
 
-impl Declared<'_> {
+impl AttributeReader<'_> {
     /// Sets range, default, switch and choices.
     fn apply(&self, parameter: &mut Parameter, diagnostics: &mut Diagnostics) {
         self.widgets(parameter, diagnostics);
