@@ -48,7 +48,7 @@ impl Code {
             Store(TermId),
         }
         let constants = constants(formula);
-        let mut writer = Writer::default();
+        let mut writer = CodeWriter::default();
         let mut slots = Slots::new(formula, root, &constants);
         let mut tasks = vec![CompileTask::Visit(root)];
         while let Some(task) = tasks.pop() {
@@ -147,7 +147,7 @@ fn leaf(formula: &Formula, id: TermId, constant: Option<[f32; 3]>) -> Option<Ins
 
 /// Appends instructions, and counts their bytes and the stack.
 #[derive(Default)]
-struct Writer {
+struct CodeWriter {
     instructions: Vec<Instruction>,
     scratch: Vec<u8>,
     bytes: usize,
@@ -155,7 +155,7 @@ struct Writer {
     depth: usize,
 }
 
-impl Writer {
+impl CodeWriter {
     fn write(&mut self, instruction: Instruction) -> Result<(), CodeTooLarge> {
         self.scratch.clear();
         instruction.encode(&mut self.scratch);

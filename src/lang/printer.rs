@@ -1,7 +1,7 @@
 //! Prints the syntax of a formula file as text, with no more parentheses than needed. Parsing the text gives the same
 //! syntax.
 
-use crate::lang::ast::{Attributes, Constant, Definition, ExprId, ExprKind, FormulaFile, Relation, Section};
+use crate::lang::ast::{Constant, Definition, ExprId, ExprKind, FormulaFile, ParameterAttributes, Relation, Section};
 use crate::lang::source::SourceSpan;
 use crate::lang::token::Mark;
 use crate::lang::variables::PREDEFINED_SECTION;
@@ -128,8 +128,8 @@ pub fn head(definition: &Definition) -> String {
 }
 
 /// The attributes of a parameter, each as text.
-fn attributes(attributes: &Attributes) -> Vec<String> {
-    let Attributes { range, default, slider, colour, switch, choices } = attributes;
+fn attributes(attributes: &ParameterAttributes) -> Vec<String> {
+    let ParameterAttributes { range, default, slider, colour, switch, choices } = attributes;
     let range = range.map(|([low, high], _)| format!("constraint {low}..{high}"));
     let default = default.map(|(value, _)| match value {
         Constant::Scalar(value) => format!("default {value}"),

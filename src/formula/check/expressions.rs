@@ -1,9 +1,9 @@
 //! Gives every expression its type and its term: overloads by operand types (thesis 5.3.2), functions with the types of
 //! each call, sums written out.
 //!
-//! Functions and sums become terms here, so nothing behind the checker knows them. A call is a [`CheckFrame`] on an explicit
-//! stack: the expressions of the body, with the arguments as names. A function cannot use itself, so the values of the
-//! expressions of its body are those of the innermost call.
+//! Functions and sums become terms here, so nothing behind the checker knows them. A call is a [`CheckFrame`] on an
+//! explicit stack: the expressions of the body, with the arguments as names. A function cannot use itself, so the
+//! values of the expressions of its body are those of the innermost call.
 
 use crate::formula::check::definitions::{self, DefinitionOrder};
 use crate::formula::check::names::{Meaning, Names, RepetitionCall};

@@ -1,7 +1,7 @@
 //! Makes parameters from declarations: ranges, defaults, slots.
 
 use crate::formula::Parameter;
-use crate::lang::ast::{Attributes, Constant, FormulaFile, Name, PredefinedLine};
+use crate::lang::ast::{Constant, FormulaFile, Name, ParameterAttributes, PredefinedLine};
 use crate::lang::diagnostic::{Diagnostic, Diagnostics, nearest};
 use crate::lang::scalars::flush;
 use crate::lang::source::SourceSpan;
@@ -106,7 +106,7 @@ fn redefine(parameter: &mut Parameter, line: &PredefinedLine, diagnostics: &mut 
 /// A parameter's name and attributes in the file.
 struct AttributeReader<'d> {
     name: &'d Name,
-    attributes: &'d Attributes,
+    attributes: &'d ParameterAttributes,
 }
 
 impl AttributeReader<'_> {
@@ -123,7 +123,7 @@ impl AttributeReader<'_> {
 
     /// Sets switch and choices, and reports what does not fit the type.
     fn widgets(&self, parameter: &mut Parameter, diagnostics: &mut Diagnostics) {
-        let Attributes { range, slider, colour, switch, choices, .. } = self.attributes;
+        let ParameterAttributes { range, slider, colour, switch, choices, .. } = self.attributes;
         let name = &parameter.name;
         if let (Type::Scalar, Some(span)) = (parameter.ty, colour) {
             diagnostics.push(
