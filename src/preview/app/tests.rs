@@ -1,6 +1,7 @@
 //! The workshop driven without a window.
 
 use super::*;
+use crate::workspace::FileKind;
 use egui::accesskit::Role;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
@@ -14,6 +15,7 @@ mod focus;
 mod layout;
 mod light;
 mod menus;
+mod mistakes;
 mod picture;
 mod rows;
 mod safety;
