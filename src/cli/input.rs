@@ -26,7 +26,7 @@ impl Listener for Speaker {
     }
 
     fn remark(&mut self, text: &str) {
-        say_lines(text);
+        say_lines(&format!("Note: {text}"));
     }
 }
 

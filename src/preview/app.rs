@@ -64,6 +64,7 @@ use crate::preview::{FrameTimes, PictureView, WindowApp};
 use crate::user_data::desktop_theme::desktop_is_dark;
 use crate::user_data::folders::Folders;
 use crate::user_data::settings::{PanelSide, WindowSettings};
+use crate::workspace::FileKind;
 use crate::workspace::Location;
 use crate::workspace::presets::DEFAULT_SESSION;
 use crate::workspace::project::SessionMistakes;
@@ -328,7 +329,10 @@ impl App {
     fn take_news(&mut self) {
         let events: Vec<_> = self.workshop.renderer().events().collect();
         for event in events {
-            self.log.record(&event, &self.workshop);
+            // Without a scene, the window says already why there is no picture.
+            if !matches!(event, Event::Reviewed(_)) || !self.workshop.stands_in(FileKind::Scene) {
+                self.log.record(&event, &self.workshop);
+            }
             match event {
                 Event::Failed(message) => self.notify(Notice::error(Topic::Picture, "There is no picture", message)),
                 Event::Reviewed(finding) => self.finding = finding,

@@ -18,8 +18,9 @@ pub struct CarriedValues {
 }
 
 impl CarriedValues {
-    /// The values of a session, for another formula on another scene.
-    pub fn of_session(session: &Session, table: &ParameterTable) -> Self {
+    /// The values of a session, for a formula on a scene of which one, or both, are `replaced`. What is missing in the
+    /// other one is left out.
+    pub fn of_session(session: &Session, table: &ParameterTable, replaced: [bool; 2]) -> Self {
         let mut carried = Self::default();
         let add = |names: &mut Vec<String>, name: &str| {
             if !names.iter().any(|known| known == name) {
@@ -38,7 +39,9 @@ impl CarriedValues {
                 },
             }
         }
-        carried.without_parameter.retain(|name| !carried.kept.contains(name));
+        let [formula_is_other, scene_is_other] = replaced;
+        carried.without_parameter.retain(|name| formula_is_other && !carried.kept.contains(name));
+        carried.without_owner.retain(|_| scene_is_other);
         carried
     }
 
@@ -94,20 +97,23 @@ mod tests {
         ParameterTable::new(&formula, &Scene::parse(&Source::new("s", scene)).expect("a scene").0)
     }
 
-    fn sentence(values: &str) -> Option<String> {
+    fn sentence(values: &str, replaced: [bool; 2]) -> Option<String> {
         let text = format!("version = 1\nformula = \"a\"\nscene = \"b\"\n{values}");
         let session = Session::parse(&Source::new("s.toml", text)).expect("a session").0;
-        CarriedValues::of_session(&session, &table("body_specific; kd: scalar; ks: vector; formula; = kd*ks;")).sentence()
+        let table = table("body_specific; kd: scalar; ks: vector; formula; = kd*ks;");
+        CarriedValues::of_session(&session, &table, replaced).sentence()
     }
 
     #[test]
     fn every_name_is_in_one_place() {
         let all = "[global]\nka = 0.2\n[bodies.ball]\nkd = 0.5\nh = 2\nks = 1\n[bodies.cone]\nkd = 1\n[lights.sun]\nki = 1\n";
-        let said = sentence(all);
+        let said = sentence(all, [true; 2]);
         assert_eq!(said.as_deref(), Some("values kept by name: ka, kd; the formula has no h, ks; the scene has no cone, sun"));
-        let said = sentence("[bodies.cone]\nkd = 1\n");
+        assert_eq!(sentence(all, [true, false]).as_deref(), Some("values kept by name: ka, kd; the formula has no h, ks"));
+        assert_eq!(sentence(all, [false, true]).as_deref(), Some("values kept by name: ka, kd; the scene has no cone, sun"));
+        let said = sentence("[bodies.cone]\nkd = 1\n", [true; 2]);
         assert_eq!(said.as_deref(), Some("no values are kept by name; the scene has no cone"));
-        assert_eq!(sentence(""), None);
+        assert_eq!(sentence("", [true; 2]), None);
     }
 
     #[test]

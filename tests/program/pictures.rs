@@ -24,7 +24,7 @@ fn pictures_that_show_nothing() {
         ],
     );
     // The pixel that is named has the number that is named.
-    let rays = told(folder.path(), "dump session.toml --formula root.txt --size 8x6 --stage rays --pixel 3,1");
+    let rays = told(folder.path(), "dump session.toml --formula root.txt --size 8x6 --stage rays --pixel 3,2");
     assert!(rays.contains("NaN"), "{rays}");
 }
 
@@ -34,7 +34,11 @@ fn values_of_another_formula() {
     let session = std::fs::read_to_string(folder.path().join("session.toml")).expect("the session");
     // Values that the other formula has with another range, or does not have.
     write(&folder, "rich.toml", &format!("{session}kd = 0.9\nks = 0.1\nh = 30\n[bodies.cone]\nkd = 1\n"));
-    write(&folder, "narrow.txt", "body_specific;\nkd: scalar, constraint 0..0.5, default 0.25;\nformula;\n= kd*IL*Cd*max(0, N.L);\n");
+    write(
+        &folder,
+        "narrow.txt",
+        "body_specific;\nkd: scalar, constraint 0..0.5, default 0.25;\nformula;\n= kd*IL*Cd*max(0, N.L);\n",
+    );
     write(&folder, "typed.toml", &format!("{session}[lights.key]\nki = [1, 1, 1]\n"));
     check(
         "carried",
@@ -58,7 +62,7 @@ fn invariants_hold_for_the_values_that_are_used() {
     std::fs::copy(folder.path().join("model.txt"), folder.path().join("other.txt")).expect("a copy");
     // The default of kd, 0.5, would not leave 0.9 for ks.
     let said = told(folder.path(), "render bright.toml -o out.png --formula other.txt --set ball.kd=0.05");
-    assert_eq!(said, "values kept by name: Cd, kd, ks\nexit status 0\n");
+    assert_eq!(said, "Note: values kept by name: Cd, kd, ks\nexit status 0\n");
 }
 
 #[test]

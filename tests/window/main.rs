@@ -318,7 +318,8 @@ fn a_display_that_shares_no_memory_shows_the_same() {
 #[test]
 fn a_session_with_a_wrong_formula_is_open_and_can_be_mended() {
     let screen = Screen::prepared("own.toml", &[], |folder| {
-        let session = "version = 1\nformula = \"own.formula\"\nscene = \"preset:studio\"\n[bodies.ball]\nCd = [1, 0, 0]\nkq = 0.5\n";
+        let session =
+            "version = 1\nformula = \"own.formula\"\nscene = \"preset:studio\"\n[bodies.ball]\nCd = [1, 0, 0]\nkq = 0.5\n";
         std::fs::write(folder.join("own.toml"), session).expect("a session");
         std::fs::write(folder.join("own.formula"), "formula;\n= IL*Cd*max(0, N.Lx);\n").expect("a formula");
     });

@@ -55,9 +55,10 @@ impl App {
             self.notices.clear(Topic::Mistakes);
             return;
         }
-        let mut lines: Vec<String> = self.mistakes.unusable.iter().map(described).collect();
+        let has_scene = !self.workshop.stands_in(FileKind::Scene);
+        let mut lines: Vec<String> = self.mistakes.unusable.iter().map(|text| described(text, has_scene)).collect();
         if let Some(waiting) = self.waiting_names() {
-            lines.push(format!("Values of the session are kept for it: {waiting}."));
+            lines.push(format!("The values of {waiting} are kept for that."));
         }
         if let Some(found) = &self.mistakes.session_errors {
             lines.push("The session itself has mistakes. What they are about has its default:".to_owned());
@@ -102,7 +103,7 @@ impl App {
             return Some(PaneNote { text: format!("There is no picture: {}", fault(scene)), is_central: true });
         }
         if let Some(formula) = unusable(FileKind::Formula).filter(|text| self.workshop.stands_in(text.kind)) {
-            let text = format!("The scene in a plain matte formula: {}", fault(formula));
+            let text = format!("The scene with a plain matte formula: {}", fault(formula));
             return Some(PaneNote { text, is_central: false });
         }
         let is_at_rest = self.workshop.held().is_none() && self.workshop.is_up_to_date();
@@ -126,11 +127,8 @@ fn fault(text: &UnusableText) -> String {
 }
 
 /// What is wrong with a text, what is shown instead, and until when.
-fn described(text: &UnusableText) -> String {
-    let instead = match text.kind {
-        FileKind::Scene => "there is no picture",
-        FileKind::Formula | FileKind::Session | FileKind::Material => "the scene is shown in a plain matte formula",
-    };
+fn described(text: &UnusableText, has_scene: bool) -> String {
+    let instead = if has_scene { "a plain matte formula shows the scene" } else { "there is no picture" };
     if text.is_read {
         let marked = if text.errors() == 1 { "It is" } else { "They are" };
         return format!("{}. {marked} marked in the text. Until it is mended and applied, {instead}.", capital(&fault(text)));

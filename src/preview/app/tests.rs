@@ -1,7 +1,6 @@
 //! The workshop driven without a window.
 
 use super::*;
-use crate::workspace::FileKind;
 use egui::accesskit::Role;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;

@@ -79,12 +79,12 @@ fn a_wrong_formula_is_marked_in_its_text_however_the_session_is_opened() {
         let told = notice(app).expect("a notice");
         assert!(told.title.ends_with("own.toml is open with mistakes"), "{}", told.title);
         assert!(told.details.contains("own.formula has a mistake. It is marked in the text."), "{}", told.details);
-        assert!(told.details.contains("Values of the session are kept for it: kd."), "{}", told.details);
+        assert!(told.details.contains("The values of kd are kept for that."), "{}", told.details);
         assert!(harness.query_by_label_contains("`Lx` is not known").is_some(), "the list of problems");
         let plain = harness.state().workshop.shown().pixels.clone();
         assert!(plain.iter().any(|pixel| pixel & 0xff_0000 > 0x40_0000), "the scene is seen");
         let note = harness.state().pane.note.clone().expect("a note on the picture");
-        assert!(note.text.starts_with("The scene in a plain matte formula") && !note.is_central, "{note:?}");
+        assert!(note.text.starts_with("The scene with a plain matte formula") && !note.is_central, "{note:?}");
         // The values come with the text.
         harness.state_mut().documents.formula.replace_text(FORMULA);
         harness.state_mut().perform(Action::Apply);
