@@ -394,7 +394,8 @@ fn values(
     let is_other = [0, 1].map(|index: usize| given[index] || read.stands_in[index]);
     let kept = session.map_or_else(Vec::new, |open| open.values(&table, &set, is_other, listener).0);
     if let Some(open) = session.filter(|_| given.contains(&true)) {
-        let carried = CarriedValues::of_session(&open.session, &table, given);
+        let mut carried = CarriedValues::of_session(&open.session, &table, given);
+        carried.kept.retain(|name| kept.iter().any(|kept| table.parameter(kept.parameter).name == *name));
         carried.sentence().into_iter().for_each(|sentence| listener.remark(&sentence));
     }
     let (values, warnings) = if is_other.contains(&true) {

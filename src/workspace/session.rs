@@ -100,8 +100,8 @@ impl Session {
         read::parse(source)
     }
 
-    /// What can be used of the text of a session, with all errors and warnings. There is nothing if the text does not say
-    /// which formula and which scene it is of, or is of another version.
+    /// What can be used of the text of a session, with all errors and warnings. There is nothing if the text does not
+    /// say which formula and which scene it is of, or is of another version.
     pub fn parse_in_parts(source: &Source) -> (Option<Session>, Diagnostics) {
         read::parse_in_parts(source)
     }

@@ -40,9 +40,9 @@ impl Values {
         Self::build(ParameterTable::new(formula, scene), &[], given)
     }
 
-    /// As [`new`](Self::new), where some values were made for another formula or scene, such as those of a session whose
-    /// formula is replaced. There is no warning then that one of them follows from others, or is 0 for an opaque body.
-    /// `given` override them.
+    /// As [`new`](Self::new), where some values were made for another formula or scene, such as those of a session
+    /// whose formula is replaced. There is no warning then that one of them follows from others, or is 0 for an opaque
+    /// body. `given` override them.
     pub fn carried_over(
         formula: &Formula,
         scene: &Scene,

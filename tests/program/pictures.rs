@@ -62,7 +62,7 @@ fn invariants_hold_for_the_values_that_are_used() {
     std::fs::copy(folder.path().join("model.txt"), folder.path().join("other.txt")).expect("a copy");
     // The default of kd, 0.5, would not leave 0.9 for ks.
     let said = told(folder.path(), "render bright.toml -o out.png --formula other.txt --set ball.kd=0.05");
-    assert_eq!(said, "Note: values kept by name: Cd, kd, ks\nexit status 0\n");
+    assert_eq!(said, "Note: values kept by name: Cd, ks\nexit status 0\n");
 }
 
 #[test]

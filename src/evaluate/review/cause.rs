@@ -29,7 +29,7 @@ pub enum PlainCause {
     },
     /// The camera is inside this body.
     InsideBody(String),
-    /// The largest component is greater than 0 but too small to be shown. An exposure of so many stops shows it.
+    /// The largest component is greater than 0 but too small to be shown. An exposure of this many stops shows it.
     TooDark(f32, f32),
     /// The components are negative, the smallest one is this.
     Negative(f32),

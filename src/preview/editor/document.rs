@@ -95,7 +95,8 @@ impl Document {
         self.location.as_ref()
     }
 
-    /// The file that the text may replace without a question; `None` if there is none, or if its contents are not known.
+    /// The file that the text may replace without a question; `None` if there is none, or if its contents are not
+    /// known.
     pub fn own_file(&self) -> Option<&Path> {
         self.location.as_ref().and_then(Location::file).filter(|path| self.unread.is_none() || !path.exists())
     }

@@ -34,7 +34,8 @@ struct GivenValue {
 type Given = BTreeMap<(OwnerId, ParameterId), GivenValue>;
 
 impl Values {
-    /// Sets values; see [`Values::assign`]. Those that are carried over from elsewhere come before those that are given.
+    /// Sets values; see [`Values::assign`]. Those that are carried over from elsewhere come before those that are
+    /// given.
     pub(super) fn set_all(&mut self, carried: &[Assignment], given: &[Assignment], mode: AssignmentMode) -> Vec<ValueWarning> {
         let entry = |is_carried: bool| {
             move |from: &Assignment| ((from.owner, from.parameter), GivenValue { value: from.value, is_carried })

@@ -1,4 +1,5 @@
-//! Sessions with mistakes are open as far as they can be used, wherever they come from. Pictures that are black say why.
+//! Sessions with mistakes are open as far as they can be used, wherever they come from. Pictures that are black say
+//! why.
 
 use super::*;
 use crate::workspace::OwnerId;
