@@ -15,6 +15,9 @@ use crate::workspace::project::{Project, SessionMistakes, UnusableText};
 /// The most names in a notice.
 const FEW: usize = 6;
 
+/// The pane speaks of NaN if at least one pixel of this many is NaN.
+const MANY: usize = 20;
+
 /// The texts of an open session.
 pub(super) fn documents(OpenedSession { project, mistakes, .. }: &OpenedSession) -> PerTab<Document> {
     let Project { formula_location, formula_text, scene_location, scene_text, .. } = project;
@@ -110,7 +113,11 @@ impl App {
         let finding = self.finding.as_ref().filter(|_| is_at_rest && self.pane.mode == PaneMode::Current)?;
         match finding {
             PictureFinding::Black(_) => Some(PaneNote { text: capital(&finding.message()), is_central: true }),
-            // The status bar says it.
+            // The status bar says it too, and leads to the pixel.
+            PictureFinding::Undefined { count, pixels, .. } if count.saturating_mul(MANY) >= *pixels => {
+                let text = format!("{}; click NaN below to inspect the pixel", capital(&finding.message()));
+                Some(PaneNote { text, is_central: false })
+            }
             PictureFinding::Undefined { .. } | PictureFinding::OneColour(..) => None,
         }
     }
