@@ -59,6 +59,12 @@ impl Code {
                         tasks.extend(operands.iter().rev().map(|operand| CompileTask::Visit(*operand)));
                         continue;
                     }
+                    Term::ByComponents(operation, operands) => {
+                        let vectors = formula.vectors(operands);
+                        tasks.push(CompileTask::Emit(Instruction::ByComponents(*operation, vectors)));
+                        tasks.extend(operands.iter().rev().map(|operand| CompileTask::Visit(*operand)));
+                        continue;
+                    }
                 },
             };
             scratch.clear();
@@ -94,7 +100,8 @@ impl Code {
             | Instruction::Weigh
             | Instruction::Guard(_)
             | Instruction::Parameter(..)
-            | Instruction::Operation(_) => 0,
+            | Instruction::Operation(_)
+            | Instruction::ByComponents(..) => 0,
         });
         self.bytes + variables.sum::<usize>()
     }
@@ -108,7 +115,7 @@ fn constants(formula: &Formula) -> Vec<Option<[f32; 3]>> {
     for term in &formula.terms {
         constants.push(match term {
             Term::Number(value) => Some([flush(*value); 3]),
-            Term::Variable(_) | Term::Parameter(_) => None,
+            Term::Variable(_) | Term::Parameter(_) | Term::ByComponents(..) => None,
             Term::Apply(operation, operands) => {
                 let values: Option<Vec<[f32; 3]>> = operands.iter().map(|operand| constants[operand.0 as usize]).collect();
                 values.map(|values| operation.on_numbers(&values, &mut stack))

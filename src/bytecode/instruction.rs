@@ -28,6 +28,9 @@ pub enum Instruction {
     Parameter(Owner, Type, u32),
     /// An operation on the top of the stack.
     Operation(Operation),
+    /// An operation on numbers for each component of vectors; a bit for each operand tells whether it is a vector.
+    /// `BY_COMPONENTS`
+    ByComponents(Operation, u8),
 }
 
 pub(super) const SCALAR_VALUE: u8 = 0;
@@ -37,6 +40,7 @@ pub(super) const VECTOR_REFERENCE: u8 = 3;
 pub(super) const WEIGH: u8 = 4;
 pub(super) const GUARD: u8 = 5;
 const FIRST_PARAMETER: u8 = 8;
+pub(super) const BY_COMPONENTS: u8 = 14;
 const FIRST_VARIABLE: u8 = 16;
 /// The opcode of the first operation. The others follow in the order of their table.
 pub(super) const FIRST_OPERATION: u8 = 48;
@@ -57,6 +61,7 @@ impl Instruction {
             Instruction::Variable(variable) => FIRST_VARIABLE + variable as u8,
             Instruction::Parameter(owner, ty, _) => FIRST_PARAMETER + 2 * owner as u8 + u8::from(ty == Type::Vector),
             Instruction::Operation(operation) => FIRST_OPERATION + operation as u8,
+            Instruction::ByComponents(..) => BY_COMPONENTS,
         }
     }
 
@@ -70,6 +75,7 @@ impl Instruction {
                 code.extend_from_slice(&number.to_le_bytes());
             }
             Instruction::Parameter(_, _, slot) => code.extend_from_slice(&slot.to_le_bytes()),
+            Instruction::ByComponents(operation, vectors) => code.extend_from_slice(&[operation as u8, vectors]),
             Instruction::Weigh | Instruction::Variable(_) | Instruction::Operation(_) => {}
         }
     }
@@ -86,6 +92,10 @@ impl Instruction {
             VECTOR_REFERENCE => (Instruction::VectorReference(word(0)?), 5),
             WEIGH => (Instruction::Weigh, 1),
             GUARD => (Instruction::Guard(word(0)?), 5),
+            BY_COMPONENTS => {
+                let &[operation, vectors, ..] = rest else { return None };
+                (Instruction::ByComponents(*Operation::ALL.get(usize::from(operation))?, vectors), 3)
+            }
             FIRST_PARAMETER..FIRST_VARIABLE => {
                 let kind = opcode - FIRST_PARAMETER;
                 let owner = *Owner::ALL.get(usize::from(kind / 2))?;
@@ -109,6 +119,7 @@ impl Instruction {
             Instruction::Guard(_) => (1, 1),
             Instruction::Variable(variable) => (0, variable.ty().slots()),
             Instruction::Parameter(_, ty, _) => (0, ty.slots()),
+            Instruction::ByComponents(operation, vectors) => (operation.operands().len() + 2 * vectors.count_ones() as usize, 3),
             Instruction::Operation(operation) => {
                 (operation.operands().iter().map(|ty| ty.slots()).sum(), operation.result().slots())
             }
@@ -135,6 +146,11 @@ impl fmt::Display for Instruction {
                 write!(f, "PARAM_{owner}_{} {slot}", ty.letter())
             }
             Instruction::Operation(operation) => write!(f, "{}", operation.name()),
+            Instruction::ByComponents(operation, vectors) => {
+                let letter = |index: usize| if vectors >> index & 1 == 1 { 'V' } else { 'S' };
+                let types: String = (0..operation.operands().len()).map(letter).collect();
+                write!(f, "BY_COMPONENTS {} {types}", operation.name())
+            }
         }
     }
 }
@@ -155,6 +171,7 @@ mod tests {
         ];
         all.extend(Variable::ALL.iter().map(|variable| Instruction::Variable(*variable)));
         all.extend(Operation::ALL.iter().map(|operation| Instruction::Operation(*operation)));
+        all.extend(Operation::ALL.iter().map(|operation| Instruction::ByComponents(*operation, 5)));
         for owner in Owner::ALL {
             all.extend([Type::Scalar, Type::Vector].map(|ty| Instruction::Parameter(owner, ty, 3)));
         }

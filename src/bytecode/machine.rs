@@ -1,7 +1,7 @@
 //! The stack machine that runs programs of type II (thesis 5.3.5).
 
 use crate::bytecode::instruction::{
-    FIRST_OPERATION, GUARD, SCALAR_REFERENCE, SCALAR_VALUE, VECTOR_REFERENCE, VECTOR_VALUE, WEIGH,
+    BY_COMPONENTS, FIRST_OPERATION, GUARD, SCALAR_REFERENCE, SCALAR_VALUE, VECTOR_REFERENCE, VECTOR_VALUE, WEIGH,
 };
 use crate::lang::builtins::{Operation, Stack};
 use crate::lang::scalars::Scalars;
@@ -23,6 +23,10 @@ where
     while let Some((&opcode, operands)) = rest.split_first() {
         rest = operands;
         match opcode {
+            BY_COMPONENTS => {
+                let [operation, vectors] = bytes(&mut rest);
+                Operation::ALL[usize::from(operation)].apply_by_components(vectors, scalars, stack);
+            }
             FIRST_OPERATION.. => Operation::ALL[usize::from(opcode - FIRST_OPERATION)].apply(scalars, stack),
             SCALAR_VALUE => stack.push(scalars.constant(f32::from_bits(word(&mut rest)))),
             VECTOR_VALUE => (0..3).for_each(|_| stack.push(scalars.constant(f32::from_bits(word(&mut rest))))),
@@ -58,8 +62,14 @@ where
 /// The next four bytes as a number; `rest` becomes what follows them.
 #[inline(always)]
 fn word(rest: &mut &[u8]) -> u32 {
+    u32::from_le_bytes(bytes(rest))
+}
+
+/// The next bytes; `rest` becomes what follows them.
+#[inline(always)]
+fn bytes<const N: usize>(rest: &mut &[u8]) -> [u8; N] {
     #[expect(clippy::panic, reason = "programs hold whole instructions, see Program")]
-    let Some((bytes, tail)) = rest.split_first_chunk::<4>() else { panic!("an instruction without its operand") };
+    let Some((bytes, tail)) = rest.split_first_chunk::<N>() else { panic!("an instruction without its operand") };
     *rest = tail;
-    u32::from_le_bytes(*bytes)
+    *bytes
 }

@@ -291,7 +291,8 @@ impl BytecodeBuilder<'_> {
                 | Instruction::VectorReference(_)
                 | Instruction::Weigh
                 | Instruction::Guard(_)
-                | Instruction::Operation(_)) => same,
+                | Instruction::Operation(_)
+                | Instruction::ByComponents(..)) => same,
             };
             self.emit(instance);
         }

@@ -43,6 +43,10 @@ pub struct Parameter {
     pub slider: bool,
     /// Whether it gets a colour picker.
     pub colour: bool,
+    /// Whether it is 0 or 1, with a check box.
+    pub switch: bool,
+    /// The names of its values 0, 1, …, for a menu. Empty: it has no menu.
+    pub choices: Vec<String>,
     /// What the author's comment at the declaration says, as one line. It may hold any characters.
     pub doc: Option<String>,
     /// Which predefined parameter it is, if it is one.
@@ -52,10 +56,16 @@ pub struct Parameter {
 }
 
 impl Parameter {
-    /// The nearest value within the range, and whether it differs. NaN becomes the lower bound, or 0 without bounds.
+    /// Whether it takes whole numbers only: a switch, or a choice.
+    pub fn is_whole(&self) -> bool {
+        self.switch || !self.choices.is_empty()
+    }
+
+    /// The nearest value that it can take, and whether it differs. NaN becomes the lower bound, or 0 without bounds.
     pub fn clamp(&self, value: f32) -> (f32, bool) {
         let [low, high] = self.range.unwrap_or([f32::MIN, f32::MAX]);
         let nearest = if value.is_nan() { self.range.map_or(0.0, |range| range[0]) } else { value.clamp(low, high) };
+        let nearest = if self.is_whole() { nearest.round() } else { nearest };
         (nearest, nearest != value)
     }
 }
@@ -84,6 +94,18 @@ pub enum Term {
     Parameter(ParameterId),
     /// An operation on other expressions.
     Apply(Operation, Vec<TermId>),
+    /// An operation on numbers, for each component of vectors. Scalars are the same for all components.
+    ByComponents(Operation, Vec<TermId>),
+}
+
+impl Term {
+    /// The expressions that it uses.
+    pub fn operands(&self) -> &[TermId] {
+        match self {
+            Term::Number(_) | Term::Variable(_) | Term::Parameter(_) => &[],
+            Term::Apply(_, operands) | Term::ByComponents(_, operands) => operands,
+        }
+    }
 }
 
 /// A checked illumination model.
@@ -143,6 +165,13 @@ impl Formula {
             Term::Variable(variable) => variable.ty(),
             Term::Parameter(parameter) => self.parameter(*parameter).ty,
             Term::Apply(operation, _) => operation.result(),
+            Term::ByComponents(..) => Type::Vector,
         }
+    }
+
+    /// Which operands of an operation are vectors, as [`Operation::apply_by_components`] takes it: a bit for each.
+    pub fn vectors(&self, operands: &[TermId]) -> u8 {
+        let bits = operands.iter().enumerate().map(|(index, id)| u8::from(self.ty(*id) == Type::Vector) << index);
+        bits.fold(0, |all, bit| all | bit)
     }
 }

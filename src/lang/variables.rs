@@ -75,6 +75,22 @@ variables! {
     Distance "dist" Scalar Record Added "distance from the hit to the light, world units";
 }
 
+impl Variable {
+    /// Whether it is a direction of unit length.
+    pub fn is_direction(self) -> bool {
+        match self {
+            Variable::Normal
+            | Variable::ToLight
+            | Variable::ToViewer
+            | Variable::Mirrored
+            | Variable::Halfway
+            | Variable::Tangent
+            | Variable::Bitangent => true,
+            Variable::Alpha | Variable::Beta | Variable::Gamma | Variable::Point | Variable::Distance => false,
+        }
+    }
+}
+
 /// What a parameter belongs to (thesis 4.2.4).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Owner {
@@ -175,3 +191,6 @@ impl Predefined {
 /// Words that cannot be names, in either language: the heads of sections.
 pub const RESERVED: [&str; 8] =
     ["global", "body_specific", "light_specific", "invariants", "formula", "bodies", "lights", "camera"];
+
+/// The head of the section for predefined parameters. It may name things, because old formulas may use it.
+pub const PREDEFINED_SECTION: &str = "predefined";

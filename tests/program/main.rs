@@ -9,6 +9,7 @@ mod files;
 mod materials;
 mod memory;
 mod messages;
+mod misspellings;
 mod pictures;
 mod pipe;
 mod rays;

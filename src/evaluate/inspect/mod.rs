@@ -212,6 +212,11 @@ impl<'i> Inspector<'i> {
                     operands_at_hand.extend(operands.iter().map(|operand| values[operand.0 as usize]));
                     operation.on_numbers(&operands_at_hand, &mut stack)
                 }
+                Term::ByComponents(operation, operands) => std::array::from_fn(|component| {
+                    operands_at_hand.clear();
+                    operands_at_hand.extend(operands.iter().map(|operand| [values[operand.0 as usize][component]; 3]));
+                    operation.on_numbers(&operands_at_hand, &mut stack)[0]
+                }),
             });
         }
         values
