@@ -4,7 +4,7 @@ use crate::cli::engine;
 use crate::cli::input::load;
 use crate::cli::options::InputOptions;
 use crate::cli::output::{PictureTarget, check_distinct};
-use crate::cli::report::{Failure, print_bytes, warn};
+use crate::cli::report::{Failure, print_bytes, warn, warn_of_picture};
 use clap::Args;
 use illuminator::backends::{BackendChoice, CHOICES, DEFAULT, named};
 use illuminator::picture::{EXPOSURES, Format, ToneCurve, Transfer, file_bytes, save};
@@ -59,20 +59,6 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let backend: &BackendChoice = named(&options.backend).unwrap_or(&DEFAULT);
     let machine = &options.input.machine;
     let mut frame = engine::on_threads(machine, || engine::picture(&input, options.samples, backend, machine))??;
-    match frame.clean() {
-        0 => {}
-        1 => warn("in 1 pixel the formula gives no number (NaN); there the component is 0"),
-        pixels => warn(format!("in {pixels} pixels the formula gives no number (NaN); there the component is 0")),
-    }
-    if let Some((first, rest)) = frame.linear.split_first()
-        && !rest.is_empty()
-        && rest.iter().all(|pixel| pixel == first)
-    {
-        let [red, green, blue] = first;
-        warn(format!(
-            "every pixel has the same colour, <{red}, {green}, {blue}>: no ray hits a body, the camera is inside one, or no light is on"
-        ));
-    }
     let mut view = input.picture.view;
     if options.srgb {
         view.transfer = Transfer::Srgb;
@@ -81,6 +67,8 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     }
     view.exposure = options.exposure.unwrap_or(view.exposure);
     view.curve = options.curve.as_deref().and_then(ToneCurve::named).unwrap_or(view.curve);
+    warn_of_picture(&input, &frame, view);
+    frame.clean();
     match target {
         PictureTarget::File(path, _) => save(path, &frame, view).map_err(Failure::input),
         PictureTarget::StandardOutput => {

@@ -7,6 +7,7 @@
 
 mod figures;
 mod instance;
+mod nan;
 mod report;
 #[cfg(test)]
 mod tests;
@@ -14,6 +15,7 @@ mod text;
 
 pub use figures::{Quantity, figures, vector_figures};
 pub use instance::{Instance, InstanceLine};
+pub use nan::NanOrigin;
 pub use report::{Crossing, End, InspectedHit, InspectedLight, InspectedRay, Inspection, Onward, Visibility};
 
 use crate::formula::equation::{Equation, REFLECTED, REFRACTED, Site, weighed};
