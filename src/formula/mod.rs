@@ -8,6 +8,7 @@ pub mod binding;
 pub mod binding_time;
 mod check;
 pub mod equation;
+mod evaluated_lights;
 pub mod graph;
 pub mod invariants;
 pub mod layout;

@@ -97,7 +97,7 @@ fn lights_shine_are_hidden_turned_away_or_out() {
     let hit = inspection.hit(0).expect("a hit");
     let visible: Vec<&Visibility> = hit.lights.iter().map(|light| &light.visibility).collect();
     // The nearer of the two first, though it is declared last.
-    assert_eq!(visible, [&Visibility::Shadowed(vec![BodyId(2), BodyId(1)]), &Visibility::Away, &Visibility::Lit]);
+    assert_eq!(visible, [&Visibility::Shadowed(vec![BodyId(2), BodyId(1)]), &Visibility::Away(Vec::new()), &Visibility::Lit]);
     near(hit.lights[0].angle, 45.0);
     near(hit.lights[1].angle, 90.0);
     assert!(hit.lights[2].local[0] > 0.0);
