@@ -82,7 +82,7 @@ variables! {
     Tangent "T" Vector Hit Added "tangent: along the first edge of a rectangle, along the parallels of a sphere";
     Bitangent "B" Vector Hit Added "second tangent, N x T";
     Distance "dist" Scalar Record Added "distance from the hit to the light, world units";
-    Visible "visible" Scalar Record Added "1 if no body lies between the hit and the light, else 0";
+    Visible "visible" Scalar Record Added "1 if no body lies between the hit and the light, else 0; a formula that reads it is evaluated at every light";
 }
 
 /// What a parameter belongs to (thesis 4.2.4).

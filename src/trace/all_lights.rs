@@ -5,6 +5,9 @@
 //! no search for intersections, and a shadow ray only for an emitter that is behind the surface: the first store knows
 //! the others. The first store stays for all other formulas, whose pictures and times do not change.
 
+#[cfg(test)]
+mod tests;
+
 use crate::lang::variables::EvaluatedLights;
 use crate::trace::View;
 use crate::trace::builder::{HitList, grouped};

@@ -129,7 +129,8 @@ impl std::fmt::Display for MemorySize {
     }
 }
 
-/// Traces `world` under `view` for formulas that are evaluated for these lights, on all threads of the current rayon pool; the result does not depend on their number.
+/// Traces `world` under `view` for formulas that are evaluated for these lights, on all threads of the current rayon
+/// pool; the result does not depend on their number.
 ///
 /// `progress` receives the share that is done, 0..=1, from time to time, on any thread. Setting `cancelled` ends the
 /// work soon.

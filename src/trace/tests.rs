@@ -21,7 +21,7 @@ pub(super) fn world(text: &str) -> Arc<World> {
 }
 
 /// A glass ball and a metal one on a floor before a mirror, two lamps; everything `scale` times as large.
-fn room(scale: f64) -> Arc<World> {
+pub(super) fn room(scale: f64) -> Arc<World> {
     let at = |x: f64, y: f64, z: f64| format!("<{:e}, {:e}, {:e}>", scale * x, scale * y, scale * z);
     world(&format!(
         "bodies;
@@ -54,7 +54,7 @@ fn room(scale: f64) -> Arc<World> {
 }
 
 /// The same room, with this many more lamps around it.
-fn bright_room(lamps: u32) -> Arc<World> {
+pub(super) fn bright_room(lamps: u32) -> Arc<World> {
     let mut scene = Scene::clone(room(1.0).scene());
     for lamp in 0..lamps {
         let (z, x) = (1.3 + std::f64::consts::TAU * f64::from(lamp) / f64::from(lamps)).sin_cos();
@@ -69,11 +69,11 @@ pub(super) fn emitters(node: &RayNode) -> Vec<EmitterId> {
     node.lights.iter().map(|light| light.emitter).collect()
 }
 
-fn view(width: u32, height: u32, depth: u32) -> View {
+pub(super) fn view(width: u32, height: u32, depth: u32) -> View {
     View::new(width, height).unwrap().with_depth(depth).unwrap()
 }
 
-fn traced(world: &Arc<World>, view: &View) -> Hits {
+pub(super) fn traced(world: &Arc<World>, view: &View) -> Hits {
     trace(world, view, EvaluatedLights::Reaching, &Budget::UNLIMITED, &|_| {}, &AtomicBool::new(false)).unwrap()
 }
 

@@ -187,3 +187,26 @@ fn coincident_surfaces_count_once() {
     assert_eq!(emitters(&tree.nodes[0]), [EmitterId(0)]);
     assert!(matches!(tree.nodes[0].reflected, Child::Miss(_)));
 }
+
+#[test]
+fn a_light_behind_a_surface_is_hidden_by_closed_bodies_but_not_by_thin_ones() {
+    let bodies = "leaf: rectangle, <-1,-1,0>, <-1,1,0>, <1,1,0>; ball: sphere, center <4,0,0>, radius 1;
+                  stone: sphere, center <0,3,-4>, radius 0.5;";
+    let visible = |light: &str, target: DVec3, shadows| {
+        let world = look(bodies, &format!("l: point, {light};"), target + 4.0 * DVec3::Z, target);
+        let view = View::new(1, 1).unwrap().with_depth(1).unwrap().with_shadows(shadows);
+        let tracer = Tracer::new(&world, &view);
+        let node = ray_tree(&tracer, 0, EvaluatedLights::All).nodes.swap_remove(0);
+        assert_eq!(node.lights.len(), 1);
+        let occluders = tracer.occluders(EmitterId(0), &node.hit).into_iter().map(|met| met.body.0).collect::<Vec<_>>();
+        (node.lights[0].visible, tracer.faces(EmitterId(0), &node.hit), occluders)
+    };
+    let (leaf, ball) = (DVec3::ZERO, DVec3::new(4.0, 0.0, 1.0));
+    assert_eq!(visible("<3,0,-4>", leaf, true), (true, false, vec![]), "through a leaf");
+    assert_eq!(visible("<0,6,-8>", leaf, true), (false, false, vec![2]), "a stone behind it");
+    assert_eq!(visible("<0,6,-8>", leaf, false), (true, false, vec![2]), "without shadow rays");
+    assert_eq!(visible("<4,3,-4>", ball, true), (false, false, vec![1]), "its own far side");
+    assert_eq!(visible("<4,0.6,0.2>", ball, true), (true, false, vec![]), "a lamp in a ball");
+    assert_eq!(visible("<9,0,1>", ball, true), (true, false, vec![]), "along the tangent");
+    assert_eq!(visible("<4,3,5>", ball, true), (true, true, vec![]), "before it");
+}
