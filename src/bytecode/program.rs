@@ -9,7 +9,7 @@ use crate::lang::scalars::{Scalars, flush};
 use crate::lang::types::Type;
 use crate::lang::variables::{Owner, Predefined};
 use crate::scene::LightId;
-use crate::trace::{Child, HitVariables, LightVariables, RayNode, Tree, variable};
+use crate::trace::{Child, HitVariables, LightVariables, NodeLight, RayNode, Tree, variable};
 use crate::world::World;
 
 /// The inputs of instantiation: a formula on a scene.
@@ -227,9 +227,9 @@ impl BytecodeBuilder<'_> {
         let world = self.instantiation.world;
         let hit = HitVariables::new(world, &node.hit);
         let mut count = 0;
-        for emitter in &node.emitters {
+        for NodeLight { emitter, visible } in &node.lights {
             let light = world.light_of(*emitter);
-            let record = LightVariables::new(&node.hit, &world.emitter(*emitter).sample(&node.hit));
+            let record = LightVariables::new(&node.hit, &world.emitter(*emitter).sample(&node.hit), *visible);
             for term in EquationTerm::at(Site::LitRecord) {
                 let formula = |assembler: &mut Self| assembler.formula(node, light, &hit, &record);
                 self.term(term, node.hit.body.index(), light.index(), &mut count, formula);

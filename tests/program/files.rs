@@ -125,6 +125,28 @@ fn hits_are_written_as_the_index_describes() {
     assert_eq!(pixels, (0..32 * 24).collect::<Vec<u32>>());
     let last = column("hits.pixel.u32").len() as u32;
     assert!(column("records.hit.u32").iter().all(|hit| *hit < last));
+    assert!(column("records.visible.f32").iter().all(|visible| f32::from_bits(*visible) == 1.0));
+}
+
+#[test]
+fn hits_have_a_record_for_each_light_if_the_formula_reads_visible() {
+    let folder = folder();
+    fs::write(folder.path().join("shade.formula"), "formula; = IL*Cd*(0.1 + visible);").expect("a file");
+    let count = |arguments: &str| {
+        assert_eq!(told(folder.path(), &format!("dump session.toml {arguments} --stage hits -o hits")), "exit status 0\n");
+        let hits = folder.path().join("hits");
+        let index: serde_json::Value =
+            serde_json::from_slice(&fs::read(hits.join("index.json")).expect("an index")).expect("JSON");
+        let [hits_count, records] = ["hits", "records"].map(|table| index["tables"][table]["count"].as_u64().expect("a count"));
+        let bytes = fs::read(hits.join("records.visible.f32")).expect("a column");
+        let visible = bytes.chunks_exact(4).filter(|four| *four == 1.0_f32.to_le_bytes()).count() as u64;
+        (hits_count, records, visible, index["lights"].as_array().expect("lights").len() as u64)
+    };
+    let (hits, reaching, visible, _) = count("");
+    assert_eq!(visible, reaching);
+    let (all_hits, records, visible, lights) = count("--formula shade.formula");
+    assert_eq!((all_hits, records), (hits, hits * lights));
+    assert!(reaching <= visible && visible < records, "{reaching} {visible} {records}");
 }
 
 #[test]

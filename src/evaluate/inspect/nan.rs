@@ -52,10 +52,7 @@ impl Inspector<'_> {
             id = next;
             in_macro = names.get(&id).copied().or(in_macro);
         }
-        let operands: &[TermId] = match formula.term(id) {
-            Term::Apply(_, operands) => operands,
-            Term::Number(_) | Term::Variable(_) | Term::Parameter(_) => &[],
-        };
+        let operands = formula.term(id).operands();
         let number = |operand: TermId| Quantity::new(formula.ty(operand), values[operand.0 as usize]).to_string();
         NanOrigin {
             body: hit.body(),
@@ -69,7 +66,7 @@ impl Inspector<'_> {
 
 /// The first operand of a term that is NaN, of those that its value depends on.
 fn nan_operand(formula: &Formula, id: TermId, values: &[[f32; 3]]) -> Option<TermId> {
-    let Term::Apply(operation, operands) = formula.term(id) else { return None };
+    let (Term::Apply(operation, operands) | Term::ByComponents(operation, operands)) = formula.term(id) else { return None };
     let value = |id: TermId| &values[id.0 as usize][..formula.ty(id).slots()];
     let is_nan = |id: &TermId| value(*id).iter().any(|component| component.is_nan());
     match (operation.form(), operands.as_slice()) {
