@@ -6,6 +6,7 @@ use crate::evaluate::inspect::report::{End, InspectedHit, InspectedLight, Inspec
 use crate::formula::{Formula, Term, TermId};
 use crate::lang::builtins::Form;
 use crate::scene::{BodyId, LightId};
+use crate::trace::variable;
 use std::collections::HashMap;
 
 /// Where NaN comes from in a pixel.
@@ -30,7 +31,7 @@ impl Inspector<'_> {
         let is_nan = |light: &&InspectedLight| {
             light.visibility == Visibility::Lit && light.contribution.iter().any(|component| component.is_nan())
         };
-        let hits = inspection.rays.iter().filter(|ray| ray.weight != 0.0).filter_map(|ray| match &ray.end {
+        let hits = inspection.rays.iter().filter(|ray| !ray.is_cut()).filter_map(|ray| match &ray.end {
             End::Hit(hit) => Some(hit),
             End::Background => None,
         });
@@ -40,7 +41,7 @@ impl Inspector<'_> {
 
     fn origin_at(&self, hit: &InspectedHit, light: &InspectedLight) -> NanOrigin {
         let formula = self.formula;
-        let values = self.values(hit.body(), light.light, &hit.variables, &light.variables);
+        let values = self.values(hit.body(), Some(light.light), &|symbol| variable(symbol, &hit.variables, &light.variables));
         let mut names: HashMap<TermId, &str> = HashMap::new();
         for (name, id) in &formula.macros {
             names.entry(*id).or_insert(name);
