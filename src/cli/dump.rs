@@ -123,7 +123,7 @@ fn outside(input: &Project, [x, y]: [u32; 2]) -> Failure {
 
 fn bytecode(input: &Project, pixel: Option<[u32; 2]>) -> Result<String, Failure> {
     let code = Code::new(&input.subject.formula).map_err(|error| Failure::input(error.to_string()))?;
-    let mut text = format!("type I: the formula, {} bytes\n", code.bytes());
+    let mut text = format!("type I: the formula, {} bytes; slots: {}\n", code.bytes(), code.slots());
     code.instructions().iter().for_each(|instruction| text.push_str(&format!("  {instruction}\n")));
     if let Some([x, y]) = pixel {
         let view = &input.subject.view;

@@ -43,7 +43,7 @@ pub enum EvaluateError {
 pub struct Footprint {
     /// For each hit.
     pub per_hit: u64,
-    /// For each lit record: a pair of a hit and a light that reaches it.
+    /// For each lit record: a pair of a hit and a light that it is evaluated for.
     pub per_record: u64,
     /// For each pair of a body and a light of the scene.
     pub per_pair: u64,

@@ -8,6 +8,7 @@ pub mod binding;
 pub mod binding_time;
 mod check;
 pub mod equation;
+mod evaluated_lights;
 pub mod graph;
 pub mod invariants;
 pub mod layout;
@@ -167,6 +168,22 @@ impl Formula {
             Term::Apply(operation, _) => operation.result(),
             Term::ByComponents(..) => Type::Vector,
         }
+    }
+
+    /// The expressions that `root` is computed from, itself included, users before their operands.
+    pub fn terms_of(&self, root: TermId) -> Vec<TermId> {
+        let mut is_used = vec![false; self.terms.len()];
+        is_used[root.0 as usize] = true;
+        let mut used = Vec::new();
+        // Operands come before their users.
+        for index in (0..=root.0).rev() {
+            if is_used[index as usize] {
+                let id = TermId(index);
+                self.term(id).operands().iter().for_each(|operand| is_used[operand.0 as usize] = true);
+                used.push(id);
+            }
+        }
+        used
     }
 
     /// Which operands of an operation are vectors, as [`Operation::apply_by_components`] takes it: a bit for each.

@@ -107,7 +107,7 @@ impl Constant {
 
 /// The attributes of a parameter, each with its place.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Attributes {
+pub struct ParameterAttributes {
     /// `constraint a..b`
     pub range: Option<([f32; 2], SourceSpan)>,
     /// `default …`
@@ -132,7 +132,7 @@ pub struct Declaration {
     /// Its type.
     pub ty: Type,
     /// What is said about its values.
-    pub attributes: Attributes,
+    pub attributes: ParameterAttributes,
     /// What the comments at the declaration say, see [`doc`](crate::lang::comments::doc).
     pub doc: Option<String>,
 }
@@ -143,7 +143,7 @@ pub struct PredefinedLine {
     /// The name of the parameter.
     pub name: Name,
     /// What is said about its values.
-    pub attributes: Attributes,
+    pub attributes: ParameterAttributes,
     /// What the comments at the line say, see [`doc`](crate::lang::comments::doc).
     pub doc: Option<String>,
 }

@@ -1,7 +1,7 @@
 //! Parses the sections before the formula: declarations with their attributes, lines about predefined parameters, and
 //! invariants.
 
-use crate::lang::ast::{Attributes, Constant, Declaration, InvariantLine, Name, PredefinedLine, Relation, Section};
+use crate::lang::ast::{Constant, Declaration, InvariantLine, Name, ParameterAttributes, PredefinedLine, Relation, Section};
 use crate::lang::cursor::{Placed, Reported};
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::foreign;
@@ -43,7 +43,7 @@ impl FormulaParser<'_> {
         }
         self.cursor.expect(Mark::Colon, "between the parameter's name and its type")?;
         let ty = self.declared_type()?;
-        let mut attributes = Attributes::default();
+        let mut attributes = ParameterAttributes::default();
         let outcome = self.attributes(&name, &mut attributes);
         let doc = self.doc(name.span);
         list.push(Declaration { name, owner, ty, attributes, doc });
@@ -90,7 +90,7 @@ impl FormulaParser<'_> {
             self.cursor.advance();
             self.cursor.accept(Mark::Comma);
         }
-        let mut attributes = Attributes::default();
+        let mut attributes = ParameterAttributes::default();
         let mut seen = Vec::new();
         let outcome = self.counted_attribute(&mut seen, &mut attributes);
         let outcome = outcome.and_then(|()| self.more_attributes(&name, seen, &mut attributes));
@@ -99,7 +99,7 @@ impl FormulaParser<'_> {
         outcome
     }
 
-    fn attributes(&mut self, name: &Name, attributes: &mut Attributes) -> Result<(), Reported> {
+    fn attributes(&mut self, name: &Name, attributes: &mut ParameterAttributes) -> Result<(), Reported> {
         self.more_attributes(name, Vec::new(), attributes)
     }
 
@@ -108,7 +108,7 @@ impl FormulaParser<'_> {
         &mut self,
         name: &Name,
         mut seen: Vec<(String, SourceSpan)>,
-        attributes: &mut Attributes,
+        attributes: &mut ParameterAttributes,
     ) -> Result<(), Reported> {
         while self.cursor.accept(Mark::Comma) {
             self.counted_attribute(&mut seen, attributes)?;
@@ -126,7 +126,11 @@ impl FormulaParser<'_> {
     }
 
     /// Parses an attribute, and reports one that is given twice.
-    fn counted_attribute(&mut self, seen: &mut Vec<(String, SourceSpan)>, attributes: &mut Attributes) -> Result<(), Reported> {
+    fn counted_attribute(
+        &mut self,
+        seen: &mut Vec<(String, SourceSpan)>,
+        attributes: &mut ParameterAttributes,
+    ) -> Result<(), Reported> {
         let span = self.cursor.span();
         let word = self.cursor.word(0).unwrap_or_default().to_owned();
         if let Some((_, first)) = seen.iter().find(|(attribute, _)| *attribute == word) {
@@ -141,7 +145,7 @@ impl FormulaParser<'_> {
         self.attribute(&word, span, attributes)
     }
 
-    fn attribute(&mut self, word: &str, span: SourceSpan, attributes: &mut Attributes) -> Result<(), Reported> {
+    fn attribute(&mut self, word: &str, span: SourceSpan, attributes: &mut ParameterAttributes) -> Result<(), Reported> {
         if !ATTRIBUTES.contains(&word) {
             let known = ATTRIBUTES.map(|attribute| format!("`{attribute}`"));
             let (last, others) = known.split_last().map_or((String::new(), String::new()), |(a, b)| (a.clone(), b.join(", ")));

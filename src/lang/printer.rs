@@ -1,7 +1,7 @@
 //! Prints the syntax of a formula file as text, with no more parentheses than needed. Parsing the text gives the same
 //! syntax.
 
-use crate::lang::ast::{Attributes, Constant, Definition, ExprId, ExprKind, FormulaFile, Relation, Section};
+use crate::lang::ast::{Constant, Definition, ExprId, ExprKind, FormulaFile, ParameterAttributes, Relation, Section};
 use crate::lang::source::SourceSpan;
 use crate::lang::token::Mark;
 use crate::lang::variables::PREDEFINED_SECTION;
@@ -110,7 +110,8 @@ pub fn print(file: &FormulaFile) -> String {
         print_doc(definition.doc.as_deref(), &mut out);
     }
     if let Some(result) = file.result {
-        out.push_str(&format!("= {};\n", print_expression(file, result)));
+        // A comparison as the result needs parentheses.
+        out.push_str(&format!("= {};\n", print_bound(file, result, Binding::Sum)));
     }
     out
 }
@@ -127,8 +128,8 @@ pub fn head(definition: &Definition) -> String {
 }
 
 /// The attributes of a parameter, each as text.
-fn attributes(attributes: &Attributes) -> Vec<String> {
-    let Attributes { range, default, slider, colour, switch, choices } = attributes;
+fn attributes(attributes: &ParameterAttributes) -> Vec<String> {
+    let ParameterAttributes { range, default, slider, colour, switch, choices } = attributes;
     let range = range.map(|([low, high], _)| format!("constraint {low}..{high}"));
     let default = default.map(|(value, _)| match value {
         Constant::Scalar(value) => format!("default {value}"),
@@ -174,9 +175,14 @@ fn list(parts: &[ExprId], least: Binding, close: &'static str) -> Vec<Piece> {
 /// An expression as text. A list of pieces that are still to be written replaces recursion, so that sums may have any
 /// length.
 pub fn print_expression(file: &FormulaFile, root: ExprId) -> String {
+    print_bound(file, root, Binding::Or)
+}
+
+/// An expression as text, in parentheses if it binds less tightly than `least`.
+fn print_bound(file: &FormulaFile, root: ExprId, least: Binding) -> String {
     use Piece::{Expr, Text};
     let mut out = String::new();
-    let mut pieces = vec![Expr(root, Binding::Or)];
+    let mut pieces = vec![Expr(root, least)];
     while let Some(piece) = pieces.pop() {
         let (id, least) = match piece {
             Text(text) => {

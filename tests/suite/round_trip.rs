@@ -1,6 +1,6 @@
 //! A printed formula parses as the same formula.
 
-use illuminator::lang::ast::{Attributes, ExprKind, FormulaFile, Section};
+use illuminator::lang::ast::{ExprKind, FormulaFile, ParameterAttributes, Section};
 use illuminator::lang::parser::parse;
 use illuminator::lang::printer::print;
 use illuminator::lang::source::{Source, SourceSpan};
@@ -56,9 +56,9 @@ fn bare(mut file: FormulaFile) -> FormulaFile {
     file
 }
 
-fn bare_attributes(attributes: &mut Attributes) {
+fn bare_attributes(attributes: &mut ParameterAttributes) {
     let nowhere = SourceSpan::default();
-    let Attributes { range, default, slider, colour, switch, choices } = attributes;
+    let ParameterAttributes { range, default, slider, colour, switch, choices } = attributes;
     range.iter_mut().for_each(|(_, span)| *span = nowhere);
     default.iter_mut().for_each(|(_, span)| *span = nowhere);
     choices.iter_mut().for_each(|(_, span)| *span = nowhere);

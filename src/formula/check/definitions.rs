@@ -9,7 +9,7 @@ use std::collections::HashSet;
 use std::rc::Rc;
 
 /// The definitions of a file in order, by their indices, and those that use themselves.
-pub(super) struct Order {
+pub(super) struct DefinitionOrder {
     /// Each definition after those that it uses.
     pub(super) order: Vec<usize>,
     /// Those that are part of a circle. They have no value.
@@ -17,40 +17,40 @@ pub(super) struct Order {
 }
 
 #[derive(Clone, Copy, PartialEq)]
-enum State {
+enum VisitState {
     New,
     Open,
     Done,
 }
 
 /// Orders the definitions of a file.
-pub(super) fn order(file: &FormulaFile, names: &Names, diagnostics: &mut Diagnostics) -> Order {
+pub(super) fn order(file: &FormulaFile, names: &Names, diagnostics: &mut Diagnostics) -> DefinitionOrder {
     let uses: Vec<Vec<(usize, SourceSpan)>> =
         (0..file.definitions.len()).map(|index| definitions_used(file, names, index)).collect();
-    let mut state = vec![State::New; uses.len()];
-    let mut found = Order { order: Vec::new(), circular: HashSet::new() };
+    let mut state = vec![VisitState::New; uses.len()];
+    let mut found = DefinitionOrder { order: Vec::new(), circular: HashSet::new() };
     for start in 0..uses.len() {
         // A path of definitions, each used by the one before, and how many of its uses have been followed.
         let mut path = vec![(start, 0)];
-        if state[start] != State::New {
+        if state[start] != VisitState::New {
             continue;
         }
-        state[start] = State::Open;
+        state[start] = VisitState::Open;
         while let Some((index, next)) = path.last_mut() {
             let Some(&(used, span)) = uses[*index].get(*next) else {
-                state[*index] = State::Done;
+                state[*index] = VisitState::Done;
                 found.order.push(*index);
                 path.pop();
                 continue;
             };
             *next += 1;
             match state[used] {
-                State::Done => {}
-                State::New => {
-                    state[used] = State::Open;
+                VisitState::Done => {}
+                VisitState::New => {
+                    state[used] = VisitState::Open;
                     path.push((used, 0));
                 }
-                State::Open => {
+                VisitState::Open => {
                     let from = path.iter().position(|(index, _)| *index == used).unwrap_or(0);
                     let circle: Vec<usize> = path[from..].iter().map(|(index, _)| *index).collect();
                     report_circle(file, &circle, span, diagnostics);

@@ -1,11 +1,11 @@
 //! Gives every expression its type and its term: overloads by operand types (thesis 5.3.2), functions with the types of
 //! each call, sums written out.
 //!
-//! Functions and sums become terms here, so nothing behind the checker knows them. A call is a [`Frame`] on an explicit
-//! stack: the expressions of the body, with the arguments as names. A function cannot use itself, so the values of the
-//! expressions of its body are those of the innermost call.
+//! Functions and sums become terms here, so nothing behind the checker knows them. A call is a [`CheckFrame`] on an
+//! explicit stack: the expressions of the body, with the arguments as names. A function cannot use itself, so the
+//! values of the expressions of its body are those of the innermost call.
 
-use crate::formula::check::definitions::{self, Order};
+use crate::formula::check::definitions::{self, DefinitionOrder};
 use crate::formula::check::names::{Meaning, Names, RepetitionCall};
 use crate::formula::check::terms::{Settled, Terms};
 use crate::formula::{Parameter, Term, TermId};
@@ -45,7 +45,7 @@ pub(super) fn check(
     names: &Names,
     diagnostics: &mut Diagnostics,
 ) -> Checked {
-    let Order { order, circular } = definitions::order(file, names, diagnostics);
+    let DefinitionOrder { order, circular } = definitions::order(file, names, diagnostics);
     let mut checker = Checker {
         file,
         source,
@@ -95,7 +95,7 @@ pub(super) struct Checker<'c> {
     macros: Vec<Option<Settled>>,
     /// The definitions that use themselves.
     circular: HashSet<usize>,
-    frames: Vec<Frame<'c>>,
+    frames: Vec<CheckFrame<'c>>,
     /// The expressions to check for a root, in order.
     lists: HashMap<ExprId, Rc<[ExprId]>>,
     /// The values of calls, by the function and its arguments.
@@ -108,18 +108,18 @@ pub(super) struct Checker<'c> {
 
 /// Some expressions that are being checked: those of a macro or the result, the body of a called function, or a term of
 /// a sum.
-struct Frame<'c> {
+struct CheckFrame<'c> {
     root: ExprId,
     /// The expressions of `root`, operands before their users, and how many of them are done.
     list: Rc<[ExprId]>,
     done: usize,
     /// The names that have a meaning here alone.
     locals: Vec<(&'c str, Settled)>,
-    purpose: Purpose<'c>,
+    purpose: FramePurpose<'c>,
 }
 
 /// What happens with the value of a frame.
-enum Purpose<'c> {
+enum FramePurpose<'c> {
     /// It is a macro or the result.
     Root,
     /// It is the value of a call.
@@ -129,21 +129,21 @@ enum Purpose<'c> {
 }
 
 /// The next step for an expression.
-enum Step<'c> {
+enum CheckStep<'c> {
     Done(Option<Settled>),
-    Enter(Frame<'c>),
+    Enter(CheckFrame<'c>),
 }
 
 impl<'c> Checker<'c> {
     /// The term and type of an expression outside of functions and sums.
     fn evaluate(&mut self, root: ExprId) -> Option<Settled> {
-        let frame = self.frame(root, Vec::new(), Purpose::Root);
+        let frame = self.frame(root, Vec::new(), FramePurpose::Root);
         self.frames.push(frame);
         while let Some(frame) = self.frames.last_mut() {
             if let Some(&id) = frame.list.get(frame.done) {
                 match self.step(id) {
-                    Step::Done(value) => self.finish(id, value),
-                    Step::Enter(frame) => self.frames.push(frame),
+                    CheckStep::Done(value) => self.finish(id, value),
+                    CheckStep::Enter(frame) => self.frames.push(frame),
                 }
                 continue;
             }
@@ -151,12 +151,12 @@ impl<'c> Checker<'c> {
             let value = self.settled[frame.root.0 as usize];
             let value = value.map(|value| self.terms.as_value(value));
             match frame.purpose {
-                Purpose::Root => return self.settled[frame.root.0 as usize],
-                Purpose::Call { key, .. } => {
+                FramePurpose::Root => return self.settled[frame.root.0 as usize],
+                FramePurpose::Call { key, .. } => {
                     self.calls.insert(key, value);
                     self.finish_pending(value);
                 }
-                Purpose::Repetition { call, index, last, total } => self.repeat(call, index, last, total, value),
+                FramePurpose::Repetition { call, index, last, total } => self.repeat(call, index, last, total, value),
             }
         }
         None
@@ -178,16 +178,16 @@ impl<'c> Checker<'c> {
         }
     }
 
-    fn frame(&mut self, root: ExprId, locals: Vec<(&'c str, Settled)>, purpose: Purpose<'c>) -> Frame<'c> {
+    fn frame(&mut self, root: ExprId, locals: Vec<(&'c str, Settled)>, purpose: FramePurpose<'c>) -> CheckFrame<'c> {
         let (file, names) = (self.file, self.names);
         let list = self.lists.entry(root).or_insert_with(|| reachable(file, names, root).into());
-        Frame { root, list: Rc::clone(list), done: 0, locals, purpose }
+        CheckFrame { root, list: Rc::clone(list), done: 0, locals, purpose }
     }
 
-    fn step(&mut self, id: ExprId) -> Step<'c> {
+    fn step(&mut self, id: ExprId) -> CheckStep<'c> {
         let file = self.file;
         let expression = file.expr(id);
-        Step::Done(match &expression.kind {
+        CheckStep::Done(match &expression.kind {
             ExprKind::Missing => None,
             ExprKind::Number(value) => Some(self.terms.number(*value)),
             ExprKind::Name(name) => self.name(name),
@@ -207,8 +207,8 @@ impl<'c> Checker<'c> {
             }
             match frame.purpose {
                 // The term of a sum sees what is around the sum.
-                Purpose::Repetition { .. } => {}
-                Purpose::Root | Purpose::Call { .. } => break,
+                FramePurpose::Repetition { .. } => {}
+                FramePurpose::Root | FramePurpose::Call { .. } => break,
             }
         }
         match self.names.meaning(name)? {
@@ -227,40 +227,40 @@ impl<'c> Checker<'c> {
         }
     }
 
-    fn call(&mut self, id: ExprId, callee: &'c Name, arguments: &'c [ExprId]) -> Step<'c> {
+    fn call(&mut self, id: ExprId, callee: &'c Name, arguments: &'c [ExprId]) -> CheckStep<'c> {
         match self.names.callee(&callee.text) {
-            Some(Meaning::Builtin(form @ Form::Function(_))) => Step::Done(self.operation(form, id, arguments, callee.span)),
+            Some(Meaning::Builtin(form @ Form::Function(_))) => CheckStep::Done(self.operation(form, id, arguments, callee.span)),
             Some(Meaning::Function(index)) => self.call_function(index, callee, arguments),
             Some(Meaning::Repetition(_)) => match self.names.repetition(self.file, id) {
                 Some(repetition) => self.begin_repetition(id, repetition),
-                None => Step::Done(None),
+                None => CheckStep::Done(None),
             },
-            _ => Step::Done(None),
+            _ => CheckStep::Done(None),
         }
     }
 
-    fn call_function(&mut self, index: usize, callee: &'c Name, arguments: &[ExprId]) -> Step<'c> {
+    fn call_function(&mut self, index: usize, callee: &'c Name, arguments: &[ExprId]) -> CheckStep<'c> {
         let definition = &self.file.definitions[index];
         let names = definition.arguments.as_deref().unwrap_or_default();
         let values: Option<Vec<Settled>> = arguments.iter().map(|argument| self.settled[argument.0 as usize]).collect();
         let Some(values) = values.filter(|values| values.len() == names.len() && !self.circular.contains(&index)) else {
-            return Step::Done(None);
+            return CheckStep::Done(None);
         };
         let values: Vec<Settled> = values.into_iter().map(|value| self.terms.as_value(value)).collect();
         let key = (index, values.iter().map(|(term, _)| self.terms.canonical(*term)).collect());
         if let Some(known) = self.calls.get(&key) {
-            return Step::Done(*known);
+            return CheckStep::Done(*known);
         }
         if self.is_too_large(callee.span) {
-            return Step::Done(None);
+            return CheckStep::Done(None);
         }
         let locals = names.iter().map(|name| name.text.as_str()).zip(values).collect();
-        Step::Enter(self.frame(definition.body, locals, Purpose::Call { key, callee: callee.span }))
+        CheckStep::Enter(self.frame(definition.body, locals, FramePurpose::Call { key, callee: callee.span }))
     }
 
-    fn begin_repetition(&mut self, id: ExprId, call: RepetitionCall<'c>) -> Step<'c> {
+    fn begin_repetition(&mut self, id: ExprId, call: RepetitionCall<'c>) -> CheckStep<'c> {
         let [first, last] = call.bounds.map(|bound| self.bound(bound));
-        let (Some(first), Some(last)) = (first, last) else { return Step::Done(None) };
+        let (Some(first), Some(last)) = (first, last) else { return CheckStep::Done(None) };
         let (first, last) = (f64::from(first).ceil(), f64::from(last).floor());
         let span = self.file.expr(id).span;
         if last - first + 1.0 > f64::from(Repetition::MOST_TERMS) {
@@ -269,18 +269,18 @@ impl<'c> Checker<'c> {
                 let error = Diagnostic::error(format!("the {} has {} terms", call.kind.name(), last - first + 1.0));
                 self.report(error.at(span, format!("at most {most} are possible")));
             }
-            return Step::Done(None);
+            return CheckStep::Done(None);
         }
         if self.is_too_large(span) {
-            return Step::Done(None);
+            return CheckStep::Done(None);
         }
         // Both are at most 2²⁴ apart from whole numbers that `f32` has, or the range is empty.
         let (first, last) = (first as i32, last as i32);
         let empty = first > last;
         // The type of an empty sum is that of its term.
-        let purpose = Purpose::Repetition { call, index: first, last: if empty { first - 1 } else { last }, total: None };
+        let purpose = FramePurpose::Repetition { call, index: first, last: if empty { first - 1 } else { last }, total: None };
         let index = self.terms.number(first as f32);
-        Step::Enter(self.frame(call.body, vec![(call.variable, index)], purpose))
+        CheckStep::Enter(self.frame(call.body, vec![(call.variable, index)], purpose))
     }
 
     /// The value of a bound of a sum, if it is a constant.
@@ -315,7 +315,7 @@ impl<'c> Checker<'c> {
             return;
         }
         let number = self.terms.number((index + 1) as f32);
-        let purpose = Purpose::Repetition { call, index: index + 1, last, total };
+        let purpose = FramePurpose::Repetition { call, index: index + 1, last, total };
         let frame = self.frame(call.body, vec![(call.variable, number)], purpose);
         self.frames.push(frame);
     }
@@ -364,8 +364,8 @@ impl<'c> Checker<'c> {
     pub(super) fn report(&mut self, mut diagnostic: Diagnostic) {
         const SHOWN: usize = 3;
         let calls = self.frames.iter().rev().filter_map(|frame| match &frame.purpose {
-            Purpose::Call { callee, .. } => Some(*callee),
-            Purpose::Root | Purpose::Repetition { .. } => None,
+            FramePurpose::Call { callee, .. } => Some(*callee),
+            FramePurpose::Root | FramePurpose::Repetition { .. } => None,
         });
         for span in calls.take(SHOWN) {
             diagnostic = diagnostic.at(span, "in this call");

@@ -13,7 +13,7 @@ const LONGEST: usize = 90;
 
 /// Warns about every expression that has a value but is probably meant otherwise.
 pub(super) fn warn(file: &FormulaFile, source: &Source, checked: &Checked, diagnostics: &mut Diagnostics) {
-    let written = Written { file, source };
+    let written = SourceWriter { file, source };
     for (index, expression) in file.expressions.iter().enumerate() {
         let id = ExprId(index as u32);
         let ExprKind::Infix(mark, _, [left, right]) = expression.kind else { continue };
@@ -55,7 +55,7 @@ pub(super) fn hint(
     ty: impl Fn(ExprId) -> Option<Type>,
     macro_body: impl Fn(&str) -> Option<ExprId>,
 ) -> Option<String> {
-    let written = Written { file, source };
+    let written = SourceWriter { file, source };
     // `N.L/N.V`: the mistake is in `N.L/N`, and the dot product is around it.
     let around = file.expressions.iter().position(|expression| {
         expression.kind.infix().is_some_and(|(mark, [left, _])| mark == Mark::Dot && left == root && is_product(file, left))
@@ -104,12 +104,12 @@ fn is_power(file: &FormulaFile, id: ExprId) -> bool {
 }
 
 /// Expressions as they are written in the file.
-struct Written<'w> {
+struct SourceWriter<'w> {
     file: &'w FormulaFile,
     source: &'w Source,
 }
 
-impl Written<'_> {
+impl SourceWriter<'_> {
     /// The text under a span on one line. The middle of a long text is left out.
     fn text(&self, span: SourceSpan) -> String {
         let text = self.source.slice(span).split_whitespace().collect::<Vec<_>>().join(" ");

@@ -1,7 +1,7 @@
 //! Makes parameters from declarations: ranges, defaults, slots.
 
 use crate::formula::Parameter;
-use crate::lang::ast::{Attributes, Constant, FormulaFile, Name, PredefinedLine};
+use crate::lang::ast::{Constant, FormulaFile, Name, ParameterAttributes, PredefinedLine};
 use crate::lang::diagnostic::{Diagnostic, Diagnostics, nearest};
 use crate::lang::scalars::flush;
 use crate::lang::source::SourceSpan;
@@ -59,7 +59,7 @@ pub(super) fn parameters(file: &FormulaFile, diagnostics: &mut Diagnostics) -> V
             predefined: None,
             slot: next_slot(declaration.owner, declaration.ty),
         };
-        Declared { name: &declaration.name, attributes: &declaration.attributes }.apply(&mut parameter, diagnostics);
+        AttributeReader { name: &declaration.name, attributes: &declaration.attributes }.apply(&mut parameter, diagnostics);
         parameters.push(parameter);
     }
     check_predefined_names(file, diagnostics);
@@ -94,7 +94,7 @@ fn check_predefined_names(file: &FormulaFile, diagnostics: &mut Diagnostics) {
 fn redefine(parameter: &mut Parameter, line: &PredefinedLine, diagnostics: &mut Diagnostics) {
     let attributes = &line.attributes;
     let before = parameter.clone();
-    Declared { name: &line.name, attributes }.apply(parameter, diagnostics);
+    AttributeReader { name: &line.name, attributes }.apply(parameter, diagnostics);
     if attributes.default.is_none() {
         parameter.default = before.default.map(|number| parameter.clamp(number).0);
         parameter.default[parameter.ty.slots()..].fill(0.0);
@@ -104,12 +104,12 @@ fn redefine(parameter: &mut Parameter, line: &PredefinedLine, diagnostics: &mut 
 }
 
 /// A parameter's name and attributes in the file.
-struct Declared<'d> {
+struct AttributeReader<'d> {
     name: &'d Name,
-    attributes: &'d Attributes,
+    attributes: &'d ParameterAttributes,
 }
 
-impl Declared<'_> {
+impl AttributeReader<'_> {
     /// Sets range, default, switch and choices.
     fn apply(&self, parameter: &mut Parameter, diagnostics: &mut Diagnostics) {
         self.widgets(parameter, diagnostics);
@@ -123,7 +123,7 @@ impl Declared<'_> {
 
     /// Sets switch and choices, and reports what does not fit the type.
     fn widgets(&self, parameter: &mut Parameter, diagnostics: &mut Diagnostics) {
-        let Attributes { range, slider, colour, switch, choices, .. } = self.attributes;
+        let ParameterAttributes { range, slider, colour, switch, choices, .. } = self.attributes;
         let name = &parameter.name;
         if let (Type::Scalar, Some(span)) = (parameter.ty, colour) {
             diagnostics.push(

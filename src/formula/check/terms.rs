@@ -12,7 +12,7 @@ pub(super) type Settled = (TermId, Type);
 
 /// What a term is: its bits and the first terms that are equal to its operands.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
-enum Content {
+enum TermContent {
     Number(u32),
     Variable(Variable),
     Parameter(u32),
@@ -26,7 +26,7 @@ pub(super) struct Terms {
     list: Vec<Term>,
     /// The first term that is equal to each.
     canonical: Vec<TermId>,
-    first: HashMap<Content, TermId>,
+    first: HashMap<TermContent, TermId>,
     /// The values of terms without variables and parameters; a scalar three times.
     constants: Vec<Option<[f32; 3]>>,
     /// Whether each is a direction of unit length.
@@ -67,11 +67,11 @@ impl Terms {
         let id = TermId(self.list.len() as u32);
         let alike = |operands: &[TermId]| operands.iter().map(|operand| self.canonical(*operand)).collect();
         let content = match &term {
-            Term::Number(value) => Content::Number(value.to_bits()),
-            Term::Variable(variable) => Content::Variable(*variable),
-            Term::Parameter(parameter) => Content::Parameter(parameter.0),
-            Term::Apply(operation, operands) => Content::Apply(*operation, alike(operands)),
-            Term::ByComponents(operation, operands) => Content::ByComponents(*operation, alike(operands)),
+            Term::Number(value) => TermContent::Number(value.to_bits()),
+            Term::Variable(variable) => TermContent::Variable(*variable),
+            Term::Parameter(parameter) => TermContent::Parameter(parameter.0),
+            Term::Apply(operation, operands) => TermContent::Apply(*operation, alike(operands)),
+            Term::ByComponents(operation, operands) => TermContent::ByComponents(*operation, alike(operands)),
         };
         self.directions.push(self.has_unit_length(&term));
         let constant = self.value(&term);

@@ -49,7 +49,7 @@ pub(super) enum TextSection {
     Head,
     /// Declarations of parameters.
     Parameters(Owner),
-    /// Attributes of predefined parameters.
+    /// ParameterAttributes of predefined parameters.
     Predefined,
     /// Invariants.
     Invariants,

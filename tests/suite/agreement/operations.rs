@@ -246,7 +246,8 @@ fn every_operation_agrees_on_columns() {
 
 fn disagreements_are_none(from: Operands) {
     let mut failures = Vec::new();
-    for operation in Operation::ALL {
+    // Operands of the dot product of directions must have unit length. Random formulas cover it.
+    for operation in Operation::ALL.iter().filter(|operation| operation.form() != Form::UnitDot) {
         if operation.operands().is_empty() && from == Operands::Columns {
             continue;
         }
