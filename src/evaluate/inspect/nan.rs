@@ -67,15 +67,22 @@ impl Inspector<'_> {
 
 /// The first operand of a term that is NaN, of those that its value depends on.
 fn nan_operand(formula: &Formula, id: TermId, values: &[[f32; 3]]) -> Option<TermId> {
-    let (Term::Apply(operation, operands) | Term::ByComponents(operation, operands)) = formula.term(id) else { return None };
-    let value = |id: TermId| &values[id.0 as usize][..formula.ty(id).slots()];
+    let value = |id: TermId| &values[id.0 as usize];
+    // Scalars stand three times.
+    let component = value(id).iter().position(|component| component.is_nan())?;
     let is_nan = |id: &TermId| value(*id).iter().any(|component| component.is_nan());
-    match (operation.form(), operands.as_slice()) {
-        // The branch that is not taken may be NaN.
-        (Form::Conditional, [condition, then, other]) => {
-            let taken = if value(*condition) == [0.0] { other } else { then };
-            [*condition, *taken].into_iter().find(is_nan)
+    let is_nan_there = |id: &TermId| value(*id)[component].is_nan();
+    match formula.term(id) {
+        Term::Apply(operation, operands) | Term::ByComponents(operation, operands) => {
+            match (operation.form(), operands.as_slice()) {
+                // The branch that is not taken may be NaN.
+                (Form::Conditional, [condition, then, other]) => {
+                    let taken = if value(*condition)[component] == 0.0 { other } else { then };
+                    [*condition, *taken].into_iter().find(is_nan_there)
+                }
+                _ => operands.iter().copied().find(is_nan_there).or_else(|| operands.iter().copied().find(is_nan)),
+            }
         }
-        _ => operands.iter().copied().find(is_nan),
+        Term::Number(_) | Term::Variable(_) | Term::Parameter(_) => None,
     }
 }
