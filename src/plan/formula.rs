@@ -44,8 +44,11 @@ pub struct ParameterSlot {
 impl FormulaPlan {
     /// Plans the evaluation of a formula.
     pub fn new(formula: &Formula) -> Self {
-        let bindings = Bindings::new(formula);
-        let surface = SurfacePlan::new(formula);
+        Self::of(Bindings::new(formula), SurfacePlan::new(formula))
+    }
+
+    /// Plans the evaluation of an analysed formula.
+    pub fn of(bindings: Bindings, surface: Option<SurfacePlan>) -> Self {
         let Frontier { hits, records, .. } = bindings.frontier.clone();
         let stage = |name, domain, nodes: Vec<NodeId>| KernelPlan::stage(name, domain, bindings.leaves(&nodes), nodes);
         let (hits, records) = (stage("hits", Domain::Hits, hits), stage("records", Domain::LitRecords, records));
