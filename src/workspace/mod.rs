@@ -15,6 +15,7 @@ mod recognise;
 pub mod session;
 pub(crate) mod spanned_toml;
 pub mod values;
+pub mod variation;
 pub mod warning;
 
 pub use assignment::{Assignment, NamedAssignment};
@@ -26,4 +27,5 @@ pub use parameter_table::ParameterTable;
 pub use recognise::kind_of;
 pub use session::Session;
 pub use values::Values;
+pub use variation::{Variation, VariedValues};
 pub use warning::ValueWarning;
