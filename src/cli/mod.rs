@@ -20,6 +20,7 @@ mod render;
 mod report;
 #[cfg(unix)]
 mod signals;
+mod sweep;
 mod verify;
 
 use clap::{Parser, Subcommand};
@@ -45,6 +46,8 @@ enum Command {
     Preview(preview::Options),
     /// Make a picture file
     Render(render::Options),
+    /// Make pictures that differ in one or two values: a contact sheet, or numbered files
+    Sweep(sweep::Options),
     /// Check formulas, scenes, sessions and material libraries for mistakes
     Check(check::Options),
     /// Compare the compiled code with the reference interpreter
@@ -82,6 +85,7 @@ pub(crate) fn run() -> ExitCode {
         #[cfg(feature = "window")]
         Command::Preview(options) => preview::run(&options),
         Command::Render(options) => render::run(&options),
+        Command::Sweep(options) => sweep::run(&options),
         Command::Check(options) => check::run(&options),
         Command::Verify(options) => verify::run(&options),
         Command::Bench(options) => bench::run(&options),

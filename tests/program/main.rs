@@ -11,6 +11,7 @@ mod memory;
 mod messages;
 mod pipe;
 mod rays;
+mod sweep;
 mod terminal;
 
 use std::fs;
