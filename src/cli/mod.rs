@@ -5,12 +5,14 @@
 
 mod bench;
 mod check;
+mod completions;
 mod draw;
 mod dump;
 mod engine;
 mod hits;
 mod input;
 mod list;
+mod man;
 mod options;
 mod output;
 #[cfg(feature = "window")]
@@ -23,7 +25,7 @@ mod signals;
 mod sweep;
 mod verify;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 use report::{Status, print, say_arguments};
 use std::process::ExitCode;
 
@@ -60,6 +62,10 @@ enum Command {
     List,
     /// Print the reference of the formula language
     HelpLanguage,
+    /// Print the manual page of the program, or write one for each command
+    Man(man::Options),
+    /// Print a script that lets a shell complete commands and options
+    Completions(completions::Options),
 }
 
 impl Command {
@@ -92,6 +98,8 @@ pub(crate) fn run() -> ExitCode {
         Command::Dump(options) => dump::run(&options),
         Command::List => list::run(),
         Command::HelpLanguage => print(&illuminator::lang::reference::reference()),
+        Command::Man(options) => man::run(&options, Arguments::command()),
+        Command::Completions(options) => completions::run(&options, Arguments::command()),
     };
     #[cfg(unix)]
     signals::end_if_received();

@@ -6,6 +6,7 @@ mod diagnostics;
 mod encoding;
 mod endings;
 mod files;
+mod man;
 mod materials;
 mod memory;
 mod messages;
