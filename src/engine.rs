@@ -175,14 +175,21 @@ impl Engine {
     /// Traces the scene. There is memory for this many linear pictures besides.
     fn trace_beside(&self, subject: &Subject, pictures: u64, task: &Task) -> Result<Arc<Hits>, EngineError> {
         let budget = self.budget(subject, pictures)?;
-        Ok(Arc::new(trace(&subject.world, &subject.view, &budget, task.progress, task.cancelled)?))
+        let lights = subject.formula.evaluated_lights();
+        Ok(Arc::new(trace(&subject.world, &subject.view, lights, &budget, task.progress, task.cancelled)?))
     }
 
-    /// Prepares a formula for hits. They may have been traced for another formula.
+    /// Prepares a formula for hits. They may have been traced for another formula. If the formula is the first one to
+    /// read `visible`, the shadow rays that it needs are traced now.
     ///
     /// # Errors
-    /// The backend does not support the formula, or the hits belong to another scene or view.
+    /// The backend does not support the formula, the hits belong to another scene or view, or what the formula needs
+    /// beyond the hits takes more memory than the budget.
     pub fn prepare(&self, subject: &Subject, hits: &Arc<Hits>) -> Result<Arc<dyn Evaluator>, EngineError> {
+        let lights = subject.formula.evaluated_lights();
+        if self.backend.reads_hits() && !hits.serves(lights) {
+            self.budget(subject, 0)?.check_hits(hits, lights)?;
+        }
         Ok(self.backend.prepare(&subject.formula, hits)?)
     }
 

@@ -90,7 +90,7 @@ impl Script {
         let (scene, _) = Scene::parse(&read(&session.scene, FileKind::Scene)).expect("a sound scene");
         let (formula, _) = Formula::parse(&read(&model.location(), FileKind::Formula)).expect("a sound formula");
         let kept = session.assignments(Values::defaults(&formula, &scene).table()).0;
-        let (values, _) = Values::carried_over(&formula, &scene, &kept);
+        let (values, _) = Values::carried_over(&formula, &scene, &kept, &[]);
         let picture = session.picture;
         let view = View::new(width, height)
             .and_then(|view| view.with_depth(picture.depth))

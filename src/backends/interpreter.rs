@@ -6,9 +6,10 @@ use crate::evaluate::{Backend, Drag, Drawn, EvaluateError, Evaluator, Footprint,
 use crate::formula::Formula;
 use crate::formula::equation::Equation;
 use crate::lang::scalars::Floats;
+use crate::lang::variables::EvaluatedLights;
 use crate::picture::Frame;
-use crate::trace::{Hits, RayNode, Tracer, View, ray_tree};
-use crate::world::{EmitterId, World};
+use crate::trace::{Hits, NodeLight, RayNode, Tracer, View, ray_tree};
+use crate::world::World;
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -41,17 +42,18 @@ impl Backend for Interpreter {
     }
 
     /// Two programs: the interpreter writes others up to `BATCH_BYTES` before one of the largest size, and the memory
-    /// of a growing list doubles. And the tree of rays that a program is written from.
+    /// of a growing list doubles. And the memory of the machine, and the tree of rays that a program is written from.
     fn thread_bytes(&self, formula: &Arc<Formula>, world: &World, view: &View) -> Result<u64, EvaluateError> {
         let code = Code::new(formula)?;
         let scene = world.scene();
         let equation = Equation::new(formula, scene.bodies.len(), scene.lights.len());
-        let program = Instantiation { code: &code, equation, world }.largest(view.depth());
+        let instantiation = Instantiation { code: &code, equation, world };
+        let (program, memory) = (instantiation.largest(view.depth()), instantiation.memory_bytes(view.depth()));
         if program > MAX_PROGRAM_BYTES {
             return Err(CodeTooLarge.into());
         }
-        let node = size_of::<RayNode>() + world.emitter_ids().count() * size_of::<EmitterId>();
-        Ok(2 * (BATCH_BYTES as u64 + program) + largest_tree(world, view.depth()) * node as u64)
+        let node = size_of::<RayNode>() + world.emitter_ids().count() * size_of::<NodeLight>();
+        Ok(2 * (BATCH_BYTES as u64 + program) + memory + largest_tree(world, view.depth()) * node as u64)
     }
 
     fn prepare(&self, formula: &Arc<Formula>, hits: &Arc<Hits>) -> Result<Arc<dyn Evaluator>, EvaluateError> {
@@ -65,6 +67,7 @@ pub struct Interpreted {
     view: View,
     code: Code,
     equation: Equation,
+    lights: EvaluatedLights,
 }
 
 /// The cost of a frame by the interpreter.
@@ -88,7 +91,7 @@ impl Interpreted {
         if (Instantiation { code: &code, equation, world }).largest(view.depth()) > MAX_PROGRAM_BYTES {
             return Err(CodeTooLarge);
         }
-        Ok(Self { world: Arc::clone(world), view, code, equation })
+        Ok(Self { world: Arc::clone(world), view, code, equation, lights: formula.evaluated_lights() })
     }
 
     fn instantiation(&self) -> Instantiation<'_> {
@@ -98,7 +101,7 @@ impl Interpreted {
     /// The program of a pixel, counted row by row from the top left.
     pub fn program(&self, pixel: u32) -> Programs {
         let mut programs = Programs::new();
-        programs.add(&self.instantiation(), &ray_tree(&Tracer::new(&self.world, &self.view), pixel));
+        programs.add(&self.instantiation(), &ray_tree(&Tracer::new(&self.world, &self.view), pixel, self.lights));
         programs
     }
 
@@ -126,12 +129,12 @@ impl Interpreted {
             programs.clear();
             while done + programs.len() < pixels.len() && programs.bytes() < BATCH_BYTES {
                 let pixel = first + (done + programs.len()) as u32;
-                programs.add(&instantiation, &ray_tree(&tracer, pixel));
+                programs.add(&instantiation, &ray_tree(&tracer, pixel, self.lights));
             }
-            let mut stack = programs.stack(0.0);
+            let mut memory = programs.memory(0.0);
             let start = Instant::now();
             for (index, pixel) in pixels[done..done + programs.len()].iter_mut().enumerate() {
-                *pixel = programs.run(&mut Floats, index, parameters, &mut stack);
+                *pixel = programs.run(&mut Floats, index, parameters, &mut memory);
             }
             timing.evaluation += start.elapsed();
             timing.bytes += programs.bytes() as u64;

@@ -28,6 +28,14 @@ pub enum Instruction {
     Parameter(Owner, Type, u32),
     /// An operation on the top of the stack.
     Operation(Operation),
+    /// An operation on numbers for each component of vectors; a bit for each operand tells whether it is a vector.
+    /// `BY_COMPONENTS`
+    ByComponents(Operation, u8),
+    /// Copies the scalar or the vector on top of the stack to this slot. A vector takes three slots from there on.
+    /// `STORE_…`
+    Store(Type, u32),
+    /// Pushes a scalar or a vector from this slot. `LOAD_…`
+    Load(Type, u32),
 }
 
 pub(super) const SCALAR_VALUE: u8 = 0;
@@ -37,10 +45,16 @@ pub(super) const VECTOR_REFERENCE: u8 = 3;
 pub(super) const WEIGH: u8 = 4;
 pub(super) const GUARD: u8 = 5;
 const FIRST_PARAMETER: u8 = 8;
-const FIRST_VARIABLE: u8 = 16;
+pub(super) const BY_COMPONENTS: u8 = 6;
+pub(super) const STORE_SCALAR: u8 = 14;
+pub(super) const STORE_VECTOR: u8 = 15;
+pub(super) const LOAD_SCALAR: u8 = 16;
+pub(super) const LOAD_VECTOR: u8 = 17;
+const FIRST_VARIABLE: u8 = 18;
 /// The opcode of the first operation. The others follow in the order of their table.
 pub(super) const FIRST_OPERATION: u8 = 48;
 
+const _: () = assert!(FIRST_PARAMETER as usize + 2 * Owner::ALL.len() <= STORE_SCALAR as usize);
 const _: () = assert!(FIRST_VARIABLE as usize + Variable::ALL.len() <= FIRST_OPERATION as usize);
 const _: () = assert!(FIRST_OPERATION as usize + Operation::ALL.len() <= 256);
 
@@ -57,6 +71,11 @@ impl Instruction {
             Instruction::Variable(variable) => FIRST_VARIABLE + variable as u8,
             Instruction::Parameter(owner, ty, _) => FIRST_PARAMETER + 2 * owner as u8 + u8::from(ty == Type::Vector),
             Instruction::Operation(operation) => FIRST_OPERATION + operation as u8,
+            Instruction::ByComponents(..) => BY_COMPONENTS,
+            Instruction::Store(Type::Vector, _) => STORE_VECTOR,
+            Instruction::Store(Type::Scalar | Type::Truth, _) => STORE_SCALAR,
+            Instruction::Load(Type::Vector, _) => LOAD_VECTOR,
+            Instruction::Load(Type::Scalar | Type::Truth, _) => LOAD_SCALAR,
         }
     }
 
@@ -66,10 +85,13 @@ impl Instruction {
         match self {
             Instruction::ScalarValue(value) => code.extend_from_slice(&value.to_le_bytes()),
             Instruction::VectorValue(values) => values.iter().for_each(|value| code.extend_from_slice(&value.to_le_bytes())),
-            Instruction::ScalarReference(number) | Instruction::VectorReference(number) | Instruction::Guard(number) => {
-                code.extend_from_slice(&number.to_le_bytes());
-            }
-            Instruction::Parameter(_, _, slot) => code.extend_from_slice(&slot.to_le_bytes()),
+            Instruction::ByComponents(operation, vectors) => code.extend_from_slice(&[operation as u8, vectors]),
+            Instruction::ScalarReference(number)
+            | Instruction::VectorReference(number)
+            | Instruction::Guard(number)
+            | Instruction::Parameter(_, _, number)
+            | Instruction::Store(_, number)
+            | Instruction::Load(_, number) => code.extend_from_slice(&number.to_le_bytes()),
             Instruction::Weigh | Instruction::Variable(_) | Instruction::Operation(_) => {}
         }
     }
@@ -86,7 +108,15 @@ impl Instruction {
             VECTOR_REFERENCE => (Instruction::VectorReference(word(0)?), 5),
             WEIGH => (Instruction::Weigh, 1),
             GUARD => (Instruction::Guard(word(0)?), 5),
-            FIRST_PARAMETER..FIRST_VARIABLE => {
+            BY_COMPONENTS => {
+                let &[operation, vectors, ..] = rest else { return None };
+                (Instruction::ByComponents(*Operation::ALL.get(usize::from(operation))?, vectors), 3)
+            }
+            STORE_SCALAR => (Instruction::Store(Type::Scalar, word(0)?), 5),
+            STORE_VECTOR => (Instruction::Store(Type::Vector, word(0)?), 5),
+            LOAD_SCALAR => (Instruction::Load(Type::Scalar, word(0)?), 5),
+            LOAD_VECTOR => (Instruction::Load(Type::Vector, word(0)?), 5),
+            FIRST_PARAMETER..STORE_SCALAR => {
                 let kind = opcode - FIRST_PARAMETER;
                 let owner = *Owner::ALL.get(usize::from(kind / 2))?;
                 let ty = if kind % 2 == 1 { Type::Vector } else { Type::Scalar };
@@ -96,7 +126,7 @@ impl Instruction {
                 (Instruction::Variable(*Variable::ALL.get(usize::from(opcode - FIRST_VARIABLE))?), 1)
             }
             FIRST_OPERATION.. => (Instruction::Operation(*Operation::ALL.get(usize::from(opcode - FIRST_OPERATION))?), 1),
-            6 | 7 => return None,
+            7 => return None,
         })
     }
 
@@ -108,7 +138,9 @@ impl Instruction {
             Instruction::Weigh => (4, 3),
             Instruction::Guard(_) => (1, 1),
             Instruction::Variable(variable) => (0, variable.ty().slots()),
-            Instruction::Parameter(_, ty, _) => (0, ty.slots()),
+            Instruction::ByComponents(operation, vectors) => (operation.operands().len() + 2 * vectors.count_ones() as usize, 3),
+            Instruction::Parameter(_, ty, _) | Instruction::Load(ty, _) => (0, ty.slots()),
+            Instruction::Store(ty, _) => (ty.slots(), ty.slots()),
             Instruction::Operation(operation) => {
                 (operation.operands().iter().map(|ty| ty.slots()).sum(), operation.result().slots())
             }
@@ -135,6 +167,13 @@ impl fmt::Display for Instruction {
                 write!(f, "PARAM_{owner}_{} {slot}", ty.letter())
             }
             Instruction::Operation(operation) => write!(f, "{}", operation.name()),
+            Instruction::ByComponents(operation, vectors) => {
+                let letter = |index: usize| if vectors >> index & 1 == 1 { 'V' } else { 'S' };
+                let types: String = (0..operation.operands().len()).map(letter).collect();
+                write!(f, "BY_COMPONENTS {} {types}", operation.name())
+            }
+            Instruction::Store(ty, slot) => write!(f, "STORE_{} {slot}", ty.letter()),
+            Instruction::Load(ty, slot) => write!(f, "LOAD_{} {slot}", ty.letter()),
         }
     }
 }
@@ -153,8 +192,12 @@ mod tests {
             Instruction::Weigh,
             Instruction::Guard(300),
         ];
+        for ty in [Type::Scalar, Type::Vector] {
+            all.extend([Instruction::Store(ty, 2), Instruction::Load(ty, 1 << 20)]);
+        }
         all.extend(Variable::ALL.iter().map(|variable| Instruction::Variable(*variable)));
         all.extend(Operation::ALL.iter().map(|operation| Instruction::Operation(*operation)));
+        all.extend(Operation::ALL.iter().map(|operation| Instruction::ByComponents(*operation, 5)));
         for owner in Owner::ALL {
             all.extend([Type::Scalar, Type::Vector].map(|ty| Instruction::Parameter(owner, ty, 3)));
         }

@@ -1,28 +1,50 @@
-//! The stack machine that runs programs of type II (thesis 5.3.5).
+//! The stack machine that runs programs of type II (thesis 5.3.5). Beside the stack it has numbered slots, for values
+//! that are used more than once.
 
 use crate::bytecode::instruction::{
-    FIRST_OPERATION, GUARD, SCALAR_REFERENCE, SCALAR_VALUE, VECTOR_REFERENCE, VECTOR_VALUE, WEIGH,
+    BY_COMPONENTS, FIRST_OPERATION, GUARD, LOAD_SCALAR, LOAD_VECTOR, SCALAR_REFERENCE, SCALAR_VALUE, STORE_SCALAR, STORE_VECTOR,
+    VECTOR_REFERENCE, VECTOR_VALUE, WEIGH,
 };
 use crate::lang::builtins::{Operation, Stack};
 use crate::lang::scalars::Scalars;
 
+/// The memory of the machine.
+#[derive(Debug, Clone)]
+pub struct MachineMemory<T> {
+    stack: Stack<T>,
+    slots: Vec<T>,
+}
+
+impl<T: Copy> MachineMemory<T> {
+    /// Memory for programs that need at most `depth` numbers of stack and `slots` slots. What `filler` is does not
+    /// matter.
+    pub fn new(depth: usize, slots: usize, filler: T) -> Self {
+        Self { stack: Stack::new(depth, filler), slots: vec![filler; slots] }
+    }
+}
+
 /// Runs a program and returns the vector that it leaves: the unclamped red, green and blue of a pixel.
 ///
-/// `parameters` holds the numbers that the program refers to. The stack has room for the depth of the program.
+/// `parameters` holds the numbers that the program refers to. The memory has room for the program.
 /// `scalars` defines the operations: [`Floats`](crate::lang::scalars::Floats) evaluates, other types check results.
 ///
 /// # Panics
 /// The code is not a well-formed program of type II, as [`Program`](super::Program)s are.
-pub fn run<M>(scalars: &mut M, code: &[u8], parameters: &[f32], stack: &mut Stack<M::Value>) -> [M::Value; 3]
+pub fn run<M>(scalars: &mut M, code: &[u8], parameters: &[f32], memory: &mut MachineMemory<M::Value>) -> [M::Value; 3]
 where
     M: Scalars<Value: PartialEq>,
 {
+    let MachineMemory { stack, slots } = memory;
     stack.clear();
     let zero = scalars.constant(0.0);
     let mut rest = code;
     while let Some((&opcode, operands)) = rest.split_first() {
         rest = operands;
         match opcode {
+            BY_COMPONENTS => {
+                let [operation, vectors] = bytes(&mut rest);
+                Operation::ALL[usize::from(operation)].apply_by_components(vectors, scalars, stack);
+            }
             FIRST_OPERATION.. => Operation::ALL[usize::from(opcode - FIRST_OPERATION)].apply(scalars, stack),
             SCALAR_VALUE => stack.push(scalars.constant(f32::from_bits(word(&mut rest)))),
             VECTOR_VALUE => (0..3).for_each(|_| stack.push(scalars.constant(f32::from_bits(word(&mut rest))))),
@@ -30,6 +52,23 @@ where
             VECTOR_REFERENCE => {
                 let first = word(&mut rest) as usize;
                 parameters[first..first + 3].iter().for_each(|number| stack.push(scalars.constant(*number)));
+            }
+            STORE_SCALAR => {
+                let slot = word(&mut rest) as usize;
+                let [value] = stack.pop();
+                slots[slot] = value;
+                stack.push(value);
+            }
+            STORE_VECTOR => {
+                let first = word(&mut rest) as usize;
+                let vector = stack.pop::<3>();
+                slots[first..first + 3].copy_from_slice(&vector);
+                vector.into_iter().for_each(|value| stack.push(value));
+            }
+            LOAD_SCALAR => stack.push(slots[word(&mut rest) as usize]),
+            LOAD_VECTOR => {
+                let first = word(&mut rest) as usize;
+                slots[first..first + 3].iter().for_each(|value| stack.push(*value));
             }
             WEIGH => {
                 let [weight, x, y, z] = stack.pop();
@@ -58,8 +97,14 @@ where
 /// The next four bytes as a number; `rest` becomes what follows them.
 #[inline(always)]
 fn word(rest: &mut &[u8]) -> u32 {
+    u32::from_le_bytes(bytes(rest))
+}
+
+/// The next bytes; `rest` becomes what follows them.
+#[inline(always)]
+fn bytes<const N: usize>(rest: &mut &[u8]) -> [u8; N] {
     #[expect(clippy::panic, reason = "programs hold whole instructions, see Program")]
-    let Some((bytes, tail)) = rest.split_first_chunk::<4>() else { panic!("an instruction without its operand") };
+    let Some((bytes, tail)) = rest.split_first_chunk::<N>() else { panic!("an instruction without its operand") };
     *rest = tail;
-    u32::from_le_bytes(*bytes)
+    *bytes
 }

@@ -2,14 +2,14 @@
 
 use crate::bytecode::compile::Code;
 use crate::bytecode::instruction::Instruction;
-use crate::bytecode::machine;
+use crate::bytecode::machine::{self, MachineMemory};
 use crate::formula::equation::{Colour, Equation, EquationTerm, REFLECTED, REFRACTED, Site, owner_index};
-use crate::lang::builtins::{Operation, Stack};
+use crate::lang::builtins::Operation;
 use crate::lang::scalars::{Scalars, flush};
 use crate::lang::types::Type;
 use crate::lang::variables::{Owner, Predefined};
 use crate::scene::LightId;
-use crate::trace::{Child, HitVariables, LightVariables, RayNode, Tree, variable};
+use crate::trace::{Child, HitVariables, LightVariables, NodeLight, RayNode, Tree, variable};
 use crate::world::World;
 
 /// The inputs of instantiation: a formula on a scene.
@@ -27,6 +27,15 @@ pub struct Instantiation<'i> {
 pub const MAX_PROGRAM_BYTES: u64 = 1 << 30;
 
 impl Instantiation<'_> {
+    /// The bytes of the machine's memory for the program of any pixel, with rays of at most this depth.
+    pub fn memory_bytes(&self, depth: u32) -> u64 {
+        // At each depth, a sum waits for the weight and the colour of a child. Terms add a weight and factors.
+        const LEVEL: u64 = 4;
+        const TERMS: u64 = 10;
+        let numbers = u64::from(depth) * LEVEL + TERMS + (self.code.depth() + self.code.slots()) as u64;
+        numbers * size_of::<f32>() as u64
+    }
+
     /// The size of the largest possible program of a pixel, in bytes: a full ray tree of this depth, and every light
     /// reaches every hit.
     pub fn largest(&self, depth: u32) -> u64 {
@@ -64,6 +73,8 @@ pub struct Programs {
     ends: Vec<usize>,
     /// The deepest stack that any of them needs, in numbers.
     depth: usize,
+    /// The slots that any of them needs. All instances of the formula use the same slots, one after the other.
+    slots: usize,
 }
 
 impl Programs {
@@ -80,6 +91,7 @@ impl Programs {
             Child::None | Child::Miss(_) => assembler.miss(),
         }
         self.depth = assembler.depth;
+        self.slots = self.slots.max(instantiation.code.slots());
         self.ends.push(self.code.len());
     }
 
@@ -111,19 +123,19 @@ impl Programs {
         Some(Program { code: &self.code[start..end] })
     }
 
-    /// A stack with room for any of the programs. What `zero` is does not matter.
-    pub fn stack<T: Copy>(&self, zero: T) -> Stack<T> {
-        Stack::new(self.depth, zero)
+    /// The memory for any of the programs. What `zero` is does not matter.
+    pub fn memory<T: Copy>(&self, zero: T) -> MachineMemory<T> {
+        MachineMemory::new(self.depth, self.slots, zero)
     }
 
     /// Runs the program of the pixel at this index and returns its red, green and blue. Without a program, it returns
-    /// black. `parameters` holds the numbers of the layout. The stack comes from [`stack`](Self::stack).
-    pub fn run<M>(&self, scalars: &mut M, index: usize, parameters: &[f32], stack: &mut Stack<M::Value>) -> [M::Value; 3]
+    /// black. `parameters` holds the numbers of the layout. The memory comes from [`memory`](Self::memory).
+    pub fn run<M>(&self, scalars: &mut M, index: usize, parameters: &[f32], memory: &mut MachineMemory<M::Value>) -> [M::Value; 3]
     where
         M: Scalars<Value: PartialEq>,
     {
         match self.program(index) {
-            Some(program) => machine::run(scalars, program.code, parameters, stack),
+            Some(program) => machine::run(scalars, program.code, parameters, memory),
             None => [scalars.constant(0.0); 3],
         }
     }
@@ -215,9 +227,9 @@ impl BytecodeBuilder<'_> {
         let world = self.instantiation.world;
         let hit = HitVariables::new(world, &node.hit);
         let mut count = 0;
-        for emitter in &node.emitters {
+        for NodeLight { emitter, visible } in &node.lights {
             let light = world.light_of(*emitter);
-            let record = LightVariables::new(&node.hit, &world.emitter(*emitter).sample(&node.hit));
+            let record = LightVariables::new(&node.hit, &world.emitter(*emitter).sample(&node.hit), *visible);
             for term in EquationTerm::at(Site::LitRecord) {
                 let formula = |assembler: &mut Self| assembler.formula(node, light, &hit, &record);
                 self.term(term, node.hit.body.index(), light.index(), &mut count, formula);
@@ -291,7 +303,10 @@ impl BytecodeBuilder<'_> {
                 | Instruction::VectorReference(_)
                 | Instruction::Weigh
                 | Instruction::Guard(_)
-                | Instruction::Operation(_)) => same,
+                | Instruction::Operation(_)
+                | Instruction::ByComponents(..)
+                | Instruction::Store(..)
+                | Instruction::Load(..)) => same,
             };
             self.emit(instance);
         }

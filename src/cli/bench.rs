@@ -12,7 +12,6 @@ use illuminator::evaluate::{Evaluator, Framebuffer};
 use illuminator::formula::ParameterId;
 use illuminator::lang::types::Type;
 use illuminator::picture::Transfer;
-use illuminator::trace::Hits;
 use illuminator::workspace::project::Project;
 use illuminator::workspace::{OwnerId, Values};
 use serde::Serialize;
@@ -51,7 +50,7 @@ struct Report {
     depth: u32,
     threads: usize,
     hits: u64,
-    /// Pairs of a hit and a light that reaches it.
+    /// Pairs of a hit and a light that it is evaluated for.
     records: u64,
     paths: u64,
     groups: u64,
@@ -172,7 +171,8 @@ fn measure(options: &Options, input: &Project, sliders: &[Slider]) -> Result<Rep
     let jit_bytes = (evaluator.bytes() + size_of_val(&*framebuffer.pixels)) as f64;
     drop(evaluator);
     let (interpreter_ms, interpreter_bytes) = interpreted(options, subject, numbers, &mut framebuffer)?;
-    let counts = Hits::counts(&hits);
+    let evaluated = hits.for_lights(subject.formula.evaluated_lights());
+    let counts = evaluated.map_err(|error| Failure::input(error.to_string()))?.counts();
     let pixels = f64::from(view.pixels());
     Ok(Report {
         size: [view.width(), view.height()],

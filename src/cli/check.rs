@@ -25,6 +25,9 @@ pub(super) struct Options {
     /// What the files are, if their first words do not tell
     #[arg(long, value_enum)]
     kind: Option<KindName>,
+    /// Warn where a macro would give another value if it stood for its text, as in the thesis
+    #[arg(long)]
+    thesis: bool,
 }
 
 /// The kinds of files.
@@ -48,7 +51,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         });
         let location = built_in_if_missing(Location::new(file), given)?;
         for kind in kinds_of(&location, given) {
-            wrong |= !check(&location, kind)?;
+            wrong |= !check(&location, kind, options.thesis)?;
         }
     }
     if wrong { Err(Failure::Reported) } else { Ok(()) }
@@ -75,7 +78,7 @@ fn kinds_of(location: &Location, given: Option<FileKind>) -> Vec<Option<FileKind
 }
 
 /// Checks one file. Returns whether it has no errors.
-fn check(location: &Location, given: Option<FileKind>) -> Result<bool, Failure> {
+fn check(location: &Location, given: Option<FileKind>, thesis: bool) -> Result<bool, Failure> {
     let (kind, source) = match read(location, given) {
         Ok(found) => found,
         Err(diagnostic) => {
@@ -84,7 +87,7 @@ fn check(location: &Location, given: Option<FileKind>) -> Result<bool, Failure> 
         }
     };
     let (diagnostics, value_warnings, files_are_valid) = match kind {
-        FileKind::Formula => (check_formula(location, &source), 0, true),
+        FileKind::Formula => (check_formula(location, &source, thesis), 0, true),
         FileKind::Scene => (explained(Scene::parse(&source), &source), 0, true),
         FileKind::Session => check_session(location, &source),
         FileKind::Material => (explained(Library::parse(&source), &source), 0, true),
@@ -137,8 +140,9 @@ fn explained<T>(outcome: Result<(T, Diagnostics), Diagnostics>, source: &Source)
 }
 
 /// Checks a formula, and whether the built-in material library that it may name exists. A file need not exist yet.
-fn check_formula(location: &Location, source: &Source) -> Diagnostics {
-    let outcome = Formula::parse(source).map(|(formula, mut diagnostics)| {
+fn check_formula(location: &Location, source: &Source, thesis: bool) -> Diagnostics {
+    let parse = if thesis { Formula::parse_as_thesis } else { Formula::parse };
+    let outcome = parse(source).map(|(formula, mut diagnostics)| {
         if formula.uses.is_some()
             && let Err(unknown) = library_location(&formula, location, source, data_folder().as_deref())
         {

@@ -85,8 +85,8 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
 fn tree(file: &FormulaFile) -> String {
     let head = FormulaFile { uses: file.uses.clone(), sections: file.sections.clone(), ..FormulaFile::default() };
     let mut text = printer::print(&head);
-    for line in &file.macros {
-        text.push_str(&format!("{} =\n", line.name.text));
+    for line in &file.definitions {
+        text.push_str(&format!("{} =\n", printer::head(line)));
         branch(file, line.body, &mut text);
     }
     if let Some(result) = file.result {
@@ -106,7 +106,7 @@ fn branch(file: &FormulaFile, root: ExprId, text: &mut String) {
             ExprKind::Call(callee, _) => format!("{}()", callee.text),
             ExprKind::Prefix(mark, _) => format!("prefix {}", mark.spelling()),
             ExprKind::Infix(mark, ..) => mark.spelling().to_owned(),
-            ExprKind::Vector(_) => "<,,>".to_owned(),
+            ExprKind::Vector(parts) => if parts.len() == 1 { "<>" } else { "<,,>" }.to_owned(),
             ExprKind::Conditional(_) => "if".to_owned(),
             ExprKind::Missing => "?".to_owned(),
         };
@@ -123,7 +123,7 @@ fn outside(input: &Project, [x, y]: [u32; 2]) -> Failure {
 
 fn bytecode(input: &Project, pixel: Option<[u32; 2]>) -> Result<String, Failure> {
     let code = Code::new(&input.subject.formula).map_err(|error| Failure::input(error.to_string()))?;
-    let mut text = format!("type I: the formula, {} bytes\n", code.bytes());
+    let mut text = format!("type I: the formula, {} bytes; slots: {}\n", code.bytes(), code.slots());
     code.instructions().iter().for_each(|instruction| text.push_str(&format!("  {instruction}\n")));
     if let Some([x, y]) = pixel {
         let view = &input.subject.view;

@@ -4,7 +4,8 @@
 //! last, gives names, types and counts:
 //!
 //! - `hits`: pixel (row by row from the top left), body, path, and the variables of the hit;
-//! - `records`: a hit and a light that reaches it, and the variables of both;
+//! - `records`: a hit and a light that reaches it, and the variables of both. If the formula reads `visible`, there is
+//!   a record for each hit and each light;
 //! - `misses`: rays that left the scene, by pixel and path;
 //! - `paths`: the last step of each path: the path before, the kind of ray, the body that it hit.
 
@@ -18,9 +19,9 @@ use illuminator::engine::Task;
 use illuminator::files::{reason, replace_file};
 use illuminator::lang::types::Type;
 use illuminator::lang::variables::{Rate, Variable};
-use illuminator::trace::{Edge, HitVariables, Hits, LightVariables, Tile, Tracer, replay, variable};
+use illuminator::trace::{Edge, HitVariables, Hits, LightVariables, NodeLight, Tile, Tracer, replay, variable};
 use illuminator::workspace::project::Project;
-use illuminator::world::{EmitterId, SurfaceHit};
+use illuminator::world::SurfaceHit;
 use serde::Serialize;
 use std::collections::{BTreeMap, HashMap};
 use std::fs::{self, File};
@@ -46,6 +47,7 @@ pub(super) fn dump(input: &Project, machine: &MachineOptions, folder: &Path) -> 
     let hits = engine::on_threads(machine, || engine.trace(&input.subject, &Task::watched(&tell)))?;
     drop(progress);
     let hits = hits.map_err(engine::failed)?;
+    let hits = hits.for_lights(input.subject.formula.evaluated_lights()).map_err(|error| Failure::input(error.to_string()))?;
     write(&hits, folder).map_err(|error| Failure::input(format!("cannot write to `{name}`: {}", reason(&error))))
 }
 
@@ -111,7 +113,7 @@ fn meaning(table: &str, column: &str) -> Option<&'static str> {
             "the path by which the ray came; its weight is the product of kr and kt along it"
         }
         ("hits", "body") => "the body",
-        ("records", "hit") => "the hit that the light reaches",
+        ("records", "hit") => "the hit that the light reaches, or may reach: see `visible`",
         ("records", "light") => "the light",
         _ => return None,
     })
@@ -203,25 +205,29 @@ impl Dump {
             rows.push(row);
         }
         // Scattered hits, which are in several groups, with all their emitters.
-        let mut scattered: BTreeMap<(u32, u32), (SurfaceHit, Vec<EmitterId>)> = BTreeMap::new();
+        let mut scattered: BTreeMap<(u32, u32), (SurfaceHit, Vec<NodeLight>)> = BTreeMap::new();
         for group in &tile.groups {
             for span in tile.spans_of(group) {
                 let path = rows[span.path.index()];
                 let mut outcome = Ok(());
-                replay(tracer, tile, group, span.hits.clone(), |_, pixel, surface| {
+                replay(tracer, tile, group, span.hits.clone(), |hit, pixel, surface| {
+                    let lights = group.emitters.iter().map(|emitter| {
+                        let visible = tile.is_visible(hit, *emitter);
+                        NodeLight { emitter: *emitter, visible }
+                    });
                     if group.scattered {
-                        let (_, emitters) = scattered.entry((path, pixel)).or_insert_with(|| (*surface, Vec::new()));
-                        emitters.extend(&group.emitters);
+                        let (_, known) = scattered.entry((path, pixel)).or_insert_with(|| (*surface, Vec::new()));
+                        known.extend(lights);
                     } else if outcome.is_ok() {
-                        outcome = self.hit(tracer, &group.emitters, surface, pixel, path);
+                        outcome = self.hit(tracer, lights, surface, pixel, path);
                     }
                 })
                 .map_err(io::Error::other)?;
                 outcome?;
             }
         }
-        for ((path, pixel), (surface, emitters)) in scattered {
-            self.hit(tracer, &emitters, &surface, pixel, path)?;
+        for ((path, pixel), (surface, lights)) in scattered {
+            self.hit(tracer, lights, &surface, pixel, path)?;
         }
         for span in &tile.misses {
             for segment in tile.miss_segments_of(span) {
@@ -233,14 +239,21 @@ impl Dump {
         Ok(())
     }
 
-    fn hit(&mut self, tracer: &Tracer, emitters: &[EmitterId], surface: &SurfaceHit, pixel: u32, path: u32) -> io::Result<()> {
+    fn hit(
+        &mut self,
+        tracer: &Tracer,
+        lights: impl IntoIterator<Item = NodeLight>,
+        surface: &SurfaceHit,
+        pixel: u32,
+        path: u32,
+    ) -> io::Result<()> {
         let own = HitVariables::new(tracer.world(), surface);
         let values = self.of_hit.iter().map(|symbol| (own.value(*symbol).unwrap_or_default(), symbol.ty()));
         let row = self.hits.add(&[pixel, surface.body.0, path], values)?;
-        for emitter in emitters {
-            let lit = LightVariables::new(surface, &tracer.world().emitter(*emitter).sample(surface));
+        for NodeLight { emitter, visible } in lights {
+            let lit = LightVariables::new(surface, &tracer.world().emitter(emitter).sample(surface), visible);
             let values = self.of_record.iter().map(|symbol| (variable(*symbol, &own, &lit), symbol.ty()));
-            self.records.add(&[row, tracer.world().light_of(*emitter).0], values)?;
+            self.records.add(&[row, tracer.world().light_of(emitter).0], values)?;
         }
         Ok(())
     }

@@ -1,7 +1,7 @@
 //! Opens what the options name, and reports everything that is wrong with it.
 
 use crate::cli::options::{ColourArgument, InputOptions};
-use crate::cli::report::{Failure, explain, say};
+use crate::cli::report::{Failure, explain, say, say_lines};
 use illuminator::files::Readable;
 use illuminator::lang::diagnostic::{Diagnostic, Diagnostics};
 use illuminator::lang::source::Source;
@@ -23,6 +23,10 @@ impl Listener for Speaker {
 
     fn message(&mut self, diagnostic: Diagnostic) {
         say(&diagnostic);
+    }
+
+    fn remark(&mut self, text: &str) {
+        say_lines(&format!("Note: {text}"));
     }
 }
 

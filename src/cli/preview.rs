@@ -1,11 +1,12 @@
 //! `preview`: the workshop window.
 
-use crate::cli::report::{Failure, say_lines, warn};
+use crate::cli::report::{Failure, explain, say_lines, warn};
 #[cfg(unix)]
 use crate::cli::signals;
 use illuminator::preview::app::App;
 use illuminator::preview::window::screen::Screen;
 use illuminator::preview::window::{WindowError, WindowExit, WindowOptions, run as show};
+use illuminator::preview::workshop::OpeningErrors;
 use illuminator::user_data::folders::Folders;
 use illuminator::workspace::Location;
 use std::ffi::OsString;
@@ -57,11 +58,8 @@ impl signals::Closing for WindowExit {
     }
 }
 
-/// Reports why the window cannot open: one message, or diagnostics with their places.
-fn refuse(text: String) -> Failure {
-    if text.contains('\n') {
-        say_lines(&text);
-        return Failure::Reported;
-    }
-    Failure::input(text)
+/// Reports why the window cannot open.
+fn refuse(OpeningErrors(errors): OpeningErrors) -> Failure {
+    errors.iter().for_each(|found| explain(&found.diagnostics, &found.source));
+    Failure::Reported
 }

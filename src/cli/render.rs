@@ -4,7 +4,7 @@ use crate::cli::engine;
 use crate::cli::input::load;
 use crate::cli::options::{InputOptions, PictureOptions};
 use crate::cli::output::{PictureTarget, check_distinct};
-use crate::cli::report::{Failure, print_bytes, warn};
+use crate::cli::report::{Failure, print_bytes, warn_of_picture};
 use clap::Args;
 use illuminator::picture::{Format, file_bytes, save};
 use std::path::PathBuf;
@@ -35,21 +35,9 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let machine = &options.input.machine;
     let mut frame =
         engine::on_threads(machine, || engine::picture(&input, options.picture.samples, options.picture.backend(), machine))??;
-    match frame.clean() {
-        0 => {}
-        1 => warn("in 1 pixel the formula gives no number (NaN); there the component is 0"),
-        pixels => warn(format!("in {pixels} pixels the formula gives no number (NaN); there the component is 0")),
-    }
-    if let Some((first, rest)) = frame.linear.split_first()
-        && !rest.is_empty()
-        && rest.iter().all(|pixel| pixel == first)
-    {
-        let [red, green, blue] = first;
-        warn(format!(
-            "every pixel has the same colour, <{red}, {green}, {blue}>: no ray hits a body, the camera is inside one, or no light is on"
-        ));
-    }
     let view = options.picture.view(input.picture.view);
+    warn_of_picture(&input, &frame, view);
+    frame.clean();
     match target {
         PictureTarget::File(path, _) => save(path, &frame, view).map_err(Failure::input),
         PictureTarget::StandardOutput => {

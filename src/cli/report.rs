@@ -5,10 +5,14 @@
 
 use crate::cli::draw::{draw, draw_all};
 use clap::error::{ContextKind, ContextValue};
+use illuminator::engine::Subject;
+use illuminator::evaluate::review::{PictureSummary, ReviewedPicture, review};
 use illuminator::files::reason;
 use illuminator::lang::diagnostic::{Diagnostic, Diagnostics, Severity};
 use illuminator::lang::display_text::{escaped_lines, one_line};
 use illuminator::lang::source::Source;
+use illuminator::picture::{Frame, ViewTransform};
+use illuminator::workspace::project::Project;
 use std::io::{self, ErrorKind, IsTerminal, Write};
 
 /// How the program ends.
@@ -78,7 +82,6 @@ pub(super) fn say(diagnostic: &Diagnostic) {
 }
 
 /// Writes a message of one or more lines.
-#[cfg(feature = "window")]
 pub(super) fn say_lines(text: &str) {
     let text = illuminator::lang::display_text::many_lines(text);
     write_error(&text);
@@ -90,6 +93,17 @@ pub(super) fn say_lines(text: &str) {
 /// Writes a warning that has no place in a text.
 pub(super) fn warn(message: impl AsRef<str>) {
     say(&Diagnostic::warning(message));
+}
+
+/// Warns of what is remarkable about a picture that still has its NaN.
+pub(super) fn warn_of_picture(project: &Project, frame: &Frame, transform: ViewTransform) {
+    let Subject { formula, world, view } = &project.subject;
+    let picture = ReviewedPicture { formula, world, view, numbers: project.values.numbers(), transform };
+    let Some(finding) = review(&picture, &PictureSummary::of(frame)) else { return };
+    let look = |[x, y]: [u32; 2]| {
+        format!("`illuminator dump --stage rays --pixel {x},{y}`, with the same input, shows the numbers there")
+    };
+    say(&Diagnostic::warning(finding.message()).help_if(finding.pixel().map(look)));
 }
 
 /// Writes the message of the argument parser: an error, or help. Returns the exit status.

@@ -3,6 +3,7 @@
 //! Rays are traced once, because only values change from picture to picture.
 
 mod cells;
+mod findings;
 mod lettering;
 mod sheet;
 mod target;
@@ -12,9 +13,10 @@ use crate::cli::input::load;
 use crate::cli::options::{InputOptions, PictureOptions, read};
 use crate::cli::output::PictureTarget;
 use crate::cli::progress::Progress;
-use crate::cli::report::{Failure, print, print_bytes, say, warn};
+use crate::cli::report::{Failure, print, print_bytes, say};
 use cells::{Cell, Cells};
 use clap::Args;
+use findings::Findings;
 use illuminator::engine::Task;
 use illuminator::lang::diagnostic::Diagnostic;
 use illuminator::picture::{Bitmap, Format, Frame, ViewTransform, bitmap_file_bytes, save, save_bitmap};
@@ -94,6 +96,8 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     };
     cells.warn();
     let mut output = SweepOutput {
+        project: &input,
+        cells: &cells.cells,
         target,
         bitmap: None,
         view: options.picture.view(input.picture.view),
@@ -101,13 +105,13 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         findings: Findings::default(),
         seconds: Vec::new(),
     };
-    engine::on_threads(&options.input.machine, || make(options, &input, &cells.cells, &mut output))??;
+    engine::on_threads(&options.input.machine, || make(options, &mut output))??;
     output.findings.say(&cells.cells);
     output.finish()?;
     if !options.json {
         return Ok(());
     }
-    let made: Vec<_> = cells.cells.iter().enumerate().map(|(index, cell)| output.made(index, cell, &varied, picture)).collect();
+    let made: Vec<_> = (0..cells.cells.len()).map(|index| output.made(index, &varied, picture)).collect();
     let text = serde_json::to_string_pretty(&made).map_err(|error| Failure::input(error.to_string()))?;
     print(&format!("{text}\n"))
 }
@@ -184,7 +188,8 @@ fn title(project: &Project) -> String {
 }
 
 /// Makes all pictures and passes them on.
-fn make(options: &Options, project: &Project, cells: &[Cell], output: &mut SweepOutput) -> Result<(), Failure> {
+fn make(options: &Options, output: &mut SweepOutput) -> Result<(), Failure> {
+    let (project, cells) = (output.project, output.cells);
     let (machine, picture) = (&options.input.machine, &options.picture);
     let mut engine = engine::engine(picture.backend(), machine);
     if let Some(sheet) = &output.sheet {
@@ -228,6 +233,8 @@ impl From<Failure> for Problem {
 
 /// Takes the pictures as they are made.
 struct SweepOutput<'o> {
+    project: &'o Project,
+    cells: &'o [Cell],
     target: SweepTarget<'o>,
     /// The places on the contact sheet, if there is one.
     sheet: Option<Sheet>,
@@ -243,7 +250,8 @@ impl SweepOutput<'_> {
     /// Puts a picture onto the sheet, or writes it.
     fn take(&mut self, index: usize, mut frame: Frame, time: Duration) -> Result<(), Failure> {
         let start = Instant::now();
-        self.findings.look(&mut frame);
+        self.findings.look(self.project, &self.cells[index], index, &frame, self.view);
+        frame.clean();
         match (&self.target, &self.sheet, &mut self.bitmap) {
             (SweepTarget::Numbered(pattern), ..) => {
                 save(&pattern.path(index as u32), &frame, self.view).map_err(|message| {
@@ -278,7 +286,8 @@ impl SweepOutput<'_> {
     }
 
     /// What the list says about a picture.
-    fn made<'s>(&self, index: usize, cell: &'s Cell, varied: &'s [VariedValues], [width, height]: [u32; 2]) -> Made<'s> {
+    fn made<'s>(&'s self, index: usize, varied: &'s [VariedValues], [width, height]: [u32; 2]) -> Made<'s> {
+        let cell = &self.cells[index];
         let value = |(varied, step): (&'s VariedValues, &u32)| {
             let numbers = varied.at(*step);
             (varied.label(), if varied.is_vector() { Numbers::Three(numbers) } else { Numbers::One(numbers[0]) })
@@ -294,45 +303,5 @@ impl SweepOutput<'_> {
         });
         let values = varied.iter().zip(&cell.steps).map(value).collect();
         Made { file, values, set: &cell.set, seconds: self.seconds[index], place }
-    }
-}
-
-/// What is found in the pictures and said at the end, once.
-#[derive(Default)]
-struct Findings {
-    /// How many pictures hold NaN.
-    undefined: usize,
-    /// The first picture.
-    first: Option<Frame>,
-    /// Whether another picture differs from it.
-    differ: bool,
-}
-
-impl Findings {
-    /// Replaces NaN by 0 and counts.
-    fn look(&mut self, frame: &mut Frame) {
-        self.undefined += usize::from(frame.clean() > 0);
-    }
-
-    /// Compares a picture with the first one.
-    fn compare(&mut self, frame: Frame) {
-        match &self.first {
-            Some(first) => self.differ = self.differ || *first != frame,
-            None => self.first = Some(frame),
-        }
-    }
-
-    fn say(&self, cells: &[Cell]) {
-        let count = cells.len();
-        if self.undefined > 0 {
-            let undefined = self.undefined;
-            warn(format!(
-                "in {undefined} of {count} pictures the formula gives no number (NaN) somewhere; there the component is 0"
-            ));
-        }
-        if count > 1 && !self.differ {
-            say(&Diagnostic::warning("all pictures are the same: what is varied has no effect on what is seen")
-                .help("`illuminator dump --stage rays --pixel X,Y` shows which values a colour is made from"));
-        }
     }
 }

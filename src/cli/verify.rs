@@ -4,7 +4,7 @@ use crate::cli::engine;
 use crate::cli::input::load;
 use crate::cli::options::InputOptions;
 use crate::cli::progress::Progress;
-use crate::cli::report::{Failure, print};
+use crate::cli::report::{Failure, print, warn_of_picture};
 use clap::Args;
 use illuminator::backends::DEFAULT;
 use illuminator::backends::verify::{TOLERANCE, Verification, verify};
@@ -26,6 +26,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         let tell = |share: f64| progress.tell(share);
         let engine = engine::engine(&DEFAULT, machine);
         let compiled = engine.evaluator(&input.subject, &Task::watched(&tell)).map_err(engine::failed)?;
+        warn_of_picture(&input, &compiled.frame(input.values.numbers()), input.picture.view);
         Ok::<_, Failure>(verify(&*compiled, &engine::interpreter(&input.subject)?, input.values.numbers()))
     })??;
     print(&describe(&verification, input.subject.view.width()))?;

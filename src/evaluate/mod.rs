@@ -3,7 +3,7 @@
 //! A [`Backend`] makes an [`Evaluator`] of a formula for a scene and a view. The evaluator makes a picture for any
 //! parameter numbers. A [`Drag`] makes the pictures while a slider is held. The backends are in
 //! [`backends`](crate::backends). They share the [`Framebuffer`] and the weights of ray paths. [`inspect`] explains one
-//! pixel.
+//! pixel, and [`review`] a picture that shows nothing.
 //!
 //! Parameter numbers are one array in the order of [`Layout`](crate::formula::layout::Layout). Each number is finite
 //! and within the range of its parameter, as after [`Parameter::clamp`](crate::formula::Parameter::clamp). Compiled
@@ -12,6 +12,7 @@
 mod drag;
 mod framebuffer;
 pub mod inspect;
+pub mod review;
 pub mod weights;
 
 pub use drag::{Drag, WholeFrames};
@@ -42,7 +43,7 @@ pub enum EvaluateError {
 pub struct Footprint {
     /// For each hit.
     pub per_hit: u64,
-    /// For each lit record: a pair of a hit and a light that reaches it.
+    /// For each lit record: a pair of a hit and a light that it is evaluated for.
     pub per_record: u64,
     /// For each pair of a body and a light of the scene.
     pub per_pair: u64,

@@ -5,8 +5,8 @@
 //! E(hit) = Σ_lit lights ki · local  +  ka · Cd · Ia  +  kr · E(reflected)  +  kt · E(refracted),     E(miss) = background
 //! ```
 //!
-//! The interpreter, the compiled code, drags and the inspector all read this table. Which lights reach a hit is not
-//! decided here.
+//! The lit lights are those that reach the hit, or all if the formula reads `visible`. The interpreter, the compiled
+//! code, drags and the inspector all read this table. Which lights reach a hit is not decided here.
 
 use crate::formula::Formula;
 use crate::formula::layout::Layout;
@@ -16,7 +16,7 @@ use crate::lang::variables::{Owner, Predefined};
 /// Where a term is added.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Site {
-    /// For each light that reaches a hit.
+    /// For each light for which the formula is evaluated at a hit.
     LitRecord,
     /// At each hit, whatever the lights.
     Hit,

@@ -81,6 +81,15 @@ impl Graph {
                         Type::Vector => stack.pop::<3>(),
                     }
                 }
+                Term::ByComponents(operation, operands) => {
+                    let vectors = formula.vectors(operands);
+                    for (number, operand) in operands.iter().enumerate() {
+                        let slots = if vectors >> number & 1 == 1 { 3 } else { 1 };
+                        built[operand.0 as usize][..slots].iter().for_each(|node| stack.push(*node));
+                    }
+                    operation.apply_by_components(vectors, &mut graph, &mut stack);
+                    stack.pop::<3>()
+                }
             };
             built.push(nodes);
         }

@@ -8,6 +8,7 @@ pub mod binding;
 pub mod binding_time;
 mod check;
 pub mod equation;
+mod evaluated_lights;
 pub mod graph;
 pub mod invariants;
 pub mod layout;
@@ -43,6 +44,10 @@ pub struct Parameter {
     pub slider: bool,
     /// Whether it gets a colour picker.
     pub colour: bool,
+    /// Whether it is 0 or 1, with a check box.
+    pub switch: bool,
+    /// The names of its values 0, 1, …, for a menu. Empty: it has no menu.
+    pub choices: Vec<String>,
     /// What the author's comment at the declaration says, as one line. It may hold any characters.
     pub doc: Option<String>,
     /// Which predefined parameter it is, if it is one.
@@ -52,10 +57,16 @@ pub struct Parameter {
 }
 
 impl Parameter {
-    /// The nearest value within the range, and whether it differs. NaN becomes the lower bound, or 0 without bounds.
+    /// Whether it takes whole numbers only: a switch, or a choice.
+    pub fn is_whole(&self) -> bool {
+        self.switch || !self.choices.is_empty()
+    }
+
+    /// The nearest value that it can take, and whether it differs. NaN becomes the lower bound, or 0 without bounds.
     pub fn clamp(&self, value: f32) -> (f32, bool) {
         let [low, high] = self.range.unwrap_or([f32::MIN, f32::MAX]);
         let nearest = if value.is_nan() { self.range.map_or(0.0, |range| range[0]) } else { value.clamp(low, high) };
+        let nearest = if self.is_whole() { nearest.round() } else { nearest };
         (nearest, nearest != value)
     }
 }
@@ -84,6 +95,18 @@ pub enum Term {
     Parameter(ParameterId),
     /// An operation on other expressions.
     Apply(Operation, Vec<TermId>),
+    /// An operation on numbers, for each component of vectors. Scalars are the same for all components.
+    ByComponents(Operation, Vec<TermId>),
+}
+
+impl Term {
+    /// The expressions that it uses.
+    pub fn operands(&self) -> &[TermId] {
+        match self {
+            Term::Number(_) | Term::Variable(_) | Term::Parameter(_) => &[],
+            Term::Apply(_, operands) | Term::ByComponents(_, operands) => operands,
+        }
+    }
 }
 
 /// A checked illumination model.
@@ -143,6 +166,29 @@ impl Formula {
             Term::Variable(variable) => variable.ty(),
             Term::Parameter(parameter) => self.parameter(*parameter).ty,
             Term::Apply(operation, _) => operation.result(),
+            Term::ByComponents(..) => Type::Vector,
         }
+    }
+
+    /// The expressions that `root` is computed from, itself included, users before their operands.
+    pub fn terms_of(&self, root: TermId) -> Vec<TermId> {
+        let mut is_used = vec![false; self.terms.len()];
+        is_used[root.0 as usize] = true;
+        let mut used = Vec::new();
+        // Operands come before their users.
+        for index in (0..=root.0).rev() {
+            if is_used[index as usize] {
+                let id = TermId(index);
+                self.term(id).operands().iter().for_each(|operand| is_used[operand.0 as usize] = true);
+                used.push(id);
+            }
+        }
+        used
+    }
+
+    /// Which operands of an operation are vectors, as [`Operation::apply_by_components`] takes it: a bit for each.
+    pub fn vectors(&self, operands: &[TermId]) -> u8 {
+        let bits = operands.iter().enumerate().map(|(index, id)| u8::from(self.ty(*id) == Type::Vector) << index);
+        bits.fold(0, |all, bit| all | bit)
     }
 }

@@ -43,6 +43,7 @@ fn of_variable(variable: Variable, slack: f64) -> Interval {
         | Variable::Bitangent => Interval::new(-1.0 - slack, 1.0 + slack),
         Variable::Alpha | Variable::Beta | Variable::Gamma => Interval::new(0.0, std::f64::consts::PI + slack),
         Variable::Distance => Interval::new(0.0, f64::INFINITY),
+        Variable::Visible => Interval::new(0.0, 1.0),
         Variable::Point => Interval::new(f64::NEG_INFINITY, f64::INFINITY),
     }
 }

@@ -7,6 +7,7 @@ use crate::lang::ast::{Expr, ExprId, ExprKind, FormulaFile, Name};
 use crate::lang::builtins::Form;
 use crate::lang::printer::print_expression;
 use crate::lang::source::SourceSpan;
+use crate::lang::token::Mark;
 use std::collections::HashMap;
 
 impl Formula {
@@ -20,10 +21,8 @@ impl Formula {
                 continue;
             }
             let text = stand_in(id);
-            if text.is_none()
-                && let Term::Apply(_, operands) = self.term(id)
-            {
-                pending.extend_from_slice(operands);
+            if text.is_none() {
+                pending.extend_from_slice(self.term(id).operands());
             }
             texts.insert(id, text);
         }
@@ -35,7 +34,7 @@ impl Formula {
         for (id, text) in parts {
             expressions.insert(id, ExprId(file.expressions.len() as u32));
             let kind = text.map_or_else(|| self.syntax(id, &expressions), ExprKind::Name);
-            file.expressions.push(Expr { kind, span: SourceSpan::default(), parenthesised: false });
+            file.expressions.push(Expr { kind, span: SourceSpan::default(), outer: SourceSpan::default() });
         }
         expressions.get(&root).map_or_else(String::new, |root| print_expression(&file, *root))
     }
@@ -46,18 +45,19 @@ impl Formula {
             Term::Number(value) => return ExprKind::Number(*value),
             Term::Variable(variable) => return ExprKind::Name(variable.name().to_owned()),
             Term::Parameter(parameter) => return ExprKind::Name(self.parameter(*parameter).name.clone()),
-            Term::Apply(operation, operands) => (operation, operands),
+            Term::Apply(operation, operands) | Term::ByComponents(operation, operands) => (operation, operands),
         };
         let operands: Vec<ExprId> = operands.iter().filter_map(|operand| expressions.get(operand).copied()).collect();
         // Every operation has as many operands as its form asks for.
         match (operation.form(), operands.as_slice()) {
             (Form::Prefix(mark), [operand]) => ExprKind::Prefix(mark, *operand),
+            (Form::UnitDot, [left, right]) => ExprKind::Infix(Mark::Dot, SourceSpan::default(), [*left, *right]),
             (Form::Infix(mark), [left, right]) => ExprKind::Infix(mark, SourceSpan::default(), [*left, *right]),
-            (Form::Vector, [x, y, z]) => ExprKind::Vector([*x, *y, *z]),
+            (Form::Vector, parts) => ExprKind::Vector(parts.to_vec()),
             (Form::Conditional, [condition, then, other]) => ExprKind::Conditional([*condition, *then, *other]),
             (Form::Constant(name), _) => ExprKind::Name(name.to_owned()),
             (Form::Function(name), _) => ExprKind::Call(Name { text: name.to_owned(), span: SourceSpan::default() }, operands),
-            (Form::Prefix(_) | Form::Infix(_) | Form::Vector | Form::Conditional, _) => ExprKind::Missing,
+            (Form::Prefix(_) | Form::Infix(_) | Form::UnitDot | Form::Conditional, _) => ExprKind::Missing,
         }
     }
 }

@@ -28,8 +28,15 @@ pub struct Expr {
     pub kind: ExprKind,
     /// Its place, without the parentheses around it.
     pub span: SourceSpan,
+    /// Its place with the parentheses of its own, if it has any.
+    pub outer: SourceSpan,
+}
+
+impl Expr {
     /// Whether it has parentheses of its own.
-    pub parenthesised: bool,
+    pub fn parenthesised(&self) -> bool {
+        self.outer != self.span
+    }
 }
 
 /// The kinds of expressions.
@@ -45,8 +52,8 @@ pub enum ExprKind {
     Prefix(Mark, ExprId),
     /// An operator between its two operands, with its place.
     Infix(Mark, SourceSpan, [ExprId; 2]),
-    /// `<x, y, z>`.
-    Vector([ExprId; 3]),
+    /// `<x, y, z>`, or `<x>` for three equal components.
+    Vector(Vec<ExprId>),
     /// `if(condition, then, else)`.
     Conditional([ExprId; 3]),
     /// Something that could not be read and was reported.
@@ -54,14 +61,19 @@ pub enum ExprKind {
 }
 
 impl ExprKind {
+    /// The operator between two operands, and the operands, if it is one.
+    pub fn infix(&self) -> Option<(Mark, [ExprId; 2])> {
+        if let ExprKind::Infix(mark, _, operands) = self { Some((*mark, *operands)) } else { None }
+    }
+
     /// The operands, in order.
     pub fn operands(&self) -> &[ExprId] {
         match self {
             ExprKind::Number(_) | ExprKind::Name(_) | ExprKind::Missing => &[],
-            ExprKind::Call(_, arguments) => arguments,
+            ExprKind::Call(_, operands) | ExprKind::Vector(operands) => operands,
             ExprKind::Prefix(_, operand) => std::slice::from_ref(operand),
             ExprKind::Infix(_, _, operands) => operands,
-            ExprKind::Vector(parts) | ExprKind::Conditional(parts) => parts,
+            ExprKind::Conditional(parts) => parts,
         }
     }
 }
@@ -93,6 +105,23 @@ impl Constant {
     }
 }
 
+/// The attributes of a parameter, each with its place.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ParameterAttributes {
+    /// `constraint a..b`
+    pub range: Option<([f32; 2], SourceSpan)>,
+    /// `default …`
+    pub default: Option<(Constant, SourceSpan)>,
+    /// `slider`
+    pub slider: Option<SourceSpan>,
+    /// `color`
+    pub colour: Option<SourceSpan>,
+    /// `switch`
+    pub switch: Option<SourceSpan>,
+    /// `choices "…", "…"`: the names of the values 0, 1, …
+    pub choices: Option<(Vec<String>, SourceSpan)>,
+}
+
 /// The declaration of a parameter.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Declaration {
@@ -102,15 +131,20 @@ pub struct Declaration {
     pub owner: Owner,
     /// Its type.
     pub ty: Type,
-    /// `constraint a..b`, with its place.
-    pub range: Option<([f32; 2], SourceSpan)>,
-    /// `default …`, with its place.
-    pub default: Option<(Constant, SourceSpan)>,
-    /// `slider`.
-    pub slider: bool,
-    /// `color`, with its place.
-    pub colour: Option<SourceSpan>,
+    /// What is said about its values.
+    pub attributes: ParameterAttributes,
     /// What the comments at the declaration say, see [`doc`](crate::lang::comments::doc).
+    pub doc: Option<String>,
+}
+
+/// New attributes for a predefined parameter: `ki: constraint 0..50, default 1;`
+#[derive(Debug, Clone, PartialEq)]
+pub struct PredefinedLine {
+    /// The name of the parameter.
+    pub name: Name,
+    /// What is said about its values.
+    pub attributes: ParameterAttributes,
+    /// What the comments at the line say, see [`doc`](crate::lang::comments::doc).
     pub doc: Option<String>,
 }
 
@@ -134,11 +168,13 @@ pub struct InvariantLine {
     pub span: SourceSpan,
 }
 
-/// `NAME = expression;`
+/// A macro, `NAME = expression;`, or a function, `NAME(x, y) = expression;`.
 #[derive(Debug, Clone, PartialEq)]
-pub struct MacroLine {
+pub struct Definition {
     /// Its name.
     pub name: Name,
+    /// The names of the arguments of a function; `None` for a macro.
+    pub arguments: Option<Vec<Name>>,
     /// What it stands for.
     pub body: ExprId,
     /// What the comments at the line say, see [`doc`](crate::lang::comments::doc).
@@ -150,6 +186,8 @@ pub struct MacroLine {
 pub enum Section {
     /// `global;`, `body_specific;` or `light_specific;`
     Parameters(Owner, Vec<Declaration>),
+    /// `predefined;`
+    Predefined(Vec<PredefinedLine>),
     /// `invariants;`
     Invariants(Vec<InvariantLine>),
 }
@@ -161,8 +199,8 @@ pub struct FormulaFile {
     pub uses: Option<(String, SourceSpan)>,
     /// The sections before the formula.
     pub sections: Vec<Section>,
-    /// The macros, in the order of the file.
-    pub macros: Vec<MacroLine>,
+    /// The macros and functions, in the order of the file.
+    pub definitions: Vec<Definition>,
     /// The expression after the last `=`.
     pub result: Option<ExprId>,
     /// All expressions, operands before their users.
@@ -179,7 +217,15 @@ impl FormulaFile {
     pub fn declarations(&self) -> impl Iterator<Item = &Declaration> {
         self.sections.iter().flat_map(|section| match section {
             Section::Parameters(_, declarations) => declarations.as_slice(),
-            Section::Invariants(_) => &[],
+            Section::Predefined(_) | Section::Invariants(_) => &[],
+        })
+    }
+
+    /// All lines about predefined parameters, in the order of the file.
+    pub fn predefined(&self) -> impl Iterator<Item = &PredefinedLine> {
+        self.sections.iter().flat_map(|section| match section {
+            Section::Predefined(lines) => lines.as_slice(),
+            Section::Parameters(..) | Section::Invariants(_) => &[],
         })
     }
 
@@ -187,7 +233,7 @@ impl FormulaFile {
     pub fn invariants(&self) -> impl Iterator<Item = &InvariantLine> {
         self.sections.iter().flat_map(|section| match section {
             Section::Invariants(lines) => lines.as_slice(),
-            Section::Parameters(..) => &[],
+            Section::Parameters(..) | Section::Predefined(_) => &[],
         })
     }
 }

@@ -8,6 +8,7 @@
 use crate::lang::scalars::{Floats, Scalars};
 use crate::lang::token::Mark;
 use crate::lang::types::{Origin, Type};
+use smallvec::SmallVec;
 
 /// How an operation is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -16,14 +17,74 @@ pub enum Form {
     Prefix(Mark),
     /// Between its operands.
     Infix(Mark),
+    /// Like `.`, if both operands are known to be directions of unit length.
+    UnitDot,
     /// `name(a, b, …)`.
     Function(&'static str),
     /// A name without operands.
     Constant(&'static str),
-    /// `<x, y, z>`.
+    /// `<x, y, z>` or `<x>`.
     Vector,
     /// `if(condition, then, else)`.
     Conditional,
+}
+
+/// A sum or a product of an expression over the whole numbers of a range: `sum(i, 0, 4, expression)`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Repetition {
+    /// `sum`
+    Sum,
+    /// `product`
+    Product,
+}
+
+impl Repetition {
+    /// Both.
+    pub const ALL: [Repetition; 2] = [Repetition::Sum, Repetition::Product];
+    /// The most terms.
+    pub const MOST_TERMS: u32 = 256;
+
+    /// The name by which it is called.
+    pub fn name(self) -> &'static str {
+        match self {
+            Repetition::Sum => "sum",
+            Repetition::Product => "product",
+        }
+    }
+
+    /// How it is called.
+    pub fn usage(self) -> String {
+        format!("{}(i, from, to, expression)", self.name())
+    }
+
+    /// The operator between the terms.
+    pub fn operator(self) -> Form {
+        Form::Infix(match self {
+            Repetition::Sum => Mark::Plus,
+            Repetition::Product => Mark::Star,
+        })
+    }
+
+    /// The value of an empty range.
+    pub fn empty(self) -> f32 {
+        match self {
+            Repetition::Sum => 0.0,
+            Repetition::Product => 1.0,
+        }
+    }
+
+    /// What it means, in one line.
+    pub fn doc(self) -> &'static str {
+        match self {
+            Repetition::Sum => "the sum of the expression for each whole number i from..to; both are constant, at most 256 terms",
+            Repetition::Product => "the product of the expression for each whole number i from..to, like sum",
+        }
+    }
+
+    /// The repetition of this name.
+    pub fn named(name: &str) -> Option<Repetition> {
+        Self::ALL.into_iter().find(|repetition| repetition.name() == name)
+    }
 }
 
 /// Operands and results of operations: a stack of scalars. A vector takes three, its first component deepest.
@@ -213,7 +274,15 @@ operations! {
     DotVV Infix(Mark::Dot) [x: V, y: V] -> S Thesis "dot product", |m| dot(m, x, y);
     PowerSS Infix(Mark::Caret) [x: S, y: S] -> S Thesis
         "x to the power y, as C's powf: whole exponents take negative bases, and x^0 = 1", |m| m.pow(x, y);
+    UnitDotVV UnitDot [x: V, y: V] -> S Thesis "dot product of two directions of unit length, within -1..1", |m| {
+        let cosine = dot(m, x, y);
+        let (low, high) = (m.constant(-1.0), m.constant(1.0));
+        // In this order NaN stays NaN.
+        let raised = m.max(low, cosine);
+        m.min(high, raised)
+    };
     MakeVector Vector [x: S, y: S, z: S] -> V Thesis "the vector of three components", |m| { let _ = &m; [x, y, z] };
+    Spread Vector [x: S] -> V Added "the vector of three equal components, the same as <x, x, x>", |m| { let _ = &m; [x; 3] };
     Sqrt Function("sqrt") [x: S] -> S Thesis "square root", |m| m.sqrt(x);
     Floor Function("floor") [x: S] -> S Thesis "the largest whole number not above x", |m| m.floor(x);
     Ceil Function("ceil") [x: S] -> S Added "the smallest whole number not below x", |m| m.ceil(x);
@@ -229,6 +298,8 @@ operations! {
     Acos Function("acos") [x: S] -> S Added "arc cosine, in radians", |m| m.acos(x);
     Atan Function("atan") [x: S] -> S Added "arc tangent, in radians", |m| m.atan(x);
     Atan2 Function("atan2") [y: S, x: S] -> S Added "the angle of the point (x, y), in radians, -pi..pi", |m| m.atan2(y, x);
+    Tanh Function("tanh") [x: S] -> S Added "hyperbolic tangent", |m| tanh(m, x);
+    Erf Function("erf") [x: S] -> S Added "error function", |m| erf(m, x);
     Radians Function("radians") [x: S] -> S Added "degrees into radians", |m| {
         let factor = m.constant(std::f32::consts::PI / 180.0);
         m.mul(x, factor)
@@ -259,11 +330,20 @@ operations! {
     MaxSSS Function("max") [x: S, y: S, z: S] -> S Thesis "max(max(x, y), z)", |m| { let high = m.max(x, y); m.max(high, z) };
     MaxVV Function("max") [x: V, y: V] -> V Added "max by components", |m| zip(x, y, |x, y| m.max(x, y));
     Clamp Function("clamp") [x: S, lo: S, hi: S] -> S Added "min(max(x, lo), hi)", |m| clamp(m, x, lo, hi);
+    Saturate Function("saturate") [x: S] -> S Added "clamp(x, 0, 1)", |m| {
+        let (zero, one) = (m.constant(0.0), m.constant(1.0));
+        clamp(m, x, zero, one)
+    };
     MixS Function("mix") [a: S, b: S, t: S] -> S Added "a*(1 - t) + b*t", |m| {
         let [mixed, ..] = mix(m, [a; 3], [b; 3], t);
         mixed
     };
     MixV Function("mix") [a: V, b: V, t: S] -> V Added "a*(1 - t) + b*t", |m| mix(m, a, b, t);
+    LerpS Function("lerp") [a: S, b: S, t: S] -> S Added "the same as mix(a, b, t)", |m| {
+        let [mixed, ..] = mix(m, [a; 3], [b; 3], t);
+        mixed
+    };
+    LerpV Function("lerp") [a: V, b: V, t: S] -> V Added "the same as mix(a, b, t)", |m| mix(m, a, b, t);
     Smoothstep Function("smoothstep") [e0: S, e1: S, x: S] -> S Added
         "t*t*(3 - 2*t) with t = clamp((x - e0)/(e1 - e0), 0, 1)", |m| {
         let (zero, one, two, three) = (m.constant(0.0), m.constant(1.0), m.constant(2.0), m.constant(3.0));
@@ -277,6 +357,7 @@ operations! {
     GetX Function("getx") [v: V] -> S Thesis "the first component", |m| { let _ = &m; v[0] };
     GetY Function("gety") [v: V] -> S Thesis "the second component", |m| { let _ = &m; v[1] };
     GetZ Function("getz") [v: V] -> S Thesis "the third component", |m| { let _ = &m; v[2] };
+    Dot Function("dot") [x: V, y: V] -> S Added "the same as x.y", |m| dot(m, x, y);
     Cross Function("cross") [x: V, y: V] -> V Added "cross product", |m| {
         let mut minor = |i: usize, j: usize| {
             let (plus, minus) = (m.mul(x[i], y[j]), m.mul(x[j], y[i]));
@@ -339,6 +420,79 @@ fn length<M: Scalars>(m: &mut M, v: [M::Value; 3]) -> M::Value {
     m.sqrt(square)
 }
 
+/// By S. Moshier's `tanhf` (Cephes): a polynomial near 0, where 1 − 2/(e²ˣ + 1) would cancel.
+fn tanh<M: Scalars>(m: &mut M, x: M::Value) -> M::Value {
+    let magnitude = m.abs(x);
+    let square = m.mul(x, x);
+    let series = polynomial(m, square, &[-5.704_988_7e-3, 2.063_908_8e-2, -5.373_971_6e-2, 1.333_144_2e-1, -3.333_328e-1]);
+    let cube = m.mul(square, x);
+    let correction = m.mul(series, cube);
+    let near = m.add(x, correction);
+    let (one, two, zero) = (m.constant(1.0), m.constant(2.0), m.constant(0.0));
+    let twice = m.mul(two, magnitude);
+    let power = m.exp(twice);
+    let denominator = m.add(power, one);
+    let rest = m.div(two, denominator);
+    let far = m.sub(one, rest);
+    let opposite = m.neg(far);
+    let negative = m.less(x, zero);
+    let far = m.select(negative, opposite, far);
+    let limit = m.constant(0.625);
+    let small = m.less(magnitude, limit);
+    m.select(small, near, far)
+}
+
+/// A Maclaurin series below 1, and above it 1 − t·p(t)·e^(−x²) with t = 1/(1 + 0.3275911·x) (Abramowitz and Stegun,
+/// Handbook of Mathematical Functions, 7.1.26). The error is below 2e-7.
+fn erf<M: Scalars>(m: &mut M, x: M::Value) -> M::Value {
+    let magnitude = m.abs(x);
+    let square = m.mul(x, x);
+    // 2/√π · (−1)ⁿ/(n!·(2n + 1)), from n = 9 down to 0.
+    let series = polynomial(
+        m,
+        square,
+        &[
+            -1.636_584_5e-7,
+            1.646_211_4e-6,
+            -1.492_565e-5,
+            1.205_533_3e-4,
+            -8.548_327e-4,
+            5.223_978e-3,
+            -2.686_617e-2,
+            1.128_379_2e-1,
+            -3.761_264e-1,
+            std::f32::consts::FRAC_2_SQRT_PI,
+        ],
+    );
+    let near = m.mul(series, x);
+    let (zero, one, factor) = (m.constant(0.0), m.constant(1.0), m.constant(0.327_591_1));
+    let scaled = m.mul(factor, magnitude);
+    let denominator = m.add(one, scaled);
+    let t = m.div(one, denominator);
+    let sum = polynomial(m, t, &[1.061_405_4, -1.453_152, 1.421_413_8, -0.284_496_73, 0.254_829_6]);
+    let product = m.mul(sum, t);
+    let exponent = m.neg(square);
+    let bell = m.exp(exponent);
+    let rest = m.mul(product, bell);
+    let far = m.sub(one, rest);
+    let opposite = m.neg(far);
+    let negative = m.less(x, zero);
+    let far = m.select(negative, opposite, far);
+    let small = m.less(magnitude, one);
+    m.select(small, near, far)
+}
+
+/// The polynomial with these coefficients, the highest power first.
+fn polynomial<M: Scalars>(m: &mut M, x: M::Value, coefficients: &[f32]) -> M::Value {
+    let mut sum = m.constant(coefficients[0]);
+    for coefficient in &coefficients[1..] {
+        let product = m.mul(sum, x);
+        let coefficient = m.constant(*coefficient);
+        sum = m.add(product, coefficient);
+    }
+    sum
+}
+
 fn clamp<M: Scalars>(m: &mut M, x: M::Value, lo: M::Value, hi: M::Value) -> M::Value {
     let raised = m.max(x, lo);
     m.min(raised, hi)
@@ -364,11 +518,24 @@ impl Form {
         self.overloads().find(|operation| operation.operands() == operands)
     }
 
+    /// The overload for numbers that gives this form's result for operands of these types component by component. At
+    /// least one of them is a vector. Only functions of numbers and `^` work by components.
+    pub fn resolve_by_components(self, operands: &[Type]) -> Option<Operation> {
+        let works = match self {
+            Form::Function(_) | Form::Infix(Mark::Caret) => true,
+            Form::Prefix(_) | Form::Infix(_) | Form::UnitDot | Form::Constant(_) | Form::Vector | Form::Conditional => false,
+        };
+        let numbers = operands.iter().all(|ty| matches!(ty, Type::Scalar | Type::Vector)) && operands.contains(&Type::Vector);
+        let mut overloads = self.overloads().filter(|overload| overload.operands().len() == operands.len());
+        overloads.find(|overload| works && numbers && overload.works_by_components())
+    }
+
     /// The word or mark by which it is known.
     pub fn spelling(self) -> &'static str {
         match self {
             Form::Prefix(mark) | Form::Infix(mark) => mark.spelling(),
             Form::Function(name) | Form::Constant(name) => name,
+            Form::UnitDot => Mark::Dot.spelling(),
             Form::Vector => "<,,>",
             Form::Conditional => "if",
         }
@@ -389,6 +556,25 @@ impl Operation {
         }
     }
 
+    /// Whether it is a function of numbers, and so may work by components of vectors.
+    pub fn works_by_components(self) -> bool {
+        let operands = self.operands();
+        !operands.is_empty() && operands.iter().all(|ty| *ty == Type::Scalar) && self.result() == Type::Scalar
+    }
+
+    /// Replaces its operands on top of the stack by its result for each component. Bit `i` of `vectors` is set if
+    /// operand `i` is a vector; the others are the same for all components.
+    pub fn apply_by_components<M: Scalars>(self, vectors: u8, scalars: &mut M, stack: &mut Stack<M::Value>) {
+        let mut operands: SmallVec<[[M::Value; 3]; 4]> = SmallVec::new();
+        for index in (0..self.operands().len()).rev() {
+            operands.push(if vectors >> index & 1 == 1 { stack.pop::<3>() } else { [stack.pop::<1>()[0]; 3] });
+        }
+        for component in 0..3 {
+            operands.iter().rev().for_each(|operand| stack.push(operand[component]));
+            self.apply(scalars, stack);
+        }
+    }
+
     /// Operand types and result: `V,S→V`.
     pub fn signature(self) -> String {
         let letters: Vec<String> = self.operands().iter().map(|operand| operand.letter().to_string()).collect();
@@ -400,7 +586,7 @@ impl Operation {
 pub fn named(name: &str) -> Option<Form> {
     Operation::ALL.iter().map(|operation| operation.form()).find(|form| match form {
         Form::Function(spelling) | Form::Constant(spelling) => *spelling == name,
-        Form::Prefix(_) | Form::Infix(_) | Form::Vector | Form::Conditional => false,
+        Form::Prefix(_) | Form::Infix(_) | Form::UnitDot | Form::Vector | Form::Conditional => false,
     })
 }
 
@@ -410,7 +596,7 @@ pub fn names() -> Vec<&'static str> {
         .iter()
         .filter_map(|operation| match operation.form() {
             Form::Function(name) | Form::Constant(name) => Some(name),
-            Form::Prefix(_) | Form::Infix(_) | Form::Vector | Form::Conditional => None,
+            Form::Prefix(_) | Form::Infix(_) | Form::UnitDot | Form::Vector | Form::Conditional => None,
         })
         .collect();
     names.dedup();
@@ -473,6 +659,51 @@ mod tests {
         close(Operation::NotEqual, &[f32::NAN, f32::NAN], &[1.0]);
         close(Operation::Greater, &[2.0, 1.0], &[1.0]);
         close(Operation::IfS, &[0.0, f32::NAN, 7.0], &[7.0]);
+        close(Operation::Spread, &[2.5], &[2.5, 2.5, 2.5]);
+        close(Operation::Saturate, &[1.5], &[1.0]);
+        close(Operation::UnitDotVV, &[1.0, 1e-3, 0.0, 1.0, 1e-3, 0.0], &[1.0]);
+    }
+
+    #[test]
+    fn tanh_and_erf_agree_with_tables() {
+        // Abramowitz and Stegun, tables 4.15 and 7.1.
+        let tanh = [(0.01, 0.009_999_67), (0.5, 0.462_117_2), (0.7, 0.604_367_8), (2.0, 0.964_027_6), (9.5, 1.0)];
+        let erf = [(0.01, 0.011_283_42), (0.5, 0.520_499_9), (0.98, 0.834_231_5), (1.0, 0.842_700_8), (2.0, 0.995_322_3)];
+        for (operation, table) in [(Operation::Tanh, tanh), (Operation::Erf, erf)] {
+            for (x, expected) in table {
+                for sign in [1.0, -1.0] {
+                    let got = value(operation, &[sign * x])[0];
+                    assert!((got - sign * expected).abs() <= 4e-7, "{operation:?}({x}) = {got}, not {expected}");
+                }
+            }
+            assert_eq!(value(operation, &[f32::INFINITY]), [1.0]);
+            assert_eq!(value(operation, &[f32::NEG_INFINITY]), [-1.0]);
+            assert!(value(operation, &[f32::NAN])[0].is_nan());
+            // Small numbers keep their relative precision.
+            let small = value(operation, &[1e-10])[0];
+            let slope = if operation == Operation::Erf { std::f32::consts::FRAC_2_SQRT_PI } else { 1.0 };
+            assert!((small / 1e-10 - slope).abs() < 1e-6, "{small}");
+        }
+    }
+
+    #[test]
+    fn functions_of_numbers_work_by_components() {
+        let (s, v) = (Type::Scalar, Type::Vector);
+        let clamp = named("clamp").expect("a function");
+        assert_eq!(clamp.resolve_by_components(&[v, s, s]), Some(Operation::Clamp));
+        assert_eq!(clamp.resolve_by_components(&[s, s, s]), None);
+        assert_eq!(named("max").and_then(|max| max.resolve_by_components(&[s, v])), Some(Operation::MaxSS));
+        assert_eq!(named("getx").and_then(|get| get.resolve_by_components(&[v])), None);
+        assert_eq!(Form::Infix(Mark::Plus).resolve_by_components(&[v, s]), None);
+        let mut stack = Stack::new(16, 0.0);
+        [1.0, 5.0, -1.0, 0.0, 2.0].iter().for_each(|number| stack.push(*number));
+        Operation::Clamp.apply_by_components(1, &mut Floats, &mut stack);
+        assert_eq!((stack.pop::<3>(), stack.is_empty()), ([1.0, 2.0, 0.0], true));
+    }
+
+    #[test]
+    fn the_dot_product_of_directions_keeps_nan() {
+        assert!(value(Operation::UnitDotVV, &[f32::NAN, 0.0, 0.0, 1.0, 0.0, 0.0])[0].is_nan());
     }
 
     #[test]

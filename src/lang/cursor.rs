@@ -5,7 +5,7 @@ use crate::lang::diagnostic::{Diagnostic, Diagnostics, nearest};
 use crate::lang::lexer::{TokenizedText, tokenize};
 use crate::lang::source::{Source, SourceSpan};
 use crate::lang::token::{Mark, Token, TokenKind};
-use crate::lang::variables::RESERVED;
+use crate::lang::variables::{PREDEFINED_SECTION, RESERVED};
 
 /// An error that has been reported; the parser goes on at the next statement.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -94,7 +94,12 @@ impl Cursor {
     pub fn mark(&self) -> Option<Mark> {
         match self.peek(0).kind {
             TokenKind::Mark(mark) => Some(mark),
-            TokenKind::Number(_) | TokenKind::Word(_) | TokenKind::Uses(..) | TokenKind::Unknown | TokenKind::End => None,
+            TokenKind::Number(_)
+            | TokenKind::Word(_)
+            | TokenKind::Uses(..)
+            | TokenKind::Text(_)
+            | TokenKind::Unknown
+            | TokenKind::End => None,
         }
     }
 
@@ -102,7 +107,12 @@ impl Cursor {
     pub fn word(&self, ahead: usize) -> Option<&str> {
         match &self.peek(ahead).kind {
             TokenKind::Word(word) => Some(word),
-            TokenKind::Number(_) | TokenKind::Mark(_) | TokenKind::Uses(..) | TokenKind::Unknown | TokenKind::End => None,
+            TokenKind::Number(_)
+            | TokenKind::Mark(_)
+            | TokenKind::Uses(..)
+            | TokenKind::Text(_)
+            | TokenKind::Unknown
+            | TokenKind::End => None,
         }
     }
 
@@ -113,6 +123,12 @@ impl Cursor {
         if self.at + 1 < end {
             self.tokens[self.at + 1].kind = TokenKind::Mark(Mark::Semicolon);
         }
+    }
+
+    /// Replaces the current word by a mark.
+    pub fn replace(&mut self, mark: Mark) {
+        let end = self.tokens.len() - 1;
+        self.tokens[self.at.min(end)].kind = TokenKind::Mark(mark);
     }
 
     /// Moves past the current word if it is this mark. Whether it is.
@@ -135,7 +151,8 @@ impl Cursor {
 
     /// Whether the current word and the next are the head of a section, `word;`.
     pub fn sees_section(&self) -> bool {
-        self.word(0).is_some_and(|word| RESERVED.contains(&word)) && self.sees_mark(1, Mark::Semicolon)
+        let head = |word: &str| RESERVED.contains(&word) || word == PREDEFINED_SECTION;
+        self.word(0).is_some_and(head) && self.sees_mark(1, Mark::Semicolon)
     }
 
     /// Reports that something else was expected here.
@@ -242,6 +259,12 @@ impl Cursor {
         }
         self.expect(Mark::Greater, &format!("at the end of {what}"))?;
         Ok(Placed { value: components, span: start.to(self.previous_span()) })
+    }
+
+    /// Whether characters that are no word come before the end of the statement. The lexer has reported them.
+    pub fn statement_has_unknown(&self) -> bool {
+        let rest = self.tokens[self.at..].iter().take_while(|token| token.kind != TokenKind::Mark(Mark::Semicolon));
+        rest.into_iter().any(|token| token.kind == TokenKind::Unknown)
     }
 
     /// Moves past the rest of a statement: past the next `;`, or to the head of the next section.

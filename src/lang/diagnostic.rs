@@ -43,9 +43,11 @@ pub struct Diagnostic {
 }
 
 impl Diagnostic {
-    /// An error; the message is one sentence without a full stop.
+    /// An error; the message is one sentence without a full stop. Messages of libraries may begin with the word
+    /// "error". It is left out, because the severity is shown in front of the message.
     pub fn error(message: impl AsRef<str>) -> Self {
-        Self { severity: Severity::Error, message: one_line(message.as_ref()), labels: Vec::new(), hints: Vec::new() }
+        let message = one_line(without_severity(message.as_ref()));
+        Self { severity: Severity::Error, message, labels: Vec::new(), hints: Vec::new() }
     }
 
     /// A warning; the message is one sentence without a full stop.
@@ -102,6 +104,17 @@ impl Diagnostic {
     pub fn span(&self) -> Option<SourceSpan> {
         self.labels.first().map(|label| label.span)
     }
+}
+
+/// A message without severities at its start, such as `Error: `.
+fn without_severity(message: &str) -> &str {
+    let mut rest = message.trim_start();
+    while let Some((word, behind)) = rest.split_once(':')
+        && ["error", "warning"].contains(&word.to_ascii_lowercase().as_str())
+    {
+        rest = behind.trim_start();
+    }
+    rest
 }
 
 /// The diagnostics of one text, in the order in which they were found until [`sort`](Diagnostics::sort) is called.
@@ -237,6 +250,15 @@ mod tests {
         }
         let many = (0..1000).fold(Diagnostic::error("x"), |all, at| all.at(SourceSpan::new(at, at), ""));
         assert_eq!(many.labels().len(), MOST_LABELS);
+    }
+
+    #[test]
+    fn a_message_does_not_repeat_its_severity() {
+        for message in ["Error: error: no more", "no more", " warning:no more"] {
+            assert_eq!(Diagnostic::error(message).message(), "no more");
+            assert_eq!(Diagnostic::warning(message).message(), "no more");
+        }
+        assert_eq!(Diagnostic::error("errors: 5").message(), "errors: 5");
     }
 
     #[test]

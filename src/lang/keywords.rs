@@ -33,12 +33,13 @@ macro_rules! keywords {
 
 keywords! {
     /// The heads of the sections of a formula file.
-    FORMULA_SECTIONS [5] {
+    FORMULA_SECTIONS [6] {
         "global" "parameters of the whole scene";
         "body_specific" "parameters of each body";
         "light_specific" "parameters of each light";
+        "predefined" "other ranges, defaults and widgets for predefined parameters";
         "invariants" "sums of parameters of one section that are 1, or at most 1";
-        "formula" "macros `NAME = expression;` and last the colour `= expression;`";
+        "formula" "macros `NAME = expression;`, functions `NAME(x) = expression;`, and last the colour `= expression;`";
     }
     /// The types of declared parameters.
     TYPES [2] {
@@ -46,11 +47,13 @@ keywords! {
         "vector" "three numbers: a direction, a point, a colour";
     }
     /// The attributes of declared parameters.
-    PARAMETER_ATTRIBUTES [4] {
+    PARAMETER_ATTRIBUTES [6] {
         "constraint" "bounds of the value, or of each component: `constraint 0..1`";
         "default" "the initial value: `default 0.5`, `default <1, 0, 0>`";
         "slider" "shows a slider";
         "color" "shows a colour picker";
+        "switch" "0 or 1, with a check box";
+        "choices" "a whole number 0, 1, …, with a menu of their names: `choices \"GGX\", \"Beckmann\"`";
     }
     /// The heads of the sections of a scene file, in their order.
     SCENE_SECTIONS [3] {
@@ -76,11 +79,12 @@ keywords! {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lang::variables::{Owner, RESERVED};
+    use crate::lang::variables::{Owner, PREDEFINED_SECTION, RESERVED};
 
     #[test]
     fn the_heads_of_sections_are_the_reserved_words() {
-        let heads: Vec<&str> = FORMULA_SECTIONS.iter().chain(&SCENE_SECTIONS).map(|keyword| keyword.word).collect();
+        let mut heads: Vec<&str> = FORMULA_SECTIONS.iter().chain(&SCENE_SECTIONS).map(|keyword| keyword.word).collect();
+        heads.retain(|head| *head != PREDEFINED_SECTION);
         assert_eq!(heads, RESERVED);
         assert!(Owner::ALL.iter().all(|owner| heads.contains(&owner.section())));
     }

@@ -3,6 +3,7 @@
 //! The rules of white space, comments, numbers, identifiers, `#uses` and punctuation are here; the grammar is not.
 
 use crate::lang::diagnostic::{Diagnostic, Diagnostics};
+use crate::lang::display_text::is_hidden;
 use crate::lang::lines::{LINE_ENDS, line_end};
 use crate::lang::source::{BYTE_ORDER_MARK, Source, SourceSpan};
 use crate::lang::token::{Mark, Token, TokenKind};
@@ -51,7 +52,9 @@ impl Lexer<'_> {
                 let word = self.text[start..self.at].to_owned();
                 self.push(TokenKind::Word(word), start);
             } else if first == '#' {
-                self.uses(start);
+                self.number_sign(start);
+            } else if first == '"' {
+                self.quoted(start);
             } else if let Some(mark) = Mark::ALL.iter().find(|mark| self.rest().starts_with(mark.spelling())) {
                 self.at += mark.spelling().len();
                 self.push(TokenKind::Mark(*mark), start);
@@ -88,7 +91,7 @@ impl Lexer<'_> {
 
     fn skip_blanks(&mut self) {
         loop {
-            let blanks = self.rest().len() - self.rest().trim_start().len();
+            let blanks = self.rest().len() - self.rest().trim_start_matches(is_blank).len();
             self.at += blanks;
             let start = self.at;
             if self.rest().starts_with("//") {
@@ -141,23 +144,38 @@ impl Lexer<'_> {
         self.push(if value.is_finite() { TokenKind::Number(value) } else { TokenKind::Unknown }, start);
     }
 
-    /// `#uses PATH;`: the path is raw text up to the `;` on the same line.
-    fn uses(&mut self, start: usize) {
+    /// `#uses PATH;`, or something that only begins like it.
+    fn number_sign(&mut self, start: usize) {
         self.at += 1;
         let word = self.run_length(|byte| byte.is_ascii_alphanumeric() || byte == b'_');
-        let name = &self.text[self.at..self.at + word];
-        if name != "uses" {
-            let span = SourceSpan::new(start, self.at + word);
-            self.at += word;
-            self.found.diagnostics.push(
-                Diagnostic::error(if name.is_empty() { "a stray `#`".to_owned() } else { format!("`#{name}` has no meaning") })
-                    .at(span, "")
-                    .help("only `#uses FILE;` begins with `#`; comments are written `// …` or `/* … */`"),
-            );
-            // The rest of the line is most likely a comment.
-            self.at = self.line_end(start);
+        if &self.text[self.at..self.at + word] == "uses" {
+            self.uses(start, word);
             return;
         }
+        let name = &self.text[self.at..self.at + word];
+        let colour = colour(name);
+        let message = match colour {
+            _ if name.is_empty() => "a stray `#`".to_owned(),
+            Some(_) => format!("colours are not written `#{name}`"),
+            None => format!("`#{name}` has no meaning"),
+        };
+        let hint = match colour {
+            Some([red, green, blue]) => format!("write `<{red}, {green}, {blue}>`: red, green and blue, each 0..1"),
+            None => "only `#uses FILE;` begins with `#`; comments are written `// …` or `/* … */`".to_owned(),
+        };
+        let span = SourceSpan::new(start, self.at + word);
+        self.at += word;
+        self.found.diagnostics.push(Diagnostic::error(message).at(span, "").help(hint));
+        if colour.is_some() {
+            self.push(TokenKind::Unknown, start);
+        } else {
+            // The rest of the line is most likely a comment.
+            self.at = self.line_end(start);
+        }
+    }
+
+    /// The path of `#uses` is raw text up to the `;` on the same line.
+    fn uses(&mut self, start: usize, word: usize) {
         self.at += word;
         let line_end = self.line_end(self.at);
         let (path_end, next) = match self.text[self.at..line_end].find(';') {
@@ -179,42 +197,138 @@ impl Lexer<'_> {
         self.push(TokenKind::Uses(path.to_owned(), path_span), start);
     }
 
+    /// `"text"`, on one line.
+    fn quoted(&mut self, start: usize) {
+        let line_end = self.line_end(start);
+        let inner = start + 1;
+        let Some(length) = self.text[inner..line_end].find('"') else {
+            self.at = line_end;
+            self.found.diagnostics.push(
+                Diagnostic::error("a text in quotation marks is not closed")
+                    .at(SourceSpan::new(start, inner), "it begins here")
+                    .help("end it with `\"` on the same line"),
+            );
+            self.push(TokenKind::Unknown, start);
+            return;
+        };
+        self.at = inner + length + 1;
+        let text = self.text[inner..inner + length].to_owned();
+        self.push(TokenKind::Text(text), start);
+    }
+
     /// A run of characters that cannot begin a word.
     fn strangers(&mut self, start: usize) {
         let known = |character: char| {
-            character.is_whitespace()
+            is_blank(character)
                 || character.is_ascii_alphanumeric()
-                || "_#".contains(character)
+                || "_#\"".contains(character)
                 || Mark::ALL.iter().any(|mark| mark.spelling().starts_with(character))
         };
+        let first_hidden = self.rest().chars().next().is_some_and(is_hidden);
         self.at += self
             .rest()
             .char_indices()
-            .find(|(offset, c)| *offset > 0 && known(*c))
+            .find(|(offset, c)| *offset > 0 && (known(*c) || is_hidden(*c) != first_hidden))
             .map_or(self.rest().len(), |(offset, _)| offset);
         let text = &self.text[start..self.at];
-        let hint = match text {
-            "&" => Some("the logical operators are `&&`, `||` and `!`"),
-            "|" => Some(
-                "the absolute value is `abs(x)`, a vector's length `length(v)`; the logical operators are `&&`, `||` and `!`",
-            ),
-            "?" => Some("a choice is written `if(condition, then, else)`"),
-            "%" => Some("the remainder is `mod(x, y)`"),
-            "²" | "³" => Some("powers are written `x^2`"),
-            "−" | "–" | "—" => Some("the minus sign is `-`"),
-            "×" | "·" | "∙" | "⋅" => Some("multiplication is `*`, the dot product `.`"),
-            "α" | "β" | "γ" | "π" => Some("the angles are written `alpha`, `beta`, `gamma`, and π is `pi`"),
-            "[" | "]" | "{" | "}" => Some("vectors are written `<x, y, z>`, and only `(` `)` group"),
-            _ => None,
+        let span = SourceSpan::new(start, self.at);
+        if self.closes_stranger(text) {
+            self.push(TokenKind::Unknown, start);
+            return;
+        }
+        let diagnostic = match text.chars().next().filter(|first| is_hidden(*first)) {
+            Some(hidden) => Diagnostic::error(format!("an invisible character, U+{:04X}, is in the text", u32::from(hidden)))
+                .at(span, "here")
+                .help("delete it; it probably came with a copied text"),
+            None => {
+                let shown: String = text.chars().take(MOST_SHOWN).collect();
+                let rest = if shown.len() < text.len() { "…" } else { "" };
+                Diagnostic::error(format!("`{shown}{rest}` is not part of the language"))
+                    .at(span, "not understood")
+                    .help_if(self.stranger_hint(text))
+            }
         };
-        let shown: String = text.chars().take(MOST_SHOWN).collect();
-        let rest = if shown.len() < text.len() { "…" } else { "" };
-        let diagnostic = Diagnostic::error(format!("`{shown}{rest}` is not part of the language"))
-            .at(SourceSpan::new(start, start + text.len()), "not understood")
-            .help_if(hint);
         self.found.diagnostics.push(diagnostic);
         self.push(TokenKind::Unknown, start);
     }
+
+    /// Whether these characters close what others that have been reported opened, as `]` after `[`.
+    fn closes_stranger(&self, text: &str) -> bool {
+        let opening = match text {
+            "]" | "]]" => "[",
+            "}" => "{",
+            "|" | "||" => "|",
+            "”" => "“",
+            "’" | "'" => text,
+            _ => return false,
+        };
+        let statement = self.found.tokens.iter().rev().take_while(|token| token.kind != TokenKind::Mark(Mark::Semicolon));
+        let mut unknown = statement.filter(|token| token.kind == TokenKind::Unknown);
+        unknown.any(|token| &self.text[token.span.range()] == opening)
+    }
+
+    /// How the language writes what these characters mean elsewhere.
+    fn stranger_hint(&self, text: &str) -> Option<String> {
+        let component = || {
+            let before = match &self.found.tokens.last()?.kind {
+                TokenKind::Word(word) => word.as_str(),
+                TokenKind::Number(_)
+                | TokenKind::Uses(..)
+                | TokenKind::Text(_)
+                | TokenKind::Mark(_)
+                | TokenKind::Unknown
+                | TokenKind::End => return None,
+            };
+            let get = match self.rest().chars().next()? {
+                '0' => "getx",
+                '1' => "gety",
+                '2' => "getz",
+                _ => return None,
+            };
+            Some(format!("a component of a vector is written `{get}({before})`"))
+        };
+        let hint = match text {
+            "&" => "the logical operators are `&&`, `||` and `!`",
+            "|" => "the absolute value is `abs(x)`, a vector's length `length(v)`; the logical operators are `&&`, `||` and `!`",
+            "?" => "a choice is written `if(condition, then, else)`",
+            "%" => "the remainder is `mod(x, y)`",
+            "²" | "³" | "⁴" | "⁵" => "powers are written `x^2`",
+            "√" => "the square root is `sqrt(x)`",
+            "≤" => "write `<=`",
+            "≥" => "write `>=`",
+            "≠" => "write `!=`",
+            "−" | "–" | "—" => "the minus sign is `-`",
+            "×" | "·" | "∙" | "⋅" => "multiplication is `*`, the dot product `.`",
+            "÷" => "division is `/`",
+            "“" | "”" | "„" | "‘" | "’" | "'" => "quotation marks are written `\"`",
+            "α" | "β" | "γ" | "π" => "the angles are written `alpha`, `beta`, `gamma`, and π is `pi`",
+            "[" => return component().or_else(|| Some("vectors are written `<x, y, z>`, and only `(` `)` group".to_owned())),
+            "]" | "{" | "}" => "vectors are written `<x, y, z>`, and only `(` `)` group",
+            _ if text.chars().all(char::is_alphabetic) => "names have the letters A to Z and a to z, digits and `_`",
+            _ => return None,
+        };
+        Some(hint.to_owned())
+    }
+}
+
+/// Whether a character separates words.
+fn is_blank(character: char) -> bool {
+    character.is_whitespace() && (!is_hidden(character) || matches!(character, '\t' | '\r' | '\n'))
+}
+
+/// The colour that `#rgb` or `#rrggbb` means elsewhere: red, green and blue, 0..1, rounded to three digits.
+fn colour(digits: &str) -> Option<[f64; 3]> {
+    let step = match digits.len() {
+        3 => 1,
+        6 => 2,
+        _ => return None,
+    };
+    let component = |index: usize| {
+        let value = u32::from_str_radix(digits.get(step * index..step * (index + 1))?, 16).ok()?;
+        let largest = if step == 1 { 15.0 } else { 255.0 };
+        Some((f64::from(value) / largest * 1000.0).round() / 1000.0)
+    };
+    Some([component(0)?, component(1)?, component(2)?])
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 use crate::lang::ast::{ExprId, ExprKind, Name};
 use crate::lang::cursor::{Placed, Reported};
 use crate::lang::diagnostic::Diagnostic;
+use crate::lang::foreign;
 use crate::lang::parser::FormulaParser;
 use crate::lang::source::SourceSpan;
 use crate::lang::token::{Mark, TokenKind};
@@ -10,27 +11,17 @@ use crate::lang::token::{Mark, TokenKind};
 /// How deeply expressions may be nested. Nobody writes more levels, and this many fit the stack of any thread.
 const MAX_NESTING: usize = 256;
 
-/// The surroundings of an expression, as far as parsing depends on them.
-#[derive(Clone, Copy)]
-struct ExpressionContext {
-    /// The number of expressions around this one.
-    nesting: usize,
-    /// Whether comparisons are allowed here.
-    condition: bool,
-}
-
-impl ExpressionContext {
-    fn value(self) -> ExpressionContext {
-        ExpressionContext { condition: false, ..self }
-    }
-}
-
 const COMPARISONS: [Mark; 6] = [Mark::Less, Mark::LessEqual, Mark::Greater, Mark::GreaterEqual, Mark::EqualEqual, Mark::NotEqual];
 
 impl FormulaParser<'_> {
-    /// Parses `expr`, outside of conditions.
+    /// Parses `expr`.
     pub(super) fn expression(&mut self) -> Result<ExprId, Reported> {
-        self.sum(ExpressionContext { nesting: 0, condition: false })
+        self.sum(0)
+    }
+
+    /// Parses `expr` or `cond`.
+    pub(super) fn value_or_condition(&mut self) -> Result<ExprId, Reported> {
+        self.condition(0)
     }
 
     /// Moves past the mark that must follow an expression, or reports why another word cannot follow.
@@ -40,14 +31,16 @@ impl FormulaParser<'_> {
             self.cursor.advance();
             return Ok(());
         }
+        if self.cursor.statement_has_unknown() {
+            // The lexer has reported it, and it is the likely reason.
+            return Err(Reported);
+        }
         let span = self.cursor.span();
         let logical = |found: Mark| COMPARISONS.contains(&found) || matches!(found, Mark::AndAnd | Mark::OrOr);
         let diagnostic = match found {
-            Some(found) if logical(found) => {
-                Diagnostic::error(format!("`{}` is outside the condition of an `if`", found.spelling()))
-                    .at(span, "comparisons are not values")
-                    .help("write `if(a < b, then, else)`")
-            }
+            Some(found) if logical(found) => Diagnostic::error(format!("`{}` is outside of parentheses", found.spelling()))
+                .at(span, "here a comparison needs parentheses")
+                .help("write `(a < b)`, which is 1 or 0, or `if(a < b, then, else)`"),
             Some(Mark::Equal) if !self.cursor.peek(0).begins_line => Diagnostic::error("a second `=` in one statement")
                 .at(span, format!("expected an operator or `{}`", mark.spelling()))
                 .help("is a `;` missing before it? To compare, write `==` inside `if(…)`"),
@@ -55,8 +48,14 @@ impl FormulaParser<'_> {
             _ if self.operator_missing() => {
                 let before = self.source_text(self.cursor.previous_span());
                 let after = self.source_text(span);
+                let hint = match (foreign::operator(&before), foreign::operator(&after)) {
+                    (Some(ours), _) => Some(format!("`{before}` is written `{ours}`")),
+                    (None, Some(ours)) => Some(format!("`{after}` is written `{ours}`")),
+                    (None, None) => None,
+                };
                 Diagnostic::error(format!("an operator is missing between `{before}` and `{after}`"))
                     .at(self.cursor.previous_span().to(span), "expected `*`, `.`, `+` or another operator between the two")
+                    .help_if(hint)
             }
             Some(Mark::Comma) if mark == Mark::Semicolon => Diagnostic::error("a `,` outside parentheses")
                 .at(span, "expected an operator or `;`")
@@ -73,49 +72,49 @@ impl FormulaParser<'_> {
         value && !next.begins_line && !self.cursor.sees_mark(1, Mark::Equal)
     }
 
-    fn nested(&mut self, context: ExpressionContext) -> Result<ExpressionContext, Reported> {
-        if context.nesting >= MAX_NESTING {
+    /// The number of expressions around an operand of an expression with this many around it.
+    fn nested(&mut self, nesting: usize) -> Result<usize, Reported> {
+        if nesting >= MAX_NESTING {
             let diagnostic = Diagnostic::error("the expression is nested too deeply")
                 .at(self.cursor.span(), format!("more than {MAX_NESTING} levels here"))
                 .help("give parts of it names: `PART = …;`");
             return Err(self.cursor.report(diagnostic));
         }
-        Ok(ExpressionContext { nesting: context.nesting + 1, ..context })
+        Ok(nesting + 1)
     }
 
     /// Parses `cond`: comparisons joined by `&&` and `||`. Parentheses in it may hold conditions or values; their types
     /// are checked later.
-    fn condition(&mut self, context: ExpressionContext) -> Result<ExprId, Reported> {
-        let context = ExpressionContext { condition: true, ..context };
-        let mut left = self.conjunction(context)?;
+    fn condition(&mut self, nesting: usize) -> Result<ExprId, Reported> {
+        let mut left = self.conjunction(nesting)?;
         while self.cursor.sees_mark(0, Mark::OrOr) {
-            left = self.infix(left, context, Self::conjunction)?;
+            left = self.infix(left, nesting, Self::conjunction)?;
         }
         Ok(left)
     }
 
-    fn conjunction(&mut self, context: ExpressionContext) -> Result<ExprId, Reported> {
-        let mut left = self.negation(context)?;
+    fn conjunction(&mut self, nesting: usize) -> Result<ExprId, Reported> {
+        let mut left = self.negation(nesting)?;
         while self.cursor.sees_mark(0, Mark::AndAnd) {
-            left = self.infix(left, context, Self::negation)?;
+            left = self.infix(left, nesting, Self::negation)?;
         }
         Ok(left)
     }
 
-    fn negation(&mut self, context: ExpressionContext) -> Result<ExprId, Reported> {
+    fn negation(&mut self, nesting: usize) -> Result<ExprId, Reported> {
         if self.cursor.sees_mark(0, Mark::Not) {
-            let context = self.nested(context)?;
+            let nesting = self.nested(nesting)?;
             let start = self.cursor.advance().span;
-            let operand = self.negation(context)?;
+            let operand = self.negation(nesting)?;
             let span = start.to(self.cursor.previous_span());
             return Ok(self.add(ExprKind::Prefix(Mark::Not, operand), span));
         }
-        let left = self.sum(context)?;
+        let left = self.sum(nesting)?;
         let compares = |mark: Option<Mark>| mark.is_some_and(|mark| COMPARISONS.contains(&mark));
         if !compares(self.cursor.mark()) {
             return Ok(left);
         }
-        let comparison = self.infix(left, context, Self::sum)?;
+        let comparison = self.infix(left, nesting, Self::sum)?;
         if compares(self.cursor.mark()) {
             let diagnostic = Diagnostic::error("comparisons cannot be chained")
                 .at(self.cursor.span(), "a second comparison")
@@ -129,65 +128,55 @@ impl FormulaParser<'_> {
     fn infix(
         &mut self,
         left: ExprId,
-        context: ExpressionContext,
-        operand: impl FnOnce(&mut Self, ExpressionContext) -> Result<ExprId, Reported>,
+        nesting: usize,
+        operand: impl FnOnce(&mut Self, usize) -> Result<ExprId, Reported>,
     ) -> Result<ExprId, Reported> {
-        let start = self.outer_start(left);
+        let start = self.file.expr(left).outer;
         let operator = self.cursor.advance();
         let TokenKind::Mark(mark) = operator.kind else { return Err(self.cursor.expected("an operator")) };
-        let right = operand(self, context)?;
+        let right = operand(self, nesting)?;
         let span = start.to(self.cursor.previous_span());
         Ok(self.add(ExprKind::Infix(mark, operator.span, [left, right]), span))
     }
 
-    /// The place of an expression, from its own parenthesis if it has one.
-    fn outer_start(&self, id: ExprId) -> SourceSpan {
-        let expression = self.file.expr(id);
-        let mut span = expression.span;
-        if expression.parenthesised {
-            span.start = span.start.saturating_sub(1);
-        }
-        span
-    }
-
-    fn sum(&mut self, context: ExpressionContext) -> Result<ExprId, Reported> {
-        let mut left = self.product(context)?;
+    fn sum(&mut self, nesting: usize) -> Result<ExprId, Reported> {
+        let mut left = self.product(nesting)?;
         while let Some(Mark::Plus | Mark::Minus) = self.cursor.mark() {
-            left = self.infix(left, context, Self::product)?;
+            left = self.infix(left, nesting, Self::product)?;
         }
         Ok(left)
     }
 
-    fn product(&mut self, context: ExpressionContext) -> Result<ExprId, Reported> {
-        let mut left = self.power(context)?;
+    fn product(&mut self, nesting: usize) -> Result<ExprId, Reported> {
+        let mut left = self.power(nesting)?;
         while let Some(Mark::Star | Mark::Slash | Mark::Dot) = self.cursor.mark() {
-            left = self.infix(left, context, Self::power)?;
+            left = self.infix(left, nesting, Self::power)?;
         }
         Ok(left)
     }
 
     /// `^` groups to the right, and a unary minus binds more tightly: −2^2 is 4.
-    fn power(&mut self, context: ExpressionContext) -> Result<ExprId, Reported> {
-        let base = self.unary(context)?;
+    fn power(&mut self, nesting: usize) -> Result<ExprId, Reported> {
+        let base = self.unary(nesting)?;
         if !self.cursor.sees_mark(0, Mark::Caret) {
             return Ok(base);
         }
-        let context = self.nested(context)?;
-        self.infix(base, context, Self::power)
+        let nesting = self.nested(nesting)?;
+        self.infix(base, nesting, Self::power)
     }
 
-    fn unary(&mut self, context: ExpressionContext) -> Result<ExprId, Reported> {
+    fn unary(&mut self, nesting: usize) -> Result<ExprId, Reported> {
         if !self.cursor.sees_mark(0, Mark::Minus) {
-            return self.atom(context);
+            return self.atom(nesting);
         }
-        let context = self.nested(context)?;
+        let nesting = self.nested(nesting)?;
         let start = self.cursor.advance().span;
-        let operand = self.unary(context)?;
+        let operand = self.unary(nesting)?;
         let span = start.to(self.cursor.previous_span());
         Ok(self.add(ExprKind::Prefix(Mark::Minus, operand), span))
     }
 
-    fn atom(&mut self, context: ExpressionContext) -> Result<ExprId, Reported> {
+    fn atom(&mut self, nesting: usize) -> Result<ExprId, Reported> {
         let token = self.cursor.peek(0).clone();
         match token.kind {
             TokenKind::Number(value) => {
@@ -198,20 +187,20 @@ impl FormulaParser<'_> {
                 Ok(self.add(ExprKind::Number(value), token.span))
             }
             TokenKind::Word(word) => {
-                let context = self.nested(context)?.value();
+                let nesting = self.nested(nesting)?;
                 let callee = self.cursor.name("a value")?;
                 if word == "if" {
-                    return self.conditional(context, callee);
+                    return self.conditional(nesting, callee);
                 }
                 if self.cursor.sees_mark(0, Mark::Open) {
-                    return self.call(context, callee);
+                    return self.call(nesting, callee);
                 }
                 Ok(self.add(ExprKind::Name(word), token.span))
             }
             TokenKind::Mark(Mark::Open) => {
-                let inner = self.nested(context)?;
+                let inner = self.nested(nesting)?;
                 self.cursor.advance();
-                let expression = if context.condition { self.condition(inner)? } else { self.sum(inner)? };
+                let expression = self.condition(inner)?;
                 if self.cursor.at_end() || self.cursor.sees_mark(0, Mark::Semicolon) {
                     let diagnostic = Diagnostic::error("a `(` is not closed")
                         .at(token.span, "opened here")
@@ -219,28 +208,30 @@ impl FormulaParser<'_> {
                     return Err(self.cursor.report(diagnostic));
                 }
                 self.expect_expression_end(Mark::Close, "to close the parenthesis")?;
-                self.file.expressions[expression.0 as usize].parenthesised = true;
+                self.file.expressions[expression.0 as usize].outer = token.span.to(self.cursor.previous_span());
                 Ok(expression)
             }
             TokenKind::Mark(Mark::Less) => {
-                let inner = self.nested(context)?.value();
+                let inner = self.nested(nesting)?;
                 self.cursor.advance();
-                let x = self.sum(inner)?;
-                self.expect_component(token.span, Mark::Comma)?;
-                let y = self.sum(inner)?;
-                self.expect_component(token.span, Mark::Comma)?;
-                let z = self.sum(inner)?;
+                let mut components = vec![self.sum(inner)?];
+                if !self.cursor.sees_mark(0, Mark::Greater) {
+                    self.expect_component(token.span, Mark::Comma)?;
+                    components.push(self.sum(inner)?);
+                    self.expect_component(token.span, Mark::Comma)?;
+                    components.push(self.sum(inner)?);
+                }
                 self.expect_component(token.span, Mark::Greater)?;
                 let span = token.span.to(self.cursor.previous_span());
-                Ok(self.add(ExprKind::Vector([x, y, z]), span))
+                Ok(self.add(ExprKind::Vector(components), span))
             }
             TokenKind::Mark(Mark::Not) => {
-                let diagnostic = Diagnostic::error("`!` is outside the condition of an `if`")
-                    .at(token.span, "comparisons are not values")
-                    .help("write `if(!(a < b), then, else)`");
+                let diagnostic = Diagnostic::error("`!` is outside of parentheses")
+                    .at(token.span, "here a condition needs parentheses")
+                    .help("write `(!(a < b))`, which is 1 or 0, or `if(!(a < b), then, else)`");
                 Err(self.cursor.report(diagnostic))
             }
-            TokenKind::Mark(_) | TokenKind::Uses(..) | TokenKind::Unknown | TokenKind::End => {
+            TokenKind::Mark(_) | TokenKind::Uses(..) | TokenKind::Text(_) | TokenKind::Unknown | TokenKind::End => {
                 Err(self.cursor.expected("a value: a number, a name, `(…)` or `<x, y, z>`"))
             }
         }
@@ -269,6 +260,7 @@ impl FormulaParser<'_> {
         }
         let described = next.kind.describe();
         let hint = match &next.kind {
+            TokenKind::Word(name) if let Some(ours) = foreign::operator(name) => format!("`{name}` is written `{ours}`"),
             TokenKind::Word(name) if text.ends_with('.') => {
                 format!(
                     "a dot after digits belongs to the number; write `({}).{name}` for a dot product",
@@ -276,9 +268,12 @@ impl FormulaParser<'_> {
                 )
             }
             TokenKind::Word(name) => format!("write `{text}*{name}` for a product, or a `,` between arguments"),
-            TokenKind::Number(_) | TokenKind::Mark(_) | TokenKind::Uses(..) | TokenKind::Unknown | TokenKind::End => {
-                "write an operator, or a `,` between arguments".to_owned()
-            }
+            TokenKind::Number(_)
+            | TokenKind::Mark(_)
+            | TokenKind::Uses(..)
+            | TokenKind::Text(_)
+            | TokenKind::Unknown
+            | TokenKind::End => "write an operator, or a `,` between arguments".to_owned(),
         };
         let diagnostic = Diagnostic::error(format!("a number is directly before {described}"))
             .at(number.to(next.span), "expected an operator between the two")
@@ -287,20 +282,20 @@ impl FormulaParser<'_> {
     }
 
     /// Parses `(condition, then, else)` after `if`.
-    fn conditional(&mut self, context: ExpressionContext, callee: Name) -> Result<ExprId, Reported> {
+    fn conditional(&mut self, nesting: usize, callee: Name) -> Result<ExprId, Reported> {
         self.cursor.expect(Mark::Open, "after `if`, as in `if(a < b, then, else)`")?;
-        let condition = self.condition(context)?;
+        let condition = self.condition(nesting)?;
         self.cursor.expect(Mark::Comma, "between the condition and the value if it holds")?;
-        let then = self.sum(context)?;
+        let then = self.sum(nesting)?;
         self.cursor.expect(Mark::Comma, "between the two values of `if`")?;
-        let other = self.sum(context)?;
+        let other = self.sum(nesting)?;
         self.cursor.expect(Mark::Close, "to close `if(condition, then, else)`")?;
         let span = callee.span.to(self.cursor.previous_span());
         Ok(self.add(ExprKind::Conditional([condition, then, other]), span))
     }
 
     /// Parses `(arguments)` after a name.
-    fn call(&mut self, context: ExpressionContext, callee: Name) -> Result<ExprId, Reported> {
+    fn call(&mut self, nesting: usize, callee: Name) -> Result<ExprId, Reported> {
         let open = self.cursor.advance().span;
         let mut arguments = Vec::new();
         if self.cursor.accept(Mark::Close) {
@@ -308,7 +303,7 @@ impl FormulaParser<'_> {
             return Ok(self.add(ExprKind::Call(callee, arguments), span));
         }
         loop {
-            arguments.push(self.sum(context)?);
+            arguments.push(self.sum(nesting)?);
             if !self.cursor.accept(Mark::Comma) {
                 break;
             }

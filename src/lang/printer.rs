@@ -1,9 +1,10 @@
 //! Prints the syntax of a formula file as text, with no more parentheses than needed. Parsing the text gives the same
 //! syntax.
 
-use crate::lang::ast::{Constant, Declaration, ExprId, ExprKind, FormulaFile, Relation, Section};
+use crate::lang::ast::{Constant, Definition, ExprId, ExprKind, FormulaFile, ParameterAttributes, Relation, Section};
+use crate::lang::source::SourceSpan;
 use crate::lang::token::Mark;
-use crate::lang::types::Type;
+use crate::lang::variables::PREDEFINED_SECTION;
 use std::fmt::Write;
 
 /// How tightly an operator binds; a greater value binds more tightly.
@@ -75,7 +76,20 @@ pub fn print(file: &FormulaFile) -> String {
         match section {
             Section::Parameters(owner, declarations) => {
                 out.push_str(&format!("{};\n", owner.section()));
-                declarations.iter().for_each(|declaration| print_declaration(declaration, &mut out));
+                for declaration in declarations {
+                    out.push_str(&format!("{}: {}", declaration.name.text, declaration.ty));
+                    attributes(&declaration.attributes).iter().for_each(|attribute| out.push_str(&format!(", {attribute}")));
+                    out.push(';');
+                    print_doc(declaration.doc.as_deref(), &mut out);
+                }
+            }
+            Section::Predefined(lines) => {
+                out.push_str(PREDEFINED_SECTION);
+                out.push_str(";\n");
+                for line in lines {
+                    out.push_str(&format!("{}: {};", line.name.text, attributes(&line.attributes).join(", ")));
+                    print_doc(line.doc.as_deref(), &mut out);
+                }
             }
             Section::Invariants(lines) => {
                 out.push_str("invariants;\n");
@@ -91,34 +105,43 @@ pub fn print(file: &FormulaFile) -> String {
         }
     }
     out.push_str("formula;\n");
-    for line in &file.macros {
-        out.push_str(&format!("{} = {};", line.name.text, print_expression(file, line.body)));
-        print_doc(line.doc.as_deref(), &mut out);
+    for definition in &file.definitions {
+        out.push_str(&format!("{} = {};", head(definition), print_expression(file, definition.body)));
+        print_doc(definition.doc.as_deref(), &mut out);
     }
     if let Some(result) = file.result {
-        out.push_str(&format!("= {};\n", print_expression(file, result)));
+        // A comparison as the result needs parentheses.
+        out.push_str(&format!("= {};\n", print_bound(file, result, Binding::Sum)));
     }
     out
 }
 
-fn print_declaration(declaration: &Declaration, out: &mut String) {
-    let ty = match declaration.ty {
-        Type::Scalar | Type::Truth => "scalar",
-        Type::Vector => "vector",
-    };
-    out.push_str(&format!("{}: {ty}", declaration.name.text));
-    if let Some(([low, high], _)) = declaration.range {
-        out.push_str(&format!(", constraint {low}..{high}"));
+/// The name of a macro, or of a function with its arguments.
+pub fn head(definition: &Definition) -> String {
+    match &definition.arguments {
+        None => definition.name.text.clone(),
+        Some(arguments) => {
+            let names: Vec<&str> = arguments.iter().map(|argument| argument.text.as_str()).collect();
+            format!("{}({})", definition.name.text, names.join(", "))
+        }
     }
-    match declaration.default {
-        Some((Constant::Scalar(value), _)) => out.push_str(&format!(", default {value}")),
-        Some((Constant::Vector([x, y, z]), _)) => out.push_str(&format!(", default <{x}, {y}, {z}>")),
-        None => {}
-    }
-    out.push_str(if declaration.slider { ", slider" } else { "" });
-    out.push_str(if declaration.colour.is_some() { ", color" } else { "" });
-    out.push(';');
-    print_doc(declaration.doc.as_deref(), out);
+}
+
+/// The attributes of a parameter, each as text.
+fn attributes(attributes: &ParameterAttributes) -> Vec<String> {
+    let ParameterAttributes { range, default, slider, colour, switch, choices } = attributes;
+    let range = range.map(|([low, high], _)| format!("constraint {low}..{high}"));
+    let default = default.map(|(value, _)| match value {
+        Constant::Scalar(value) => format!("default {value}"),
+        Constant::Vector([x, y, z]) => format!("default <{x}, {y}, {z}>"),
+    });
+    let quoted = |names: &[String]| names.iter().map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", ");
+    let choices = choices.as_ref().map(|(names, _)| format!("choices {}", quoted(names)));
+    let flag = |given: Option<SourceSpan>, word: &str| given.map(|_| word.to_owned());
+    [range, default, flag(*slider, "slider"), flag(*colour, "color"), flag(*switch, "switch"), choices]
+        .into_iter()
+        .flatten()
+        .collect()
 }
 
 /// Ends a line, with what its comment says.
@@ -152,9 +175,14 @@ fn list(parts: &[ExprId], least: Binding, close: &'static str) -> Vec<Piece> {
 /// An expression as text. A list of pieces that are still to be written replaces recursion, so that sums may have any
 /// length.
 pub fn print_expression(file: &FormulaFile, root: ExprId) -> String {
+    print_bound(file, root, Binding::Or)
+}
+
+/// An expression as text, in parentheses if it binds less tightly than `least`.
+fn print_bound(file: &FormulaFile, root: ExprId, least: Binding) -> String {
     use Piece::{Expr, Text};
     let mut out = String::new();
-    let mut pieces = vec![Expr(root, Binding::Or)];
+    let mut pieces = vec![Expr(root, least)];
     while let Some(piece) = pieces.pop() {
         let (id, least) = match piece {
             Text(text) => {

@@ -1,7 +1,7 @@
 //! The reference of the formula language, as tables and as text. It is made from the tables that the program itself
 //! uses.
 
-use crate::lang::builtins::{Form, Operation};
+use crate::lang::builtins::{Form, Operation, Repetition};
 use crate::lang::printer::Binding;
 use crate::lang::token::Mark;
 use crate::lang::types::Origin;
@@ -11,6 +11,9 @@ use crate::lang::variables::{Owner, Predefined, Rate, Variable};
 const WIDTH: usize = 100;
 /// The title of the table after which the rules of grouping are printed.
 const OPERATORS: &str = "Operators, those that bind most tightly first";
+
+/// The title of the table of functions.
+const FUNCTIONS: &str = "Functions";
 
 const HEAD: &str = "\
 The formula language
@@ -23,11 +26,16 @@ A formula file has sections in any order, all of them optional, and the formula 
   light_specific;                     parameters of each light
     NAME: scalar, constraint 0..1, default 0.5, slider;
     NAME: vector, constraint 0..1, default <1, 0, 0>, color;
+    NAME: scalar, switch;             0 or 1, with a check box
+    NAME: scalar, choices \"a\", \"b\";   0, 1, ..., with a menu
+  predefined;                         other ranges, defaults and widgets for predefined parameters
+    ki: constraint 0..50, default 1, slider;
   invariants;                         sums of parameters of one section, each with the range 0..1
     NAME + NAME = 1;                  the last one is computed from the others
     NAME + NAME <= 1;
   formula;
     NAME = expression;                a macro: a name for a value, which earlier lines may use too
+    NAME(x, y) = expression;          a function of values; its types are those of each call
     = expression;                     the colour (a vector) that a hit gets from one light
 
 Comments are /* … */ and // … to the end of the line. Types: S scalar, V vector, B comparison.
@@ -64,7 +72,7 @@ pub fn tables() -> Vec<Table> {
     let variables = |rate| Variable::ALL.iter().filter(move |variable| variable.rate() == rate).map(variable).collect::<Vec<_>>();
     let mut tables = vec![
         table(OPERATORS, operators()),
-        table("Functions", functions()),
+        table(FUNCTIONS, functions()),
         table("Variables of a hit", variables(Rate::Hit)),
         table("Variables of a hit and a light", variables(Rate::Record)),
     ];
@@ -82,7 +90,12 @@ pub fn reference() -> String {
         section(&mut text, &table.title, &table.rows);
         if table.title == OPERATORS {
             text.push_str("\n  Power groups to the right, all others to the left: a-b-c is (a-b)-c, and Cd*N.L is (Cd*N).L.\n");
-            text.push_str("  Comparisons, &&, || and ! are allowed only in the condition of `if`.\n");
+            text.push_str("  Comparisons, &&, || and ! stand in the condition of `if`. In parentheses, or as a whole\n");
+            text.push_str("  macro, they give 1 or 0. A scalar as a condition holds if it is not 0.\n");
+            text.push_str("  The power works by components of vectors, too: Cd^2.2.\n");
+        }
+        if table.title == FUNCTIONS {
+            text.push_str("\n  Functions of scalars work by components, too, if operands are vectors: clamp(Cd, 0, 1).\n");
         }
     }
     text
@@ -93,7 +106,7 @@ fn operators() -> Vec<Row> {
         Form::Prefix(Mark::Not) => Some(Binding::Not),
         Form::Prefix(_) => Some(Binding::Unary),
         Form::Infix(mark) => Some(Binding::of_infix(mark)),
-        Form::Function(_) | Form::Constant(_) | Form::Vector | Form::Conditional => None,
+        Form::UnitDot | Form::Function(_) | Form::Constant(_) | Form::Vector | Form::Conditional => None,
     };
     let mut operators: Vec<(Binding, &Operation)> =
         Operation::ALL.iter().filter_map(|operation| Some((binding(&operation)?, operation))).collect();
@@ -105,9 +118,18 @@ fn operators() -> Vec<Row> {
 fn functions() -> Vec<Row> {
     let is_function = |operation: &&Operation| match operation.form() {
         Form::Function(_) | Form::Constant(_) | Form::Vector | Form::Conditional => true,
-        Form::Prefix(_) | Form::Infix(_) => false,
+        // It is in the table of operators, as the dot product.
+        Form::Prefix(_) | Form::Infix(_) | Form::UnitDot => false,
     };
-    Operation::ALL.iter().filter(is_function).map(|operation| row(*operation)).collect()
+    let repetition = |repetition: Repetition| Row {
+        name: repetition.name(),
+        form: repetition.usage(),
+        types: "S→S, V→V".to_owned(),
+        origin: Origin::Added,
+        doc: repetition.doc().to_owned(),
+    };
+    let functions = Operation::ALL.iter().filter(is_function).map(|operation| row(*operation));
+    functions.chain(Repetition::ALL.map(repetition)).collect()
 }
 
 fn row(operation: Operation) -> Row {
@@ -115,6 +137,7 @@ fn row(operation: Operation) -> Row {
     let form = match operation.form() {
         Form::Prefix(mark) => format!("{}{}", mark.spelling(), names.join("")),
         Form::Infix(mark) => names.join(&format!(" {} ", mark.spelling())),
+        Form::UnitDot => names.join(&format!(" {} ", Mark::Dot.spelling())),
         Form::Function(name) => format!("{name}({})", names.join(", ")),
         Form::Constant(name) => name.to_owned(),
         Form::Vector => format!("<{}>", names.join(", ")),

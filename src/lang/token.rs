@@ -22,6 +22,8 @@ pub enum TokenKind {
     Word(String),
     /// `#uses` with the raw text up to the `;`, trimmed, and the place of that text. The `;` is part of the token.
     Uses(String, SourceSpan),
+    /// A text in quotation marks, without them.
+    Text(String),
     /// Punctuation.
     Mark(Mark),
     /// Characters that are no word; the lexer has reported them.
@@ -37,6 +39,7 @@ impl TokenKind {
             TokenKind::Number(value) => format!("the number {value}"),
             TokenKind::Word(word) => format!("`{word}`"),
             TokenKind::Uses(..) => "`#uses`".to_owned(),
+            TokenKind::Text(text) => format!("the text \"{text}\""),
             TokenKind::Mark(mark) => format!("`{}`", mark.spelling()),
             TokenKind::Unknown => "something that is not part of the language".to_owned(),
             TokenKind::End => "the end of the file".to_owned(),

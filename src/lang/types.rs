@@ -9,7 +9,7 @@ pub enum Type {
     Scalar,
     /// Three numbers: a direction, a point, a colour.
     Vector,
-    /// The result of a comparison; only the condition of `if` has this type.
+    /// The result of a comparison: a condition. Where a number is needed, it is 0 or 1.
     Truth,
 }
 

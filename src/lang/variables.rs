@@ -10,8 +10,17 @@ use crate::lang::types::{Origin, Type};
 pub enum Rate {
     /// One value for each hit, the same for all lights.
     Hit,
-    /// One value for each pair of a hit and a light that reaches it.
+    /// One value for each pair of a hit and a light for which the formula is evaluated there.
     Record,
+}
+
+/// The lights for which a formula is evaluated at a hit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum EvaluatedLights {
+    /// Those that reach it: nothing lies between, and the surface faces the light.
+    Reaching,
+    /// All. The formula reads [`visible`](Variable::Visible), so it decides itself what a light adds.
+    All,
 }
 
 macro_rules! variables {
@@ -73,6 +82,25 @@ variables! {
     Tangent "T" Vector Hit Added "tangent: along the first edge of a rectangle, along the parallels of a sphere";
     Bitangent "B" Vector Hit Added "second tangent, N x T";
     Distance "dist" Scalar Record Added "distance from the hit to the light, world units";
+    Visible "visible" Scalar Record Added "1 if no body lies between the hit and the light, else 0; a formula that reads it is evaluated at every light";
+}
+
+impl Variable {
+    /// Whether it is a direction of unit length.
+    pub fn is_direction(self) -> bool {
+        match self {
+            Variable::Normal
+            | Variable::ToLight
+            | Variable::ToViewer
+            | Variable::Mirrored
+            | Variable::Halfway
+            | Variable::Tangent
+            | Variable::Bitangent => true,
+            Variable::Alpha | Variable::Beta | Variable::Gamma | Variable::Point | Variable::Distance | Variable::Visible => {
+                false
+            }
+        }
+    }
 }
 
 /// What a parameter belongs to (thesis 4.2.4).
@@ -175,3 +203,6 @@ impl Predefined {
 /// Words that cannot be names, in either language: the heads of sections.
 pub const RESERVED: [&str; 8] =
     ["global", "body_specific", "light_specific", "invariants", "formula", "bodies", "lights", "camera"];
+
+/// The head of the section for predefined parameters. It may name things, because old formulas may use it.
+pub const PREDEFINED_SECTION: &str = "predefined";

@@ -10,7 +10,7 @@ pub const STREAMS: usize = 3;
 pub enum Domain {
     /// Hits.
     Hits,
-    /// Lit records: pairs of a hit and a light that reaches it.
+    /// Lit records: pairs of a hit and a light that the formula is evaluated for.
     LitRecords,
     /// Pairs of a body and a light. Their number does not depend on the size of the picture.
     Pairs,

@@ -36,6 +36,7 @@ mod saving;
 mod scene_actions;
 mod scene_menu;
 mod scene_text;
+mod session_mistakes;
 mod settings_dialog;
 mod status;
 mod steps;
@@ -52,19 +53,21 @@ pub use action::Action;
 pub use scene_actions::SceneAction;
 
 use crate::backends::BackendChoice;
+use crate::evaluate::review::PictureFinding;
 use crate::files::Readable;
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::source::SourceSpan;
 use crate::preview::editor::{Document, Editor, Palette, problems_ui, reference_ui};
 use crate::preview::renderer::Event;
-use crate::preview::workshop::{OpenedSession, Workshop};
+use crate::preview::workshop::{OpenedSession, OpeningErrors, Workshop};
 use crate::preview::{FrameTimes, PictureView, WindowApp};
 use crate::user_data::desktop_theme::desktop_is_dark;
 use crate::user_data::folders::Folders;
 use crate::user_data::settings::{PanelSide, WindowSettings};
+use crate::workspace::FileKind;
 use crate::workspace::Location;
-use crate::workspace::project::Project;
-use crate::workspace::{FileKind, presets::DEFAULT_SESSION};
+use crate::workspace::presets::DEFAULT_SESSION;
+use crate::workspace::project::SessionMistakes;
 use confirmation::Confirmation;
 use dialogs::Dialogs;
 use egui::{CentralPanel, Context, Frame, Id, Panel, Ui};
@@ -109,6 +112,10 @@ pub struct App {
     /// The file of the session, if there is one.
     session: Option<Location>,
     saved: SavedSession,
+    /// What is wrong with the texts of the open session.
+    mistakes: SessionMistakes,
+    /// What is remarkable about the picture at rest.
+    finding: Option<PictureFinding>,
     parameters: ParameterPanel,
     pane: PicturePane,
     hand: Hand,
@@ -155,11 +162,12 @@ struct Panels {
 }
 
 impl App {
-    /// Opens a session; without one, the startup session of the settings. `folders` holds what is kept between runs.
+    /// Opens a session; without one, the startup session of the settings. `folders` holds what is kept between runs. A
+    /// session whose formula or scene has mistakes is opened as far as it can be used.
     ///
     /// # Errors
-    /// The session or its files have errors: they are the text, with the places marked. Or no thread can be started.
-    pub fn new(session: Option<&Location>, folders: Option<&Folders>) -> Result<Self, String> {
+    /// The session itself cannot be read, or does not say what it is of. Or no thread can be started.
+    pub fn new(session: Option<&Location>, folders: Option<&Folders>) -> Result<Self, OpeningErrors> {
         let (user_state, mut notices) = UserState::open(folders);
         let startup = &user_state.settings.startup;
         let (location, opened) = match session {
@@ -169,7 +177,7 @@ impl App {
                 // The window must open even if the startup session is gone.
                 Err(errors) => {
                     let title = format!("The startup session {startup} was not opened; this is the built-in one");
-                    notices.push(Notice::warning(Topic::Startup, title, errors));
+                    notices.push(Notice::warning(Topic::Startup, title, errors.to_string()));
                     let built_in = Location::Preset(DEFAULT_SESSION.to_owned());
                     let opened = OpenedSession::open(&built_in, Readable::Regular)?;
                     (built_in, opened)
@@ -177,9 +185,8 @@ impl App {
             },
         };
         let context: Arc<OnceLock<Context>> = Arc::default();
-        let workshop = Workshop::new(&opened.project, waker(&context))
-            .map_err(|error: io::Error| format!("cannot start a thread: {error}"))?;
-        let documents = documents(&opened.project);
+        let workshop = Workshop::new(&opened.project, waker(&context)).map_err(no_thread)?;
+        let documents = session_mistakes::documents(&opened);
         let saved = SavedSession::of(&workshop, &documents);
         let mut app = Self {
             workshop,
@@ -188,6 +195,8 @@ impl App {
             tab: TextTab::Formula,
             session: Some(location),
             saved,
+            mistakes: SessionMistakes::default(),
+            finding: None,
             parameters: ParameterPanel::default(),
             pane: PicturePane::default(),
             hand: Hand::default(),
@@ -222,6 +231,7 @@ impl App {
         if let Some(location) = app.session.clone() {
             app.notify_of_session(&location, &opened.warnings);
         }
+        app.note_mistakes(opened.mistakes);
         if app.user_state.has_important_drafts() {
             app.dialogs.offer_drafts(app.user_state.draft_names());
         }
@@ -286,6 +296,7 @@ impl App {
         self.user_state.settings.window.panels = sizes;
         CentralPanel::default().frame(Frame::NONE).show(ui, |ui| {
             Panel::bottom("view controls").show(ui, |ui| view_controls::bar(self, ui, &mut actions));
+            self.pane.note = self.note_on_picture();
             if let Some(owner) = self.pane.ui(ui, &mut self.workshop, self.scale) {
                 self.parameters.select(owner);
             }
@@ -318,11 +329,21 @@ impl App {
     fn take_news(&mut self) {
         let events: Vec<_> = self.workshop.renderer().events().collect();
         for event in events {
-            self.log.record(&event, &self.workshop);
+            // Without a scene, the window says already why there is no picture.
+            if !matches!(event, Event::Reviewed(_)) || !self.workshop.stands_in(FileKind::Scene) {
+                self.log.record(&event, &self.workshop);
+            }
             match event {
                 Event::Failed(message) => self.notify(Notice::error(Topic::Picture, "There is no picture", message)),
-                Event::Frame { .. } | Event::Moved { .. } => {
+                Event::Reviewed(finding) => self.finding = finding,
+                Event::Frame { method, .. } => {
                     self.notices.clear(Topic::Picture);
+                    // Pictures of a held slider are not reviewed.
+                    self.finding = self.finding.take().filter(|_| method.is_none());
+                }
+                Event::Moved { .. } => {
+                    self.notices.clear(Topic::Picture);
+                    self.finding = None;
                 }
                 Event::Compiled(_) | Event::Traced { .. } | Event::Ready { .. } | Event::Undefined(..) => {}
             }
@@ -472,13 +493,8 @@ fn waker(context: &Arc<OnceLock<Context>>) -> impl Fn() + Send + Sync + use<> {
     }
 }
 
-/// The texts of an open session.
-fn documents(project: &Project) -> PerTab<Document> {
-    let mut formula = Document::opened(FileKind::Formula, project.formula_location.clone(), project.formula_text.text());
-    let mut scene = Document::opened(FileKind::Scene, project.scene_location.clone(), project.scene_text.text());
-    formula.note_applied(true);
-    scene.note_applied(true);
-    PerTab { formula, scene }
+fn no_thread(error: io::Error) -> OpeningErrors {
+    OpeningErrors::from(Diagnostic::error(format!("cannot start a thread: {}", crate::files::reason(&error))))
 }
 
 impl WindowApp for App {

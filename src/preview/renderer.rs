@@ -10,6 +10,7 @@ mod pace;
 mod tracing;
 
 use crate::engine::{Engine, Subject};
+use crate::evaluate::review::PictureFinding;
 use crate::picture::{Frame, ViewTransform};
 use crate::plan::Method;
 use crate::trace::{Counts, Hits, View};
@@ -105,6 +106,8 @@ pub enum Event {
     /// The number of pixels with a component that is NaN, of a picture without a held slider, and the first of them in
     /// the picture in full size. The picture shows such components as 0.
     Undefined(usize, Option<[u32; 2]>),
+    /// What is remarkable about a picture at rest that has all its pixels; `None` if nothing is.
+    Reviewed(Option<PictureFinding>),
     /// There is no picture. The text says why.
     Failed(String),
 }
@@ -178,7 +181,7 @@ impl RendererState {
                 Some(Event::Moved { time: tracing + time, size: [hits.view.width(), hits.view.height()] })
             }
             // The picture of the scene at rest will say it.
-            (Event::Undefined(..), Some(_)) => None,
+            (Event::Undefined(..) | Event::Reviewed(_), Some(_)) => None,
             (event, _) => Some(event),
         }
     }
@@ -377,6 +380,10 @@ fn draw_forever(shared: &Arc<RendererState>, events: &Sender<Event>) {
                 }
             }
             Err(error) => tell(Event::Failed(error.to_string())),
+        }
+        // After the picture, because this may take longer than a frame.
+        if let Some(finding) = worker.review(&request, &hits, &numbers) {
+            tell(Event::Reviewed(finding));
         }
         drawn = Some((stamp, hits));
         (shared.wake)();

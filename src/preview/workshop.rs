@@ -10,6 +10,7 @@ mod history;
 mod moving;
 mod opening;
 mod snapshots;
+mod stand_ins;
 mod thumbnail;
 mod view_change;
 
@@ -30,8 +31,9 @@ use departed::DepartedValues;
 pub use export::PictureExport;
 use history::{CurrentState, HistoryEntry, PastValues, ValueHistory, changed, changed_in_view};
 use moving::MovingScene;
-pub use opening::OpenedSession;
+pub use opening::{OpenedSession, OpeningErrors};
 pub use snapshots::Snapshot;
+use stand_ins::StandIns;
 use std::io;
 use std::path::Path;
 use std::sync::Arc;
@@ -64,6 +66,7 @@ pub struct Workshop {
     /// The scene that is moved by hand, as it was before.
     moving: Option<MovingScene>,
     departed: DepartedValues,
+    stand_ins: StandIns,
 }
 
 impl Workshop {
@@ -90,6 +93,7 @@ impl Workshop {
             snapshots: [None, None],
             moving: None,
             departed: DepartedValues::default(),
+            stand_ins: StandIns::default(),
         };
         workshop.request_picture();
         Ok(workshop)
@@ -104,6 +108,7 @@ impl Workshop {
         self.history = ValueHistory::default();
         self.snapshots = [None, None];
         self.departed = DepartedValues::default();
+        self.stand_ins = StandIns::default();
         self.request_picture();
     }
 
@@ -114,6 +119,7 @@ impl Workshop {
         self.picture = if view(&picture).is_ok() { picture } else { self.picture };
         self.history = ValueHistory::default();
         self.snapshots = [None, None];
+        self.stand_ins.forget_values();
         self.request_picture();
     }
 
@@ -238,13 +244,16 @@ impl Workshop {
         self.shown.values == self.requested && self.shown.is_full()
     }
 
-    /// Applies a formula. Values are kept by owner and name. Returns the warnings.
+    /// Applies a formula. Values are kept by owner and name, also of parameters that an earlier formula of this session
+    /// had. Returns the warnings.
     ///
     /// # Errors
     /// The errors of the text. Nothing is changed then.
     pub fn apply_formula(&mut self, source: &Source) -> Result<Diagnostics, Diagnostics> {
         let (formula, warnings) = Formula::parse(source)?;
-        let (values, _) = self.values.carry_over(&formula, self.scene());
+        let (mut values, _) = self.values.carry_over(&formula, self.scene());
+        self.stand_ins.note_gone(&self.values, &values);
+        self.stand_ins.place(&mut values);
         self.formula = Arc::new(formula);
         self.replace_values(values);
         Ok(warnings)
@@ -261,6 +270,7 @@ impl Workshop {
         self.departed.note(&self.values, &values);
         let back = self.departed.of_new(&self.values, &values);
         values.assign(&back);
+        self.stand_ins.place(&mut values);
         self.world = Arc::new(World::new(scene));
         self.replace_values(values);
         Ok(warnings)
@@ -420,9 +430,10 @@ impl Workshop {
         }
     }
 
-    /// The open session, with the locations of its texts.
+    /// The open session, with the locations of its texts. Values that wait for one of them are in it.
     pub fn session(&self, formula: Location, scene: Location) -> Session {
-        Session { formula, scene, picture: self.picture, values: Session::name_values(&self.values) }
+        let values = Session::name_values(&self.values).into_iter().chain(self.waiting_values().iter().cloned()).collect();
+        Session { formula, scene, picture: self.picture, values }
     }
 
     /// Saves the session.

@@ -1,9 +1,12 @@
 //! How much memory a picture may take: what is allowed, what is estimated before tracing, and what is counted
 //! meanwhile.
 
+use crate::lang::variables::EvaluatedLights;
+use crate::trace::all_lights::needs_second_store;
 use crate::trace::tracer::Tracer;
+use crate::trace::visibility::VisibilityTable;
 use crate::trace::walk::{RayEnd, trace_pixel};
-use crate::trace::{Shortage, TraceError, View};
+use crate::trace::{Hits, Shortage, TraceError, View};
 use crate::world::World;
 use rayon::prelude::*;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -16,7 +19,7 @@ const MIN_SAMPLES: u32 = 512;
 const MAX_SAMPLES: u32 = 20_000;
 /// What the store is estimated to take for a hit or a miss, in bytes: at most six for its pixel, the rest for its share
 /// of paths and spans. Large scenes stay below it.
-const STORE_BYTES_PER_HIT: u64 = 8;
+pub(super) const STORE_BYTES_PER_HIT: u64 = 8;
 
 /// The memory that a picture may take, and what its evaluation will add to the store of hits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -29,7 +32,7 @@ pub struct Budget {
     pub threads: u64,
     /// What each thread will take at most, in bytes.
     pub bytes_per_thread: u64,
-    /// What will be kept for each record (a pair of a hit and an emitter that reaches it), in bytes.
+    /// What will be kept for each record (a pair of a hit and an emitter for which the formula is evaluated), in bytes.
     pub bytes_per_record: u64,
     /// What will be kept for each hit besides, in bytes.
     pub bytes_per_hit: u64,
@@ -59,6 +62,23 @@ impl Budget {
     /// [`TraceError::Memory`] where it exceeds the budget.
     pub fn check(&self, view: &View) -> Result<(), TraceError> {
         self.check_bytes(self.pixels(view.pixels()), view)
+    }
+
+    /// Checks the evaluation of a formula for these lights on hits that are traced already.
+    ///
+    /// # Errors
+    /// [`TraceError::Memory`] where it exceeds the budget.
+    pub fn check_hits(&self, hits: &Hits, lights: EvaluatedLights) -> Result<(), TraceError> {
+        let counts = hits.counts();
+        let found = Estimate {
+            pixels: hits.view.pixels(),
+            hits: counts.hits,
+            records: counts.records,
+            misses: counts.misses,
+            second_store: 0,
+        };
+        let needed = found.with_lights(lights, &hits.world, &hits.view).bytes(self);
+        self.check_bytes(needed, &hits.view)
     }
 
     /// Checks what does not depend on the pixels: values of pairs, and threads.
@@ -93,20 +113,23 @@ impl Budget {
 pub struct Estimate {
     /// Hits.
     pub hits: u64,
-    /// Records: pairs of a hit and an emitter that reaches it.
+    /// Records: pairs of a hit and an emitter for which the formula is evaluated.
     pub records: u64,
     /// Rays that leave the scene.
     pub misses: u64,
     /// Pixels of the picture.
     pub pixels: u32,
+    /// The bytes of a second store of the hits, for formulas that are evaluated for all lights.
+    pub second_store: u64,
 }
 
 impl Estimate {
-    /// Estimates the tracing of `world` under `view`. The sample is the same every time and for any number of threads.
+    /// Estimates the tracing of `world` under `view` for formulas that are evaluated for these lights. The sample is the
+    /// same every time and for any number of threads.
     ///
     /// # Errors
     /// [`TraceError::Cancelled`] once `cancelled` is set.
-    pub fn new(world: &World, view: &View, cancelled: &AtomicBool) -> Result<Self, TraceError> {
+    pub fn new(world: &World, view: &View, lights: EvaluatedLights, cancelled: &AtomicBool) -> Result<Self, TraceError> {
         let tracer = Tracer::new(world, view);
         let pixels = view.pixels();
         let samples = (pixels / PIXELS_PER_SAMPLE).clamp(MIN_SAMPLES, MAX_SAMPLES).min(pixels);
@@ -127,13 +150,27 @@ impl Estimate {
             .try_reduce(|| [0; 3], |a, b| Ok(add(a, b)))?;
         let scale = |count: u64| count.saturating_mul(u64::from(pixels)).div_ceil(u64::from(samples));
         let [hits, records, misses] = sampled.map(scale);
-        Ok(Self { hits, records, misses, pixels })
+        Ok(Self { hits, records, misses, pixels, second_store: 0 }.with_lights(lights, world, view))
+    }
+
+    /// The same hits for formulas that are evaluated for these lights. So far the records are those of the emitters
+    /// that reach the hits.
+    fn with_lights(self, lights: EvaluatedLights, world: &World, view: &View) -> Self {
+        if !needs_second_store(world, view, lights) {
+            return self;
+        }
+        let emitters = world.emitter_ids().count() as u64;
+        let rays = self.hits.saturating_add(self.misses);
+        let table = VisibilityTable::bytes_for(self.hits, emitters);
+        let second_store = rays.saturating_mul(STORE_BYTES_PER_HIT).saturating_add(table);
+        Self { records: self.hits.saturating_mul(emitters), second_store, ..self }
     }
 
     /// The bytes that the store will take, with what `budget` adds to it.
     pub fn bytes(&self, budget: &Budget) -> u64 {
         let store = (self.hits.saturating_add(self.misses)).saturating_mul(STORE_BYTES_PER_HIT);
-        store.saturating_add(budget.columns(self.hits, self.records)).saturating_add(budget.pixels(self.pixels))
+        let stores = store.saturating_add(self.second_store);
+        stores.saturating_add(budget.columns(self.hits, self.records)).saturating_add(budget.pixels(self.pixels))
     }
 }
 

@@ -97,23 +97,30 @@ impl TileBuilder {
         let mut sets: Vec<(Vec<EmitterId>, u32)> = self.emitter_sets.into_iter().collect();
         sets.sort_unstable_by_key(|(_, set)| *set);
         let (lists, copies) = hit_lists(self.hits, &sets, &self.paths);
-        let (mut all, mut spans) = (Pixels::default(), Vec::new());
-        let groups = lists.chunk_by(|a, b| a.group() == b.group()).map(|lists| group(lists, &mut all, &mut spans)).collect();
+        let (groups, spans, segments) = grouped(&lists);
         let mut missed: Vec<(PathId, Vec<u16>)> = self.misses.into_iter().collect();
         missed.sort_unstable_by_key(|(path, _)| *path);
         let mut all_missed = Pixels::default();
         let misses = missed.iter().map(|(path, pixels)| all_missed.span(*path, pixels, 0)).collect();
-        let (mut segments, mut miss_segments) = (all.segments, all_missed.segments);
+        let mut miss_segments = all_missed.segments;
         let (mut paths, mut regions, mut path_sets) = (self.paths, self.regions, self.path_sets);
         paths.shrink_to_fit();
-        spans.shrink_to_fit();
-        segments.shrink_to_fit();
         miss_segments.shrink_to_fit();
         regions.shrink_to_fit();
         path_sets.paths.shrink_to_fit();
         path_sets.ends.shrink_to_fit();
-        Tile { pixels, paths, groups, copies, spans, segments, misses, miss_segments, regions, path_sets }
+        Tile { pixels, paths, groups, copies, spans, segments, misses, miss_segments, regions, path_sets, visibility: None }
     }
+}
+
+/// The groups of these lists, which are in the order of what groups and spans share, with their spans and segments.
+pub(super) fn grouped(lists: &[HitList]) -> (Vec<Group>, Vec<Span>, Vec<Segment>) {
+    let (mut all, mut spans) = (Pixels::default(), Vec::new());
+    let groups = lists.chunk_by(|a, b| a.group() == b.group()).map(|lists| group(lists, &mut all, &mut spans)).collect();
+    let mut segments = all.segments;
+    spans.shrink_to_fit();
+    segments.shrink_to_fit();
+    (groups, spans, segments)
 }
 
 /// The group of these lists, which share body and emitters, behind the hits and spans so far. There is at least one
@@ -141,12 +148,13 @@ fn group(lists: &[HitList], all: &mut Pixels, spans: &mut Vec<Span>) -> Group {
 
 /// The hits of one path on a body that one emitter set reaches; or scattered ones that one emitter reaches, among
 /// others.
-struct HitList {
-    body: BodyId,
-    emitters: SmallVec<[EmitterId; 6]>,
-    scattered: bool,
-    path: PathId,
-    pixels: Vec<u16>,
+pub(super) struct HitList {
+    pub(super) body: BodyId,
+    pub(super) emitters: SmallVec<[EmitterId; 6]>,
+    pub(super) scattered: bool,
+    pub(super) path: PathId,
+    /// In order.
+    pub(super) pixels: Vec<u16>,
 }
 
 impl HitList {

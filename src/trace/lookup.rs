@@ -18,7 +18,8 @@ impl HitVariables {
             | Variable::Alpha
             | Variable::Beta
             | Variable::Halfway
-            | Variable::Distance => return None,
+            | Variable::Distance
+            | Variable::Visible => return None,
         })
     }
 }
@@ -33,6 +34,7 @@ pub fn variable(variable: Variable, hit: &HitVariables, light: &LightVariables) 
         Variable::Beta => [light.beta; 3],
         Variable::Halfway => light.half.to_array(),
         Variable::Distance => [light.distance; 3],
+        Variable::Visible => [light.visible; 3],
         Variable::Normal | Variable::ToViewer | Variable::Gamma | Variable::Point | Variable::Tangent | Variable::Bitangent => {
             hit.value(variable).unwrap_or_default()
         }

@@ -5,11 +5,12 @@
 //!
 //! ```text
 //! world + view ──▶ walk: rays step by step ──▶ builder ──▶ store: Hits ──▶ replay: surfaces ──▶ variables
-//!                     └ tracer: one ray
+//!                     └ tracer: one ray                                 └ all_lights: Hits for formulas with `visible`
 //! ```
 //!
 //! Intersections are computed by the [world](crate::world). Colours are not known here.
 
+mod all_lights;
 mod budget;
 mod builder;
 mod lookup;
@@ -22,6 +23,7 @@ mod tests;
 mod tracer;
 mod variables;
 mod view;
+mod visibility;
 mod walk;
 
 pub use budget::{Budget, Estimate};
@@ -30,12 +32,15 @@ pub use memory::usable_memory;
 pub use replay::{Mismatch, replay, replay_misses};
 pub use segment::{CHUNK_HITS, CHUNK_LINES, LINE_HITS, ROUND_LINES, Segment, TILE_PIXELS, tile_pixels};
 pub use store::{Counts, Group, Hits, Path, PathId, PathSets, Region, Span, Tile};
-pub use tracer::Tracer;
+pub use tracer::{NodeLight, Tracer};
 pub use variables::{HitVariables, LightVariables};
 pub use view::{MAX_DEPTH, MAX_SIDE, View, ViewError};
+pub use visibility::VisibilityTable;
 pub use walk::{Child, Edge, RayNode, Tree, ray_tree};
 
+use crate::lang::variables::EvaluatedLights;
 use crate::world::World;
+use all_lights::{all_lights_tile, needs_second_store};
 use budget::MemoryMeter;
 use builder::{BYTES_PER_ENTRY, TileBuilder};
 use rayon::prelude::*;
@@ -124,20 +129,23 @@ impl std::fmt::Display for MemorySize {
     }
 }
 
-/// Traces `world` under `view`, on all threads of the current rayon pool; the result does not depend on their number.
+/// Traces `world` under `view` for formulas that are evaluated for these lights, on all threads of the current rayon
+/// pool; the result does not depend on their number.
 ///
 /// `progress` receives the share that is done, 0..=1, from time to time, on any thread. Setting `cancelled` ends the
 /// work soon.
 ///
 /// ```
-/// # use illuminator::{lang::source::Source, scene::Scene, trace::{Budget, View, trace}, world::World};
+/// # use illuminator::lang::{source::Source, variables::EvaluatedLights};
+/// # use illuminator::{scene::Scene, trace::{Budget, View, trace}, world::World};
 /// # use std::sync::{Arc, atomic::AtomicBool};
 /// let text = "bodies; ball: sphere, center <0, 0, -5>, radius 1; lights; key: point, <3, 4, 0>;
 ///             camera; position <0, 0, 0>; gaze <0, 0, -1>; up <0, 1, 0>; fov 45;";
 /// let (scene, _) = Scene::parse(&Source::new("ball", text)).map_err(|errors| errors.len()).unwrap();
 /// let world = Arc::new(World::new(scene));
 /// let view = View::new(64, 48)?;
-/// let hits = trace(&world, &view, &Budget::UNLIMITED, &|_| {}, &AtomicBool::new(false))?;
+/// let lights = EvaluatedLights::Reaching;
+/// let hits = trace(&world, &view, lights, &Budget::UNLIMITED, &|_| {}, &AtomicBool::new(false))?;
 /// assert!(hits.counts().hits > 0);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -148,14 +156,16 @@ impl std::fmt::Display for MemorySize {
 pub fn trace(
     world: &Arc<World>,
     view: &View,
+    lights: EvaluatedLights,
     budget: &Budget,
     progress: &(dyn Fn(f64) + Sync),
     cancelled: &AtomicBool,
 ) -> Result<Hits, TraceError> {
     // What the pixels take is refused with all that their hits take: the estimate tells how much that is.
     budget.check_fixed(view)?;
-    let meter = MemoryMeter::start(budget, Estimate::new(world, view, cancelled)?)?;
+    let meter = MemoryMeter::start(budget, Estimate::new(world, view, lights, cancelled)?)?;
     let tracer = Tracer::new(world, view);
+    let second_store = needs_second_store(world, view, lights);
     let pixels = view.pixels();
     let done = AtomicU32::new(0);
     let advance = |traced: u32| -> Result<(), TraceError> {
@@ -168,10 +178,15 @@ pub fn trace(
         .into_par_iter()
         .map(|tile| {
             let start = tile * of_tile;
-            trace_tile(&tracer, start..(start + of_tile).min(pixels), &meter, &advance)
+            trace_tile(&tracer, start..(start + of_tile).min(pixels), second_store, &meter, &advance)
         })
-        .collect::<Result<_, _>>()?;
-    Ok(Hits { world: Arc::clone(world), view: *view, tiles })
+        .collect::<Result<Vec<_>, _>>()?;
+    let (tiles, second): (Vec<Tile>, Vec<Option<Tile>>) = tiles.into_iter().unzip();
+    let mut hits = Hits::new(world, *view, tiles);
+    if let Some(second) = second.into_iter().collect() {
+        hits.keep_all_lights(second);
+    }
+    Ok(hits)
 }
 
 /// The number of calls of compiled code for a tile: for each chunk of a group one for each of its lights, and one that
@@ -181,12 +196,15 @@ fn calls_of(tile: &Tile) -> u64 {
     tile.groups.iter().filter(|group| !group.emitters.is_empty()).map(of_group).sum::<usize>() as u64
 }
 
+/// Traces a tile. With a second store, it is also given for formulas that are evaluated for all lights.
 fn trace_tile(
     tracer: &Tracer,
     pixels: Range<u32>,
+    second_store: bool,
     meter: &MemoryMeter,
     advance: &(dyn Fn(u32) -> Result<(), TraceError> + Sync),
-) -> Result<Tile, TraceError> {
+) -> Result<(Tile, Option<Tile>), TraceError> {
+    let all_emitters = tracer.world().emitter_ids().count() as u64;
     let mut builder = TileBuilder::default();
     let (mut stack, mut emitters) = (Vec::new(), Vec::new());
     let mut entries = 0;
@@ -218,10 +236,24 @@ fn trace_tile(
         // The tables are counted in full although little of them remains when the tile is finished: the sum must not
         // depend on which tiles are being traced at the same time.
         let grown = builder.entries() - std::mem::replace(&mut entries, builder.entries());
-        meter.add(hits, records, (hits + misses) * size_of::<Segment>() as u64 + grown * BYTES_PER_ENTRY)?;
+        let store = (hits + misses) * size_of::<Segment>() as u64 + grown * BYTES_PER_ENTRY;
+        if second_store {
+            let second = (hits + misses) * size_of::<Segment>() as u64 + VisibilityTable::bytes_for(hits, all_emitters);
+            meter.add(hits, hits * all_emitters, store + second)?;
+        } else {
+            meter.add(hits, records, store)?;
+        }
         advance(batch.end - batch.start)?;
     }
     let tile = builder.tile(pixels);
+    // The hits of the tile exist. If they did not, those who need the second store would try again, and fail.
+    let second = if second_store { all_lights_tile(tracer, &tile).ok() } else { None };
+    add_evaluated(second.as_ref().unwrap_or(&tile), meter)?;
+    Ok((tile, second))
+}
+
+/// Counts the memory for the evaluation of a tile beyond that for each hit and record.
+fn add_evaluated(tile: &Tile, meter: &MemoryMeter) -> Result<(), TraceError> {
     // What is kept of lit hits is kept in whole lines, and once for each group that a hit is in.
     let lit = tile.groups.iter().filter(|group| !group.emitters.is_empty());
     let beyond = lit.map(|group| {
@@ -231,6 +263,5 @@ fn trace_tile(
     let [hits, records] = beyond.fold([0, 0], |sum, beyond| [sum[0] + beyond[0], sum[1] + beyond[1]]);
     let copies = u64::from(tile.copies);
     meter.add(hits + copies, records, copies * size_of::<Segment>() as u64)?;
-    meter.add_calls(calls_of(&tile))?;
-    Ok(tile)
+    meter.add_calls(calls_of(tile))
 }

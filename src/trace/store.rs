@@ -15,14 +15,16 @@
 //! neighbouring pixels mostly go the same way, so the pixels of a span are stored as [`Segment`]s: what is computed for
 //! the hits of a segment, side by side, is added to neighbouring pixels at once.
 
+use crate::lang::variables::EvaluatedLights;
 use crate::scene::BodyId;
 use crate::trace::View;
 use crate::trace::segment::{Segment, TILE_PIXELS};
+use crate::trace::visibility::VisibilityTable;
 use crate::trace::walk::Edge;
 use crate::world::{EmitterId, World};
 use smallvec::SmallVec;
 use std::ops::{Add, Range};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// A path, by its index in the list of its tile.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -61,6 +63,8 @@ pub struct Span {
 
 /// The hits of a tile on one body that exactly these emitters reach. Where many lights cast many shadows, few hits
 /// share their emitters. Such hits are *scattered*: they are in one group for each of their emitters.
+///
+/// In the hits for all lights, a group is all hits on a body, and has all emitters, whether they reach the hits or not.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Group {
     /// The body.
@@ -138,6 +142,8 @@ pub struct Tile {
     pub regions: Vec<Region>,
     /// The sets of paths that regions refer to.
     pub path_sets: PathSets,
+    /// Which emitters are visible from which hits; only where groups have emitters that do not reach their hits.
+    pub visibility: Option<VisibilityTable>,
 }
 
 impl Tile {
@@ -164,6 +170,23 @@ impl Tile {
     /// If the span is another tile's and reaches beyond the hits of this one.
     pub fn segments_of(&self, span: &Span) -> &[Segment] {
         &self.segments[span.segments.start as usize..span.segments.end as usize]
+    }
+
+    /// The pixels of the hits of a span, counted from the tile's first, in the order of the hits.
+    ///
+    /// # Panics
+    /// If the span is another tile's and reaches beyond the hits of this one.
+    pub fn pixels_of(&self, span: &Span) -> impl Iterator<Item = usize> {
+        self.segments_of(span).iter().flat_map(|segment| segment.pixels())
+    }
+
+    /// Whether no body lies between a hit and an emitter of its group. `hit` is its number in the tile.
+    ///
+    /// # Panics
+    /// If the tile has fewer hits.
+    pub fn is_visible(&self, hit: u32, emitter: EmitterId) -> bool {
+        // An emitter that reaches a hit is visible.
+        self.visibility.as_ref().is_none_or(|table| table.get(hit, emitter))
     }
 
     /// The pixels of a span of misses.
@@ -193,7 +216,8 @@ impl Tile {
             size_of_val(&*self.paths) + size_of_val(&*self.groups) + size_of_val(&*self.spans) + size_of_val(&*self.misses);
         let sets = size_of_val(&*self.path_sets.paths) + size_of_val(&*self.path_sets.ends);
         let pixels = size_of_val(&*self.segments) + size_of_val(&*self.miss_segments) + size_of_val(&*self.regions) + sets;
-        (size_of::<Self>() + spilled.sum::<usize>() + lists + pixels) as u64
+        let visibility = self.visibility.as_ref().map_or(0, VisibilityTable::bytes);
+        (size_of::<Self>() + spilled.sum::<usize>() + lists + pixels + visibility) as u64
     }
 }
 
@@ -236,12 +260,22 @@ pub struct Hits {
     /// [`tile_pixels`](crate::trace::segment::tile_pixels) pixels each, in the order of pixels; the last one has the
     /// rest.
     pub tiles: Vec<Tile>,
+    /// The emitters of the groups: those that reach the hits, or all.
+    pub(super) of: EvaluatedLights,
+    /// The same hits for all lights, once they are needed, see [`super::all_lights`].
+    pub(super) all_lights: OnceLock<Arc<Hits>>,
 }
 
 impl Hits {
+    /// Hits with the emitters that reach them.
+    pub(super) fn new(world: &Arc<World>, view: View, tiles: Vec<Tile>) -> Self {
+        let world = Arc::clone(world);
+        Self { world, view, tiles, of: EvaluatedLights::Reaching, all_lights: OnceLock::new() }
+    }
+
     /// No hits, for evaluators that trace for themselves.
     pub fn untraced(world: &Arc<World>, view: View) -> Self {
-        Self { world: Arc::clone(world), view, tiles: Vec::new() }
+        Self::new(world, view, Vec::new())
     }
 
     /// How much is in the picture.
@@ -251,6 +285,7 @@ impl Hits {
 
     /// The memory that it takes, in bytes, without the world.
     pub fn bytes(&self) -> u64 {
-        self.tiles.iter().map(Tile::bytes).sum()
+        let second = self.all_lights.get().map_or(0, |all| all.bytes());
+        self.tiles.iter().map(Tile::bytes).sum::<u64>() + second
     }
 }

@@ -21,7 +21,7 @@ pub(super) fn world(text: &str) -> Arc<World> {
 }
 
 /// A glass ball and a metal one on a floor before a mirror, two lamps; everything `scale` times as large.
-fn room(scale: f64) -> Arc<World> {
+pub(super) fn room(scale: f64) -> Arc<World> {
     let at = |x: f64, y: f64, z: f64| format!("<{:e}, {:e}, {:e}>", scale * x, scale * y, scale * z);
     world(&format!(
         "bodies;
@@ -54,7 +54,7 @@ fn room(scale: f64) -> Arc<World> {
 }
 
 /// The same room, with this many more lamps around it.
-fn bright_room(lamps: u32) -> Arc<World> {
+pub(super) fn bright_room(lamps: u32) -> Arc<World> {
     let mut scene = Scene::clone(room(1.0).scene());
     for lamp in 0..lamps {
         let (z, x) = (1.3 + std::f64::consts::TAU * f64::from(lamp) / f64::from(lamps)).sin_cos();
@@ -64,12 +64,17 @@ fn bright_room(lamps: u32) -> Arc<World> {
     Arc::new(World::new(scene))
 }
 
-fn view(width: u32, height: u32, depth: u32) -> View {
+/// The emitters for which a formula is evaluated at a hit.
+pub(super) fn emitters(node: &RayNode) -> Vec<EmitterId> {
+    node.lights.iter().map(|light| light.emitter).collect()
+}
+
+pub(super) fn view(width: u32, height: u32, depth: u32) -> View {
     View::new(width, height).unwrap().with_depth(depth).unwrap()
 }
 
-fn traced(world: &Arc<World>, view: &View) -> Hits {
-    trace(world, view, &Budget::UNLIMITED, &|_| {}, &AtomicBool::new(false)).unwrap()
+pub(super) fn traced(world: &Arc<World>, view: &View) -> Hits {
+    trace(world, view, EvaluatedLights::Reaching, &Budget::UNLIMITED, &|_| {}, &AtomicBool::new(false)).unwrap()
 }
 
 /// The ray of a tree at the end of a path.
@@ -103,7 +108,7 @@ fn store_and_replay_are_what_the_trees_say_bit_for_bit() {
         let hits = traced(world, &view);
         let mut scattered: BTreeMap<(u32, usize), Vec<EmitterId>> = BTreeMap::new();
         let tracer = Tracer::new(world, &view);
-        let trees: Vec<Tree> = (0..view.pixels()).map(|pixel| ray_tree(&tracer, pixel)).collect();
+        let trees: Vec<Tree> = (0..view.pixels()).map(|pixel| ray_tree(&tracer, pixel, EvaluatedLights::Reaching)).collect();
         let mut seen = 0;
         for tile in &hits.tiles {
             for group in &tile.groups {
@@ -123,7 +128,7 @@ fn store_and_replay_are_what_the_trees_say_bit_for_bit() {
                     assert_eq!(node.hit, *surface);
                     assert_eq!(node.hit.body, group.body);
                     if !group.scattered {
-                        assert_eq!(*node.emitters, *group.emitters);
+                        assert_eq!(emitters(node), *group.emitters);
                     }
                     seen += 1;
                 })
@@ -147,7 +152,7 @@ fn store_and_replay_are_what_the_trees_say_bit_for_bit() {
         };
         // Scattered hits are once in a group of each of their lights.
         for ((pixel, node), lights) in &scattered {
-            assert_eq!(*trees[*pixel as usize].nodes[*node].emitters, **lights);
+            assert_eq!(emitters(&trees[*pixel as usize].nodes[*node]), **lights);
         }
         assert_eq!(scattered.is_empty(), world.scene().lights.len() < 10);
         let copies: u32 = hits.tiles.iter().map(|tile| tile.copies).sum();
@@ -155,7 +160,7 @@ fn store_and_replay_are_what_the_trees_say_bit_for_bit() {
         assert_eq!(seen, nodes + copies as usize);
         assert_eq!(hits.counts().hits, nodes as u64);
         assert_eq!(hits.counts().misses, trees.iter().map(misses).sum::<usize>() as u64);
-        let records: usize = trees.iter().flat_map(|tree| &tree.nodes).map(|node| node.emitters.len()).sum();
+        let records: usize = trees.iter().flat_map(|tree| &tree.nodes).map(|node| node.lights.len()).sum();
         assert_eq!(hits.counts().records, records as u64);
     }
 }
@@ -242,7 +247,12 @@ fn the_number_of_threads_does_not_matter() {
     let (world, view) = (room(1.0), view(256, 192, 5));
     let with = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| (traced(&world, &view).tiles, Estimate::new(&world, &view, &AtomicBool::new(false)).unwrap()))
+        pool.install(|| {
+            (
+                traced(&world, &view).tiles,
+                Estimate::new(&world, &view, EvaluatedLights::Reaching, &AtomicBool::new(false)).unwrap(),
+            )
+        })
     };
     assert_eq!(with(1), with(2));
 }
@@ -253,8 +263,8 @@ fn a_scene_looks_the_same_at_any_scale() {
     let shape = |scale| -> Vec<(usize, usize)> {
         let world = room(scale);
         let tracer = Tracer::new(&world, &view);
-        let trees = (0..view.pixels()).map(|pixel| ray_tree(&tracer, pixel));
-        trees.map(|tree| (tree.nodes.len(), tree.nodes.iter().map(|node| node.emitters.len()).sum())).collect()
+        let trees = (0..view.pixels()).map(|pixel| ray_tree(&tracer, pixel, EvaluatedLights::Reaching));
+        trees.map(|tree| (tree.nodes.len(), tree.nodes.iter().map(|node| node.lights.len()).sum())).collect()
     };
     let unit = shape(1.0);
     for scale in [1e-12, 1e-3, 1e-2, 1e-1, 10.0, 1e2, 1e3, 1e4, 1e12] {
@@ -293,13 +303,13 @@ fn hits_that_no_light_reaches_are_kept_for_the_ambient_light() {
 #[test]
 fn the_estimate_is_near_the_truth() {
     let (world, view) = (room(1.0), view(320, 240, 5));
-    let estimate = Estimate::new(&world, &view, &AtomicBool::new(false)).unwrap();
+    let estimate = Estimate::new(&world, &view, EvaluatedLights::Reaching, &AtomicBool::new(false)).unwrap();
     let counts = traced(&world, &view).counts();
     for (foreseen, found) in [(estimate.hits, counts.hits), (estimate.records, counts.records), (estimate.misses, counts.misses)]
     {
         assert!((foreseen as f64 / found as f64 - 1.0).abs() < 0.05, "{foreseen} for {found}");
     }
-    let tiny = Estimate::new(&world, &self::view(1, 1, 5), &AtomicBool::new(false)).unwrap();
+    let tiny = Estimate::new(&world, &self::view(1, 1, 5), EvaluatedLights::Reaching, &AtomicBool::new(false)).unwrap();
     assert_eq!(tiny.hits, traced(&world, &self::view(1, 1, 5)).counts().hits);
 }
 
@@ -307,14 +317,15 @@ fn the_estimate_is_near_the_truth() {
 fn memory_beyond_the_budget_is_refused_beforehand_or_meanwhile() {
     let (world, view) = (room(1.0), view(320, 240, 5));
     let budget = Budget { bytes: 1 << 20, bytes_per_record: 64, bytes_per_hit: 16, bytes_per_pixel: 12, ..Budget::UNLIMITED };
-    let refused = trace(&world, &view, &budget, &|_| panic!("it was foreseen"), &AtomicBool::new(false));
+    let refused =
+        trace(&world, &view, EvaluatedLights::Reaching, &budget, &|_| panic!("it was foreseen"), &AtomicBool::new(false));
     let Err(error @ TraceError::Memory(Shortage { needed, pairs: 0, budget: 1_048_576, pixels: 76_800, .. })) = refused else {
         panic!("{refused:?}");
     };
     assert!(needed > 10 << 20 && needed < 40 << 20, "{needed}");
     assert!(error.to_string().contains("1.0 MiB may be used"), "{error}");
     // The estimate leaves out the tables of a tile; the meter does not.
-    let estimate = Estimate::new(&world, &view, &AtomicBool::new(false)).unwrap();
+    let estimate = Estimate::new(&world, &view, EvaluatedLights::Reaching, &AtomicBool::new(false)).unwrap();
     let tight = Budget { bytes: estimate.hits * 2, ..Budget::UNLIMITED };
     let meter = MemoryMeter::start(&tight, Estimate { hits: 1, ..Estimate::default() }).unwrap();
     assert!(meter.add(1, 0, tight.bytes).is_ok());
@@ -325,12 +336,26 @@ fn memory_beyond_the_budget_is_refused_beforehand_or_meanwhile() {
 fn progress_reaches_the_end_and_cancelling_ends_the_work() {
     let (world, view) = (room(1.0), view(320, 240, 3));
     let told = Mutex::new(Vec::new());
-    trace(&world, &view, &Budget::UNLIMITED, &|share| told.lock().unwrap().push(share), &AtomicBool::new(false)).unwrap();
+    trace(
+        &world,
+        &view,
+        EvaluatedLights::Reaching,
+        &Budget::UNLIMITED,
+        &|share| told.lock().unwrap().push(share),
+        &AtomicBool::new(false),
+    )
+    .unwrap();
     let told = told.into_inner().unwrap();
     assert_eq!(told.iter().copied().fold(0.0, f64::max), 1.0);
     assert!(told.iter().all(|share| (0.0..=1.0).contains(share)));
     let cancelled = AtomicBool::new(false);
     let stop = |_| cancelled.store(true, Ordering::Relaxed);
-    assert_eq!(trace(&world, &view, &Budget::UNLIMITED, &stop, &cancelled).err(), Some(TraceError::Cancelled));
-    assert_eq!(trace(&world, &view, &Budget::UNLIMITED, &|_| {}, &cancelled).err(), Some(TraceError::Cancelled));
+    assert_eq!(
+        trace(&world, &view, EvaluatedLights::Reaching, &Budget::UNLIMITED, &stop, &cancelled).err(),
+        Some(TraceError::Cancelled)
+    );
+    assert_eq!(
+        trace(&world, &view, EvaluatedLights::Reaching, &Budget::UNLIMITED, &|_| {}, &cancelled).err(),
+        Some(TraceError::Cancelled)
+    );
 }

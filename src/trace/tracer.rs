@@ -6,9 +6,19 @@
 #[cfg(test)]
 mod tests;
 
+use crate::lang::variables::EvaluatedLights;
 use crate::scene::BodyId;
 use crate::trace::View;
-use crate::world::{EmitterId, Intersection, Ray, Side, SurfaceHit, World};
+use crate::world::{EmitterId, Intersection, LightSample, Ray, Side, SurfaceHit, World};
+
+/// An emitter for which a formula is evaluated at a hit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct NodeLight {
+    /// The emitter.
+    pub emitter: EmitterId,
+    /// Whether no body lies between the hit and the emitter.
+    pub visible: bool,
+}
 
 /// Traces single rays in a world under a view. It is cheap to make.
 #[derive(Debug, Clone, Copy)]
@@ -64,16 +74,37 @@ impl<'w> Tracer<'w> {
         self.world.emitter_ids().filter(move |emitter| self.reaches(*emitter, hit))
     }
 
+    /// Whether no body lies strictly between the hit and an emitter; always without shadow rays.
+    ///
+    /// The emitter may be behind the surface. A rectangle does not hide it then, but a closed body does with its far
+    /// side. For an emitter that the hit faces, this is the test of [`reaches`](Self::reaches).
+    pub fn is_visible(&self, emitter: EmitterId, hit: &SurfaceHit) -> bool {
+        if !self.view.shadows() {
+            return true;
+        }
+        let LightSample { direction, distance } = self.world.emitter(emitter).sample(hit);
+        !self.world.is_occluded(&hit.ray(direction, hit.side_towards(direction)), distance)
+    }
+
+    /// The emitters for which a formula is evaluated at the hit, in the order of their lights, and whether each is
+    /// visible.
+    pub fn evaluated(&self, lights: EvaluatedLights, hit: &SurfaceHit) -> impl Iterator<Item = NodeLight> {
+        self.world.emitter_ids().filter_map(move |emitter| match lights {
+            EvaluatedLights::Reaching => self.reaches(emitter, hit).then_some(NodeLight { emitter, visible: true }),
+            EvaluatedLights::All => Some(NodeLight { emitter, visible: self.is_visible(emitter, hit) }),
+        })
+    }
+
     /// Whether the emitter is on the side of the surface from which the ray came.
     pub fn faces(&self, emitter: EmitterId, hit: &SurfaceHit) -> bool {
         hit.faces(self.world.emitter(emitter).sample(hit).direction)
     }
 
-    /// What lies strictly between a hit and an emitter that it faces, in the order of declaration of the bodies;
-    /// distances are from the hit. It does not matter whether shadow rays are on.
+    /// What lies strictly between a hit and an emitter, in the order of declaration of the bodies; distances are from
+    /// the hit. It does not matter whether shadow rays are on.
     pub fn occluders(&self, emitter: EmitterId, hit: &SurfaceHit) -> Vec<Intersection> {
         let sample = self.world.emitter(emitter).sample(hit);
-        self.world.occluders(&hit.ray(sample.direction, hit.side), sample.distance).collect()
+        self.world.occluders(&hit.ray(sample.direction, hit.side_towards(sample.direction)), sample.distance).collect()
     }
 
     /// The reflected ray, 2(N·V)N − V (thesis 3.2.4); none from a matte body.

@@ -35,6 +35,8 @@ pub struct LightVariables {
     pub half: Vec3,
     /// `dist`: the distance from the light in world units, at least 0. It may be infinite.
     pub distance: f32,
+    /// `visible`: 1 if no body lies between the hit and the light, else 0.
+    pub visible: f32,
 }
 
 /// The angle between two directions of unit length; rounding may take their cosine beyond 1.
@@ -58,8 +60,9 @@ impl HitVariables {
 }
 
 impl LightVariables {
-    /// The variables at a hit for one light, as the hit sees it, whether it reaches the hit or not.
-    pub fn new(hit: &SurfaceHit, sample: &LightSample) -> Self {
+    /// The variables at a hit for one light, as the hit sees it, whether it reaches the hit or not. `visible` says
+    /// whether nothing lies between.
+    pub fn new(hit: &SurfaceHit, sample: &LightSample, visible: bool) -> Self {
         let LightSample { direction, distance } = *sample;
         let normal = hit.shading_normal;
         let mirrored = 2.0 * normal.dot(direction) * normal - direction;
@@ -71,6 +74,7 @@ impl LightVariables {
             beta: angle(mirrored, hit.view),
             half: half.as_vec3(),
             distance: distance as f32,
+            visible: f32::from(u8::from(visible)),
         }
     }
 }
@@ -99,7 +103,7 @@ mod tests {
         let world =
             world(&format!("bodies; lights; l: point, {position}; camera; position <0,0,5>; gaze <0,0,-1>; up <0,1,0>; fov 45;"));
         let hit = hit(Side::Front);
-        LightVariables::new(&hit, &world.emitter(EmitterId(0)).sample(&hit))
+        LightVariables::new(&hit, &world.emitter(EmitterId(0)).sample(&hit), true)
     }
 
     #[test]

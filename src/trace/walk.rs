@@ -4,8 +4,9 @@
 //! All children are traced whatever their weight, which may be changed later (thesis 6.2.1), except those that the
 //! scene rules out (matte, opaque) or that do not exist (total reflection, maximum depth). Nothing here recurses.
 
-use crate::trace::tracer::Tracer;
-use crate::world::{EmitterId, Ray, SurfaceHit};
+use crate::lang::variables::EvaluatedLights;
+use crate::trace::tracer::{NodeLight, Tracer};
+use crate::world::{Ray, SurfaceHit};
 use glam::DVec3;
 
 /// How a ray came to be.
@@ -78,8 +79,8 @@ pub enum Child {
 pub struct RayNode {
     /// The surface.
     pub hit: SurfaceHit,
-    /// The emitters that reach it, in the order of their lights.
-    pub emitters: Vec<EmitterId>,
+    /// The emitters for which the formula is evaluated, in the order of their lights.
+    pub lights: Vec<NodeLight>,
     /// The reflected ray.
     pub reflected: Child,
     /// The refracted ray.
@@ -95,15 +96,16 @@ pub struct Tree {
     pub nodes: Vec<RayNode>,
 }
 
-/// Traces all rays of a pixel, which is counted row by row from the top left.
-pub fn ray_tree(tracer: &Tracer, pixel: u32) -> Tree {
+/// Traces all rays of a pixel, which is counted row by row from the top left, for formulas that are evaluated for these
+/// lights.
+pub fn ray_tree(tracer: &Tracer, pixel: u32, lights: EvaluatedLights) -> Tree {
     let mut tree = Tree { primary: Child::None, nodes: Vec::new() };
     trace_pixel(tracer, pixel, &mut Vec::new(), |from: Option<usize>, edge, end| {
         let index = tree.nodes.len();
         let child = match end {
             RayEnd::Hit(hit) => {
-                let emitters = tracer.emitters(hit).collect();
-                tree.nodes.push(RayNode { hit: *hit, emitters, reflected: Child::None, refracted: Child::None });
+                let lights = tracer.evaluated(lights, hit).collect();
+                tree.nodes.push(RayNode { hit: *hit, lights, reflected: Child::None, refracted: Child::None });
                 Child::Hit(index)
             }
             RayEnd::Miss(direction) => Child::Miss(direction),

@@ -4,6 +4,7 @@
 //! Nothing here knows of windows or command lines; both are built on it.
 
 pub mod assignment;
+pub mod carried;
 mod file_kind;
 mod location;
 pub mod materials;

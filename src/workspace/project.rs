@@ -2,7 +2,9 @@
 //! it here.
 //!
 //! Everything that is found wrong is passed to a [`Listener`], text by text, as diagnostics with their source. The
-//! listener decides how it is shown.
+//! listener decides how it is shown. `partial` opens what can be used of a session with mistakes.
+
+mod partial;
 
 use crate::engine::Subject;
 use crate::files::Readable;
@@ -16,10 +18,12 @@ use crate::scene::Scene;
 use crate::trace::{MemorySize, View, ViewError};
 use crate::workspace::FileKind;
 use crate::workspace::assignment::Assignment;
-use crate::workspace::materials::{LibraryLocation, MaterialAssignment, Materials};
+use crate::workspace::carried::CarriedValues;
+use crate::workspace::materials::{LibraryLocation, MaterialAssignment, Materials, SourceDiagnostics};
 use crate::workspace::session::{MissingTarget, PictureSettings, Session};
 use crate::workspace::{Location, kind_of};
 use crate::workspace::{NamedAssignment, OwnerId, ParameterTable, ValueWarning, Values};
+pub use partial::{PartialProject, SessionMistakes, UnusableText};
 use std::path::{Path, PathBuf};
 
 /// Bytes that each parameter value needs while it is read, checked and stored.
@@ -67,11 +71,10 @@ impl GivenValues {
     fn values(&self, formula: &Formula, scene: &Scene) -> (Values, Vec<ValueWarning>) {
         let GivenValues { kept, set, carried_over } = self;
         if *carried_over {
-            let (mut values, mut warnings) = Values::carried_over(formula, scene, kept);
-            warnings.extend(values.assign(set));
-            return (values, warnings);
+            Values::carried_over(formula, scene, kept, set)
+        } else {
+            Values::new(formula, scene, &[kept.as_slice(), set].concat())
         }
-        Values::new(formula, scene, &[kept.as_slice(), set].concat())
     }
 }
 
@@ -120,6 +123,9 @@ pub trait Listener {
 
     /// An error or a warning without a place in a text.
     fn message(&mut self, diagnostic: Diagnostic);
+
+    /// A line that is neither: which values of a session another formula or scene has.
+    fn remark(&mut self, text: &str);
 }
 
 /// Why a session was not opened.
@@ -156,27 +162,31 @@ impl Project {
     pub fn open(request: &Request, listener: &mut dyn Listener) -> Result<Self, OpenProjectError> {
         let session =
             request.session.as_ref().map(|text| OpenSession::read(text, request.session_readable, listener)).transpose()?;
-        let location_of = |given: &Option<Location>, own: fn(&Session) -> &Location| {
-            given.clone().or_else(|| session.as_ref().map(|open| own(&open.session).clone()))
-        };
-        let locations =
-            (location_of(&request.formula, |session| &session.formula), location_of(&request.scene, |session| &session.scene));
-        let (Some(formula_location), Some(scene_location)) = locations else {
-            return Err(OpenProjectError::Request(Diagnostic::error("give a formula and a scene, or a session")));
-        };
-        let read = Read::both(request, &formula_location, &scene_location, listener)?;
+        let [formula, scene] = locations(request, session.as_ref())?;
+        let read = Read::both(request, &formula, &scene, listener)?;
+        Self::assemble(request, read, [formula, scene], session.as_ref(), listener)
+    }
+
+    /// The project of texts that were read.
+    fn assemble(
+        request: &Request,
+        read: Read,
+        [formula_location, scene_location]: [Location; 2],
+        session: Option<&OpenSession>,
+        listener: &mut dyn Listener,
+    ) -> Result<Self, OpenProjectError> {
         check_numbers(&read, request.memory)?;
         let materials = match request.materials {
             [] => None,
             _ => Some(open_materials(&read, &formula_location, request, listener)?),
         };
-        let mut picture = session.as_ref().map(|open| open.session.picture).unwrap_or_default();
+        let mut picture = session.map(|open| open.session.picture).unwrap_or_default();
         if let Some(change) = request.picture {
             change(&mut picture);
         }
         // Values from a session or a request were checked when they were parsed.
         let view = view(&picture).map_err(|error| Diagnostic::error(error.to_string()))?;
-        let given = given_values(request, &read, session.as_ref(), materials.as_ref(), listener)?;
+        let given = given_values(request, &read, session, materials.as_ref(), listener)?;
         let (values, warnings) = given.values(&read.formula, &read.scene);
         warnings.iter().for_each(|warning| listener.message(Diagnostic::warning(warning.to_string())));
         let session_file = request.session.as_ref().and_then(|text| match text {
@@ -186,7 +196,7 @@ impl Project {
         let library = materials.as_ref().and_then(|materials| materials.location().file());
         let files = [session_file, formula_location.file(), scene_location.file(), library];
         let files = files.into_iter().flatten().map(Path::to_owned).collect();
-        let Read { formula_text, formula, scene_text, scene } = read;
+        let Read { formula_text, formula, scene_text, scene, .. } = read;
         let subject = Subject::new(formula, scene, view);
         Ok(Self { formula_location, formula_text, scene_location, scene_text, subject, values, given, picture, files })
     }
@@ -205,11 +215,25 @@ impl Project {
         let request = Request { readable: Readable::RegularOrPipe, ..Request::default() };
         let read = Read::both(&request, &session.formula, &session.scene, listener)?;
         let open = OpenSession { session: session.clone(), source: source.clone() };
-        let (given, leftovers) = open.values(&ParameterTable::new(&read.formula, &read.scene), &request, listener);
+        let table = ParameterTable::new(&read.formula, &read.scene);
+        let (given, leftovers) = open.values(&table, &[], [false; 2], listener);
         let (_, warnings) = Values::new(&read.formula, &read.scene, &given);
         let count = leftovers + warnings.len();
         warnings.iter().for_each(|warning| listener.message(Diagnostic::warning(warning.to_string())));
         Ok(count)
+    }
+}
+
+/// Where the formula and the scene of a request are.
+fn locations(request: &Request, session: Option<&OpenSession>) -> Result<[Location; 2], OpenProjectError> {
+    let location_of = |given: &Option<Location>, own: fn(&Session) -> &Location| {
+        given.clone().or_else(|| session.map(|open| own(&open.session).clone()))
+    };
+    let formula = location_of(&request.formula, |session| &session.formula);
+    let scene = location_of(&request.scene, |session| &session.scene);
+    match (formula, scene) {
+        (Some(formula), Some(scene)) => Ok([formula, scene]),
+        _ => Err(OpenProjectError::Request(Diagnostic::error("give a formula and a scene, or a session"))),
     }
 }
 
@@ -219,6 +243,8 @@ struct Read {
     formula: Formula,
     scene_text: Source,
     scene: Scene,
+    /// Whether something stands in for the formula, and for the scene, because they have errors.
+    stands_in: [bool; 2],
 }
 
 impl Read {
@@ -232,29 +258,39 @@ impl Read {
         let formula = read_text(request, formula, FileKind::Formula, Formula::parse, listener);
         let scene = read_text(request, scene, FileKind::Scene, Scene::parse, listener);
         match (formula, scene) {
-            (Ok((formula_text, formula)), Ok((scene_text, scene))) => Ok(Self { formula_text, formula, scene_text, scene }),
-            (Err(first), Err(second)) => {
-                if let OpenProjectError::Input(diagnostic) | OpenProjectError::Request(diagnostic) = first {
-                    listener.message(diagnostic);
-                }
-                Err(second)
+            (Ok((formula_text, formula)), Ok((scene_text, scene))) => {
+                Ok(Self { formula_text, formula, scene_text, scene, stands_in: [false; 2] })
             }
-            (Err(error), Ok(_)) | (Ok(_), Err(error)) => Err(error),
+            (formula, scene) => {
+                let mut errors: Vec<OpenProjectError> =
+                    [formula.err(), scene.err()].into_iter().flatten().map(|text| text.report(listener)).collect();
+                let last = errors.pop().unwrap_or(OpenProjectError::Reported);
+                for error in errors {
+                    if let OpenProjectError::Input(diagnostic) | OpenProjectError::Request(diagnostic) = error {
+                        listener.message(diagnostic);
+                    }
+                }
+                Err(last)
+            }
         }
     }
 }
 
-/// Reads and parses the text of a formula or a scene.
+/// Reads and parses the text of a formula or a scene. Its warnings are reported.
 fn read_text<T>(
     request: &Request,
     location: &Location,
     kind: FileKind,
     parse: fn(&Source) -> Result<(T, Diagnostics), Diagnostics>,
     listener: &mut dyn Listener,
-) -> Result<(Source, T), OpenProjectError> {
+) -> Result<(Source, T), UnusableText> {
+    let unread = |reason: Diagnostic| {
+        let found = SourceDiagnostics { diagnostics: reason.into(), source: Source::new("", "") };
+        UnusableText { kind, location: location.clone(), found, is_read: false }
+    };
     let source = match request.texts.and_then(|texts| texts(kind)) {
         Some(text) => text,
-        None => location.read(kind, request.readable)?,
+        None => location.read(kind, request.readable).map_err(unread)?,
     };
     let hint = match kind_of(source.text()) {
         Some(FileKind::Session) => Some((FileKind::Session, "give a session without an option in front of it")),
@@ -263,10 +299,18 @@ fn read_text<T>(
     };
     if let Some((found, hint)) = hint.filter(|_| source.name().ends_with(".toml")) {
         let diagnostic = Diagnostic::error(format!("`{location}` looks like a {}, not a {}", found.noun(), kind.noun()));
-        return Err(diagnostic.help(hint).into());
+        return Err(unread(diagnostic.help(hint)));
     }
-    let parsed = accept(parse(&source), &source, listener)?;
-    Ok((source, parsed))
+    match parse(&source) {
+        Ok((parsed, warnings)) => {
+            listener.diagnostics(&warnings, &source);
+            Ok((source, parsed))
+        }
+        Err(diagnostics) => {
+            let found = SourceDiagnostics { diagnostics, source };
+            Err(UnusableText { kind, location: location.clone(), found, is_read: true })
+        }
+    }
 }
 
 /// Reports the diagnostics of a text, and returns what it was parsed into if there were no errors.
@@ -296,48 +340,60 @@ struct OpenSession {
 impl OpenSession {
     /// Reads a session. Its paths become relative to the working directory.
     fn read(text: &SessionText, readable: Readable, listener: &mut dyn Listener) -> Result<Self, OpenProjectError> {
-        let (source, folder) = match text {
-            SessionText::Text(source, folder) => (source.clone(), Some(folder.clone())),
-            SessionText::At(location) => {
-                let source = location.read(FileKind::Session, readable)?;
-                if let Some(kind) = kind_of(source.text()).filter(|kind| *kind != FileKind::Session) {
-                    let diagnostic = Diagnostic::error(format!("`{location}` looks like a {}, not a session", kind.noun()));
-                    return Err(OpenProjectError::Input(match kind {
-                        FileKind::Material => diagnostic.help(LIBRARIES),
-                        FileKind::Formula | FileKind::Scene | FileKind::Session => {
-                            diagnostic.help(format!("give it after `--{}`", kind.noun()))
-                        }
-                    }));
-                }
-                let folder = location.file().map(|path| path.parent().unwrap_or(Path::new("")).to_owned());
-                (source, folder)
-            }
-        };
-        let mut session = accept(Session::parse(&source), &source, listener)?;
-        if let Some(folder) = folder {
-            session.formula = session.formula.from_folder(&folder);
-            session.scene = session.scene.from_folder(&folder);
-        }
-        Ok(Self { session, source })
+        let (source, folder) = session_source(text, readable)?;
+        let session = accept(Session::parse(&source), &source, listener)?;
+        Ok(Self { session: session.with_paths_from(folder.as_deref()), source })
     }
 
-    /// The values of the session for owners and parameters that exist, and the number of warnings about the others.
-    /// There are no warnings about values that do not fit because the request replaces the formula or the scene.
-    fn values(&self, table: &ParameterTable, request: &Request, listener: &mut dyn Listener) -> (Vec<Assignment>, usize) {
-        let (assignments, leftovers) = self.session.assignments(table);
+    /// The values of the session for owners and parameters that exist, but not those that others override, and the
+    /// number of warnings about values that do not fit. There are no warnings about parameters and owners that are
+    /// missing because the formula or the scene is `replaced`.
+    fn values(
+        &self,
+        table: &ParameterTable,
+        overriding: &[Assignment],
+        replaced: [bool; 2],
+        listener: &mut dyn Listener,
+    ) -> (Vec<Assignment>, usize) {
+        let (mut assignments, leftovers) = self.session.assignments(table);
+        let is_overridden = |owner: Option<OwnerId>, name: &str| {
+            let names = |given: &&Assignment| table.parameter(given.parameter).name == name;
+            overriding.iter().filter(names).any(|given| Some(given.owner) == owner)
+        };
+        assignments.retain(|own| !is_overridden(Some(own.owner), &table.parameter(own.parameter).name));
         let mut warnings = Diagnostics::new();
         for leftover in leftovers {
+            let [formula_is_other, scene_is_other] = replaced;
             let expected = match leftover.missing {
-                MissingTarget::Owner => request.scene.is_some(),
-                MissingTarget::Parameter => request.formula.is_some(),
+                MissingTarget::Owner => scene_is_other,
+                MissingTarget::Parameter => formula_is_other,
             };
-            if !expected {
+            if !expected && !is_overridden(leftover.owner, &leftover.parameter) {
                 warnings.push(leftover.warning);
             }
         }
         listener.diagnostics(&warnings, &self.source);
         (assignments, warnings.len())
     }
+}
+
+/// The text of a session, and the folder for its paths if there is one.
+fn session_source(text: &SessionText, readable: Readable) -> Result<(Source, Option<PathBuf>), OpenProjectError> {
+    let location = match text {
+        SessionText::Text(source, folder) => return Ok((source.clone(), Some(folder.clone()))),
+        SessionText::At(location) => location,
+    };
+    let source = location.read(FileKind::Session, readable)?;
+    if let Some(kind) = kind_of(source.text()).filter(|kind| *kind != FileKind::Session) {
+        let diagnostic = Diagnostic::error(format!("`{location}` looks like a {}, not a session", kind.noun()));
+        return Err(OpenProjectError::Input(match kind {
+            FileKind::Material => diagnostic.help(LIBRARIES),
+            FileKind::Formula | FileKind::Scene | FileKind::Session => {
+                diagnostic.help(format!("give it after `--{}`", kind.noun()))
+            }
+        }));
+    }
+    Ok((source, location.file().map(|path| path.parent().unwrap_or(Path::new("")).to_owned())))
 }
 
 /// Checks that the values of all parameters fit into the memory.
@@ -370,8 +426,15 @@ fn given_values(
     let background = formula.predefined(Predefined::Background);
     set.extend(request.background.map(|value| Assignment { owner: OwnerId::Global, parameter: background, value }));
     set.extend(set_values(request.set, &table, listener)?);
-    let kept = session.map_or_else(Vec::new, |open| open.values(&table, request, listener).0);
-    Ok(GivenValues { kept, set, carried_over: request.formula.is_some() || request.scene.is_some() })
+    let given = [request.formula.is_some(), request.scene.is_some()];
+    let is_other = [0, 1].map(|index: usize| given[index] || read.stands_in[index]);
+    let kept = session.map_or_else(Vec::new, |open| open.values(&table, &set, is_other, listener).0);
+    if let Some(open) = session.filter(|_| given.contains(&true)) {
+        let mut carried = CarriedValues::of_session(&open.session, &table, given);
+        carried.kept.retain(|name| kept.iter().any(|kept| table.parameter(kept.parameter).name == *name));
+        carried.sentence().into_iter().for_each(|sentence| listener.remark(&sentence));
+    }
+    Ok(GivenValues { kept, set, carried_over: is_other.contains(&true) })
 }
 
 /// The values of the materials for bodies.

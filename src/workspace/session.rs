@@ -100,6 +100,19 @@ impl Session {
         read::parse(source)
     }
 
+    /// What can be used of the text of a session, with all errors and warnings. There is nothing if the text does not
+    /// say which formula and which scene it is of, or is of another version.
+    pub fn parse_in_parts(source: &Source) -> (Option<Session>, Diagnostics) {
+        read::parse_in_parts(source)
+    }
+
+    /// The session with relative paths taken from `folder`, if there is one.
+    #[must_use]
+    pub(super) fn with_paths_from(self, folder: Option<&Path>) -> Session {
+        let Some(folder) = folder else { return self };
+        Session { formula: self.formula.from_folder(folder), scene: self.scene.from_folder(folder), ..self }
+    }
+
     /// The session as the text of a file in `folder`. Paths become relative to the folder.
     ///
     /// # Errors
@@ -146,18 +159,27 @@ impl Session {
         let mut missing: BTreeSet<&OwnerName> = BTreeSet::new();
         let mut assignments = Vec::new();
         for value in &self.values {
-            match value.owner.find(table) {
-                Some(owner) => match Assignment::by_name(table, owner, &value.parameter, value.value, value.spans[1]) {
-                    Ok(assignment) => assignments.push(assignment),
-                    Err(warning) => leftovers.push(UnusedValue { missing: MissingTarget::Parameter, warning }),
-                },
-                None if missing.insert(&value.owner) => {
-                    leftovers.push(UnusedValue { missing: MissingTarget::Owner, warning: no_owner(value) });
-                }
-                None => {}
+            match value.assignment(table) {
+                Ok(assignment) => assignments.push(assignment),
+                Err(leftover) if leftover.missing == MissingTarget::Parameter => leftovers.push(leftover),
+                Err(leftover) if missing.insert(&value.owner) => leftovers.push(leftover),
+                Err(_) => {}
             }
         }
         (assignments, leftovers)
+    }
+}
+
+impl NamedValue {
+    /// The value for a formula on a scene.
+    ///
+    /// # Errors
+    /// The owner does not exist, or it has no such parameter of this type.
+    pub fn assignment(&self, table: &ParameterTable) -> Result<Assignment, UnusedValue> {
+        let unused = |missing, owner, warning| UnusedValue { missing, owner, parameter: self.parameter.clone(), warning };
+        let owner = self.owner.find(table).ok_or_else(|| unused(MissingTarget::Owner, None, no_owner(self)))?;
+        Assignment::by_name(table, owner, &self.parameter, self.value, self.spans[1])
+            .map_err(|warning| unused(MissingTarget::Parameter, Some(owner), warning))
     }
 }
 
@@ -166,6 +188,10 @@ impl Session {
 pub struct UnusedValue {
     /// What does not exist.
     pub missing: MissingTarget,
+    /// The owner, if it exists.
+    pub owner: Option<OwnerId>,
+    /// The name of the parameter.
+    pub parameter: String,
     /// A warning about it, for users who do not expect it.
     pub warning: Diagnostic,
 }

@@ -50,6 +50,12 @@ pub(crate) struct Value<'t> {
 /// # Errors
 /// All errors of the syntax.
 pub(crate) fn parse(source: &Source) -> Result<DeTable<'_>, Diagnostics> {
+    let (table, diagnostics) = parse_in_parts(source);
+    if diagnostics.is_empty() { Ok(table) } else { Err(diagnostics) }
+}
+
+/// What can be read of a TOML text, and all errors of the syntax.
+pub(crate) fn parse_in_parts(source: &Source) -> (DeTable<'_>, Diagnostics) {
     let (table, errors) = DeTable::parse_recoverable(source.text());
     let mut diagnostics = Diagnostics::new();
     // Duplicates up to here have been reported.
@@ -68,7 +74,7 @@ pub(crate) fn parse(source: &Source) -> Result<DeTable<'_>, Diagnostics> {
         let diagnostic = Diagnostic::error(error.message());
         diagnostics.push(diagnostic.at(span(range), "").help("this must be a TOML file (https://toml.io)"));
     }
-    if diagnostics.is_empty() { Ok(table.into_inner()) } else { Err(diagnostics) }
+    (table.into_inner(), diagnostics)
 }
 
 /// The library's message about a duplicate name.

@@ -37,13 +37,19 @@ impl Values {
     /// is a warning for each given value that is not used as given, and for each default that changes because of given
     /// values.
     pub fn new(formula: &Formula, scene: &Scene, given: &[Assignment]) -> (Values, Vec<ValueWarning>) {
-        Self::build(ParameterTable::new(formula, scene), given, AssignmentMode::Initial)
+        Self::build(ParameterTable::new(formula, scene), &[], given)
     }
 
-    /// As [`new`](Self::new), for values that were made for another formula or scene, such as those of a session whose
-    /// formula is replaced. There is no warning then that a value follows from others, or is 0 for an opaque body.
-    pub fn carried_over(formula: &Formula, scene: &Scene, kept: &[Assignment]) -> (Values, Vec<ValueWarning>) {
-        Self::build(ParameterTable::new(formula, scene), kept, AssignmentMode::CarryOver)
+    /// As [`new`](Self::new), where some values were made for another formula or scene, such as those of a session
+    /// whose formula is replaced. There is no warning then that one of them follows from others, or is 0 for an opaque
+    /// body. `given` override them.
+    pub fn carried_over(
+        formula: &Formula,
+        scene: &Scene,
+        kept: &[Assignment],
+        given: &[Assignment],
+    ) -> (Values, Vec<ValueWarning>) {
+        Self::build(ParameterTable::new(formula, scene), kept, given)
     }
 
     /// The values for another formula or scene. A value is kept if its owner and its parameter exist there, with the
@@ -63,7 +69,7 @@ impl Values {
                 }
             }
         }
-        Self::build(table, &kept, AssignmentMode::CarryOver)
+        Self::build(table, &kept, &[])
     }
 
     /// The owner here with the name and the kind of an owner of another table.
@@ -72,7 +78,7 @@ impl Values {
         self.table.owners().named(name).filter(|old| old.kind() == owner.kind())
     }
 
-    fn build(table: ParameterTable, given: &[Assignment], mode: AssignmentMode) -> (Values, Vec<ValueWarning>) {
+    fn build(table: ParameterTable, kept: &[Assignment], given: &[Assignment]) -> (Values, Vec<ValueWarning>) {
         let mut numbers = vec![0.0; table.layout().len()];
         for owner in table.owners().all() {
             for id in table.parameters_of(owner.kind()) {
@@ -83,7 +89,7 @@ impl Values {
             }
         }
         let mut values = Values { table: Arc::new(table), settled: numbers, effective: Vec::new() };
-        let warnings = values.set_all(given, mode);
+        let warnings = values.set_all(kept, given, AssignmentMode::Initial);
         (values, warnings)
     }
 
@@ -91,7 +97,7 @@ impl Values {
     /// value that is not used as given, and for each other value that changes because of them. Assignments to owners or
     /// parameters that do not exist are ignored.
     pub fn assign(&mut self, given: &[Assignment]) -> Vec<ValueWarning> {
-        self.set_all(given, AssignmentMode::Update)
+        self.set_all(&[], given, AssignmentMode::Update)
     }
 
     /// Moves one value, as a slider does: to the nearest value that range and invariants allow while other independent

@@ -67,6 +67,11 @@ impl SurfaceHit {
         self.geometric_normal.dot(direction) > 0.0 && self.shading_normal.dot(direction) > 0.0
     }
 
+    /// The side of the surface to which this direction goes.
+    pub fn side_towards(&self, direction: DVec3) -> Side {
+        if self.geometric_normal.dot(direction) > 0.0 { self.side } else { self.side.opposite() }
+    }
+
     /// The ray that leaves the surface here in this direction (of unit length) to this side.
     pub fn ray(&self, direction: DVec3, side: Side) -> Ray {
         let leaves = Departure { body: self.body, primitive: self.primitive, side };

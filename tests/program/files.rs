@@ -125,6 +125,28 @@ fn hits_are_written_as_the_index_describes() {
     assert_eq!(pixels, (0..32 * 24).collect::<Vec<u32>>());
     let last = column("hits.pixel.u32").len() as u32;
     assert!(column("records.hit.u32").iter().all(|hit| *hit < last));
+    assert!(column("records.visible.f32").iter().all(|visible| f32::from_bits(*visible) == 1.0));
+}
+
+#[test]
+fn hits_have_a_record_for_each_light_if_the_formula_reads_visible() {
+    let folder = folder();
+    fs::write(folder.path().join("shade.formula"), "formula; = IL*Cd*(0.1 + visible);").expect("a file");
+    let count = |arguments: &str| {
+        assert_eq!(told(folder.path(), &format!("dump session.toml {arguments} --stage hits -o hits")), "exit status 0\n");
+        let hits = folder.path().join("hits");
+        let index: serde_json::Value =
+            serde_json::from_slice(&fs::read(hits.join("index.json")).expect("an index")).expect("JSON");
+        let [hits_count, records] = ["hits", "records"].map(|table| index["tables"][table]["count"].as_u64().expect("a count"));
+        let bytes = fs::read(hits.join("records.visible.f32")).expect("a column");
+        let visible = bytes.chunks_exact(4).filter(|four| *four == 1.0_f32.to_le_bytes()).count() as u64;
+        (hits_count, records, visible, index["lights"].as_array().expect("lights").len() as u64)
+    };
+    let (hits, reaching, visible, _) = count("");
+    assert_eq!(visible, reaching);
+    let (all_hits, records, visible, lights) = count("--formula shade.formula");
+    assert_eq!((all_hits, records), (hits, hits * lights));
+    assert!(reaching <= visible && visible < records, "{reaching} {visible} {records}");
 }
 
 #[test]
@@ -154,6 +176,26 @@ fn measurements_are_reported_as_table_and_json() {
     assert_eq!(method("ball.h"), Some("specialised".into()), "{json}");
     assert_eq!(method("background.g"), Some("images".into()), "{json}");
     assert!(drags.iter().all(|drag| drag["frame_ms"].as_f64() > Some(0.0) && drag["prepare_ms"].as_f64() > Some(0.0)), "{json}");
+}
+
+/// Ten macros, each of which uses the one before it three times: written out at every use, 29,524 powers.
+fn chain() -> String {
+    let links: String = (1..10).map(|n| format!("M{n} = (M{0} + M{0}*M{0})/(1 + {n}*alpha)^2;\n", n - 1)).collect();
+    format!("body_specific;\nkd: scalar;\nformula;\nM0 = kd*max(0, N.L)^1.5;\n{links}= IL*Cd*M9;\n")
+}
+
+#[test]
+fn chains_of_macros_are_computed_once_by_every_backend() {
+    let folder = folder();
+    fs::write(folder.path().join("chain.formula"), chain()).expect("write");
+    let text = told(folder.path(), "dump session.toml --formula chain.formula --stage bytecode");
+    let count = |word: &str| text.matches(word).count();
+    assert_eq!((count("PowerSS"), count("STORE_S"), count("LOAD_S")), (10, 9, 18), "{text}");
+    assert!(text.starts_with("type I: the formula, ") && text.contains(" bytes; slots: 1\n"), "{text}");
+    for command in ["verify", "render --backend interpreter -o interpreted.png", "render -o compiled.png"] {
+        let said = told(folder.path(), &format!("{command} session.toml --formula chain.formula --depth 3"));
+        assert!(said.ends_with("exit status 0\n"), "{said}");
+    }
 }
 
 #[test]

@@ -10,6 +10,8 @@ mod man;
 mod materials;
 mod memory;
 mod messages;
+mod misspellings;
+mod pictures;
 mod pipe;
 mod rays;
 mod sweep;
@@ -62,6 +64,9 @@ fn run(folder: &Path, arguments: &str) -> Output {
         .current_dir(folder)
         .args(arguments.split_whitespace())
         .env_remove("RUST_BACKTRACE")
+        // No window is opened.
+        .env_remove("DISPLAY")
+        .env_remove("WAYLAND_DISPLAY")
         // Files that the user who runs the tests has saved are neither read nor changed.
         .env("HOME", folder.join("home"))
         .env("XDG_DATA_HOME", folder.join("home/data"))
@@ -69,10 +74,16 @@ fn run(folder: &Path, arguments: &str) -> Output {
         .expect("the program runs")
 }
 
-/// What the program says and returns.
+/// What the program says and returns. No message begins with its severity twice.
 fn told(folder: &Path, arguments: &str) -> String {
     let output = run(folder, arguments);
     let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).expect("text");
+    let (result, said) = (text(&output.stdout), text(&output.stderr));
+    for line in said.lines().map(str::to_lowercase) {
+        let severity = |text: &str| ["error:", "warning:"].into_iter().find(|word| text.starts_with(word));
+        let behind = severity(&line).map(|word| line[word.len()..].trim_start());
+        assert_eq!(behind.and_then(severity), None, "{said}");
+    }
     let status = output.status.code().expect("an exit status");
-    format!("{}{}exit status {status}\n", text(&output.stdout), text(&output.stderr))
+    format!("{result}{said}exit status {status}\n")
 }

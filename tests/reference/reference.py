@@ -586,7 +586,7 @@ op('cross', 'VV', 'V', 'cross({0}, {1})'); op('reflect', 'VV', 'V', 'reflect({0}
 op('normalize', 'V', 'V', 'normalize({0})'); op('distance', 'VV', 'S', 'distance({0}, {1})')
 
 VARIABLES = {'N': 'V', 'L': 'V', 'V': 'V', 'R': 'V', 'alpha': 'S', 'beta': 'S', 'gamma': 'S', 'point': 'V',
-             'H': 'V', 'T': 'V', 'B': 'V', 'dist': 'S'}
+             'H': 'V', 'T': 'V', 'B': 'V', 'dist': 'S', 'visible': 'S'}
 
 
 class Formula:
@@ -597,9 +597,9 @@ class Formula:
         self.result = None
 
     def compile(self):
-        """-> function (N, L, V, R, alpha, beta, gamma, point, H, T, B, dist, body, light, globals) -> RGB"""
+        """-> function (N, L, V, R, alpha, beta, gamma, point, H, T, B, dist, visible, body, light, globals) -> RGB"""
         self.params = {**predefined(), **self.params}
-        lines, macro_done, in_progress = [], {}, []
+        lines, macro_done, in_progress, reads_visible = [], {}, [], False
 
         def emit(text):
             lines.append('    t%d = %s' % (len(lines), text))
@@ -620,6 +620,8 @@ class Formula:
                         raise Wrong('%s: background is not usable in formulas' % where)
                     return p.type, '%s[%r]' % ({'body': 'body', 'light': 'light', 'global': 'globals_'}[p.owner], name)
                 if name in VARIABLES:
+                    nonlocal reads_visible
+                    reads_visible |= name == 'visible'
                     return VARIABLES[name], 'var_' + name
                 if name == 'pi':
                     return 'S', repr(math.pi)
@@ -659,9 +661,10 @@ class Formula:
                 in_progress.pop()
             return macro_done[name]
 
+        type, value = gen(self.result)
+        self.all_lights = reads_visible          # what the result uses, not unused macros
         for name in self.macros:                 # unused ones must be right, too
             macro(name, '')
-        type, value = gen(self.result)
         if type != 'V':
             raise Wrong('%s: the result must be a vector' % self.result_where)
         self.source = 'def local(%s, body, light, globals_):\n%s\n    return %s\n' % (
@@ -1018,8 +1021,8 @@ def parse_scene(text, name, default_index):
 # 7  Rays (language 3)
 # =====================================================================================================================
 class Tracer:
-    def __init__(self, scene, local, depth, shadows):
-        self.scene, self.local, self.depth, self.shadows = scene, local, depth, shadows
+    def __init__(self, scene, local, depth, shadows, all_lights):
+        self.scene, self.local, self.depth, self.shadows, self.all_lights = scene, local, depth, shadows, all_lights
         # A ray leaving a surface ignores that surface's own root at 0 (known exactly, see meet) and anything nearer
         # than this; far below the 1e-6 x extent that it allows.
         self.eps = 1e-9 * scene.extent
@@ -1032,11 +1035,9 @@ class Tracer:
                 best, best_t = b, t
         return best, best_t
 
-    def visible(self, a, body, N, L, dist):
+    def visible(self, a, body, L, dist):
         if not self.shadows:
             return True
-        if not dot(N, L) > 0:
-            return False
         for b in self.scene.bodies:              # transparent ones and this one, too
             t = b.meet(a, L, b is body, self.eps)
             if t is not None and t < dist - self.eps:
@@ -1065,11 +1066,13 @@ class Tracer:
             to_light = vsub(light.position, A)
             dist = length(to_light)
             L = vover(to_light, dist)
-            if ki == 0 or not self.visible(A, body, N, L, dist):
-                continue                         # a zero factor: the term is exactly 0
+            visible = self.visible(A, body, L, dist)
+            reached = visible and (not self.shadows or dot(N, L) > 0)
+            if ki == 0 or not (reached or self.all_lights):
+                continue                         # a zero factor: the term is exactly 0; a formula that reads visible has no visible_i
             R = vsub(vscale(N, 2 * dot(N, L)), L)
             H = normalize(vadd(L, V))
-            e = self.local(N, L, V, R, angle(N, L), angle(R, V), gamma, A, H, T, B, dist, p, light.values, g)
+            e = self.local(N, L, V, R, angle(N, L), angle(R, V), gamma, A, H, T, B, dist, float(visible), p, light.values, g)
             total = vadd(total, vscale(e, ki))
         if g['ka'] != 0:
             total = vadd(total, vscale(vmul(p['Cd'], g['Ia']), g['ka']))
@@ -1177,7 +1180,7 @@ def build(formula_path, scene_path, sets=(), ior=1.5, background=None, depth=5, 
     local = formula.compile()
     scene = parse_scene(read(scene_path), scene_path, ior)
     assign_values(formula, scene, list(sets), background)
-    return Tracer(scene, local, depth, shadows), formula
+    return Tracer(scene, local, depth, shadows, formula.all_lights), formula
 
 
 def main():

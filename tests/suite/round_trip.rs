@@ -1,6 +1,6 @@
 //! A printed formula parses as the same formula.
 
-use illuminator::lang::ast::{ExprKind, FormulaFile, Section};
+use illuminator::lang::ast::{ExprKind, FormulaFile, ParameterAttributes, Section};
 use illuminator::lang::parser::parse;
 use illuminator::lang::printer::print;
 use illuminator::lang::source::{Source, SourceSpan};
@@ -12,7 +12,7 @@ fn bare(mut file: FormulaFile) -> FormulaFile {
     let nowhere = SourceSpan::default();
     for expression in &mut file.expressions {
         expression.span = nowhere;
-        expression.parenthesised = false;
+        expression.outer = nowhere;
         match &mut expression.kind {
             ExprKind::Infix(_, span, _) => *span = nowhere,
             ExprKind::Call(callee, _) => callee.span = nowhere,
@@ -24,7 +24,10 @@ fn bare(mut file: FormulaFile) -> FormulaFile {
             | ExprKind::Missing => {}
         }
     }
-    file.macros.iter_mut().for_each(|line| line.name.span = nowhere);
+    for definition in &mut file.definitions {
+        definition.name.span = nowhere;
+        definition.arguments.iter_mut().flatten().for_each(|argument| argument.span = nowhere);
+    }
     if let Some((_, span)) = &mut file.uses {
         *span = nowhere;
     }
@@ -33,9 +36,13 @@ fn bare(mut file: FormulaFile) -> FormulaFile {
             Section::Parameters(_, declarations) => {
                 for declaration in declarations {
                     declaration.name.span = nowhere;
-                    declaration.range.iter_mut().for_each(|(_, span)| *span = nowhere);
-                    declaration.default.iter_mut().for_each(|(_, span)| *span = nowhere);
-                    declaration.colour.iter_mut().for_each(|span| *span = nowhere);
+                    bare_attributes(&mut declaration.attributes);
+                }
+            }
+            Section::Predefined(lines) => {
+                for line in lines {
+                    line.name.span = nowhere;
+                    bare_attributes(&mut line.attributes);
                 }
             }
             Section::Invariants(lines) => {
@@ -47,6 +54,15 @@ fn bare(mut file: FormulaFile) -> FormulaFile {
         }
     }
     file
+}
+
+fn bare_attributes(attributes: &mut ParameterAttributes) {
+    let nowhere = SourceSpan::default();
+    let ParameterAttributes { range, default, slider, colour, switch, choices } = attributes;
+    range.iter_mut().for_each(|(_, span)| *span = nowhere);
+    default.iter_mut().for_each(|(_, span)| *span = nowhere);
+    choices.iter_mut().for_each(|(_, span)| *span = nowhere);
+    [slider, colour, switch].into_iter().flatten().for_each(|span| *span = nowhere);
 }
 
 fn read(text: &str) -> Result<FormulaFile, TestCaseError> {
@@ -79,7 +95,10 @@ fn expression() -> impl Strategy<Value = String> {
             2 => inner.clone().prop_map(|a| format!("-({a})")),
             1 => inner.clone().prop_map(|a| format!("- {a}")),
             1 => (inner.clone(), inner.clone(), inner.clone()).prop_map(|(a, b, c)| format!("<{a}, {b}, {c}>")),
+            1 => inner.clone().prop_map(|a| format!("<{a}>")),
+            1 => condition.clone().prop_map(|condition| format!("({condition})")),
             1 => proptest::collection::vec(inner.clone(), 1..4).prop_map(|list| format!("f({})", list.join(", "))),
+            1 => (inner.clone(), inner.clone()).prop_map(|(a, b)| format!("sum(i, 1, {a}, {b})")),
             1 => (condition, inner.clone(), inner).prop_map(|(c, a, b)| format!("if({c}, {a}, {b})")),
         ]
     })
@@ -93,7 +112,7 @@ fn declaration() -> impl Strategy<Value = String> {
         any::<f32>().prop_filter("finite", |x| x.is_finite()).prop_map(|x| format!(", default {x}")),
         Just(", default <1, -2.5, .25>".to_owned())
     ];
-    let flags = select(vec!["", ", slider", ", color", ", color, slider"]);
+    let flags = select(vec!["", ", slider", ", color", ", color, slider", ", switch", ", choices \"GGX\", \"a; // b\", slider"]);
     let said = select(vec!["", " // what it is", " /* -1 */ /// dark", "\n// of the next", "\n\n/* of\n nothing */\n"]);
     (select(vec!["kd", "scalar", "slider", "x_9"]), select(vec!["scalar", "vector"]), range, default, flags, said)
         .prop_map(|(name, ty, range, default, flags, said)| format!("{name}: {ty}{range}{default}{flags};{said}\n"))
@@ -108,11 +127,13 @@ proptest! {
         declarations in proptest::collection::vec(declaration(), 0..4),
         relation in select(vec!["=", "<="]),
         macros in proptest::collection::vec(expression(), 0..3),
+        function in expression(),
         result in expression(),
     ) {
         let macros: String = macros.iter().enumerate().map(|(index, body)| format!("M{index} = {body};\n")).collect();
         let text = format!(
-            "{uses}light_specific;\n{}invariants;\nkr + kt {relation} 1;\nformula;\n{macros}= {result};",
+            "{uses}light_specific;\n{}predefined; ki: constraint 0..50, default 1; Cd: color;\ninvariants;\nkr + kt {relation} 1;\n\
+             formula;\n{macros}f(x, y) = {function};\nis = N.L > 0 || {function} < 1;\n= {result};",
             declarations.concat()
         );
         let first = read(&text)?;

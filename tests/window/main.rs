@@ -27,6 +27,11 @@ impl Screen {
 
     /// A desktop with these further arguments for the display server. Without a name, the session is that of the start.
     fn with(session: &str, told: &[&str]) -> Self {
+        Self::prepared(session, told, |_| ())
+    }
+
+    /// The same, with what is prepared in the working directory.
+    fn prepared(session: &str, told: &[&str], prepare: impl FnOnce(&std::path::Path)) -> Self {
         // The server chooses a free number and reports it when it accepts connections. It keeps running without
         // clients.
         let mut server = Command::new("Xvfb");
@@ -36,6 +41,7 @@ impl Screen {
         BufReader::new(server.stdout.take().expect("a pipe")).read_line(&mut number).expect("a number");
         let display = format!(":{}", number.trim());
         let home = tempfile::tempdir().expect("a folder");
+        prepare(home.path());
         let mut window = Command::new(env!("CARGO_BIN_EXE_illuminator"));
         let named = (!session.is_empty()).then_some(session);
         let window = window.args(["preview", "--log"]).args(named).env("DISPLAY", &display).env("ILLUMINATOR_HOME", home.path());
@@ -307,6 +313,30 @@ fn a_display_that_shares_no_memory_shows_the_same() {
         let dragged = screens.each_ref().map(Screen::picture_at_rest);
         dragged[0] == dragged[1] && dragged[0] != shown[0]
     });
+}
+
+#[test]
+fn a_session_with_a_wrong_formula_is_open_and_can_be_mended() {
+    let screen = Screen::prepared("own.toml", &[], |folder| {
+        let session =
+            "version = 1\nformula = \"own.formula\"\nscene = \"preset:studio\"\n[bodies.ball]\nCd = [1, 0, 0]\nkq = 0.5\n";
+        std::fs::write(folder.join("own.toml"), session).expect("a session");
+        std::fs::write(folder.join("own.formula"), "formula;\n= IL*Cd*max(0, N.Lx);\n").expect("a formula");
+    });
+    wait("what is wrong", || screen.told("The session own.toml is open with mistakes") == 1);
+    assert!(screen.title().contains("own.toml") && !screen.title().contains('•'), "{}", screen.title());
+    let plain = screen.picture_at_rest();
+    let marked =
+        |pixels: &[u8]| pixels.chunks_exact(3).filter(|pixel| pixel[0] > 200 && pixel[1] < 110 && pixel[2] < 110).count();
+    wait("a red mark beside the line", || marked(&screen.pixels([0, 60], [60, 600])) > 5);
+    // The text is typed again, with a parameter whose value the session has.
+    screen.mouse([200, 400]);
+    screen.run("xdotool", &["click", "1"]);
+    screen.run("xdotool", &["key", "ctrl+a"]);
+    screen.run("xdotool", &["type", "--delay", "20", "body_specific; kq: scalar; formula; = kq*IL*Cd*max(0, N.L);"]);
+    screen.run("xdotool", &["key", "ctrl+Return"]);
+    wait("the applied formula", || screen.told("read in") == 1);
+    wait("another picture", || screen.pixels(PICTURE.0, PICTURE.1) != plain);
 }
 
 #[test]

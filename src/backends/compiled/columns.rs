@@ -1,6 +1,6 @@
 //! The static values of all records, computed once after tracing and stored in columns (structure of arrays).
 //!
-//! A group of hits has one column for each node of the hit frontier. For each emitter that reaches it, it has one
+//! A group of hits has one column for each node of the hit frontier. For each of its emitters, it has one
 //! column for each node of the record frontier. Columns have whole lines and are cut into chunks of [`CHUNK_LINES`].
 //! A chunk begins with a stream of the hit columns. A stream of the record columns of each emitter follows. A stream
 //! holds its columns line by line. This is the order in which frames read them, from front to back.
@@ -265,7 +265,7 @@ pub(super) struct LeafColumns {
 }
 
 impl LeafColumns {
-    /// The memory that they take where this many emitters reach a group, in bytes.
+    /// The memory that they take for a group with this many emitters, in bytes.
     pub(super) fn bytes(compiled: &CompiledFormula, emitters: usize) -> usize {
         let leaves = |plan: &KernelPlan| plan.streams[0].len();
         let columns = leaves(&compiled.plan.hits) + emitters * leaves(&compiled.plan.records);
@@ -302,7 +302,8 @@ impl LeafColumns {
                 stream[index / Line::RECORDS * columns + column].0[index % Line::RECORDS] = flush(value);
             };
             for (emitter, stream) in group.emitters.iter().zip(&mut self.records) {
-                let record = LightVariables::new(surface, &world.emitter(*emitter).sample(surface));
+                let sample = world.emitter(*emitter).sample(surface);
+                let record = LightVariables::new(surface, &sample, tile.is_visible(hit, *emitter));
                 for (column, (symbol, component)) in self.record_leaves.iter().enumerate() {
                     put(stream, self.record_leaves.len(), column, variable(*symbol, &own, &record)[*component]);
                 }

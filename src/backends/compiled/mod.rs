@@ -100,17 +100,18 @@ impl Compiled {
     /// # Errors
     /// The tiles of `hits` are not those of its world and view.
     pub fn new(compiled: Arc<CompiledFormula>, formula: &Formula, hits: &Arc<Hits>) -> Result<Self, Mismatch> {
+        let hits = hits.for_lights(formula.evaluated_lights())?;
         let scene = hits.world.scene();
-        let columns = Columns::of_tiles(&compiled, hits)?;
+        let columns = Columns::of_tiles(&compiled, &hits)?;
         let leaves = compiled.plan.contribution.leaves(&compiled.plan.bindings.graph, &formula.parameters);
         Ok(Self {
-            compiled,
-            hits: Arc::clone(hits),
             columns,
             equation: Equation::new(formula, scene.bodies.len(), scene.lights.len()),
             parameters: formula.parameters.clone(),
             leaves,
             programs: hits.tiles.iter().map(|_| Mutex::default()).collect(),
+            compiled,
+            hits,
             scratch: Mutex::default(),
         })
     }

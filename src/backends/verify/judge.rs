@@ -28,23 +28,23 @@ const TRIALS: u32 = 1024;
 /// Whether a difference is excused.
 pub(super) fn excuses(interpreted: &Interpreted, parameters: &[f32], difference: &Difference) -> bool {
     let programs = interpreted.program(difference.pixel as u32);
-    let exact = programs.run(&mut Doubles, 0, parameters, &mut programs.stack(0.0))[difference.component];
+    let exact = programs.run(&mut Doubles, 0, parameters, &mut programs.memory(0.0))[difference.component];
     if distance(difference.compiled, exact as f32) <= TOLERANCE {
         return true;
     }
     let moved_by = |moved: f32| distance(moved, difference.interpreted);
     let enough = difference.size() - TOLERANCE;
-    let unrounded = programs.run(&mut Unrounded, 0, parameters, &mut programs.stack(0.0))[difference.component];
+    let unrounded = programs.run(&mut Unrounded, 0, parameters, &mut programs.memory(0.0))[difference.component];
     if moved_by(unrounded as f32) >= enough {
         return true;
     }
-    let mut stack = programs.stack(0.0);
+    let mut memory = programs.memory(0.0);
     let mut random = Random::new(difference.pixel);
     let mut best = Perturbations::default();
     let mut farthest = 0.0;
     (0..TRIALS).any(|_| {
         let mut trial = best.varied(&mut random);
-        let moved = moved_by(programs.run(&mut trial, 0, parameters, &mut stack)[difference.component]);
+        let moved = moved_by(programs.run(&mut trial, 0, parameters, &mut memory)[difference.component]);
         if moved >= farthest {
             farthest = moved;
             best = trial;

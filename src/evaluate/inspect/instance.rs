@@ -58,10 +58,10 @@ impl Instance {
 fn behind_operators(formula: &Formula) -> HashSet<TermId> {
     let mut behind = HashSet::new();
     for term in &formula.terms {
-        let Term::Apply(operation, operands) = term else { continue };
+        let (Term::Apply(operation, operands) | Term::ByComponents(operation, operands)) = term else { continue };
         match operation.form() {
             Form::Prefix(_) | Form::Infix(Mark::Caret) => behind.extend(operands),
-            Form::Infix(_) => behind.extend(operands.get(1)),
+            Form::Infix(_) | Form::UnitDot => behind.extend(operands.get(1)),
             Form::Function(_) | Form::Constant(_) | Form::Vector | Form::Conditional => {}
         }
     }
@@ -73,9 +73,10 @@ fn is_leaf(formula: &Formula, id: TermId) -> bool {
     match formula.term(id) {
         Term::Number(_) => false,
         Term::Variable(_) | Term::Parameter(_) => true,
-        Term::Apply(Operation::DotVV, operands) => {
+        Term::Apply(Operation::DotVV | Operation::UnitDotVV, operands) => {
             operands.iter().all(|operand| matches!(formula.term(*operand), Term::Variable(_)))
         }
         Term::Apply(operation, _) => matches!(operation.form(), Form::Constant(_)),
+        Term::ByComponents(..) => false,
     }
 }

@@ -7,6 +7,7 @@
 
 mod figures;
 mod instance;
+mod nan;
 mod report;
 #[cfg(test)]
 mod tests;
@@ -14,6 +15,7 @@ mod text;
 
 pub use figures::{Quantity, figures, vector_figures};
 pub use instance::{Instance, InstanceLine};
+pub use nan::NanOrigin;
 pub use report::{Crossing, End, InspectedHit, InspectedLight, InspectedRay, Inspection, Onward, Visibility};
 
 use crate::formula::equation::{Equation, REFLECTED, REFRACTED, Site, weighed};
@@ -66,7 +68,8 @@ impl<'i> Inspector<'i> {
         }
         let pixel_index = row * view.width() + column;
         let tracer = Tracer::new(self.world, view);
-        let mut rays = self.follow(&tracer, pixel_index, &ray_tree(&tracer, pixel_index));
+        let tree = ray_tree(&tracer, pixel_index, self.formula.evaluated_lights());
+        let mut rays = self.follow(&tracer, pixel_index, &tree);
         // Children come after their parents.
         for index in (0..rays.len()).rev() {
             rays[index].total = self.brought(&rays, index);
@@ -159,22 +162,24 @@ impl<'i> Inspector<'i> {
 
     fn light(&self, tracer: &Tracer, node: &RayNode, hit: &HitVariables, emitter: EmitterId) -> InspectedLight {
         let (surface, light) = (&node.hit, self.world.light_of(emitter));
-        let visibility = if node.emitters.contains(&emitter) {
-            Visibility::Lit
-        } else if tracer.faces(emitter, surface) {
+        let between = || {
             let mut occluders = tracer.occluders(emitter, surface);
             occluders.sort_by(|one, other| one.distance.total_cmp(&other.distance));
-            Visibility::Shadowed(occluders.into_iter().map(|occluder| occluder.body).collect())
-        } else {
-            Visibility::Away
+            occluders.into_iter().map(|occluder| occluder.body).collect()
         };
+        let visibility = match (tracer.reaches(emitter, surface), tracer.faces(emitter, surface)) {
+            (true, _) => Visibility::Lit,
+            (false, true) => Visibility::Shadowed(between()),
+            (false, false) => Visibility::Away(between()),
+        };
+        let evaluated = node.lights.iter().any(|light| light.emitter == emitter);
         let sample = self.world.emitter(emitter).sample(surface);
-        let variables = LightVariables::new(surface, &sample);
+        let variables = LightVariables::new(surface, &sample, tracer.is_visible(emitter, surface));
         let local = self.values(surface.body, light, hit, &variables)[self.formula.result.0 as usize];
         let intensity = self.equation.light_weight(self.parameters, light.index());
-        let contribution = if visibility == Visibility::Lit { weighed(intensity, local) } else { [0.0; 3] };
+        let contribution = if evaluated { weighed(intensity, local) } else { [0.0; 3] };
         let angle = degrees(surface.shading_normal.dot(sample.direction));
-        InspectedLight { light, visibility, angle, variables, intensity, local, contribution }
+        InspectedLight { light, visibility, evaluated, angle, variables, intensity, local, contribution }
     }
 
     /// Equation (2) at the end of a ray whose children's totals are known.
@@ -210,6 +215,11 @@ impl<'i> Inspector<'i> {
                     operands_at_hand.extend(operands.iter().map(|operand| values[operand.0 as usize]));
                     operation.on_numbers(&operands_at_hand, &mut stack)
                 }
+                Term::ByComponents(operation, operands) => std::array::from_fn(|component| {
+                    operands_at_hand.clear();
+                    operands_at_hand.extend(operands.iter().map(|operand| [values[operand.0 as usize][component]; 3]));
+                    operation.on_numbers(&operands_at_hand, &mut stack)[0]
+                }),
             });
         }
         values
@@ -230,8 +240,8 @@ impl<'i> Inspector<'i> {
 
 /// Σ ki·local + ka·Cd·Ia, added up as the interpreter does.
 fn own(hit: &InspectedHit) -> [f32; 3] {
-    let lit = hit.lights.iter().filter(|light| light.visibility == Visibility::Lit);
-    lit.map(|light| light.contribution).chain([hit.ambient]).reduce(add).unwrap_or_default()
+    let evaluated = hit.lights.iter().filter(|light| light.evaluated);
+    evaluated.map(|light| light.contribution).chain([hit.ambient]).reduce(add).unwrap_or_default()
 }
 
 fn add(one: [f32; 3], other: [f32; 3]) -> [f32; 3] {

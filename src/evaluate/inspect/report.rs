@@ -120,15 +120,17 @@ pub struct InspectedLight {
     pub light: LightId,
     /// Whether it reaches the hit.
     pub visibility: Visibility,
+    /// Whether it adds the value of the formula: it reaches the hit, or the formula reads `visible`.
+    pub evaluated: bool,
     /// The angle between the normal and the direction to the light in degrees, 0..180.
     pub angle: f64,
     /// The variables that formulas read here for this light, such as its distance.
     pub variables: LightVariables,
     /// ki, its intensity, 0..1.
     pub intensity: f32,
-    /// The value of the formula for it, linear RGB, even if it does not reach the hit.
+    /// The value of the formula for it, linear RGB, even if that is not added.
     pub local: [f32; 3],
-    /// ki·local, linear RGB; 0 if the light does not reach the hit or ki is 0.
+    /// ki·local, linear RGB; 0 if the formula is not evaluated for the light or ki is 0.
     pub contribution: [f32; 3],
 }
 
@@ -137,8 +139,9 @@ pub struct InspectedLight {
 pub enum Visibility {
     /// It does. Without shadow rays every light does.
     Lit,
-    /// It is behind the surface: N·L ≤ 0.
-    Away,
+    /// It is behind the surface: N·L ≤ 0. These bodies are in between, the nearest to the hit first: this one, if the
+    /// light would have to pass through it.
+    Away(Vec<BodyId>),
     /// These bodies are in between, the nearest to the hit first; there is at least one.
     Shadowed(Vec<BodyId>),
 }

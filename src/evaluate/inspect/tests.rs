@@ -97,7 +97,7 @@ fn lights_shine_are_hidden_turned_away_or_out() {
     let hit = inspection.hit(0).expect("a hit");
     let visible: Vec<&Visibility> = hit.lights.iter().map(|light| &light.visibility).collect();
     // The nearer of the two first, though it is declared last.
-    assert_eq!(visible, [&Visibility::Shadowed(vec![BodyId(2), BodyId(1)]), &Visibility::Away, &Visibility::Lit]);
+    assert_eq!(visible, [&Visibility::Shadowed(vec![BodyId(2), BodyId(1)]), &Visibility::Away(Vec::new()), &Visibility::Lit]);
     near(hit.lights[0].angle, 45.0);
     near(hit.lights[1].angle, 90.0);
     assert!(hit.lights[2].local[0] > 0.0);
@@ -237,4 +237,28 @@ fn terms_without_weight_add_nothing_and_others_what_they_are() {
     let inspection = bench.inspect();
     assert!(inspection.total[0].is_infinite() && inspection.total[1].is_nan());
     assert!(bench.inspector().text(&inspection).contains("<inf, NaN, inf>"));
+}
+
+#[test]
+fn a_formula_that_reads_visible_adds_lights_behind_the_surface_and_in_shadows() {
+    let scene = format!(
+        "bodies; leaf: rectangle, <-1,-1,1>, <-1,1,1>, <1,1,1>, opaque, matte; stone: sphere, center <0,3,5>, radius 0.5;
+         lights; back: point, <3,0,-3>; hidden: point, <0,6,9>; {PREFETCH_DISTANCE}"
+    );
+    let formula = "formula; THROUGH = 0.5*visible*max(0, -(N.L)); = IL*Cd*(THROUGH + 0.25*(1 - visible));";
+    let bench = Bench::new(formula, &scene, &["leaf.Cd=<0.8, 0.4, 0.2>", "ka=0"]);
+    let inspection = bench.inspect();
+    let hit = inspection.hit(0).expect("a hit");
+    let [back, hidden] = hit.lights.as_slice() else { panic!("{} lights", hit.lights.len()) };
+    assert_eq!((&back.visibility, back.evaluated, back.variables.visible), (&Visibility::Away(vec![]), true, 1.0));
+    assert_eq!((&hidden.visibility, hidden.variables.visible), (&Visibility::Shadowed(vec![BodyId(1)]), 0.0));
+    // N·L is −0.8 and 0.8.
+    alike(back.contribution, [0.32, 0.16, 0.08]);
+    alike(hidden.contribution, [0.2, 0.1, 0.05]);
+    alike(inspection.total, [0.52, 0.26, 0.13]);
+    let text = bench.inspector().text(&inspection);
+    assert!(text.contains("light `back`: behind the surface, 143.1° from the normal, distance 5\n"), "{text}");
+    assert!(text.contains("light `hidden`: in the shadow of `stone`, 36.87° from the normal, distance 10\n"), "{text}");
+    assert!(text.contains("THROUGH = 0.5*visible*max(0, -(N.L)) = 0.5*1*max(0, -(-0.8)) = 0.4\n"), "{text}");
+    assert!(text.contains("own = <0.32, 0.16, 0.08> + <0.2, 0.1, 0.05> + "), "{text}");
 }

@@ -7,6 +7,7 @@ use crate::evaluate::inspect::{
     Crossing, End, InspectedHit, InspectedLight, InspectedRay, Inspection, Inspector, Onward, Visibility,
 };
 use crate::lang::variables::Predefined;
+use crate::scene::BodyId;
 use crate::trace::Edge;
 use crate::world::Side;
 use glam::DVec3;
@@ -118,25 +119,32 @@ impl InspectionWriter<'_> {
         let scene = self.inspector.world.scene();
         let name = &scene.light(light.light).name;
         let position = format!("{} from the normal, distance {}", angle(light.angle), scalar(light.variables.distance));
-        match &light.visibility {
-            Visibility::Away => self.line(&format!("light `{name}`: behind the surface, {position}")),
-            Visibility::Shadowed(bodies) => {
-                let names: Vec<String> = bodies.iter().map(|body| format!("`{}`", scene.body(*body).name)).collect();
-                self.line(&format!("light `{name}`: in the shadow of {}, {position}", names.join(", ")));
+        let shadow = |bodies: &[BodyId]| {
+            let names: Vec<String> = bodies.iter().map(|body| format!("`{}`", scene.body(*body).name)).collect();
+            format!("in the shadow of {}, ", names.join(", "))
+        };
+        let state = match &light.visibility {
+            Visibility::Lit => String::new(),
+            Visibility::Away(bodies) if light.evaluated && !bodies.is_empty() => {
+                format!("behind the surface, {}", shadow(bodies))
             }
-            Visibility::Lit if light.intensity == 0.0 => self.line(&format!("light `{name}`: out, ki = 0, {position}")),
-            Visibility::Lit => {
-                self.line(&format!("light `{name}`: {position}"));
-                self.depth += 1;
-                for line in self.inspector.instance(hit, light.light).into_iter().flat_map(|instance| instance.lines) {
-                    let name = line.name.as_deref().unwrap_or("local");
-                    self.equal(name, vec![line.written, line.numbers, line.value.to_string()]);
-                }
-                let product = format!("{}*{}", scalar(light.intensity), colour(light.local));
-                self.equal("ki*local", vec![product, colour(light.contribution)]);
-                self.depth -= 1;
-            }
+            Visibility::Away(_) => "behind the surface, ".to_owned(),
+            Visibility::Shadowed(bodies) => shadow(bodies),
+        };
+        let is_out = light.intensity == 0.0;
+        let out = if light.evaluated && is_out { "out, ki = 0, " } else { "" };
+        self.line(&format!("light `{name}`: {out}{state}{position}"));
+        if !light.evaluated || is_out {
+            return;
         }
+        self.depth += 1;
+        for line in self.inspector.instance(hit, light.light).into_iter().flat_map(|instance| instance.lines) {
+            let name = line.name.as_deref().unwrap_or("local");
+            self.equal(name, vec![line.written, line.numbers, line.value.to_string()]);
+        }
+        let product = format!("{}*{}", scalar(light.intensity), colour(light.local));
+        self.equal("ki*local", vec![product, colour(light.contribution)]);
+        self.depth -= 1;
     }
 
     /// The line about a child ray at the hit where it starts.
@@ -162,8 +170,8 @@ impl InspectionWriter<'_> {
 
     /// Equation (2) of thesis 4.2.3 with its numbers.
     fn sum(&mut self, ray: &InspectedRay, hit: &InspectedHit) {
-        let lit = hit.lights.iter().filter(|light| light.visibility == Visibility::Lit && light.intensity != 0.0);
-        let terms: Vec<String> = lit.map(|light| light.contribution).chain([hit.ambient]).map(colour).collect();
+        let lights = hit.lights.iter().filter(|light| light.evaluated && light.intensity != 0.0);
+        let terms: Vec<String> = lights.map(|light| light.contribution).chain([hit.ambient]).map(colour).collect();
         self.equal("own", vec![terms.join(" + "), colour(ray.own)]);
         let mut whole = colour(ray.own);
         for child in [hit.reflected, hit.refracted] {

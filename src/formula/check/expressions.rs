@@ -1,16 +1,22 @@
-//! Resolves the names and types of expressions: macros in the order of their use, overloads by operand types (thesis
-//! 5.3.2).
+//! Gives every expression its type and its term: overloads by operand types (thesis 5.3.2), functions with the types of
+//! each call, sums written out.
+//!
+//! Functions and sums become terms here, so nothing behind the checker knows them. A call is a [`CheckFrame`] on an
+//! explicit stack: the expressions of the body, with the arguments as names. A function cannot use itself, so the
+//! values of the expressions of its body are those of the innermost call.
 
-use crate::formula::check::names::{Meaning, Names};
+use crate::formula::check::definitions::{self, DefinitionOrder};
+use crate::formula::check::names::{Meaning, Names, RepetitionCall};
+use crate::formula::check::terms::{Settled, Terms};
 use crate::formula::{Parameter, Term, TermId};
-use crate::lang::ast::{Expr, ExprId, ExprKind, FormulaFile, Name};
-use crate::lang::builtins::{Form, Operation};
+use crate::lang::ast::{ExprId, ExprKind, FormulaFile, Name};
+use crate::lang::builtins::{Form, Operation, Repetition};
 use crate::lang::diagnostic::{Diagnostic, Diagnostics};
-use crate::lang::printer::print_expression;
-use crate::lang::source::SourceSpan;
+use crate::lang::source::{Source, SourceSpan};
 use crate::lang::token::Mark;
 use crate::lang::types::Type;
-use std::collections::BTreeSet;
+use std::collections::{HashMap, HashSet};
+use std::rc::Rc;
 
 /// The checked expressions.
 pub(super) struct Checked {
@@ -20,8 +26,8 @@ pub(super) struct Checked {
     pub(super) macros: Vec<(String, TermId)>,
     /// The formula's last line, if it is valid.
     pub(super) result: Option<TermId>,
-    /// The term and type of each expression of the file, if it is valid.
-    settled: Vec<Option<(TermId, Type)>>,
+    /// The term and type of each expression of the file, if it is valid. Those of a function's body are of one call.
+    settled: Vec<Option<Settled>>,
 }
 
 impl Checked {
@@ -31,398 +37,363 @@ impl Checked {
     }
 }
 
-/// Checks all macros and the result.
-pub(super) fn check(file: &FormulaFile, parameters: &[Parameter], names: &Names, diagnostics: &mut Diagnostics) -> Checked {
-    let settled = vec![None; file.expressions.len()];
-    let checked = Checked { terms: Vec::new(), macros: Vec::new(), result: None, settled };
-    let mut checker = Checker { file, parameters, names, diagnostics, checked, macros: vec![None; file.macros.len()] };
-    for index in checker.macro_order() {
-        let body = file.macros[index].body;
-        checker.settle_all(body);
-        checker.macros[index] = checker.checked.settled[body.0 as usize];
+/// Checks all macros and the result. Names have been checked before.
+pub(super) fn check(
+    file: &FormulaFile,
+    source: &Source,
+    parameters: &[Parameter],
+    names: &Names,
+    diagnostics: &mut Diagnostics,
+) -> Checked {
+    let DefinitionOrder { order, circular } = definitions::order(file, names, diagnostics);
+    let mut checker = Checker {
+        file,
+        source,
+        parameters,
+        names,
+        diagnostics,
+        terms: Terms::default(),
+        settled: vec![None; file.expressions.len()],
+        macros: vec![None; file.definitions.len()],
+        circular,
+        frames: Vec::new(),
+        lists: HashMap::new(),
+        calls: HashMap::new(),
+        reported: HashSet::new(),
+        too_large: false,
+    };
+    for index in order {
+        let definition = &file.definitions[index];
+        if definition.arguments.is_none() && !checker.circular.contains(&index) {
+            let value = checker.evaluate(definition.body);
+            checker.macros[index] = value.map(|value| checker.terms.as_value(value));
+        }
     }
-    if let Some(result) = file.result {
-        checker.settle_all(result);
-        checker.checked.result = checker.checked.settled[result.0 as usize].and_then(|(term, ty)| {
-            if ty != Type::Vector {
-                checker.report_scalar_result(result, ty);
-            }
-            (ty == Type::Vector).then_some(term)
-        });
-    }
-    let found = checker.macros.iter().zip(&file.macros);
-    checker.checked.macros = found.filter_map(|(term, line)| term.map(|(id, _)| (line.name.text.clone(), id))).collect();
-    checker.checked
+    let result = file.result.and_then(|root| {
+        let value = checker.evaluate(root);
+        let (term, ty) = checker.terms.as_value(value?);
+        if ty != Type::Vector {
+            checker.report_scalar_result(root, ty);
+        }
+        (ty == Type::Vector).then_some(term)
+    });
+    let found = checker.macros.iter().zip(&file.definitions);
+    let macros = found.filter_map(|(value, definition)| value.map(|(id, _)| (definition.name.text.clone(), id))).collect();
+    Checked { terms: checker.terms.into_list(), macros, result, settled: checker.settled }
 }
 
-struct Checker<'c> {
-    file: &'c FormulaFile,
+/// Checks expressions, and makes their terms.
+pub(super) struct Checker<'c> {
+    pub(super) file: &'c FormulaFile,
+    pub(super) source: &'c Source,
     parameters: &'c [Parameter],
     names: &'c Names,
-    diagnostics: &'c mut Diagnostics,
-    checked: Checked,
-    macros: Vec<Option<(TermId, Type)>>,
+    pub(super) diagnostics: &'c mut Diagnostics,
+    terms: Terms,
+    pub(super) settled: Vec<Option<Settled>>,
+    /// The values of the macros among the definitions.
+    macros: Vec<Option<Settled>>,
+    /// The definitions that use themselves.
+    circular: HashSet<usize>,
+    frames: Vec<CheckFrame<'c>>,
+    /// The expressions to check for a root, in order.
+    lists: HashMap<ExprId, Rc<[ExprId]>>,
+    /// The values of calls, by the function and its arguments.
+    calls: HashMap<(usize, Vec<TermId>), Option<Settled>>,
+    /// The expressions with a mistake in their types that has been reported.
+    reported: HashSet<ExprId>,
+    /// Whether functions and sums make too many terms. That has been reported.
+    too_large: bool,
 }
 
-impl Checker<'_> {
-    /// The macros in an order in which each comes after those that it uses. Macros that use themselves are reported and
-    /// left out.
-    fn macro_order(&mut self) -> Vec<usize> {
-        #[derive(Clone, Copy, PartialEq)]
-        enum State {
-            New,
-            Open,
-            Done,
-        }
-        let uses: Vec<Vec<(usize, SourceSpan)>> = self.file.macros.iter().map(|line| self.macros_used(line.body)).collect();
-        let mut state = vec![State::New; uses.len()];
-        let mut order = Vec::new();
-        for start in 0..uses.len() {
-            // A path of macros, each used by the one before, and how many of its uses have been followed.
-            let mut path = vec![(start, 0)];
-            if state[start] != State::New {
+/// Some expressions that are being checked: those of a macro or the result, the body of a called function, or a term of
+/// a sum.
+struct CheckFrame<'c> {
+    root: ExprId,
+    /// The expressions of `root`, operands before their users, and how many of them are done.
+    list: Rc<[ExprId]>,
+    done: usize,
+    /// The names that have a meaning here alone.
+    locals: Vec<(&'c str, Settled)>,
+    purpose: FramePurpose<'c>,
+}
+
+/// What happens with the value of a frame.
+enum FramePurpose<'c> {
+    /// It is a macro or the result.
+    Root,
+    /// It is the value of a call.
+    Call { key: (usize, Vec<TermId>), callee: SourceSpan },
+    /// It is a term of a sum or a product: that for `index`. `total` has the terms before.
+    Repetition { call: RepetitionCall<'c>, index: i32, last: i32, total: Option<Settled> },
+}
+
+/// The next step for an expression.
+enum CheckStep<'c> {
+    Done(Option<Settled>),
+    Enter(CheckFrame<'c>),
+}
+
+impl<'c> Checker<'c> {
+    /// The term and type of an expression outside of functions and sums.
+    fn evaluate(&mut self, root: ExprId) -> Option<Settled> {
+        let frame = self.frame(root, Vec::new(), FramePurpose::Root);
+        self.frames.push(frame);
+        while let Some(frame) = self.frames.last_mut() {
+            if let Some(&id) = frame.list.get(frame.done) {
+                match self.step(id) {
+                    CheckStep::Done(value) => self.finish(id, value),
+                    CheckStep::Enter(frame) => self.frames.push(frame),
+                }
                 continue;
             }
-            state[start] = State::Open;
-            while let Some((index, next)) = path.last_mut() {
-                let Some(&(used, span)) = uses[*index].get(*next) else {
-                    state[*index] = State::Done;
-                    order.push(*index);
-                    path.pop();
-                    continue;
-                };
-                *next += 1;
-                match state[used] {
-                    State::Done => {}
-                    State::New => {
-                        state[used] = State::Open;
-                        path.push((used, 0));
-                    }
-                    State::Open => {
-                        let from = path.iter().position(|(index, _)| *index == used).unwrap_or(0);
-                        let circle: Vec<usize> = path[from..].iter().map(|(index, _)| *index).collect();
-                        self.report_circle(&circle, span);
-                    }
+            let Some(frame) = self.frames.pop() else { break };
+            let value = self.settled[frame.root.0 as usize];
+            let value = value.map(|value| self.terms.as_value(value));
+            match frame.purpose {
+                FramePurpose::Root => return self.settled[frame.root.0 as usize],
+                FramePurpose::Call { key, .. } => {
+                    self.calls.insert(key, value);
+                    self.finish_pending(value);
                 }
-            }
-        }
-        order
-    }
-
-    fn report_circle(&mut self, circle: &[usize], closing: SourceSpan) {
-        let name = |index: usize| self.file.macros[index].name.text.as_str();
-        let first = &self.file.macros[circle[0]].name;
-        let message = if circle.len() == 1 {
-            format!("the macro `{}` uses itself", first.text)
-        } else {
-            const SHOWN: usize = 6;
-            let mut round: Vec<&str> = circle.iter().take(SHOWN).map(|index| name(*index)).collect();
-            round.extend((circle.len() > SHOWN).then_some("…"));
-            round.push(name(circle[0]));
-            format!("macros use each other in a circle: {}", round.join(" → "))
-        };
-        self.diagnostics.push(
-            Diagnostic::error(message)
-                .at(closing, "this closes the circle")
-                .at(first.span, format!("`{}` is defined here", first.text))
-                .help("a macro stands for a value and may not depend on itself"),
-        );
-    }
-
-    /// The macros named in an expression, with the places.
-    fn macros_used(&self, root: ExprId) -> Vec<(usize, SourceSpan)> {
-        let mut used = Vec::new();
-        for id in reachable(self.file, root) {
-            let expression = self.file.expr(id);
-            if let ExprKind::Name(name) = &expression.kind
-                && let Some(Meaning::Macro(index)) = self.names.meaning(name)
-            {
-                used.push((index, expression.span));
-            }
-        }
-        used
-    }
-
-    fn settle_all(&mut self, root: ExprId) {
-        for id in reachable(self.file, root) {
-            self.checked.settled[id.0 as usize] = self.settle(id);
-        }
-    }
-
-    /// The term of an expression whose operands have been checked.
-    fn settle(&mut self, id: ExprId) -> Option<(TermId, Type)> {
-        let expression = self.file.expr(id);
-        match &expression.kind {
-            ExprKind::Missing => None,
-            ExprKind::Number(value) => Some(self.add(Term::Number(*value), Type::Scalar)),
-            ExprKind::Name(name) => self.settle_name(name, expression.span),
-            ExprKind::Call(callee, arguments) => self.settle_call(id, callee, arguments),
-            ExprKind::Prefix(mark, operand) => self.settle_operation(Form::Prefix(*mark), id, &[*operand], expression.span),
-            ExprKind::Infix(mark, span, operands) => self.settle_operation(Form::Infix(*mark), id, operands, *span),
-            ExprKind::Vector(operands) => self.settle_operation(Form::Vector, id, operands, expression.span),
-            ExprKind::Conditional(operands) => self.settle_operation(Form::Conditional, id, operands, expression.span),
-        }
-    }
-
-    fn add(&mut self, term: Term, ty: Type) -> (TermId, Type) {
-        let id = TermId(self.checked.terms.len() as u32);
-        self.checked.terms.push(term);
-        (id, ty)
-    }
-
-    fn settle_name(&mut self, name: &str, span: SourceSpan) -> Option<(TermId, Type)> {
-        match self.names.meaning(name) {
-            Some(Meaning::Macro(index)) => self.macros[index],
-            Some(Meaning::Variable(variable)) => Some(self.add(Term::Variable(variable), variable.ty())),
-            Some(Meaning::Parameter(id)) => {
-                let parameter = &self.parameters[id.0 as usize];
-                if parameter.predefined.is_some_and(|predefined| !predefined.usable_in_formulas()) {
-                    self.diagnostics.push(
-                        Diagnostic::error(format!("`{name}` cannot be used in formulas"))
-                            .at(span, "it is the colour of rays that hit nothing")
-                            .help("declare a parameter of your own under `global;`"),
-                    );
-                    return None;
-                }
-                Some(self.add(Term::Parameter(id), parameter.ty))
-            }
-            Some(Meaning::Builtin(Form::Constant(constant))) => {
-                let operation = Form::Constant(constant).resolve(&[])?;
-                Some(self.add(Term::Apply(operation, Vec::new()), operation.result()))
-            }
-            Some(Meaning::Builtin(form)) => {
-                self.diagnostics.push(
-                    Diagnostic::error(format!("`{name}` is a function and needs arguments"))
-                        .at(span, "expected `(` behind it")
-                        .help(format!("write {}", usages(form).join(" or "))),
-                );
-                None
-            }
-            None => {
-                let hint = self.names.suggestion(name, |meaning| !matches!(meaning, Meaning::Builtin(Form::Function(_))));
-                self.diagnostics.push(
-                    Diagnostic::error(format!("`{name}` is not known"))
-                        .at(span, "no parameter, macro, variable or function has this name")
-                        .help_if(hint.or_else(|| Some(format!("declare it, as in `{name}: scalar, constraint 0..1, slider;`")))),
-                );
-                None
-            }
-        }
-    }
-
-    fn settle_call(&mut self, id: ExprId, callee: &Name, arguments: &[ExprId]) -> Option<(TermId, Type)> {
-        match self.names.meaning(&callee.text) {
-            Some(Meaning::Builtin(form @ Form::Function(_))) => self.settle_operation(form, id, arguments, callee.span),
-            Some(other) => {
-                let given = self.names.given_at(&callee.text).map(|span| (span, "it is given this meaning here"));
-                let mut diagnostic = Diagnostic::error(format!("`{}` is {}, not a function", callee.text, other.describe()))
-                    .at(callee.span, "called here");
-                if let Some((span, text)) = given {
-                    diagnostic = diagnostic.at(span, text);
-                }
-                self.diagnostics.push(diagnostic.help(format!("for a product write `{} * (…)`", callee.text)));
-                None
-            }
-            None => {
-                let elsewhere = elsewhere(&callee.text).map(|ours| format!("here it is written {ours}"));
-                let near =
-                    || self.names.suggestion(&callee.text, |meaning| matches!(meaning, Meaning::Builtin(Form::Function(_))));
-                let hint = elsewhere.or_else(near);
-                self.diagnostics.push(
-                    Diagnostic::error(format!("there is no function `{}`", callee.text))
-                        .at(callee.span, "not known")
-                        .help_if(hint.or_else(|| Some("the reference of the language lists all functions".to_owned()))),
-                );
-                None
-            }
-        }
-    }
-
-    fn settle_operation(&mut self, form: Form, id: ExprId, operands: &[ExprId], span: SourceSpan) -> Option<(TermId, Type)> {
-        let settled: Option<Vec<(TermId, Type)>> =
-            operands.iter().map(|operand| self.checked.settled[operand.0 as usize]).collect();
-        let settled = settled?;
-        let types: Vec<Type> = settled.iter().map(|(_, ty)| *ty).collect();
-        let Some(operation) = form.resolve(&types) else {
-            self.report_mismatch(form, id, operands, &types, span);
-            return None;
-        };
-        let terms = settled.iter().map(|(term, _)| *term).collect();
-        Some(self.add(Term::Apply(operation, terms), operation.result()))
-    }
-
-    fn report_mismatch(&mut self, form: Form, id: ExprId, operands: &[ExprId], types: &[Type], span: SourceSpan) {
-        let spelling = form.spelling();
-        let whole = |operand: &ExprId| self.file.expr(*operand).span;
-        let mut diagnostic = match form {
-            Form::Function(name) if form.overloads().all(|overload| overload.operands().len() != types.len()) => {
-                let counts: BTreeSet<usize> = form.overloads().map(|overload| overload.operands().len()).collect();
-                let counts: Vec<String> = counts.iter().map(usize::to_string).collect();
-                let plural = if counts == ["1"] { "argument" } else { "arguments" };
-                Diagnostic::error(format!("`{name}` takes {} {plural}, not {}", counts.join(" or "), types.len()))
-                    .at(span, format!("{} given", types.len()))
-            }
-            Form::Conditional if types[0] != Type::Truth => {
-                Diagnostic::error(format!("the condition of `if` is {}", types[0].with_article()))
-                    .at(whole(&operands[0]), "expected a comparison")
-                    .help("write for example `if(N.L > 0, then, else)`")
-            }
-            Form::Conditional => Diagnostic::error(format!("the two values of `if` differ: {} and {}", types[1], types[2]))
-                .at(whole(&operands[2]), types[2].with_article())
-                .at(whole(&operands[1]), types[1].with_article()),
-            Form::Vector => {
-                let wrong = types.iter().position(|ty| *ty != Type::Scalar).unwrap_or(0);
-                Diagnostic::error(format!("a component of a vector is {}", types[wrong].with_article()))
-                    .at(whole(&operands[wrong]), "expected a scalar")
-                    .help("take one component of it with getx, gety or getz")
-            }
-            Form::Prefix(_) | Form::Infix(_) | Form::Function(_) | Form::Constant(_) => {
-                let listed: Vec<&str> = types.iter().map(|ty| ty.with_article()).collect();
-                let mut diagnostic = Diagnostic::error(format!("`{spelling}` does not take {}", listed.join(" and ")))
-                    .at(span, "no such operation");
-                for (operand, ty) in operands.iter().zip(types) {
-                    diagnostic = diagnostic.at(whole(operand), ty.with_article());
-                }
-                diagnostic
-            }
-        };
-        let regrouping = operands.iter().find_map(|operand| self.regrouping(*operand)).or_else(|| self.regrouping(id));
-        diagnostic = diagnostic.help_if(regrouping.as_ref());
-        let accepted: Vec<String> = match form {
-            Form::Infix(mark) => form
-                .overloads()
-                .map(|op| in_words(op, |types| format!("{} {} {}", types[0], mark.spelling(), types[1])))
-                .collect(),
-            Form::Prefix(mark) => {
-                form.overloads().map(|op| in_words(op, |types| format!("{}{}", mark.spelling(), types[0]))).collect()
-            }
-            Form::Function(name) => {
-                form.overloads().map(|op| in_words(op, |types| format!("{name}({})", types.join(", ")))).collect()
-            }
-            Form::Constant(_) | Form::Vector | Form::Conditional => Vec::new(),
-        };
-        let mixed = types.contains(&Type::Scalar) && types.contains(&Type::Vector);
-        if mixed
-            && regrouping.is_none()
-            && matches!(form, Form::Infix(Mark::Plus | Mark::Minus) | Form::Function("min" | "max" | "mix") | Form::Conditional)
-        {
-            diagnostic = diagnostic.help("the vector of three equal components is written `<x, x, x>`");
-        }
-        if form == Form::Infix(Mark::Caret) && types[0] == Type::Vector {
-            diagnostic = diagnostic.help("a vector times itself, by components, is `v*v`");
-        }
-        if !accepted.is_empty() {
-            diagnostic = diagnostic.help(format!("`{spelling}` takes {}", accepted.join(", ")));
-        }
-        self.diagnostics.push(diagnostic);
-    }
-
-    fn report_scalar_result(&mut self, result: ExprId, ty: Type) {
-        let hint =
-            self.regrouping(result).unwrap_or_else(|| "multiply it with a colour, or write `<x, x, x>` for grey".to_owned());
-        self.diagnostics.push(
-            Diagnostic::error(format!("the formula yields {}, but a colour is a vector", ty.with_article()))
-                .at(self.file.expr(result).span, "expected a vector: red, green, blue")
-                .help(hint),
-        );
-    }
-
-    /// `Cd*N.L` is parsed as `(Cd*N).L`. If an expression contains such a product and the types do not fit, this is the
-    /// likely cause.
-    fn regrouping(&self, root: ExprId) -> Option<String> {
-        let mut pending = vec![root];
-        // Macros could lead in a circle, so only a few steps are followed.
-        for _ in 0..1000 {
-            let Expr { kind, .. } = self.file.expr(pending.pop()?);
-            match kind {
-                ExprKind::Infix(Mark::Dot, _, [left, right]) => {
-                    let product = self.file.expr(*left);
-                    if let ExprKind::Infix(mark @ (Mark::Star | Mark::Slash), _, [first, second]) = product.kind
-                        && !product.parenthesised
-                        && self.checked.ty(second) == Some(Type::Vector)
-                    {
-                        let [a, b, c] = [first, second, *right].map(|id| print_expression(self.file, id));
-                        let mark = mark.spelling();
-                        return Some(format!(
-                            "`{a}{mark}{b}.{c}` is read as `({a}{mark}{b}).{c}`; did you mean `{a}{mark}({b}.{c})`?"
-                        ));
-                    }
-                    pending.push(*left);
-                }
-                ExprKind::Infix(Mark::Plus | Mark::Minus | Mark::Star | Mark::Slash, _, operands) => {
-                    pending.extend(operands.iter().rev())
-                }
-                ExprKind::Prefix(_, operand) => pending.push(*operand),
-                ExprKind::Name(name) => {
-                    if let Some(Meaning::Macro(index)) = self.names.meaning(name) {
-                        pending.push(self.file.macros[index].body);
-                    }
-                }
-                ExprKind::Infix(..)
-                | ExprKind::Number(_)
-                | ExprKind::Call(..)
-                | ExprKind::Vector(_)
-                | ExprKind::Conditional(_)
-                | ExprKind::Missing => {}
+                FramePurpose::Repetition { call, index, last, total } => self.repeat(call, index, last, total, value),
             }
         }
         None
     }
+
+    /// Ends an expression of the innermost frame.
+    fn finish(&mut self, id: ExprId, value: Option<Settled>) {
+        self.settled[id.0 as usize] = value;
+        if let Some(frame) = self.frames.last_mut() {
+            frame.done += 1;
+        }
+    }
+
+    /// Ends the expression of the innermost frame that entered another frame.
+    fn finish_pending(&mut self, value: Option<Settled>) {
+        let pending = self.frames.last().and_then(|frame| frame.list.get(frame.done).copied());
+        if let Some(id) = pending {
+            self.finish(id, value);
+        }
+    }
+
+    fn frame(&mut self, root: ExprId, locals: Vec<(&'c str, Settled)>, purpose: FramePurpose<'c>) -> CheckFrame<'c> {
+        let (file, names) = (self.file, self.names);
+        let list = self.lists.entry(root).or_insert_with(|| reachable(file, names, root).into());
+        CheckFrame { root, list: Rc::clone(list), done: 0, locals, purpose }
+    }
+
+    fn step(&mut self, id: ExprId) -> CheckStep<'c> {
+        let file = self.file;
+        let expression = file.expr(id);
+        CheckStep::Done(match &expression.kind {
+            ExprKind::Missing => None,
+            ExprKind::Number(value) => Some(self.terms.number(*value)),
+            ExprKind::Name(name) => self.name(name),
+            ExprKind::Call(callee, arguments) => return self.call(id, callee, arguments),
+            ExprKind::Prefix(mark, operand) => self.operation(Form::Prefix(*mark), id, &[*operand], expression.span),
+            ExprKind::Infix(mark, span, operands) => self.operation(Form::Infix(*mark), id, operands, *span),
+            ExprKind::Vector(operands) => self.operation(Form::Vector, id, operands, expression.span),
+            ExprKind::Conditional(operands) => self.operation(Form::Conditional, id, operands, expression.span),
+        })
+    }
+
+    /// The value of a name. Names without a meaning have been reported.
+    fn name(&mut self, name: &str) -> Option<Settled> {
+        for frame in self.frames.iter().rev() {
+            if let Some((_, value)) = frame.locals.iter().rev().find(|(local, _)| *local == name) {
+                return Some(*value);
+            }
+            match frame.purpose {
+                // The term of a sum sees what is around the sum.
+                FramePurpose::Repetition { .. } => {}
+                FramePurpose::Root | FramePurpose::Call { .. } => break,
+            }
+        }
+        match self.names.meaning(name)? {
+            Meaning::Macro(index) => self.macros[index],
+            Meaning::Variable(variable) => Some(self.terms.add(Term::Variable(variable), variable.ty())),
+            Meaning::Parameter(id) => {
+                let parameter = &self.parameters[id.0 as usize];
+                let usable = parameter.predefined.is_none_or(|predefined| predefined.usable_in_formulas());
+                usable.then(|| self.terms.add(Term::Parameter(id), parameter.ty))
+            }
+            Meaning::Builtin(form @ Form::Constant(_)) => {
+                let operation = form.resolve(&[])?;
+                Some(self.terms.add(Term::Apply(operation, Vec::new()), operation.result()))
+            }
+            Meaning::Builtin(_) | Meaning::Function(_) | Meaning::Repetition(_) => None,
+        }
+    }
+
+    fn call(&mut self, id: ExprId, callee: &'c Name, arguments: &'c [ExprId]) -> CheckStep<'c> {
+        match self.names.callee(&callee.text) {
+            Some(Meaning::Builtin(form @ Form::Function(_))) => CheckStep::Done(self.operation(form, id, arguments, callee.span)),
+            Some(Meaning::Function(index)) => self.call_function(index, callee, arguments),
+            Some(Meaning::Repetition(_)) => match self.names.repetition(self.file, id) {
+                Some(repetition) => self.begin_repetition(id, repetition),
+                None => CheckStep::Done(None),
+            },
+            _ => CheckStep::Done(None),
+        }
+    }
+
+    fn call_function(&mut self, index: usize, callee: &'c Name, arguments: &[ExprId]) -> CheckStep<'c> {
+        let definition = &self.file.definitions[index];
+        let names = definition.arguments.as_deref().unwrap_or_default();
+        let values: Option<Vec<Settled>> = arguments.iter().map(|argument| self.settled[argument.0 as usize]).collect();
+        let Some(values) = values.filter(|values| values.len() == names.len() && !self.circular.contains(&index)) else {
+            return CheckStep::Done(None);
+        };
+        let values: Vec<Settled> = values.into_iter().map(|value| self.terms.as_value(value)).collect();
+        let key = (index, values.iter().map(|(term, _)| self.terms.canonical(*term)).collect());
+        if let Some(known) = self.calls.get(&key) {
+            return CheckStep::Done(*known);
+        }
+        if self.is_too_large(callee.span) {
+            return CheckStep::Done(None);
+        }
+        let locals = names.iter().map(|name| name.text.as_str()).zip(values).collect();
+        CheckStep::Enter(self.frame(definition.body, locals, FramePurpose::Call { key, callee: callee.span }))
+    }
+
+    fn begin_repetition(&mut self, id: ExprId, call: RepetitionCall<'c>) -> CheckStep<'c> {
+        let [first, last] = call.bounds.map(|bound| self.bound(bound));
+        let (Some(first), Some(last)) = (first, last) else { return CheckStep::Done(None) };
+        let (first, last) = (f64::from(first).ceil(), f64::from(last).floor());
+        let span = self.file.expr(id).span;
+        if last - first + 1.0 > f64::from(Repetition::MOST_TERMS) {
+            if self.reported.insert(id) {
+                let most = Repetition::MOST_TERMS;
+                let error = Diagnostic::error(format!("the {} has {} terms", call.kind.name(), last - first + 1.0));
+                self.report(error.at(span, format!("at most {most} are possible")));
+            }
+            return CheckStep::Done(None);
+        }
+        if self.is_too_large(span) {
+            return CheckStep::Done(None);
+        }
+        // Both are at most 2²⁴ apart from whole numbers that `f32` has, or the range is empty.
+        let (first, last) = (first as i32, last as i32);
+        let empty = first > last;
+        // The type of an empty sum is that of its term.
+        let purpose = FramePurpose::Repetition { call, index: first, last: if empty { first - 1 } else { last }, total: None };
+        let index = self.terms.number(first as f32);
+        CheckStep::Enter(self.frame(call.body, vec![(call.variable, index)], purpose))
+    }
+
+    /// The value of a bound of a sum, if it is a constant.
+    fn bound(&mut self, id: ExprId) -> Option<f32> {
+        let (term, ty) = self.settled[id.0 as usize]?;
+        let value = self.terms.constant(term).filter(|value| ty == Type::Scalar && value[0].is_finite() && value[0].abs() <= 1e6);
+        if value.is_none() && self.reported.insert(id) {
+            let what = if ty == Type::Scalar { "not a constant" } else { ty.with_article() };
+            let error = Diagnostic::error(format!("a bound of a sum is {what}"))
+                .at(self.file.expr(id).span, "expected a constant number");
+            self.report(error.help("bounds are numbers, or expressions of numbers alone; for other terms use `if(i < n, …, 0)`"));
+        }
+        value.map(|value| value[0])
+    }
+
+    /// Adds a term to a sum, and goes on with the next.
+    fn repeat(&mut self, call: RepetitionCall<'c>, index: i32, last: i32, total: Option<Settled>, term: Option<Settled>) {
+        let Some(term) = term else {
+            self.finish_pending(None);
+            return;
+        };
+        let total = match total {
+            _ if last < index => Some(self.terms.spread_number(call.kind.empty(), term.1)),
+            None => Some(term),
+            Some(total) => {
+                let operation = call.kind.operator().resolve(&[total.1, term.1]);
+                operation.map(|operation| self.terms.add(Term::Apply(operation, vec![total.0, term.0]), operation.result()))
+            }
+        };
+        if index >= last || self.too_large || self.is_too_large(self.file.expr(call.body).span) {
+            self.finish_pending(total.filter(|_| !self.too_large));
+            return;
+        }
+        let number = self.terms.number((index + 1) as f32);
+        let purpose = FramePurpose::Repetition { call, index: index + 1, last, total };
+        let frame = self.frame(call.body, vec![(call.variable, number)], purpose);
+        self.frames.push(frame);
+    }
+
+    /// Whether functions and sums have made too many terms; reports it once.
+    fn is_too_large(&mut self, span: SourceSpan) -> bool {
+        if !self.too_large && self.terms.len() > Terms::MOST {
+            self.too_large = true;
+            let message = format!("its functions and sums make the formula longer than {} operations", Terms::MOST);
+            self.report(
+                Diagnostic::error(message).at(span, "here it becomes too long").help("use fewer terms, or fewer calls in calls"),
+            );
+        }
+        self.too_large
+    }
+
+    fn operation(&mut self, form: Form, id: ExprId, operands: &[ExprId], span: SourceSpan) -> Option<Settled> {
+        let settled: Option<Vec<Settled>> = operands.iter().map(|operand| self.settled[operand.0 as usize]).collect();
+        let mut settled = settled?;
+        for (index, value) in settled.iter_mut().enumerate() {
+            let condition = match form {
+                Form::Infix(Mark::AndAnd | Mark::OrOr) | Form::Prefix(Mark::Not) => true,
+                Form::Conditional => index == 0,
+                Form::Infix(_) | Form::Prefix(_) | Form::UnitDot | Form::Function(_) | Form::Constant(_) | Form::Vector => false,
+            };
+            *value = if condition { self.terms.as_condition(*value) } else { self.terms.as_value(*value) };
+        }
+        let types: Vec<Type> = settled.iter().map(|(_, ty)| *ty).collect();
+        let terms: Vec<TermId> = settled.iter().map(|(term, _)| *term).collect();
+        if let Some(operation) = form.resolve(&types) {
+            let units = terms.iter().all(|term| self.terms.is_direction(*term));
+            let is_dot = matches!(operation, Operation::DotVV | Operation::Dot);
+            let operation = if is_dot && units { Operation::UnitDotVV } else { operation };
+            return Some(self.terms.add(Term::Apply(operation, terms), operation.result()));
+        }
+        if let Some(operation) = form.resolve_by_components(&types) {
+            return Some(self.terms.add(Term::ByComponents(operation, terms), Type::Vector));
+        }
+        if self.reported.insert(id) {
+            self.report_mismatch(form, id, operands, &types, span);
+        }
+        None
+    }
+
+    /// Reports a mistake, with the calls that led to it.
+    pub(super) fn report(&mut self, mut diagnostic: Diagnostic) {
+        const SHOWN: usize = 3;
+        let calls = self.frames.iter().rev().filter_map(|frame| match &frame.purpose {
+            FramePurpose::Call { callee, .. } => Some(*callee),
+            FramePurpose::Root | FramePurpose::Repetition { .. } => None,
+        });
+        for span in calls.take(SHOWN) {
+            diagnostic = diagnostic.at(span, "in this call");
+        }
+        self.diagnostics.push(diagnostic);
+    }
+
+    /// The body of the macro of this name, if it is one here.
+    pub(super) fn macro_body(&self, name: &str) -> Option<ExprId> {
+        match self.names.meaning(name) {
+            Some(Meaning::Macro(index)) => Some(self.file.definitions[index].body),
+            _ => None,
+        }
+    }
 }
 
-/// The expressions that make up `root`, operands before their users.
-pub(super) fn reachable(file: &FormulaFile, root: ExprId) -> Vec<ExprId> {
+/// The expressions that make up `root`, operands before their users, without the terms of sums.
+fn reachable(file: &FormulaFile, names: &Names, root: ExprId) -> Vec<ExprId> {
     let mut found = vec![root];
     let mut next = 0;
     while next < found.len() {
-        found.extend_from_slice(file.expr(found[next]).kind.operands());
+        match names.repetition(file, found[next]) {
+            Some(repetition) => found.extend(repetition.bounds),
+            None => found.extend_from_slice(file.expr(found[next]).kind.operands()),
+        }
         next += 1;
     }
     // The parser adds operands before their users, and each expression has one user.
     found.sort_unstable();
     found
-}
-
-/// How a function is called: `pow(x, y)`.
-fn usages(form: Form) -> Vec<String> {
-    let write = |operation: Operation| format!("`{}({})`", form.spelling(), operation.operand_names().join(", "));
-    // Overloads that differ only in types have the same form.
-    let usages: BTreeSet<String> = form.overloads().map(write).collect();
-    usages.into_iter().collect()
-}
-
-/// The function of this language for a name from another language.
-fn elsewhere(name: &str) -> Option<&'static str> {
-    Some(match name {
-        "dot" => "`a.b`",
-        "vec3" | "float3" | "color" | "vector" | "rgb" => "`<x, y, z>`",
-        "lerp" => "`mix(a, b, t)`",
-        "saturate" => "`clamp(x, 0, 1)`",
-        "ln" => "`log(x)`",
-        "log10" => "`log(x)/log(10)`",
-        "frac" => "`fract(x)`",
-        "fabs" => "`abs(x)`",
-        "fmod" => "`mod(x, y)`",
-        "arccos" => "`acos(x)`",
-        "arcsin" => "`asin(x)`",
-        "arctan" => "`atan(x)`",
-        "norm" | "len" => "`length(v)`",
-        "unit" => "`normalize(v)`",
-        "noise" => "`perlin(pt, a, b, n)`",
-        "sqr" => "`x^2`",
-        "round" => "`floor(x + 0.5)`",
-        "deg" | "degrees" => "`x*180/pi`",
-        _ => return None,
-    })
-}
-
-/// An overload in words: `vector . vector → scalar`.
-fn in_words(operation: Operation, write: impl Fn(&[&str]) -> String) -> String {
-    let word = |ty: Type| match ty {
-        Type::Scalar => "scalar",
-        Type::Vector => "vector",
-        Type::Truth => "comparison",
-    };
-    let types: Vec<&str> = operation.operands().iter().map(|ty| word(*ty)).collect();
-    format!("{} → {}", write(&types), word(operation.result()))
 }

@@ -121,7 +121,7 @@ pub(super) fn solve(
         let declared = file.declarations().find(|declaration| declaration.name.text == parameter.name);
         let mut terms = file.invariants().flat_map(|line| &line.terms);
         let named = terms.find(|term| term.text == parameter.name).map(|term| term.span);
-        let span = declared.and_then(|declaration| declaration.default.map(|(_, span)| span)).or(named);
+        let span = declared.and_then(|declaration| declaration.attributes.default.map(|(_, span)| span)).or(named);
         let system = InvariantSystem::new(parameters, &invariants, parameter.owner).ok();
         let why = match system.and_then(|(system, _)| system.explanation(id)) {
             Some(explanation) => format!("it follows from the others: {explanation}"),

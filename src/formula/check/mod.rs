@@ -4,14 +4,20 @@
 //! All mistakes are reported together. An expression with a mistake has no type, and expressions that use it are not
 //! reported.
 
+mod definitions;
 mod expressions;
+mod grouping;
 mod invariants;
+mod mismatch;
 mod names;
 mod parameters;
+mod resolve;
 mod substitution;
+mod terms;
+#[cfg(test)]
+mod tests;
 
 use crate::formula::Formula;
-use crate::lang::ast::FormulaFile;
 use crate::lang::diagnostic::Diagnostics;
 use crate::lang::parser;
 use crate::lang::source::Source;
@@ -22,19 +28,38 @@ impl Formula {
     /// # Errors
     /// All errors and warnings of the text.
     pub fn parse(source: &Source) -> Result<(Formula, Diagnostics), Diagnostics> {
-        let (file, diagnostics) = parser::parse(source);
-        check(&file, diagnostics)
+        check(source, Substitution::Values)
+    }
+
+    /// The same, with a warning for each macro that would give another value if it stood for its text, as in the
+    /// program of the thesis (9.2.5).
+    ///
+    /// # Errors
+    /// All errors and warnings of the text.
+    pub fn parse_as_thesis(source: &Source) -> Result<(Formula, Diagnostics), Diagnostics> {
+        check(source, Substitution::WarnOfTexts)
     }
 }
 
-/// Checks a formula file. `diagnostics` are those of the parser. Returns the formula and the warnings.
-fn check(file: &FormulaFile, mut diagnostics: Diagnostics) -> Result<(Formula, Diagnostics), Diagnostics> {
-    let parameters = parameters::parameters(file, &mut diagnostics);
-    let names = names::Names::collect(file, &parameters, &mut diagnostics);
-    let invariants = invariants::invariants(file, &parameters, &names, &mut diagnostics);
-    invariants::solve(file, &parameters, &invariants, &mut diagnostics);
-    let expressions = expressions::check(file, &parameters, &names, &mut diagnostics);
-    substitution::warn(file, &names, &expressions, &mut diagnostics);
+/// Whether macros that could be meant as texts are reported.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Substitution {
+    Values,
+    WarnOfTexts,
+}
+
+fn check(source: &Source, substitution: Substitution) -> Result<(Formula, Diagnostics), Diagnostics> {
+    let (file, mut diagnostics) = parser::parse(source);
+    let parameters = parameters::parameters(&file, &mut diagnostics);
+    let names = names::Names::collect(&file, &parameters, &mut diagnostics);
+    let invariants = invariants::invariants(&file, &parameters, &names, &mut diagnostics);
+    invariants::solve(&file, &parameters, &invariants, &mut diagnostics);
+    resolve::check(&file, &parameters, &names, &mut diagnostics);
+    let expressions = expressions::check(&file, source, &parameters, &names, &mut diagnostics);
+    grouping::warn(&file, source, &expressions, &mut diagnostics);
+    if substitution == Substitution::WarnOfTexts {
+        substitution::warn(&file, &names, &expressions, &mut diagnostics);
+    }
     let formula = expressions.result.map(|result| Formula {
         uses: file.uses.as_ref().map(|(path, _)| path.clone()),
         parameters,

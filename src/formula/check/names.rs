@@ -1,8 +1,8 @@
 //! The meaning of each name: a parameter, a macro, a variable or a function.
 
 use crate::formula::{Parameter, ParameterId};
-use crate::lang::ast::{FormulaFile, Name};
-use crate::lang::builtins::{self, Form};
+use crate::lang::ast::{ExprId, ExprKind, FormulaFile, Name};
+use crate::lang::builtins::{self, Form, Repetition};
 use crate::lang::diagnostic::{Diagnostic, Diagnostics, nearest};
 use crate::lang::source::SourceSpan;
 use crate::lang::types::Origin;
@@ -16,10 +16,14 @@ pub(super) enum Meaning {
     Parameter(ParameterId),
     /// A macro, by its index in the file.
     Macro(usize),
+    /// A function that the formula defines, by its index in the file.
+    Function(usize),
     /// A value of the hit.
     Variable(Variable),
     /// A function or constant of the language.
     Builtin(Form),
+    /// `sum` or `product`.
+    Repetition(Repetition),
 }
 
 impl Meaning {
@@ -30,9 +34,7 @@ impl Meaning {
             Meaning::Macro(_) => "a macro",
             Meaning::Variable(_) => "a variable",
             Meaning::Builtin(Form::Constant(_)) => "a constant",
-            Meaning::Builtin(Form::Prefix(_) | Form::Infix(_) | Form::Function(_) | Form::Vector | Form::Conditional) => {
-                "a function"
-            }
+            Meaning::Function(_) | Meaning::Builtin(_) | Meaning::Repetition(_) => "a function",
         }
     }
 }
@@ -51,8 +53,9 @@ impl Names {
             let id = ParameterId((predefined + index) as u32);
             names.give(&declaration.name, Meaning::Parameter(id), diagnostics);
         }
-        for (index, line) in file.macros.iter().enumerate() {
-            names.give(&line.name, Meaning::Macro(index), diagnostics);
+        for (index, definition) in file.definitions.iter().enumerate() {
+            let meaning = if definition.arguments.is_some() { Meaning::Function(index) } else { Meaning::Macro(index) };
+            names.give(&definition.name, meaning, diagnostics);
         }
         names
     }
@@ -68,6 +71,10 @@ impl Names {
                     .at(name.span, format!("cannot name {} too", meaning.describe()))
                     .help(mend),
             );
+            // Below, it has the declared type, so that uses of it are not reported too.
+            if let Meaning::Parameter(_) = meaning {
+                self.given.entry(name.text.clone()).or_insert((meaning, name.span));
+            }
             return;
         }
         if let Some((other, first)) = self.given.get(&name.text) {
@@ -79,7 +86,7 @@ impl Names {
             );
             return;
         }
-        if let Some(builtin) = builtin(&name.text) {
+        if let Some(builtin @ (Meaning::Builtin(_) | Meaning::Repetition(_))) = builtin(&name.text) {
             diagnostics.push(
                 Diagnostic::warning(format!("`{}` hides {} of the language", name.text, builtin.describe()))
                     .at(name.span, format!("in this file it is {}", meaning.describe()))
@@ -94,6 +101,12 @@ impl Names {
         self.given.get(name).map(|(meaning, _)| *meaning).or_else(|| builtin(name))
     }
 
+    /// What a name stands for before `(`. A name of the language that a formula declared by mistake stays a function.
+    pub(super) fn callee(&self, name: &str) -> Option<Meaning> {
+        let of_language = || builtin(name).filter(|meaning| matches!(meaning, Meaning::Builtin(_)) && taken(name).is_some());
+        of_language().or_else(|| self.meaning(name))
+    }
+
     /// Where the formula declares a name.
     pub(super) fn given_at(&self, name: &str) -> Option<SourceSpan> {
         self.given.get(name).map(|(_, span)| *span)
@@ -105,7 +118,8 @@ impl Names {
             .iter()
             .map(|variable| variable.name())
             .chain(Predefined::ALL.iter().map(|predefined| predefined.name()))
-            .chain(builtins::names());
+            .chain(builtins::names())
+            .chain(Repetition::ALL.map(Repetition::name));
         let mut candidates: Vec<&str> = self.given.keys().map(String::as_str).chain(builtin_names).collect();
         candidates.retain(|candidate| self.meaning(candidate).is_some_and(&wanted));
         candidates.sort_unstable();
@@ -119,6 +133,7 @@ fn builtin(name: &str) -> Option<Meaning> {
         .map(Meaning::Variable)
         .or_else(|| Predefined::named(name).map(|predefined| Meaning::Parameter(ParameterId(predefined as u32))))
         .or_else(|| builtins::named(name).map(Meaning::Builtin))
+        .or_else(|| Repetition::named(name).map(Meaning::Repetition))
 }
 
 /// What a name that cannot be declared already means.
@@ -137,4 +152,28 @@ fn taken(name: &str) -> Option<String> {
     let form = builtins::named(name)?;
     let operation = form.overloads().find(|operation| operation.origin() == Origin::Thesis)?;
     Some(format!("the function {name}({}): {}", operation.operand_names().join(", "), operation.doc()))
+}
+
+/// A sum or a product as it is written.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct RepetitionCall<'f> {
+    /// Which of the two.
+    pub(super) kind: Repetition,
+    /// The name of the whole number.
+    pub(super) variable: &'f str,
+    /// Its first and last value.
+    pub(super) bounds: [ExprId; 2],
+    /// What is added or multiplied.
+    pub(super) body: ExprId,
+}
+
+impl Names {
+    /// An expression as a sum or a product, if it is one with all its parts.
+    pub(super) fn repetition<'f>(&self, file: &'f FormulaFile, id: ExprId) -> Option<RepetitionCall<'f>> {
+        let ExprKind::Call(callee, arguments) = &file.expr(id).kind else { return None };
+        let Some(Meaning::Repetition(kind)) = self.callee(&callee.text) else { return None };
+        let &[variable, first, last, body] = arguments.as_slice() else { return None };
+        let ExprKind::Name(variable) = &file.expr(variable).kind else { return None };
+        Some(RepetitionCall { kind, variable, bounds: [first, last], body })
+    }
 }

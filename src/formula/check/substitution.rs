@@ -12,13 +12,13 @@ use crate::lang::types::Type;
 /// Warns about every macro whose text would be parsed in another way in its place.
 pub(super) fn warn(file: &FormulaFile, names: &Names, checked: &Checked, diagnostics: &mut Diagnostics) {
     let texts = texts_of_macros(file, names);
-    let mut warned = vec![false; file.macros.len()];
+    let mut warned = vec![false; file.definitions.len()];
     for expression in &file.expressions {
         let operands = expression.kind.operands();
         for (position, operand) in operands.iter().enumerate() {
             let used = file.expr(*operand);
             let ExprKind::Name(name) = &used.kind else { continue };
-            if used.parenthesised {
+            if used.parenthesised() {
                 continue;
             }
             let Some(Meaning::Macro(index)) = names.meaning(name) else { continue };
@@ -41,18 +41,18 @@ pub(super) fn warn(file: &FormulaFile, names: &Names, checked: &Checked, diagnos
 /// if macros name each other in a circle.
 fn texts_of_macros(file: &FormulaFile, names: &Names) -> Vec<Option<ExprId>> {
     let named = |index: usize| {
-        let expression = file.expr(file.macros[index].body);
-        match (&expression.kind, expression.parenthesised) {
+        let expression = file.expr(file.definitions[index].body);
+        match (&expression.kind, expression.parenthesised()) {
             (ExprKind::Name(next), false) => match names.meaning(next) {
                 Some(Meaning::Macro(next)) => Some(next),
-                Some(Meaning::Parameter(_) | Meaning::Variable(_) | Meaning::Builtin(_)) | None => None,
+                _ => None,
             },
             _ => None,
         }
     };
-    let mut texts: Vec<Option<ExprId>> = vec![None; file.macros.len()];
-    let mut known = vec![false; file.macros.len()];
-    for start in 0..file.macros.len() {
+    let mut texts: Vec<Option<ExprId>> = vec![None; file.definitions.len()];
+    let mut known = vec![false; file.definitions.len()];
+    for start in 0..file.definitions.len() {
         let mut chain = Vec::new();
         let mut at = start;
         let text = loop {
@@ -63,7 +63,7 @@ fn texts_of_macros(file: &FormulaFile, names: &Names) -> Vec<Option<ExprId>> {
             chain.push(at);
             match named(at) {
                 Some(next) => at = next,
-                None => break Some(file.macros[at].body),
+                None => break Some(file.definitions[at].body),
             }
         };
         chain.into_iter().for_each(|index| texts[index] = text);
@@ -83,7 +83,7 @@ fn shortened(text: &str) -> String {
 /// Whether the text of `body` as an operand of `user` would be grouped so that the value changes.
 fn differs(file: &FormulaFile, checked: &Checked, user: &ExprKind, position: usize, body: ExprId) -> bool {
     let macro_text = file.expr(body);
-    if macro_text.parenthesised {
+    if macro_text.parenthesised() {
         return false;
     }
     let binding = Binding::of(&macro_text.kind);
@@ -117,7 +117,7 @@ fn holds_dot(file: &FormulaFile, mut product: ExprId) -> bool {
         if *mark == Mark::Dot {
             return true;
         }
-        if file.expr(*left).parenthesised {
+        if file.expr(*left).parenthesised() {
             return false;
         }
         product = *left;

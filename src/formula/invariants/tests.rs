@@ -6,6 +6,8 @@ use proptest::prelude::*;
 
 fn scalar(name: &str, default: f32) -> Parameter {
     Parameter {
+        switch: false,
+        choices: Vec::new(),
         name: name.to_owned(),
         owner: Owner::Body,
         ty: Type::Scalar,

@@ -5,17 +5,19 @@ use crate::lang::source::Source;
 use crate::preview::app::action::{PanelId, PictureOverlay};
 use crate::preview::app::notices::{Notice, Topic};
 use crate::preview::app::saving::SaveStep;
+use crate::preview::app::session_mistakes::documents;
 use crate::preview::app::steps::OtherSteps;
 use crate::preview::app::tab::TextTab;
 use crate::preview::app::theme::Theme;
-use crate::preview::app::{Action, App, SavedSession, documents, theme, user_state};
+use crate::preview::app::{Action, App, SavedSession, theme, user_state};
 use crate::preview::editor::Document;
 use crate::preview::workshop::OpenedSession;
 use crate::user_data::drafts::Draft;
 use crate::user_data::settings::{Settings, WindowSettings};
 use crate::workspace::FileKind;
 use crate::workspace::Location;
-use crate::workspace::project::Project;
+use crate::workspace::carried::CarriedValues;
+use crate::workspace::project::SessionMistakes;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -84,8 +86,11 @@ impl App {
             Action::ShowSavePictureDialog => self.show_save_dialog(None, "Save picture"),
             Action::CopyPicture => self.copy_picture(),
             Action::SaveSession => match self.session.clone() {
-                Some(Location::File(path)) => self.save_to(FileKind::Session, path),
-                Some(Location::Preset(_)) | None => self.show_save_dialog(Some(FileKind::Session), "Save session"),
+                // What could not be read of a session would be lost in its own file.
+                Some(Location::File(path)) if self.mistakes.session_errors.is_none() => {
+                    self.save_to(FileKind::Session, path);
+                }
+                Some(_) | None => self.show_save_dialog(Some(FileKind::Session), "Save session"),
             },
             Action::EditText(command) => self.editor.order(command),
             Action::SaveMaterial { name, body } => self.save_material(&name, body, false),
@@ -244,6 +249,8 @@ impl App {
         self.steps = OtherSteps::default();
         self.session = None;
         self.exposes_first = true;
+        let unusable = std::mem::take(&mut self.mistakes.unusable);
+        self.note_mistakes(SessionMistakes { unusable, ..SessionMistakes::default() });
         self.note_saved_session();
     }
 
@@ -271,10 +278,12 @@ impl App {
     }
 
     /// Shows another session with its texts. Nothing that was done before can be undone.
-    fn show_session(&mut self, project: &Project) {
-        self.workshop.open(project);
-        self.documents = documents(project);
+    fn show_session(&mut self, opened: OpenedSession, location: Option<Location>) {
+        self.workshop.open(&opened.project);
+        self.documents = documents(&opened);
         self.steps = OtherSteps::default();
+        self.session = location;
+        self.note_mistakes(opened.mistakes);
     }
 
     /// Opens a draft of a session, with the drafts of its texts if they have no errors.
@@ -285,14 +294,18 @@ impl App {
             Some(Source::new(format!("the draft of the {}", kind.noun()), text.text.as_str()))
         };
         let open = |texts: &dyn Fn(FileKind) -> Option<Source>| OpenedSession::from_text(&source, Path::new("/"), texts);
-        match open(&kept).or_else(|_| open(&|_| None)) {
+        // The texts in the files are used if they are better.
+        let opened = open(&kept).map(|opened| match opened.mistakes.unusable.is_empty() {
+            true => opened,
+            false => open(&|_| None).ok().filter(|saved| saved.mistakes.is_empty()).unwrap_or(opened),
+        });
+        match opened {
             Ok(opened) => {
-                self.show_session(&opened.project);
+                self.show_session(opened, draft.location.clone());
                 self.open_materials();
-                self.session = draft.location.clone();
                 self.saved = SavedSession::default();
             }
-            Err(errors) => self.dialogs.show_message("The saved values cannot be opened", errors),
+            Err(errors) => self.dialogs.show_message("The saved values cannot be opened", errors.to_string()),
         }
     }
 
@@ -316,22 +329,21 @@ impl App {
                 self.tab = tab;
                 self.apply_opened(tab);
             }
-            Err(error) => self.dialogs.show_message("Not opened", error.message()),
+            Err(error) => self.dialogs.show_message("Not opened", user_state::line(&error)),
         }
     }
 
     fn open_session(&mut self, location: Location) {
         match OpenedSession::open(&location, Readable::Regular) {
             Ok(opened) => {
-                self.show_session(&opened.project);
                 self.log.add(format!("opened {location}"));
                 self.note_recent(FileKind::Session, &location);
                 self.notify_of_session(&location, &opened.warnings);
+                self.show_session(opened, Some(location));
                 self.open_materials();
-                self.session = Some(location);
                 self.note_saved_session();
             }
-            Err(errors) => self.dialogs.show_message(format!("{location} was not opened"), errors),
+            Err(errors) => self.dialogs.show_message(format!("{location} was not opened"), errors.to_string()),
         }
     }
 
@@ -372,6 +384,7 @@ impl App {
 
     /// Applies a text. If it has errors, they are marked, and nothing else changes.
     fn apply(&mut self, tab: TextTab) {
+        let (before, is_saved) = (self.workshop.values().table().clone(), !self.session_is_unsaved());
         let document = &mut self.documents[tab];
         document.check();
         let source = document.source();
@@ -385,6 +398,11 @@ impl App {
             Ok(_) => {
                 document.note_applied(true);
                 self.log.add(format!("{name}: read in {}", super::log::milliseconds(start.elapsed())));
+                let carried = CarriedValues::between(&before, self.workshop.values().table());
+                if !carried.without_parameter.is_empty() {
+                    carried.sentence().into_iter().for_each(|sentence| self.log.add(format!("  {sentence}")));
+                }
+                self.note_mended(is_saved);
                 self.open_materials();
             }
             Err(errors) => {

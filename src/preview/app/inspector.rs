@@ -7,6 +7,7 @@ use crate::preview::app::colours::{paint_swatch, shown_colour};
 use crate::preview::app::pane::Placement;
 use crate::preview::app::panel_sizes::remember;
 use crate::preview::workshop::Workshop;
+use crate::scene::BodyId;
 use crate::trace::Edge;
 use crate::user_data::settings::{PanelSide, PanelSizes};
 use egui::{
@@ -203,14 +204,20 @@ fn hit_ui(ui: &mut Ui, workshop: &Workshop, hit: &InspectedHit) {
 fn light_ui(ui: &mut Ui, workshop: &Workshop, hit: &InspectedHit, light: &InspectedLight) {
     let scene = workshop.scene();
     let name = &scene.light(light.light).name;
-    let state = match &light.visibility {
-        Visibility::Lit => colour_text(light.contribution),
-        Visibility::Away => "behind the surface".to_owned(),
-        Visibility::Shadowed(bodies) => {
-            let names: Vec<&str> = bodies.iter().map(|body| scene.body(*body).name.as_str()).collect();
-            format!("in the shadow of {}", names.join(", "))
-        }
+    let shadow = |bodies: &[BodyId]| {
+        let names: Vec<&str> = bodies.iter().map(|body| scene.body(*body).name.as_str()).collect();
+        format!("in the shadow of {}", names.join(", "))
     };
+    let position = match &light.visibility {
+        Visibility::Lit => None,
+        Visibility::Away(bodies) if light.evaluated && !bodies.is_empty() => {
+            Some(format!("behind the surface, {}", shadow(bodies)))
+        }
+        Visibility::Away(_) => Some("behind the surface".to_owned()),
+        Visibility::Shadowed(bodies) => Some(shadow(bodies)),
+    };
+    let added = light.evaluated.then(|| colour_text(light.contribution));
+    let state = added.into_iter().chain(position).collect::<Vec<_>>().join(", ");
     let title = format!("light {name}, {}°: {state}", figures(light.angle));
     CollapsingHeader::new(title).id_salt(("light", light.light)).show(ui, |ui| {
         let inspector = Inspector::new(workshop.formula(), workshop.world(), workshop.values().numbers());

@@ -109,7 +109,10 @@ impl Log {
                     self.add(format!("the picture has {}", undefined_pixels(*pixels)));
                 }
             }
-            Event::Failed(message) => self.add(format!("error: {message}")),
+            Event::Reviewed(Some(finding)) => self.add(finding.message()),
+            Event::Reviewed(None) => {}
+            // A notice says it, which is in the log too.
+            Event::Failed(_) => {}
         }
     }
 

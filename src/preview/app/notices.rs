@@ -20,8 +20,10 @@ pub(super) enum Topic {
     LeftDrafts,
     /// The startup session.
     Startup,
-    /// The open session.
+    /// The values of the open session.
     Session,
+    /// The mistakes in the texts of the open session.
+    Mistakes,
     /// The material library.
     Materials,
     /// The picture.

@@ -47,9 +47,19 @@ pub(super) struct PicturePane {
     comparison: Comparison,
     line: DividingLine,
     response: Option<Response>,
+    /// What is said over the picture.
+    pub(super) note: Option<PaneNote>,
     /// The picture with marks of clipped pixels, and the version of the picture without them.
     marked: (Picture, u64),
     bars: Histogram,
+}
+
+/// What is said over the picture.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct PaneNote {
+    pub(super) text: String,
+    /// Whether it is in the middle of the pane, because there is nothing else to see; otherwise in a corner.
+    pub(super) is_central: bool,
 }
 
 /// The line between two pictures.
@@ -84,6 +94,7 @@ impl Default for PicturePane {
             comparison: Comparison::default(),
             line: DividingLine::default(),
             response: None,
+            note: None,
             marked: (Picture::default(), 0),
             bars: Histogram::default(),
         }
@@ -229,6 +240,13 @@ impl PicturePane {
             }
             PaneMode::Difference(..) if let Some(words) = self.words_of_difference() => say(corner, left, &words),
             PaneMode::Current | PaneMode::Snapshot(_) | PaneMode::Split(_) | PaneMode::Difference(..) => {}
+        }
+        match &self.note {
+            Some(PaneNote { text, is_central: true }) => say(self.area.center(), egui::Align2::CENTER_CENTER, text),
+            Some(PaneNote { text, is_central: false }) => {
+                say(self.area.left_bottom() + vec2(8.0, -8.0), egui::Align2::LEFT_BOTTOM, text);
+            }
+            None => {}
         }
     }
 

@@ -36,12 +36,12 @@ impl App {
     /// Saves the text in view.
     pub(super) fn save(&mut self) {
         let document = &self.documents[self.tab];
-        match document.location() {
-            Some(Location::File(path)) => {
-                let path = path.clone();
+        match document.own_file() {
+            Some(path) => {
+                let path = path.to_owned();
                 self.save_to(document.kind(), path);
             }
-            Some(Location::Preset(_)) | None => self.perform(Action::ShowSaveDialog(document.kind())),
+            None => self.perform(Action::ShowSaveDialog(document.kind())),
         }
     }
 
@@ -94,11 +94,11 @@ impl App {
             let then = self.pending_save.take().and_then(|pending| pending.then);
             return then.into_iter().for_each(|action| self.perform(action));
         };
-        let location = match TextTab::of(kind) {
-            Some(tab) => self.documents[tab].location(),
-            None => self.session.as_ref(),
+        let own = match TextTab::of(kind) {
+            Some(tab) => self.documents[tab].own_file(),
+            None => self.session.as_ref().and_then(Location::file).filter(|_| self.mistakes.session_errors.is_none()),
         };
-        match path.or_else(|| location.and_then(Location::file).map(Path::to_owned)) {
+        match path.or_else(|| own.map(Path::to_owned)) {
             Some(path) => self.save_to(kind, path),
             None => {
                 let before_session = pending_session(&pending.steps).is_some() && kind != FileKind::Session;
@@ -126,6 +126,8 @@ impl App {
                     Some(tab) => self.documents[tab].note_saved(location),
                     None => {
                         self.session = Some(location);
+                        self.mistakes.session_errors = None;
+                        self.notify_of_mistakes();
                         self.note_saved_session();
                     }
                 }

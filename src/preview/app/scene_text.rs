@@ -59,11 +59,13 @@ impl App {
     pub(super) fn follow_scene_text(&mut self) {
         let owners = |app: &Self| app.workshop.values().table().owners().clone();
         let selected = owners(self).name(self.parameters.selected()).map(str::to_owned);
+        let is_saved = !self.session_is_unsaved();
         let document = &mut self.documents.scene;
         document.check();
         let applied = self.workshop.apply_scene(&document.source()).is_ok();
         if applied {
             document.note_applied(true);
+            self.note_mended(is_saved);
         }
         if applied && let Some(name) = selected {
             let owner = owners(self).named(&name).unwrap_or(crate::workspace::OwnerId::Global);

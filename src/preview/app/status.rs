@@ -4,6 +4,7 @@ use crate::backends::CHOICES;
 use crate::preview::app::comparison::PaneMode;
 use crate::preview::app::log::thousands;
 use crate::preview::app::pane::body_at;
+use crate::preview::app::session_mistakes::capital;
 use crate::preview::app::{Action, App};
 use egui::{Button, ProgressBar, RichText, Ui};
 
@@ -25,7 +26,8 @@ pub(super) fn bar(app: &App, ui: &mut Ui, actions: &mut Vec<Action>) {
             ui.separator();
             let title = RichText::new(format!("⚠ NaN in {} pixels", thousands(count as u64))).color(ui.visuals().warn_fg_color);
             let about = "There the formula yields no number, and the picture is black. Click to inspect the first of them.";
-            if ui.add(Button::new(title).small()).on_hover_text(about).clicked() {
+            let origin = app.finding.as_ref().map(|finding| format!("\n\n{}", capital(&finding.message()))).unwrap_or_default();
+            if ui.add(Button::new(title).small()).on_hover_text(format!("{about}{origin}")).clicked() {
                 actions.push(Action::InspectPixel(first));
             }
         }

@@ -14,6 +14,7 @@ mod focus;
 mod layout;
 mod light;
 mod menus;
+mod mistakes;
 mod picture;
 mod rows;
 mod safety;

@@ -9,8 +9,8 @@ use crate::preview::app::colours::{hex_ui, picker_ui, swatch_button};
 use crate::preview::app::number_field::{EditPhase, NUMBER_WIDTH, number_ui, phase};
 use crate::workspace::{OwnerId, Values};
 use egui::{
-    Align2, Color32, Popup, PopupCloseBehavior, Response, Sense, Slider, Stroke, TextStyle, TextWrapMode, Ui, WidgetInfo,
-    WidgetText, WidgetType, pos2, vec2,
+    Align2, Color32, ComboBox, Popup, PopupCloseBehavior, Response, Sense, Slider, Stroke, TextStyle, TextWrapMode, Ui,
+    WidgetInfo, WidgetText, WidgetType, pos2, vec2,
 };
 
 /// What the user did with a value.
@@ -77,7 +77,14 @@ impl RowContext<'_> {
                 row(ui, |ui| {
                     edit = self.name_ui(ui, parameter, owner, signs.lock);
                     space(ui, MARK);
-                    let enabled = ui.add_enabled_ui(signs.lock.is_none(), |ui| self.number_row(ui, parameter, value[0]));
+                    let enabled = ui.add_enabled_ui(signs.lock.is_none(), |ui| {
+                        if parameter.is_whole() {
+                            self.whole_ui(ui, parameter, value[0])
+                        } else {
+                            self.number_row(ui, parameter, value[0])
+                        }
+                    });
+                    ui.add_space((ui.available_width() - SIGN).max(0.0));
                     signs.ui(ui);
                     edit = enabled.inner.map(|(number, phase)| ValueEdit::new([number, 0.0, 0.0], phase)).or(edit.take());
                 });
@@ -150,6 +157,27 @@ impl RowContext<'_> {
             edit = Some(ValueEdit::Set(parameter.default));
         }
         edit
+    }
+
+    /// Draws a check box for a switch, or a menu for choices.
+    fn whole_ui(&self, ui: &mut Ui, parameter: &Parameter, number: f32) -> Option<(f32, EditPhase)> {
+        let mut chosen = number;
+        if parameter.switch {
+            let mut on = number != 0.0;
+            let state = if on { "on" } else { "off" };
+            ui.checkbox(&mut on, state).on_hover_text(one_line(&parameter.name));
+            chosen = f32::from(u8::from(on));
+        } else {
+            let name = |index: usize| parameter.choices.get(index).map_or_else(|| index.to_string(), |name| one_line(name));
+            let width = self.columns.slider + GAP + NUMBER_WIDTH;
+            let menu = ComboBox::from_id_salt("choices").width(width).truncate().selected_text(name(number as usize));
+            menu.show_ui(ui, |ui| {
+                for index in 0..parameter.choices.len() {
+                    ui.selectable_value(&mut chosen, index as f32, name(index));
+                }
+            });
+        }
+        (chosen != number).then_some((chosen, EditPhase::Set))
     }
 
     /// Draws a slider and a number.
@@ -265,7 +293,12 @@ fn is_logarithmic([low, high]: [f32; 2]) -> bool {
 fn tooltip(parameter: &Parameter, lock: Option<&str>) -> String {
     let said = parameter.doc.as_deref().map_or_else(String::new, |doc| format!("{}\n", one_line(doc)));
     let mut text = format!("{said}{}: {}", parameter.name, parameter.ty);
-    if let Some([low, high]) = parameter.range {
+    if parameter.switch {
+        text.push_str(", 0 or 1");
+    } else if !parameter.choices.is_empty() {
+        let names: Vec<String> = parameter.choices.iter().enumerate().map(|(index, name)| format!("{index} {name}")).collect();
+        text.push_str(&format!(": {}", one_line(&names.join(", "))));
+    } else if let Some([low, high]) = parameter.range {
         text.push_str(&format!(", {low} to {high}"));
     }
     if let Some(predefined) = parameter.predefined {

@@ -3,7 +3,7 @@
 //! They are chosen by the words before the cursor. No widget is known here.
 
 use super::words::{Class, TextSection, Words, scene_words, signatures};
-use crate::lang::builtins::{self, Form};
+use crate::lang::builtins::{self, Form, Repetition};
 use crate::lang::keywords::{self, Keyword};
 use crate::lang::token::{Mark, TokenKind};
 use crate::lang::types::Type;
@@ -96,6 +96,11 @@ fn in_formula(text: &str, words: &Words, word: Range<usize>) -> Vec<Candidate> {
             _ if begins => heads().collect(),
             _ => Vec::new(),
         },
+        TextSection::Predefined => match last {
+            Some(TokenKind::Mark(Mark::Colon | Mark::Comma)) => keywords::PARAMETER_ATTRIBUTES.iter().map(meaning).collect(),
+            _ if begins => Predefined::ALL.iter().map(predefined).chain(heads()).collect(),
+            _ => Vec::new(),
+        },
         TextSection::Invariants => {
             let sums = own(text, words, &word).filter(|candidate| candidate.class == Class::Parameter);
             let given = Predefined::ALL.iter().filter(|one| one.ty() == Type::Scalar && one.usable_in_formulas()).map(predefined);
@@ -114,7 +119,8 @@ fn expression(text: &str, words: &Words, word: &Range<usize>) -> Vec<Candidate> 
     let variables = Variable::ALL.iter().map(variable);
     let given = Predefined::ALL.iter().filter(|one| one.usable_in_formulas()).map(predefined);
     let functions = builtins::names().into_iter().filter_map(builtins::named).chain([Form::Conditional]).map(function);
-    candidates.extend(variables.chain(given).chain(functions));
+    let repetitions = Repetition::ALL.map(repetition);
+    candidates.extend(variables.chain(given).chain(functions).chain(repetitions));
     let mut names = std::collections::HashSet::new();
     candidates.retain(|candidate| names.insert(candidate.name.clone()));
     candidates
@@ -159,11 +165,24 @@ pub(super) fn function(form: Form) -> Candidate {
     let name = form.spelling();
     let call = match form {
         Form::Function(_) | Form::Conditional => format!("{name}("),
-        Form::Constant(_) | Form::Prefix(_) | Form::Infix(_) | Form::Vector => name.to_owned(),
+        Form::Constant(_) | Form::Prefix(_) | Form::Infix(_) | Form::UnitDot | Form::Vector => name.to_owned(),
     };
     let class = if form == Form::Conditional { Class::Keyword } else { Class::Function };
     let doc = form.overloads().next().map_or("", |operation| operation.doc());
     Candidate { name: name.to_owned(), insert: call, types: signatures(form), doc: doc.to_owned(), class }
+}
+
+pub(super) fn repetition(repetition: Repetition) -> Candidate {
+    let name = repetition.name();
+    let usage = repetition.usage();
+    let types = usage.strip_prefix(name).unwrap_or_default().to_owned();
+    Candidate {
+        name: name.to_owned(),
+        insert: format!("{name}("),
+        types,
+        doc: repetition.doc().to_owned(),
+        class: Class::Function,
+    }
 }
 
 pub(super) fn meaning(keyword: &Keyword) -> Candidate {

@@ -12,6 +12,7 @@ use crate::lang::source::{BYTE_ORDER_MARK, Source};
 use crate::scene::Scene;
 use crate::workspace::FileKind;
 use crate::workspace::Location;
+use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Texts up to this many bytes are checked at every change. That takes no longer than drawing them.
@@ -23,6 +24,8 @@ pub struct Document {
     id: u64,
     kind: FileKind,
     location: Option<Location>,
+    /// Why the file at the location could not be read, until something else is saved there.
+    unread: Option<Diagnostics>,
     pub(super) text: String,
     saved: String,
     /// The text that the picture is made from; `None` if it is another one.
@@ -47,6 +50,7 @@ impl Document {
             id: NEXT.fetch_add(1, Ordering::Relaxed),
             kind,
             location: None,
+            unread: None,
             saved: text.clone(),
             applied: None,
             text,
@@ -68,6 +72,14 @@ impl Document {
         document
     }
 
+    /// A text of which only the location is known, because the file cannot be read for this reason. The reason is shown
+    /// until there is a text.
+    pub fn unread(kind: FileKind, location: Location, reason: Diagnostics) -> Self {
+        let mut document = Self { location: Some(location), unread: Some(reason), ..Self::untitled(kind, "") };
+        document.set_diagnostics(Diagnostics::new());
+        document
+    }
+
     /// Identifies the document in this run.
     pub fn id(&self) -> u64 {
         self.id
@@ -81,6 +93,12 @@ impl Document {
     /// Where the text is saved; `None` if it never was.
     pub fn location(&self) -> Option<&Location> {
         self.location.as_ref()
+    }
+
+    /// The file that the text may replace without a question; `None` if there is none, or if its contents are not
+    /// known.
+    pub fn own_file(&self) -> Option<&Path> {
+        self.location.as_ref().and_then(Location::file).filter(|path| self.unread.is_none() || !path.exists())
     }
 
     /// The text, with `
@@ -113,6 +131,7 @@ impl Document {
     /// Notes that the current text was saved at a location.
     pub fn note_saved(&mut self, location: Location) {
         self.saved.clone_from(&self.text);
+        self.unread = None;
         if self.location.as_ref() != Some(&location) {
             self.location = Some(location);
         }
@@ -202,6 +221,9 @@ impl Document {
 
     /// Sets the diagnostics of the current text.
     pub fn set_diagnostics(&mut self, mut diagnostics: Diagnostics) {
+        if let Some(reason) = self.unread.as_ref().filter(|_| self.text.is_empty()) {
+            diagnostics = reason.clone();
+        }
         diagnostics.sort();
         self.diagnostics = diagnostics.into_iter().collect();
         self.checked = Some(self.revision);

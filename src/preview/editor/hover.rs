@@ -1,10 +1,10 @@
 //! What is known about the word under the pointer: from the tables of the language, and from the author's comments.
 
-use super::completion::{Candidate, function, meaning, predefined, variable};
+use super::completion::{Candidate, function, meaning, predefined, repetition, variable};
 use super::palette::Palette;
 use super::words::{Class, Declared, TextSection, Words, scene_words};
 use crate::lang::ast::FormulaFile;
-use crate::lang::builtins::{self, Form};
+use crate::lang::builtins::{self, Form, Repetition};
 use crate::lang::display_text::one_line;
 use crate::lang::keywords;
 use crate::lang::parser::parse;
@@ -31,7 +31,7 @@ impl PointedSyntax {
             (self.of, self.file) = (of, parse(&document.source()).0);
         }
         let parameters = self.file.declarations().map(|one| (&one.name.text, &one.doc));
-        let macros = self.file.macros.iter().map(|line| (&line.name.text, &line.doc));
+        let macros = self.file.definitions.iter().map(|line| (&line.name.text, &line.doc));
         let mut named = parameters.chain(macros).filter(|(other, _)| *other == name);
         named.find_map(|(_, doc)| doc.as_deref().map(one_line))
     }
@@ -45,7 +45,7 @@ impl PointedSyntax {
         let found = match class {
             Class::Keyword if document.kind() == FileKind::Scene => scene_keyword(words, range.start, word),
             Class::Keyword => formula_keyword(word),
-            Class::Function => builtins::named(word).map(function),
+            Class::Function => builtins::named(word).map(function).or_else(|| Repetition::named(word).map(repetition)),
             Class::Variable => Variable::named(word).as_ref().map(variable),
             Class::Predefined => Predefined::named(word).as_ref().map(predefined),
             Class::Parameter | Class::Named => {
@@ -79,7 +79,12 @@ fn operator(words: &Words, at: usize) -> Option<Form> {
     }
     let mark = |at: usize| match words.tokens[at].kind {
         TokenKind::Mark(mark) => Some(mark),
-        TokenKind::Number(_) | TokenKind::Word(_) | TokenKind::Uses(..) | TokenKind::Unknown | TokenKind::End => None,
+        TokenKind::Number(_)
+        | TokenKind::Word(_)
+        | TokenKind::Uses(..)
+        | TokenKind::Text(_)
+        | TokenKind::Unknown
+        | TokenKind::End => None,
     };
     // The vectors and parentheses that are open at the token.
     let mut open = Vec::new();

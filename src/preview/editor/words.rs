@@ -3,13 +3,13 @@
 //! This uses the lexer and the tables of the language, so it works on unfinished texts that no parser accepts. No
 //! colours or widgets are known here.
 
-use crate::lang::builtins::{self, Form, Operation};
+use crate::lang::builtins::{self, Form, Operation, Repetition};
 use crate::lang::keywords::{self, Keyword};
 use crate::lang::lexer::tokenize;
 use crate::lang::source::Source;
 use crate::lang::token::{Mark, Token, TokenKind};
 use crate::lang::types::Type;
-use crate::lang::variables::{Owner, Predefined, Variable};
+use crate::lang::variables::{Owner, PREDEFINED_SECTION, Predefined, Variable};
 use crate::scene::{LightKind, Shape, Syntax};
 use crate::workspace::FileKind;
 use std::collections::{HashMap, HashSet};
@@ -32,7 +32,7 @@ pub enum Class {
     Parameter,
     /// A macro, or the name of a body or light.
     Named,
-    /// A number.
+    /// A number, or a text in quotation marks.
     Number,
     /// A comment.
     Comment,
@@ -49,6 +49,8 @@ pub(super) enum TextSection {
     Head,
     /// Declarations of parameters.
     Parameters(Owner),
+    /// ParameterAttributes of predefined parameters.
+    Predefined,
     /// Invariants.
     Invariants,
     /// Macros and the last line.
@@ -150,7 +152,7 @@ impl Words {
             depth += match token.kind {
                 TokenKind::Mark(Mark::Open) => 1,
                 TokenKind::Mark(Mark::Close) => -1,
-                TokenKind::Number(_) | TokenKind::Word(_) | TokenKind::Uses(..) | TokenKind::Mark(_) => 0,
+                TokenKind::Number(_) | TokenKind::Word(_) | TokenKind::Uses(..) | TokenKind::Text(_) | TokenKind::Mark(_) => 0,
                 TokenKind::Unknown | TokenKind::End => 0,
             };
             depth == 0
@@ -168,7 +170,7 @@ impl Words {
 fn known(word: &str) -> Class {
     if word == Form::Conditional.spelling() {
         Class::Keyword
-    } else if builtins::named(word).is_some() {
+    } else if builtins::named(word).is_some() || Repetition::named(word).is_some() {
         Class::Function
     } else if Variable::named(word).is_some() {
         Class::Variable
@@ -212,7 +214,7 @@ impl WordReader<'_> {
         match &self.tokens[at].kind {
             TokenKind::Word(word) if self.kind == FileKind::Formula => self.formula_word(at, word),
             TokenKind::Word(word) => self.scene_word(at, word),
-            TokenKind::Number(_) => Class::Number,
+            TokenKind::Number(_) | TokenKind::Text(_) => Class::Number,
             TokenKind::Uses(..) => Class::Uses,
             TokenKind::Unknown => Class::Unknown,
             TokenKind::Mark(_) | TokenKind::End => Class::Plain,
@@ -222,7 +224,12 @@ impl WordReader<'_> {
     fn mark(&self, at: Option<usize>) -> Option<Mark> {
         match self.tokens.get(at?)?.kind {
             TokenKind::Mark(mark) => Some(mark),
-            TokenKind::Number(_) | TokenKind::Word(_) | TokenKind::Uses(..) | TokenKind::Unknown | TokenKind::End => None,
+            TokenKind::Number(_)
+            | TokenKind::Word(_)
+            | TokenKind::Uses(..)
+            | TokenKind::Text(_)
+            | TokenKind::Unknown
+            | TokenKind::End => None,
         }
     }
 
@@ -244,7 +251,9 @@ impl WordReader<'_> {
 
     fn formula_word(&mut self, at: usize, word: &str) -> Class {
         let (before, behind) = (self.mark(at.checked_sub(1)), self.mark(Some(at + 1)));
-        if let Some(section) = formula_section(word) {
+        // The head of the section may also name something.
+        let is_name = word == PREDEFINED_SECTION && behind != Some(Mark::Semicolon);
+        if let Some(section) = formula_section(word).filter(|_| !is_name) {
             return self.enter(at, section);
         }
         match (self.section, before, behind) {
@@ -257,9 +266,23 @@ impl WordReader<'_> {
                 };
                 self.declare(at, Class::Parameter, ty)
             }
+            (TextSection::Predefined, Some(Mark::Colon | Mark::Comma), _) if is_in(&keywords::PARAMETER_ATTRIBUTES, word) => {
+                Class::Keyword
+            }
             (TextSection::Formula, Some(Mark::Semicolon), Some(Mark::Equal)) => self.declare(at, Class::Named, None),
+            (TextSection::Formula, Some(Mark::Semicolon), Some(Mark::Open)) if self.defines_function(at) => {
+                self.declare(at, Class::Named, None)
+            }
             _ => Class::Plain,
         }
+    }
+
+    /// Whether `(x, y) =` is behind a word.
+    fn defines_function(&self, at: usize) -> bool {
+        let behind = self.tokens[at + 1..].iter();
+        let close = behind.take_while(|token| token.kind != TokenKind::Mark(Mark::Semicolon));
+        let close = close.enumerate().find(|(_, token)| token.kind == TokenKind::Mark(Mark::Close)).map(|(offset, _)| offset);
+        close.is_some_and(|close| self.mark(Some(at + close + 2)) == Some(Mark::Equal))
     }
 
     fn scene_word(&mut self, at: usize, word: &str) -> Class {
@@ -282,7 +305,7 @@ fn is_in(table: &[Keyword], word: &str) -> bool {
 /// The section of a formula file that a word starts.
 fn formula_section(word: &str) -> Option<TextSection> {
     let owner = Owner::ALL.into_iter().find(|owner| owner.section() == word).map(TextSection::Parameters);
-    let others = [TextSection::Invariants, TextSection::Formula];
+    let others = [TextSection::Predefined, TextSection::Invariants, TextSection::Formula];
     let rest = keywords::FORMULA_SECTIONS.iter().skip(Owner::ALL.len()).zip(others);
     owner.or_else(|| rest.filter(|(keyword, _)| keyword.word == word).map(|(_, section)| section).next())
 }
@@ -299,7 +322,11 @@ pub(super) fn scene_words(section: TextSection) -> Vec<&'static Keyword> {
         TextSection::Bodies => Shape::SYNTAX.iter().flat_map(Syntax::words).chain(&keywords::BODY_ATTRIBUTES).collect(),
         TextSection::Lights => LightKind::SYNTAX.iter().flat_map(Syntax::words).collect(),
         TextSection::Camera => keywords::CAMERA_CLAUSES.iter().collect(),
-        TextSection::Head | TextSection::Parameters(_) | TextSection::Invariants | TextSection::Formula => Vec::new(),
+        TextSection::Head
+        | TextSection::Parameters(_)
+        | TextSection::Predefined
+        | TextSection::Invariants
+        | TextSection::Formula => Vec::new(),
     };
     let mut seen = HashSet::new();
     words.retain(|keyword| seen.insert(keyword.word));
@@ -310,7 +337,7 @@ pub(super) fn scene_words(section: TextSection) -> Vec<&'static Keyword> {
 pub(super) fn signatures(form: Form) -> String {
     let written = |operation: Operation| match form {
         Form::Function(_) | Form::Conditional => format!("({})  {}", operation.operand_names().join(", "), operation.signature()),
-        Form::Constant(_) | Form::Prefix(_) | Form::Infix(_) | Form::Vector => operation.signature(),
+        Form::Constant(_) | Form::Prefix(_) | Form::Infix(_) | Form::UnitDot | Form::Vector => operation.signature(),
     };
     form.overloads().map(written).collect::<Vec<_>>().join(";  ")
 }

@@ -1,6 +1,7 @@
 //! Draws the pictures of the evaluation thread. Evaluators are used again, and a held slider is drawn as a drag.
 
-use crate::engine::EngineError;
+use crate::engine::{EngineError, Subject};
+use crate::evaluate::review::{PictureFinding, PictureSummary, ReviewedPicture, review};
 use crate::evaluate::{Drag, Evaluator, Framebuffer};
 use crate::formula::Formula;
 use crate::picture::Frame;
@@ -48,6 +49,9 @@ pub(super) struct DrawingWorker {
     /// The size in which pictures are shown on the screen. Pictures of a held slider are scaled to it while they are in
     /// the caches of the threads that drew them, if it is smaller than they are.
     pub(super) shown: Option<[u32; 2]>,
+    /// The summary of the last picture, if it was evaluated at rest and has not been reviewed. `Some(None)` if nothing
+    /// is remarkable about it.
+    unreviewed: Option<Option<PictureSummary>>,
     /// The last picture of the evaluator without a held slider. Another view transform needs no evaluation.
     linear: Option<LinearPicture>,
 }
@@ -56,6 +60,8 @@ pub(super) struct DrawingWorker {
 struct LinearPicture {
     frame: Arc<Frame>,
     nan: NanMask,
+    /// The summary of a picture with NaN. Only the evaluation sees them.
+    summary: Option<PictureSummary>,
     hits: Arc<Hits>,
     numbers: Vec<f32>,
 }
@@ -142,23 +148,25 @@ impl DrawingWorker {
                 told = Some(Some(Method::General));
             }
             None => {
-                let (frame, mask, undefined) = match self.linear.take().filter(|linear| linear.is_of(hits, numbers)) {
-                    Some(linear) => (linear.frame, linear.nan, None),
+                let (frame, mask, summary, undefined) = match self.linear.take().filter(|linear| linear.is_of(hits, numbers)) {
+                    Some(linear) => (linear.frame, linear.nan, linear.summary, None),
                     None => {
                         told = Some(None);
                         let mut frame = ready.frame(numbers);
                         let is_undefined = |pixel: &[f32; 3]| pixel.iter().any(|component| component.is_nan());
                         let first = frame.linear.iter().position(is_undefined);
+                        let summary = first.map(|_| PictureSummary::of(&frame));
                         // Most pictures have none, and are read once.
                         let mask = first.map(|_| NanMask::of(&frame)).unwrap_or_default();
                         let undefined = if first.is_some() { frame.clean() } else { 0 };
-                        (Arc::new(frame), mask, Some((undefined, first)))
+                        (Arc::new(frame), mask, summary, Some((undefined, first)))
                     }
                 };
                 framebuffer.set(&frame);
                 nan = mask.clone();
+                self.unreviewed = Some(summary.or_else(|| PictureSummary::if_remarkable(&frame, &request.transform)));
                 let (frame_kept, hits, numbers) = (Arc::clone(&frame), Arc::clone(hits), numbers.to_vec());
-                self.linear = Some(LinearPicture { frame: frame_kept, nan: mask, hits, numbers });
+                self.linear = Some(LinearPicture { frame: frame_kept, nan: mask, summary, hits, numbers });
                 linear = Some(frame);
                 if let Some((undefined, first)) = undefined {
                     let view = &request.subject.view;
@@ -191,6 +199,14 @@ impl DrawingWorker {
         let view = &request.subject.view;
         let full_size = [view.width(), view.height()];
         Ok(Picture { width, height, pixels, version: 0, values: 0, full_size, linear, nan })
+    }
+
+    /// What is remarkable about the picture that was drawn last, if it was evaluated at rest in full size.
+    pub(super) fn review(&mut self, request: &RenderRequest, hits: &Hits, numbers: &[f32]) -> Option<Option<PictureFinding>> {
+        let summary = self.unreviewed.take()?;
+        let Subject { formula, world, view } = &request.subject;
+        let picture = ReviewedPicture { formula, world, view, numbers, transform: request.transform };
+        Some(summary.filter(|_| hits.view == *view).and_then(|summary| review(&picture, &summary)))
     }
 
     /// Compiles the formula, unless it was the last one.

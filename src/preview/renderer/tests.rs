@@ -114,7 +114,8 @@ fn another_view_transform_is_shown_without_an_evaluation() {
     let other = wait_for(&renderer, other);
     assert!(other.pixels == expected(&exposed, &values) && other.pixels != first.pixels);
     assert_eq!(first.linear, other.linear, "the linear colours are those of the first picture");
-    assert_eq!(renderer.events().collect::<Vec<_>>(), [], "nothing is traced, compiled or evaluated");
+    let events = renderer.events().filter(|event| !matches!(event, Event::Reviewed(_)));
+    assert_eq!(events.collect::<Vec<_>>(), [], "nothing is traced, compiled or evaluated");
 }
 
 #[test]

@@ -136,7 +136,9 @@ fn trace_stage(
         return None;
     }
     let (size, full) = ([view.width(), view.height()], view == subject.view);
-    let _ = events.send(Event::Traced { time, counts: hits.counts(), size, full });
+    // The formula may read `visible`. Then it has more records.
+    let counts = hits.for_lights(subject.formula.evaluated_lights()).map_or_else(|_| hits.counts(), |hits| hits.counts());
+    let _ = events.send(Event::Traced { time, counts, size, full });
     // The request may have changed since, but not the hits.
     let requested = if wanted.requested > requested { wanted.requested } else { requested };
     wanted.hits = Some(TracedHits { hits, requested, moving: None });

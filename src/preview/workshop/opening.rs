@@ -5,47 +5,90 @@ use crate::lang::diagnostic::{Diagnostic, Diagnostics, Severity};
 use crate::lang::source::Source;
 use crate::workspace::FileKind;
 use crate::workspace::Location;
-use crate::workspace::project::{Listener, OpenProjectError, Project, Request, SessionText};
+use crate::workspace::materials::SourceDiagnostics;
+use crate::workspace::project::{Listener, OpenProjectError, PartialProject, Project, Request, SessionMistakes, SessionText};
+use std::fmt;
 use std::path::Path;
 
-/// An open session, and its warnings.
+/// An open session, and what is to be said about it.
 #[derive(Debug)]
 pub struct OpenedSession {
-    /// The session.
+    /// The session. Something stands in for a text that cannot be used.
     pub project: Project,
     /// Warnings about what is not used as given, for the user.
     pub warnings: Vec<String>,
+    /// What is wrong with its texts.
+    pub mistakes: SessionMistakes,
+}
+
+/// Why a session was not opened: errors with the texts that they are in.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OpeningErrors(pub Vec<SourceDiagnostics>);
+
+impl From<Diagnostic> for OpeningErrors {
+    /// An error without a place in a text.
+    fn from(diagnostic: Diagnostic) -> Self {
+        OpeningErrors(vec![SourceDiagnostics { source: Source::new("", ""), diagnostics: diagnostic.into() }])
+    }
+}
+
+/// The errors as lines of text. Those with a place have the line of the text with a mark.
+impl fmt::Display for OpeningErrors {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (index, found) in self.0.iter().enumerate() {
+            if index > 0 {
+                writeln!(f)?;
+            }
+            if found.source.name().is_empty() {
+                f.write_str(&found.diagnostics.iter().map(text).collect::<Vec<_>>().join("\n"))?;
+            } else {
+                write!(f, "{found:#}")?;
+            }
+        }
+        Ok(())
+    }
 }
 
 /// Collects errors and warnings.
 #[derive(Default)]
 struct ReportCollector {
-    errors: Vec<String>,
+    errors: Vec<SourceDiagnostics>,
     warnings: Vec<String>,
+}
+
+impl ReportCollector {
+    fn add_error(&mut self, diagnostic: Diagnostic) {
+        self.errors.push(SourceDiagnostics { source: Source::new("", ""), diagnostics: diagnostic.into() });
+    }
 }
 
 impl Listener for ReportCollector {
     fn diagnostics(&mut self, diagnostics: &Diagnostics, source: &Source) {
-        if diagnostics.iter().any(|diagnostic| diagnostic.severity() == Severity::Error) {
-            self.errors.push(format!("{:#}", diagnostics.located(source)));
+        if diagnostics.has_errors() {
+            self.errors.push(SourceDiagnostics { source: source.clone(), diagnostics: diagnostics.clone() });
         } else {
             self.warnings.extend(diagnostics.iter().map(text));
         }
     }
 
     fn message(&mut self, diagnostic: Diagnostic) {
-        let list = if diagnostic.severity() == Severity::Error { &mut self.errors } else { &mut self.warnings };
-        list.push(text(&diagnostic));
+        match diagnostic.severity() {
+            Severity::Error => self.add_error(diagnostic),
+            Severity::Warning => self.warnings.push(text(&diagnostic)),
+        }
     }
+
+    /// The window opens sessions with their own texts, so there is nothing to remark.
+    fn remark(&mut self, _: &str) {}
 }
 
 impl OpenedSession {
-    /// Opens a session with its files. `readable` says which types of file the session itself may be. The files that
-    /// it names must be regular.
+    /// Opens what can be used of a session and its files. `readable` says which types of file the session itself may
+    /// be. The files that it names must be regular.
     ///
     /// # Errors
-    /// The errors of the files, as lines of text with the places marked.
-    pub fn open(location: &Location, readable: Readable) -> Result<OpenedSession, String> {
+    /// The session itself cannot be read, or does not say what it is of.
+    pub fn open(location: &Location, readable: Readable) -> Result<OpenedSession, OpeningErrors> {
         let session = Some(SessionText::At(location.clone()));
         Self::open_request(&Request { session, session_readable: readable, ..Request::default() })
     }
@@ -59,22 +102,21 @@ impl OpenedSession {
         source: &Source,
         folder: &Path,
         other: &dyn Fn(FileKind) -> Option<Source>,
-    ) -> Result<OpenedSession, String> {
+    ) -> Result<OpenedSession, OpeningErrors> {
         let session = SessionText::Text(source.clone(), folder.to_owned());
         Self::open_request(&Request { session: Some(session), texts: Some(other), ..Request::default() })
     }
 
     /// Opens what a request says.
-    pub(super) fn open_request(request: &Request) -> Result<OpenedSession, String> {
+    pub(super) fn open_request(request: &Request) -> Result<OpenedSession, OpeningErrors> {
         let mut collector = ReportCollector::default();
-        match Project::open(request, &mut collector) {
-            Ok(project) => Ok(OpenedSession { project, warnings: collector.warnings }),
+        match Project::open_in_parts(request, &mut collector) {
+            Ok(PartialProject { project, mistakes }) => Ok(OpenedSession { project, warnings: collector.warnings, mistakes }),
             Err(error) => {
-                let mut errors = collector.errors;
                 if let OpenProjectError::Input(diagnostic) | OpenProjectError::Request(diagnostic) = error {
-                    errors.push(text(&diagnostic));
+                    collector.add_error(diagnostic);
                 }
-                Err(errors.join("\n"))
+                Err(OpeningErrors(collector.errors))
             }
         }
     }

@@ -154,7 +154,7 @@ fn a_value_is_copied_to_all_bodies_and_a_session_holds_everything() {
     let opened = OpenedSession::open(&Location::File(path), Readable::Regular).expect("a session");
     assert_eq!(opened.project.values.numbers(), workshop.values().numbers());
     assert_eq!((opened.project.picture, opened.warnings), (workshop.settings(), Vec::new()));
-    let missing = OpenedSession::open(&Location::new("nowhere.toml"), Readable::Regular).expect_err("no such file");
+    let missing = OpenedSession::open(&Location::new("nowhere.toml"), Readable::Regular).expect_err("no such file").to_string();
     assert!(missing.contains("nowhere.toml"), "{missing}");
     assert!(workshop.set_picture(PictureSettings { depth: 10, ..workshop.settings() }).is_err());
     settle(&mut workshop);

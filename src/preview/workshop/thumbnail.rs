@@ -43,7 +43,8 @@ impl Thumbnail {
             FileKind::Material => return None,
         };
         let request = Request { session_readable: Readable::Regular, readable: Readable::Regular, ..request };
-        let mut project = OpenedSession::open_request(&request).ok()?.project;
+        let opened = OpenedSession::open_request(&request).ok().filter(|opened| opened.mistakes.is_empty())?;
+        let mut project = opened.project;
         if kind == FileKind::Scene {
             give_first_look(&mut project.values, &project.subject.world, |_| true);
         }

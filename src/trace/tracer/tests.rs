@@ -1,7 +1,7 @@
 //! Closed forms: where light goes by the laws of reflection and refraction, worked out by hand.
 
 use super::*;
-use crate::trace::tests::world;
+use crate::trace::tests::{emitters, world};
 use crate::trace::{Child, LightVariables, Tree, ray_tree};
 use glam::DVec3;
 use std::sync::Arc;
@@ -10,7 +10,7 @@ use std::sync::Arc;
 fn aim(bodies: &str, lights: &str, from: DVec3, to: DVec3) -> (Arc<World>, Tree) {
     let world = look(bodies, lights, from, to);
     let view = View::new(1, 1).unwrap().with_depth(6).unwrap();
-    let tree = ray_tree(&Tracer::new(&world, &view), 0);
+    let tree = ray_tree(&Tracer::new(&world, &view), 0, EvaluatedLights::Reaching);
     (world, tree)
 }
 
@@ -45,8 +45,8 @@ fn the_highlight_of_a_sphere_lies_on_the_bisector() {
     let node = &tree.nodes[0];
     near(node.hit.point, top);
     near(node.hit.shading_normal, top / 2.0);
-    assert_eq!(node.emitters, [EmitterId(0)]);
-    let variables = LightVariables::new(&node.hit, &world.emitter(EmitterId(0)).sample(&node.hit));
+    assert_eq!(emitters(node), [EmitterId(0)]);
+    let variables = LightVariables::new(&node.hit, &world.emitter(EmitterId(0)).sample(&node.hit), true);
     assert!(variables.beta < 1e-6);
     assert!((variables.half.as_dvec3() - node.hit.shading_normal).length() < 1e-6);
     assert!((f64::from(variables.distance) - light.distance(top)).abs() < 1e-6);
@@ -135,7 +135,7 @@ fn the_shadow_of_a_ball_ends_where_the_tangents_meet_the_floor() {
     for (x, lit) in [(edge * (1.0 - 1e-9), false), (edge * (1.0 + 1e-9), true), (0.0, false)] {
         let (_, tree) = aim(bodies, "l: point, <0,6,0>;", DVec3::new(5.0, 1.0, 0.5), DVec3::new(x, 0.0, 0.0));
         assert_eq!(tree.nodes[0].hit.body, BodyId(0));
-        assert_eq!(!tree.nodes[0].emitters.is_empty(), lit, "at {x}");
+        assert_eq!(!tree.nodes[0].lights.is_empty(), lit, "at {x}");
     }
 }
 
@@ -145,7 +145,7 @@ fn a_body_shades_itself_and_what_faces_away_is_dark() {
     let reached = |lights: &str, shadows| {
         let world = look(bodies, lights, DVec3::new(0.0, 0.0, 5.0), DVec3::ZERO);
         let view = View::new(1, 1).unwrap().with_shadows(shadows);
-        ray_tree(&Tracer::new(&world, &view), 0).nodes[1].emitters.clone()
+        emitters(&ray_tree(&Tracer::new(&world, &view), 0, EvaluatedLights::Reaching).nodes[1])
     };
     // The second node is the inside of the far wall, by refraction or reflection of the first.
     assert_eq!(reached("l: point, <0,0,0.5>;", true), [EmitterId(0)]);
@@ -159,7 +159,7 @@ fn a_lamp_on_a_wall_is_not_shaded_by_it() {
     let bodies = "floor: rectangle, <-9,0,9>, <-9,0,-9>, <9,0,-9>; roof: rectangle, <-9,3.7,-9>, <-9,3.7,9>, <9,3.7,9>;";
     for x in [-3.1, -0.7, 0.2, 1.9, 4.3] {
         let (_, tree) = aim(bodies, "l: point, <0.3, 3.7, -0.9>;", DVec3::new(0.0, 1.0, 8.0), DVec3::new(x, 0.0, x));
-        assert_eq!(tree.nodes[0].emitters, [EmitterId(0)]);
+        assert_eq!(emitters(&tree.nodes[0]), [EmitterId(0)]);
     }
 }
 
@@ -184,6 +184,29 @@ fn at_equal_distance_the_first_declared_is_hit() {
 fn coincident_surfaces_count_once() {
     let bodies = "s: sphere, center <0,0,0>, radius 1; t: sphere, center <0,0,0>, radius 1;";
     let (_, tree) = aim(bodies, "l: point, <0,0.5,5>;", DVec3::new(0.0, 0.1, 5.0), DVec3::ZERO);
-    assert_eq!(tree.nodes[0].emitters, [EmitterId(0)]);
+    assert_eq!(emitters(&tree.nodes[0]), [EmitterId(0)]);
     assert!(matches!(tree.nodes[0].reflected, Child::Miss(_)));
+}
+
+#[test]
+fn a_light_behind_a_surface_is_hidden_by_closed_bodies_but_not_by_thin_ones() {
+    let bodies = "leaf: rectangle, <-1,-1,0>, <-1,1,0>, <1,1,0>; ball: sphere, center <4,0,0>, radius 1;
+                  stone: sphere, center <0,3,-4>, radius 0.5;";
+    let visible = |light: &str, target: DVec3, shadows| {
+        let world = look(bodies, &format!("l: point, {light};"), target + 4.0 * DVec3::Z, target);
+        let view = View::new(1, 1).unwrap().with_depth(1).unwrap().with_shadows(shadows);
+        let tracer = Tracer::new(&world, &view);
+        let node = ray_tree(&tracer, 0, EvaluatedLights::All).nodes.swap_remove(0);
+        assert_eq!(node.lights.len(), 1);
+        let occluders = tracer.occluders(EmitterId(0), &node.hit).into_iter().map(|met| met.body.0).collect::<Vec<_>>();
+        (node.lights[0].visible, tracer.faces(EmitterId(0), &node.hit), occluders)
+    };
+    let (leaf, ball) = (DVec3::ZERO, DVec3::new(4.0, 0.0, 1.0));
+    assert_eq!(visible("<3,0,-4>", leaf, true), (true, false, vec![]), "through a leaf");
+    assert_eq!(visible("<0,6,-8>", leaf, true), (false, false, vec![2]), "a stone behind it");
+    assert_eq!(visible("<0,6,-8>", leaf, false), (true, false, vec![2]), "without shadow rays");
+    assert_eq!(visible("<4,3,-4>", ball, true), (false, false, vec![1]), "its own far side");
+    assert_eq!(visible("<4,0.6,0.2>", ball, true), (true, false, vec![]), "a lamp in a ball");
+    assert_eq!(visible("<9,0,1>", ball, true), (true, false, vec![]), "along the tangent");
+    assert_eq!(visible("<4,3,5>", ball, true), (true, true, vec![]), "before it");
 }

@@ -6,14 +6,24 @@ use crate::picture::{EXPOSURES, ToneCurve, Transfer};
 use crate::trace::{MAX_DEPTH, MAX_SIDE};
 use crate::workspace::Location;
 use crate::workspace::session::{NamedValue, OwnerName, PictureSettings, Session};
-use crate::workspace::spanned_toml::{TomlEntry, Value, check_version, entries, missing, parse as parse_toml, unknown_key};
+use crate::workspace::spanned_toml::{
+    TomlEntry, VERSION, Value, check_version, entries, missing, parse_in_parts as parse_toml_in_parts, unknown_key,
+};
 
 /// The keys of a session, outside of tables.
 pub(in crate::workspace) const KEYS: [&str; 13] =
     ["version", "formula", "scene", "size", "depth", "shadows", "ior", "srgb", "exposure", "curve", "global", "bodies", "lights"];
 
 pub(super) fn parse(source: &Source) -> Result<(Session, Diagnostics), Diagnostics> {
-    let table = parse_toml(source)?;
+    match parse_in_parts(source) {
+        (Some(session), diagnostics) if !diagnostics.has_errors() => Ok((session, diagnostics)),
+        (_, diagnostics) => Err(diagnostics),
+    }
+}
+
+pub(super) fn parse_in_parts(source: &Source) -> (Option<Session>, Diagnostics) {
+    let (table, syntax_errors) = parse_toml_in_parts(source);
+    let is_whole = syntax_errors.is_empty();
     let mut reader = SessionReader::default();
     let mut version = None;
     for entry in entries(&table) {
@@ -50,8 +60,11 @@ pub(super) fn parse(source: &Source) -> Result<(Session, Diagnostics), Diagnosti
             _ => reader.diagnostics.push(unknown_key(&entry, &KEYS)),
         }
     }
+    let is_of_other_version = version.is_some_and(|value| value.whole(0..i64::MAX).is_ok_and(|version| version != VERSION));
     check_version(version, &mut reader.diagnostics);
-    reader.finish(&table)
+    let (session, diagnostics) = reader.finish(&table);
+    // What follows an error of the syntax may be read in a wrong way, so more errors would be misleading.
+    (session.filter(|_| !is_of_other_version), if is_whole { diagnostics } else { syntax_errors })
 }
 
 fn location(value: Value) -> Result<Location, Diagnostic> {
@@ -139,7 +152,7 @@ impl SessionReader {
         }
     }
 
-    fn finish(mut self, table: &toml::de::DeTable) -> Result<(Session, Diagnostics), Diagnostics> {
+    fn finish(mut self, table: &toml::de::DeTable) -> (Option<Session>, Diagnostics) {
         for (key, example) in [("formula", "preset:phong"), ("scene", "preset:glass")] {
             if !entries(table).iter().any(|entry| entry.key == key) {
                 let line = format!("{key} = \"{example}\"");
@@ -147,11 +160,8 @@ impl SessionReader {
             }
         }
         self.diagnostics.sort();
-        match (self.formula, self.scene) {
-            (Some(formula), Some(scene)) if !self.diagnostics.has_errors() => {
-                Ok((Session { formula, scene, picture: self.picture, values: self.values }, self.diagnostics))
-            }
-            _ => Err(self.diagnostics),
-        }
+        let (picture, values) = (self.picture, self.values);
+        let session = self.formula.zip(self.scene).map(|(formula, scene)| Session { formula, scene, picture, values });
+        (session, self.diagnostics)
     }
 }

@@ -12,36 +12,46 @@ use crate::workspace::warning::{Cause, ValueWarning};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-/// Where the values that are set at once come from.
+/// What values are set over.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum AssignmentMode {
-    /// From the user, over defaults that may still break invariants.
+    /// Over defaults that may still break invariants.
     Initial,
-    /// From the user, over values that satisfy the invariants.
+    /// Over values that satisfy the invariants.
     Update,
-    /// From another formula, scene or session, by name. The user did not ask for them now, so some warnings are left
-    /// out.
-    CarryOver,
+}
+
+/// A value to set.
+#[derive(Debug, Clone, Copy)]
+struct GivenValue {
+    value: [f32; 3],
+    /// Whether it comes from another formula, scene or session, by name. The user did not ask for it now, so some
+    /// warnings are left out.
+    is_carried: bool,
 }
 
 /// The values to set. Of two values for one parameter, the later one is in it.
-type Given = BTreeMap<(OwnerId, ParameterId), [f32; 3]>;
+type Given = BTreeMap<(OwnerId, ParameterId), GivenValue>;
 
 impl Values {
-    /// Sets values; see [`Values::assign`].
-    pub(super) fn set_all(&mut self, given: &[Assignment], mode: AssignmentMode) -> Vec<ValueWarning> {
-        let given: Given = given.iter().map(|assignment| ((assignment.owner, assignment.parameter), assignment.value)).collect();
-        let mut warnings = self.write_clamped(&given, mode);
+    /// Sets values; see [`Values::assign`]. Those that are carried over from elsewhere come before those that are
+    /// given.
+    pub(super) fn set_all(&mut self, carried: &[Assignment], given: &[Assignment], mode: AssignmentMode) -> Vec<ValueWarning> {
+        let entry = |is_carried: bool| {
+            move |from: &Assignment| ((from.owner, from.parameter), GivenValue { value: from.value, is_carried })
+        };
+        let given: Given = carried.iter().map(entry(true)).chain(given.iter().map(entry(false))).collect();
+        let mut warnings = self.write_clamped(&given);
         warnings.extend(self.apply_invariants(&given, mode));
         self.refresh();
         warnings
     }
 
     /// Writes the given values over the current ones, each clamped to its own range.
-    fn write_clamped(&mut self, given: &Given, mode: AssignmentMode) -> Vec<ValueWarning> {
+    fn write_clamped(&mut self, given: &Given) -> Vec<ValueWarning> {
         let table = Arc::clone(&self.table);
         let mut warnings = Vec::new();
-        for ((owner, id), value) in given {
+        for ((owner, id), GivenValue { value, is_carried }) in given {
             let Some(indices) = table.indices(*owner, *id) else { continue };
             let given = &value[..indices.len()];
             let mut warn = |used: &[f32], cause| warnings.push(warning(&table, *owner, *id, [given, used], cause));
@@ -49,7 +59,7 @@ impl Values {
             let parameter = table.parameter(*id);
             let clamped: Vec<f32> = given.iter().map(|number| parameter.clamp(*number).0).collect();
             match (fixed, parameter.range) {
-                (Some(_), _) if mode == AssignmentMode::CarryOver => {}
+                (Some(_), _) if *is_carried => {}
                 (Some(cause), _) => {
                     if given.iter().any(|number| *number != 0.0) {
                         warn(&[0.0], cause);
@@ -71,7 +81,7 @@ impl Values {
     fn apply_invariants(&mut self, given: &Given, mode: AssignmentMode) -> Vec<ValueWarning> {
         let table = Arc::clone(&self.table);
         let owners: BTreeSet<OwnerId> = match mode {
-            AssignmentMode::Initial | AssignmentMode::CarryOver => table.owners().all().collect(),
+            AssignmentMode::Initial => table.owners().all().collect(),
             AssignmentMode::Update => given.keys().map(|(owner, _)| *owner).collect(),
         };
         let mut warnings = Vec::new();
@@ -79,9 +89,7 @@ impl Values {
             let system = table.system(kind);
             // The formula checker has warned about defaults that break invariants. That is not repeated for each owner.
             let known: BTreeMap<ParameterId, f32> = match mode {
-                AssignmentMode::Initial | AssignmentMode::CarryOver => {
-                    system.settle(|id| table.parameter(id).default[0]).into_iter().collect()
-                }
+                AssignmentMode::Initial => system.settle(|id| table.parameter(id).default[0]).into_iter().collect(),
                 AssignmentMode::Update => BTreeMap::new(),
             };
             for owner in owners.iter().copied().filter(|owner| owner.kind() == kind) {
@@ -89,10 +97,10 @@ impl Values {
                     let before = self.settled(owner, id);
                     let asked = given.get(&(owner, id)).filter(|_| table.fixed(owner, id).is_none());
                     if system.is_locked(id) {
-                        let asked = asked.filter(|value| mode != AssignmentMode::CarryOver && differ(value[0], used));
-                        if let (Some(value), Some(explanation)) = (asked, system.explanation(id)) {
+                        let asked = asked.filter(|asked| !asked.is_carried && differ(asked.value[0], used));
+                        if let (Some(asked), Some(explanation)) = (asked, system.explanation(id)) {
                             let cause = Cause::Locked(explanation);
-                            warnings.push(warning(&table, owner, id, [&value[..1], &[used]], cause));
+                            warnings.push(warning(&table, owner, id, [&asked.value[..1], &[used]], cause));
                         }
                     } else if differ(before, used) && (asked.is_some() || known.get(&id) != Some(&used)) {
                         warnings.push(warning(&table, owner, id, [&[before], &[used]], Cause::Invariant));

@@ -39,13 +39,14 @@ impl Backend for ColumnsBackend {
 
     fn prepare(&self, formula: &Arc<Formula>, hits: &Arc<Hits>) -> Result<Arc<dyn Evaluator>, EvaluateError> {
         let plan = FormulaPlan::new(formula);
+        let hits = hits.for_lights(formula.evaluated_lights())?;
         let (tracer, scene) = (Tracer::new(&hits.world, &hits.view), hits.world.scene());
         let columns = |tile: &Tile| {
             tile.groups.iter().map(|group| GroupColumns::new(&plan, &tracer, tile, group)).collect::<Result<_, _>>()
         };
         let tiles = hits.tiles.iter().map(columns).collect::<Result<_, _>>()?;
         let equation = Equation::new(formula, scene.bodies.len(), scene.lights.len());
-        let (parameters, hits) = (formula.parameters.clone(), Arc::clone(hits));
+        let parameters = formula.parameters.clone();
         Ok(Arc::new(ColumnsEvaluator { plan, equation, parameters, hits, tiles }))
     }
 }
@@ -62,7 +63,7 @@ impl GroupColumns {
         let [hit_leaves, record_leaves] = [&plan.hits, &plan.records].map(|plan| &plan.streams[0]);
         let mut hits = vec![Column::new(); hit_leaves.len()];
         let mut records = vec![vec![Column::new(); record_leaves.len()]; group.emitters.len()];
-        replay(tracer, tile, group, group.hits.clone(), |_, _, surface| {
+        replay(tracer, tile, group, group.hits.clone(), |hit, _, surface| {
             let own = HitVariables::new(tracer.world(), surface);
             let leaf = |leaf: &NodeId| match graph.node(*leaf) {
                 Node::Variable(symbol, component) => (symbol, usize::from(component)),
@@ -72,7 +73,8 @@ impl GroupColumns {
                 column.push(flush(own.value(symbol).expect("a variable of hits")[component]));
             }
             for (emitter, columns) in group.emitters.iter().zip(&mut records) {
-                let lit = LightVariables::new(surface, &tracer.world().emitter(*emitter).sample(surface));
+                let sample = tracer.world().emitter(*emitter).sample(surface);
+                let lit = LightVariables::new(surface, &sample, tile.is_visible(hit, *emitter));
                 for (column, (symbol, component)) in columns.iter_mut().zip(record_leaves.iter().map(leaf)) {
                     column.push(flush(variable(symbol, &own, &lit)[component]));
                 }

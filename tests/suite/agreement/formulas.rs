@@ -76,13 +76,27 @@ fn expression(ty: Type, depth: u32, macros: bool) -> BoxedStrategy<String> {
         operands.prop_map(move |operands| match operation.form() {
             Form::Prefix(mark) => format!("({}{})", mark.spelling(), operands[0]),
             Form::Infix(mark) => format!("({} {} {})", operands[0], mark.spelling(), operands[1]),
+            Form::UnitDot => format!("({} . {})", operands[0], operands[1]),
             Form::Function(name) => format!("{name}({})", operands.join(", ")),
             Form::Constant(name) => name.to_owned(),
             Form::Vector => format!("<{}>", operands.join(", ")),
             Form::Conditional => format!("if({})", operands.join(", ")),
         })
     });
-    prop_oneof![1 => leaves, 4 => applied].boxed()
+    if ty != Type::Vector {
+        return prop_oneof![1 => leaves, 4 => applied].boxed();
+    }
+    // A function of numbers by components: at least one of its operands is a vector.
+    let functions = Operation::ALL.iter().copied().filter(|operation| operation.works_by_components());
+    let functions: Vec<Operation> = functions.filter(|operation| matches!(operation.form(), Form::Function(_))).collect();
+    let by_components = (select(functions), any::<u8>()).prop_flat_map(move |(operation, vectors)| {
+        let is_vector = |index: usize| index == 0 || vectors >> index & 1 == 1;
+        let ty = |index: usize| if is_vector(index) { Type::Vector } else { Type::Scalar };
+        let count = operation.operands().len();
+        let operands: Vec<BoxedStrategy<String>> = (0..count).map(|index| expression(ty(index), depth - 1, macros)).collect();
+        operands.prop_map(move |operands| format!("{}({})", operation.form().spelling(), operands.join(", ")))
+    });
+    prop_oneof![1 => leaves, 4 => applied, 2 => by_components].boxed()
 }
 
 /// A number for a parameter: mostly ordinary, sometimes extreme. Colours whose sums overflow are left out, because the

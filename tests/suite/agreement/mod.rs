@@ -11,6 +11,7 @@ mod drags;
 mod formulas;
 mod operations;
 mod sessions;
+mod visible;
 
 use columns::ColumnsBackend;
 use illuminator::backends::compiled::Jit;

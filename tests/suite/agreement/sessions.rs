@@ -20,13 +20,13 @@ use std::sync::Arc;
 
 /// A backend under test, and the size of a picture that it draws in reasonable time. Fast backends get several tiles.
 /// The last cell of sixteen pixels is not full.
-struct Tested {
+pub(super) struct Tested {
     backend: Arc<dyn Backend>,
     size: [u32; 2],
 }
 
 /// Every backend under test.
-fn tested() -> Vec<Tested> {
+pub(super) fn tested() -> Vec<Tested> {
     let size = |backend: &Arc<dyn Backend>| if backend.name() == DEFAULT.name { [251, 143] } else { [63, 37] };
     backends().into_iter().map(|backend| Tested { size: size(&backend), backend }).collect()
 }
@@ -36,7 +36,7 @@ fn source(kind: FileKind, name: &str) -> Source {
 }
 
 /// A formula on the scene of the default session, with its values.
-struct Model {
+pub(super) struct Model {
     size: [u32; 2],
     compiled: Arc<dyn Evaluator>,
     values: Values,
@@ -49,7 +49,7 @@ impl Model {
         Self::on(tested, &source(FileKind::Scene, "crystals"), formula)
     }
 
-    fn on(tested: &Tested, scene: &Source, formula: &Source) -> Self {
+    pub(super) fn on(tested: &Tested, scene: &Source, formula: &Source) -> Self {
         let (session, _) = Session::parse(&source(FileKind::Session, presets::DEFAULT_SESSION)).expect("a session");
         let (formula, _) = Formula::parse(formula).expect("a formula");
         let (scene, _) = Scene::parse(scene).expect("a scene");
@@ -67,7 +67,7 @@ impl Model {
         Self::new(tested, &source(FileKind::Formula, formula))
     }
 
-    fn black(&self) -> Framebuffer {
+    pub(super) fn black(&self) -> Framebuffer {
         Framebuffer::black(self.size[0], self.size[1], Transfer::Linear)
     }
 
@@ -75,7 +75,7 @@ impl Model {
         self.size[0] as usize * self.size[1] as usize
     }
 
-    fn drag(&self, slider: &str, budget: usize) -> Box<dyn Drag> {
+    pub(super) fn drag(&self, slider: &str, budget: usize) -> Box<dyn Drag> {
         let (owner, id) = self.slider(slider);
         let moved = self.values.moved_indices(owner, id);
         Arc::clone(&self.compiled).drag(&moved, self.values.numbers(), budget).expect("kernels of ordinary size")
@@ -88,20 +88,20 @@ impl Model {
     }
 
     /// Moves a slider within its range. The components of a colour move to different numbers.
-    fn move_to(&mut self, slider: &str, part: f32) {
+    pub(super) fn move_to(&mut self, slider: &str, part: f32) {
         let (owner, id) = self.slider(slider);
         let [low, high] = self.values.range_of(owner, id).unwrap_or([0.0, 1.0]);
         let parts = [part, 1.0 - part, (part + 0.3).fract()];
         self.values.move_to(owner, id, parts.map(|part| low + part * (high - low)));
     }
 
-    fn set(&mut self, setting: &str) {
+    pub(super) fn set(&mut self, setting: &str) {
         let given = setting.parse::<NamedAssignment>().expect("a setting").resolve(self.values.table()).expect("known names");
         assert_eq!(self.values.assign(&given), []);
     }
 
     /// Draws a frame and compares it with the frame of the general kernel.
-    fn check(&self, drag: &mut Box<dyn Drag>, drawn: &mut Framebuffer, what: &str) {
+    pub(super) fn check(&self, drag: &mut Box<dyn Drag>, drawn: &mut Framebuffer, what: &str) {
         drag.frame(self.values.numbers(), drawn);
         assert_eq!(wrong(drawn, &self.compiled.frame(self.values.numbers())), 0, "{what}");
         drag.prepare();

@@ -4,6 +4,7 @@ use super::*;
 use crate::formula::Formula;
 use crate::jit::CompiledFormula;
 use crate::lang::source::Source;
+use crate::lang::variables::EvaluatedLights;
 use crate::scene::Scene;
 use crate::trace::{Budget, View, trace};
 use crate::workspace::{FileKind, presets};
@@ -25,7 +26,10 @@ fn session() -> (Arc<Compiled>, Values) {
     let (scene, _) = Scene::parse(&source(FileKind::Scene, "crystals")).expect("a scene");
     let view = View::new(256, 144).expect("a size in range");
     let world = Arc::new(World::new(scene));
-    let hits = Arc::new(trace(&world, &view, &Budget::UNLIMITED, &|_| {}, &AtomicBool::new(false)).expect("small enough"));
+    let hits = Arc::new(
+        trace(&world, &view, EvaluatedLights::Reaching, &Budget::UNLIMITED, &|_| {}, &AtomicBool::new(false))
+            .expect("small enough"),
+    );
     let (given, _) = session.assignments(Values::defaults(&formula, world.scene()).table());
     let (values, _) = Values::new(&formula, world.scene(), &given);
     let compiled = Arc::new(CompiledFormula::new(&formula).expect("a formula of ordinary size"));

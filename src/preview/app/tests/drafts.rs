@@ -240,7 +240,8 @@ fn pipes_in_place_of_what_the_window_reads_by_itself_do_not_hold_it_up() {
     // window.
     let session = home.path().join("session.toml");
     std::fs::write(&session, "version = 1\nformula = \"startup.toml\"\nscene = \"startup.toml\"\n").expect("a file");
-    assert!(App::new(Some(&Location::File(session)), None).is_err_and(|error| error.contains("is a pipe, not a formula")));
+    let app = App::new(Some(&Location::File(session)), None).expect("a session that can be read");
+    assert!(details(&app, Topic::Mistakes).contains("is a pipe, not a formula"), "{}", details(&app, Topic::Mistakes));
     let formula = home.path().join("own.formula");
     std::fs::write(&formula, "#uses startup.toml;\nformula;\n= IL*Cd;\n").expect("a file");
     let mut app = App::new(Some(&Location::Preset("studio".to_owned())), None).expect("a built-in session");

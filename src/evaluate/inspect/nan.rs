@@ -1,0 +1,80 @@
+//! Where NaN comes from in a pixel: the innermost expression of the formula that is NaN although its operands are not.
+
+use crate::evaluate::inspect::Inspector;
+use crate::evaluate::inspect::figures::Quantity;
+use crate::evaluate::inspect::report::{End, InspectedHit, InspectedLight, Inspection, Visibility};
+use crate::formula::{Formula, Term, TermId};
+use crate::lang::builtins::Form;
+use crate::scene::{BodyId, LightId};
+use std::collections::HashMap;
+
+/// Where NaN comes from in a pixel.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct NanOrigin {
+    /// The body at whose surface the formula is NaN.
+    pub body: BodyId,
+    /// The light for which it is.
+    pub light: LightId,
+    /// The innermost macro that holds the expression; `None`: it is in the result.
+    pub in_macro: Option<String>,
+    /// The expression as in the formula, with names of macros: `sqrt(-COSINE)`.
+    pub written: String,
+    /// The same with rounded numbers for its operands: `sqrt(-0.8333)`.
+    pub numbers: String,
+}
+
+impl Inspector<'_> {
+    /// Where the NaN of a pixel comes from; `None` if the formula is NaN at no hit that adds to the pixel. Then there
+    /// is none in the pixel, or infinite numbers of both signs are added up.
+    pub fn nan_origin(&self, inspection: &Inspection) -> Option<NanOrigin> {
+        let is_nan = |light: &&InspectedLight| {
+            light.visibility == Visibility::Lit && light.contribution.iter().any(|component| component.is_nan())
+        };
+        let hits = inspection.rays.iter().filter(|ray| ray.weight != 0.0).filter_map(|ray| match &ray.end {
+            End::Hit(hit) => Some(hit),
+            End::Background => None,
+        });
+        let found = hits.into_iter().find_map(|hit| hit.lights.iter().find(is_nan).map(|light| (hit, light)));
+        found.map(|(hit, light)| self.origin_at(hit, light))
+    }
+
+    fn origin_at(&self, hit: &InspectedHit, light: &InspectedLight) -> NanOrigin {
+        let formula = self.formula;
+        let values = self.values(hit.body(), light.light, &hit.variables, &light.variables);
+        let mut names: HashMap<TermId, &str> = HashMap::new();
+        for (name, id) in &formula.macros {
+            names.entry(*id).or_insert(name);
+        }
+        let mut id = formula.result;
+        let mut in_macro = names.get(&id).copied();
+        // Operands have smaller numbers than their users, so this ends.
+        while let Some(next) = nan_operand(formula, id, &values) {
+            id = next;
+            in_macro = names.get(&id).copied().or(in_macro);
+        }
+        let operands = formula.term(id).operands();
+        let number = |operand: TermId| Quantity::new(formula.ty(operand), values[operand.0 as usize]).to_string();
+        NanOrigin {
+            body: hit.body(),
+            light: light.light,
+            in_macro: in_macro.map(str::to_owned),
+            written: formula.written(id, |term| names.get(&term).filter(|_| term != id).map(|name| (*name).to_owned())),
+            numbers: formula.written(id, |term| (term != id && operands.contains(&term)).then(|| number(term))),
+        }
+    }
+}
+
+/// The first operand of a term that is NaN, of those that its value depends on.
+fn nan_operand(formula: &Formula, id: TermId, values: &[[f32; 3]]) -> Option<TermId> {
+    let (Term::Apply(operation, operands) | Term::ByComponents(operation, operands)) = formula.term(id) else { return None };
+    let value = |id: TermId| &values[id.0 as usize][..formula.ty(id).slots()];
+    let is_nan = |id: &TermId| value(*id).iter().any(|component| component.is_nan());
+    match (operation.form(), operands.as_slice()) {
+        // The branch that is not taken may be NaN.
+        (Form::Conditional, [condition, then, other]) => {
+            let taken = if value(*condition) == [0.0] { other } else { then };
+            [*condition, *taken].into_iter().find(is_nan)
+        }
+        _ => operands.iter().copied().find(is_nan),
+    }
+}

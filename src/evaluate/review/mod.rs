@@ -1,0 +1,123 @@
+//! What is remarkable about a whole picture, in words: pixels without a number (NaN), a picture that is black, or one
+//! in which every pixel has the same colour. Only causes that were found are named.
+
+mod cause;
+mod summary;
+#[cfg(test)]
+mod tests;
+
+pub use cause::PlainCause;
+pub use summary::PictureSummary;
+
+use crate::evaluate::inspect::{Inspector, NanOrigin, vector_figures};
+use crate::formula::Formula;
+use crate::picture::ViewTransform;
+use crate::trace::View;
+use crate::world::World;
+
+/// What a picture was made of.
+#[derive(Debug, Clone, Copy)]
+pub struct ReviewedPicture<'p> {
+    /// The formula.
+    pub formula: &'p Formula,
+    /// The world.
+    pub world: &'p World,
+    /// The view.
+    pub view: &'p View,
+    /// The parameter numbers, in the order of the [`Layout`](crate::formula::layout::Layout).
+    pub numbers: &'p [f32],
+    /// How linear colours become bytes.
+    pub transform: ViewTransform,
+}
+
+/// Something remarkable about a picture.
+#[derive(Debug, Clone, PartialEq)]
+pub enum PictureFinding {
+    /// Pixels with a component that is NaN.
+    Undefined {
+        /// How many there are.
+        count: usize,
+        /// How many pixels the picture has.
+        pixels: usize,
+        /// The first of them: column and row from the top left.
+        first: [u32; 2],
+        /// Where the NaN of the first one comes from, in words.
+        origin: String,
+    },
+    /// Every pixel is black.
+    Black(PlainCause),
+    /// Every pixel has the same colour, linear RGB.
+    OneColour([f32; 3], PlainCause),
+}
+
+impl PictureFinding {
+    /// The finding as one sentence without a full stop.
+    pub fn message(&self) -> String {
+        match self {
+            PictureFinding::Undefined { count, pixels, first: [x, y], origin } => {
+                let place = match count {
+                    1 => format!("in 1 pixel, ({x}, {y}),"),
+                    _ if count == pixels => "in every pixel".to_owned(),
+                    _ => format!("in {count} pixels"),
+                };
+                let which = if *count == 1 { String::new() } else { format!("in ({x}, {y}) ") };
+                format!("{place} the formula gives no number (NaN), which is shown as 0: {which}{origin}")
+            }
+            PictureFinding::Black(cause) => format!("the picture is black: {cause}"),
+            PictureFinding::OneColour(colour, cause) => {
+                format!("every pixel has the same colour, {}: {cause}", vector_figures(colour.map(f64::from)))
+            }
+        }
+    }
+
+    /// A pixel in which the cause can be seen.
+    pub fn pixel(&self) -> Option<[u32; 2]> {
+        match self {
+            PictureFinding::Undefined { first, .. } => Some(*first),
+            PictureFinding::Black(_) | PictureFinding::OneColour(..) => None,
+        }
+    }
+}
+
+/// What is remarkable about a picture with this summary. This takes some milliseconds if the picture is black, and next
+/// to nothing if nothing is remarkable.
+pub fn review(picture: &ReviewedPicture, summary: &PictureSummary) -> Option<PictureFinding> {
+    if let Some(first) = summary.first_nan {
+        let width = picture.view.width() as usize;
+        let first = [first % width, first / width].map(|coordinate| coordinate as u32);
+        let origin = nan_origin(picture, first);
+        return Some(PictureFinding::Undefined { count: summary.nan, pixels: summary.pixels, first, origin });
+    }
+    if summary.is_black(&picture.transform) {
+        return Some(PictureFinding::Black(cause::of_black(picture, summary)));
+    }
+    // One pixel always has one colour.
+    let colour = summary.only_colour.filter(|_| summary.pixels > 1)?;
+    Some(PictureFinding::OneColour(colour, cause::of_one_colour(picture)))
+}
+
+/// Where the NaN of a pixel comes from, in words.
+fn nan_origin(picture: &ReviewedPicture, pixel: [u32; 2]) -> String {
+    let inspector = Inspector::new(picture.formula, picture.world, picture.numbers);
+    let Some(inspection) = inspector.inspect(picture.view, pixel) else { return "the pixel is outside the picture".to_owned() };
+    match inspector.nan_origin(&inspection) {
+        Some(origin) => origin_in_words(picture.world, &origin),
+        None if inspection.total.iter().any(|component| component.is_nan()) => {
+            "infinite numbers of both signs are added up".to_owned()
+        }
+        None => "the ray through its middle gives a number".to_owned(),
+    }
+}
+
+fn origin_in_words(world: &World, NanOrigin { body, light, in_macro, written, numbers }: &NanOrigin) -> String {
+    /// Longer expressions are cut.
+    const MOST: usize = 48;
+    let cut = |text: &str| match text.char_indices().nth(MOST) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text.to_owned(),
+    };
+    let (body, light) = (&world.scene().body(*body).name, &world.scene().light(*light).name);
+    let with_numbers = if written == numbers { String::new() } else { format!(", with numbers `{}`,", cut(numbers)) };
+    let place = in_macro.as_ref().map_or_else(String::new, |name| format!(" of {name}"));
+    format!("it is `{}`{place}{with_numbers} on {body} for light {light}", cut(written))
+}

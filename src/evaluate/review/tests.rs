@@ -1,0 +1,143 @@
+//! Every sentence, for pictures that are black or undefined for a known reason.
+
+use super::*;
+use crate::lang::source::Source;
+use crate::picture::{Frame, Transfer};
+use crate::scene::Scene;
+use crate::workspace::{NamedAssignment, Values};
+
+const SCENE: &str = "bodies;
+ball: sphere, center <0,0,0>, radius 1, opaque, matte;
+lights;
+key: point, <0,3,5>;
+camera;
+position <0,0,5>; gaze <0,0,-1>; up <0,1,0>; fov 30;
+";
+const LAMBERT: &str = "body_specific; kd: scalar, constraint 0..1, default 0.5; formula; = kd*IL*Cd*max(0, N.L);";
+
+/// What is said about the picture of a formula on a scene. The colours are those of the inspector.
+fn said(formula: &str, scene: &str, settings: &[&str]) -> Option<String> {
+    said_with(formula, scene, settings, ViewTransform::default())
+}
+
+fn said_with(formula: &str, scene: &str, settings: &[&str], transform: ViewTransform) -> Option<String> {
+    let source = Source::new("formula", formula);
+    let formula = Formula::parse(&source).unwrap_or_else(|errors| panic!("{}", errors.located(&source))).0;
+    let scene = Scene::parse(&Source::new("scene", scene)).expect("a scene").0;
+    let mut values = Values::defaults(&formula, &scene);
+    for setting in settings {
+        let given = setting.parse::<NamedAssignment>().expect("a setting").resolve(values.table()).expect("known names");
+        assert_eq!(values.assign(&given), []);
+    }
+    let (world, view) = (World::new(scene), View::new(8, 6).expect("a size"));
+    let inspector = Inspector::new(&formula, &world, values.numbers());
+    let mut frame = Frame::black(8, 6);
+    for (index, pixel) in frame.linear.iter_mut().enumerate() {
+        let at = [index % 8, index / 8].map(|coordinate| coordinate as u32);
+        *pixel = inspector.inspect(&view, at).expect("a pixel").total;
+    }
+    let picture = ReviewedPicture { formula: &formula, world: &world, view: &view, numbers: values.numbers(), transform };
+    review(&picture, &PictureSummary::of(&frame)).map(|finding| finding.message())
+}
+
+fn black(formula: &str, scene: &str, settings: &[&str]) -> String {
+    let said = said(formula, scene, settings).expect("a finding");
+    said.strip_prefix("the picture is black: ").unwrap_or_else(|| panic!("{said}")).to_owned()
+}
+
+#[test]
+fn a_usual_picture_is_not_remarkable() {
+    assert_eq!(said(LAMBERT, SCENE, &[]), None);
+}
+
+#[test]
+fn parameters_of_zero_are_named_if_another_value_shows_something() {
+    assert_eq!(black(LAMBERT, SCENE, &["ball.Cd=<0,0,0>"]), "Cd is 0 everywhere");
+    let any = "are 0 everywhere; another value of any of them shows something";
+    assert_eq!(black(LAMBERT, SCENE, &["key.ki=0", "ka=0"]), format!("ki, ka {any}"));
+    assert_eq!(black(LAMBERT, SCENE, &["key.IL=<0,0,0>", "ka=0"]), format!("IL, ka {any}"));
+    assert_eq!(black(LAMBERT, SCENE, &["ball.kd=0", "ka=0"]), format!("kd, ka {any}"));
+    // The product needs both, and there is no ambient light to be had from black bodies.
+    let both = "body_specific; a: scalar; b: scalar; unused: scalar; formula; = a*b*IL*max(0, N.L);";
+    assert_eq!(black(both, SCENE, &["ball.Cd=<0,0,0>", "ka=0"]), "a, b are all 0 everywhere");
+}
+
+#[test]
+fn a_body_that_is_not_seen_does_not_matter() {
+    let scene = SCENE.replace("lights;", "behind: sphere, center <0,0,20>, radius 1;\nlights;");
+    assert_eq!(black(LAMBERT, &scene, &["ball.Cd=<0,0,0>", "behind.Cd=<1,1,1>"]), "Cd is 0 everywhere");
+}
+
+#[test]
+fn what_the_camera_sees_is_said() {
+    let away = SCENE.replace("gaze <0,0,-1>", "gaze <0,0,1>");
+    assert_eq!(black(LAMBERT, &away, &[]), "the camera sees no body, only the background");
+    let grey = said(LAMBERT, &away, &["background=<0.5,0.25,1>"]).expect("a finding");
+    assert_eq!(grey, "every pixel has the same colour, <0.5, 0.25, 1>: the camera sees no body, only the background");
+    let nothing = SCENE.replace("ball: sphere, center <0,0,0>, radius 1, opaque, matte;", "");
+    assert_eq!(black(LAMBERT, &nothing, &[]), "the scene has no bodies, so only the background is seen");
+    let inside = SCENE.replace("radius 1", "radius 9");
+    assert_eq!(black(LAMBERT, &inside, &["ka=0", "key.ki=0"]), "the camera is inside the body ball");
+}
+
+#[test]
+fn lights_that_are_missing_or_do_not_reach_are_said() {
+    let dark = SCENE.replace("key: point, <0,3,5>;", "");
+    assert_eq!(black(LAMBERT, &dark, &["ka=0"]), "the scene has no lights");
+    let behind = SCENE.replace("<0,3,5>", "<0,0,-9>");
+    let unlit = "no light reaches what is seen; the lights are behind the surfaces, or bodies are in between";
+    assert_eq!(black(LAMBERT, &behind, &["ka=0"]), unlit);
+}
+
+#[test]
+fn a_formula_of_zero_or_less_is_said() {
+    assert_eq!(black("formula; = Cd*min(0, N.V);", SCENE, &["ka=0"]), "the formula gives 0 wherever light falls on what is seen");
+    assert_eq!(black("formula; = <-2, -2, -2>;", SCENE, &["ka=0"]), "the formula gives negative numbers, down to -2");
+}
+
+#[test]
+fn a_picture_that_is_too_dark_says_which_exposure_shows_it() {
+    let faint = "formula; = <0.0001, 0, 0>;";
+    let expected = "its largest component is 0.0001, too dark to be seen; an exposure of 13 shows it";
+    assert_eq!(black(faint, SCENE, &["ka=0"]), expected);
+    let exposed = ViewTransform { exposure: 13.0, ..ViewTransform::from(Transfer::Linear) };
+    assert_eq!(said_with(faint, SCENE, &["ka=0"], exposed), None);
+}
+
+#[test]
+fn the_innermost_expression_that_is_nan_is_named() {
+    let formula = "formula; COSINE = N.L; ROOT = sqrt(-max(0.5, COSINE)); SHINE = 2*ROOT + 1; = SHINE*IL*Cd;";
+    let said = said(formula, SCENE, &["ball.Cd=<1,1,1>"]).expect("a finding");
+    let begin = "pixels the formula gives no number (NaN), which is shown as 0: in (";
+    assert!(said.starts_with("in ") && said.contains(begin), "{said}");
+    let end = "it is `sqrt(-max(0.5, COSINE))` of ROOT, with numbers `sqrt(-0.";
+    assert!(said.contains(end) && said.ends_with(" on ball for light key"), "{said}");
+}
+
+#[test]
+fn the_branch_that_is_not_taken_is_not_blamed() {
+    let formula = "formula; = if(1 > 2, sqrt(-1), 0/(N.N - N.N))*Cd;";
+    let said = said(formula, &SCENE.replace("radius 1", "radius 4"), &[]).expect("a finding");
+    assert!(said.contains("it is `0/(N.N - N.N)`, with numbers `0/0`, on ball for light key"), "{said}");
+}
+
+#[test]
+fn infinite_numbers_of_both_signs_are_said() {
+    let scene = SCENE.replace("camera;", "fill: point, <0,1,5>;\ncamera;").replace("radius 1", "radius 4");
+    let formula = "light_specific; s: scalar, constraint -1..1; formula; = <s, s, s>/(N.N - N.N);";
+    let said = said(formula, &scene, &["key.s=1", "fill.s=-1"]).expect("a finding");
+    let all = "in every pixel the formula gives no number (NaN), which is shown as 0: in (0, 0) ";
+    assert_eq!(said, format!("{all}infinite numbers of both signs are added up"));
+}
+
+#[test]
+fn only_remarkable_pictures_are_summarised() {
+    let view = ViewTransform::default();
+    let bright = Frame { width: 2, height: 1, linear: vec![[0.0; 3], [0.0, 0.5, 0.0]] };
+    assert_eq!(PictureSummary::if_remarkable(&bright, &view), None);
+    assert!(PictureSummary::if_remarkable(&Frame::black(2, 1), &view).is_some());
+    let mut undefined = bright;
+    undefined.linear[1][2] = f32::NAN;
+    let summary = PictureSummary::of(&undefined);
+    assert_eq!((summary.nan, summary.first_nan, summary.range), (1, Some(1), [0.0, 0.5]));
+}

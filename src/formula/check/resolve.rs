@@ -1,0 +1,221 @@
+//! Reports names that are not known, and calls of what is no function. Types are not checked here.
+//!
+//! This looks at all definitions, whether they are used or not.
+
+use crate::formula::Parameter;
+use crate::formula::check::names::{Meaning, Names};
+use crate::lang::ast::{ExprId, ExprKind, FormulaFile, Name};
+use crate::lang::builtins::{Form, Operation, Repetition};
+use crate::lang::diagnostic::{Diagnostic, Diagnostics};
+use crate::lang::foreign;
+use crate::lang::printer::{head, print_expression};
+use crate::lang::source::SourceSpan;
+use crate::lang::token::Mark;
+use std::collections::BTreeSet;
+use std::rc::Rc;
+
+/// Reports every name and every call of the file that has no meaning.
+pub(super) fn check(file: &FormulaFile, parameters: &[Parameter], names: &Names, diagnostics: &mut Diagnostics) {
+    let mut resolver = Resolver { file, parameters, names, diagnostics };
+    for definition in &file.definitions {
+        let arguments = definition.arguments.as_deref().unwrap_or_default();
+        arguments.iter().for_each(|argument| resolver.hiding(argument, "argument"));
+        resolver.expression(definition.body, arguments.iter().map(|argument| argument.text.as_str()).collect());
+    }
+    if let Some(result) = file.result {
+        resolver.expression(result, Vec::new());
+    }
+}
+
+struct Resolver<'r> {
+    file: &'r FormulaFile,
+    parameters: &'r [Parameter],
+    names: &'r Names,
+    diagnostics: &'r mut Diagnostics,
+}
+
+impl<'r> Resolver<'r> {
+    /// Warns if a name of an argument or of a sum hides something that is in use outside.
+    fn hiding(&mut self, name: &Name, what: &str) {
+        let Some(hidden @ (Meaning::Parameter(_) | Meaning::Macro(_) | Meaning::Variable(_))) = self.names.meaning(&name.text)
+        else {
+            return;
+        };
+        let mut warning = Diagnostic::warning(format!("the {what} `{}` hides {}", name.text, hidden.describe()))
+            .at(name.span, format!("here `{}` is the {what}", name.text));
+        if let Some(span) = self.names.given_at(&name.text) {
+            warning = warning.at(span, "this is hidden");
+        }
+        self.diagnostics.push(warning.help("choose another name if you need both"));
+    }
+
+    /// Checks an expression in which these names are known besides.
+    fn expression(&mut self, root: ExprId, known: Vec<&'r str>) {
+        let mut pending = vec![(root, Rc::new(known))];
+        while let Some((id, known)) = pending.pop() {
+            let expression = self.file.expr(id);
+            match &expression.kind {
+                ExprKind::Name(name) if known.contains(&name.as_str()) => {}
+                ExprKind::Name(name) => self.name(name, expression.span),
+                ExprKind::Call(callee, arguments) => {
+                    self.call(callee, arguments);
+                    if let Some(repetition) = self.names.repetition(self.file, id) {
+                        if let Some(variable) = arguments.first() {
+                            let name = Name { text: repetition.variable.to_owned(), span: self.file.expr(*variable).span };
+                            self.hiding(&name, "variable");
+                        }
+                        let inside = known.iter().copied().chain([repetition.variable]).collect();
+                        pending.push((repetition.body, Rc::new(inside)));
+                        pending.extend(repetition.bounds.map(|bound| (bound, Rc::clone(&known))));
+                        continue;
+                    }
+                    if let Some(Meaning::Repetition(_)) = self.names.callee(&callee.text) {
+                        // It has been reported, and its variable has no meaning.
+                        continue;
+                    }
+                }
+                ExprKind::Infix(Mark::Dot, _, [left, right]) if self.component(*left, *right, &known) => {
+                    pending.push((*left, known));
+                    continue;
+                }
+                ExprKind::Number(_)
+                | ExprKind::Prefix(..)
+                | ExprKind::Infix(..)
+                | ExprKind::Vector(_)
+                | ExprKind::Conditional(_)
+                | ExprKind::Missing => {}
+            }
+            pending.extend(expression.kind.operands().iter().rev().map(|operand| (*operand, Rc::clone(&known))));
+        }
+    }
+
+    /// Reports `Cd.x`, written like a component in other languages. Whether it was one.
+    fn component(&mut self, left: ExprId, right: ExprId, known: &[&str]) -> bool {
+        let expression = self.file.expr(right);
+        let ExprKind::Name(name) = &expression.kind else { return false };
+        if known.contains(&name.as_str()) || self.names.meaning(name).is_some() {
+            return false;
+        }
+        let swizzle = name.len() == 3 && name.chars().all(|letter| "xyzrgb".contains(letter));
+        // In `Cd*point.y` it is a component of `point` that was meant.
+        let product = self.file.expr(left);
+        let last = product.kind.infix().filter(|_| !product.parenthesised()).map_or(left, |(_, [_, last])| last);
+        let vector = print_expression(self.file, last);
+        let hint = match foreign::component(name) {
+            Some(get) => format!("write `{get}({vector})`"),
+            None if swizzle => format!("write `{vector}`, or `<getx(v), gety(v), getz(v)>` for another order"),
+            None => return false,
+        };
+        self.diagnostics.push(
+            Diagnostic::error(format!("`.{name}` is not a component here: `.` is the dot product"))
+                .at(expression.span, "no vector has this name")
+                .help(hint),
+        );
+        true
+    }
+
+    fn name(&mut self, name: &str, span: SourceSpan) {
+        match self.names.meaning(name) {
+            Some(Meaning::Macro(_) | Meaning::Variable(_) | Meaning::Builtin(Form::Constant(_))) => {}
+            Some(Meaning::Parameter(id)) => {
+                let parameter = &self.parameters[id.0 as usize];
+                if parameter.predefined.is_some_and(|predefined| !predefined.usable_in_formulas()) {
+                    self.diagnostics.push(
+                        Diagnostic::error(format!("`{name}` cannot be used in formulas"))
+                            .at(span, "it is the colour of rays that hit nothing")
+                            .help("declare a parameter of your own under `global;`"),
+                    );
+                }
+            }
+            Some(Meaning::Function(index)) => self.without_arguments(name, span, &head(&self.file.definitions[index])),
+            Some(Meaning::Repetition(repetition)) => self.without_arguments(name, span, &repetition.usage()),
+            Some(Meaning::Builtin(form)) => self.without_arguments(name, span, &usages(form).join("` or `")),
+            None => {
+                let ours = foreign::constant(name).map(|ours| format!("here it is written {ours}"));
+                let cosine = || foreign::dot_product(name).map(|dot| format!("give it a name before: `{name} = {dot};`"));
+                let is_value = |meaning| !matches!(meaning, Meaning::Builtin(Form::Function(_)) | Meaning::Function(_));
+                let near = || self.names.suggestion(name, is_value);
+                let declare = || format!("declare it, as in `{name}: scalar, constraint 0..1, slider;`");
+                let hint = ours.or_else(cosine).or_else(near).unwrap_or_else(declare);
+                self.diagnostics.push(
+                    Diagnostic::error(format!("`{name}` is not known"))
+                        .at(span, "no parameter, macro, variable or function has this name")
+                        .help(hint),
+                );
+            }
+        }
+    }
+
+    fn without_arguments(&mut self, name: &str, span: SourceSpan, usage: &str) {
+        self.diagnostics.push(
+            Diagnostic::error(format!("`{name}` is a function and needs arguments"))
+                .at(span, "expected `(` behind it")
+                .help(format!("write `{usage}`")),
+        );
+    }
+
+    fn call(&mut self, callee: &Name, arguments: &[ExprId]) {
+        let name = &callee.text;
+        match self.names.callee(name) {
+            Some(Meaning::Builtin(Form::Function(_))) => {}
+            Some(Meaning::Function(index)) => {
+                let definition = &self.file.definitions[index];
+                let wanted = definition.arguments.as_ref().map_or(0, Vec::len);
+                if wanted != arguments.len() && wanted > 0 {
+                    let plural = if wanted == 1 { "argument" } else { "arguments" };
+                    self.diagnostics.push(
+                        Diagnostic::error(format!("`{name}` takes {wanted} {plural}, not {}", arguments.len()))
+                            .at(callee.span, format!("{} given", arguments.len()))
+                            .at(definition.name.span, format!("defined here as `{}`", head(definition))),
+                    );
+                }
+            }
+            Some(Meaning::Repetition(repetition)) => self.repetition(repetition, callee, arguments),
+            Some(other) => {
+                let mut diagnostic =
+                    Diagnostic::error(format!("`{name}` is {}, not a function", other.describe())).at(callee.span, "called here");
+                if let Some(span) = self.names.given_at(name) {
+                    diagnostic = diagnostic.at(span, "it is given this meaning here");
+                }
+                self.diagnostics.push(diagnostic.help(format!("for a product write `{name} * (…)`")));
+            }
+            None => {
+                let ours = foreign::function(name).map(|ours| format!("here it is written {ours}"));
+                let is_function = |meaning| {
+                    matches!(meaning, Meaning::Builtin(Form::Function(_)) | Meaning::Function(_) | Meaning::Repetition(_))
+                };
+                let hint = ours.or_else(|| self.names.suggestion(name, is_function));
+                let define =
+                    || format!("define it above, as in `{name}(x) = …;`; the reference lists the functions of the language");
+                self.diagnostics.push(
+                    Diagnostic::error(format!("there is no function `{name}`"))
+                        .at(callee.span, "not known")
+                        .help(hint.unwrap_or_else(define)),
+                );
+            }
+        }
+    }
+
+    /// Reports a sum or a product that lacks a part.
+    fn repetition(&mut self, repetition: Repetition, callee: &Name, arguments: &[ExprId]) {
+        let usage = repetition.usage();
+        let diagnostic = match arguments {
+            [variable, _, _, _] if !matches!(self.file.expr(*variable).kind, ExprKind::Name(_)) => {
+                Diagnostic::error(format!("`{}` needs a name for its whole number", callee.text))
+                    .at(self.file.expr(*variable).span, "expected a new name, as `i`")
+            }
+            [_, _, _, _] => return,
+            _ => Diagnostic::error(format!("`{}` takes 4 arguments, not {}", callee.text, arguments.len()))
+                .at(callee.span, format!("{} given", arguments.len())),
+        };
+        self.diagnostics.push(diagnostic.help(format!("write `{usage}`: `i` takes the whole numbers `from` to `to`")));
+    }
+}
+
+/// How a function is called: `pow(x, y)`.
+fn usages(form: Form) -> Vec<String> {
+    let write = |operation: Operation| format!("{}({})", form.spelling(), operation.operand_names().join(", "));
+    // Overloads that differ only in types have the same form.
+    let usages: BTreeSet<String> = form.overloads().map(write).collect();
+    usages.into_iter().collect()
+}
