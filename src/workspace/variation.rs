@@ -273,6 +273,11 @@ impl VariedValues {
         self.targets.iter().all(|target| get(target) == first).then_some(first)
     }
 
+    /// The names of the values 0, 1, …, if the parameter has choices.
+    pub fn choices<'v>(&self, values: &'v Values) -> &'v [String] {
+        self.targets.first().map_or(&[], |(_, id)| &values.table().parameter(*id).choices)
+    }
+
     /// Whether the values are vectors, and not scalars or components.
     pub fn is_vector(&self) -> bool {
         self.vector

@@ -95,6 +95,24 @@ fn vectors_components_and_values_of_all_are_varied() {
 }
 
 #[test]
+fn switches_and_choices_are_varied() {
+    let folder = folder();
+    let formula = "body_specific; model: scalar, choices \"matte\", \"glossy\", \"flat\"; lit: scalar, switch, default 1;
+        formula; = Cd*if(lit, 1, 0.5)*if(model == 0, max(0, N.L), if(model == 1, max(0, R.V)^9, 0.3));";
+    write(&folder, "models.formula", formula);
+    let made = check_sheet(
+        folder.path(),
+        "-f models.formula -s sub/place.txt --size 40x30",
+        "--vary ball.model=0..2:3 --vary *.lit=0..1:2",
+    );
+    assert_eq!(values(&made, "ball.model"), [0.0, 0.0, 1.0, 1.0, 2.0, 2.0]);
+    let pictures = made
+        .iter()
+        .map(|entry| rendered(folder.path(), "-f models.formula -s sub/place.txt --size 40x30", entry, "one.png").into_bytes());
+    assert_eq!(pictures.collect::<std::collections::HashSet<_>>().len(), 6);
+}
+
+#[test]
 fn numbered_pictures_are_those_of_render_in_every_format() {
     let folder = folder();
     for suffix in ["png", "bmp", "exr"] {

@@ -3,6 +3,7 @@
 use crate::cli::report::{Failure, say};
 use illuminator::formula::ParameterId;
 use illuminator::lang::diagnostic::Diagnostic;
+use illuminator::lang::display_text::one_line;
 use illuminator::workspace::project::Project;
 use illuminator::workspace::warning::Cause;
 use illuminator::workspace::{Assignment, ValueWarning, Values, VariedValues};
@@ -19,6 +20,21 @@ pub(super) struct SweptParameter {
     /// The value of each step, one number or three: the one that all pictures of the step use if there is one,
     /// otherwise the given one.
     pub(super) values: Vec<Vec<f32>>,
+    /// The names of the values 0, 1, …, if it has choices.
+    pub(super) choices: Vec<String>,
+}
+
+impl SweptParameter {
+    /// The values as labels: the names of choices, or numbers.
+    pub(super) fn texts(&self) -> Vec<String> {
+        let choice = |value: &Vec<f32>| match &value[..] {
+            // The cast saturates.
+            [number] if number.fract() == 0.0 && *number >= 0.0 => self.choices.get(*number as usize).map(|name| one_line(name)),
+            _ => None,
+        };
+        let names: Option<Vec<String>> = self.values.iter().map(choice).collect();
+        names.unwrap_or_else(|| texts(&self.values))
+    }
 }
 
 /// One picture of a sweep.
@@ -78,7 +94,8 @@ impl Cells {
         let parameters = varied.iter().zip(used).map(|(varied, used)| {
             let given = |step: u32| varied.at(step)[..if varied.is_vector() { 3 } else { 1 }].to_vec();
             let values = used.into_iter().map(|(step, used)| used.unwrap_or_else(|| given(step))).collect();
-            SweptParameter { name: varied.label().to_owned(), values }
+            let choices = varied.choices(&project.values).to_vec();
+            SweptParameter { name: varied.label().to_owned(), values, choices }
         });
         Ok(Self { parameters: parameters.collect(), cells, warnings })
     }
@@ -167,7 +184,7 @@ impl Warnings {
 }
 
 /// The values of a parameter's steps as labels: all with as many decimals as tell neighbours well apart.
-pub(super) fn texts(values: &[Vec<f32>]) -> Vec<String> {
+fn texts(values: &[Vec<f32>]) -> Vec<String> {
     /// Labels with more decimals are written with an exponent instead if they are small.
     const MOST_DECIMALS: usize = 6;
     /// Larger numbers are written with an exponent.
@@ -205,6 +222,19 @@ fn trimmed(text: String) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn choices_are_labelled_by_their_names() {
+        let of = |numbers: &[f32]| {
+            let values = numbers.iter().map(|number| vec![*number]).collect();
+            let choices = ["GGX", "Beck\nmann"].map(str::to_owned).to_vec();
+            SweptParameter { name: "ball.model".to_owned(), values, choices }.texts()
+        };
+        assert_eq!(of(&[0.0, 1.0, 1.0]), ["GGX", "Beck\\nmann", "Beck\\nmann"]);
+        // Bodies that differ have no name in common.
+        assert_eq!(of(&[0.0, 0.5]), ["0.0", "0.5"]);
+        assert_eq!(of(&[0.0, 2.0]), ["0", "2"]);
+    }
 
     #[test]
     fn labels_have_the_decimals_that_they_need() {

@@ -4,7 +4,7 @@
 //! row, the second one from column to column. A title says which formula and scene the pictures show.
 
 use crate::cli::report::Failure;
-use crate::cli::sweep::cells::{SweptParameter, texts};
+use crate::cli::sweep::cells::SweptParameter;
 use crate::cli::sweep::lettering::Lettering;
 use illuminator::lang::diagnostic::Diagnostic;
 use illuminator::picture::Bitmap;
@@ -196,7 +196,7 @@ impl Spacing {
 /// The labels of a parameter's steps: name and value, or the value alone if not all of them fit into this width. The
 /// flag says whether there are names.
 fn labels(parameter: &SweptParameter, width: u64, lettering: &Lettering) -> (Vec<String>, bool) {
-    let values = texts(&parameter.values);
+    let values = parameter.texts();
     let named: Vec<String> = values.iter().map(|value| format!("{} = {value}", parameter.name)).collect();
     if widest(&named, lettering) <= width { (named, true) } else { (values, false) }
 }
@@ -239,7 +239,7 @@ mod tests {
 
     fn parameter(name: &str, count: u32) -> SweptParameter {
         let values = (0..count).map(|step| vec![step as f32 / 8.0]).collect();
-        SweptParameter { name: name.to_owned(), values }
+        SweptParameter { name: name.to_owned(), values, choices: Vec::new() }
     }
 
     fn sheet(parameters: &[SweptParameter], picture: [u32; 2]) -> Sheet {
