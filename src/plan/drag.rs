@@ -232,7 +232,7 @@ impl DragPlan {
     /// Where there are fewer numbers than the layout has.
     pub fn fixed(&self, site: Site, parameters: &[f32], body: usize) -> [f32; 3] {
         let mut sum = [0.0; 3];
-        for (index, term) in TERMS.iter().enumerate().filter(|(_, term)| term.site == site) {
+        for (index, term) in TERMS.iter().enumerate().filter(|(_, term)| term.site == site && self.equation.has(term)) {
             let moved = self.moved_terms.iter().find(|moved| moved.term == index && self.moves_at(moved, body));
             let colour = self.equation.term(term, parameters, body);
             add(&mut sum, colour, |component| moved.is_none_or(|moved| !moved.components[component]));
@@ -287,7 +287,7 @@ fn moving_terms(
 ) -> Vec<(MovedTerm, [Option<NodeId>; 3])> {
     let mut found = Vec::new();
     let is_plain = |term: &EquationTerm| term.site != Site::LitRecord;
-    for (number, term) in TERMS.iter().enumerate().filter(|(_, term)| is_plain(term)) {
+    for (number, term) in TERMS.iter().enumerate().filter(|(_, term)| is_plain(term) && equation.has(term)) {
         for factor in term.factors().filter(|factor| factor.owner() == owner) {
             let last = factor.ty().slots() - 1;
             let first = equation.index(factor, index);

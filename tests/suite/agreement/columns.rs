@@ -64,7 +64,7 @@ impl GroupColumns {
         let mut hits = vec![Column::new(); hit_leaves.len()];
         let mut records = vec![vec![Column::new(); record_leaves.len()]; group.emitters.len()];
         replay(tracer, tile, group, group.hits.clone(), |hit, _, surface| {
-            let own = HitVariables::new(tracer.world(), surface);
+            let own = HitVariables::new(tracer.world(), surface, tracer.relative_index(surface));
             let leaf = |leaf: &NodeId| match graph.node(*leaf) {
                 Node::Variable(symbol, component) => (symbol, usize::from(component)),
                 Node::Constant(_) | Node::Parameter(..) | Node::Apply(..) => panic!("static values are of variables"),
