@@ -16,12 +16,17 @@ use crate::scene::Scene;
 use crate::trace::{Budget, Hits, TraceError, View, trace, usable_memory};
 use crate::world::World;
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 use thiserror::Error;
 
 /// The memory for each pixel, without hits, in bytes: two linear pictures, a framebuffer, and the data of a picture
 /// file.
 const BYTES_PER_PIXEL: u64 = 40;
+/// The memory for each pixel of a linear picture, in bytes.
+const BYTES_PER_LINEAR_PIXEL: u64 = size_of::<[f32; 3]>() as u64;
+/// Tracing takes about as long as this many pictures. Progress is told by it.
+const TRACING: f64 = 20.0;
 
 /// What a picture shows, without the values of parameters.
 #[derive(Debug, Clone)]
@@ -164,7 +169,12 @@ impl Engine {
     /// The picture needs more memory than the budget, the task was cancelled, or the backend does not support the
     /// formula.
     pub fn trace(&self, subject: &Subject, task: &Task) -> Result<Arc<Hits>, EngineError> {
-        let budget = self.budget(subject)?;
+        self.trace_beside(subject, 0, task)
+    }
+
+    /// Traces the scene. There is memory for this many linear pictures besides.
+    fn trace_beside(&self, subject: &Subject, pictures: u64, task: &Task) -> Result<Arc<Hits>, EngineError> {
+        let budget = self.budget(subject, pictures)?;
         let lights = subject.formula.evaluated_lights();
         Ok(Arc::new(trace(&subject.world, &subject.view, lights, &budget, task.progress, task.cancelled)?))
     }
@@ -178,7 +188,7 @@ impl Engine {
     pub fn prepare(&self, subject: &Subject, hits: &Arc<Hits>) -> Result<Arc<dyn Evaluator>, EngineError> {
         let lights = subject.formula.evaluated_lights();
         if self.backend.reads_hits() && !hits.serves(lights) {
-            self.budget(subject)?.check_hits(hits, lights)?;
+            self.budget(subject, 0)?.check_hits(hits, lights)?;
         }
         Ok(self.backend.prepare(&subject.formula, hits)?)
     }
@@ -188,10 +198,15 @@ impl Engine {
     /// # Errors
     /// One of these steps failed.
     pub fn evaluator(&self, subject: &Subject, task: &Task) -> Result<Arc<dyn Evaluator>, EngineError> {
+        self.evaluator_beside(subject, 0, task)
+    }
+
+    /// Compiles, traces and prepares. There is memory for this many linear pictures besides.
+    fn evaluator_beside(&self, subject: &Subject, pictures: u64, task: &Task) -> Result<Arc<dyn Evaluator>, EngineError> {
         let hits = match self.backend.reads_hits() {
-            true => self.trace(subject, task)?,
+            true => self.trace_beside(subject, pictures, task)?,
             false => {
-                self.budget(subject)?.check(&subject.view)?;
+                self.budget(subject, pictures)?.check(&subject.view)?;
                 Arc::new(Hits::untraced(&subject.world, subject.view))
             }
         };
@@ -208,25 +223,67 @@ impl Engine {
     /// # Panics
     /// Where there are fewer parameter numbers than the layout has.
     pub fn picture(&self, subject: &Subject, parameters: &[f32], samples: u32, task: &Task) -> Result<Frame, EngineError> {
-        let count = samples.max(1).pow(2);
-        let mut mean: Option<Frame> = None;
-        for sample in 0..count {
-            let centre = |step: u32| (f64::from(step) + 0.5) / f64::from(samples.max(1));
-            let offset = [centre(sample % samples.max(1)), centre(sample / samples.max(1))];
-            let subject = Subject { view: subject.view.with_offset(offset), ..subject.clone() };
-            let progress = |share: f64| (task.progress)((f64::from(sample) + share) / f64::from(count));
-            let frame = self.evaluator(&subject, &Task { progress: &progress, ..*task })?.frame(parameters);
-            if count == 1 {
-                return Ok(frame);
-            }
-            let mean = mean.get_or_insert_with(|| Frame::black(frame.width, frame.height));
-            mean.add(&frame, 1.0 / count as f32);
-        }
-        Ok(mean.unwrap_or_else(|| Frame::black(subject.view.width(), subject.view.height())))
+        let mut picture = None;
+        self.pictures(subject, &[parameters], samples, task, |_, frame, _| {
+            picture = Some(frame);
+            Ok::<_, EngineError>(())
+        })?;
+        Ok(picture.unwrap_or_else(|| Frame::black(subject.view.width(), subject.view.height())))
     }
 
-    /// The memory budget, and what parts of the picture take of it.
-    fn budget(&self, subject: &Subject) -> Result<Budget, EngineError> {
+    /// The pictures of several sets of parameter numbers, each as [`picture`](Self::picture) makes it. `each` gets
+    /// their indices, the pictures, and how long they were evaluated, in order. Rays are traced once for all of them:
+    /// once for each sample. With more than one sample, all pictures are kept until the last sample is traced.
+    ///
+    /// # Errors
+    /// One of the stages failed, the task was cancelled between two pictures, or `each` failed.
+    ///
+    /// # Panics
+    /// Where a set has fewer parameter numbers than the layout has.
+    pub fn pictures<E: From<EngineError>>(
+        &self,
+        subject: &Subject,
+        parameters: &[&[f32]],
+        samples: u32,
+        task: &Task,
+        mut each: impl FnMut(usize, Frame, Duration) -> Result<(), E>,
+    ) -> Result<(), E> {
+        let (side, count) = (samples.max(1), samples.max(1).pow(2));
+        // One of them is in the memory of any picture.
+        let kept = if count == 1 { 0 } else { (parameters.len() as u64).saturating_sub(1) };
+        let mut means: Vec<(Frame, Duration)> = Vec::new();
+        for sample in 0..count {
+            let centre = |step: u32| (f64::from(step) + 0.5) / f64::from(side);
+            let offset = [centre(sample % side), centre(sample / side)];
+            let subject = Subject { view: subject.view.with_offset(offset), ..subject.clone() };
+            let tell = |share: f64| (task.progress)((f64::from(sample) + share) / f64::from(count));
+            let frames = parameters.len() as f64;
+            let traced = |share: f64| tell(share * TRACING / (TRACING + frames));
+            let evaluator = self.evaluator_beside(&subject, kept, &Task { progress: &traced, ..*task })?;
+            for (index, parameters) in parameters.iter().enumerate() {
+                if task.cancelled.load(Ordering::Relaxed) {
+                    return Err(EngineError::from(TraceError::Cancelled).into());
+                }
+                let start = Instant::now();
+                let frame = evaluator.frame(parameters);
+                if count == 1 {
+                    each(index, frame, start.elapsed())?;
+                } else {
+                    if means.len() == index {
+                        means.push((Frame::black(frame.width, frame.height), Duration::ZERO));
+                    }
+                    let (mean, time) = &mut means[index];
+                    mean.add(&frame, 1.0 / count as f32);
+                    *time += start.elapsed();
+                }
+                tell((TRACING + index as f64 + 1.0) / (TRACING + frames));
+            }
+        }
+        means.into_iter().enumerate().try_for_each(|(index, (frame, time))| each(index, frame, time))
+    }
+
+    /// The memory budget, and what parts of the picture take of it. This many linear pictures are kept besides.
+    fn budget(&self, subject: &Subject, pictures: u64) -> Result<Budget, EngineError> {
         let Footprint { per_hit, per_record, per_pair, per_call } = self.backend.compile(&subject.formula)?;
         let scene = subject.world.scene();
         let pairs = scene.bodies.len() as u64 * scene.lights.len() as u64;
@@ -237,8 +294,104 @@ impl Engine {
             bytes_per_thread: self.backend.thread_bytes(&subject.formula, &subject.world, &subject.view)?,
             bytes_per_hit: per_hit,
             bytes_per_record: per_record,
-            bytes_per_pixel: BYTES_PER_PIXEL,
+            bytes_per_pixel: BYTES_PER_PIXEL.saturating_add(pictures.saturating_mul(BYTES_PER_LINEAR_PIXEL)),
             bytes_per_call: per_call,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::workspace::Values;
+    use std::sync::Mutex;
+
+    /// The default backend. It keeps the hits that it prepares formulas for.
+    struct Recording {
+        backend: Arc<dyn Backend>,
+        prepared: Mutex<Vec<Arc<Hits>>>,
+    }
+
+    impl Backend for Recording {
+        fn name(&self) -> &'static str {
+            "recording"
+        }
+
+        fn compile(&self, formula: &Arc<Formula>) -> Result<Footprint, EvaluateError> {
+            self.backend.compile(formula)
+        }
+
+        fn thread_bytes(&self, formula: &Arc<Formula>, world: &World, view: &View) -> Result<u64, EvaluateError> {
+            self.backend.thread_bytes(formula, world, view)
+        }
+
+        fn prepare(&self, formula: &Arc<Formula>, hits: &Arc<Hits>) -> Result<Arc<dyn Evaluator>, EvaluateError> {
+            self.prepared.lock().unwrap().push(Arc::clone(hits));
+            self.backend.prepare(formula, hits)
+        }
+    }
+
+    fn subject() -> Subject {
+        let formula = "body_specific; kd: scalar, constraint 0..1, default 0.5; formula; = kd*IL*Cd*max(0, N.L);";
+        let scene = "bodies; ball: sphere, center <0,0,0>, radius 1; lights; key: point, <4,6,5>;
+            camera; position <0,1,6>; gaze <0,-0.15,-1>; up <0,1,0>; fov 40;";
+        Subject::parse(formula, scene, View::new(24, 16).unwrap()).unwrap()
+    }
+
+    /// Three sets of parameter numbers: `kd` is 0, 0.5 and 1.
+    fn numbers(subject: &Subject) -> Vec<Vec<f32>> {
+        let mut values = Values::defaults(&subject.formula, subject.world.scene());
+        let set = |text: &str, values: &mut Values| {
+            let given = text.parse::<crate::workspace::NamedAssignment>().unwrap().resolve(values.table()).unwrap();
+            values.assign(&given);
+            values.numbers().to_vec()
+        };
+        ["ball.kd=0", "ball.kd=0.5", "ball.kd=1"].map(|text| set(text, &mut values)).to_vec()
+    }
+
+    #[test]
+    fn several_pictures_are_those_of_one_each_and_traced_once_for_each_sample() {
+        let subject = subject();
+        let numbers = numbers(&subject);
+        for samples in [1, 2] {
+            let backend = Arc::new(Recording { backend: crate::backends::DEFAULT.make(), prepared: Mutex::default() });
+            let engine = Engine::new(Arc::clone(&backend) as Arc<dyn Backend>);
+            let told = Mutex::new(Vec::new());
+            let tell = |share: f64| told.lock().unwrap().push(share);
+            let mut pictures = Vec::new();
+            let sets: Vec<&[f32]> = numbers.iter().map(Vec::as_slice).collect();
+            let done = engine.pictures(&subject, &sets, samples, &Task::watched(&tell), |index, frame, _| {
+                pictures.push((index, frame));
+                Ok::<_, EngineError>(())
+            });
+            done.unwrap();
+            let prepared = std::mem::take(&mut *backend.prepared.lock().unwrap());
+            assert_eq!(prepared.len() as u32, samples * samples, "one tracing for each sample");
+            let shares = told.into_inner().unwrap();
+            assert!(shares.is_sorted() && shares.last() == Some(&1.0), "{shares:?}");
+            let one = |numbers: &Vec<f32>| Engine::default().picture(&subject, numbers, samples, &Task::UNWATCHED).unwrap();
+            assert_eq!(pictures, numbers.iter().map(one).enumerate().collect::<Vec<_>>());
+            assert!(pictures[0].1 != pictures[1].1 && pictures[1].1 != pictures[2].1);
+        }
+    }
+
+    #[test]
+    fn several_pictures_end_at_a_failure_or_when_they_are_cancelled() {
+        let subject = subject();
+        let numbers = numbers(&subject);
+        let sets: Vec<&[f32]> = numbers.iter().map(Vec::as_slice).collect();
+        let cancelled = AtomicBool::new(false);
+        let task = Task { progress: &|_| (), cancelled: &cancelled };
+        let mut count = 0;
+        let outcome = Engine::default().pictures(&subject, &sets, 1, &task, |_, _, _| {
+            count += 1;
+            cancelled.store(true, Ordering::Relaxed);
+            Ok::<_, EngineError>(())
+        });
+        assert!(outcome.unwrap_err().is_cancelled());
+        assert_eq!(count, 1);
+        let failed = || EngineError::from(EvaluateError::Backend("full".to_owned()));
+        let outcome = Engine::default().pictures(&subject, &sets, 1, &Task::UNWATCHED, |_, _, _| Err(failed()));
+        assert_eq!(outcome.unwrap_err().to_string(), "full");
     }
 }

@@ -1,7 +1,7 @@
 //! Evaluation by the reference interpreter.
 
 use crate::bytecode::program::{Instantiation, MAX_PROGRAM_BYTES, largest_tree};
-use crate::bytecode::{Code, CodeTooLarge, Programs};
+use crate::bytecode::{CodeTooLarge, FormulaCode, Programs};
 use crate::evaluate::{Backend, Drag, Drawn, EvaluateError, Evaluator, Footprint, Framebuffer, WholeFrames};
 use crate::formula::Formula;
 use crate::formula::equation::Equation;
@@ -37,14 +37,14 @@ impl Backend for Interpreter {
     }
 
     fn compile(&self, formula: &Arc<Formula>) -> Result<Footprint, EvaluateError> {
-        Code::new(formula)?;
+        FormulaCode::new(formula)?;
         Ok(Footprint::default())
     }
 
     /// Two programs: the interpreter writes others up to `BATCH_BYTES` before one of the largest size, and the memory
     /// of a growing list doubles. And the memory of the machine, and the tree of rays that a program is written from.
     fn thread_bytes(&self, formula: &Arc<Formula>, world: &World, view: &View) -> Result<u64, EvaluateError> {
-        let code = Code::new(formula)?;
+        let code = FormulaCode::new(formula)?;
         let scene = world.scene();
         let equation = Equation::new(formula, scene.bodies.len(), scene.lights.len());
         let instantiation = Instantiation { code: &code, equation, world };
@@ -65,7 +65,7 @@ impl Backend for Interpreter {
 pub struct Interpreted {
     world: Arc<World>,
     view: View,
-    code: Code,
+    code: FormulaCode,
     equation: Equation,
     lights: EvaluatedLights,
 }
@@ -85,7 +85,7 @@ impl Interpreted {
     /// # Errors
     /// The bytecode would be too large.
     pub fn new(formula: &Arc<Formula>, world: &Arc<World>, view: View) -> Result<Self, CodeTooLarge> {
-        let code = Code::new(formula)?;
+        let code = FormulaCode::new(formula)?;
         let scene = world.scene();
         let equation = Equation::new(formula, scene.bodies.len(), scene.lights.len());
         if (Instantiation { code: &code, equation, world }).largest(view.depth()) > MAX_PROGRAM_BYTES {

@@ -7,6 +7,7 @@ use crate::bytecode::instruction::Instruction;
 use crate::formula::{Formula, Term, TermId};
 use crate::lang::builtins::{Operation, Stack};
 use crate::lang::scalars::flush;
+use crate::lang::surface_terms::SurfaceTerm;
 use crate::lang::types::Type;
 use thiserror::Error;
 
@@ -19,7 +20,60 @@ pub const MAX_BYTES: usize = 1 << 20;
 #[error("the formula is too large for the interpreter, which writes it out for every hit and light; compiled code does not")]
 pub struct CodeTooLarge;
 
-/// The code of a formula, of type I.
+/// The codes of a formula, of type I: of its result, and of the terms that it gives for every hit.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FormulaCode {
+    /// The result.
+    pub local: Code,
+    surface: [Option<Code>; SurfaceTerm::COUNT],
+}
+
+impl FormulaCode {
+    /// Writes a formula as postfix code.
+    ///
+    /// # Errors
+    /// The code would be too large.
+    pub fn new(formula: &Formula) -> Result<Self, CodeTooLarge> {
+        let mut surface = [const { None }; SurfaceTerm::COUNT];
+        for (term, id) in formula.surface.iter() {
+            surface[term as usize] = Some(Code::of(formula, id)?);
+        }
+        Ok(Self { local: Code::new(formula)?, surface })
+    }
+
+    /// The code of a term that the formula gives for every hit.
+    pub fn surface(&self, term: SurfaceTerm) -> Option<&Code> {
+        self.surface[term as usize].as_ref()
+    }
+
+    /// All codes with the names of what they compute; the result has none.
+    pub fn all(&self) -> impl Iterator<Item = (Option<SurfaceTerm>, &Code)> {
+        let surface = SurfaceTerm::ALL.iter().filter_map(|term| Some((Some(*term), self.surface(*term)?)));
+        std::iter::once((None, &self.local)).chain(surface)
+    }
+
+    /// The size of all codes in bytes.
+    pub fn bytes(&self) -> usize {
+        self.all().map(|(_, code)| code.bytes()).sum()
+    }
+
+    /// The deepest stack that any of them needs, in numbers.
+    pub fn depth(&self) -> usize {
+        self.all().map(|(_, code)| code.depth()).max().unwrap_or(0)
+    }
+
+    /// How many slots any of them needs.
+    pub fn slots(&self) -> usize {
+        self.all().map(|(_, code)| code.slots()).max().unwrap_or(0)
+    }
+
+    /// The size of an instance of each term of a hit, together, in bytes.
+    pub fn surface_bytes(&self) -> usize {
+        self.all().filter(|(term, _)| term.is_some()).map(|(_, code)| code.instance_bytes()).sum()
+    }
+}
+
+/// The code of an expression of a formula, of type I.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Code {
     instructions: Vec<Instruction>,
@@ -116,6 +170,8 @@ impl Code {
             | Instruction::VectorReference(_)
             | Instruction::Weigh
             | Instruction::Guard(_)
+            | Instruction::WeighVector
+            | Instruction::GuardVector(_)
             | Instruction::Parameter(..)
             | Instruction::Operation(_)
             | Instruction::ByComponents(..)

@@ -22,6 +22,12 @@ pub enum Instruction {
     /// If the weight on top of the stack is 0, replaces it by the zero vector and skips this many bytes, which
     /// compute the vector and [`Weigh`](Self::Weigh) it.
     Guard(u32),
+    /// Replaces a weight and a vector, both of three numbers, by their product by components. If the weight is 0 in
+    /// all components, the product is 0. `WEIGH_V`
+    WeighVector,
+    /// If the three numbers on top of the stack are all 0, skips this many bytes, which compute a vector and
+    /// [weigh](Self::WeighVector) it. `GUARD_V`
+    GuardVector(u32),
     /// A variable, in type I only. `VAR_…`
     Variable(Variable),
     /// A parameter by its owner, type and slot, in type I only. `PARAM_…`
@@ -50,7 +56,9 @@ pub(super) const STORE_SCALAR: u8 = 14;
 pub(super) const STORE_VECTOR: u8 = 15;
 pub(super) const LOAD_SCALAR: u8 = 16;
 pub(super) const LOAD_VECTOR: u8 = 17;
-const FIRST_VARIABLE: u8 = 18;
+pub(super) const WEIGH_VECTOR: u8 = 7;
+pub(super) const GUARD_VECTOR: u8 = 18;
+const FIRST_VARIABLE: u8 = 20;
 /// The opcode of the first operation. The others follow in the order of their table.
 pub(super) const FIRST_OPERATION: u8 = 48;
 
@@ -68,6 +76,8 @@ impl Instruction {
             Instruction::VectorReference(_) => VECTOR_REFERENCE,
             Instruction::Weigh => WEIGH,
             Instruction::Guard(_) => GUARD,
+            Instruction::WeighVector => WEIGH_VECTOR,
+            Instruction::GuardVector(_) => GUARD_VECTOR,
             Instruction::Variable(variable) => FIRST_VARIABLE + variable as u8,
             Instruction::Parameter(owner, ty, _) => FIRST_PARAMETER + 2 * owner as u8 + u8::from(ty == Type::Vector),
             Instruction::Operation(operation) => FIRST_OPERATION + operation as u8,
@@ -89,10 +99,11 @@ impl Instruction {
             Instruction::ScalarReference(number)
             | Instruction::VectorReference(number)
             | Instruction::Guard(number)
+            | Instruction::GuardVector(number)
             | Instruction::Parameter(_, _, number)
             | Instruction::Store(_, number)
             | Instruction::Load(_, number) => code.extend_from_slice(&number.to_le_bytes()),
-            Instruction::Weigh | Instruction::Variable(_) | Instruction::Operation(_) => {}
+            Instruction::Weigh | Instruction::WeighVector | Instruction::Variable(_) | Instruction::Operation(_) => {}
         }
     }
 
@@ -108,6 +119,8 @@ impl Instruction {
             VECTOR_REFERENCE => (Instruction::VectorReference(word(0)?), 5),
             WEIGH => (Instruction::Weigh, 1),
             GUARD => (Instruction::Guard(word(0)?), 5),
+            WEIGH_VECTOR => (Instruction::WeighVector, 1),
+            GUARD_VECTOR => (Instruction::GuardVector(word(0)?), 5),
             BY_COMPONENTS => {
                 let &[operation, vectors, ..] = rest else { return None };
                 (Instruction::ByComponents(*Operation::ALL.get(usize::from(operation))?, vectors), 3)
@@ -126,7 +139,7 @@ impl Instruction {
                 (Instruction::Variable(*Variable::ALL.get(usize::from(opcode - FIRST_VARIABLE))?), 1)
             }
             FIRST_OPERATION.. => (Instruction::Operation(*Operation::ALL.get(usize::from(opcode - FIRST_OPERATION))?), 1),
-            7 => return None,
+            19 => return None,
         })
     }
 
@@ -137,6 +150,8 @@ impl Instruction {
             Instruction::VectorValue(_) | Instruction::VectorReference(_) => (0, 3),
             Instruction::Weigh => (4, 3),
             Instruction::Guard(_) => (1, 1),
+            Instruction::WeighVector => (6, 3),
+            Instruction::GuardVector(_) => (3, 3),
             Instruction::Variable(variable) => (0, variable.ty().slots()),
             Instruction::ByComponents(operation, vectors) => (operation.operands().len() + 2 * vectors.count_ones() as usize, 3),
             Instruction::Parameter(_, ty, _) | Instruction::Load(ty, _) => (0, ty.slots()),
@@ -157,6 +172,8 @@ impl fmt::Display for Instruction {
             Instruction::VectorReference(index) => write!(f, "VECTOR_PTR [{index}]"),
             Instruction::Weigh => write!(f, "WEIGH"),
             Instruction::Guard(bytes) => write!(f, "GUARD {bytes}"),
+            Instruction::WeighVector => write!(f, "WEIGH_V"),
+            Instruction::GuardVector(bytes) => write!(f, "GUARD_V {bytes}"),
             Instruction::Variable(variable) => write!(f, "VAR_{}_{}", variable.name(), variable.ty().letter()),
             Instruction::Parameter(owner, ty, slot) => {
                 let owner = match owner {
@@ -191,6 +208,8 @@ mod tests {
             Instruction::VectorReference(1 << 20),
             Instruction::Weigh,
             Instruction::Guard(300),
+            Instruction::WeighVector,
+            Instruction::GuardVector(1 << 20),
         ];
         for ty in [Type::Scalar, Type::Vector] {
             all.extend([Instruction::Store(ty, 2), Instruction::Load(ty, 1 << 20)]);
@@ -206,7 +225,7 @@ mod tests {
             instruction.encode(&mut code);
             assert_eq!(Instruction::decode(&code), Some((instruction, code.len())));
         }
-        assert_eq!(Instruction::decode(&[7]), None);
+        assert_eq!(Instruction::decode(&[19]), None);
         assert_eq!(Instruction::decode(&[SCALAR_VALUE, 0, 0]), None);
     }
 }

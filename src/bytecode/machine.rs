@@ -2,8 +2,8 @@
 //! that are used more than once.
 
 use crate::bytecode::instruction::{
-    BY_COMPONENTS, FIRST_OPERATION, GUARD, LOAD_SCALAR, LOAD_VECTOR, SCALAR_REFERENCE, SCALAR_VALUE, STORE_SCALAR, STORE_VECTOR,
-    VECTOR_REFERENCE, VECTOR_VALUE, WEIGH,
+    BY_COMPONENTS, FIRST_OPERATION, GUARD, GUARD_VECTOR, LOAD_SCALAR, LOAD_VECTOR, SCALAR_REFERENCE, SCALAR_VALUE, STORE_SCALAR,
+    STORE_VECTOR, VECTOR_REFERENCE, VECTOR_VALUE, WEIGH, WEIGH_VECTOR,
 };
 use crate::lang::builtins::{Operation, Stack};
 use crate::lang::scalars::Scalars;
@@ -75,6 +75,24 @@ where
                 for component in [x, y, z] {
                     let weighted = if weight == zero { zero } else { scalars.mul(weight, component) };
                     stack.push(weighted);
+                }
+            }
+            WEIGH_VECTOR => {
+                let [red, green, blue, x, y, z] = stack.pop();
+                let is_zero = [red, green, blue].iter().all(|weight| *weight == zero);
+                for (weight, component) in [(red, x), (green, y), (blue, z)] {
+                    let weighted = if is_zero { zero } else { scalars.mul(weight, component) };
+                    stack.push(weighted);
+                }
+            }
+            GUARD_VECTOR => {
+                let length = word(&mut rest) as usize;
+                let weights: [M::Value; 3] = stack.pop();
+                if weights.iter().all(|weight| *weight == zero) {
+                    (0..3).for_each(|_| stack.push(zero));
+                    rest = &rest[length..];
+                } else {
+                    weights.into_iter().for_each(|weight| stack.push(weight));
                 }
             }
             GUARD => {

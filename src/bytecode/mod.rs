@@ -18,6 +18,6 @@ pub mod instruction;
 pub mod machine;
 pub mod program;
 
-pub use compile::{Code, CodeTooLarge};
+pub use compile::{Code, CodeTooLarge, FormulaCode};
 pub use instruction::Instruction;
 pub use program::{Program, Programs};

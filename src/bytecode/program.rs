@@ -1,13 +1,14 @@
 //! Programs of type II: the whole formula of a pixel, for its ray tree by equation (2) (thesis 4.2.3, 5.3.4).
 
-use crate::bytecode::compile::Code;
+use crate::bytecode::compile::{Code, FormulaCode};
 use crate::bytecode::instruction::Instruction;
 use crate::bytecode::machine::{self, MachineMemory};
-use crate::formula::equation::{Colour, Equation, EquationTerm, REFLECTED, REFRACTED, Site, owner_index};
+use crate::formula::equation::{Colour, Equation, EquationTerm, Site, owner_index, weight_parameter};
 use crate::lang::builtins::Operation;
 use crate::lang::scalars::{Scalars, flush};
+use crate::lang::surface_terms::SurfaceTerm;
 use crate::lang::types::Type;
-use crate::lang::variables::{Owner, Predefined};
+use crate::lang::variables::{Owner, Predefined, Variable};
 use crate::scene::LightId;
 use crate::trace::{Child, HitVariables, LightVariables, NodeLight, RayNode, Tree, variable};
 use crate::world::World;
@@ -15,8 +16,8 @@ use crate::world::World;
 /// The inputs of instantiation: a formula on a scene.
 #[derive(Debug, Clone, Copy)]
 pub struct Instantiation<'i> {
-    /// The code of the formula, of type I.
-    pub code: &'i Code,
+    /// The codes of the formula, of type I.
+    pub code: &'i FormulaCode,
     /// The indices of parameter numbers.
     pub equation: Equation,
     /// The world.
@@ -30,7 +31,7 @@ impl Instantiation<'_> {
     /// The bytes of the machine's memory for the program of any pixel, with rays of at most this depth.
     pub fn memory_bytes(&self, depth: u32) -> u64 {
         // At each depth, a sum waits for the weight and the colour of a child. Terms add a weight and factors.
-        const LEVEL: u64 = 4;
+        const LEVEL: u64 = 6;
         const TERMS: u64 = 10;
         let numbers = u64::from(depth) * LEVEL + TERMS + (self.code.depth() + self.code.slots()) as u64;
         numbers * size_of::<f32>() as u64
@@ -41,9 +42,10 @@ impl Instantiation<'_> {
     pub fn largest(&self, depth: u32) -> u64 {
         // Bytes of references, weights and sums for an emitter, and for a hit.
         const EMITTER: u64 = 7;
-        const HIT: u64 = 40;
+        const HIT: u64 = 60;
         let emitters = self.world.emitter_ids().count() as u64;
-        largest_tree(self.world, depth) * (emitters * (self.code.instance_bytes() as u64 + EMITTER) + HIT)
+        let local = self.code.local.instance_bytes() as u64 + EMITTER;
+        largest_tree(self.world, depth) * (emitters * local + self.code.surface_bytes() as u64 + HIT)
     }
 }
 
@@ -183,9 +185,10 @@ impl BytecodeBuilder<'_> {
     fn tree(&mut self, tree: &Tree) {
         enum BuildTask {
             Node(usize),
-            Child(Predefined, Child, usize),
+            /// A child of the node with this index, and the weight of its ray.
+            Child(SurfaceTerm, Child, usize),
             /// Ends a guarded child. The operand of the guard is at this offset of the code.
-            Close(usize),
+            Close(SurfaceTerm, usize),
         }
         let mut tasks = vec![BuildTask::Node(0)];
         while let Some(task) = tasks.pop() {
@@ -193,25 +196,25 @@ impl BytecodeBuilder<'_> {
                 BuildTask::Node(index) => {
                     let node = &tree.nodes[index];
                     self.local(node);
-                    let body = node.hit.body.index();
-                    tasks.push(BuildTask::Child(REFRACTED, node.refracted, body));
-                    tasks.push(BuildTask::Child(REFLECTED, node.reflected, body));
+                    tasks.push(BuildTask::Child(SurfaceTerm::Refracted, node.refracted, index));
+                    tasks.push(BuildTask::Child(SurfaceTerm::Reflected, node.reflected, index));
                 }
                 BuildTask::Child(_, Child::None, _) => {}
-                BuildTask::Child(weight, Child::Miss(_), body) => {
-                    self.parameter(weight, body);
+                BuildTask::Child(weight, Child::Miss(_), parent) => {
+                    self.weight(weight, &tree.nodes[parent]);
                     self.miss();
-                    self.emit(Instruction::Weigh);
+                    self.weigh(weight);
                     self.emit(Instruction::Operation(Operation::AddVV));
                 }
-                BuildTask::Child(weight, Child::Hit(index), body) => {
-                    self.parameter(weight, body);
-                    self.emit(Instruction::Guard(0));
-                    tasks.push(BuildTask::Close(self.code.len() - size_of::<u32>()));
+                BuildTask::Child(weight, Child::Hit(index), parent) => {
+                    self.weight(weight, &tree.nodes[parent]);
+                    let is_given = self.instantiation.code.surface(weight).is_some();
+                    self.emit(if is_given { Instruction::GuardVector(0) } else { Instruction::Guard(0) });
+                    tasks.push(BuildTask::Close(weight, self.code.len() - size_of::<u32>()));
                     tasks.push(BuildTask::Node(index));
                 }
-                BuildTask::Close(operand) => {
-                    self.emit(Instruction::Weigh);
+                BuildTask::Close(weight, operand) => {
+                    self.weigh(weight);
                     let guarded = operand + size_of::<u32>();
                     // No program is larger than `MAX_PROGRAM_BYTES`, see `largest`.
                     let length = (self.code.len() - guarded) as u32;
@@ -222,21 +225,49 @@ impl BytecodeBuilder<'_> {
         }
     }
 
+    /// The weight of a child ray of a node: three numbers if the formula gives it, else one.
+    fn weight(&mut self, weight: SurfaceTerm, node: &RayNode) {
+        if let Some(code) = self.instantiation.code.surface(weight) {
+            let hit = HitVariables::new(self.instantiation.world, &node.hit, node.relative_index);
+            self.instance(code, node, None, &|symbol| hit.value(symbol).unwrap_or_default());
+        } else if let Some(parameter) = weight_parameter(weight) {
+            self.parameter(parameter, node.hit.body.index());
+        }
+    }
+
+    /// Multiplies a weight and a colour.
+    fn weigh(&mut self, weight: SurfaceTerm) {
+        let is_given = self.instantiation.code.surface(weight).is_some();
+        self.emit(if is_given { Instruction::WeighVector } else { Instruction::Weigh });
+    }
+
     /// The contributions of the lights at a hit, and the terms without lights.
     fn local(&mut self, node: &RayNode) {
         let world = self.instantiation.world;
-        let hit = HitVariables::new(world, &node.hit);
+        let hit = HitVariables::new(world, &node.hit, node.relative_index);
         let mut count = 0;
         for NodeLight { emitter, visible } in &node.lights {
             let light = world.light_of(*emitter);
             let record = LightVariables::new(&node.hit, &world.emitter(*emitter).sample(&node.hit), *visible);
             for term in EquationTerm::at(Site::LitRecord) {
-                let formula = |assembler: &mut Self| assembler.formula(node, light, &hit, &record);
+                let code = &self.instantiation.code.local;
+                let formula = |assembler: &mut Self| {
+                    assembler.instance(code, node, Some(light), &|symbol| variable(symbol, &hit, &record));
+                };
                 self.term(term, node.hit.body.index(), light.index(), &mut count, formula);
             }
         }
-        for term in EquationTerm::at(Site::Hit) {
+        let equation = self.instantiation.equation;
+        for term in EquationTerm::at(Site::Hit).filter(|term| equation.has(term)) {
             self.term(term, node.hit.body.index(), 0, &mut count, |_| {});
+        }
+        for term in SurfaceTerm::ALL.iter().filter(|term| !term.is_weight()) {
+            let Some(code) = self.instantiation.code.surface(*term) else { continue };
+            self.instance(code, node, None, &|symbol| hit.value(symbol).unwrap_or_default());
+            if count > 0 {
+                self.emit(Instruction::Operation(Operation::AddVV));
+            }
+            count += 1;
         }
     }
 
@@ -273,13 +304,14 @@ impl BytecodeBuilder<'_> {
         *count += 1;
     }
 
-    /// The formula with numbers for variables and references for parameters: type I into type II.
-    fn formula(&mut self, node: &RayNode, light: LightId, hit: &HitVariables, record: &LightVariables) {
-        let Instantiation { code, equation, .. } = self.instantiation;
+    /// Code with numbers for variables and references for parameters: type I into type II. What is evaluated once at a
+    /// hit has no light, and reads nothing of one.
+    fn instance(&mut self, code: &Code, node: &RayNode, light: Option<LightId>, value: &dyn Fn(Variable) -> [f32; 3]) {
+        let equation = self.instantiation.equation;
         for instruction in code.instructions() {
             let instance = match *instruction {
                 Instruction::Variable(symbol) => {
-                    let value = variable(symbol, hit, record).map(flush);
+                    let value = value(symbol).map(flush);
                     match symbol.ty() {
                         Type::Scalar | Type::Truth => Instruction::ScalarValue(value[0]),
                         Type::Vector => Instruction::VectorValue(value),
@@ -289,7 +321,7 @@ impl BytecodeBuilder<'_> {
                     let owner_index = match owner {
                         Owner::Global => 0,
                         Owner::Body => node.hit.body.index(),
-                        Owner::Light => light.index(),
+                        Owner::Light => light.map_or(0, LightId::index),
                     };
                     let index = (equation.layout.row(owner, owner_index) + slot as usize) as u32;
                     match ty {
@@ -303,6 +335,8 @@ impl BytecodeBuilder<'_> {
                 | Instruction::VectorReference(_)
                 | Instruction::Weigh
                 | Instruction::Guard(_)
+                | Instruction::WeighVector
+                | Instruction::GuardVector(_)
                 | Instruction::Operation(_)
                 | Instruction::ByComponents(..)
                 | Instruction::Store(..)

@@ -6,10 +6,11 @@ use crate::cli::input::load;
 use crate::cli::options::InputOptions;
 use crate::cli::report::{Failure, print};
 use clap::{Args, ValueEnum};
-use illuminator::bytecode::Code;
+use illuminator::bytecode::FormulaCode;
 use illuminator::evaluate::inspect::Inspector;
 use illuminator::jit::CompiledFormula;
 use illuminator::lang::ast::{ExprId, ExprKind, FormulaFile};
+use illuminator::lang::surface_terms::SurfaceTerm;
 use illuminator::lang::{parser, printer};
 use illuminator::workspace::project::Project;
 use std::fmt::Write;
@@ -122,9 +123,13 @@ fn outside(input: &Project, [x, y]: [u32; 2]) -> Failure {
 }
 
 fn bytecode(input: &Project, pixel: Option<[u32; 2]>) -> Result<String, Failure> {
-    let code = Code::new(&input.subject.formula).map_err(|error| Failure::input(error.to_string()))?;
-    let mut text = format!("type I: the formula, {} bytes; slots: {}\n", code.bytes(), code.slots());
-    code.instructions().iter().for_each(|instruction| text.push_str(&format!("  {instruction}\n")));
+    let codes = FormulaCode::new(&input.subject.formula).map_err(|error| Failure::input(error.to_string()))?;
+    let mut text = String::new();
+    for (term, code) in codes.all() {
+        let what = term.map_or("the formula", SurfaceTerm::name);
+        text.push_str(&format!("type I: {what}, {} bytes; slots: {}\n", code.bytes(), code.slots()));
+        code.instructions().iter().for_each(|instruction| text.push_str(&format!("  {instruction}\n")));
+    }
     if let Some([x, y]) = pixel {
         let view = &input.subject.view;
         if x >= view.width() || y >= view.height() {

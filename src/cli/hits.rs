@@ -247,7 +247,7 @@ impl Dump {
         pixel: u32,
         path: u32,
     ) -> io::Result<()> {
-        let own = HitVariables::new(tracer.world(), surface);
+        let own = HitVariables::new(tracer.world(), surface, tracer.relative_index(surface));
         let values = self.of_hit.iter().map(|symbol| (own.value(*symbol).unwrap_or_default(), symbol.ty()));
         let row = self.hits.add(&[pixel, surface.body.0, path], values)?;
         for NodeLight { emitter, visible } in lights {

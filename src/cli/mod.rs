@@ -5,12 +5,14 @@
 
 mod bench;
 mod check;
+mod completions;
 mod draw;
 mod dump;
 mod engine;
 mod hits;
 mod input;
 mod list;
+mod man;
 mod options;
 mod output;
 #[cfg(feature = "window")]
@@ -20,9 +22,10 @@ mod render;
 mod report;
 #[cfg(unix)]
 mod signals;
+mod sweep;
 mod verify;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, Parser, Subcommand};
 use report::{Status, print, say_arguments};
 use std::process::ExitCode;
 
@@ -45,6 +48,8 @@ enum Command {
     Preview(preview::Options),
     /// Make a picture file
     Render(render::Options),
+    /// Make pictures that differ in one or two values: a contact sheet, or numbered files
+    Sweep(sweep::Options),
     /// Check formulas, scenes, sessions and material libraries for mistakes
     Check(check::Options),
     /// Compare the compiled code with the reference interpreter
@@ -57,6 +62,10 @@ enum Command {
     List,
     /// Print the reference of the formula language
     HelpLanguage,
+    /// Print the manual page of the program, or write one for each command
+    Man(man::Options),
+    /// Print a script that lets a shell complete commands and options
+    Completions(completions::Options),
 }
 
 impl Command {
@@ -82,12 +91,15 @@ pub(crate) fn run() -> ExitCode {
         #[cfg(feature = "window")]
         Command::Preview(options) => preview::run(&options),
         Command::Render(options) => render::run(&options),
+        Command::Sweep(options) => sweep::run(&options),
         Command::Check(options) => check::run(&options),
         Command::Verify(options) => verify::run(&options),
         Command::Bench(options) => bench::run(&options),
         Command::Dump(options) => dump::run(&options),
         Command::List => list::run(),
         Command::HelpLanguage => print(&illuminator::lang::reference::reference()),
+        Command::Man(options) => man::run(&options, Arguments::command()),
+        Command::Completions(options) => completions::run(&options, Arguments::command()),
     };
     #[cfg(unix)]
     signals::end_if_received();

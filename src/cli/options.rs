@@ -1,8 +1,11 @@
 //! Options that several commands share, and how their values are read.
 
+use crate::cli::report::warn;
 use clap::Args;
+use illuminator::backends::{BackendChoice, CHOICES, DEFAULT, named};
 use illuminator::lang::ast::Constant;
 use illuminator::lang::display_text::one_line;
+use illuminator::picture::{EXPOSURES, ToneCurve, Transfer, ViewTransform};
 use illuminator::trace::{MAX_DEPTH, MAX_SIDE};
 use illuminator::workspace::NamedAssignment;
 use illuminator::workspace::assignment::parse_value;
@@ -61,12 +64,69 @@ pub(super) struct MachineOptions {
     pub(super) memory: Option<u64>,
 }
 
+/// How pictures are made and written.
+#[derive(Args, Debug)]
+pub(super) struct PictureOptions {
+    /// Write 8-bit components with the sRGB transfer function [default: as the session says]
+    #[arg(long)]
+    srgb: bool,
+    /// Write 8-bit components as they are
+    #[arg(long, conflicts_with = "srgb")]
+    linear: bool,
+    /// Exposure in stops, -16 to 16: 1 makes the picture twice as bright [default: that of the session]
+    #[arg(long, value_name = "STOPS", value_parser = exposure, allow_negative_numbers = true)]
+    exposure: Option<f32>,
+    /// Tone curve [default: that of the session]
+    #[arg(long, value_name = "NAME", value_parser = ToneCurve::ALL.map(ToneCurve::name))]
+    curve: Option<String>,
+    /// Use N × N rays for each pixel on a regular grid, 1 to 16
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=16))]
+    pub(super) samples: u32,
+    /// Backend that evaluates the formula: compiled code, or the reference interpreter
+    #[arg(long, default_value = DEFAULT.name, value_parser = CHOICES.map(|choice| choice.name))]
+    backend: String,
+}
+
+impl PictureOptions {
+    /// The backend.
+    pub(super) fn backend(&self) -> &'static BackendChoice {
+        // The argument parser accepts known names only.
+        named(&self.backend).unwrap_or(&DEFAULT)
+    }
+
+    /// The view transform of a session, changed as the options say.
+    pub(super) fn view(&self, session: ViewTransform) -> ViewTransform {
+        let mut view = session;
+        if self.srgb {
+            view.transfer = Transfer::Srgb;
+        } else if self.linear {
+            view.transfer = Transfer::Linear;
+        }
+        view.exposure = self.exposure.unwrap_or(view.exposure);
+        view.curve = self.curve.as_deref().and_then(ToneCurve::named).unwrap_or(view.curve);
+        view
+    }
+
+    /// Warns of the options that change nothing in files with linear numbers.
+    pub(super) fn warn_of_linear_files(&self) {
+        let of_view = [
+            ("--srgb", self.srgb),
+            ("--linear", self.linear),
+            ("--exposure", self.exposure.is_some()),
+            ("--curve", self.curve.is_some()),
+        ];
+        for (option, _) in of_view.into_iter().filter(|(_, is_given)| *is_given) {
+            warn(format!("OpenEXR files hold linear numbers; `{option}` changes nothing"));
+        }
+    }
+}
+
 /// A colour as given. It is a type of its own because the parser of arguments takes arrays for lists.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct ColourArgument(pub(super) [f32; 3]);
 
 /// Reads a value by its own rules. The message, which repeats the user's words, is made safe.
-fn read<T: FromStr<Err: Display>>(text: &str) -> Result<T, String> {
+pub(super) fn read<T: FromStr<Err: Display>>(text: &str) -> Result<T, String> {
     text.parse().map_err(|error: T::Err| one_line(&error.to_string()))
 }
 
@@ -75,6 +135,11 @@ fn size(text: &str) -> Result<[u32; 2], String> {
     let (width, height) = text.split_once(['x', 'X', '×']).ok_or_else(form)?;
     let side = |text: &str| text.trim().parse().ok().filter(|side| (1..=MAX_SIDE).contains(side)).ok_or_else(form);
     Ok([side(width)?, side(height)?])
+}
+
+fn exposure(text: &str) -> Result<f32, String> {
+    let stops = text.trim().parse().ok().filter(|stops| EXPOSURES.contains(stops));
+    stops.ok_or_else(|| format!("expected stops from {} to {}", EXPOSURES.start(), EXPOSURES.end()))
 }
 
 fn index(text: &str) -> Result<f64, String> {

@@ -12,7 +12,7 @@ const STEPS: u64 = 1000;
 
 /// A bar that appears once the work has taken a while. It is gone when this is dropped.
 pub(super) struct Progress {
-    what: &'static str,
+    what: String,
     since: Instant,
     shown: bool,
     bar: OnceLock<ProgressBar>,
@@ -20,8 +20,8 @@ pub(super) struct Progress {
 
 impl Progress {
     /// A bar for work with this name.
-    pub(super) fn new(what: &'static str) -> Self {
-        Self { what, since: Instant::now(), shown: io::stderr().is_terminal(), bar: OnceLock::new() }
+    pub(super) fn new(what: impl Into<String>) -> Self {
+        Self { what: what.into(), since: Instant::now(), shown: io::stderr().is_terminal(), bar: OnceLock::new() }
     }
 
     /// Sets the share that is done, 0..=1.
@@ -37,7 +37,7 @@ impl Progress {
         if let Ok(style) = ProgressStyle::with_template("{msg} {bar:40} {percent:>3} % {eta:>4}") {
             bar.set_style(style);
         }
-        bar.set_message(self.what);
+        bar.set_message(self.what.clone());
         bar
     }
 }

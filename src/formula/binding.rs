@@ -7,8 +7,9 @@ use crate::formula::binding_time::BindingTime;
 use crate::formula::equation::{EquationTerm, Site};
 use crate::formula::graph::{Graph, Node, NodeId};
 use crate::formula::rewrite::rewrite;
-use crate::formula::{Formula, ParameterId};
+use crate::formula::{Formula, ParameterId, TermId};
 use crate::lang::scalars::{Primitive, Recorder};
+use crate::lang::surface_terms::SurfaceTerm;
 use crate::lang::variables::Rate;
 
 /// The nodes that dynamic code reads, each once, in order.
@@ -20,6 +21,15 @@ pub struct Frontier {
     pub records: Vec<NodeId>,
     /// Uniform values.
     pub uniforms: Vec<NodeId>,
+}
+
+/// What a formula gives at every hit: red, green and blue of each, as nodes of a graph.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SurfaceNodes {
+    /// What the hit adds whatever the lights: ambient light and emission.
+    pub own: Option<[NodeId; 3]>,
+    /// The weights of the reflected and of the refracted ray.
+    pub weights: [Option<[NodeId; 3]>; 2],
 }
 
 /// A formula's graph with the binding time of every node.
@@ -44,13 +54,45 @@ impl Bindings {
             let weight = graph.parameter(formula.predefined(weight), 0);
             contribution = contribution.map(|component| graph.record(Primitive::Mul, &[weight, component]));
         }
-        let (graph, contribution) = rewrite(&graph, contribution, formula);
+        let (graph, roots) = rewrite(&graph, &contribution, formula);
+        Self::analysed(graph, &roots)
+    }
+
+    /// Rewrites and analyses what the formula gives at every hit; `None` if it gives nothing. The contribution is that
+    /// of a hit, whatever the lights: ambient light and emission.
+    pub fn surface(formula: &Formula) -> Option<(Self, SurfaceNodes)> {
+        if formula.surface.is_empty() {
+            return None;
+        }
+        let given: Vec<(SurfaceTerm, TermId)> = formula.surface.iter().collect();
+        let roots: Vec<TermId> = given.iter().map(|(_, id)| *id).collect();
+        let (mut graph, nodes) = Graph::of(formula, &roots);
+        let of = |term: SurfaceTerm| given.iter().position(|(known, _)| *known == term).map(|index| nodes[index]);
+        let own = match (of(SurfaceTerm::Ambient), of(SurfaceTerm::Emission)) {
+            (Some(ambient), Some(emission)) => {
+                Some(std::array::from_fn(|component| graph.record(Primitive::Add, &[ambient[component], emission[component]])))
+            }
+            (one, other) => one.or(other),
+        };
+        let zero = graph.record_constant(0.0);
+        let weights = [SurfaceTerm::Reflected, SurfaceTerm::Refracted].map(of);
+        let all = [own, weights[0], weights[1]];
+        let roots: Vec<NodeId> = all.into_iter().flat_map(|nodes| nodes.unwrap_or([zero; 3])).collect();
+        let (graph, roots) = rewrite(&graph, &roots, formula);
+        let node = |term: usize| all[term].map(|_| [roots[3 * term], roots[3 * term + 1], roots[3 * term + 2]]);
+        let nodes = SurfaceNodes { own: node(0), weights: [node(1), node(2)] };
+        Some((Self::analysed(graph, &roots), nodes))
+    }
+
+    /// Analyses a graph. The first three roots are the contribution, and all roots are read.
+    fn analysed(graph: Graph, roots: &[NodeId]) -> Self {
         let mut times: Vec<BindingTime> = Vec::with_capacity(graph.len());
         for index in 0..graph.len() {
             times.push(BindingTime::of(&graph, NodeId(index as u32), &times));
         }
+        let contribution = [roots[0], roots[1], roots[2]];
         let mut bindings = Bindings { graph, contribution, frontier: Frontier::default(), times };
-        bindings.frontier = bindings.frontier_of(&contribution, &[]);
+        bindings.frontier = bindings.frontier_of(roots, &[]);
         bindings
     }
 

@@ -8,9 +8,10 @@
 //! The lit lights are those that reach the hit, or all if the formula reads `visible`. The interpreter, the compiled
 //! code, drags and the inspector all read this table. Which lights reach a hit is not decided here.
 
-use crate::formula::Formula;
 use crate::formula::layout::Layout;
+use crate::formula::{Formula, SurfaceTerms};
 use crate::lang::scalars::{Floats, Scalars, flush};
+use crate::lang::surface_terms::SurfaceTerm;
 use crate::lang::variables::{Owner, Predefined};
 
 /// Where a term is added.
@@ -45,24 +46,48 @@ pub struct EquationTerm {
     pub weight: Option<Predefined>,
     /// The colour.
     pub colour: Colour,
+    /// The term that a formula may give in its place.
+    pub replaced_by: Option<SurfaceTerm>,
 }
 
 /// The terms, in the order in which they are added up.
 pub const TERMS: [EquationTerm; 3] = [
-    EquationTerm { name: "local", site: Site::LitRecord, weight: Some(Predefined::Intensity), colour: Colour::Formula },
+    EquationTerm {
+        name: "local",
+        site: Site::LitRecord,
+        weight: Some(Predefined::Intensity),
+        colour: Colour::Formula,
+        replaced_by: None,
+    },
     EquationTerm {
         name: "ambient",
         site: Site::Hit,
         weight: Some(Predefined::Ambient),
         colour: Colour::Parameters(&[Predefined::BodyColour, Predefined::AmbientColour]),
+        replaced_by: Some(SurfaceTerm::Ambient),
     },
-    EquationTerm { name: "background", site: Site::Miss, weight: None, colour: Colour::Parameters(&[Predefined::Background]) },
+    EquationTerm {
+        name: "background",
+        site: Site::Miss,
+        weight: None,
+        colour: Colour::Parameters(&[Predefined::Background]),
+        replaced_by: None,
+    },
 ];
 
 /// The weight of the reflected ray of a hit, a parameter of the body.
 pub const REFLECTED: Predefined = Predefined::Reflection;
 /// The weight of the refracted ray of a hit, a parameter of the body.
 pub const REFRACTED: Predefined = Predefined::Refraction;
+
+/// The parameter that is the weight of a ray where the formula does not give one.
+pub fn weight_parameter(weight: SurfaceTerm) -> Option<Predefined> {
+    match weight {
+        SurfaceTerm::Reflected => Some(REFLECTED),
+        SurfaceTerm::Refracted => Some(REFRACTED),
+        SurfaceTerm::Ambient | SurfaceTerm::Emission => None,
+    }
+}
 
 impl EquationTerm {
     /// The terms of a site, in their order.
@@ -96,6 +121,14 @@ pub fn weighed(weight: f32, colour: [f32; 3]) -> [f32; 3] {
     colour.map(|component| if weight == 0.0 { 0.0 } else { Floats.mul(weight, component) })
 }
 
+/// A colour weighted by components. It is exactly 0 if the weight is 0 in all components.
+pub fn weighed_by(weight: [f32; 3], colour: [f32; 3]) -> [f32; 3] {
+    if weight == [0.0; 3] {
+        return [0.0; 3];
+    }
+    std::array::from_fn(|component| Floats.mul(weight[component], colour[component]))
+}
+
 /// The indices of the predefined parameters in the parameter numbers of a formula on a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Equation {
@@ -103,6 +136,8 @@ pub struct Equation {
     pub layout: Layout,
     /// The first slot of each predefined parameter in the row of its owner, in the order of the table.
     slots: [usize; Predefined::ALL.len()],
+    /// The terms that the formula gives.
+    pub surface: SurfaceTerms,
 }
 
 impl Equation {
@@ -112,7 +147,12 @@ impl Equation {
         for predefined in Predefined::ALL {
             slots[*predefined as usize] = formula.parameter(formula.predefined(*predefined)).slot as usize;
         }
-        Self { layout: Layout::new(formula, bodies, lights), slots }
+        Self { layout: Layout::new(formula, bodies, lights), slots, surface: formula.surface }
+    }
+
+    /// Whether a term is part of the equation: the formula does not give another in its place.
+    pub fn has(&self, term: &EquationTerm) -> bool {
+        term.replaced_by.is_none_or(|surface| self.surface.get(surface).is_none())
     }
 
     /// The slot of a component of a predefined parameter in the row of its owner.
@@ -143,9 +183,9 @@ impl Equation {
         weights.map(|weight| self.value(parameters, weight, owner_index(weight, 0, light))[0]).fold(1.0, |a, b| a * b)
     }
 
-    /// The sum of the terms of a site without the formula.
+    /// The sum of the terms of a site without those that the formula gives.
     pub fn sum(&self, site: Site, parameters: &[f32], body: usize) -> [f32; 3] {
-        let terms = EquationTerm::at(site).map(|term| self.term(term, parameters, body));
+        let terms = EquationTerm::at(site).filter(|term| self.has(term)).map(|term| self.term(term, parameters, body));
         terms.reduce(|a, b| std::array::from_fn(|component| Floats.add(a[component], b[component]))).unwrap_or_default()
     }
 }

@@ -61,6 +61,13 @@ pub struct Graph {
 impl Graph {
     /// The graph of a formula.
     pub fn new(formula: &Formula) -> Self {
+        let (mut graph, results) = Self::of(formula, &[formula.result]);
+        graph.result = results[0];
+        graph
+    }
+
+    /// A graph of these expressions of a formula, and their nodes. A scalar has the same node three times.
+    pub fn of(formula: &Formula, roots: &[TermId]) -> (Self, Vec<[NodeId; 3]>) {
         let mut graph = Graph::empty();
         // The nodes of each term. A scalar has the same node three times.
         let mut built: Vec<[NodeId; 3]> = Vec::with_capacity(formula.terms.len());
@@ -93,8 +100,8 @@ impl Graph {
             };
             built.push(nodes);
         }
-        graph.result = built[formula.result.0 as usize];
-        graph
+        let results = roots.iter().map(|root| built[root.0 as usize]).collect();
+        (graph, results)
     }
 
     /// A graph without nodes.
@@ -107,8 +114,9 @@ impl Graph {
         self.add(node)
     }
 
-    /// The graph of the nodes that `roots` need, in the same order, and the roots in it, which become its result.
-    pub(super) fn reachable(&self, roots: [NodeId; 3]) -> (Graph, [NodeId; 3]) {
+    /// The graph of the nodes that `roots` need, in the same order, and the roots in it. The first three become its
+    /// result.
+    pub(super) fn reachable(&self, roots: &[NodeId]) -> (Graph, Vec<NodeId>) {
         let mut wanted = vec![false; self.len()];
         let mut pending = roots.to_vec();
         while let Some(id) = pending.pop() {
@@ -125,9 +133,9 @@ impl Graph {
             };
             new_ids[index] = graph.add(node);
         }
-        let result = roots.map(|root| new_ids[root.0 as usize]);
-        graph.result = result;
-        (graph, result)
+        let roots: Vec<NodeId> = roots.iter().map(|root| new_ids[root.0 as usize]).collect();
+        roots.iter().zip(&mut graph.result).for_each(|(root, result)| *result = *root);
+        (graph, roots)
     }
 
     fn leaf(&mut self, ty: Type, node: impl Fn(u8) -> Node) -> [NodeId; 3] {

@@ -20,6 +20,7 @@ mod written;
 
 use crate::lang::ast::Relation;
 use crate::lang::builtins::Operation;
+use crate::lang::surface_terms::SurfaceTerm;
 use crate::lang::types::Type;
 use crate::lang::variables::{Owner, Predefined, Variable};
 
@@ -125,6 +126,36 @@ pub struct Formula {
     pub macros: Vec<(String, TermId)>,
     /// The colour: a vector.
     pub result: TermId,
+    /// The terms of the lighting equation that the formula gives for every hit.
+    pub surface: SurfaceTerms,
+}
+
+/// The terms of the lighting equation that macros give for every hit, see [`SurfaceTerm`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct SurfaceTerms {
+    terms: [Option<TermId>; SurfaceTerm::COUNT],
+}
+
+impl SurfaceTerms {
+    /// The expression of a term, if the formula gives it.
+    pub fn get(&self, term: SurfaceTerm) -> Option<TermId> {
+        self.terms[term as usize]
+    }
+
+    /// Sets the expression of a term.
+    pub fn set(&mut self, term: SurfaceTerm, id: TermId) {
+        self.terms[term as usize] = Some(id);
+    }
+
+    /// The terms that the formula gives.
+    pub fn iter(&self) -> impl Iterator<Item = (SurfaceTerm, TermId)> {
+        SurfaceTerm::ALL.iter().filter_map(|term| Some((*term, self.get(*term)?)))
+    }
+
+    /// Whether the formula gives any.
+    pub fn is_empty(&self) -> bool {
+        self.terms.iter().all(Option::is_none)
+    }
 }
 
 impl Formula {

@@ -30,7 +30,7 @@ const LARGEST_ROUNDED_TERM: f64 = 1e20;
 const MOST_TERMS: usize = 6;
 
 /// The rewritten graph, and the nodes in it that stand for `roots`.
-pub(super) fn rewrite(old: &Graph, roots: [NodeId; 3], formula: &Formula) -> (Graph, [NodeId; 3]) {
+pub(super) fn rewrite(old: &Graph, roots: &[NodeId], formula: &Formula) -> (Graph, Vec<NodeId>) {
     let mut rewriter = Rewriter::new(formula);
     let mut new: Vec<NodeId> = Vec::with_capacity(old.len());
     for index in 0..old.len() {
@@ -41,9 +41,9 @@ pub(super) fn rewrite(old: &Graph, roots: [NodeId; 3], formula: &Formula) -> (Gr
             Node::Apply(primitive, _) => rewriter.apply(primitive, &operands),
         });
     }
-    let roots = roots.map(|root| rewriter.linear(new[root.0 as usize]));
+    let roots: Vec<NodeId> = roots.iter().map(|root| rewriter.linear(new[root.0 as usize])).collect();
     // Nodes of abandoned attempts are left out.
-    rewriter.graph.reachable(roots)
+    rewriter.graph.reachable(&roots)
 }
 
 /// A new graph, with the interval and binding time of each node.

@@ -1,7 +1,6 @@
 //! A cache of compiled formulas: nothing is compiled when a formula is applied again, or an earlier one comes back.
 
 use crate::formula::Formula;
-use crate::formula::binding::Bindings;
 use crate::jit::compile::CompiledFormula;
 use crate::jit::target::CompileError;
 use crate::jit::width::Width;
@@ -32,18 +31,18 @@ impl KernelCache {
     /// # Errors
     /// The processor is not supported, or the formula is too large for the code generator.
     pub fn compiled(&self, formula: &Formula) -> Result<Arc<CompiledFormula>, CompileError> {
-        let bindings = Bindings::new(formula);
+        let plan = FormulaPlan::new(formula);
         let locked = || self.formulas.lock().unwrap_or_else(PoisonError::into_inner);
         let known = {
             let mut formulas = locked();
-            let index = formulas.iter().position(|compiled| compiled.plan.bindings.computes_the_same(&bindings));
+            let index = formulas.iter().position(|compiled| compiled.plan.computes_the_same(&plan));
             index.map(|index| formulas.remove(index))
         };
         let compiled = match known {
             Some(compiled) => compiled,
             None => {
                 let width = self.width.map_or_else(Width::widest, Ok)?;
-                Arc::new(CompiledFormula::compile(FormulaPlan::of(bindings), width, None)?)
+                Arc::new(CompiledFormula::compile(plan, width, None)?)
             }
         };
         let mut formulas = locked();

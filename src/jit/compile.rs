@@ -6,7 +6,7 @@ use crate::jit::call::{Kernel, generate};
 use crate::jit::kernel::KernelSpec;
 use crate::jit::target::{CompileError, Listing};
 use crate::jit::width::Width;
-use crate::plan::{ContributionPlan, FormulaPlan, KernelPlan, SliderPlan};
+use crate::plan::{ContributionPlan, FormulaPlan, KernelPlan, SliderPlan, SurfacePlan};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -26,6 +26,8 @@ pub struct CompiledFormula {
     pub records: Kernel,
     /// Red, green and blue of all contributions, in linear RGB, before path weights: three outputs.
     pub contribution: Contribution,
+    /// The kernels of what the formula gives at every hit, if it gives anything.
+    pub surface: Option<CompiledSurface>,
     sliders: Mutex<Sliders>,
 }
 
@@ -52,6 +54,14 @@ pub struct CompiledSlider {
     pub moving: Vec<Contribution>,
     /// The kernels of [`SliderPlan::columns`].
     pub columns: Option<Contribution>,
+}
+
+/// The kernels of a [`SurfacePlan`].
+pub struct CompiledSurface {
+    /// Variables of hits → the hit frontier: a column for each of its static values, one number a hit.
+    pub hits: Kernel,
+    /// Columns and uniform values of a body → columns of what is given.
+    pub outputs: Contribution,
 }
 
 /// The index of a kernel in its batch.
@@ -143,7 +153,8 @@ impl CompiledFormula {
         let kernels = batch.compile(width, &plan.bindings.graph, listing)?;
         let (hits, records) = (kernels.kernel(hits), kernels.kernel(records));
         let contribution = kernels.contribution(contribution);
-        Ok(Self { plan, width, hits, records, contribution, sliders: Mutex::default() })
+        let surface = plan.surface.as_ref().map(|surface| CompiledSurface::new(surface, width)).transpose()?;
+        Ok(Self { plan, width, hits, records, contribution, surface, sliders: Mutex::default() })
     }
 
     /// The kernels for a drag that moves these components of parameters. They are compiled at the first use.
@@ -165,6 +176,15 @@ impl CompiledFormula {
         }
         known.insert(moved, Arc::clone(&kernels));
         Ok(kernels)
+    }
+}
+
+impl CompiledSurface {
+    fn new(plan: &SurfacePlan, width: Width) -> Result<Self, CompileError> {
+        let mut batch = Batch::default();
+        let (hits, outputs) = (batch.stage(&plan.hits), batch.contribution(&plan.outputs));
+        let kernels = batch.compile(width, &plan.bindings.graph, None)?;
+        Ok(Self { hits: kernels.kernel(hits), outputs: kernels.contribution(outputs) })
     }
 }
 

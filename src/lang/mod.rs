@@ -9,7 +9,8 @@
 //! 5. [`ast`] and [`printer`]: syntax, and syntax as text again.
 //!
 //! The tables are [`scalars`] (scalar primitives and their meaning), [`builtins`] (operators and functions in terms of
-//! them), [`variables`] (variables and predefined parameters) and [`keywords`] (the other words).
+//! them), [`variables`] (variables and predefined parameters), [`surface_terms`] (terms of the lighting equation that
+//! macros give) and [`keywords`] (the other words). [`foreign`] has what other languages write in another way.
 //! [`reference`](mod@reference) prints them.
 //!
 //! What a name stands for and whether types fit is decided in [`formula`](crate::formula).
@@ -37,6 +38,7 @@ pub mod reference;
 pub mod scalars;
 pub mod source;
 pub mod span;
+pub mod surface_terms;
 pub mod token;
 pub mod types;
 pub mod variables;

@@ -78,6 +78,8 @@ variables! {
     Beta "beta" Scalar Record Thesis "angle between R and V, radians, 0..pi";
     Gamma "gamma" Scalar Hit Thesis "angle between N and V, radians, 0..pi";
     Point "point" Vector Hit Thesis "the hit in world coordinates";
+    RelativeIndex "eta" Scalar Hit Added "n1/n2 of the refractive indices at this surface; only in reflected and refracted";
+    TotalReflection "total" Scalar Hit Added "1 where refraction is total reflection, else 0; only in reflected and refracted";
     Halfway "H" Vector Record Added "normalize(L + V)";
     Tangent "T" Vector Hit Added "tangent: along the first edge of a rectangle, along the parallels of a sphere";
     Bitangent "B" Vector Hit Added "second tangent, N x T";
@@ -96,10 +98,20 @@ impl Variable {
             | Variable::Halfway
             | Variable::Tangent
             | Variable::Bitangent => true,
-            Variable::Alpha | Variable::Beta | Variable::Gamma | Variable::Point | Variable::Distance | Variable::Visible => {
-                false
-            }
+            Variable::Alpha
+            | Variable::Beta
+            | Variable::Gamma
+            | Variable::Point
+            | Variable::Distance
+            | Variable::Visible
+            | Variable::RelativeIndex
+            | Variable::TotalReflection => false,
         }
+    }
+
+    /// Whether it describes how rays cross the surface, and so is known to the weights of rays alone.
+    pub fn is_of_crossing(self) -> bool {
+        matches!(self, Variable::RelativeIndex | Variable::TotalReflection)
     }
 }
 

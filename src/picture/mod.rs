@@ -3,6 +3,7 @@
 //! The 8-bit formats hold the bytes that a [`ViewTransform`] gives.
 //! OpenEXR holds the linear numbers themselves, unclamped.
 
+mod bitmap;
 pub(crate) mod encoder;
 mod format;
 mod frame;
@@ -12,6 +13,7 @@ mod view_transform;
 
 use crate::files::{reason, replace_file};
 use crate::picture::encoder::{Bytes, Encoder, with_bytes};
+pub use bitmap::Bitmap;
 pub use format::Format;
 pub use frame::Frame;
 use image::codecs::bmp::BmpEncoder;
@@ -34,6 +36,15 @@ pub fn quantise(linear: &[[f32; 3]], view: impl Into<ViewTransform>) -> Vec<u8> 
     })
 }
 
+/// What a picture file is made from.
+#[derive(Clone, Copy)]
+enum Contents<'p> {
+    /// A linear picture. The view transform is that of the 8-bit formats.
+    Linear(&'p Frame, ViewTransform),
+    /// A picture of 8-bit components, for 8-bit formats.
+    Bytes(&'p Bitmap),
+}
+
 /// Writes a picture, whole or not at all, in the format of the path's suffix. The view transform is that of the 8-bit
 /// formats.
 ///
@@ -41,11 +52,22 @@ pub fn quantise(linear: &[[f32; 3]], view: impl Into<ViewTransform>) -> Vec<u8> 
 /// The suffix names no format, or the file cannot be written. An existing file is then unchanged. The text is a message
 /// for the user.
 pub fn save(path: &Path, frame: &Frame, view: impl Into<ViewTransform>) -> Result<(), String> {
+    save_contents(path, Contents::Linear(frame, view.into()))
+}
+
+/// Writes a picture of 8-bit components, whole or not at all, in the format of the path's suffix.
+///
+/// # Errors
+/// As for [`save`], and the format is OpenEXR, which holds linear numbers.
+pub fn save_bitmap(path: &Path, bitmap: &Bitmap) -> Result<(), String> {
+    save_contents(path, Contents::Bytes(bitmap))
+}
+
+fn save_contents(path: &Path, contents: Contents) -> Result<(), String> {
     let name = path.display();
     let format = Format::of(path)
         .ok_or_else(|| format!("`{name}` names no format of pictures; the suffixes of pictures are {}", Format::suffixes()))?;
-    let view = view.into();
-    replace_file(path, |writer| write(writer, frame, format, view))
+    replace_file(path, |writer| write(writer, contents, format))
         .map_err(|error| format!("cannot write the picture `{name}`: {}", reason(&error)))
 }
 
@@ -54,15 +76,27 @@ pub fn save(path: &Path, frame: &Frame, view: impl Into<ViewTransform>) -> Resul
 /// # Errors
 /// The picture has too many pixels for the format.
 pub fn file_bytes(frame: &Frame, format: Format, view: ViewTransform) -> io::Result<Vec<u8>> {
+    contents_bytes(Contents::Linear(frame, view), format)
+}
+
+/// The bytes of the file of a picture of 8-bit components.
+///
+/// # Errors
+/// The picture has too many pixels for the format, or the format is OpenEXR.
+pub fn bitmap_file_bytes(bitmap: &Bitmap, format: Format) -> io::Result<Vec<u8>> {
+    contents_bytes(Contents::Bytes(bitmap), format)
+}
+
+fn contents_bytes(contents: Contents, format: Format) -> io::Result<Vec<u8>> {
     let mut file = io::Cursor::new(Vec::new());
-    write(&mut file, frame, format, view)?;
+    write(&mut file, contents, format)?;
     Ok(file.into_inner())
 }
 
 /// Writes a picture. If the writer fails, its own error is returned.
-fn write<W: Write + Seek>(writer: W, frame: &Frame, format: Format, view: ViewTransform) -> io::Result<()> {
+fn write<W: Write + Seek>(writer: W, contents: Contents, format: Format) -> io::Result<()> {
     let mut writer = ErrorKeeper { writer, error: None };
-    let outcome = encode(&mut writer, frame, format, view);
+    let outcome = encode(&mut writer, contents, format);
     match writer.error {
         Some(error) => Err(error),
         None => outcome.map_err(into_io),
@@ -107,17 +141,25 @@ impl<W: Seek> Seek for ErrorKeeper<W> {
     }
 }
 
-fn encode<W: Write + Seek>(writer: &mut W, frame: &Frame, format: Format, view: ViewTransform) -> ImageResult<()> {
-    let (width, height) = (frame.width, frame.height);
-    let bytes = || quantise(&frame.linear, view);
-    match format {
-        Format::Png => PngEncoder::new(writer).write_image(&bytes(), width, height, ExtendedColorType::Rgb8),
-        Format::Bmp => BmpEncoder::new(writer).write_image(&bytes(), width, height, ExtendedColorType::Rgb8),
-        Format::Exr => {
+fn encode<W: Write + Seek>(writer: &mut W, contents: Contents, format: Format) -> ImageResult<()> {
+    match (contents, format) {
+        (Contents::Linear(frame, _), Format::Exr) => {
             let floats: Vec<u8> =
                 frame.linear.par_iter().flat_map_iter(|pixel| pixel.map(f32::to_ne_bytes)).flatten_iter().collect();
-            OpenExrEncoder::new(writer).write_image(&floats, width, height, ExtendedColorType::Rgb32F)
+            OpenExrEncoder::new(writer).write_image(&floats, frame.width, frame.height, ExtendedColorType::Rgb32F)
         }
+        (Contents::Linear(frame, view), Format::Png | Format::Bmp) => {
+            encode_bytes(writer, &quantise(&frame.linear, view), [frame.width, frame.height], format)
+        }
+        (Contents::Bytes(bitmap), _) => encode_bytes(writer, bitmap.bytes(), bitmap.size(), format),
+    }
+}
+
+fn encode_bytes<W: Write + Seek>(writer: &mut W, bytes: &[u8], [width, height]: [u32; 2], format: Format) -> ImageResult<()> {
+    match format {
+        Format::Png => PngEncoder::new(writer).write_image(bytes, width, height, ExtendedColorType::Rgb8),
+        Format::Bmp => BmpEncoder::new(writer).write_image(bytes, width, height, ExtendedColorType::Rgb8),
+        Format::Exr => Err(io::Error::other("OpenEXR files hold linear numbers, not bytes").into()),
     }
 }
 
@@ -194,11 +236,26 @@ mod tests {
             let length = file_bytes(&frame, format, ViewTransform::default()).unwrap().len();
             for room in (0..length).step_by(7) {
                 let disk = FullDisk { file: io::Cursor::default(), room };
-                let error = write(disk, &frame, format, ViewTransform::default()).unwrap_err();
+                let error = write(disk, Contents::Linear(&frame, ViewTransform::default()), format).unwrap_err();
                 assert_eq!(error.kind(), io::ErrorKind::StorageFull, "{format:?} with room for {room} of {length}");
                 assert_eq!(reason(&error), "the disk is full");
             }
         }
+    }
+
+    #[test]
+    fn bitmaps_are_written_as_they_are() {
+        let folder = tempfile::tempdir().unwrap();
+        let frame = Frame { width: 2, height: 1, linear: vec![[0.25, 0.5, 0.75], [1.0, 0.0, 0.1]] };
+        let view = ViewTransform::from(Transfer::Srgb);
+        for name in ["picture.png", "picture.bmp"] {
+            let [one, other] = ["one", "other"].map(|prefix| folder.path().join(format!("{prefix}-{name}")));
+            save_bitmap(&one, &Bitmap::new(&frame, view)).unwrap();
+            save(&other, &frame, view).unwrap();
+            assert!(std::fs::read(one).unwrap() == std::fs::read(other).unwrap(), "{name}");
+        }
+        let error = save_bitmap(&folder.path().join("picture.exr"), &Bitmap::filled(1, 1, [0; 3])).unwrap_err();
+        assert!(error.contains("hold linear numbers"), "{error}");
     }
 
     #[test]

@@ -8,6 +8,7 @@ use crate::formula::{Parameter, ParameterId};
 use crate::lang::scalars::flush;
 use crate::lang::variables::{Owner, Predefined};
 use crate::plan::slider::{SliderPlan, moved_parameters};
+use crate::plan::surface::SurfacePlan;
 use std::collections::BTreeSet;
 use std::ops::Range;
 use std::sync::Arc;
@@ -123,7 +124,13 @@ pub struct Factors {
 impl DragPlan {
     /// Plans a drag of the numbers with these indices. `slider` is the plan for the [parameters](moved_parameters) that
     /// they belong to.
-    pub fn new(slider: &Arc<SliderPlan>, equation: &Equation, parameters: &[Parameter], moved: &[usize]) -> Self {
+    pub fn new(
+        slider: &Arc<SliderPlan>,
+        surface: Option<&SurfacePlan>,
+        equation: &Equation,
+        parameters: &[Parameter],
+        moved: &[usize],
+    ) -> Self {
         let layout = &equation.layout;
         let owners: BTreeSet<(Owner, usize)> =
             moved.iter().filter_map(|index| layout.owner_of(*index)).map(|(owner, index, _)| (owner, index)).collect();
@@ -131,13 +138,19 @@ impl DragPlan {
         let owner = owners.into_iter().next().unwrap_or((Owner::Global, 0));
         let mut bindings = slider.separation.bindings.clone();
         let mut leaf = |(index, id, component): (usize, ParameterId, u8)| (bindings.parameter(id, component), index);
-        let leaves: Vec<(NodeId, usize)> = moved_parameters(layout, parameters, moved).into_iter().map(&mut leaf).collect();
+        let moved_ids = moved_parameters(layout, parameters, moved);
+        let ids: Vec<ParameterId> = moved_ids.iter().map(|(_, id, _)| *id).collect();
+        let leaves: Vec<(NodeId, usize)> = moved_ids.into_iter().map(&mut leaf).collect();
         let node_at = |index: usize| leaves.iter().find(|(_, moved)| *moved == index).map(|(node, _)| *node);
         let found = moving_terms(equation, owner, node_at);
-        let weights = [REFLECTED, REFRACTED].map(|weight| {
+        let weight_index = |weight: Predefined| {
             let index = (owner.0 == weight.owner()).then(|| equation.index(weight, owner.1))?;
             node_at(index).map(|_| index)
-        });
+        };
+        let (weights, powers_only) = match surface {
+            None => ([REFLECTED, REFRACTED].map(weight_index), true),
+            Some(surface) => weights_by_formula(surface, &ids, weight_index),
+        };
         let inseparable = matches!(slider.separation.dependence, Dependence::Inseparable { .. });
         let terms = if inseparable { Vec::new() } else { image_terms(&slider.separation.dependence, &found) };
         // Today no slider moves more than one owner, or two factors of one term. The general method handles that. An
@@ -146,7 +159,7 @@ impl DragPlan {
         let weights_move = weights.iter().any(Option::is_some);
         let at_misses = found.iter().any(|(moved, _)| TERMS[moved.term].site == Site::Miss);
         let method = match inseparable {
-            _ if !single || twice || inseparable && (weights_move || at_misses) => Method::General,
+            _ if !powers_only || !single || twice || inseparable && (weights_move || at_misses) => Method::General,
             true => Method::Specialised,
             false => Method::Images,
         };
@@ -232,7 +245,7 @@ impl DragPlan {
     /// Where there are fewer numbers than the layout has.
     pub fn fixed(&self, site: Site, parameters: &[f32], body: usize) -> [f32; 3] {
         let mut sum = [0.0; 3];
-        for (index, term) in TERMS.iter().enumerate().filter(|(_, term)| term.site == site) {
+        for (index, term) in TERMS.iter().enumerate().filter(|(_, term)| term.site == site && self.equation.has(term)) {
             let moved = self.moved_terms.iter().find(|moved| moved.term == index && self.moves_at(moved, body));
             let colour = self.equation.term(term, parameters, body);
             add(&mut sum, colour, |component| moved.is_none_or(|moved| !moved.components[component]));
@@ -272,6 +285,35 @@ impl DragPlan {
     }
 }
 
+/// The indices of the moved kr and kt where the formula gives weights of rays or other terms of hits, and whether these
+/// depend on the moved parameters through powers of kr and kt along paths alone.
+fn weights_by_formula(
+    surface: &SurfacePlan,
+    moved: &[ParameterId],
+    index: impl Fn(Predefined) -> Option<usize>,
+) -> ([Option<usize>; 2], bool) {
+    let parameters = [REFLECTED, REFRACTED];
+    // Predefined parameters come first, in the order of their table.
+    let ids = parameters.map(|parameter| ParameterId(parameter as u32));
+    let others: Vec<ParameterId> = moved.iter().copied().filter(|id| !ids.contains(id)).collect();
+    let mut powers_only = !surface.own_depends_on(moved);
+    let mut weights = [None; 2];
+    for (weight, parameter) in parameters.into_iter().enumerate() {
+        powers_only &= !surface.weight_depends_on(weight, &others);
+        let given = surface.nodes.weights[weight].is_some();
+        for (number, id) in ids.into_iter().enumerate().filter(|(_, id)| moved.contains(id)) {
+            match surface.power_in_weight(weight, id) {
+                Some(0) if given => {}
+                Some(1) if number == weight => weights[weight] = index(parameter),
+                Some(_) if !given && number == weight => weights[weight] = index(parameter),
+                Some(0) => {}
+                Some(_) | None => powers_only = false,
+            }
+        }
+    }
+    (weights, powers_only)
+}
+
 /// Adds the wanted components of a colour.
 fn add(sum: &mut [f32; 3], colour: [f32; 3], wanted: impl Fn(usize) -> bool) {
     for component in (0..3).filter(|component| wanted(*component)) {
@@ -287,7 +329,7 @@ fn moving_terms(
 ) -> Vec<(MovedTerm, [Option<NodeId>; 3])> {
     let mut found = Vec::new();
     let is_plain = |term: &EquationTerm| term.site != Site::LitRecord;
-    for (number, term) in TERMS.iter().enumerate().filter(|(_, term)| is_plain(term)) {
+    for (number, term) in TERMS.iter().enumerate().filter(|(_, term)| is_plain(term) && equation.has(term)) {
         for factor in term.factors().filter(|factor| factor.owner() == owner) {
             let last = factor.ty().slots() - 1;
             let first = equation.index(factor, index);

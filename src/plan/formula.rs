@@ -5,6 +5,7 @@ use crate::formula::graph::{Graph, Node, NodeId};
 use crate::formula::{Formula, Parameter};
 use crate::lang::variables::Owner;
 use crate::plan::kernel::{Domain, KernelPlan, Sink};
+use crate::plan::surface::SurfacePlan;
 
 /// The kernels that evaluate a formula, in the order in which they run.
 #[derive(Debug, Clone)]
@@ -17,6 +18,8 @@ pub struct FormulaPlan {
     pub records: KernelPlan,
     /// Red, green and blue of the contribution of each lit record, in every frame.
     pub contribution: ContributionPlan,
+    /// What the formula gives at every hit, if it gives anything.
+    pub surface: Option<SurfacePlan>,
 }
 
 /// How outputs are computed from columns and parameters in a frame: first uniform values, then records.
@@ -41,17 +44,27 @@ pub struct ParameterSlot {
 impl FormulaPlan {
     /// Plans the evaluation of a formula.
     pub fn new(formula: &Formula) -> Self {
-        Self::of(Bindings::new(formula))
+        Self::of(Bindings::new(formula), SurfacePlan::new(formula))
     }
 
     /// Plans the evaluation of an analysed formula.
-    pub fn of(bindings: Bindings) -> Self {
+    pub fn of(bindings: Bindings, surface: Option<SurfacePlan>) -> Self {
         let Frontier { hits, records, .. } = bindings.frontier.clone();
         let stage = |name, domain, nodes: Vec<NodeId>| KernelPlan::stage(name, domain, bindings.leaves(&nodes), nodes);
         let (hits, records) = (stage("hits", Domain::Hits, hits), stage("records", Domain::LitRecords, records));
         let outputs = bindings.contribution.to_vec();
         let contribution = ContributionPlan::new("contributions", &bindings, outputs, &[], Sink::Sums);
-        Self { bindings, hits, records, contribution }
+        Self { bindings, hits, records, contribution, surface }
+    }
+
+    /// Whether both compute the same.
+    pub fn computes_the_same(&self, other: &FormulaPlan) -> bool {
+        let surfaces = match (&self.surface, &other.surface) {
+            (Some(one), Some(other)) => one.computes_the_same(other),
+            (None, None) => true,
+            (Some(_), None) | (None, Some(_)) => false,
+        };
+        surfaces && self.bindings.computes_the_same(&other.bindings)
     }
 }
 

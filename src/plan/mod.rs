@@ -13,8 +13,10 @@ mod drag;
 mod formula;
 mod kernel;
 mod slider;
+mod surface;
 
 pub use drag::{Channels, DragPlan, Factors, ImageTerm, Method, MovedTerm};
 pub use formula::{ContributionPlan, FormulaPlan, ParameterSlot};
 pub use kernel::{Domain, KernelPlan, STREAMS, Schedule, Sink};
 pub use slider::{Moved, SliderPlan, moved_parameters};
+pub use surface::SurfacePlan;

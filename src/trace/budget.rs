@@ -124,8 +124,8 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// Estimates the tracing of `world` under `view` for formulas that are evaluated for these lights. The sample is the
-    /// same every time and for any number of threads.
+    /// Estimates the tracing of `world` under `view` for formulas that are evaluated for these lights. The sample is
+    /// the same every time and for any number of threads.
     ///
     /// # Errors
     /// [`TraceError::Cancelled`] once `cancelled` is set.

@@ -13,6 +13,8 @@ impl HitVariables {
             Variable::Point => self.point.to_array(),
             Variable::Tangent => self.tangent.to_array(),
             Variable::Bitangent => self.bitangent.to_array(),
+            Variable::RelativeIndex => [self.relative_index; 3],
+            Variable::TotalReflection => [self.total_reflection; 3],
             Variable::ToLight
             | Variable::Mirrored
             | Variable::Alpha
@@ -35,8 +37,13 @@ pub fn variable(variable: Variable, hit: &HitVariables, light: &LightVariables) 
         Variable::Halfway => light.half.to_array(),
         Variable::Distance => [light.distance; 3],
         Variable::Visible => [light.visible; 3],
-        Variable::Normal | Variable::ToViewer | Variable::Gamma | Variable::Point | Variable::Tangent | Variable::Bitangent => {
-            hit.value(variable).unwrap_or_default()
-        }
+        Variable::Normal
+        | Variable::ToViewer
+        | Variable::Gamma
+        | Variable::Point
+        | Variable::Tangent
+        | Variable::Bitangent
+        | Variable::RelativeIndex
+        | Variable::TotalReflection => hit.value(variable).unwrap_or_default(),
     }
 }

@@ -3,6 +3,13 @@
 //!
 //! How rays follow one another is decided in [`super::walk`], what formulas see of a hit in [`super::variables`].
 
+/// The cosine of the refracted ray with the normal, from that of the ray (0..1) and n₁/n₂; none beyond the critical
+/// angle.
+pub(super) fn refraction(cosine: f64, relative_index: f64) -> Option<f64> {
+    let square = 1.0 - relative_index * relative_index * (1.0 - cosine * cosine);
+    (square >= 0.0).then(|| square.sqrt())
+}
+
 #[cfg(test)]
 mod tests;
 
@@ -125,11 +132,8 @@ impl<'w> Tracer<'w> {
         let normal = hit.shading_normal;
         let ratio = self.relative_index(hit);
         let cosine = normal.dot(hit.view);
-        let square = 1.0 - ratio * ratio * (1.0 - cosine * cosine);
-        if square < 0.0 {
-            return None;
-        }
-        let direction = (ratio * cosine - square.sqrt()) * normal - ratio * hit.view;
+        let inner = refraction(cosine, ratio)?;
+        let direction = (ratio * cosine - inner) * normal - ratio * hit.view;
         Some(hit.ray(direction.normalize(), hit.side.opposite()))
     }
 

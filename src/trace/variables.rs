@@ -1,5 +1,6 @@
 //! The variables that formulas read at a hit (thesis 9.2.3): computed in f64, passed on as f32.
 
+use crate::trace::tracer::refraction;
 use crate::world::{LightSample, SurfaceHit, World};
 use glam::{DVec3, Vec3};
 
@@ -18,6 +19,10 @@ pub struct HitVariables {
     pub tangent: Vec3,
     /// `B`: the other tangent, N × T.
     pub bitangent: Vec3,
+    /// `eta`: n₁/n₂, from the side of the ray to the other side, greater than 0.
+    pub relative_index: f32,
+    /// `total`: 1 beyond the critical angle, where there is no refracted ray, else 0.
+    pub total_reflection: f32,
 }
 
 /// The variables of a hit that differ from light to light. Directions are of unit length, angles in radians, 0..π.
@@ -45,8 +50,9 @@ fn angle(a: DVec3, b: DVec3) -> f32 {
 }
 
 impl HitVariables {
-    /// The variables at a hit in that world.
-    pub fn new(world: &World, hit: &SurfaceHit) -> Self {
+    /// The variables at a hit in that world. `relative_index` is n₁/n₂, see
+    /// [`Tracer::relative_index`](crate::trace::Tracer::relative_index).
+    pub fn new(world: &World, hit: &SurfaceHit, relative_index: f64) -> Self {
         let (normal, tangent) = (hit.shading_normal, world.tangent(hit));
         Self {
             normal: normal.as_vec3(),
@@ -55,6 +61,8 @@ impl HitVariables {
             gamma: angle(normal, hit.view),
             tangent: tangent.as_vec3(),
             bitangent: normal.cross(tangent).as_vec3(),
+            relative_index: relative_index as f32,
+            total_reflection: f32::from(u8::from(refraction(normal.dot(hit.view), relative_index).is_none())),
         }
     }
 }
@@ -131,10 +139,10 @@ mod tests {
             "bodies; s: sphere, center <0,0,0>, radius 1; lights;
              camera; position <0,0,5>; gaze <0,0,-1>; up <0,1,0>; fov 45;",
         );
-        let outside = HitVariables::new(&world, &hit(Side::Front));
+        let outside = HitVariables::new(&world, &hit(Side::Front), 1.0);
         assert_eq!((outside.tangent, outside.bitangent), (Vec3::X, Vec3::Y));
         assert!((outside.gamma - 0.8f32.acos()).abs() < 1e-6);
-        let inside = HitVariables::new(&world, &hit(Side::Back));
+        let inside = HitVariables::new(&world, &hit(Side::Back), 1.0);
         assert_eq!((inside.tangent, inside.bitangent), (Vec3::NEG_X, Vec3::NEG_Y));
     }
 }

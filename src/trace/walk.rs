@@ -79,6 +79,8 @@ pub enum Child {
 pub struct RayNode {
     /// The surface.
     pub hit: SurfaceHit,
+    /// n₁/n₂ there, see [`Tracer::relative_index`].
+    pub relative_index: f64,
     /// The emitters for which the formula is evaluated, in the order of their lights.
     pub lights: Vec<NodeLight>,
     /// The reflected ray.
@@ -105,7 +107,9 @@ pub fn ray_tree(tracer: &Tracer, pixel: u32, lights: EvaluatedLights) -> Tree {
         let child = match end {
             RayEnd::Hit(hit) => {
                 let lights = tracer.evaluated(lights, hit).collect();
-                tree.nodes.push(RayNode { hit: *hit, lights, reflected: Child::None, refracted: Child::None });
+                let relative_index = tracer.relative_index(hit);
+                let (reflected, refracted) = (Child::None, Child::None);
+                tree.nodes.push(RayNode { hit: *hit, relative_index, lights, reflected, refracted });
                 Child::Hit(index)
             }
             RayEnd::Miss(direction) => Child::Miss(direction),

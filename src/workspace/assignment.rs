@@ -62,6 +62,23 @@ pub enum AssignmentTarget {
     Named(String),
 }
 
+impl AssignmentTarget {
+    /// The target that the word in front of the parameter means.
+    pub(super) fn new(owner: Option<&str>) -> Self {
+        match owner {
+            // No body or light can have this name.
+            None | Some("global") => AssignmentTarget::Scene,
+            Some("*") => AssignmentTarget::All,
+            Some(name) => AssignmentTarget::Named(name.to_owned()),
+        }
+    }
+}
+
+/// Whether this can be the name of an owner or a parameter, or the `*`.
+pub(super) fn is_name(name: &str) -> bool {
+    !name.is_empty() && !name.contains(|c: char| c.is_whitespace() || c == '.')
+}
+
 /// A value by name, as in `ball.kd=0.3`, `key.IL=<1, 0.9, 0.8>`, `ka=0.1` or `*.Cd=#ff8000`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NamedAssignment {
@@ -126,20 +143,14 @@ impl FromStr for NamedAssignment {
     fn from_str(text: &str) -> Result<Self, NamedAssignmentError> {
         let form = || NamedAssignmentError::Form(text.to_owned());
         let (name, value) = text.split_once('=').ok_or_else(form)?;
-        let (owner, parameter) = match name.trim().split_once('.') {
+        let (owner, parameter) = match name.split_once('.') {
             Some((owner, parameter)) => (Some(owner.trim()), parameter.trim()),
             None => (None, name.trim()),
         };
-        let is_name = |name: &str| !name.is_empty() && !name.contains(|c: char| c.is_whitespace() || c == '.');
         if !is_name(parameter) || !owner.is_none_or(is_name) {
             return Err(form());
         }
-        let target = match owner {
-            // No body or light can have this name.
-            None | Some("global") => AssignmentTarget::Scene,
-            Some("*") => AssignmentTarget::All,
-            Some(name) => AssignmentTarget::Named(name.to_owned()),
-        };
+        let target = AssignmentTarget::new(owner);
         let value = parse_value(value).ok_or_else(|| NamedAssignmentError::Value(value.trim().to_owned()))?;
         Ok(NamedAssignment { target, parameter: parameter.to_owned(), value })
     }

@@ -16,6 +16,7 @@ mod recognise;
 pub mod session;
 pub(crate) mod spanned_toml;
 pub mod values;
+pub mod variation;
 pub mod warning;
 
 pub use assignment::{Assignment, NamedAssignment};
@@ -27,4 +28,5 @@ pub use parameter_table::ParameterTable;
 pub use recognise::kind_of;
 pub use session::Session;
 pub use values::Values;
+pub use variation::{Variation, VariedValues};
 pub use warning::ValueWarning;

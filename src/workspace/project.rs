@@ -22,7 +22,7 @@ use crate::workspace::carried::CarriedValues;
 use crate::workspace::materials::{LibraryLocation, MaterialAssignment, Materials, SourceDiagnostics};
 use crate::workspace::session::{MissingTarget, PictureSettings, Session};
 use crate::workspace::{Location, kind_of};
-use crate::workspace::{NamedAssignment, OwnerId, ParameterTable, Values};
+use crate::workspace::{NamedAssignment, OwnerId, ParameterTable, ValueWarning, Values};
 pub use partial::{PartialProject, SessionMistakes, UnusableText};
 use std::path::{Path, PathBuf};
 
@@ -47,10 +47,35 @@ pub struct Project {
     pub subject: Subject,
     /// The values of all parameters.
     pub values: Values,
+    /// What they were made from.
+    given: GivenValues,
     /// Size, depth and the like.
     pub picture: PictureSettings,
     /// The files that were read.
     pub files: Vec<PathBuf>,
+}
+
+/// The values that a session and a request give.
+#[derive(Debug)]
+struct GivenValues {
+    /// Those of the session.
+    kept: Vec<Assignment>,
+    /// Those of the request.
+    set: Vec<Assignment>,
+    /// Whether the session is for another formula or scene.
+    carried_over: bool,
+}
+
+impl GivenValues {
+    /// The values of all parameters.
+    fn values(&self, formula: &Formula, scene: &Scene) -> (Values, Vec<ValueWarning>) {
+        let GivenValues { kept, set, carried_over } = self;
+        if *carried_over {
+            Values::carried_over(formula, scene, kept, set)
+        } else {
+            Values::new(formula, scene, &[kept.as_slice(), set].concat())
+        }
+    }
 }
 
 /// Where a session comes from.
@@ -161,7 +186,9 @@ impl Project {
         }
         // Values from a session or a request were checked when they were parsed.
         let view = view(&picture).map_err(|error| Diagnostic::error(error.to_string()))?;
-        let values = values(request, &read, session, materials.as_ref(), listener)?;
+        let given = given_values(request, &read, session, materials.as_ref(), listener)?;
+        let (values, warnings) = given.values(&read.formula, &read.scene);
+        warnings.iter().for_each(|warning| listener.message(Diagnostic::warning(warning.to_string())));
         let session_file = request.session.as_ref().and_then(|text| match text {
             SessionText::At(location) => location.file(),
             SessionText::Text(..) => None,
@@ -171,7 +198,16 @@ impl Project {
         let files = files.into_iter().flatten().map(Path::to_owned).collect();
         let Read { formula_text, formula, scene_text, scene, .. } = read;
         let subject = Subject::new(formula, scene, view);
-        Ok(Self { formula_location, formula_text, scene_location, scene_text, subject, values, picture, files })
+        Ok(Self { formula_location, formula_text, scene_location, scene_text, subject, values, given, picture, files })
+    }
+
+    /// The values if the request had also given these, last. There are all warnings of [`Values::new`], also those that
+    /// were reported when the session was opened.
+    pub fn values_with(&self, further: &[Assignment]) -> (Values, Vec<ValueWarning>) {
+        let GivenValues { kept, set, carried_over } = &self.given;
+        let set = [set.as_slice(), further].concat();
+        let given = GivenValues { kept: kept.clone(), set, carried_over: *carried_over };
+        given.values(&self.subject.formula, self.subject.world.scene())
     }
 
     /// Checks whether the files that a session names have no errors. Returns how many warnings its values gave.
@@ -373,14 +409,14 @@ fn check_numbers(read: &Read, memory: Option<u64>) -> Result<(), OpenProjectErro
     Err(Diagnostic::error(message).help("`--memory SIZE` allows more").into())
 }
 
-/// The values of a request.
-fn values(
+/// The values that the session and the request give.
+fn given_values(
     request: &Request,
     read: &Read,
     session: Option<&OpenSession>,
     materials: Option<&Materials>,
     listener: &mut dyn Listener,
-) -> Result<Values, OpenProjectError> {
+) -> Result<GivenValues, OpenProjectError> {
     let Read { formula, scene, .. } = read;
     let table = ParameterTable::new(formula, scene);
     let mut set = match materials {
@@ -398,13 +434,7 @@ fn values(
         carried.kept.retain(|name| kept.iter().any(|kept| table.parameter(kept.parameter).name == *name));
         carried.sentence().into_iter().for_each(|sentence| listener.remark(&sentence));
     }
-    let (values, warnings) = if is_other.contains(&true) {
-        Values::carried_over(formula, scene, &kept, &set)
-    } else {
-        Values::new(formula, scene, &[kept, set].concat())
-    };
-    warnings.iter().for_each(|warning| listener.message(Diagnostic::warning(warning.to_string())));
-    Ok(values)
+    Ok(GivenValues { kept, set, carried_over: is_other.contains(&true) })
 }
 
 /// The values of the materials for bodies.

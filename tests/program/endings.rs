@@ -80,6 +80,29 @@ fn a_signal_while_a_picture_is_written_leaves_nothing_behind() {
 }
 
 #[test]
+fn a_signal_in_the_middle_of_a_sweep_leaves_whole_pictures_only() {
+    let folder = folder();
+    fs::create_dir(folder.path().join("all")).expect("a folder");
+    let all = folder.path().join("all");
+    let sweep = "sweep session.toml --size 1200x900 --depth 1 --no-shadows --vary ball.kd=0..0.8:500 -o all/%03d.png";
+    let mut child = start(folder.path(), "", sweep);
+    let start = Instant::now();
+    while !all.join("002.png").exists() {
+        let ended = child.try_wait().expect("a child");
+        assert!(ended.is_none() && start.elapsed() < Duration::from_secs(120), "no second picture was written: {ended:?}");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    send("INT", &child);
+    assert_eq!(child.wait().expect("an end").signal(), Some(2));
+    let names = names(&all);
+    assert!((2..500).contains(&names.len()), "{names:?}");
+    for (number, name) in (1..).zip(&names) {
+        assert_eq!(*name, format!("{number:03}.png"));
+        assert_eq!(image::open(all.join(name)).expect("a whole picture").width(), 1200);
+    }
+}
+
+#[test]
 fn a_signal_that_is_ignored_from_the_start_stays_ignored() {
     let (folder, status) = interrupted("trap '' HUP;", "HUP");
     assert!(status.success(), "{status}");

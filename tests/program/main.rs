@@ -6,6 +6,7 @@ mod diagnostics;
 mod encoding;
 mod endings;
 mod files;
+mod man;
 mod materials;
 mod memory;
 mod messages;
@@ -13,6 +14,7 @@ mod misspellings;
 mod pictures;
 mod pipe;
 mod rays;
+mod sweep;
 mod terminal;
 
 use std::fs;

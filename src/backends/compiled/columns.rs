@@ -297,7 +297,7 @@ impl LeafColumns {
         let first = hits.start;
         replay(tracer, tile, group, hits, |hit, _, surface| {
             let index = (hit - first) as usize;
-            let own = HitVariables::new(world, surface);
+            let own = HitVariables::new(world, surface, tracer.relative_index(surface));
             let put = |stream: &mut [Line], columns: usize, column: usize, value: f32| {
                 stream[index / Line::RECORDS * columns + column].0[index % Line::RECORDS] = flush(value);
             };

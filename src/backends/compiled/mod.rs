@@ -11,9 +11,10 @@ mod pass;
 mod planes;
 mod program;
 mod source;
+mod surface;
 mod tile;
 
-use crate::evaluate::weights::path_weights;
+use crate::evaluate::weights::{PathMonomials, Weight, path_weights};
 use crate::evaluate::{Backend, Drawn, EvaluateError, Evaluator, Footprint, Framebuffer, Part};
 use crate::formula::equation::{Equation, Site};
 use crate::formula::{Formula, Parameter};
@@ -22,8 +23,8 @@ use crate::jit::{self, CompiledFormula, Kernel, KernelCache, Line, PREFETCH_DIST
 use crate::lang::scalars::flush;
 use crate::lang::variables::Owner;
 use crate::picture::Frame;
-use crate::plan::{Channels, ParameterSlot};
-use crate::trace::{Hits, Mismatch, View, tile_pixels};
+use crate::plan::{Channels, DragPlan, ParameterSlot, SurfacePlan};
+use crate::trace::{Hits, Mismatch, Tile, View, tile_pixels};
 use crate::world::World;
 use columns::{Columns, LeafColumns};
 use drag::CompiledDrag;
@@ -32,6 +33,7 @@ use program::TileProgram;
 use rayon::prelude::*;
 use source::ContributionSource;
 use std::sync::{Arc, Mutex, PoisonError};
+use surface::{SurfacePass, SurfaceTile, parameter_weights};
 use tile::{Accumulate, TileScratch};
 
 /// The name of the backend.
@@ -64,7 +66,10 @@ impl Backend for Jit {
         let (leaves, uniforms) = (compiled.plan.contribution.uniforms.streams[0].len(), compiled.contribution.uniforms.outputs());
         let per_pair = numbers(leaves + uniforms) + (size_of::<Splat>() * uniforms) as u64 + 2;
         let per_call = jit::CallList::BYTES_PER_CALL as u64;
-        Ok(Footprint { per_hit: numbers(frontier.hits.len()), per_record: numbers(frontier.records.len()), per_pair, per_call })
+        let surface = compiled.surface.as_ref();
+        let surface = surface.map_or(0, |surface| numbers(surface.hits.outputs()) + SurfaceTile::BYTES_PER_HIT as u64);
+        let per_hit = numbers(frontier.hits.len()) + surface;
+        Ok(Footprint { per_hit, per_record: numbers(frontier.records.len()), per_pair, per_call })
     }
 
     fn thread_bytes(&self, formula: &Arc<Formula>, world: &World, _: &View) -> Result<u64, EvaluateError> {
@@ -84,6 +89,10 @@ pub struct Compiled {
     compiled: Arc<CompiledFormula>,
     hits: Arc<Hits>,
     columns: Vec<Columns>,
+    /// The nodes of each tile, if the formula gives something at every hit.
+    surface: Vec<SurfaceTile>,
+    /// The parameter numbers that the uniform kernel of the surface reads.
+    surface_leaves: Vec<ParameterSlot>,
     equation: Equation,
     parameters: Vec<Parameter>,
     /// The parameter numbers that the uniform kernel reads.
@@ -104,7 +113,12 @@ impl Compiled {
         let scene = hits.world.scene();
         let columns = Columns::of_tiles(&compiled, &hits)?;
         let leaves = compiled.plan.contribution.leaves(&compiled.plan.bindings.graph, &formula.parameters);
+        let surface = SurfaceTile::of_tiles(&compiled, &hits)?;
+        let of_surface = |plan: &SurfacePlan| plan.outputs.leaves(&plan.bindings.graph, &formula.parameters);
+        let surface_leaves = compiled.plan.surface.as_ref().map(of_surface).unwrap_or_default();
         Ok(Self {
+            surface,
+            surface_leaves,
             columns,
             equation: Equation::new(formula, scene.bodies.len(), scene.lights.len()),
             parameters: formula.parameters.clone(),
@@ -161,14 +175,51 @@ impl Compiled {
         let bodies = 0..self.equation.layout.owners(Owner::Body);
         let at_hits = bodies.map(|body| self.equation.sum(Site::Hit, parameters, body)).collect();
         let mut pass = self.empty_pass(at_hits, self.equation.sum(Site::Miss, parameters, 0), Channels::All);
+        pass.surface = self.surface_pass(parameters, true);
         pass.push(source, uniforms);
         pass
+    }
+
+    /// What the formula gives at every hit, for a pass with these parameter numbers.
+    fn surface_pass(&self, parameters: &[f32], adds_own: bool) -> Option<SurfacePass<'_>> {
+        let (plan, compiled) = (self.compiled.plan.surface.as_ref()?, self.compiled.surface.as_ref()?);
+        let bodies = self.equation.layout.owners(Owner::Body);
+        Some(SurfacePass {
+            compiled,
+            plan,
+            tiles: &self.surface,
+            uniforms: self.uniforms(parameters, &compiled.outputs.uniforms, &self.surface_leaves, 1),
+            weights: parameter_weights(&self.equation, parameters, bodies),
+            adds_own,
+        })
+    }
+
+    /// The weights of the paths of a tile as monomials of the moved kr and kt. Where the formula gives weights of rays,
+    /// they have their powers only.
+    fn monomials(&self, plan: &DragPlan, tile: &Tile, parameters: &[f32]) -> PathMonomials {
+        let mut monomials = PathMonomials::new(tile, &plan.equation, parameters, plan.weights);
+        if !self.surface.is_empty() {
+            monomials.fixed.fill(Weight(1.0));
+        }
+        monomials
+    }
+
+    /// Sets `weights` to the weights of all paths of a tile. Where the formula gives weights of rays, they are 1, and
+    /// the pass multiplies by the weights of hits.
+    fn path_weights(&self, tile: &Tile, parameters: &[f32], weights: &mut Vec<Weight>) {
+        if self.surface.is_empty() {
+            path_weights(tile, &self.equation, parameters, weights);
+        } else {
+            weights.clear();
+            weights.resize(tile.paths.len(), Weight(1.0));
+        }
     }
 
     /// A pass without sources.
     fn empty_pass(&self, at_hits: Vec<[f32; 3]>, at_misses: [f32; 3], channels: Channels) -> Pass<'_> {
         let code = PixelCode::get(self.width());
-        Pass { sources: Vec::new(), uniforms: Vec::new(), columns: &self.columns, at_hits, at_misses, channels, code }
+        let (sources, uniforms) = (Vec::new(), Vec::new());
+        Pass { sources, uniforms, columns: &self.columns, at_hits, at_misses, channels, code, surface: None }
     }
 
     /// A contribution of all pairs of a body and a light whose light is on, and its uniform values, computed from
@@ -190,7 +241,8 @@ impl Compiled {
             lights: self.equation.layout.owners(Owner::Light),
             world: &self.hits.world,
         };
-        (source, self.uniforms(parameters, &contribution.uniforms, leaves))
+        let lights = self.equation.layout.owners(Owner::Light);
+        (source, self.uniforms(parameters, &contribution.uniforms, leaves, lights))
     }
 
     /// Which of the wanted pairs contribute. A light of weight 0 adds nothing, even where the formula is infinite or
@@ -205,17 +257,16 @@ impl Compiled {
     /// Computes the pixels of a tile, in the planes of the scratch memory.
     fn tile(&self, pass: &Pass, parameters: &[f32], index: usize, scratch: &mut TileScratch) {
         let tile = &self.hits.tiles[index];
-        path_weights(tile, &self.equation, parameters, &mut scratch.weights);
+        self.path_weights(tile, parameters, &mut scratch.weights);
         let mut program = self.programs[index].lock().unwrap_or_else(PoisonError::into_inner);
         pass.run(tile, index, None, Accumulate::Overwrite, scratch, &mut program);
     }
 
     /// The uniform values of all pairs of a body and a light, pair by pair, by a kernel that reads these parameter
-    /// numbers.
-    fn uniforms(&self, parameters: &[f32], kernel: &Kernel, leaves: &[ParameterSlot]) -> Vec<Splat> {
+    /// numbers. `lights` is the number of lights, or 1 for values that do not depend on a light.
+    fn uniforms(&self, parameters: &[f32], kernel: &Kernel, leaves: &[ParameterSlot], lights: usize) -> Vec<Splat> {
         let layout = &self.equation.layout;
-        let [bodies, lights] = [Owner::Body, Owner::Light].map(|owner| layout.owners(owner));
-        let pairs = bodies * lights;
+        let pairs = layout.owners(Owner::Body) * lights;
         let lines = pairs.div_ceil(Line::RECORDS);
         let mut inputs = vec![Line::default(); lines * leaves.len()];
         for (column, leaf) in leaves.iter().enumerate() {
@@ -278,7 +329,7 @@ impl Evaluator for Compiled {
     fn bytes(&self) -> usize {
         let scratch = self.scratch.lock().unwrap_or_else(PoisonError::into_inner).len();
         let programs = self.programs.iter().map(|program| program.lock().unwrap_or_else(PoisonError::into_inner).bytes());
-        let columns = self.columns.iter().map(Columns::bytes);
+        let columns = self.columns.iter().map(Columns::bytes).chain(self.surface.iter().map(SurfaceTile::bytes));
         self.hits.bytes() as usize + columns.chain(programs).sum::<usize>() + scratch * TileScratch::BYTES
     }
 }

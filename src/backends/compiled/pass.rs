@@ -5,6 +5,7 @@
 
 use crate::backends::compiled::columns::Columns;
 use crate::backends::compiled::source::ContributionSource;
+use crate::backends::compiled::surface::SurfacePass;
 use crate::jit::{PixelCode, Splat};
 use crate::plan::Channels;
 
@@ -23,6 +24,8 @@ pub(super) struct Pass<'p> {
     pub(super) channels: Channels,
     /// The code that adds to pixels, if the processor supports it.
     pub(super) code: Option<&'static PixelCode>,
+    /// What the formula gives at every hit, if it gives anything.
+    pub(super) surface: Option<SurfacePass<'p>>,
 }
 
 impl<'p> Pass<'p> {

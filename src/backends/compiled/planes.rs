@@ -4,6 +4,7 @@
 //! code adds segments and writes pixels. This module holds the portable code for all other cases. The caller decides
 //! which colours are added with which weights.
 
+use crate::backends::compiled::surface::{HitWeights, times};
 use crate::evaluate::weights::Weight;
 use crate::evaluate::{Part, write};
 use crate::jit::lanes::PLANE_PIXELS;
@@ -58,6 +59,46 @@ impl Planes {
     /// Fills every region of a tile with the colour of its set of paths, or adds that colour to the pixels.
     pub(super) fn fill(&mut self, tile: &Tile, colours: &[[f32; 4]], add: bool) {
         self.width.dispatch(Fill { planes: &mut self.planes, regions: &tile.regions, colours, add });
+    }
+
+    /// Makes all pixels black.
+    pub(super) fn clear(&mut self) {
+        self.planes.0.iter_mut().for_each(|plane| plane.fill(0.0));
+    }
+
+    /// Adds a colour to a pixel.
+    #[inline]
+    pub(super) fn add_colour(&mut self, pixel: usize, colour: [f32; 3]) {
+        for (plane, component) in self.planes.0.iter_mut().zip(colour) {
+            plane[PIXELS.start + pixel] += component;
+        }
+    }
+
+    /// Adds the sums of the hits of a span, each times its own weight, to their pixels. The first hit has this number
+    /// in the tile.
+    pub(super) fn add_weighted(
+        &mut self,
+        segments: &[Segment],
+        first: u32,
+        sums: &Sums,
+        weights: &HitWeights,
+        channels: Channels,
+    ) {
+        let mut hit = first;
+        for segment in segments {
+            let lane = segment.lanes().trailing_zeros() as usize;
+            for (offset, pixel) in segment.pixels().enumerate() {
+                let weight = weights.of(hit);
+                hit += 1;
+                if weight == [0.0; 3] {
+                    continue;
+                }
+                for component in channels.components() {
+                    let sum = sums[component][segment.line()].0[lane + offset];
+                    self.planes.0[component][PIXELS.start + pixel] += times(weight[component], sum);
+                }
+            }
+        }
     }
 
     /// The pixels, for compiled code.

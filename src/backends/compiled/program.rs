@@ -8,6 +8,7 @@ use crate::backends::compiled::columns::{ColumnPart, Columns};
 use crate::backends::compiled::pass::Pass;
 use crate::backends::compiled::planes::Planes;
 use crate::backends::compiled::source::ContributionSource;
+use crate::backends::compiled::surface::HitWeights;
 use crate::evaluate::weights::Weight;
 use crate::jit::{CallList, Line, Operands, Sums};
 use crate::plan::Channels;
@@ -64,6 +65,8 @@ pub(super) struct TileInputs<'t> {
     pub(super) drag_columns: Option<&'t Columns>,
     /// The weight of each path.
     pub(super) weights: &'t [Weight],
+    /// The weight of each hit, if the formula gives weights of rays.
+    pub(super) hit_weights: Option<HitWeights<'t>>,
 }
 
 impl TileProgram {
@@ -135,7 +138,11 @@ impl TileProgram {
                 Portable::Clear(component, lines) => sums[*component][lines.clone()].fill(Line::default()),
                 Portable::Add(spans, channels) => {
                     for span in &inputs.tile.spans[spans.clone()] {
-                        planes.add(inputs.tile.segments_of(span), sums, inputs.weights[span.path.index()], *channels);
+                        let segments = inputs.tile.segments_of(span);
+                        match &inputs.hit_weights {
+                            Some(weights) => planes.add_weighted(segments, span.hits.start, sums, weights, *channels),
+                            None => planes.add(segments, sums, inputs.weights[span.path.index()], *channels),
+                        }
                     }
                 }
             }
@@ -205,7 +212,7 @@ impl ProgramBuilder<'_, '_> {
                     Channels::One(component) => Some(component),
                 };
                 let tiny = run.iter().any(|span| class(span) == WeightClass::Tiny);
-                match self.pass.code.filter(|_| !tiny) {
+                match self.pass.code.filter(|_| !tiny && self.inputs.hit_weights.is_none()) {
                     Some(code) => self.program.calls.add(code, segments, weights, component, next_lines),
                     None => self.portably(Portable::Add(spans, self.pass.channels)),
                 }

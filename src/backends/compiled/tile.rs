@@ -5,6 +5,7 @@ use crate::backends::compiled::columns::Columns;
 use crate::backends::compiled::pass::Pass;
 use crate::backends::compiled::planes::Planes;
 use crate::backends::compiled::program::{TileInputs, TileProgram};
+use crate::backends::compiled::surface::{SurfacePass, SurfaceScratch};
 use crate::evaluate::weights::Weight;
 use crate::jit::{Sums, Width, fetch};
 use crate::trace::{CHUNK_HITS, Tile};
@@ -32,6 +33,7 @@ pub(super) struct TileScratch {
     /// The colours of each path and of each set of paths by the terms without lights. The fourth number is 0.
     path_colours: Vec<[f32; 4]>,
     set_colours: Vec<[f32; 4]>,
+    surface: SurfaceScratch,
 }
 
 impl TileScratch {
@@ -48,6 +50,7 @@ impl TileScratch {
             once: TileProgram::default(),
             path_colours: Vec::new(),
             set_colours: Vec::new(),
+            surface: SurfaceScratch::default(),
         }
     }
 }
@@ -69,9 +72,13 @@ impl Pass<'_> {
         fetch(&tile.regions);
         fetch(&tile.spans);
         program.fetch();
-        self.fill_regions(tile, accumulate, scratch);
-        let TileScratch { planes, weights, sums, span_weights, .. } = scratch;
-        let inputs = TileInputs { tile, tile_index, drag_columns, weights };
+        match &self.surface {
+            None => self.fill_regions(tile, accumulate, scratch),
+            Some(surface) => self.fill_nodes(surface, tile, tile_index, accumulate, scratch),
+        }
+        let TileScratch { planes, weights, sums, span_weights, surface, .. } = scratch;
+        let hit_weights = self.surface.as_ref().map(|pass| pass.hit_weights(tile_index, surface));
+        let inputs = TileInputs { tile, tile_index, drag_columns, weights, hit_weights };
         program.prepare(self, &inputs);
         span_weights.clear();
         span_weights.extend(tile.spans.iter().map(|span| weights[span.path.index()].0 as f32));
@@ -85,6 +92,25 @@ impl Pass<'_> {
         program.forget();
         self.run(tile, tile_index, None, Accumulate::Overwrite, scratch, &mut program);
         scratch.once = program;
+    }
+
+    /// Computes the weights of all hits, and adds the terms without lights.
+    fn fill_nodes(
+        &self,
+        surface: &SurfacePass,
+        tile: &Tile,
+        tile_index: usize,
+        accumulate: Accumulate,
+        scratch: &mut TileScratch,
+    ) {
+        surface.weigh(tile, tile_index, &mut scratch.weights, &mut scratch.surface);
+        let TileScratch { planes, weights, surface: nodes, .. } = scratch;
+        if accumulate == Accumulate::Overwrite {
+            planes.clear();
+        }
+        surface.add_own(tile, tile_index, weights, nodes, (&self.at_hits, self.at_misses), |pixel, colour| {
+            planes.add_colour(pixel, colour);
+        });
     }
 
     /// Adds the terms without lights. They are the same for all pixels of a region.

@@ -65,6 +65,11 @@ impl fmt::Display for Quantity {
     }
 }
 
+/// A weight of red, green and blue: one number if it is the same for all of them.
+pub fn weight_figures(weight: [f64; 3]) -> String {
+    if weight == [weight[0]; 3] { figures(weight[0]) } else { vector_figures(weight) }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

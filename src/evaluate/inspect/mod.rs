@@ -13,16 +13,17 @@ mod report;
 mod tests;
 mod text;
 
-pub use figures::{Quantity, figures, vector_figures};
+pub use figures::{Quantity, figures, vector_figures, weight_figures};
 pub use instance::{Instance, InstanceLine};
 pub use nan::NanOrigin;
 pub use report::{Crossing, End, InspectedHit, InspectedLight, InspectedRay, Inspection, Onward, Visibility};
 
-use crate::formula::equation::{Equation, REFLECTED, REFRACTED, Site, weighed};
+use crate::formula::equation::{Equation, Site, weighed, weighed_by, weight_parameter};
 use crate::formula::{Formula, ParameterId, Term};
 use crate::lang::builtins::Stack;
 use crate::lang::scalars::{Floats, Scalars, flush};
-use crate::lang::variables::{Owner, Predefined};
+use crate::lang::surface_terms::SurfaceTerm;
+use crate::lang::variables::{Owner, Predefined, Variable};
 use crate::scene::{BodyId, LightId};
 use crate::trace::{Child, Edge, HitVariables, LightVariables, RayNode, Tracer, Tree, View, ray_tree, variable};
 use crate::world::{EmitterId, Ray, Side, World};
@@ -43,8 +44,8 @@ struct PendingChild {
     parent: Option<usize>,
     depth: u32,
     ray: Ray,
-    factor: f32,
-    weight: f64,
+    factor: [f32; 3],
+    weight: [f64; 3],
 }
 
 impl<'i> Inspector<'i> {
@@ -82,7 +83,7 @@ impl<'i> Inspector<'i> {
     /// has no such light.
     pub fn instance(&self, hit: &InspectedHit, light: LightId) -> Option<Instance> {
         let light = hit.lights.iter().find(|inspected| inspected.light == light)?;
-        let values = self.values(hit.body(), light.light, &hit.variables, &light.variables);
+        let values = self.values(hit.body(), Some(light.light), &|symbol| variable(symbol, &hit.variables, &light.variables));
         Some(Instance::new(self.formula, &values))
     }
 
@@ -90,7 +91,8 @@ impl<'i> Inspector<'i> {
     fn follow(&self, tracer: &Tracer, pixel: u32, tree: &Tree) -> Vec<InspectedRay> {
         let mut rays: Vec<InspectedRay> = Vec::new();
         let (child, ray) = (tree.primary, tracer.primary(pixel));
-        let mut stack = vec![PendingChild { child, edge: Edge::Primary, parent: None, depth: 1, ray, factor: 1.0, weight: 1.0 }];
+        let mut stack =
+            vec![PendingChild { child, edge: Edge::Primary, parent: None, depth: 1, ray, factor: [1.0; 3], weight: [1.0; 3] }];
         while let Some(PendingChild { child, edge, parent, depth, ray, factor, weight }) = stack.pop() {
             let node = match child {
                 Child::None => continue,
@@ -113,20 +115,18 @@ impl<'i> Inspector<'i> {
                     (End::Hit(Box::new(hit)), own)
                 }
             };
-            if let Some(RayNode { hit, reflected, refracted, .. }) = node {
-                let body = hit.body.index();
+            if let (Some(RayNode { hit, reflected, refracted, .. }), End::Hit(inspected)) = (node, &end) {
                 let children = [
-                    (Edge::Refracted, *refracted, tracer.refracted(hit), REFRACTED),
-                    (Edge::Reflected, *reflected, tracer.reflected(hit), REFLECTED),
+                    (Edge::Refracted, *refracted, tracer.refracted(hit), inspected.weights[1]),
+                    (Edge::Reflected, *reflected, tracer.reflected(hit), inspected.weights[0]),
                 ];
                 stack.extend(children.into_iter().filter_map(|(edge, child, ray, factor)| {
-                    let factor = self.predefined(factor, body)[0];
-                    let (ray, weight) = (ray?, weight * f64::from(factor));
+                    let (ray, weight) = (ray?, product(weight, factor));
                     Some(PendingChild { child, edge, parent: Some(index), depth: depth + 1, ray, factor, weight })
                 }));
             }
-            let share = |light: f32| if weight == 0.0 { 0.0 } else { (weight * f64::from(light)) as f32 };
-            let contribution = own.map(share);
+            let share = |component: usize| (weight[component] * f64::from(own[component])) as f32;
+            let contribution = if weight == [0.0; 3] { [0.0; 3] } else { std::array::from_fn(share) };
             rays.push(InspectedRay { edge, parent, depth, ray, factor, weight, end, own, total: own, contribution });
         }
         rays
@@ -136,16 +136,25 @@ impl<'i> Inspector<'i> {
     fn hit(&self, tracer: &Tracer, node: &RayNode) -> InspectedHit {
         let surface = &node.hit;
         let body = self.world.scene().body(surface.body);
-        let variables = HitVariables::new(self.world, surface);
+        let variables = HitVariables::new(self.world, surface, node.relative_index);
         let refracted = tracer.refracted(surface);
         let crossing = (!body.opaque).then(|| Crossing {
             entering: surface.side == Side::Front,
             n12: tracer.relative_index(surface),
             angle: refracted.map(|ray| degrees(-surface.shading_normal.dot(ray.direction))),
         });
-        let ambient = self.equation.sum(Site::Hit, self.parameters, surface.body.index());
+        let terms = self.surface_terms(surface.body, &variables);
+        let given = |term: SurfaceTerm| terms.iter().find(|(known, _)| *known == term).map(|(_, value)| *value);
+        let weight = |term: SurfaceTerm| {
+            let parameter = || weight_parameter(term).map_or([0.0; 3], |weight| self.predefined(weight, surface.body.index()));
+            given(term).unwrap_or_else(parameter)
+        };
+        let ambient = given(SurfaceTerm::Ambient);
+        let ambient = ambient.unwrap_or_else(|| self.equation.sum(Site::Hit, self.parameters, surface.body.index()));
         InspectedHit {
             surface: *surface,
+            weights: [weight(SurfaceTerm::Reflected), weight(SurfaceTerm::Refracted)],
+            emission: given(SurfaceTerm::Emission),
             variables,
             incidence: degrees(surface.shading_normal.dot(surface.view)),
             crossing,
@@ -175,7 +184,8 @@ impl<'i> Inspector<'i> {
         let evaluated = node.lights.iter().any(|light| light.emitter == emitter);
         let sample = self.world.emitter(emitter).sample(surface);
         let variables = LightVariables::new(surface, &sample, tracer.is_visible(emitter, surface));
-        let local = self.values(surface.body, light, hit, &variables)[self.formula.result.0 as usize];
+        let values = self.values(surface.body, Some(light), &|symbol| variable(symbol, hit, &variables));
+        let local = values[self.formula.result.0 as usize];
         let intensity = self.equation.light_weight(self.parameters, light.index());
         let contribution = if evaluated { weighed(intensity, local) } else { [0.0; 3] };
         let angle = degrees(surface.shading_normal.dot(sample.direction));
@@ -187,28 +197,37 @@ impl<'i> Inspector<'i> {
         let ray = &rays[index];
         let End::Hit(hit) = &ray.end else { return ray.own };
         [hit.reflected, hit.refracted].into_iter().fold(ray.own, |sum, child| match child {
-            Onward::Ray(child) => add(sum, weighed(rays[child].factor, rays[child].total)),
+            Onward::Ray(child) => add(sum, weighed_by(rays[child].factor, rays[child].total)),
             Onward::Matte | Onward::Opaque | Onward::TotalReflection | Onward::Depth => sum,
         })
     }
 
+    /// The terms of the lighting equation that the formula gives at a hit, with their values.
+    fn surface_terms(&self, body: BodyId, hit: &HitVariables) -> Vec<(SurfaceTerm, [f32; 3])> {
+        if self.formula.surface.is_empty() {
+            return Vec::new();
+        }
+        let values = self.values(body, None, &|symbol| hit.value(symbol).unwrap_or_default());
+        self.formula.surface.iter().map(|(term, id)| (term, values[id.0 as usize])).collect()
+    }
+
     /// The values of all terms of the formula at a hit for a light, by the reference meaning. Scalars are repeated
-    /// three times.
-    fn values(&self, body: BodyId, light: LightId, hit: &HitVariables, record: &LightVariables) -> Vec<[f32; 3]> {
+    /// three times. Without a light, what reads one has no meaning.
+    fn values(&self, body: BodyId, light: Option<LightId>, value: &dyn Fn(Variable) -> [f32; 3]) -> Vec<[f32; 3]> {
         let mut values: Vec<[f32; 3]> = Vec::with_capacity(self.formula.terms.len());
         let mut stack = Stack::new(16, 0.0);
         let mut operands_at_hand = Vec::new();
         for term in &self.formula.terms {
             values.push(match term {
                 Term::Number(value) => [flush(*value); 3],
-                Term::Variable(symbol) => variable(*symbol, hit, record).map(flush),
+                Term::Variable(symbol) => value(*symbol).map(flush),
                 Term::Parameter(id) => {
                     let owner = match self.formula.parameter(*id).owner {
-                        Owner::Global => 0,
-                        Owner::Body => body.index(),
-                        Owner::Light => light.index(),
+                        Owner::Global => Some(0),
+                        Owner::Body => Some(body.index()),
+                        Owner::Light => light.map(LightId::index),
                     };
-                    self.parameter(*id, owner)
+                    owner.map_or([0.0; 3], |owner| self.parameter(*id, owner))
                 }
                 Term::Apply(operation, operands) => {
                     operands_at_hand.clear();
@@ -238,10 +257,18 @@ impl<'i> Inspector<'i> {
     }
 }
 
-/// Σ ki·local + ka·Cd·Ia, added up as the interpreter does.
+/// The weight of a path that goes on with this factor.
+fn product(weight: [f64; 3], factor: [f32; 3]) -> [f64; 3] {
+    if factor == [0.0; 3] {
+        return [0.0; 3];
+    }
+    std::array::from_fn(|component| weight[component] * f64::from(factor[component]))
+}
+
+/// Σ ki·local + ambient + emission, added up as the interpreter does.
 fn own(hit: &InspectedHit) -> [f32; 3] {
     let evaluated = hit.lights.iter().filter(|light| light.evaluated);
-    evaluated.map(|light| light.contribution).chain([hit.ambient]).reduce(add).unwrap_or_default()
+    evaluated.map(|light| light.contribution).chain([hit.ambient]).chain(hit.emission).reduce(add).unwrap_or_default()
 }
 
 fn add(one: [f32; 3], other: [f32; 3]) -> [f32; 3] {

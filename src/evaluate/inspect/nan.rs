@@ -6,6 +6,7 @@ use crate::evaluate::inspect::report::{End, InspectedHit, InspectedLight, Inspec
 use crate::formula::{Formula, Term, TermId};
 use crate::lang::builtins::Form;
 use crate::scene::{BodyId, LightId};
+use crate::trace::variable;
 use std::collections::HashMap;
 
 /// Where NaN comes from in a pixel.
@@ -30,7 +31,7 @@ impl Inspector<'_> {
         let is_nan = |light: &&InspectedLight| {
             light.visibility == Visibility::Lit && light.contribution.iter().any(|component| component.is_nan())
         };
-        let hits = inspection.rays.iter().filter(|ray| ray.weight != 0.0).filter_map(|ray| match &ray.end {
+        let hits = inspection.rays.iter().filter(|ray| !ray.is_cut()).filter_map(|ray| match &ray.end {
             End::Hit(hit) => Some(hit),
             End::Background => None,
         });
@@ -40,7 +41,7 @@ impl Inspector<'_> {
 
     fn origin_at(&self, hit: &InspectedHit, light: &InspectedLight) -> NanOrigin {
         let formula = self.formula;
-        let values = self.values(hit.body(), light.light, &hit.variables, &light.variables);
+        let values = self.values(hit.body(), Some(light.light), &|symbol| variable(symbol, &hit.variables, &light.variables));
         let mut names: HashMap<TermId, &str> = HashMap::new();
         for (name, id) in &formula.macros {
             names.entry(*id).or_insert(name);
@@ -66,15 +67,22 @@ impl Inspector<'_> {
 
 /// The first operand of a term that is NaN, of those that its value depends on.
 fn nan_operand(formula: &Formula, id: TermId, values: &[[f32; 3]]) -> Option<TermId> {
-    let (Term::Apply(operation, operands) | Term::ByComponents(operation, operands)) = formula.term(id) else { return None };
-    let value = |id: TermId| &values[id.0 as usize][..formula.ty(id).slots()];
+    let value = |id: TermId| &values[id.0 as usize];
+    // Scalars stand three times.
+    let component = value(id).iter().position(|component| component.is_nan())?;
     let is_nan = |id: &TermId| value(*id).iter().any(|component| component.is_nan());
-    match (operation.form(), operands.as_slice()) {
-        // The branch that is not taken may be NaN.
-        (Form::Conditional, [condition, then, other]) => {
-            let taken = if value(*condition) == [0.0] { other } else { then };
-            [*condition, *taken].into_iter().find(is_nan)
+    let is_nan_there = |id: &TermId| value(*id)[component].is_nan();
+    match formula.term(id) {
+        Term::Apply(operation, operands) | Term::ByComponents(operation, operands) => {
+            match (operation.form(), operands.as_slice()) {
+                // The branch that is not taken may be NaN.
+                (Form::Conditional, [condition, then, other]) => {
+                    let taken = if value(*condition)[component] == 0.0 { other } else { then };
+                    [*condition, *taken].into_iter().find(is_nan_there)
+                }
+                _ => operands.iter().copied().find(is_nan_there).or_else(|| operands.iter().copied().find(is_nan)),
+            }
         }
-        _ => operands.iter().copied().find(is_nan),
+        Term::Number(_) | Term::Variable(_) | Term::Parameter(_) => None,
     }
 }

@@ -27,10 +27,11 @@ pub struct InspectedRay {
     pub depth: u32,
     /// Where it starts and goes, in world coordinates.
     pub ray: Ray,
-    /// kr or kt of the body where it starts, 0..1; 1 for the primary ray.
-    pub factor: f32,
-    /// The weight of its path, 0..1: the product of the factors of the rays up to it.
-    pub weight: f64,
+    /// Its weight at the hit where it starts, red, green and blue: kr or kt of the body, or what the formula gives; 1
+    /// for the primary ray.
+    pub factor: [f32; 3],
+    /// The weight of its path, red, green and blue: the product of the factors of the rays up to it.
+    pub weight: [f64; 3],
     /// Where it ends.
     pub end: End,
     /// Light at its end, linear RGB: Σ ki·local + ka·Cd·Ia of the hit, or the background.
@@ -62,8 +63,12 @@ pub struct InspectedHit {
     pub incidence: f64,
     /// How the ray is refracted; `None`: the body is opaque.
     pub crossing: Option<Crossing>,
-    /// ka·Cd·Ia, linear RGB.
+    /// ka·Cd·Ia, or what the formula gives in its place, linear RGB.
     pub ambient: [f32; 3],
+    /// What the surface emits, linear RGB, if the formula gives it.
+    pub emission: Option<[f32; 3]>,
+    /// The weights of the reflected and of the refracted ray, red, green and blue: kr and kt, or what the formula gives.
+    pub weights: [[f32; 3]; 2],
     /// Every emitter of the scene, in the order of their lights.
     pub lights: Vec<InspectedLight>,
     /// The reflected ray.
@@ -144,6 +149,13 @@ pub enum Visibility {
     Away(Vec<BodyId>),
     /// These bodies are in between, the nearest to the hit first; there is at least one.
     Shadowed(Vec<BodyId>),
+}
+
+impl InspectedRay {
+    /// Whether its path adds nothing: its weight is 0.
+    pub fn is_cut(&self) -> bool {
+        self.weight == [0.0; 3]
+    }
 }
 
 impl Inspection {

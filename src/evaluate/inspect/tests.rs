@@ -125,7 +125,7 @@ fn a_mirror_shows_what_is_before_it() {
     let [mirror, wall, back] = inspection.rays.as_slice() else { panic!("{} rays", inspection.rays.len()) };
     assert_eq!([mirror.edge, wall.edge, back.edge], [Edge::Primary, Edge::Reflected, Edge::Reflected]);
     assert_eq!([mirror.depth, wall.depth, back.depth], [1, 2, 3]);
-    assert_eq!([mirror.weight, wall.weight, back.weight], [1.0, 0.5, 0.125]);
+    assert_eq!([mirror.weight, wall.weight, back.weight], [[1.0; 3], [0.5; 3], [0.125; 3]]);
     assert_eq!([mirror.parent, wall.parent, back.parent], [None, Some(0), Some(1)]);
     assert!(wall.ray.origin.length() < 1e-9);
     assert!(wall.ray.direction.abs_diff_eq([0.6, 0.0, 0.8].into(), 1e-12));
@@ -165,12 +165,12 @@ fn glass_bends_rays_by_snells_law() {
     near(angle, outer);
     let Onward::Ray(beyond) = exit.refracted else { panic!("{:?}", exit.refracted) };
     let beyond = &inspection.rays[beyond];
-    assert_eq!(beyond.weight, 0.25);
+    assert_eq!(beyond.weight, [0.25; 3]);
     near(beyond.ray.direction.angle_between(inspection.rays[0].ray.direction).to_degrees(), 2.0 * (outer - inner));
     alike(inspection.total, [0.2, 0.1, 0.05]);
     // Reflected rays weigh nothing and are there all the same.
     let Onward::Ray(reflected) = entry.reflected else { panic!("{:?}", entry.reflected) };
-    assert_eq!((inspection.rays[reflected].weight, inspection.rays[reflected].contribution), (0.0, [0.0; 3]));
+    assert_eq!((inspection.rays[reflected].weight, inspection.rays[reflected].contribution), ([0.0; 3], [0.0; 3]));
     assert!(inspection.rays[reflected].own[0] > 0.0);
 }
 

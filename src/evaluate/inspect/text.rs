@@ -2,10 +2,12 @@
 //!
 //! A ray of weight 0 is one line at the hit where it starts.
 
-use crate::evaluate::inspect::figures::{figures, vector_figures};
+use crate::evaluate::inspect::figures::{figures, vector_figures, weight_figures};
 use crate::evaluate::inspect::{
     Crossing, End, InspectedHit, InspectedLight, InspectedRay, Inspection, Inspector, Onward, Visibility,
 };
+use crate::formula::equation::weight_parameter;
+use crate::lang::surface_terms::SurfaceTerm;
 use crate::lang::variables::Predefined;
 use crate::scene::BodyId;
 use crate::trace::Edge;
@@ -45,7 +47,7 @@ impl Inspector<'_> {
         let mut writer = InspectionWriter { inspector: self, inspection, text: String::new(), depth: 0 };
         let [column, row] = inspection.pixel;
         writer.line(&format!("pixel ({column}, {row}): {}", colour(inspection.total)));
-        inspection.rays.iter().filter(|ray| ray.weight != 0.0).for_each(|ray| writer.ray(ray));
+        inspection.rays.iter().filter(|ray| !ray.is_cut()).for_each(|ray| writer.ray(ray));
         writer.text
     }
 }
@@ -74,8 +76,8 @@ impl InspectionWriter<'_> {
         self.depth = ray.depth as usize - 1;
         let kind = match ray.edge {
             Edge::Primary => "primary ray".to_owned(),
-            Edge::Reflected => format!("reflected ray, kr = {}", scalar(ray.factor)),
-            Edge::Refracted => format!("refracted ray, kt = {}", scalar(ray.factor)),
+            Edge::Reflected => format!("reflected ray, {}", self.weight(SurfaceTerm::Reflected, ray.factor)),
+            Edge::Refracted => format!("refracted ray, {}", self.weight(SurfaceTerm::Refracted, ray.factor)),
         };
         self.line(&format!("{kind}: from {} along {}", vector(ray.ray.origin), vector(ray.ray.direction)));
         self.depth += 1;
@@ -84,7 +86,7 @@ impl InspectionWriter<'_> {
             End::Hit(hit) => self.hit(ray, hit),
         }
         if ray.edge != Edge::Primary {
-            let product = format!("{}*{}", figures(ray.weight), colour(ray.own));
+            let product = format!("{}*{}", weight_figures(ray.weight), colour(ray.own));
             self.equal("to the pixel: weight*own", vec![product, colour(ray.contribution)]);
         }
     }
@@ -104,14 +106,21 @@ impl InspectionWriter<'_> {
             vector(surface.shading_normal),
         ));
         hit.lights.iter().for_each(|light| self.light(hit, light));
-        let body_colour = self.inspector.predefined(Predefined::BodyColour, surface.body.index());
-        let [weight, ambient] = [Predefined::Ambient, Predefined::AmbientColour].map(|known| self.inspector.predefined(known, 0));
-        let product = format!("{}*{}*{}", scalar(weight[0]), colour(body_colour), colour(ambient));
-        self.equal("ambient light: ka*Cd*Ia", vec![product, colour(hit.ambient)]);
-        let [reflection, refraction] = [Predefined::Reflection, Predefined::Refraction]
-            .map(|known| self.inspector.predefined(known, surface.body.index())[0]);
-        self.onward("reflected ray", hit, hit.reflected, &format!("kr = {}", scalar(reflection)), reflection);
-        self.onward("refracted ray", hit, hit.refracted, &format!("kt = {}", scalar(refraction)), refraction);
+        if self.inspector.formula.surface.get(SurfaceTerm::Ambient).is_some() {
+            self.equal("ambient light: ambient", vec![colour(hit.ambient)]);
+        } else {
+            let body_colour = self.inspector.predefined(Predefined::BodyColour, surface.body.index());
+            let [weight, ambient] =
+                [Predefined::Ambient, Predefined::AmbientColour].map(|known| self.inspector.predefined(known, 0));
+            let product = format!("{}*{}*{}", scalar(weight[0]), colour(body_colour), colour(ambient));
+            self.equal("ambient light: ka*Cd*Ia", vec![product, colour(hit.ambient)]);
+        }
+        if let Some(emission) = hit.emission {
+            self.equal("emitted light: emission", vec![colour(emission)]);
+        }
+        let [reflection, refraction] = hit.weights;
+        self.onward("reflected ray", hit, hit.reflected, (SurfaceTerm::Reflected, reflection));
+        self.onward("refracted ray", hit, hit.refracted, (SurfaceTerm::Refracted, refraction));
         self.sum(ray, hit);
     }
 
@@ -147,8 +156,16 @@ impl InspectionWriter<'_> {
         self.depth -= 1;
     }
 
+    /// The weight of a ray with its name: `kr = 0.5`, or that of the macro that gives it.
+    fn weight(&self, term: SurfaceTerm, factor: [f32; 3]) -> String {
+        let given = self.inspector.formula.surface.get(term).map(|_| term.name());
+        let name = given.or_else(|| weight_parameter(term).map(Predefined::name)).unwrap_or_default();
+        format!("{name} = {}", weight_figures(factor.map(f64::from)))
+    }
+
     /// The line about a child ray at the hit where it starts.
-    fn onward(&mut self, name: &str, hit: &InspectedHit, onward: Onward, weight: &str, factor: f32) {
+    fn onward(&mut self, name: &str, hit: &InspectedHit, onward: Onward, (term, factor): (SurfaceTerm, [f32; 3])) {
+        let weight = self.weight(term, factor);
         let what = match onward {
             Onward::Matte => "none, the body is matte".to_owned(),
             Onward::Opaque => "none, the body is opaque".to_owned(),
@@ -157,7 +174,7 @@ impl InspectionWriter<'_> {
                 format!("none, total internal reflection: {} exceeds the critical angle {critical}", angle(hit.incidence))
             }
             Onward::Depth => format!("{weight}, not followed any deeper"),
-            Onward::Ray(_) if factor == 0.0 => weight.to_owned(),
+            Onward::Ray(_) if factor == [0.0; 3] => weight,
             Onward::Ray(child) => {
                 let refracted = self.inspection.rays.get(child).is_some_and(|child| child.edge == Edge::Refracted);
                 let Some(Crossing { entering, n12, angle: Some(degrees) }) = hit.crossing.filter(|_| refracted) else { return };
@@ -171,14 +188,15 @@ impl InspectionWriter<'_> {
     /// Equation (2) of thesis 4.2.3 with its numbers.
     fn sum(&mut self, ray: &InspectedRay, hit: &InspectedHit) {
         let lights = hit.lights.iter().filter(|light| light.evaluated && light.intensity != 0.0);
-        let terms: Vec<String> = lights.map(|light| light.contribution).chain([hit.ambient]).map(colour).collect();
+        let terms: Vec<String> =
+            lights.map(|light| light.contribution).chain([hit.ambient]).chain(hit.emission).map(colour).collect();
         self.equal("own", vec![terms.join(" + "), colour(ray.own)]);
         let mut whole = colour(ray.own);
         for child in [hit.reflected, hit.refracted] {
             if let Onward::Ray(child) = child
-                && let Some(child) = self.inspection.rays.get(child).filter(|child| child.factor != 0.0)
+                && let Some(child) = self.inspection.rays.get(child).filter(|child| child.factor != [0.0; 3])
             {
-                whole.push_str(&format!(" + {}*{}", scalar(child.factor), colour(child.total)));
+                whole.push_str(&format!(" + {}*{}", weight_figures(child.factor.map(f64::from)), colour(child.total)));
             }
         }
         self.equal("E", vec![whole, colour(ray.total)]);

@@ -31,6 +31,11 @@ pub(super) struct Checked {
 }
 
 impl Checked {
+    /// The term and type of a macro's expression, if it is valid.
+    pub(super) fn value(&self, id: ExprId) -> Option<Settled> {
+        self.settled[id.0 as usize]
+    }
+
     /// The type of an expression of the file, if it is valid.
     pub(super) fn ty(&self, id: ExprId) -> Option<Type> {
         self.settled[id.0 as usize].map(|(_, ty)| ty)
@@ -66,7 +71,9 @@ pub(super) fn check(
         let definition = &file.definitions[index];
         if definition.arguments.is_none() && !checker.circular.contains(&index) {
             let value = checker.evaluate(definition.body);
-            checker.macros[index] = value.map(|value| checker.terms.as_value(value));
+            let value = value.map(|value| checker.terms.as_value(value));
+            checker.macros[index] = value;
+            checker.settled[definition.body.0 as usize] = value;
         }
     }
     let result = file.result.and_then(|root| {

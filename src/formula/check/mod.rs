@@ -13,6 +13,7 @@ mod names;
 mod parameters;
 mod resolve;
 mod substitution;
+mod surface;
 mod terms;
 #[cfg(test)]
 mod tests;
@@ -60,7 +61,9 @@ fn check(source: &Source, substitution: Substitution) -> Result<(Formula, Diagno
     if substitution == Substitution::WarnOfTexts {
         substitution::warn(&file, &names, &expressions, &mut diagnostics);
     }
+    let surface = surface::surface_terms(&file, &parameters, &names, &expressions, &mut diagnostics);
     let formula = expressions.result.map(|result| Formula {
+        surface,
         uses: file.uses.as_ref().map(|(path, _)| path.clone()),
         parameters,
         invariants: invariants.into_iter().map(|(invariant, _)| invariant).collect(),

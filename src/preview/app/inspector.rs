@@ -1,7 +1,7 @@
 //! The pixel inspector: the ray tree of a pixel, what each ray adds, and the formula with its numbers.
 
 use crate::evaluate::inspect::{
-    End, InspectedHit, InspectedLight, Inspection, Inspector, Onward, Visibility, figures, vector_figures,
+    End, InspectedHit, InspectedLight, Inspection, Inspector, Onward, Visibility, figures, vector_figures, weight_figures,
 };
 use crate::preview::app::colours::{paint_swatch, shown_colour};
 use crate::preview::app::pane::Placement;
@@ -145,8 +145,9 @@ fn ray_ui(ui: &mut Ui, workshop: &Workshop, inspection: &Inspection, index: usiz
         Edge::Refracted => "refracted",
     };
     let leads_on = inspection.rays.iter().any(|child| child.parent == Some(index));
-    let title = format!("{name}   {way}, weight {}, adds {}", figures(ray.weight), colour_text(sum_below(inspection, index)));
-    let title = if ray.weight == 0.0 { RichText::new(title).weak() } else { RichText::new(title) };
+    let title =
+        format!("{name}   {way}, weight {}, adds {}", weight_figures(ray.weight), colour_text(sum_below(inspection, index)));
+    let title = if ray.is_cut() { RichText::new(title).weak() } else { RichText::new(title) };
     CollapsingHeader::new(title).id_salt(index).default_open(ray.depth == 1).show(ui, |ui| {
         if leads_on {
             ui.weak(format!("{} from this hit itself, the rest from rays that continue", colour_text(ray.contribution)));
@@ -196,6 +197,12 @@ fn hit_ui(ui: &mut Ui, workshop: &Workshop, hit: &InspectedHit) {
         swatch(ui, workshop, hit.ambient);
         ui.label(format!("ambient {}", colour_text(hit.ambient)));
     });
+    if let Some(emission) = hit.emission {
+        ui.horizontal(|ui| {
+            swatch(ui, workshop, emission);
+            ui.label(format!("emission {}", colour_text(emission)));
+        });
+    }
     for light in &hit.lights {
         light_ui(ui, workshop, hit, light);
     }

@@ -37,7 +37,11 @@ impl Backend for ColumnsBackend {
         Ok(0)
     }
 
+    /// What a formula gives at every hit is not in this backend.
     fn prepare(&self, formula: &Arc<Formula>, hits: &Arc<Hits>) -> Result<Arc<dyn Evaluator>, EvaluateError> {
+        if !formula.surface.is_empty() {
+            return Err(EvaluateError::Backend("this backend has no weights of rays".to_owned()));
+        }
         let plan = FormulaPlan::new(formula);
         let hits = hits.for_lights(formula.evaluated_lights())?;
         let (tracer, scene) = (Tracer::new(&hits.world, &hits.view), hits.world.scene());
@@ -64,7 +68,7 @@ impl GroupColumns {
         let mut hits = vec![Column::new(); hit_leaves.len()];
         let mut records = vec![vec![Column::new(); record_leaves.len()]; group.emitters.len()];
         replay(tracer, tile, group, group.hits.clone(), |hit, _, surface| {
-            let own = HitVariables::new(tracer.world(), surface);
+            let own = HitVariables::new(tracer.world(), surface, tracer.relative_index(surface));
             let leaf = |leaf: &NodeId| match graph.node(*leaf) {
                 Node::Variable(symbol, component) => (symbol, usize::from(component)),
                 Node::Constant(_) | Node::Parameter(..) | Node::Apply(..) => panic!("static values are of variables"),
@@ -253,7 +257,7 @@ impl Evaluator for ColumnsEvaluator {
         let numbers = moved_parameters(&self.equation.layout, &self.parameters, moved);
         let moving: Vec<_> = numbers.into_iter().map(|(_, id, component)| (id, component)).collect();
         let slider = Arc::new(SliderPlan::new(&self.plan.bindings, &moving));
-        let plan = DragPlan::new(&slider, &self.equation, &self.parameters, moved);
+        let plan = DragPlan::new(&slider, None, &self.equation, &self.parameters, moved);
         let parameters = parameters.to_vec();
         Ok(Box::new(ColumnsDrag { evaluator: self, plan, parameters, images: None, is_ready: false, budget }))
     }

@@ -62,7 +62,7 @@ fn parameter_at(case: &Case, index: usize) -> Option<&Parameter> {
 
 /// The numbers that a slider for this number may move. For a scalar: itself and all scalars of its owner with the range
 /// 0..1, because invariants may bind them. For a component of a colour: the colour.
-fn together(case: &Case, index: usize) -> Vec<usize> {
+pub(super) fn together(case: &Case, index: usize) -> Vec<usize> {
     let Some((owner, owner_index, slot)) = case.layout.owner_of(index) else { return Vec::new() };
     let own = parameter_at(case, index);
     let row = case.layout.row(owner, owner_index);
@@ -80,7 +80,7 @@ fn together(case: &Case, index: usize) -> Vec<usize> {
 static METHODS: [AtomicUsize; 3] = [const { AtomicUsize::new(0) }; 3];
 
 /// Drags numbers of one owner through `values`, before and after the preparation. The numbers differ from each other.
-fn drag(
+pub(super) fn drag(
     case: &Case,
     evaluator: &Arc<dyn Evaluator>,
     moved: &[usize],

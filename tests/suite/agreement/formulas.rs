@@ -4,7 +4,7 @@ use crate::agreement::backends;
 use illuminator::backends::interpreter::Interpreted;
 use illuminator::backends::verify::verify;
 use illuminator::engine::{Engine, Subject, Task};
-use illuminator::evaluate::Evaluator;
+use illuminator::evaluate::{Backend, Evaluator};
 use illuminator::formula::Formula;
 use illuminator::formula::layout::Layout;
 use illuminator::lang::builtins::{Form, Operation};
@@ -131,14 +131,21 @@ impl Case {
             "global; g: scalar, constraint -1..50; body_specific; p: scalar; q: scalar, constraint 0..1; v: vector; \
              light_specific; l: scalar; formula; MS = {scalar}; MV = {vector}; = {result};"
         );
+        Self::of(text, numbers, &backends())
+    }
+
+    /// A formula on the scene by these backends.
+    pub(super) fn of(text: String, numbers: &[f32], backends: &[Arc<dyn Backend>]) -> Result<Self, TestCaseError> {
         let source = Source::new("random", text.clone());
         let (formula, _) = Formula::parse(&source).map_err(|errors| TestCaseError::fail(errors.located(&source).to_string()))?;
         let (scene, _) = Scene::parse(&Source::new("scene", SCENE)).map_err(|_| TestCaseError::fail("the scene is right"))?;
         let failed = |error: &dyn std::fmt::Display| TestCaseError::fail(error.to_string());
         let view = View::new(SIZE.0, SIZE.1).and_then(|view| view.with_depth(4)).map_err(|error| failed(&error))?;
         let subject = Subject::new(formula, scene, view);
-        let evaluator = |backend| Engine::new(backend).evaluator(&subject, &Task::UNWATCHED).map_err(|error| failed(&error));
-        let evaluators = backends().into_iter().map(evaluator).collect::<Result<_, _>>()?;
+        let evaluator = |backend: &Arc<dyn Backend>| {
+            Engine::new(Arc::clone(backend)).evaluator(&subject, &Task::UNWATCHED).map_err(|error| failed(&error))
+        };
+        let evaluators = backends.iter().map(evaluator).collect::<Result<_, _>>()?;
         let Subject { formula, world, .. } = subject;
         let scene = world.scene();
         let interpreted = Interpreted::new(&formula, &world, view).map_err(|error| failed(&error))?;
@@ -180,7 +187,7 @@ pub(super) fn runner(cases: u32) -> TestRunner {
     }
 }
 
-fn check(case: &Case) -> Result<(), TestCaseError> {
+pub(super) fn check(case: &Case) -> Result<(), TestCaseError> {
     for (backend, evaluator) in case.evaluators.iter().enumerate() {
         let found = verify(&**evaluator, &case.interpreted, &case.memory);
         COMPARED.fetch_add(found.components, Ordering::Relaxed);

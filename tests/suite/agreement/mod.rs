@@ -11,6 +11,7 @@ mod drags;
 mod formulas;
 mod operations;
 mod sessions;
+mod surface;
 mod visible;
 
 use columns::ColumnsBackend;
@@ -23,4 +24,9 @@ use std::sync::Arc;
 pub(super) fn backends() -> Vec<Arc<dyn Backend>> {
     let of_width = |width| -> Arc<dyn Backend> { Arc::new(Jit::with_width(width)) };
     Width::supported().map(of_width).chain([Arc::new(ColumnsBackend) as Arc<dyn Backend>]).collect()
+}
+
+/// Compiled code for each width of vectors that the machine has.
+pub(super) fn compiled() -> Vec<Arc<dyn Backend>> {
+    Width::supported().map(|width| Arc::new(Jit::with_width(width)) as Arc<dyn Backend>).collect()
 }

@@ -18,7 +18,7 @@ const LEAF: &str = "
     body_specific; front: scalar, constraint 0..1, default 0.5; back: scalar, constraint 0..1, default 0.25;
     veins: scalar, constraint 1..40, default 3;
     formula;
-    SIDE = if(N.L > 0, front*(N.L), back*(-(N.L))^veins);
+    SIDE = front*max(0, N.L) + back*max(0, -(N.L))^veins;
     = IL*Cd*(visible*SIDE + 0.01*(1 - visible));";
 
 /// A leaf, a ball and a stone behind the leaf.

@@ -24,7 +24,6 @@ use crate::backends::compiled::columns::Columns;
 use crate::backends::compiled::pass::Pass;
 use crate::backends::compiled::program::TileProgram;
 use crate::backends::compiled::tile::{Accumulate, TileScratch};
-use crate::evaluate::weights::{PathMonomials, path_weights};
 use crate::evaluate::{Drag, Framebuffer, Part};
 use crate::jit::CompileError;
 use crate::picture::encoder::with_bytes;
@@ -133,7 +132,8 @@ impl CompiledDrag {
             if plan.method == Method::General {
                 return TileState::General;
             }
-            let items = work_items(plan, &self.compiled.hits.world, tile, parameters);
+            let monomials = self.compiled.monomials(plan, tile, parameters);
+            let items = work_items(plan, &self.compiled.hits.world, tile, &monomials);
             if items.is_empty() {
                 TileState::Untouched
             } else {
@@ -226,7 +226,7 @@ impl Drag for CompiledDrag {
             }
             TileState::Live(tile) if drawn => {
                 if let Some(live) = &live {
-                    path_weights(&compiled.hits.tiles[index], &compiled.equation, parameters, &mut scratch.weights);
+                    compiled.path_weights(&compiled.hits.tiles[index], parameters, &mut scratch.weights);
                     tile.draw(&compiled.hits.tiles[index], index, live, channels, scratch, part);
                 }
             }
@@ -293,7 +293,7 @@ impl Preparation<'_> {
         *done += 1;
         let (compiled, plan) = (self.compiled, &self.kernels.plan);
         let tile = &compiled.hits.tiles[index];
-        let monomials = || PathMonomials::new(tile, &plan.equation, self.parameters, plan.weights);
+        let monomials = || compiled.monomials(plan, tile, self.parameters);
         match item.work {
             Work::Columns => *columns = self.passes.columns(compiled, index),
             Work::Image(key) => {

@@ -7,6 +7,7 @@ use crate::backends::compiled::drag::images::Key;
 use crate::backends::compiled::drag::reach::{Reach, add_cells};
 use crate::backends::compiled::pass::Pass;
 use crate::backends::compiled::source::ContributionSource;
+use crate::backends::compiled::surface::SurfacePass;
 use crate::backends::compiled::tile::TileScratch;
 use crate::evaluate::weights::{PathMonomials, Powers};
 use crate::formula::equation::Site;
@@ -45,7 +46,8 @@ impl DragKernels {
         let numbers = moved_parameters(layout, &compiled.parameters, moved);
         let numbers: Vec<_> = numbers.into_iter().map(|(_, id, component)| (id, component)).collect();
         let kernels = compiled.compiled.slider(&numbers)?;
-        let plan = DragPlan::new(&kernels.plan, &compiled.equation, &compiled.parameters, moved);
+        let surface = compiled.compiled.plan.surface.as_ref();
+        let plan = DragPlan::new(&kernels.plan, surface, &compiled.equation, &compiled.parameters, moved);
         let graph = &kernels.plan.separation.bindings.graph;
         let leaves = |plan: &ContributionPlan| plan.leaves(graph, &compiled.parameters);
         let moving_leaves = kernels.plan.moving.iter().map(leaves).collect();
@@ -79,7 +81,15 @@ impl DragKernels {
             pass.push(source, uniforms);
         }
         pass.channels = plan.channels;
+        pass.surface = self.surface_pass(compiled, parameters, true);
         pass
+    }
+
+    /// What the formula gives at every hit, without the moved kr and kt.
+    fn surface_pass<'p>(&self, compiled: &'p Compiled, parameters: &[f32], adds_own: bool) -> Option<SurfacePass<'p>> {
+        let mut parameters = parameters.to_vec();
+        self.plan.weights.into_iter().flatten().for_each(|index| parameters[index] = 1.0);
+        compiled.surface_pass(&parameters, adds_own)
     }
 
     /// The image of a term.
@@ -89,6 +99,7 @@ impl DragKernels {
         let at_hits = bodies.map(|body| plan.image_colour(term, Site::Hit, parameters, body)).collect();
         let at_misses = plan.image_colour(term, Site::Miss, parameters, 0);
         let mut pass = compiled.empty_pass(at_hits, at_misses, plan.channels);
+        pass.surface = self.surface_pass(compiled, parameters, false);
         if let Some(index) = term.contribution
             && let Some(contribution) = self.kernels.moving.get(index)
         {
@@ -130,6 +141,7 @@ impl DragKernels {
         let bodies = 0..compiled.equation.layout.owners(Owner::Body);
         let at_hits = bodies.map(|body| plan.moving(Site::Hit, parameters, body)).collect();
         let mut pass = compiled.empty_pass(at_hits, [0.0; 3], plan.channels);
+        pass.surface = compiled.surface_pass(parameters, false);
         pass.push(source, uniforms);
         Some(pass)
     }

@@ -39,13 +39,12 @@ pub(super) fn full_cost(compiled: &Compiled) -> u64 {
 }
 
 /// The work items for a tile, in their order. There are none if nothing that moves is visible in it.
-pub(super) fn work_items(plan: &DragPlan, world: &World, tile: &Tile, parameters: &[f32]) -> Vec<WorkItem> {
-    let monomials = PathMonomials::new(tile, &plan.equation, parameters, plan.weights);
+pub(super) fn work_items(plan: &DragPlan, world: &World, tile: &Tile, monomials: &PathMonomials) -> Vec<WorkItem> {
     let reach = Reach { plan, world, has_fixed: plan.slider.fixed.is_some() };
     let base = WorkItem { work: Work::Base, cost: tile_cost(tile) };
     match plan.method {
         Method::Images => {
-            let mut items = image_items(&reach, tile, &monomials);
+            let mut items = image_items(&reach, tile, monomials);
             if items.len() > MOST_IMAGES {
                 // A base without images means the general method.
                 return vec![WorkItem { cost: 0, ..base }];

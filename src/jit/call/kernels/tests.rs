@@ -15,7 +15,7 @@ use crate::workspace::{FileKind, presets};
 /// The number of blocks in a round of the contribution kernels of a formula, compiled for this width, and their
 /// results for some numbers.
 fn contributions(bindings: &Bindings, width: Width) -> (usize, Vec<f32>) {
-    let plan = FormulaPlan::of(bindings.clone()).contribution.records;
+    let plan = FormulaPlan::of(bindings.clone(), None).contribution.records;
     let specs = [KernelSpec::overwriting(&plan), KernelSpec::adding(&plan).unwrap()];
     let kernels = generate(width, &specs, &bindings.graph, None).unwrap();
     const LINES: usize = 3 * ROUND_LINES;

@@ -1,0 +1,336 @@
+//! What a formula gives at every hit, if it gives anything: the weights of rays, ambient light and emission.
+//!
+//! Without such a formula the weight of a path is the same for all its hits. With one it differs from hit to hit, so
+//! each hit of a tile is a *node* here, with the node of the hit that its ray comes from. A frame computes the values of
+//! all nodes by a kernel, multiplies the weights along the paths, and adds ambient light, emission and background.
+//! Lit records then find the weight of their hit by its node.
+
+use crate::backends::compiled::memory::StreamMemory;
+use crate::evaluate::weights::Weight;
+use crate::formula::equation::{Equation, weight_parameter};
+use crate::formula::graph::Node;
+use crate::jit::compile::CompiledSurface;
+use crate::jit::{CompiledFormula, Line, Splat};
+use crate::lang::scalars::flush;
+use crate::lang::surface_terms::SurfaceTerm;
+use crate::lang::variables::Variable;
+use crate::plan::SurfacePlan;
+use crate::scene::BodyId;
+use crate::trace::{Edge, HitVariables, Hits, LINE_HITS, Mismatch, PathId, ROUND_LINES, Tile, Tracer, replay};
+use rayon::prelude::*;
+use std::ops::Range;
+
+/// No node.
+const NONE: u32 = u32::MAX;
+
+/// The nodes of a tile.
+pub(super) struct SurfaceTile {
+    /// The nodes of each path, in the order of their pixels. Those of a path that left the scene have no values.
+    paths: Vec<Range<u32>>,
+    /// The lines of the nodes on each body, which has a node.
+    bodies: Vec<(BodyId, Range<usize>)>,
+    /// The pixel of each node in the tile.
+    pixels: Vec<u16>,
+    /// The node from which the ray of each node comes.
+    parents: Vec<u32>,
+    /// The node of each hit of the tile, in the order of groups.
+    of_hit: Vec<u32>,
+    /// The static values of the nodes on bodies, line by line.
+    columns: StreamMemory,
+    lines: usize,
+}
+
+/// What a pass needs to know beside its colours.
+pub(super) struct SurfacePass<'p> {
+    pub(super) compiled: &'p CompiledSurface,
+    pub(super) plan: &'p SurfacePlan,
+    pub(super) tiles: &'p [SurfaceTile],
+    /// The uniform values of each body.
+    pub(super) uniforms: Vec<Splat>,
+    /// kr and kt of each body.
+    pub(super) weights: Vec<[f32; 2]>,
+    /// Whether ambient light and emission of the formula are added.
+    pub(super) adds_own: bool,
+}
+
+/// Scratch memory for the nodes of a tile.
+#[derive(Default)]
+pub(super) struct SurfaceScratch {
+    outputs: Vec<Line>,
+    /// The weights of the path up to each node, red, green and blue.
+    weights: Vec<[f64; 3]>,
+    /// Whether any node of each path has another weight than 0.
+    live: Vec<bool>,
+}
+
+/// The weights of the hits of a tile.
+pub(super) struct HitWeights<'w> {
+    nodes: &'w [u32],
+    weights: &'w [[f64; 3]],
+}
+
+impl HitWeights<'_> {
+    /// The weight of a hit: red, green and blue. `hit` is its number in the tile.
+    #[inline]
+    pub(super) fn of(&self, hit: u32) -> [f64; 3] {
+        self.weights[self.nodes[hit as usize] as usize]
+    }
+}
+
+/// A weighted component. Single precision has no number for a tiny weight.
+#[inline]
+pub(super) fn times(weight: f64, component: f32) -> f32 {
+    let narrow = weight as f32;
+    if narrow.abs() < f32::MIN_POSITIVE { (weight * f64::from(component)) as f32 } else { narrow * component }
+}
+
+impl SurfaceTile {
+    /// The memory that a hit takes beside its static values, in bytes, scratch memory of a frame included.
+    pub(super) const BYTES_PER_HIT: usize =
+        size_of::<u16>() + 2 * size_of::<u32>() + size_of::<[f64; 3]>() + 9 * size_of::<f32>();
+
+    /// The nodes of all tiles, with their static values.
+    pub(super) fn of_tiles(formula: &CompiledFormula, hits: &Hits) -> Result<Vec<Self>, Mismatch> {
+        let (Some(plan), Some(compiled)) = (&formula.plan.surface, &formula.surface) else { return Ok(Vec::new()) };
+        let tracer = Tracer::new(&hits.world, &hits.view);
+        hits.tiles.par_iter().map(|tile| Self::new(plan, compiled, &tracer, tile)).collect()
+    }
+
+    fn new(plan: &SurfacePlan, compiled: &CompiledSurface, tracer: &Tracer, tile: &Tile) -> Result<Self, Mismatch> {
+        let pixels = pixels_of_paths(tile);
+        // Nodes on one body are neighbours, from whole lines on.
+        let mut order: Vec<PathId> = (0..tile.paths.len() as u32).map(PathId).collect();
+        order.sort_by_key(|path| (tile.paths[path.index()].body.is_none(), tile.paths[path.index()].body, *path));
+        let mut made = Self {
+            paths: vec![0..0; tile.paths.len()],
+            bodies: Vec::new(),
+            pixels: Vec::new(),
+            parents: Vec::new(),
+            of_hit: Vec::new(),
+            columns: StreamMemory::zeroed(0),
+            lines: 0,
+        };
+        for path in order {
+            let body = tile.paths[path.index()].body;
+            if made.bodies.last().map(|(body, _)| Some(*body)) != Some(body) {
+                made.pixels.resize(made.pixels.len().next_multiple_of(LINE_HITS), 0);
+                if let Some(body) = body {
+                    made.bodies.push((body, made.pixels.len() / LINE_HITS..0));
+                }
+            }
+            // A tile has fewer than 2³² hits and misses.
+            let start = made.pixels.len() as u32;
+            made.pixels.extend_from_slice(&pixels[path.index()]);
+            made.paths[path.index()] = start..made.pixels.len() as u32;
+            if let (Some(_), Some((_, lines))) = (body, made.bodies.last_mut()) {
+                lines.end = made.pixels.len().div_ceil(LINE_HITS);
+                made.lines = lines.end;
+            }
+        }
+        made.parents = vec![NONE; made.pixels.len()];
+        for (path, own) in tile.paths.iter().zip(&made.paths) {
+            let Some(parent) = path.parent else { continue };
+            for node in own.clone() {
+                made.parents[node as usize] = made.node(parent, made.pixels[node as usize]);
+            }
+        }
+        made.of_hit = vec![NONE; tile.groups.last().map_or(0, |group| group.hits.end as usize)];
+        for span in &tile.spans {
+            let of_span = tile.segments_of(span).iter().flat_map(|segment| segment.pixels());
+            for (hit, pixel) in span.hits.clone().zip(of_span) {
+                made.of_hit[hit as usize] = made.node(span.path, pixel as u16);
+            }
+        }
+        made.fill(plan, compiled, tracer, tile)?;
+        Ok(made)
+    }
+
+    /// The node of a path in a pixel of the tile.
+    fn node(&self, path: PathId, pixel: u16) -> u32 {
+        let own = self.paths[path.index()].clone();
+        let pixels = &self.pixels[own.start as usize..own.end as usize];
+        pixels.binary_search(&pixel).map_or(NONE, |offset| own.start + offset as u32)
+    }
+
+    /// Computes the static values of the nodes on bodies.
+    fn fill(&mut self, plan: &SurfacePlan, compiled: &CompiledSurface, tracer: &Tracer, tile: &Tile) -> Result<(), Mismatch> {
+        let graph = &plan.bindings.graph;
+        let leaf = |node: &_| match graph.node(*node) {
+            Node::Variable(variable, component) => Some((variable, usize::from(component))),
+            Node::Constant(_) | Node::Parameter(..) | Node::Apply(..) => None,
+        };
+        let leaves: Vec<(Variable, usize)> = plan.hits.streams[0].iter().filter_map(leaf).collect();
+        let lines = self.lines + ROUND_LINES;
+        let mut values = vec![Line::default(); lines * leaves.len()];
+        for group in &tile.groups {
+            replay(tracer, tile, group, group.hits.clone(), |hit, _, surface| {
+                let node = self.of_hit[hit as usize] as usize;
+                let own = HitVariables::new(tracer.world(), surface, tracer.relative_index(surface));
+                for (column, (symbol, component)) in leaves.iter().enumerate() {
+                    let value = own.value(*symbol).map_or(0.0, |value| value[*component]);
+                    values[node / LINE_HITS * leaves.len() + column].0[node % LINE_HITS] = flush(value);
+                }
+            })?;
+        }
+        let outputs = compiled.hits.outputs();
+        self.columns = StreamMemory::zeroed(lines * outputs);
+        if outputs > 0 {
+            compiled.hits.run([&values, &[], &[]], &[], &mut [self.columns.lines_mut()], self.lines);
+        }
+        Ok(())
+    }
+
+    /// The memory that is kept, in bytes.
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(self.columns.lines())
+            + size_of_val(&*self.pixels)
+            + size_of_val(&*self.parents)
+            + size_of_val(&*self.of_hit)
+            + size_of_val(&*self.paths)
+    }
+}
+
+/// The pixels of every path of a tile, in order: of hits, or of rays that left the scene.
+fn pixels_of_paths(tile: &Tile) -> Vec<Vec<u16>> {
+    let mut pixels: Vec<Vec<u16>> = vec![Vec::new(); tile.paths.len()];
+    for span in &tile.spans {
+        let of_span = tile.segments_of(span).iter().flat_map(|segment| segment.pixels());
+        pixels[span.path.index()].extend(of_span.map(|pixel| pixel as u16));
+    }
+    for span in &tile.misses {
+        let of_span = tile.miss_segments_of(span).iter().flat_map(|segment| segment.pixels());
+        pixels[span.path.index()].extend(of_span.map(|pixel| pixel as u16));
+    }
+    for pixels in &mut pixels {
+        // Scattered hits are there more than once.
+        pixels.sort_unstable();
+        pixels.dedup();
+    }
+    pixels
+}
+
+impl SurfacePass<'_> {
+    /// Computes the weights of all nodes of a tile. Sets the weight of a path to 0 if those of all its nodes are 0. A
+    /// path whose weight is 0 already is left out of the pass, but not the paths that continue it.
+    pub(super) fn weigh(&self, tile: &Tile, tile_index: usize, path_weights: &mut [Weight], scratch: &mut SurfaceScratch) {
+        let nodes = &self.tiles[tile_index];
+        self.evaluate(nodes, &mut scratch.outputs);
+        let SurfaceScratch { outputs, weights, live } = scratch;
+        weights.clear();
+        weights.resize(nodes.pixels.len(), [1.0; 3]);
+        live.clear();
+        live.resize(tile.paths.len(), true);
+        let count = self.compiled.outputs.overwrite.outputs();
+        let columns = self.plan.nodes.weights.map(|weight| weight.map(|weight| self.plan.columns(weight)));
+        for (index, (path, own)) in tile.paths.iter().zip(&nodes.paths).enumerate() {
+            let (Some(parent), Some(edge)) = (path.parent, weight_of(path.edge)) else { continue };
+            if !live[parent.index()] {
+                live[index] = false;
+                continue;
+            }
+            let body = tile.paths[parent.index()].body;
+            let constant = body.map_or(0.0, |body| f64::from(self.weights[body.index()][edge]));
+            let mut any = false;
+            for node in own.clone().map(|node| node as usize) {
+                let parent = nodes.parents[node] as usize;
+                let factor = match columns[edge] {
+                    Some(columns) => columns.map(|column| f64::from(value(outputs, count, parent, column))),
+                    None => [constant; 3],
+                };
+                // A weight of 0 in all components cuts the ray off, even if another weight is infinite.
+                let is_cut = factor == [0.0; 3] || weights[parent] == [0.0; 3];
+                weights[node] = std::array::from_fn(|at| if is_cut { 0.0 } else { weights[parent][at] * factor[at] });
+                any |= weights[node] != [0.0; 3];
+            }
+            live[index] = any;
+        }
+        for (weight, live) in path_weights.iter_mut().zip(live) {
+            if !*live {
+                *weight = Weight(0.0);
+            }
+        }
+    }
+
+    /// Adds what every hit and every ray that leaves the scene adds to the pixels, whatever the lights. `add` adds a
+    /// colour to a pixel of the tile.
+    pub(super) fn add_own(
+        &self,
+        tile: &Tile,
+        tile_index: usize,
+        path_weights: &[Weight],
+        scratch: &SurfaceScratch,
+        (at_hits, at_misses): (&[[f32; 3]], [f32; 3]),
+        mut add: impl FnMut(usize, [f32; 3]),
+    ) {
+        let nodes = &self.tiles[tile_index];
+        let SurfaceScratch { outputs, weights, .. } = scratch;
+        let count = self.compiled.outputs.overwrite.outputs();
+        let given = self.plan.nodes.own.filter(|_| self.adds_own).map(|own| self.plan.columns(own));
+        for ((path, own), weight) in tile.paths.iter().zip(&nodes.paths).zip(path_weights) {
+            if weight.is_zero() {
+                continue;
+            }
+            let constant = path.body.map_or(at_misses, |body| at_hits[body.index()]);
+            let given = given.filter(|_| path.body.is_some());
+            if given.is_none() && constant == [0.0; 3] {
+                continue;
+            }
+            for node in own.clone().map(|node| node as usize) {
+                let mut colour = constant;
+                if let Some(columns) = given {
+                    let own = columns.map(|column| value(outputs, count, node, column));
+                    colour = std::array::from_fn(|component| colour[component] + own[component]);
+                }
+                let weight = weights[node];
+                if weight != [0.0; 3] {
+                    let weighted = std::array::from_fn(|component| times(weight[component], colour[component]));
+                    add(usize::from(nodes.pixels[node]), weighted);
+                }
+            }
+        }
+    }
+
+    /// The weights of the hits of a tile, after [`weigh`](Self::weigh).
+    pub(super) fn hit_weights<'w>(&'w self, tile_index: usize, scratch: &'w SurfaceScratch) -> HitWeights<'w> {
+        HitWeights { nodes: &self.tiles[tile_index].of_hit, weights: &scratch.weights }
+    }
+
+    /// Computes what the formula gives, for the nodes on bodies.
+    fn evaluate(&self, nodes: &SurfaceTile, outputs: &mut Vec<Line>) {
+        let kernel = &self.compiled.outputs.overwrite;
+        let (inputs, count) = (self.compiled.hits.outputs(), kernel.outputs());
+        let uniform_count = self.compiled.outputs.uniforms.outputs();
+        outputs.resize((nodes.lines + ROUND_LINES) * count, Line::default());
+        let columns = nodes.columns.lines();
+        // A kernel computes whole rounds. What it writes beyond the lines of a body is written again for the next one.
+        for (body, lines) in &nodes.bodies {
+            let first = body.index() * uniform_count;
+            let uniforms = &self.uniforms[first..first + uniform_count];
+            let own = &mut outputs[lines.start * count..];
+            kernel.run([&columns[lines.start * inputs..], &[], &[]], uniforms, &mut [own], lines.len());
+        }
+    }
+}
+
+/// The value of a node in a column of lines that hold this many columns.
+#[inline]
+fn value(lines: &[Line], columns: usize, node: usize, column: usize) -> f32 {
+    lines[node / LINE_HITS * columns + column].0[node % LINE_HITS]
+}
+
+/// Which weight a ray has: 0 reflected, 1 refracted; none for the ray of the camera.
+fn weight_of(edge: Edge) -> Option<usize> {
+    match edge {
+        Edge::Primary => None,
+        Edge::Reflected => Some(0),
+        Edge::Refracted => Some(1),
+    }
+}
+
+/// kr and kt of each body.
+pub(super) fn parameter_weights(equation: &Equation, parameters: &[f32], bodies: usize) -> Vec<[f32; 2]> {
+    let weight = |term: SurfaceTerm, body: usize| {
+        weight_parameter(term).map_or(0.0, |parameter| equation.value(parameters, parameter, body)[0])
+    };
+    (0..bodies).map(|body| [SurfaceTerm::Reflected, SurfaceTerm::Refracted].map(|term| weight(term, body))).collect()
+}

@@ -1,0 +1,146 @@
+//! The macros that give terms of the lighting equation at a hit: `reflected`, `refracted`, `ambient`, `emission`.
+
+use crate::formula::check::expressions::Checked;
+use crate::formula::check::names::{Meaning, Names};
+use crate::formula::{Parameter, SurfaceTerms};
+use crate::lang::ast::{Definition, ExprId, ExprKind, FormulaFile};
+use crate::lang::diagnostic::{Diagnostic, Diagnostics};
+use crate::lang::source::SourceSpan;
+use crate::lang::surface_terms::SurfaceTerm;
+use crate::lang::variables::{Owner, Rate};
+use std::collections::HashSet;
+
+/// The terms that the formula gives. Reports those of a wrong type, and what reads a value that it does not have.
+pub(super) fn surface_terms(
+    file: &FormulaFile,
+    parameters: &[Parameter],
+    names: &Names,
+    checked: &Checked,
+    diagnostics: &mut Diagnostics,
+) -> SurfaceTerms {
+    let reads = Reads { file, parameters, names };
+    let mut found = SurfaceTerms::default();
+    for definition in file.definitions.iter().filter(|definition| definition.arguments.is_none()) {
+        let Some(term) = SurfaceTerm::named(&definition.name.text) else { continue };
+        if let Some(read) = read_of(file, &definition.name.text) {
+            diagnostics.push(
+                Diagnostic::warning(format!("`{}` is an ordinary macro here, because the formula reads it", term.name()))
+                    .at(definition.name.span, format!("it does not give the {}", short(term)))
+                    .at(read, "read here")
+                    .help("choose another name, or give the value that is read a name of its own"),
+            );
+            continue;
+        }
+        let Some((id, ty)) = checked.value(definition.body) else { continue };
+        if !term.takes(ty) {
+            let wanted = if term.is_weight() { "a scalar or a vector" } else { "a vector" };
+            let mut error =
+                Diagnostic::error(format!("`{}` is {}, but {} is {wanted}", term.name(), ty.with_article(), short(term)))
+                    .at(file.expr(definition.body).span, format!("expected {wanted}"));
+            if !term.is_weight() {
+                error = error.help("multiply it with a colour, or write `<x>` for grey");
+            }
+            diagnostics.push(error);
+            continue;
+        }
+        if let Some((what, span)) = reads.of_lights(definition.body) {
+            diagnostics.push(
+                Diagnostic::error(format!("`{}` reads {what}, which belongs to a light", term.name()))
+                    .at(span, "known for each light only")
+                    .at(definition.name.span, "this is evaluated once at each hit")
+                    .help("it may read N V T B Ng gamma point, parameters of bodies and global ones, and weights eta and total"),
+            );
+            continue;
+        }
+        found.set(term, id);
+    }
+    let weights = |definition: &&Definition| SurfaceTerm::named(&definition.name.text).is_some_and(SurfaceTerm::is_weight);
+    let others = file.definitions.iter().filter(|definition| {
+        let term = SurfaceTerm::named(&definition.name.text);
+        term.is_some_and(|term| found.get(term).is_some()) && !weights(definition)
+    });
+    for root in others.map(|definition| definition.body).chain(file.result) {
+        if let Some((what, span)) = reads.of_crossings(root) {
+            diagnostics.push(
+                Diagnostic::error(format!("only the weights `reflected` and `refracted` may read {what}"))
+                    .at(span, "not known here")
+                    .help("write `reflected = …;` and `refracted = …;` among the macros"),
+            );
+        }
+    }
+    found
+}
+
+fn short(term: SurfaceTerm) -> &'static str {
+    match term {
+        SurfaceTerm::Reflected => "weight of the reflected ray",
+        SurfaceTerm::Refracted => "weight of the refracted ray",
+        SurfaceTerm::Ambient => "ambient light",
+        SurfaceTerm::Emission => "emission",
+    }
+}
+
+/// Where the formula reads a name.
+fn read_of(file: &FormulaFile, name: &str) -> Option<SourceSpan> {
+    let mut names = file.expressions.iter().filter(|expression| matches!(&expression.kind, ExprKind::Name(read) if read == name));
+    names.next().map(|expression| expression.span)
+}
+
+/// What expressions read, directly and through macros and functions.
+struct Reads<'r> {
+    file: &'r FormulaFile,
+    parameters: &'r [Parameter],
+    names: &'r Names,
+}
+
+impl Reads<'_> {
+    /// A variable or parameter of a light that an expression reads, with the place.
+    fn of_lights(&self, root: ExprId) -> Option<(String, SourceSpan)> {
+        self.first(root, |meaning| match meaning {
+            Meaning::Variable(variable) => variable.rate() == Rate::Record,
+            Meaning::Parameter(id) => self.parameters[id.0 as usize].owner == Owner::Light,
+            Meaning::Macro(_) | Meaning::Function(_) | Meaning::Builtin(_) | Meaning::Repetition(_) => false,
+        })
+    }
+
+    /// A variable that only weights have and that an expression reads, with the place.
+    fn of_crossings(&self, root: ExprId) -> Option<(String, SourceSpan)> {
+        self.first(root, |meaning| matches!(meaning, Meaning::Variable(variable) if variable.is_of_crossing()))
+    }
+
+    fn first(&self, root: ExprId, wanted: impl Fn(Meaning) -> bool) -> Option<(String, SourceSpan)> {
+        let mut seen = HashSet::new();
+        let mut pending = vec![(root, Vec::<&str>::new())];
+        while let Some((id, hidden)) = pending.pop() {
+            if !seen.insert(id) {
+                continue;
+            }
+            let expression = self.file.expr(id);
+            let name = match &expression.kind {
+                ExprKind::Name(name) => Some(name.as_str()).filter(|name| !hidden.contains(name)),
+                ExprKind::Call(callee, _) => Some(callee.text.as_str()),
+                ExprKind::Number(_)
+                | ExprKind::Prefix(..)
+                | ExprKind::Infix(..)
+                | ExprKind::Vector(_)
+                | ExprKind::Conditional(_)
+                | ExprKind::Missing => None,
+            };
+            match name.and_then(|name| self.names.meaning(name)) {
+                Some(Meaning::Macro(index) | Meaning::Function(index)) => {
+                    let definition = &self.file.definitions[index];
+                    let arguments = definition.arguments.iter().flatten().map(|argument| argument.text.as_str()).collect();
+                    pending.push((definition.body, arguments));
+                }
+                Some(meaning) if wanted(meaning) => {
+                    return Some((format!("`{}`", name.unwrap_or_default()), expression.span));
+                }
+                _ => {}
+            }
+            let mut inside = hidden.clone();
+            inside.extend(self.names.repetition(self.file, id).map(|repetition| repetition.variable));
+            pending.extend(expression.kind.operands().iter().map(|operand| (*operand, inside.clone())));
+        }
+        None
+    }
+}

@@ -1,0 +1,153 @@
+//! Formulas that give terms of every hit: weights of rays, ambient light, emission. Some expected numbers are worked out
+//! by hand; the others are those of the interpreter.
+
+use crate::agreement::compiled;
+use crate::agreement::drags::{VIEWS, drag};
+use crate::agreement::formulas::{Case, check};
+use illuminator::backends::interpreter::Interpreted;
+use illuminator::engine::{Engine, Subject, Task};
+use illuminator::evaluate::Evaluator;
+use illuminator::plan::Method;
+use illuminator::trace::View;
+use illuminator::workspace::{NamedAssignment, Values};
+
+/// Schlick's approximation for glass, as a weight.
+const GLASS: &str = "F0 = ((1-eta)/(1+eta))^2; F = if(total, 1, F0 + (1-F0)*(1-max(0,N.V))^5);
+    reflected = kr*F; refracted = kt*(1-F);";
+
+/// The one pixel of a picture by every backend. The camera looks at the middle of a plate of glass, which is turned
+/// about the y axis by some degrees, from 4 before it. There is nothing else in the scene.
+fn pixel(formula: &str, degrees: f64, depth: u32, settings: &[&str]) -> Vec<[f32; 3]> {
+    let (sine, cosine) = degrees.to_radians().sin_cos();
+    let corner = |x: f64, y: f64| format!("<{}, {y}, {}>", x * cosine, -x * sine);
+    let corners = [corner(-9.0, -9.0), corner(-9.0, 9.0), corner(9.0, 9.0)].join(", ");
+    let scene = format!(
+        "bodies; plate: rectangle, {corners}, refractive_index 1.5; lights; \
+         camera; position <0,0,4>; gaze <0,0,-1>; up <0,1,0>; fov 1;"
+    );
+    let view = View::new(1, 1).and_then(|view| view.with_depth(depth)).expect("within range");
+    let subject = Subject::parse(formula, &scene, view).expect("sound texts");
+    let mut values = Values::defaults(&subject.formula, subject.world.scene());
+    let settings = ["background=<1, 0.5, 0.25>", "plate.kr=1", "plate.kt=1", "ka=0"].iter().chain(settings);
+    let settings = settings.map(|text| text.parse::<NamedAssignment>().expect("a setting"));
+    let given: Vec<_> = settings.flat_map(|setting| setting.resolve(values.table()).expect("known names")).collect();
+    assert_eq!(values.assign(&given), []);
+    let interpreted = Interpreted::new(&subject.formula, &subject.world, view).expect("small enough");
+    let frame = |backend| {
+        let evaluator = Engine::new(backend).evaluator(&subject, &Task::UNWATCHED).expect("a picture");
+        evaluator.frame(values.numbers()).linear[0]
+    };
+    compiled().into_iter().map(frame).chain([interpreted.frame(values.numbers()).linear[0]]).collect()
+}
+
+fn near(found: Vec<[f32; 3]>, expected: [f64; 3]) {
+    for found in found {
+        let close = found.iter().zip(expected).all(|(found, expected)| (f64::from(*found) - expected).abs() < 2e-6);
+        assert!(close, "{found:?} is not {expected:?}");
+    }
+}
+
+#[test]
+fn glass_obeys_fresnel() {
+    let glass = format!("formula; {GLASS} = Cd;");
+    let background = |share: f64| [share, 0.5 * share, 0.25 * share];
+    // Seen straight on, F is 0.04; at 60° it is 0.04 + 0.96/32 = 0.07. What is not reflected passes.
+    near(pixel(&glass, 0.0, 2, &["plate.kt=0"]), background(0.04));
+    near(pixel(&glass, 60.0, 2, &["plate.kt=0"]), background(0.07));
+    near(pixel(&glass, 60.0, 2, &["plate.kr=0"]), background(0.93));
+    near(pixel(&glass, 60.0, 2, &["plate.kr=0.5", "plate.kt=0.25"]), background(0.5 * 0.07 + 0.25 * 0.93));
+    // From behind, the ray leaves glass: beyond 41.8° all of it is reflected.
+    near(pixel(&glass, 180.0, 2, &["plate.kt=0"]), background(0.04));
+    near(pixel(&glass, 120.0, 2, &[]), background(1.0));
+    near(pixel("formula; reflected = total; refracted = 0; = Cd;", 120.0, 2, &[]), background(1.0));
+    near(pixel("formula; reflected = eta/2; refracted = 0; = Cd;", 180.0, 2, &[]), background(0.75));
+}
+
+#[test]
+fn mirrors_are_coloured_and_zero_cuts_exactly() {
+    near(pixel("formula; reflected = <0.5, 1, 0>; refracted = 0; = Cd;", 0.0, 2, &[]), [0.5, 0.5, 0.0]);
+    near(pixel("formula; reflected = Cd*kr; = Cd;", 0.0, 2, &["plate.Cd=<0.2, 0.4, 0.8>", "plate.kt=0"]), [0.2, 0.2, 0.2]);
+    // kr and kt are the weights that the formula does not give.
+    near(pixel("formula; refracted = <0, 0, 1>; = Cd;", 0.0, 2, &["plate.kr=0.5"]), [0.5, 0.25, 0.375]);
+    // Without children at the greatest depth, nothing is added.
+    near(pixel("formula; reflected = <1>; = Cd;", 0.0, 1, &[]), [0.0; 3]);
+    for found in pixel("formula; reflected = <1/0>*0 + <1>; refracted = (0 > 1); = Cd;", 0.0, 2, &[]) {
+        assert!(found.iter().all(|component| component.is_nan()), "{found:?}");
+    }
+}
+
+#[test]
+fn ambient_light_and_emission_need_no_light() {
+    let formula = "formula; ambient = Cd*<0.5, 0.25, 1>; emission = <0.1, 0, (N.V > 0.9)>; = Cd;";
+    near(pixel(formula, 0.0, 1, &["plate.Cd=<0.2, 0.4, 0.8>", "ka=1"]), [0.2, 0.1, 1.8]);
+    near(
+        pixel("formula; emission = <0.1, 0.2, 0.3>; = Cd;", 0.0, 1, &["plate.Cd=<0.5, 0.5, 0.5>", "ka=0.5"]),
+        [0.35, 0.45, 0.55],
+    );
+}
+
+/// Formulas whose terms of hits depend on variables, on parameters of bodies and on global ones.
+const TERMS: [&str; 9] = [
+    "reflected = kr*F; refracted = kt*(1-F);",
+    "reflected = kr*Cd; refracted = kt*<1, 0.5, 0>;",
+    "reflected = F;",
+    "refracted = q*(1-F) + 0.1;",
+    "reflected = (N.V > 0.5)*kr; refracted = kt; emission = v*q*(1 - N.V);",
+    "ambient = ka*Cd*Ia*(1 + gety(point)); emission = <0, q, 0.1*g>;",
+    "reflected = F*kr*v; refracted = (1-kr)*(1-F); ambient = <0.1>;",
+    "reflected = kr^2*F; refracted = kt/2;",
+    "emission = Cd*(gety(N) > 0.9); ambient = <0>;",
+];
+
+fn case(terms: &str) -> Case {
+    let text = format!(
+        "global; g: scalar, constraint -1..50; body_specific; p: scalar; q: scalar, constraint 0..1; v: vector, constraint 0..1; \
+         formula; F0 = ((1-eta)/(1+eta))^2; F = if(total, 1, F0 + (1-F0)*(1-max(0,N.V))^5); {terms} = IL*Cd*max(0, N.L)*p;"
+    );
+    let numbers = [0.31, 0.77, 0.55, 0.93, 0.12, 0.68, 0.41, 0.86, 0.23, 0.6, 0.97];
+    Case::of(text, &numbers, &compiled()).unwrap_or_else(|error| panic!("{terms}: {error}"))
+}
+
+#[test]
+fn backends_agree() {
+    for terms in TERMS {
+        check(&case(terms)).unwrap_or_else(|error| panic!("{terms}: {error}"));
+    }
+}
+
+#[test]
+fn drags_give_the_general_picture() {
+    for terms in TERMS {
+        let case = case(terms);
+        for index in 0..case.layout.len() {
+            for evaluator in &case.evaluators {
+                drag(&case, evaluator, &[index], &[0.2, 0.9, 0.0, 1.0], VIEWS[1])
+                    .unwrap_or_else(|error| panic!("{terms}: {error}"));
+            }
+        }
+    }
+}
+
+#[test]
+fn kr_and_kt_stay_separable_where_the_weights_are_linear_in_them() {
+    let method = |terms: &str, name: &str| {
+        let case = case(terms);
+        let id = case.formula.parameter_named(name).expect("a parameter");
+        // The second body is of glass.
+        let index = case.layout.index(case.formula.parameter(id), 1);
+        drag(&case, &case.evaluators[0], &[index], &[0.2, 0.9], VIEWS[0]).expect("the general picture")
+    };
+    for (terms, kr, kt) in [
+        (TERMS[0], Method::Images, Method::Images),
+        (TERMS[1], Method::Images, Method::Images),
+        (TERMS[2], Method::Images, Method::Images),
+        (TERMS[6], Method::General, Method::Images),
+        (TERMS[7], Method::General, Method::Images),
+    ] {
+        assert_eq!((method(terms, "kr"), method(terms, "kt")), (kr, kt), "{terms}");
+    }
+    assert_eq!(
+        (method(TERMS[0], "p"), method(TERMS[3], "q"), method(TERMS[5], "q")),
+        (Method::Images, Method::General, Method::General)
+    );
+}
