@@ -20,6 +20,56 @@ pub struct FormulaPlan {
     pub contribution: ContributionPlan,
     /// What the formula gives at every hit, if it gives anything.
     pub surface: Option<SurfacePlan>,
+    /// The uniform conditions by which the contribution chooses, if it does.
+    pub conditions: Option<ConditionPlan>,
+}
+
+/// The uniform conditions by which a contribution chooses, see [`variants`](crate::formula::variants).
+#[derive(Debug, Clone)]
+pub struct ConditionPlan {
+    /// The graph that the numbers belong to.
+    pub bindings: Bindings,
+    /// The conditions, nodes of the graph of the formula's plan.
+    pub conditions: Vec<NodeId>,
+    /// Parameters of pairs of a body and a light → 1 where each condition holds, else 0.
+    pub numbers: KernelPlan,
+    formula: Formula,
+}
+
+impl ConditionPlan {
+    fn new(formula: &Formula, bindings: &Bindings) -> Option<Self> {
+        let conditions = bindings.uniform_conditions();
+        if conditions.is_empty() {
+            return None;
+        }
+        let mut bindings = bindings.clone();
+        let numbers = bindings.condition_numbers(&conditions);
+        let numbers = KernelPlan::stage("conditions", Domain::Pairs, bindings.leaves(&numbers), numbers);
+        Some(Self { bindings, conditions, numbers, formula: formula.clone() })
+    }
+
+    /// The contribution where these conditions hold, a bit for each, with the graph that it belongs to.
+    pub fn variant(&self, bindings: &Bindings, holds: u32) -> (Bindings, ContributionPlan) {
+        let known: Vec<(NodeId, bool)> =
+            self.conditions.iter().enumerate().map(|(index, condition)| (*condition, holds >> index & 1 == 1)).collect();
+        let bindings = bindings.variant(&self.formula, &known);
+        let outputs = bindings.contribution.to_vec();
+        let contribution = ContributionPlan::new("variant", &bindings, outputs, &[], Sink::Sums);
+        (bindings, contribution)
+    }
+}
+
+/// The parameter numbers that a kernel of uniform values reads, in the order of its columns.
+pub fn parameter_slots(plan: &KernelPlan, graph: &Graph, parameters: &[Parameter]) -> Vec<ParameterSlot> {
+    let slot = |leaf: &NodeId| match graph.node(*leaf) {
+        Node::Parameter(id, component) => {
+            let parameter = &parameters[id.0 as usize];
+            Some(ParameterSlot { owner: parameter.owner, slot: parameter.slot as usize + usize::from(component) })
+        }
+        Node::Constant(_) | Node::Variable(..) | Node::Apply(..) => None,
+    };
+    // Uniform values are computed from parameters alone.
+    plan.streams[0].iter().filter_map(slot).collect()
 }
 
 /// How outputs are computed from columns and parameters in a frame: first uniform values, then records.
@@ -44,7 +94,9 @@ pub struct ParameterSlot {
 impl FormulaPlan {
     /// Plans the evaluation of a formula.
     pub fn new(formula: &Formula) -> Self {
-        Self::of(Bindings::new(formula), SurfacePlan::new(formula))
+        let bindings = Bindings::new(formula);
+        let conditions = ConditionPlan::new(formula, &bindings);
+        Self { conditions, ..Self::of(bindings, SurfacePlan::new(formula)) }
     }
 
     /// Plans the evaluation of an analysed formula.
@@ -54,7 +106,7 @@ impl FormulaPlan {
         let (hits, records) = (stage("hits", Domain::Hits, hits), stage("records", Domain::LitRecords, records));
         let outputs = bindings.contribution.to_vec();
         let contribution = ContributionPlan::new("contributions", &bindings, outputs, &[], Sink::Sums);
-        Self { bindings, hits, records, contribution, surface }
+        Self { bindings, hits, records, contribution, surface, conditions: None }
     }
 
     /// Whether both compute the same.
@@ -87,14 +139,6 @@ impl ContributionPlan {
     /// The parameter numbers that the uniform values are computed from, in the order of the columns of their kernel.
     /// `graph` is the graph of the plan.
     pub fn leaves(&self, graph: &Graph, parameters: &[Parameter]) -> Vec<ParameterSlot> {
-        let slot = |leaf: &NodeId| match graph.node(*leaf) {
-            Node::Parameter(id, component) => {
-                let parameter = &parameters[id.0 as usize];
-                Some(ParameterSlot { owner: parameter.owner, slot: parameter.slot as usize + usize::from(component) })
-            }
-            Node::Constant(_) | Node::Variable(..) | Node::Apply(..) => None,
-        };
-        // Uniform values are computed from parameters alone.
-        self.uniforms.streams[0].iter().filter_map(slot).collect()
+        parameter_slots(&self.uniforms, graph, parameters)
     }
 }

@@ -16,7 +16,7 @@ mod slider;
 mod surface;
 
 pub use drag::{Channels, DragPlan, Factors, ImageTerm, Method, MovedTerm};
-pub use formula::{ContributionPlan, FormulaPlan, ParameterSlot};
+pub use formula::{ConditionPlan, ContributionPlan, FormulaPlan, ParameterSlot, parameter_slots};
 pub use kernel::{Domain, KernelPlan, STREAMS, Schedule, Sink};
 pub use slider::{Moved, SliderPlan, moved_parameters};
 pub use surface::SurfacePlan;
