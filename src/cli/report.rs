@@ -148,6 +148,11 @@ pub(super) fn count(diagnostics: &Diagnostics) -> [usize; 2] {
         .map(|severity| diagnostics.iter().filter(|diagnostic| diagnostic.severity() == severity).count())
 }
 
+/// A number of things: "1 error", "2 errors".
+pub(super) fn number(count: usize, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
+}
+
 /// Writes a result to standard output. It is not a failure if the reader has closed the pipe.
 pub(super) fn print(text: &str) -> Result<(), Failure> {
     print_bytes(escaped_lines(text).as_bytes())

@@ -1,11 +1,11 @@
 //! Drawing the editor: gutter, text and list; and what egui's widget did in a frame.
 
 use super::colouring::Laid;
-use super::completion::Candidate;
 use super::history::{Edit, Selection};
 use super::list::List;
 use super::marks::VisibleText;
 use super::{Document, Editor, EditorCommand, Order, TextStyling, edit_menu_ui, hover, problems};
+use crate::assist::completion::Candidate;
 use egui::text::{CCursor, CCursorRange};
 use egui::text_edit::TextEditState;
 use egui::util::undoer::{Settings, Undoer};

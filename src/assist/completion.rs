@@ -1,11 +1,11 @@
 //! Completions: names and keywords from the language's tables and from the text that continue what was typed.
 //!
-//! They are chosen by the words before the cursor. No widget is known here.
+//! They are chosen by the words before the cursor.
 
-use super::words::{Class, TextSection, Words, scene_words, signatures};
+use crate::assist::words::{Class, TextSection, Words, scene_words, signatures};
 use crate::lang::builtins::{self, Form, Repetition};
 use crate::lang::keywords::{self, Keyword};
-use crate::lang::token::{Mark, TokenKind};
+use crate::lang::token::{Mark, Token, TokenKind};
 use crate::lang::types::Type;
 use crate::lang::variables::{Predefined, Variable};
 use crate::scene::{LightKind, Shape};
@@ -14,7 +14,7 @@ use std::ops::Range;
 
 /// A completion.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Candidate {
+pub struct Candidate {
     /// The name or keyword.
     pub name: String,
     /// The text to insert.
@@ -29,7 +29,7 @@ pub(super) struct Candidate {
 
 /// The completions at a cursor, best first.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Completion {
+pub struct Completion {
     /// The bytes of the word that was typed so far.
     pub word: Range<usize>,
     /// The completions of it.
@@ -37,7 +37,7 @@ pub(super) struct Completion {
 }
 
 /// The completions at a cursor; `None` if there are none.
-pub(super) fn complete(kind: FileKind, text: &str, words: &Words, cursor: usize) -> Option<Completion> {
+pub fn complete(kind: FileKind, text: &str, words: &Words, cursor: usize) -> Option<Completion> {
     let word = word_before(text, cursor);
     let typed = &text[word.clone()];
     // Nothing is completed inside a comment, number or path, but it is after its end.
@@ -113,9 +113,10 @@ fn in_formula(text: &str, words: &Words, word: Range<usize>) -> Vec<Candidate> {
 }
 
 /// Everything that can be named in an expression. Names of the text come first, because they are the most likely, and
-/// hide others.
+/// hide others; arguments hide them.
 fn expression(text: &str, words: &Words, word: &Range<usize>) -> Vec<Candidate> {
-    let mut candidates: Vec<Candidate> = own(text, words, word).collect();
+    let mut candidates: Vec<Candidate> = arguments(words, word.start);
+    candidates.extend(own(text, words, word));
     let variables = Variable::ALL.iter().map(variable);
     let given = Predefined::ALL.iter().filter(|one| one.usable_in_formulas()).map(predefined);
     let functions = builtins::names().into_iter().filter_map(builtins::named).chain([Form::Conditional]).map(function);
@@ -124,6 +125,35 @@ fn expression(text: &str, words: &Words, word: &Range<usize>) -> Vec<Candidate> 
     let mut names = std::collections::HashSet::new();
     candidates.retain(|candidate| names.insert(candidate.name.clone()));
     candidates
+}
+
+/// The arguments of the function whose expression is being typed.
+fn arguments(words: &Words, cursor: usize) -> Vec<Candidate> {
+    let before = &words.tokens[..words.tokens.partition_point(|token| token.span.range().end <= cursor)];
+    let ends = |token: &Token| token.kind == TokenKind::Mark(Mark::Semicolon);
+    let statement = &before[before.iter().rposition(ends).map_or(0, |at| at + 1)..];
+    let [Token { kind: TokenKind::Word(function), .. }, open, rest @ ..] = statement else { return Vec::new() };
+    let Some(close) = rest.iter().position(|token| token.kind == TokenKind::Mark(Mark::Close)) else { return Vec::new() };
+    let is_head = open.kind == TokenKind::Mark(Mark::Open)
+        && rest.get(close + 1).is_some_and(|token| token.kind == TokenKind::Mark(Mark::Equal));
+    let names = rest[..close].iter().filter(|_| is_head).filter_map(|token| match &token.kind {
+        TokenKind::Word(name) => Some(name.clone()),
+        TokenKind::Number(_)
+        | TokenKind::Uses(..)
+        | TokenKind::Text(_)
+        | TokenKind::Mark(_)
+        | TokenKind::Unknown
+        | TokenKind::End => None,
+    });
+    names
+        .map(|name| Candidate {
+            insert: name.clone(),
+            name,
+            types: String::new(),
+            doc: format!("argument of `{function}`"),
+            class: Class::Parameter,
+        })
+        .collect()
 }
 
 /// The parameters and macros of the text, except the one whose statement is being typed.
@@ -141,7 +171,8 @@ fn own<'t>(text: &'t str, words: &'t Words, word: &Range<usize>) -> impl Iterato
     })
 }
 
-pub(super) fn variable(variable: &Variable) -> Candidate {
+/// A variable of a hit.
+pub fn variable(variable: &Variable) -> Candidate {
     Candidate {
         name: variable.name().to_owned(),
         insert: variable.name().to_owned(),
@@ -151,7 +182,8 @@ pub(super) fn variable(variable: &Variable) -> Candidate {
     }
 }
 
-pub(super) fn predefined(predefined: &Predefined) -> Candidate {
+/// A predefined parameter.
+pub fn predefined(predefined: &Predefined) -> Candidate {
     Candidate {
         name: predefined.name().to_owned(),
         insert: predefined.name().to_owned(),
@@ -161,7 +193,8 @@ pub(super) fn predefined(predefined: &Predefined) -> Candidate {
     }
 }
 
-pub(super) fn function(form: Form) -> Candidate {
+/// A function, constant or operator of the language.
+pub fn function(form: Form) -> Candidate {
     let name = form.spelling();
     let call = match form {
         Form::Function(_) | Form::Conditional => format!("{name}("),
@@ -172,7 +205,8 @@ pub(super) fn function(form: Form) -> Candidate {
     Candidate { name: name.to_owned(), insert: call, types: signatures(form), doc: doc.to_owned(), class }
 }
 
-pub(super) fn repetition(repetition: Repetition) -> Candidate {
+/// `sum` or `product`.
+pub fn repetition(repetition: Repetition) -> Candidate {
     let name = repetition.name();
     let usage = repetition.usage();
     let types = usage.strip_prefix(name).unwrap_or_default().to_owned();
@@ -185,7 +219,8 @@ pub(super) fn repetition(repetition: Repetition) -> Candidate {
     }
 }
 
-pub(super) fn meaning(keyword: &Keyword) -> Candidate {
+/// A keyword.
+pub fn meaning(keyword: &Keyword) -> Candidate {
     let word = keyword.word.to_owned();
     Candidate { insert: word.clone(), name: word, types: String::new(), doc: keyword.doc.to_owned(), class: Class::Keyword }
 }
@@ -242,6 +277,8 @@ mod tests {
         assert!(!in_formula(&format!("{head}= |")).is_empty());
         assert_eq!(in_formula(&format!("{head}= backg|")), [""; 0]);
         assert_eq!(in_formula("formula;\nMINE = MI|;")[0], "min");
+        assert_eq!(in_formula("formula;\nF(sines, x) = 1 + si|;")[..2], ["sines", "size"]);
+        assert_eq!(in_formula("formula;\nF(sines, x) = x;\n= si|;")[0], "size");
     }
 
     #[test]
