@@ -1,8 +1,8 @@
 //! `illuminator check`: reports what is wrong with files.
 
 use crate::cli::input::{Speaker, data_folder, read_of_kind};
-use crate::cli::lsp::reports::CheckedFiles;
-use crate::cli::report::{Failure, count, number, print};
+use crate::cli::protocol::reports::CheckedFiles;
+use crate::cli::report::{Failure, count, number, print, print_json};
 use clap::{Args, ValueEnum};
 use illuminator::formula::Formula;
 use illuminator::lang::diagnostic::Diagnostics;
@@ -65,14 +65,13 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         }
     }
     if options.json {
-        let text = serde_json::to_string_pretty(&collected.report()).map_err(|error| Failure::input(error.to_string()))?;
-        print(&format!("{text}\n"))?;
+        print_json(&collected.report())?;
     }
     if wrong { Err(Failure::Reported) } else { Ok(()) }
 }
 
 /// What was found in a file.
-struct Checked {
+struct CheckOutcome {
     kind: FileKind,
     diagnostics: Diagnostics,
     /// How many warnings the values of a session gave.
@@ -81,7 +80,7 @@ struct Checked {
     files_are_valid: bool,
 }
 
-impl Checked {
+impl CheckOutcome {
     fn of(kind: FileKind, diagnostics: Diagnostics) -> Self {
         Self { kind, diagnostics, value_warnings: 0, files_are_valid: true }
     }
@@ -123,7 +122,7 @@ fn kinds_of(location: &Location, given: Option<FileKind>) -> Vec<Option<FileKind
 }
 
 /// Checks one file, and tells the listener. `None` if it cannot be read.
-fn check(location: &Location, given: Option<FileKind>, thesis: bool, listener: &mut dyn Listener) -> Option<Checked> {
+fn check(location: &Location, given: Option<FileKind>, thesis: bool, listener: &mut dyn Listener) -> Option<CheckOutcome> {
     let (kind, source) = match read_of_kind(location, given) {
         Ok(found) => found,
         Err(diagnostic) => {
@@ -132,10 +131,10 @@ fn check(location: &Location, given: Option<FileKind>, thesis: bool, listener: &
         }
     };
     Some(match kind {
-        FileKind::Formula => Checked::of(kind, told(check_formula(location, &source, thesis), &source, listener)),
-        FileKind::Scene => Checked::of(kind, told(Scene::parse(&source), &source, listener)),
+        FileKind::Formula => CheckOutcome::of(kind, told(check_formula(location, &source, thesis), &source, listener)),
+        FileKind::Scene => CheckOutcome::of(kind, told(Scene::parse(&source), &source, listener)),
         FileKind::Session => check_session(location, &source, listener),
-        FileKind::Material => Checked::of(kind, told(Library::parse(&source), &source, listener)),
+        FileKind::Material => CheckOutcome::of(kind, told(Library::parse(&source), &source, listener)),
     })
 }
 
@@ -176,13 +175,13 @@ pub(super) fn diagnostics_of(kind: FileKind, location: &Location, source: &Sourc
 }
 
 /// Checks a session and the files that it names.
-fn check_session(location: &Location, source: &Source, listener: &mut dyn Listener) -> Checked {
+fn check_session(location: &Location, source: &Source, listener: &mut dyn Listener) -> CheckOutcome {
     let kind = FileKind::Session;
     let (mut session, diagnostics) = match Session::parse(source) {
         Ok(read) => read,
         Err(diagnostics) => {
             listener.diagnostics(&diagnostics, source);
-            return Checked { files_are_valid: false, ..Checked::of(kind, diagnostics) };
+            return CheckOutcome { files_are_valid: false, ..CheckOutcome::of(kind, diagnostics) };
         }
     };
     if let Location::File(path) = location {
@@ -192,13 +191,13 @@ fn check_session(location: &Location, source: &Source, listener: &mut dyn Listen
     }
     listener.diagnostics(&diagnostics, source);
     match Project::check_session(&session, source, listener) {
-        Ok(value_warnings) => Checked { value_warnings, ..Checked::of(kind, diagnostics) },
+        Ok(value_warnings) => CheckOutcome { value_warnings, ..CheckOutcome::of(kind, diagnostics) },
         Err(error) => {
             match error {
                 OpenProjectError::Reported => {}
                 OpenProjectError::Input(diagnostic) | OpenProjectError::Request(diagnostic) => listener.message(diagnostic),
             }
-            Checked { files_are_valid: false, ..Checked::of(kind, diagnostics) }
+            CheckOutcome { files_are_valid: false, ..CheckOutcome::of(kind, diagnostics) }
         }
     }
 }

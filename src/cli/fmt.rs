@@ -1,4 +1,4 @@
-//! `illuminator fmt`: lays out the texts of formulas and scenes anew.
+//! `illuminator fmt`: gives formulas and scenes a regular layout.
 
 use crate::cli::input::read_of_kind;
 use crate::cli::report::{Failure, count, explain, number, print, print_bytes, prints_to_terminal, say};

@@ -20,6 +20,7 @@ mod output;
 #[cfg(feature = "window")]
 mod preview;
 mod progress;
+mod protocol;
 mod render;
 mod report;
 #[cfg(unix)]
@@ -54,7 +55,7 @@ enum Command {
     Sweep(sweep::Options),
     /// Check formulas, scenes, sessions and material libraries for mistakes
     Check(check::Options),
-    /// Lay out formulas and scenes anew: lines, spaces, columns
+    /// Give formulas and scenes a regular layout: lines, spaces, columns
     Fmt(fmt::Options),
     /// Answer an editor as a language server, on standard input and output
     Lsp,

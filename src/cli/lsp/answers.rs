@@ -1,14 +1,12 @@
 //! The answers to the questions of an editor about its open texts.
 
 use crate::cli::fmt::laid_out;
-use crate::cli::lsp::server::parsed;
 use crate::cli::lsp::texts::{OpenText, OpenTexts};
 use illuminator::assist::completion::{Candidate, complete};
-use illuminator::assist::meaning::{author_doc, meaning_at};
+use illuminator::assist::meaning::meaning_at;
 use illuminator::assist::rename::renamed;
 use illuminator::assist::symbols::{Symbol, SymbolKind, symbol_at, symbols};
 use illuminator::assist::words::{Class, Words};
-use illuminator::lang::parser::parse;
 use lsp_server::ErrorCode;
 use lsp_types::request::{
     Completion, DocumentSymbolRequest, Formatting, GotoDefinition, HoverRequest, PrepareRenameRequest, References, Rename,
@@ -19,6 +17,7 @@ use lsp_types::{
     MarkupKind, Position, TextDocumentPositionParams, TextEdit,
 };
 use serde::Serialize;
+use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 
 /// Why there is no answer.
@@ -35,10 +34,15 @@ impl AnswerError {
 }
 
 /// An answer; null if there is nothing to tell.
-pub(super) type Answer = Result<Value, AnswerError>;
+pub(super) type AnswerResult = Result<Value, AnswerError>;
+
+/// The parameters of a message.
+pub(super) fn parsed<P: DeserializeOwned>(params: Value) -> Result<P, AnswerError> {
+    serde_json::from_value(params).map_err(|error| AnswerError::new(ErrorCode::InvalidParams, &error.to_string()))
+}
 
 /// The answer to a request.
-pub(super) fn answer(method: &str, params: Value, texts: &OpenTexts, markdown: bool) -> Answer {
+pub(super) fn answer(method: &str, params: Value, texts: &OpenTexts, markdown: bool) -> AnswerResult {
     match method {
         Completion::METHOD => {
             parsed::<lsp_types::CompletionParams>(params).and_then(|asked| at(texts, &asked.text_document_position, completions))
@@ -66,7 +70,11 @@ pub(super) fn answer(method: &str, params: Value, texts: &OpenTexts, markdown: b
 }
 
 /// The answer at a place of a text; null if the text is not open.
-fn at(texts: &OpenTexts, asked: &TextDocumentPositionParams, find: impl FnOnce(&OpenText, usize) -> Answer) -> Answer {
+fn at(
+    texts: &OpenTexts,
+    asked: &TextDocumentPositionParams,
+    find: impl FnOnce(&OpenText, usize) -> AnswerResult,
+) -> AnswerResult {
     let Some(text) = texts.get(&asked.text_document.uri) else { return Ok(Value::Null) };
     let byte = text.positions().byte(Position { ..asked.position });
     find(text, byte)
@@ -76,7 +84,7 @@ fn value(found: impl Serialize) -> Value {
     serde_json::to_value(found).unwrap_or_default()
 }
 
-fn completions(text: &OpenText, byte: usize) -> Answer {
+fn completions(text: &OpenText, byte: usize) -> AnswerResult {
     let (kind, content) = (text.kind(), text.source.text());
     let found = complete(kind, content, &Words::new(kind, content), byte);
     let items = found.into_iter().flat_map(|completion| {
@@ -112,21 +120,14 @@ fn item(rank: usize, candidate: Candidate, range: lsp_types::Range) -> Completio
 
 fn hover(text: &OpenText, byte: usize, markdown: bool) -> Option<Hover> {
     let (kind, content) = (text.kind(), text.source.text());
-    let doc = |name: &str| author_doc(&parse(&text.source).0, name);
-    let known = meaning_at(kind, content, &Words::new(kind, content), byte, doc);
-    let (head, doc, range) = match known {
-        Some((found, range)) => (format!("{} {}", found.name, found.types), found.doc, range),
-        None => {
-            let (symbol, place) = symbol_at(kind, &text.source, byte)?;
-            let doc = match symbol.kind {
-                SymbolKind::Argument(function) => format!("argument of `{function}`"),
-                SymbolKind::Counter(repetition) => format!("the whole number of `{}`", repetition.usage()),
-                SymbolKind::Parameter | SymbolKind::Macro | SymbolKind::Function | SymbolKind::Object => String::new(),
-            };
-            (symbol.name, doc, place.range())
-        }
+    let symbols = symbols(kind, &text.source);
+    let (found, range) = meaning_at(kind, content, &Words::new(kind, content), byte, &symbols)?;
+    let between = match found.types.chars().next() {
+        None | Some('(') => "",
+        Some('=') => " ",
+        Some(_) => ": ",
     };
-    let head = head.trim_end();
+    let (head, doc) = (format!("{}{between}{}", found.name, found.types), found.doc);
     let (kind, value) = if markdown {
         (MarkupKind::Markdown, format!("```illuminator-formula\n{head}\n```\n{}", escaped(&doc)))
     } else {
@@ -147,20 +148,24 @@ fn escaped(text: &str) -> String {
             if index % 2 == 0 && character.is_ascii_punctuation() {
                 written.push('\\');
             }
+            if character == '\n' {
+                // One line end alone is a space.
+                written.push(character);
+            }
             written.push(character);
         }
     }
     written
 }
 
-fn definition(text: &OpenText, byte: usize) -> Answer {
+fn definition(text: &OpenText, byte: usize) -> AnswerResult {
     let found = symbol_at(text.kind(), &text.source, byte);
     let location =
         |(symbol, _): (Symbol, _)| Location { uri: text.uri.clone(), range: text.positions().range(symbol.definition.range()) };
     Ok(value(found.map(location)))
 }
 
-fn references(text: &OpenText, byte: usize, with_definition: bool) -> Answer {
+fn references(text: &OpenText, byte: usize, with_definition: bool) -> AnswerResult {
     let Some((symbol, _)) = symbol_at(text.kind(), &text.source, byte) else { return Ok(Value::Null) };
     let positions = text.positions();
     let places = symbol.places.iter().filter(|place| with_definition || **place != symbol.definition);
@@ -170,7 +175,7 @@ fn references(text: &OpenText, byte: usize, with_definition: bool) -> Answer {
 }
 
 /// The place of the name that may be changed; null if there is none.
-fn renamable(text: &OpenText, byte: usize) -> Answer {
+fn renamable(text: &OpenText, byte: usize) -> AnswerResult {
     let found = symbol_at(text.kind(), &text.source, byte);
     Ok(found.map_or(
         Value::Null,
@@ -178,7 +183,7 @@ fn renamable(text: &OpenText, byte: usize) -> Answer {
     ))
 }
 
-fn rename(text: &OpenText, byte: usize, new: &str) -> Answer {
+fn rename(text: &OpenText, byte: usize, new: &str) -> AnswerResult {
     let places = renamed(text.kind(), &text.source, byte, new)
         .map_err(|error| AnswerError::new(ErrorCode::RequestFailed, &error.to_string()))?;
     let positions = text.positions();

@@ -1,13 +1,10 @@
 //! `illuminator lsp`: a language server for editors. It reads requests from standard input and answers on standard
 //! output, as the Language Server Protocol says.
 //!
-//! [`wire`] has messages as bytes, [`positions`] places in texts, [`texts`] the open texts, [`reports`] their
-//! diagnostics, [`server`] the state of the conversation and [`answers`] the answers. What is known about a text comes
-//! from [`assist`](illuminator::assist).
+//! [`wire`] has messages as bytes, [`texts`] the open texts, [`server`] the state of the conversation and [`answers`]
+//! the answers. What is known about a text comes from [`assist`](illuminator::assist).
 
 mod answers;
-mod positions;
-pub(super) mod reports;
 mod server;
 mod texts;
 mod wire;
@@ -15,7 +12,7 @@ mod wire;
 use crate::cli::report::{Failure, print_bytes};
 use illuminator::files::reason;
 use illuminator::lang::diagnostic::Diagnostic;
-use server::{Server, Stage};
+use server::{ConversationStage, Server};
 use std::io::{self, IsTerminal};
 use wire::{Received, bytes, receive};
 
@@ -33,13 +30,17 @@ pub(super) fn run() -> Result<(), Failure> {
         let received = receive(&mut input).map_err(|error| Failure::input(format!("cannot read: {}", reason(&error))))?;
         let replies = match received {
             Received::Message(message) => server.take(message),
-            Received::Malformed(what) => vec![server::log(&what)],
-            Received::End => return if server.stage() == Stage::ShutDown { Ok(()) } else { Err(Failure::Reported) },
+            Received::Stray(what) => vec![server::log(&what)],
+            Received::Malformed(refusal) => {
+                print_bytes(&refusal.bytes())?;
+                continue;
+            }
+            Received::End => return if server.stage() == ConversationStage::ShutDown { Ok(()) } else { Err(Failure::Reported) },
         };
         for reply in replies {
             print_bytes(&bytes(&reply).map_err(Failure::input)?)?;
         }
-        if let Stage::Exited { properly } = server.stage() {
+        if let ConversationStage::Exited { properly } = server.stage() {
             return if properly { Ok(()) } else { Err(Failure::Reported) };
         }
     }

@@ -1,25 +1,24 @@
 //! The conversation with an editor: which messages come, and which go back.
 
 use crate::cli::check::diagnostics_of;
-use crate::cli::lsp::answers::{Answer, AnswerError, answer};
-use crate::cli::lsp::reports::full_report;
+use crate::cli::lsp::answers::{AnswerError, answer, parsed};
 use crate::cli::lsp::texts::{OpenText, OpenTexts};
+use crate::cli::protocol::reports::full_report;
 use lsp_server::{ErrorCode, Message, Notification, Request, Response};
 use lsp_types::notification::{
     DidChangeTextDocument, DidCloseTextDocument, DidOpenTextDocument, Exit, LogMessage, Notification as _, PublishDiagnostics,
 };
 use lsp_types::request::{Initialize, Request as _, Shutdown};
 use lsp_types::{
-    CompletionOptions, HoverProviderCapability, InitializeParams, InitializeResult, LogMessageParams, MarkupKind, MessageType,
-    OneOf, PublishDiagnosticsParams, RenameOptions, ServerCapabilities, ServerInfo, TextDocumentSyncCapability,
-    TextDocumentSyncKind, TextDocumentSyncOptions, Uri,
+    CompletionOptions, HoverProviderCapability, InitializeResult, LogMessageParams, MessageType, OneOf, PublishDiagnosticsParams,
+    RenameOptions, ServerCapabilities, ServerInfo, TextDocumentSyncCapability, TextDocumentSyncKind, TextDocumentSyncOptions,
+    Uri,
 };
-use serde::de::DeserializeOwned;
 use serde_json::Value;
 
 /// How far the conversation is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(super) enum Stage {
+pub(super) enum ConversationStage {
     /// The editor has said nothing yet.
     #[default]
     Begun,
@@ -34,7 +33,7 @@ pub(super) enum Stage {
 /// The state of a conversation.
 #[derive(Debug, Default)]
 pub(super) struct Server {
-    stage: Stage,
+    stage: ConversationStage,
     texts: OpenTexts,
     /// Whether the editor shows Markdown.
     markdown: bool,
@@ -42,7 +41,7 @@ pub(super) struct Server {
 
 impl Server {
     /// How far the conversation is.
-    pub(super) fn stage(&self) -> Stage {
+    pub(super) fn stage(&self) -> ConversationStage {
         self.stage
     }
 
@@ -59,14 +58,16 @@ impl Server {
     fn request(&mut self, request: Request) -> Response {
         let Request { id, method, params } = request;
         let found = match (self.stage, method.as_str()) {
-            (Stage::Begun, Initialize::METHOD) => parsed(params).map(|params| self.initialize(&params)),
-            (Stage::Begun, _) => Err(AnswerError::new(ErrorCode::ServerNotInitialized, "the editor has not said `initialize`")),
-            (Stage::Running, Shutdown::METHOD) => {
-                self.stage = Stage::ShutDown;
+            (ConversationStage::Begun, Initialize::METHOD) => Ok(self.initialize(&params)),
+            (ConversationStage::Begun, _) => {
+                Err(AnswerError::new(ErrorCode::ServerNotInitialized, "the editor has not said `initialize`"))
+            }
+            (ConversationStage::Running, Shutdown::METHOD) => {
+                self.stage = ConversationStage::ShutDown;
                 Ok(Value::Null)
             }
-            (Stage::Running, method) => answer(method, params, &self.texts, self.markdown),
-            (Stage::ShutDown | Stage::Exited { .. }, _) => {
+            (ConversationStage::Running, method) => answer(method, params, &self.texts, self.markdown),
+            (ConversationStage::ShutDown | ConversationStage::Exited { .. }, _) => {
                 Err(AnswerError::new(ErrorCode::InvalidRequest, "the server is shut down"))
             }
         };
@@ -76,11 +77,11 @@ impl Server {
         }
     }
 
-    fn initialize(&mut self, params: &InitializeParams) -> Value {
-        self.stage = Stage::Running;
-        let hover = params.capabilities.text_document.as_ref().and_then(|document| document.hover.as_ref());
-        let formats = hover.and_then(|hover| hover.content_format.as_ref());
-        self.markdown = formats.is_some_and(|formats| formats.contains(&MarkupKind::Markdown));
+    /// Begins. Of what the editor tells about itself, only this is read, so that the rest may have any form.
+    fn initialize(&mut self, params: &Value) -> Value {
+        self.stage = ConversationStage::Running;
+        let formats = params.pointer("/capabilities/textDocument/hover/contentFormat").and_then(Value::as_array);
+        self.markdown = formats.is_some_and(|formats| formats.iter().any(|format| format == "markdown"));
         let sync = TextDocumentSyncOptions {
             open_close: Some(true),
             change: Some(TextDocumentSyncKind::INCREMENTAL),
@@ -111,11 +112,11 @@ impl Server {
         let Notification { method, params } = notification;
         let outcome = match method.as_str() {
             Exit::METHOD => {
-                self.stage = Stage::Exited { properly: self.stage == Stage::ShutDown };
+                self.stage = ConversationStage::Exited { properly: self.stage == ConversationStage::ShutDown };
                 Ok(None)
             }
             // Before its start and after its end the server heeds no other notifications.
-            _ if self.stage != Stage::Running => Ok(None),
+            _ if self.stage != ConversationStage::Running => Ok(None),
             DidOpenTextDocument::METHOD => parsed::<lsp_types::DidOpenTextDocumentParams>(params)
                 .map(|opened| Some(published(self.texts.open(opened.text_document)))),
             DidChangeTextDocument::METHOD => parsed::<lsp_types::DidChangeTextDocumentParams>(params).map(|changed| {
@@ -132,11 +133,6 @@ impl Server {
             Err(AnswerError { message, .. }) => vec![log(&format!("{method}: {message}"))],
         }
     }
-}
-
-/// The parameters of a message.
-pub(super) fn parsed<P: DeserializeOwned>(params: Value) -> Result<P, AnswerError> {
-    serde_json::from_value(params).map_err(|error| AnswerError::new(ErrorCode::InvalidParams, &error.to_string()))
 }
 
 /// A line for the log of the editor.

@@ -1,7 +1,7 @@
 //! The texts that are open in the editor, and their changes.
 
-use crate::cli::lsp::positions::Positions;
-use crate::cli::lsp::reports::path_in;
+use crate::cli::protocol::positions::Positions;
+use crate::cli::protocol::reports::path_in;
 use illuminator::lang::source::Source;
 use illuminator::workspace::{FileKind, Location, kind_of_file};
 use lsp_types::{TextDocumentContentChangeEvent, TextDocumentItem, Uri};

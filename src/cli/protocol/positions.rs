@@ -6,7 +6,7 @@ use lsp_types::{Position, Range};
 use std::ops::Range as Bytes;
 
 /// The lines of a text, to convert places.
-pub(super) struct Positions<'t> {
+pub(in crate::cli) struct Positions<'t> {
     text: &'t str,
     /// Offsets of the first byte of each line.
     starts: Vec<usize>,
@@ -16,7 +16,7 @@ pub(super) struct Positions<'t> {
 
 impl<'t> Positions<'t> {
     /// The places of a text of an editor.
-    pub(super) fn new(text: &'t str) -> Self {
+    pub(in crate::cli) fn new(text: &'t str) -> Self {
         let mut starts = vec![0];
         let bytes = text.as_bytes();
         let mut at = line_end(bytes, 0);
@@ -29,13 +29,13 @@ impl<'t> Positions<'t> {
     }
 
     /// The places of the contents of a file. A byte order mark is no character of it.
-    pub(super) fn of_file(text: &'t str) -> Self {
+    pub(in crate::cli) fn of_file(text: &'t str) -> Self {
         let mark = if text.starts_with(BYTE_ORDER_MARK) { BYTE_ORDER_MARK.len_utf8() } else { 0 };
         Self { mark, ..Self::new(text) }
     }
 
     /// The place of a byte; a byte beyond the end means the end, and one in a character its first byte.
-    pub(super) fn position(&self, byte: usize) -> Position {
+    pub(in crate::cli) fn position(&self, byte: usize) -> Position {
         let byte = self.text.floor_char_boundary(byte);
         let line = self.starts.partition_point(|start| *start <= byte).saturating_sub(1);
         let start = self.starts[line] + if line == 0 { self.mark } else { 0 };
@@ -44,13 +44,13 @@ impl<'t> Positions<'t> {
     }
 
     /// The place of a range of bytes.
-    pub(super) fn range(&self, bytes: Bytes<usize>) -> Range {
+    pub(in crate::cli) fn range(&self, bytes: Bytes<usize>) -> Range {
         Range { start: self.position(bytes.start), end: self.position(bytes.end) }
     }
 
     /// The byte at a place. A place behind the end of its line means that end, and a line beyond the last the end of
     /// the text.
-    pub(super) fn byte(&self, position: Position) -> usize {
+    pub(in crate::cli) fn byte(&self, position: Position) -> usize {
         let Some(start) = self.starts.get(position.line as usize) else { return self.text.len() };
         let line = &self.text[*start..line_end(self.text.as_bytes(), *start)];
         let mut units = 0;
@@ -64,14 +64,9 @@ impl<'t> Positions<'t> {
     }
 
     /// The bytes of a range; a reversed one is empty.
-    pub(super) fn bytes(&self, range: Range) -> Bytes<usize> {
+    pub(in crate::cli) fn bytes(&self, range: Range) -> Bytes<usize> {
         let start = self.byte(range.start);
         start..self.byte(range.end).max(start)
-    }
-
-    /// The range of the whole text.
-    pub(super) fn whole(&self) -> Range {
-        self.range(0..self.text.len())
     }
 }
 

@@ -1,6 +1,6 @@
 //! Diagnostics in the form of the Language Server Protocol: what the server tells editors, and `check --json` prints.
 
-use crate::cli::lsp::positions::Positions;
+use crate::cli::protocol::positions::Positions;
 use illuminator::lang::diagnostic::{Diagnostic, Diagnostics, Severity};
 use illuminator::lang::source::Source;
 use illuminator::workspace::Location;
@@ -14,7 +14,7 @@ use std::str::FromStr;
 const TOOL: &str = "illuminator";
 
 /// The URI of a file.
-pub(super) fn file_uri(path: &Path) -> Option<Uri> {
+pub(in crate::cli) fn file_uri(path: &Path) -> Option<Uri> {
     let path = std::path::absolute(path).ok()?;
     let mut text = String::from("file://");
     for byte in path.as_os_str().as_encoded_bytes() {
@@ -28,12 +28,17 @@ pub(super) fn file_uri(path: &Path) -> Option<Uri> {
 }
 
 /// The path in the URI of a file, with `%XX` read.
-pub(super) fn path_in(uri: &Uri) -> String {
+pub(in crate::cli) fn path_in(uri: &Uri) -> String {
     uri.path().as_estr().decode().into_string_lossy().into_owned()
 }
 
 /// A diagnostic with its places. Those beside the main one need the URI of the text.
-pub(super) fn report(diagnostic: &Diagnostic, source: &Source, positions: &Positions, uri: Option<&Uri>) -> lsp::Diagnostic {
+pub(in crate::cli) fn report(
+    diagnostic: &Diagnostic,
+    source: &Source,
+    positions: &Positions,
+    uri: Option<&Uri>,
+) -> lsp::Diagnostic {
     let range = |span| positions.range(source.mark(span));
     let place = |span| uri.map(|uri| lsp::Location { uri: uri.clone(), range: range(span) });
     let others = diagnostic.labels().iter().skip(1).filter_map(|label| {
@@ -57,7 +62,12 @@ pub(super) fn report(diagnostic: &Diagnostic, source: &Source, positions: &Posit
 }
 
 /// A diagnostic for an editor that shows nothing but its message: with its remark and hints on lines of their own.
-pub(super) fn full_report(diagnostic: &Diagnostic, source: &Source, positions: &Positions, uri: Option<&Uri>) -> lsp::Diagnostic {
+pub(in crate::cli) fn full_report(
+    diagnostic: &Diagnostic,
+    source: &Source,
+    positions: &Positions,
+    uri: Option<&Uri>,
+) -> lsp::Diagnostic {
     let mut found = report(diagnostic, source, positions, uri);
     let remark = diagnostic.labels().first().map(|label| label.text.as_str()).filter(|text| !text.is_empty());
     let hints = diagnostic.hints().iter().map(|hint| format!("help: {hint}"));
