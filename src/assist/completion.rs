@@ -5,6 +5,7 @@
 use crate::assist::words::{Class, TextSection, Words, scene_words, signatures};
 use crate::lang::builtins::{self, Form, Repetition};
 use crate::lang::keywords::{self, Keyword};
+use crate::lang::surface_terms::SurfaceTerm;
 use crate::lang::token::{Mark, Token, TokenKind};
 use crate::lang::types::Type;
 use crate::lang::variables::{Predefined, Variable};
@@ -54,8 +55,9 @@ pub fn complete(kind: FileKind, text: &str, words: &Words, cursor: usize) -> Opt
     };
     candidates.retain(|candidate| rank(&candidate.name, typed).is_some());
     candidates.sort_by_key(|candidate| rank(&candidate.name, typed));
-    let called = text[cursor..].trim_start_matches(' ').starts_with('(');
-    if called {
+    // What follows a name is not written twice.
+    let goes_on = text[cursor..].trim_start_matches(' ').starts_with(['(', '=']);
+    if goes_on {
         candidates.iter_mut().for_each(|candidate| candidate.insert.clone_from(&candidate.name));
     }
     (!candidates.is_empty()).then_some(Completion { word, candidates })
@@ -106,7 +108,10 @@ fn in_formula(text: &str, words: &Words, word: Range<usize>) -> Vec<Candidate> {
             let given = Predefined::ALL.iter().filter(|one| one.ty() == Type::Scalar && one.usable_in_formulas()).map(predefined);
             sums.chain(given).chain(heads().filter(|_| begins)).collect()
         }
-        TextSection::Formula if begins => Vec::new(),
+        TextSection::Formula if begins => {
+            let is_free = |one: &SurfaceTerm| words.declared.iter().all(|declared| declared.name != one.name());
+            SurfaceTerm::ALL.iter().copied().filter(is_free).map(term).collect()
+        }
         TextSection::Formula => expression(text, words, &word),
         TextSection::Bodies | TextSection::Lights | TextSection::Camera => Vec::new(),
     }
@@ -219,6 +224,19 @@ pub fn repetition(repetition: Repetition) -> Candidate {
     }
 }
 
+/// A term of the lighting equation, which a macro of its name gives.
+pub fn term(term: SurfaceTerm) -> Candidate {
+    let types: Vec<String> =
+        [Type::Scalar, Type::Vector].into_iter().filter(|ty| term.takes(*ty)).map(|ty| ty.to_string()).collect();
+    Candidate {
+        name: term.name().to_owned(),
+        insert: format!("{} = ", term.name()),
+        types: types.join(" or "),
+        doc: term.doc().to_owned(),
+        class: Class::Named,
+    }
+}
+
 /// A keyword.
 pub fn meaning(keyword: &Keyword) -> Candidate {
     let word = keyword.word.to_owned();
@@ -277,8 +295,7 @@ mod tests {
         assert!(!in_formula(&format!("{head}= |")).is_empty());
         assert_eq!(in_formula(&format!("{head}= backg|")), [""; 0]);
         assert_eq!(in_formula("formula;\nMINE = MI|;")[0], "min");
-        assert_eq!(in_formula("formula;\nF(sines, x) = 1 + si|;")[..2], ["sines", "size"]);
-        assert_eq!(in_formula("formula;\nF(sines, x) = x;\n= si|;")[0], "size");
+        assert_eq!(in_formula("formula;\nF(sines, x) = 1 + si|;")[..2], ["sines", "sin"]);
     }
 
     #[test]
@@ -295,6 +312,28 @@ mod tests {
         assert_eq!(names(FileKind::Scene, "bodies; b: sphere, ra|")[0], "radius");
         assert_eq!(names(FileKind::Scene, "camera; |"), ["position", "gaze", "up", "fov"]);
         assert_eq!(names(FileKind::Session, "f|"), [""; 0]);
+    }
+
+    #[test]
+    fn terms_of_the_lighting_equation_are_offered_where_macros_begin() {
+        assert_eq!(in_formula("formula;\nref|"), ["reflected", "refracted"]);
+        assert_eq!(in_formula("formula;\n|"), ["reflected", "refracted", "ambient", "emission"]);
+        assert_eq!(in_formula("formula;\nreflected = kr;\nre|"), ["refracted"]);
+        assert_eq!(in_formula("formula;\n= emi|"), [""; 0], "no macro gives it");
+        assert_eq!(in_formula("formula;\nemission = Cd;\nM = emi|"), ["emission"]);
+        assert_eq!(in_formula("formula;\nreflected = et|")[0], "eta");
+        let text = "formula;\nemi";
+        let offered = |text: &str| complete(FileKind::Formula, text, &Words::new(FileKind::Formula, text), 12).unwrap();
+        let emission = offered(text).candidates.swap_remove(0);
+        assert_eq!((emission.insert.as_str(), emission.types.as_str()), ("emission = ", "vector"));
+        assert_eq!(emission.doc, SurfaceTerm::Emission.doc());
+        assert_eq!(offered("formula;\nemi = Cd;").candidates[0].insert, "emission");
+    }
+
+    #[test]
+    fn names_of_other_functions_are_not_offered() {
+        assert_eq!(in_formula("formula;\nF(sines) = sines;\n= si|;")[0], "sin");
+        assert_eq!(in_formula("formula;\nF(sines) = sines;\nG(x) = sine|;"), [""; 0]);
     }
 
     #[test]

@@ -1,36 +1,34 @@
 //! What is known about the word at a place: from the tables of the language, and from the author's comments.
 
-use crate::assist::completion::{Candidate, function, meaning, predefined, repetition, variable};
+use crate::assist::completion::{Candidate, function, meaning, predefined, repetition, term, variable};
+use crate::assist::symbols::{Symbol, SymbolKind};
 use crate::assist::words::{Class, Declared, TextSection, Words, scene_words};
-use crate::lang::ast::FormulaFile;
 use crate::lang::builtins::{self, Form, Repetition};
 use crate::lang::display_text::one_line;
 use crate::lang::keywords;
+use crate::lang::surface_terms::SurfaceTerm;
 use crate::lang::token::{Mark, TokenKind};
 use crate::lang::variables::{Predefined, Variable};
 use crate::workspace::FileKind;
 use std::ops::Range;
 
-/// What the author's comments say about a name of a formula.
-pub fn author_doc(file: &FormulaFile, name: &str) -> Option<String> {
-    let parameters = file.declarations().map(|one| (&one.name.text, &one.doc));
-    let macros = file.definitions.iter().map(|line| (&line.name.text, &line.doc));
-    let mut named = parameters.chain(macros).filter(|(other, _)| *other == name);
-    named.find_map(|(_, doc)| doc.as_deref().map(one_line))
-}
-
-/// What is known about the word at a byte of a text, and the bytes of the word. `doc` gives what the author says about
-/// a name that a formula defines, see [`author_doc`].
+/// What is known about the word at a byte of a text, and the bytes of the word. `symbols` are the names that the text
+/// defines. What is told about a name may have several lines.
 pub fn meaning_at(
     kind: FileKind,
     text: &str,
     words: &Words,
     byte: usize,
-    doc: impl FnOnce(&str) -> Option<String>,
+    symbols: &[Symbol],
 ) -> Option<(Candidate, Range<usize>)> {
     let at = words.tokens.partition_point(|token| token.span.range().end <= byte);
     let range = words.tokens.get(at).map(|token| token.span.range()).filter(|range| range.contains(&byte))?;
     let (word, class) = (&text[range.clone()], words.class_at(range.start));
+    // Names of one expression hide all others in it.
+    let is_here = |symbol: &&Symbol| symbol.kind.is_local() && symbol.places.iter().any(|place| place.range() == range);
+    if let Some(found) = symbols.iter().find(is_here).and_then(local) {
+        return Some((found, range));
+    }
     let found = match class {
         Class::Keyword if kind == FileKind::Scene => scene_keyword(words, range.start, word),
         Class::Keyword => formula_keyword(word),
@@ -39,32 +37,42 @@ pub fn meaning_at(
         Class::Predefined => Predefined::named(word).as_ref().map(predefined),
         Class::Parameter | Class::Named => {
             let declared = words.declared.iter().find(|declared| declared.name == word)?;
-            let doc = match kind {
-                FileKind::Formula => doc(word).unwrap_or_default(),
-                FileKind::Scene | FileKind::Session | FileKind::Material => String::new(),
-            };
-            Some(own(declared, text, doc))
+            let symbol = symbols.iter().find(|symbol| !symbol.kind.is_local() && symbol.name == word);
+            Some(own(kind, declared, text, symbol.and_then(|symbol| symbol.doc.as_deref())))
         }
-        Class::Plain if kind == FileKind::Formula => operator(words, at).map(function),
+        Class::Plain if kind == FileKind::Formula && words.section(range.start) == TextSection::Formula => {
+            SurfaceTerm::named(word).map(term).or_else(|| operator(words, at).map(function))
+        }
         Class::Plain | Class::Number | Class::Comment | Class::Uses | Class::Unknown => None,
     };
     found.map(|found| (found, range))
 }
 
-/// A name that the text defines, with its definition and what the author says about it.
-fn own(declared: &Declared, text: &str, doc: String) -> Candidate {
+/// A name of one expression.
+fn local(symbol: &Symbol) -> Option<Candidate> {
+    let doc = match &symbol.kind {
+        SymbolKind::Argument(function) => format!("argument of `{function}`"),
+        SymbolKind::Counter(repetition) => format!("the whole number of `{}`", repetition.usage()),
+        SymbolKind::Parameter | SymbolKind::Macro | SymbolKind::Function | SymbolKind::Object => return None,
+    };
+    Some(Candidate { name: symbol.name.clone(), insert: symbol.name.clone(), types: String::new(), doc, class: Class::Parameter })
+}
+
+/// A name that the text defines, with its definition and what the author says about it. A macro that gives a term of
+/// the lighting equation says so first.
+fn own(kind: FileKind, declared: &Declared, text: &str, author: Option<&str>) -> Candidate {
     let statement = text[declared.statement.clone()].split_whitespace().collect::<Vec<_>>().join(" ");
-    let rest = statement.strip_prefix(&declared.name).unwrap_or_default().trim_end_matches(';');
-    let types = one_line(rest.trim_start().trim_start_matches(':').trim_start());
-    Candidate { name: declared.name.clone(), insert: String::new(), types, doc, class: declared.class }
+    let rest = statement.strip_prefix(&declared.name).unwrap_or_default().trim_end_matches(';').trim_start();
+    let is_macro = kind == FileKind::Formula && rest.starts_with('=');
+    let term = SurfaceTerm::named(&declared.name).filter(|_| is_macro).map(SurfaceTerm::doc);
+    let doc = term.into_iter().chain(author).collect::<Vec<_>>().join("\n");
+    let types = one_line(rest.trim_start_matches(':').trim_start());
+    Candidate { name: declared.name.clone(), insert: declared.name.clone(), types, doc, class: declared.class }
 }
 
 /// The operator of a token, if it is one. A sign before its operand and one between two operands have their own
 /// meanings, and so has `<`.
 fn operator(words: &Words, at: usize) -> Option<Form> {
-    if words.section(words.tokens[at].span.range().start) != TextSection::Formula {
-        return None;
-    }
     let mark = |at: usize| match words.tokens[at].kind {
         TokenKind::Mark(mark) => Some(mark),
         TokenKind::Number(_)
@@ -122,15 +130,15 @@ fn scene_keyword(words: &Words, start: usize, word: &str) -> Option<Candidate> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lang::parser::parse;
+    use crate::assist::symbols::symbols;
     use crate::lang::source::Source;
 
     /// What is known about the word at the `|`.
     fn known(kind: FileKind, marked: &str) -> Option<(String, String)> {
         let byte = marked.find('|').unwrap();
         let text = marked.replace('|', "");
-        let doc = |name: &str| author_doc(&parse(&Source::new("", text.as_str())).0, name);
-        let found = meaning_at(kind, &text, &Words::new(kind, &text), byte, doc);
+        let symbols = symbols(kind, &Source::new("", text.as_str()));
+        let found = meaning_at(kind, &text, &Words::new(kind, &text), byte, &symbols);
         found.map(|(known, _)| (known.types, known.doc))
     }
 
@@ -170,6 +178,35 @@ mod tests {
         assert_eq!(doc("= <1, 2, 3> |- Cd;"), of(Form::Infix(Mark::Minus)));
         assert_eq!(doc("D |= Cd;\n= D;"), "");
         assert_eq!(in_formula("body_specific; a: scalar, constraint 0|..1; formula; = a*Cd;"), None);
+    }
+
+    #[test]
+    fn terms_of_the_lighting_equation_are_known_before_and_after_they_are_given() {
+        for term in SurfaceTerm::ALL {
+            let name = term.name();
+            let doc = |marked: &str| in_formula(&marked.replace("TERM", name)).map(|(_, doc)| doc);
+            assert_eq!(doc("formula;\n|TERM").as_deref(), Some(term.doc()));
+            assert_eq!(doc("formula;\n|TERM = Cd;\n= Cd;").as_deref(), Some(term.doc()));
+            let both = format!("{}\nof the lamp", term.doc());
+            assert_eq!(doc("formula;\nTERM = Cd; // of the lamp\n= |TERM;").as_deref(), Some(both.as_str()));
+            assert_eq!(doc("formula;\n|TERM(x) = x;\n= Cd;").as_deref(), Some(""), "an ordinary function");
+            assert_eq!(doc("global;\n|TERM: scalar;").as_deref(), Some(""), "an ordinary parameter");
+        }
+        for name in ["eta", "total", "visible"] {
+            let (types, doc) = in_formula(&format!("formula;\nreflected = |{name};\n= Cd;")).expect("a variable");
+            assert_eq!((types.as_str(), doc.as_str()), ("scalar", Variable::named(name).unwrap().doc()));
+        }
+    }
+
+    #[test]
+    fn names_of_one_expression_hide_others_there() {
+        let text = "global;\nx: scalar; // the parameter\nformula;\nF(x, H) = x*H;\n= F(x, 1)*sum(i, 1, 2, i)*H;";
+        let doc = |from: &str, to: &str| in_formula(&text.replacen(from, to, 1)).map(|(_, doc)| doc);
+        assert_eq!(doc("= x*H", "= |x*H").as_deref(), Some("argument of `F`"));
+        assert_eq!(doc("= x*H", "= x*|H").as_deref(), Some("argument of `F`"));
+        assert_eq!(doc("(x, 1)", "(|x, 1)").as_deref(), Some("the parameter"));
+        assert_eq!(doc(")*H;", ")*|H;").as_deref(), Some(Variable::Halfway.doc()));
+        assert!(doc("2, i)", "2, |i)").is_some_and(|doc| doc.starts_with("the whole number of `sum(")));
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Giving a name of a text another spelling, at all its places.
 
-use crate::assist::symbols::symbol_at;
+use crate::assist::symbols::{Symbol, SymbolKind, symbol_at};
 use crate::assist::words::{Class, Words};
 use crate::formula::Formula;
 use crate::lang::diagnostic::{Diagnostics, Severity};
@@ -57,7 +57,8 @@ pub fn renamed(kind: FileKind, source: &Source, byte: usize, new: &str) -> Resul
         return Err(RenameError::NotAName(new.chars().take(64).collect()));
     }
     if kind == FileKind::Formula
-        && let Some(term) = SurfaceTerm::named(&symbol.name).or(SurfaceTerm::named(new))
+        && !symbol.kind.is_local()
+        && let Some(term) = given_term(&symbol, source).or(SurfaceTerm::named(new))
     {
         return Err(RenameError::Term(term));
     }
@@ -75,6 +76,13 @@ pub fn renamed(kind: FileKind, source: &Source, byte: usize, new: &str) -> Resul
         Some(message) if after.len() > before.len() => Err(RenameError::Mistake(message.clone())),
         Some(_) | None => Ok(symbol.places),
     }
+}
+
+/// The term of the lighting equation that a macro gives. One that the formula itself reads gives none. A text with
+/// errors does not tell, so there the name decides.
+fn given_term(symbol: &Symbol, source: &Source) -> Option<SurfaceTerm> {
+    let gives = |term: &SurfaceTerm| Formula::parse(source).map_or(true, |(formula, _)| formula.surface.get(*term).is_some());
+    SurfaceTerm::named(&symbol.name).filter(|_| symbol.kind == SymbolKind::Macro).filter(gives)
 }
 
 /// The messages of the errors of a text.
@@ -117,6 +125,15 @@ mod tests {
     }
 
     #[test]
+    fn an_ordinary_macro_with_the_name_of_a_term_changes() {
+        let text = "formula;\nreflected = N.L;\n= reflected*Cd;";
+        let places = renamed(FileKind::Formula, &Source::new("t", text), 10, "cosine").unwrap();
+        assert_eq!(places.len(), 2);
+        let text = text.replace("reflected*", "");
+        assert!(matches!(renamed(FileKind::Formula, &Source::new("t", text), 10, "cosine"), Err(RenameError::Term(_))));
+    }
+
+    #[test]
     fn names_that_are_taken_are_refused() {
         let message = |at: &str, new: &str| outcome(at, new).unwrap_err().to_string();
         assert_eq!(message("kd", "ks"), "`ks` has another meaning in this file");
@@ -128,6 +145,10 @@ mod tests {
         assert_eq!(
             message("emission", "glow"),
             "the name `emission` has a meaning: light that a hit sends out by itself, a colour, added to the ambient light"
+        );
+        assert_eq!(
+            message("kd", "ambient"),
+            "the name `ambient` has a meaning: ambient light at a hit, a colour, in place of ka*Cd*Ia"
         );
         assert_eq!(message("Cd;", "colour"), "no name that this file defines stands here");
     }

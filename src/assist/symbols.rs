@@ -5,6 +5,7 @@
 use crate::assist::words::Words;
 use crate::lang::ast::{ExprId, ExprKind, FormulaFile, Name};
 use crate::lang::builtins::Repetition;
+use crate::lang::display_text::one_line;
 use crate::lang::parser::parse;
 use crate::lang::source::{Source, SourceSpan};
 use crate::workspace::FileKind;
@@ -27,6 +28,16 @@ pub enum SymbolKind {
     Object,
 }
 
+impl SymbolKind {
+    /// Whether the name is known in one expression only.
+    pub fn is_local(&self) -> bool {
+        match self {
+            SymbolKind::Argument(_) | SymbolKind::Counter(_) => true,
+            SymbolKind::Parameter | SymbolKind::Macro | SymbolKind::Function | SymbolKind::Object => false,
+        }
+    }
+}
+
 /// A name that a text defines.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Symbol {
@@ -34,6 +45,8 @@ pub struct Symbol {
     pub name: String,
     /// What it stands for.
     pub kind: SymbolKind,
+    /// What the author's comments say about it, as one line.
+    pub doc: Option<String>,
     /// Where it is defined.
     pub definition: SourceSpan,
     /// Every place where it stands, with the definition, in the order of the text.
@@ -67,7 +80,7 @@ fn in_scene(source: &Source) -> Vec<Symbol> {
     let declared = Words::new(FileKind::Scene, source.text()).declared.into_iter();
     let symbol = |name: String, start: usize| {
         let definition = SourceSpan::new(start, start + name.len());
-        Symbol { name, kind: SymbolKind::Object, definition, places: vec![definition] }
+        Symbol { name, kind: SymbolKind::Object, doc: None, definition, places: vec![definition] }
     };
     declared.map(|declared| symbol(declared.name, declared.statement.start)).collect()
 }
@@ -75,11 +88,11 @@ fn in_scene(source: &Source) -> Vec<Symbol> {
 fn in_formula(file: &FormulaFile) -> Vec<Symbol> {
     let mut reader = UseReader { file, symbols: Vec::new(), scopes: vec![Scope::default()] };
     for declaration in file.declarations() {
-        reader.define(0, &declaration.name, SymbolKind::Parameter);
+        reader.define(0, &declaration.name, SymbolKind::Parameter, declaration.doc.as_deref());
     }
     for definition in &file.definitions {
         let kind = if definition.arguments.is_some() { SymbolKind::Function } else { SymbolKind::Macro };
-        reader.define(0, &definition.name, kind);
+        reader.define(0, &definition.name, kind, definition.doc.as_deref());
     }
     for term in file.invariants().flat_map(|line| &line.terms) {
         reader.see(0, term);
@@ -90,7 +103,7 @@ fn in_formula(file: &FormulaFile) -> Vec<Symbol> {
             if scope == 0 {
                 scope = reader.enter(0);
             }
-            reader.define(scope, argument, SymbolKind::Argument(definition.name.text.clone()));
+            reader.define(scope, argument, SymbolKind::Argument(definition.name.text.clone()), None);
         }
         reader.expression(definition.body, scope);
     }
@@ -124,11 +137,11 @@ impl UseReader<'_> {
     }
 
     /// Notes a definition. Of several with one name, the first counts.
-    fn define(&mut self, scope: usize, name: &Name, kind: SymbolKind) {
+    fn define(&mut self, scope: usize, name: &Name, kind: SymbolKind, doc: Option<&str>) {
         let index = self.symbols.len();
         if *self.scopes[scope].names.entry(name.text.clone()).or_insert(index) == index {
             let (name, span) = (name.text.clone(), name.span);
-            self.symbols.push(Symbol { name, kind, definition: span, places: vec![span] });
+            self.symbols.push(Symbol { name, kind, doc: doc.map(one_line), definition: span, places: vec![span] });
         }
     }
 
@@ -163,7 +176,7 @@ impl UseReader<'_> {
                     self.see(scope, callee);
                     if let Some((kind, counter)) = self.counter(scope, callee, arguments) {
                         inner = self.enter(scope);
-                        self.define(inner, &counter, SymbolKind::Counter(kind));
+                        self.define(inner, &counter, SymbolKind::Counter(kind), None);
                     }
                 }
                 ExprKind::Number(_)

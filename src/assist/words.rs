@@ -62,7 +62,7 @@ pub enum TextSection {
     Camera,
 }
 
-/// A name that the text defines: a parameter, a macro, a body or a light.
+/// A name that the text defines for the whole text: a parameter, a macro, a function, a body or a light.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Declared {
     /// The name.
@@ -98,13 +98,19 @@ impl Words {
         // The lexer needs a source. Its name is only used in messages, which are not shown here.
         let mut tokens = tokenize(&Source::new("", text)).tokens;
         tokens.pop();
-        let mut reader =
-            WordReader { kind, tokens: &tokens, section: TextSection::Head, declared: Vec::new(), sections: Vec::new() };
+        let mut reader = WordReader {
+            kind,
+            tokens: &tokens,
+            section: TextSection::Head,
+            declared: Vec::new(),
+            locals: Vec::new(),
+            sections: Vec::new(),
+        };
         let mut classes: Vec<Class> = (0..tokens.len()).map(|at| reader.class(at)).collect();
-        let WordReader { declared, sections, .. } = reader;
+        let WordReader { declared, locals, sections, .. } = reader;
         // A name may be used before it is defined.
-        let mut meanings: HashMap<&str, Class> =
-            declared.iter().rev().map(|declared| (declared.name.as_str(), declared.class)).collect();
+        let mut meanings: HashMap<&str, Class> = locals.into_iter().map(|name| (name, Class::Named)).collect();
+        meanings.extend(declared.iter().rev().map(|declared| (declared.name.as_str(), declared.class)));
         for (class, token) in classes.iter_mut().zip(&tokens) {
             if let (Class::Plain, TokenKind::Word(word)) = (*class, &token.kind) {
                 // Searching the tables again for every word would take longer than everything else.
@@ -205,10 +211,12 @@ struct WordReader<'t> {
     tokens: &'t [Token],
     section: TextSection,
     declared: Vec<Declared>,
+    /// Arguments of functions and variables of sums.
+    locals: Vec<&'t str>,
     sections: Vec<(usize, TextSection)>,
 }
 
-impl WordReader<'_> {
+impl<'t> WordReader<'t> {
     fn class(&mut self, at: usize) -> Class {
         match &self.tokens[at].kind {
             TokenKind::Word(word) if self.kind == FileKind::Formula => self.formula_word(at, word),
@@ -292,10 +300,11 @@ impl WordReader<'_> {
 
     /// Records a name that has a meaning in one statement only.
     fn local(&mut self, at: usize) {
-        if let Some(TokenKind::Word(name)) = self.tokens.get(at).map(|token| &token.kind)
+        let tokens: &'t [Token] = self.tokens;
+        if let Some(TokenKind::Word(name)) = tokens.get(at).map(|token| &token.kind)
             && known(name) == Class::Plain
         {
-            self.declare(at, Class::Named, None);
+            self.locals.push(name);
         }
     }
 

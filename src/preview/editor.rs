@@ -1,10 +1,10 @@
 //! The text editor for formulas and scenes: colours, marks of errors, completion, search, undo.
 //!
 //! [`Document`] is the text, [`Editor`] is the widget that edits one document at a time. [`problems_ui`] and
-//! [`reference_ui`] are panels beside it. No files or windows are known here. What is known about
-//! the words of a text comes from [`assist`](crate::assist). The modules: `lines`, `history` and `commands` work on texts;
-//! `keys` handles the keyboard; `colouring`, `marks`, `list`, `hover` and `palette` draw; `find` is the search bar,
-//! `edit_menu` the menu of edits.
+//! [`reference_ui`] are panels beside it. No files or windows are known here. What is known about the words of a text
+//! comes from [`assist`](crate::assist). The modules: `lines`, `history` and `commands` work on texts; `keys` handles
+//! the keyboard; `colouring`, `marks`, `list`, `hover` and `palette` draw; `find` is the search bar, `edit_menu` the
+//! menu of edits.
 
 mod colouring;
 mod commands;
@@ -76,7 +76,7 @@ pub struct Editor {
     queue: Queue,
     list: List,
     find: Find,
-    syntax: hover::PointedSyntax,
+    pointed: hover::PointedNames,
     /// The document that was shown last, and the selection in each document.
     shown: Option<u64>,
     selections: HashMap<u64, Selection>,

@@ -2,35 +2,29 @@
 
 use super::palette::Palette;
 use crate::assist::completion::Candidate;
-use crate::assist::meaning::{author_doc, meaning_at};
+use crate::assist::meaning::meaning_at;
+use crate::assist::symbols::{Symbol, symbols};
 use crate::assist::words::Words;
-use crate::lang::ast::FormulaFile;
-use crate::lang::parser::parse;
 use crate::preview::editor::Document;
 use egui::{RichText, Ui};
 use std::ops::Range;
 
-/// The syntax of the formula that was pointed at last, which has the author's comments.
+/// The names that the text defines that was pointed at last, with the author's comments.
 #[derive(Debug, Default)]
-pub(super) struct PointedSyntax {
+pub(super) struct PointedNames {
     /// The document and its revision.
     of: Option<(u64, u64)>,
-    file: FormulaFile,
+    symbols: Vec<Symbol>,
 }
 
-impl PointedSyntax {
-    /// What the author's comments say about a name of a formula.
-    fn doc(&mut self, document: &Document, name: &str) -> Option<String> {
-        let of = Some((document.id(), document.revision()));
-        if self.of != of {
-            (self.of, self.file) = (of, parse(&document.source()).0);
-        }
-        author_doc(&self.file, name)
-    }
-
+impl PointedNames {
     /// What is known about the word at a byte, and the bytes of the word.
     pub(super) fn meaning(&mut self, document: &Document, words: &Words, byte: usize) -> Option<(Candidate, Range<usize>)> {
-        meaning_at(document.kind(), document.text(), words, byte, |name| self.doc(document, name))
+        let of = Some((document.id(), document.revision()));
+        if self.of != of {
+            (self.of, self.symbols) = (of, symbols(document.kind(), &document.source()));
+        }
+        meaning_at(document.kind(), document.text(), words, byte, &self.symbols)
     }
 }
 

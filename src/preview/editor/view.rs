@@ -208,6 +208,6 @@ impl Editor {
         let under = |range: &std::ops::Range<usize>| {
             sheet.rectangles(&document.text, range.clone()).iter().any(|rect| rect.contains(pointer))
         };
-        candidates.filter_map(|byte| self.syntax.meaning(document, &laid.words, byte)).find(|(_, range)| under(range))
+        candidates.filter_map(|byte| self.pointed.meaning(document, &laid.words, byte)).find(|(_, range)| under(range))
     }
 }
