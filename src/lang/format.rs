@@ -1,4 +1,4 @@
-//! Lays out the text of a formula or a scene anew: each statement on its own line, with regular spaces.
+//! Gives the text of a formula or a scene a regular layout: each statement on its own line, with regular spaces.
 //!
 //! Only spaces and line breaks change. Every word and every comment stays, in its order. Both languages have the same
 //! lexical rules, so one layout serves both:
@@ -17,8 +17,8 @@ use crate::lang::lexer::{TokenizedText, tokenize};
 use crate::lang::lines::{LINE_ENDS, LineEnd, count_line_ends, line_start, with_line_feeds};
 use crate::lang::source::{BYTE_ORDER_MARK, Source, SourceSpan};
 use crate::lang::token::{Mark, Token, TokenKind};
-use alignment::{Line, Stop, StopKind, written};
-use spacing::{Placement, placements, separated};
+use alignment::{FormattedLine, Stop, StopKind, written};
+use spacing::{WordPlacement, placements, separated};
 
 /// The indentation of a continued statement whose author gave it none.
 const CONTINUATION: usize = 4;
@@ -41,7 +41,7 @@ pub fn formatted(source: &Source) -> Result<String, Diagnostics> {
     tokens.pop();
     let text = source.text();
     let placements = placements(text, &tokens);
-    let mut layout = Layout {
+    let mut layout = LayoutWriter {
         text,
         indent: indentation_of_declarations(text, &tokens),
         lines: Vec::new(),
@@ -52,8 +52,8 @@ pub fn formatted(source: &Source) -> Result<String, Diagnostics> {
     let items = items(&tokens, &comments);
     for (at, item) in items.iter().enumerate() {
         match *item {
-            Item::Token(index) => layout.token(&tokens[index], &placements[index]),
-            Item::Comment(span) => {
+            WordOrComment::Token(index) => layout.token(&tokens[index], &placements[index]),
+            WordOrComment::Comment(span) => {
                 let next = items.get(at + 1).map(|next| next.span(&tokens).start);
                 layout.comment(span, next);
             }
@@ -67,25 +67,25 @@ pub fn formatted(source: &Source) -> Result<String, Diagnostics> {
 
 /// A word or a comment.
 #[derive(Debug, Clone, Copy)]
-enum Item {
+enum WordOrComment {
     /// The index of a token.
     Token(usize),
     Comment(SourceSpan),
 }
 
-impl Item {
+impl WordOrComment {
     fn span(self, tokens: &[Token]) -> SourceSpan {
         match self {
-            Item::Token(index) => tokens[index].span,
-            Item::Comment(span) => span,
+            WordOrComment::Token(index) => tokens[index].span,
+            WordOrComment::Comment(span) => span,
         }
     }
 }
 
 /// The words and the comments in the order of the text.
-fn items(tokens: &[Token], comments: &[SourceSpan]) -> Vec<Item> {
-    let mut items: Vec<Item> = (0..tokens.len()).map(Item::Token).collect();
-    items.extend(comments.iter().map(|comment| Item::Comment(*comment)));
+fn items(tokens: &[Token], comments: &[SourceSpan]) -> Vec<WordOrComment> {
+    let mut items: Vec<WordOrComment> = (0..tokens.len()).map(WordOrComment::Token).collect();
+    items.extend(comments.iter().map(|comment| WordOrComment::Comment(*comment)));
     items.sort_by_key(|item| item.span(tokens).start);
     items
 }
@@ -96,7 +96,7 @@ struct Before {
     /// Offset of its end.
     end: usize,
     /// How it is placed; `None` for a comment.
-    placement: Option<Placement>,
+    placement: Option<WordPlacement>,
     /// Whether the line of it may go on with a word.
     open: bool,
 }
@@ -112,11 +112,11 @@ struct Statement {
     line: usize,
 }
 
-struct Layout<'s> {
+struct LayoutWriter<'s> {
     text: &'s str,
     /// The indentation of declarations.
     indent: usize,
-    lines: Vec<Line>,
+    lines: Vec<FormattedLine>,
     before: Option<Before>,
     statement: Option<Statement>,
     /// The column in the source of the comment behind a line, if the last item was one. It goes on in lines below with
@@ -124,7 +124,7 @@ struct Layout<'s> {
     comment_column: Option<usize>,
 }
 
-impl Layout<'_> {
+impl LayoutWriter<'_> {
     /// The line ends between the last item and an offset.
     fn breaks(&self, start: usize) -> usize {
         self.before.map_or(0, |before| count_line_ends(&self.text.as_bytes()[before.end..start]))
@@ -136,7 +136,7 @@ impl Layout<'_> {
         line.trim_start_matches(BYTE_ORDER_MARK).chars().count()
     }
 
-    fn token(&mut self, token: &Token, placement: &Placement) {
+    fn token(&mut self, token: &Token, placement: &WordPlacement) {
         let (start, end) = (token.span.range().start, token.span.range().end);
         let breaks = self.breaks(start);
         let behind_comment = self.before.is_some_and(|before| before.placement.is_none());
@@ -212,7 +212,7 @@ impl Layout<'_> {
                 }
             }
             Some(_) if breaks == 1 && self.comment_column == Some(column) && (breaks_behind || self.statement.is_none()) => {
-                let mut line = Line::new(0, false);
+                let mut line = FormattedLine::new(0, false);
                 line.put_behind(written, column, usize::MAX);
                 self.lines.push(line);
                 open = false;
@@ -242,7 +242,7 @@ impl Layout<'_> {
     }
 
     fn begin_line(&mut self, indent: usize, blank_above: bool) {
-        self.lines.push(Line::new(indent, blank_above && !self.lines.is_empty()));
+        self.lines.push(FormattedLine::new(indent, blank_above && !self.lines.is_empty()));
     }
 
     /// Begins a line inside a statement, as far to the right of its first line as in the source.
@@ -253,7 +253,7 @@ impl Layout<'_> {
     }
 
     /// Puts a space before a word on its line if there must be one.
-    fn space(&mut self, token: &Token, placement: &Placement) {
+    fn space(&mut self, token: &Token, placement: &WordPlacement) {
         let Some(before) = self.before else { return };
         let wanted = match before.placement {
             Some(left) => separated(&left, placement),
@@ -270,19 +270,21 @@ impl Layout<'_> {
     }
 
     /// Remembers the column of what follows the name of a statement.
-    fn stop(&mut self, statement: &Statement, placement: &Placement, start: usize) {
-        let left = self.before.and_then(|before| before.placement);
+    fn stop(&mut self, statement: &Statement, placement: &WordPlacement, start: usize) {
+        let Some(before) = self.before else { return };
+        let left = before.placement;
         let kind = match left {
             _ if placement.is_definition => StopKind::Equal,
             Some(left) if left.is_colon() && statement.words == 2 => StopKind::Type,
             Some(_) | None => return,
         };
         let column = self.column(start);
+        let gap = self.text[before.end..start].chars().count();
         if self.lines.len() != statement.line {
             return;
         }
         if let Some(line) = self.lines.last_mut().filter(|line| line.stop.is_none() && !line.text.contains(LINE_ENDS)) {
-            line.stop = Some(Stop { kind, at: line.text.len(), column });
+            line.stop = Some(Stop { kind, at: line.text.len(), column, gap });
         }
     }
 }

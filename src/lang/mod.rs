@@ -6,7 +6,7 @@
 //! 2. [`diagnostic`]: what is said about a text. [`display_text`], [`excerpt`] and [`located`]: how it may be shown.
 //! 3. [`token`] and [`lexer`]: words, shared with the scene language.
 //! 4. [`cursor`] and [`parser`]: grammar.
-//! 5. [`ast`] and [`printer`]: syntax, and syntax as text again. [`format`](mod@format) lays a text out anew.
+//! 5. [`ast`] and [`printer`]: syntax, and syntax as text again. [`format`](mod@format) gives a text a regular layout.
 //!
 //! The tables are [`scalars`] (scalar primitives and their meaning), [`builtins`] (operators and functions in terms of
 //! them), [`variables`] (variables and predefined parameters), [`surface_terms`] (terms of the lighting equation that

@@ -1,12 +1,14 @@
 //! The lines of a formatted text, and what stands in one column.
 //!
-//! Where the author has put the `=` of consecutive definitions in one column, they are in one column afterwards, and so
-//! are types behind `:` and comments behind statements. Lines that have none do not interrupt a column.
+//! Where the author has put the `=` of definitions in one column, they are in one column afterwards, and so are types
+//! behind `:`. Comments behind statements are in one column if those of consecutive lines were; lines without one do
+//! not interrupt it. As many spaces as the author has left before the column stay before it.
 
 use crate::lang::lines::LINE_ENDS;
+use std::collections::BTreeMap;
 
 /// What may stand in one column inside a statement.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum StopKind {
     /// The `=` of a definition.
     Equal,
@@ -22,6 +24,8 @@ pub(super) struct Stop {
     pub at: usize,
     /// The column in the source.
     pub column: usize,
+    /// The spaces before it in the source.
+    pub gap: usize,
 }
 
 /// A comment at the end of a line.
@@ -36,7 +40,7 @@ pub(super) struct CommentBehind {
 
 /// A line of the formatted text. A comment in it may have several lines itself.
 #[derive(Debug, Clone)]
-pub(super) struct Line {
+pub(super) struct FormattedLine {
     blank_above: bool,
     pub indent: usize,
     /// The words; empty if the comment behind the line above goes on here.
@@ -47,7 +51,7 @@ pub(super) struct Line {
     pub source_start: Option<usize>,
 }
 
-impl Line {
+impl FormattedLine {
     /// An empty line, indented by a number of spaces.
     pub(super) fn new(indent: usize, blank_above: bool) -> Self {
         Self { blank_above, indent, text: String::new(), stop: None, comment: None, source_start: None }
@@ -69,10 +73,8 @@ impl Line {
 }
 
 /// The lines as text, each with a line feed at its end.
-pub(super) fn written(mut lines: Vec<Line>) -> String {
-    for kind in [StopKind::Equal, StopKind::Type] {
-        align_stops(&mut lines, kind);
-    }
+pub(super) fn written(mut lines: Vec<FormattedLine>) -> String {
+    align_stops(&mut lines);
     let mut text = String::new();
     for (line, column) in lines.iter().zip(comment_columns(&lines)) {
         if line.blank_above {
@@ -92,25 +94,28 @@ pub(super) fn written(mut lines: Vec<Line>) -> String {
     text
 }
 
-/// Widens the spaces before the stops of consecutive lines that were in one column.
-fn align_stops(lines: &mut [Line], kind: StopKind) {
-    let with_stop: Vec<(usize, Stop)> = lines
-        .iter()
-        .enumerate()
-        .filter_map(|(index, line)| line.stop.filter(|stop| stop.kind == kind).map(|stop| (index, stop)))
-        .collect();
-    for run in with_stop.chunk_by(|(_, one), (_, other)| one.column == other.column) {
+/// Widens the spaces before the stops of lines that were in one column. Lines are in one column by intent if spaces
+/// fill up one of them.
+fn align_stops(lines: &mut [FormattedLine]) {
+    let mut columns: BTreeMap<(StopKind, usize), Vec<(usize, Stop)>> = BTreeMap::new();
+    for (index, line) in lines.iter().enumerate() {
+        if let Some(stop) = line.stop {
+            columns.entry((stop.kind, stop.column)).or_default().push((index, stop));
+        }
+    }
+    for stops in columns.into_values().filter(|stops| stops.len() > 1 && stops.iter().any(|(_, stop)| stop.gap > 1)) {
         let width = |(index, stop): &(usize, Stop)| lines[*index].indent + lines[*index].text[..stop.at].chars().count();
-        let widest = run.iter().map(width).max().unwrap_or(0);
-        let missing: Vec<usize> = run.iter().map(|one| widest - width(one)).collect();
-        for ((index, stop), missing) in run.iter().zip(missing) {
+        let widest = stops.iter().map(width).max().unwrap_or(0);
+        let gap = stops.iter().map(|(_, stop)| stop.gap.max(1)).min().unwrap_or(1);
+        let missing: Vec<usize> = stops.iter().map(|one| widest - width(one) + gap - 1).collect();
+        for ((index, stop), missing) in stops.iter().zip(missing) {
             lines[*index].text.insert_str(stop.at, &" ".repeat(missing));
         }
     }
 }
 
 /// The column of the comment behind each line; 0 where there is none.
-fn comment_columns(lines: &[Line]) -> Vec<usize> {
+fn comment_columns(lines: &[FormattedLine]) -> Vec<usize> {
     let mut columns = vec![0; lines.len()];
     let commented: Vec<(usize, &CommentBehind)> =
         lines.iter().enumerate().filter_map(|(index, line)| Some((index, line.comment.as_ref()?))).collect();

@@ -1,8 +1,8 @@
 //! Where spaces stand between the words of a line.
 //!
 //! One space is around `+`, `-` between operands, comparisons, `&&`, `||` and `=`, and behind `,` and `:`. None is
-//! around `.`, `^` and `..`, inside brackets, and before `,`, `;` and `:`. None is around `*` and `/` either, unless the
-//! author has put them between two expressions in parentheses, as in `(a - b) / (c - d)`.
+//! around `.`, `^` and `..`, inside brackets, and before `,`, `;` and `:`. None is around `*` and `/` either, unless
+//! the author has put them between two expressions in parentheses, as in `(a - b) / (c - d)`.
 
 use crate::lang::lexer::tokenize;
 use crate::lang::lines::LINE_ENDS;
@@ -36,7 +36,7 @@ enum Role {
 
 /// How a word is placed on its line.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Placement {
+pub(super) struct WordPlacement {
     role: Role,
     /// Offset of the word in the source.
     pub start: usize,
@@ -46,7 +46,7 @@ pub(super) struct Placement {
     pub is_definition: bool,
 }
 
-impl Placement {
+impl WordPlacement {
     /// Whether it is `(`, or `<` of a vector.
     pub(super) fn opens(self) -> bool {
         matches!(self.role, Role::OpenParenthesis | Role::OpenVector)
@@ -74,9 +74,9 @@ pub(super) fn is_head(tokens: &[Token], at: usize) -> bool {
 }
 
 /// The placement of each word.
-pub(super) fn placements(text: &str, tokens: &[Token]) -> Vec<Placement> {
+pub(super) fn placements(text: &str, tokens: &[Token]) -> Vec<WordPlacement> {
     let mut reader = RoleReader { has_expressions: false, open: Vec::new(), behind_operand: false };
-    let mut found: Vec<Placement> = Vec::with_capacity(tokens.len());
+    let mut found: Vec<WordPlacement> = Vec::with_capacity(tokens.len());
     let (mut begins, mut words) = (true, 0);
     for (at, token) in tokens.iter().enumerate() {
         let is_head = begins && is_head(tokens, at);
@@ -87,7 +87,7 @@ pub(super) fn placements(text: &str, tokens: &[Token]) -> Vec<Placement> {
         let role = reader.role(&token.kind);
         // The `=` of a definition is the first of its statement; before it are a name and perhaps arguments.
         let is_definition = token.kind == TokenKind::Mark(Mark::Equal) && words > 1 && reader.open.is_empty();
-        found.push(Placement { role, start: token.span.range().start, is_head, is_definition });
+        found.push(WordPlacement { role, start: token.span.range().start, is_head, is_definition });
         begins = matches!(token.kind, TokenKind::Mark(Mark::Semicolon) | TokenKind::Uses(..));
     }
     for at in 0..tokens.len() {
@@ -99,7 +99,7 @@ pub(super) fn placements(text: &str, tokens: &[Token]) -> Vec<Placement> {
 }
 
 /// Whether the author's spaces around a `*` or `/` stay: between parentheses, and at the start or the end of a line.
-fn is_wide(text: &str, tokens: &[Token], placements: &[Placement], at: usize) -> bool {
+fn is_wide(text: &str, tokens: &[Token], placements: &[WordPlacement], at: usize) -> bool {
     let (Some(left), Some(right)) = (at.checked_sub(1), tokens.get(at + 1)) else { return false };
     let gap = |from: &Token, to: &Token| &text[from.span.range().end..to.span.range().start];
     let (before, behind) = (gap(&tokens[left], &tokens[at]), gap(&tokens[at], right));
@@ -178,7 +178,7 @@ impl RoleReader {
 }
 
 /// Whether a space stands between two words on one line.
-pub(super) fn separated(left: &Placement, right: &Placement) -> bool {
+pub(super) fn separated(left: &WordPlacement, right: &WordPlacement) -> bool {
     match (left.role, right.role) {
         (_, Role::Comma | Role::Semicolon | Role::Colon | Role::Closing | Role::Tight) => false,
         (Role::OpenParenthesis | Role::OpenVector | Role::Prefix | Role::Tight, _) => false,

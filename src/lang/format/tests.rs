@@ -71,6 +71,11 @@ fn comments_stay_where_they_are() {
 fn columns_stay_columns() {
     let text = "formula;\nF  =1;\nGA =  2;   // of GA\n\nH(x)=x+  1; // of H\nab= 3;\n= F;";
     assert_eq!(of(text), "formula;\nF  = 1;\nGA = 2;   // of GA\n\nH(x) = x + 1; // of H\nab = 3;\n= F;\n");
+    let text = "formula;\nc2      = 1;\nplanck(t)=t;\n\n// more\nCOLOUR  =glow;\nx  = 2;\ny =3;\n= c2;";
+    let expected = "formula;\nc2      = 1;\nplanck(t) = t;\n\n// more\nCOLOUR  = glow;\nx = 2;\ny = 3;\n= c2;\n";
+    assert_eq!(of(text), expected, "longer lines do not interrupt a column, and one line alone is none");
+    is_regular(text);
+    assert_eq!(of("formula;\na = 1;\nkg=2;\n= a;"), "formula;\na = 1;\nkg = 2;\n= a;\n", "by chance in one column");
     let text = "global;\nd:     scalar,slider;// one\nlonger:scalar;       // two\nx: scalar;\n";
     assert_eq!(of(text), "global;\nd:      scalar, slider; // one\nlonger: scalar;         // two\nx: scalar;\n");
     let text = "bodies;\n  b: sphere,center <0,0,0>,  // here\n       radius 1;             // small\nlights;\n\
