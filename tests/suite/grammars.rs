@@ -2,6 +2,7 @@
 
 use illuminator::lang::builtins::{self, Form, Repetition};
 use illuminator::lang::keywords::{self, Keyword};
+use illuminator::lang::surface_terms::SurfaceTerm;
 use illuminator::lang::variables::{Predefined, Variable};
 use illuminator::scene::{LightKind, Shape, Syntax};
 use serde_json::{Value, json};
@@ -60,6 +61,7 @@ fn formula() -> Value {
         group("keyword.control.section", &format!("\\b{sections}\\b(?=\\s*;)")),
         group("storage.type", &format!(":\\s*{}\\b", one_of(words(&keywords::TYPES)))),
         group("storage.modifier", &format!("[:,]\\s*{attributes}\\b(?!\\s*[-+*/.^)])")),
+        group("support.constant", &format!("^\\s*{}(?=\\s*=(?!=))", one_of(SurfaceTerm::ALL.iter().map(|term| term.name())))),
         group("entity.name.function", "^\\s*([A-Za-z_]\\w*)(?=\\s*\\([^()]*\\)\\s*=(?!=))"),
         group("variable.other.constant", "^\\s*([A-Za-z_]\\w*)(?=\\s*=(?!=))"),
         group("variable.parameter", "^\\s*([A-Za-z_]\\w*)(?=\\s*:)"),
