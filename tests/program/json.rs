@@ -29,25 +29,33 @@ fn places_are_counted_as_editors_do() {
     assert_eq!(found["message"], "`Cb` is not known");
     assert_eq!(found["range"], json!({"start": {"line": 1, "character": 15}, "end": {"line": 1, "character": 17}}));
     assert_eq!((&found["severity"], &found["source"]), (&json!(1), &json!("illuminator")));
-    assert_eq!(found["data"]["hints"], json!(["did you mean `Cd`?"]));
+    assert_eq!(found["data"]["hints"], json!(["declare it, as in `Cb: scalar, constraint 0..1, slider;`"]));
+    assert_eq!(found["data"]["remark"], "no parameter, macro, variable or function has this name");
     assert_eq!(output.status.code(), Some(1));
 }
 
 #[test]
 fn every_file_is_listed_with_what_is_wrong() {
     let folder = folder();
-    write(&folder, "twice.scene", "bodies;\na: sphere, center <0,0,0>, radius 1;\na: sphere, center <0,0,0>, radius 1;\nlights;\ncamera;\nposition <0,1,6>; gaze <0,0,-1>; up <0,1,0>; fov 40;");
+    write(
+        &folder,
+        "twice.scene",
+        "bodies;\na: sphere, center <0,0,0>, radius 1;\na: sphere, center <0,0,0>, radius 1;\nlights;\ncamera;\nposition <0,1,6>; gaze <0,0,-1>; up <0,1,0>; fov 40;",
+    );
     write(&folder, "model.txt", "formula;\n= Cd*;");
     let (files, status) = checked(folder.path(), "twice.scene none.formula session.toml preset:lambert");
     assert_eq!(status, Some(1));
     let names: Vec<&str> = files.iter().filter_map(|file| file["path"].as_str()).collect();
-    assert_eq!(names, ["twice.scene", "none.formula", "session.toml", "model.txt", "sub/place.txt", "preset:lambert"]);
+    assert_eq!(names, ["twice.scene", "none.formula", "session.toml", "sub/place.txt", "model.txt", "preset:lambert"]);
     let of = |index: usize| files[index]["diagnostics"].as_array().expect("a list");
     let related = &of(0)[0]["relatedInformation"][0];
-    assert_eq!((&related["message"], &related["location"]["range"]["start"]), (&json!("the first time"), &json!({"line": 1, "character": 0})));
+    assert_eq!(
+        (&related["message"], &related["location"]["range"]["start"]),
+        (&json!("the first time"), &json!({"line": 1, "character": 0}))
+    );
     assert_eq!(related["location"]["uri"], files[0]["uri"]);
     assert!(of(1)[0]["message"].as_str().is_some_and(|message| message.contains("there is no such file")));
-    assert_eq!((of(2).len(), of(3).len(), of(4).len(), of(5).len()), (0, 1, 0, 0));
+    assert_eq!((of(2).len(), of(3).len(), of(4).len(), of(5).len()), (0, 0, 1, 0));
     assert_eq!(files[5]["uri"], "preset:lambert");
     let (sound, status) = checked(folder.path(), "preset:lambert");
     assert_eq!((sound[0]["diagnostics"].clone(), status), (json!([]), Some(0)));

@@ -128,7 +128,9 @@ fn a_formula_is_written_with_the_help_of_the_server() {
     let found = editor.open("illuminator-formula", TEXT);
     assert_eq!(found.len(), 1, "{found:?}");
     assert_eq!(found[0]["range"], range([4, 19], [4, 21]));
-    assert_eq!(found[0]["message"], "`Cb` is not known\nhelp: did you mean `Cd`?");
+    let told = "`Cb` is not known\nno parameter, macro, variable or function has this name\n\
+                help: declare it, as in `Cb: scalar, constraint 0..1, slider;`";
+    assert_eq!(found[0]["message"], told);
 
     let change = json!({"range": range([4, 20], [4, 21]), "text": "d"});
     let changed = json!({"textDocument": {"uri": URI, "version": 2}, "contentChanges": [change]});
@@ -138,10 +140,10 @@ fn a_formula_is_written_with_the_help_of_the_server() {
     let hover = editor.ask_at("textDocument/hover", 4, 19, &json!({}));
     assert_eq!(hover["result"]["range"], range([4, 19], [4, 21]));
     let text = hover["result"]["contents"]["value"].as_str().expect("a text").to_owned();
-    assert!(text.starts_with("```illuminator-formula\nCd vector\n```\n") && text.contains("colour of the body"), "{text}");
+    assert!(text.starts_with("```illuminator-formula\nCd: vector\n```\n") && text.contains("colour of the body"), "{text}");
     let hover = editor.ask_at("textDocument/hover", 3, 9, &json!({}));
     let text = hover["result"]["contents"]["value"].as_str().expect("a text").to_owned();
-    assert!(text.contains("scalar, default 0.5\n") && text.contains("the matte part"), "{text}");
+    assert!(text.contains("kd: scalar, default 0.5\n") && text.contains("the matte part"), "{text}");
     assert_eq!(editor.ask_at("textDocument/hover", 2, 8, &json!({}))["result"], Value::Null);
 
     let definition = editor.ask_at("textDocument/definition", 3, 10, &json!({}));
@@ -153,6 +155,43 @@ fn a_formula_is_written_with_the_help_of_the_server() {
     let outline = editor.ask("textDocument/documentSymbol", &json!({"textDocument": {"uri": URI}}));
     let names: Vec<&Value> = outline["result"].as_array().expect("a list").iter().map(|one| &one["name"]).collect();
     assert_eq!(names, ["kd", "F"]);
+    assert_eq!(editor.end(), Some(0));
+}
+
+#[test]
+fn terms_of_the_lighting_equation_are_completed_and_explained() {
+    const TERMS: &str =
+        "formula;\nambient = Cd;\nemission = 0.1*Cd; // the glow\nreflected = kr*(1 - eta)*total;\nref\n= IL*Cd*visible;\n";
+    let mut editor = EditorSession::begun();
+    editor.open("illuminator-formula", TERMS);
+    let completion = editor.ask_at("textDocument/completion", 4, 3, &json!({}));
+    let items = completion["result"]["items"].as_array().expect("a list");
+    assert_eq!(items.len(), 1, "`reflected` is there already: {items:?}");
+    assert_eq!(items[0]["textEdit"], json!({"range": range([4, 0], [4, 3]), "newText": "refracted = "}));
+    assert_eq!((&items[0]["label"], &items[0]["detail"]), (&json!("refracted"), &json!("scalar or vector")));
+    assert_eq!(items[0]["documentation"], "weight of the refracted ray, a scalar or a colour, in place of kt");
+
+    let given = json!({"range": range([4, 0], [4, 3]), "text": "refracted = 1 - eta;"});
+    let changed = json!({"textDocument": {"uri": URI, "version": 2}, "contentChanges": [given]});
+    editor.tell("textDocument/didChange", &changed);
+    assert_eq!(editor.published(2), Vec::<Value>::new());
+    let mut told = |line: u32, character: u32| {
+        let hover = editor.ask_at("textDocument/hover", line, character, &json!({}));
+        hover["result"]["contents"]["value"].as_str().unwrap_or_default().replace('\\', "")
+    };
+    for (place, head, doc) in [
+        ([1, 0], "ambient = Cd", "ambient light at a hit"),
+        ([2, 7], "emission = 0.1*Cd", "light that a hit sends out by itself"),
+        ([2, 7], "", "\n\nthe glow"),
+        ([3, 3], "reflected = kr*(1 - eta)*total", "weight of the reflected ray"),
+        ([4, 0], "refracted = 1 - eta", "weight of the refracted ray"),
+        ([3, 22], "eta: scalar", "n1/n2 of the refractive indices"),
+        ([3, 28], "total: scalar", "1 where refraction is total reflection"),
+        ([5, 10], "visible: scalar", "1 if no body lies between the hit and the light"),
+    ] {
+        let text = told(place[0], place[1]);
+        assert!(text.contains(head) && text.contains(doc), "{place:?}: {text}");
+    }
     assert_eq!(editor.end(), Some(0));
 }
 
@@ -171,7 +210,8 @@ fn names_are_completed_and_changed() {
     let rename = editor.ask_at("textDocument/rename", 4, 11, &json!({"newName": "falloff"}));
     let edit = |start, end| json!({"range": range(start, end), "newText": "falloff"});
     assert_eq!(rename["result"]["changes"][URI], json!([edit([3, 0], [3, 1]), edit([4, 11], [4, 12])]));
-    for (name, told) in [("kd", "`kd` has another meaning in this file"), ("N", "`N` is already"), ("a b", "`a b` is not a name")] {
+    for (name, told) in [("kd", "`kd` has another meaning in this file"), ("N", "`N` is already"), ("a b", "`a b` is not a name")]
+    {
         let refused = editor.ask_at("textDocument/rename", 4, 11, &json!({"newName": name}));
         assert!(refused["error"]["message"].as_str().is_some_and(|message| message.starts_with(told)), "{refused}");
     }
@@ -206,11 +246,15 @@ fn bad_input_does_not_end_the_server() {
     let mut editor = EditorSession::silent();
     assert_eq!(editor.ask("textDocument/hover", &json!({}))["error"]["code"], -32002, "before `initialize`");
     let mut editor = EditorSession::begun();
-    let garbage = b"garbage\r\nContent-Length: -1\r\n\r\nContent-Length: 5\r\n\r\n{]}{[Content-Length: 7\r\n\r\n{\"a\":1}";
-    editor.write(garbage);
-    for _ in 0..4 {
+    editor.write(b"garbage\r\nContent-Length: -1\r\n\r\nContent-Length: 5\r\n\r\n{]}{[");
+    for _ in 0..2 {
         assert_eq!(editor.heard()["method"], "window/logMessage");
     }
+    let heard = editor.heard();
+    assert_eq!((&heard["id"], &heard["error"]["code"]), (&Value::Null, &json!(-32700)), "{heard}");
+    editor.send(&json!({"jsonrpc": "2.0", "id": "x", "method": 7}));
+    let heard = editor.heard();
+    assert_eq!((&heard["id"], &heard["error"]["code"]), (&json!("x"), &json!(-32600)), "{heard}");
     assert_eq!(editor.ask("workspace/unheardOf", &json!({}))["error"]["code"], -32601);
     assert_eq!(editor.ask("textDocument/hover", &json!({"position": 7}))["error"]["code"], -32602);
     editor.tell("textDocument/didOpen", &json!([1, 2]));
