@@ -60,7 +60,11 @@ fn formula() -> Value {
         rule("keyword.control.import", "#uses\\b[^;]*;"),
         group("keyword.control.section", &format!("\\b{sections}\\b(?=\\s*;)")),
         group("storage.type", &format!(":\\s*{}\\b", one_of(words(&keywords::TYPES)))),
-        group("storage.modifier", &format!("[:,]\\s*{attributes}\\b(?!\\s*[-+*/.^)])")),
+        // Not a parameter of this name: no operator follows, unless it is a sign.
+        group(
+            "storage.modifier",
+            &format!("(?:^|[:,])\\s*{attributes}\\b(?!\\s*(?:[*/^):=]|[-+]\\s|\\.(?!\\d)))"),
+        ),
         group("support.constant", &format!("^\\s*{}(?=\\s*=(?!=))", one_of(SurfaceTerm::ALL.iter().map(|term| term.name())))),
         group("entity.name.function", "^\\s*([A-Za-z_]\\w*)(?=\\s*\\([^()]*\\)\\s*=(?!=))"),
         group("variable.other.constant", "^\\s*([A-Za-z_]\\w*)(?=\\s*=(?!=))"),
@@ -85,7 +89,7 @@ fn scene() -> Value {
         group("keyword.control.section", &format!("\\b{}\\b(?=\\s*;)", one_of(words(&keywords::SCENE_SECTIONS)))),
         group("variable.other", "\\b([A-Za-z_]\\w*)(?=\\s*:)"),
         group("storage.type", &format!(":\\s*{kinds}\\b")),
-        group("storage.modifier", &format!(",\\s*{clauses}\\b")),
+        group("storage.modifier", &format!("(?:^|,)\\s*{clauses}\\b(?!\\s*:)")),
         group("keyword.other", &format!("\\b{}\\b(?!\\s*:)", one_of(words(&keywords::CAMERA_CLAUSES)))),
     ]);
     grammar("Illuminator scene", "source.illuminator-scene", "scene", patterns)
