@@ -61,10 +61,7 @@ fn formula() -> Value {
         group("keyword.control.section", &format!("\\b{sections}\\b(?=\\s*;)")),
         group("storage.type", &format!(":\\s*{}\\b", one_of(words(&keywords::TYPES)))),
         // Not a parameter of this name: no operator follows, unless it is a sign.
-        group(
-            "storage.modifier",
-            &format!("(?:^|[:,])\\s*{attributes}\\b(?!\\s*(?:[*/^):=]|[-+]\\s|\\.(?!\\d)))"),
-        ),
+        group("storage.modifier", &format!("(?:^|[:,])\\s*{attributes}\\b(?!\\s*(?:[*/^):=]|[-+]\\s|\\.(?!\\d)))")),
         group("support.constant", &format!("^\\s*{}(?=\\s*=(?!=))", one_of(SurfaceTerm::ALL.iter().map(|term| term.name())))),
         group("entity.name.function", "^\\s*([A-Za-z_]\\w*)(?=\\s*\\([^()]*\\)\\s*=(?!=))"),
         group("variable.other.constant", "^\\s*([A-Za-z_]\\w*)(?=\\s*=(?!=))"),
