@@ -238,6 +238,9 @@ fn texts_are_formatted_unless_they_have_mistakes() {
     let formatted = editor.ask("textDocument/formatting", &asked);
     let text = formatted["result"][0]["newText"].as_str().expect("a text");
     assert!(text.starts_with(" ball: sphere, center <0, 0, 0>, radius 1;\n"), "{text}");
+    let hover = editor.ask_at("textDocument/hover", 1, 1, &json!({}));
+    let text = "```illuminator-scene\nball: sphere,center <0,0,0>,radius 1\n```";
+    assert_eq!(hover["result"]["contents"]["value"], text);
     assert_eq!(editor.end(), Some(0));
 }
 

@@ -1,7 +1,7 @@
 //! The answers to the questions of an editor about its open texts.
 
 use crate::cli::fmt::laid_out;
-use crate::cli::lsp::texts::{OpenText, OpenTexts};
+use crate::cli::lsp::texts::{OpenText, OpenTexts, language};
 use illuminator::assist::completion::{Candidate, complete};
 use illuminator::assist::meaning::meaning_at;
 use illuminator::assist::rename::renamed;
@@ -128,12 +128,12 @@ fn hover(text: &OpenText, byte: usize, markdown: bool) -> Option<Hover> {
         Some(_) => ": ",
     };
     let (head, doc) = (format!("{}{between}{}", found.name, found.types), found.doc);
-    let (kind, value) = if markdown {
-        (MarkupKind::Markdown, format!("```illuminator-formula\n{head}\n```\n{}", escaped(&doc)))
+    let (markup, value) = if markdown {
+        (MarkupKind::Markdown, format!("```{}\n{head}\n```\n{}", language(kind), escaped(&doc)))
     } else {
         (MarkupKind::PlainText, format!("{head}\n{doc}"))
     };
-    let contents = HoverContents::Markup(MarkupContent { kind, value: value.trim_end().to_owned() });
+    let contents = HoverContents::Markup(MarkupContent { kind: markup, value: value.trim_end().to_owned() });
     Some(Hover { contents, range: Some(text.positions().range(range)) })
 }
 

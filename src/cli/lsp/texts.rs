@@ -35,6 +35,15 @@ impl OpenText {
     }
 }
 
+/// The name by which editors know the language of a kind of text.
+pub(super) fn language(kind: FileKind) -> &'static str {
+    match kind {
+        FileKind::Formula => "illuminator-formula",
+        FileKind::Scene => "illuminator-scene",
+        FileKind::Session | FileKind::Material => "toml",
+    }
+}
+
 /// All open texts.
 #[derive(Debug, Default)]
 pub(super) struct OpenTexts {
@@ -50,11 +59,7 @@ impl OpenTexts {
 
     /// Adds a text that was opened.
     pub(super) fn open(&mut self, item: TextDocumentItem) -> &OpenText {
-        let given = match item.language_id.as_str() {
-            "illuminator-formula" => Some(FileKind::Formula),
-            "illuminator-scene" => Some(FileKind::Scene),
-            _ => None,
-        };
+        let given = [FileKind::Formula, FileKind::Scene].into_iter().find(|kind| language(*kind) == item.language_id);
         let source = Source::new(path_in(&item.uri), item.text);
         let text = OpenText { uri: item.uri, version: item.version, source, given };
         self.texts.entry(text.uri.as_str().to_owned()).insert_entry(text).into_mut()
