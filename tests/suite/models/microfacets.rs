@@ -5,6 +5,7 @@
 mod anisotropic;
 mod cook_torrance;
 mod disney;
+mod mirrors;
 mod openpbr;
 mod walter;
 
@@ -12,11 +13,12 @@ use crate::models::{Hit, Model, SINGLE, cross, direction, dot, hemisphere, near}
 
 /// The reflectance of a smooth surface for unpolarized light, from the complex index n − ik and the cosine of the angle
 /// of incidence: the squares of the complex amplitudes of both polarizations.
-pub fn fresnel(n: f64, k: f64, cosine: f64) -> f64 {
+fn fresnel(n: f64, k: f64, cosine: f64) -> f64 {
     let index = Complex(n, -k);
     let square = index.times(index);
     let inside = Complex(square.0 - (1.0 - cosine * cosine), square.1).root();
-    let amplitude = |ahead: Complex| Complex(ahead.0 - inside.0, ahead.1 - inside.1).over(Complex(ahead.0 + inside.0, ahead.1 + inside.1));
+    let amplitude =
+        |ahead: Complex| Complex(ahead.0 - inside.0, ahead.1 - inside.1).over(Complex(ahead.0 + inside.0, ahead.1 + inside.1));
     let perpendicular = amplitude(Complex(cosine, 0.0));
     let parallel = amplitude(Complex(square.0 * cosine, square.1 * cosine));
     (perpendicular.norm() + parallel.norm()) / 2.0
@@ -113,6 +115,8 @@ fn colours_are_numbers_in_all_corners() {
         "openpbr",
         "ashikhmin-shirley",
         "brushed-metal",
+        "fresnel-glass",
+        "coloured-mirror",
     ] {
         crate::models::sound_in_all_corners(name);
     }

@@ -2,6 +2,7 @@
 //! published tables, integrals, and formulas of papers computed again in double precision.
 
 mod microfacets;
+mod painterly;
 
 use illuminator::formula::graph::{Graph, Node, NodeId};
 use illuminator::formula::{Formula, ParameterId};
@@ -12,55 +13,55 @@ use std::collections::HashMap;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// A direction, a point or a colour.
-pub type Triple = [f64; 3];
+type Triple = [f64; 3];
 
 /// The dot product.
-pub fn dot(a: Triple, b: Triple) -> f64 {
+fn dot(a: Triple, b: Triple) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// The cross product.
-pub fn cross(a: Triple, b: Triple) -> Triple {
+fn cross(a: Triple, b: Triple) -> Triple {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 /// A vector divided by its length.
-pub fn normalize(a: Triple) -> Triple {
+fn normalize(a: Triple) -> Triple {
     let length = dot(a, a).sqrt();
     a.map(|x| x / length)
 }
 
 /// The direction at an angle to the normal +z, at an azimuth from +x, both in degrees.
-pub fn direction(polar: f64, azimuth: f64) -> Triple {
+fn direction(polar: f64, azimuth: f64) -> Triple {
     let (polar, azimuth) = (polar.to_radians(), azimuth.to_radians());
     [polar.sin() * azimuth.cos(), polar.sin() * azimuth.sin(), polar.cos()]
 }
 
 /// A hit and a light: what the variables of a formula follow from. The normal is +z and the tangent +x.
 #[derive(Debug, Clone, Copy)]
-pub struct Hit {
+struct Hit {
     /// To the light.
-    pub light: Triple,
+    light: Triple,
     /// To the viewer.
-    pub viewer: Triple,
+    viewer: Triple,
     /// The hit in world coordinates.
-    pub point: Triple,
+    point: Triple,
     /// 1 if nothing is between the hit and the light.
-    pub visible: f64,
+    visible: f64,
     /// n1/n2 at the surface.
-    pub eta: f64,
+    eta: f64,
     /// From the hit to the light.
-    pub distance: f64,
+    distance: f64,
 }
 
 impl Hit {
     /// A hit at the origin, with light and viewer in these directions of unit length.
-    pub fn new(light: Triple, viewer: Triple) -> Self {
+    fn new(light: Triple, viewer: Triple) -> Self {
         Hit { light, viewer, point: [0.0; 3], visible: 1.0, eta: 1.0, distance: 1.0 }
     }
 
     /// With light and viewer exchanged.
-    pub fn swapped(self) -> Self {
+    fn swapped(self) -> Self {
         Hit { light: self.viewer, viewer: self.light, ..self }
     }
 
@@ -94,7 +95,7 @@ impl Hit {
 }
 
 /// A built-in formula with values of its parameters: their defaults until others are given.
-pub struct Model {
+struct Model {
     formula: Formula,
     graph: Graph,
     macros: HashMap<String, Graph>,
@@ -103,7 +104,7 @@ pub struct Model {
 
 impl Model {
     /// The built-in formula of this name.
-    pub fn built_in(name: &str) -> Self {
+    fn built_in(name: &str) -> Self {
         let text = presets::text(FileKind::Formula, name).expect("a built-in formula");
         let source = Source::new(name, text);
         let (formula, warnings) = Formula::parse(&source).unwrap_or_else(|errors| panic!("{}", errors.located(&source)));
@@ -114,19 +115,19 @@ impl Model {
     }
 
     /// With a value of a parameter: all three components of a vector.
-    pub fn set(mut self, name: &str, value: f64) -> Self {
+    fn set(mut self, name: &str, value: f64) -> Self {
         self.assign(name, [value; 3]);
         self
     }
 
     /// With a value of a vector parameter.
-    pub fn colour(mut self, name: &str, value: Triple) -> Self {
+    fn colour(mut self, name: &str, value: Triple) -> Self {
         self.assign(name, value);
         self
     }
 
     /// Gives a parameter a value, which must be in its range.
-    pub fn assign(&mut self, name: &str, value: Triple) {
+    fn assign(&mut self, name: &str, value: Triple) {
         let id = self.formula.parameter_named(name).unwrap_or_else(|| panic!("no parameter {name}"));
         let value = value.map(|x| x as f32);
         for x in value {
@@ -136,17 +137,17 @@ impl Model {
     }
 
     /// The formula.
-    pub fn formula(&self) -> &Formula {
+    fn formula(&self) -> &Formula {
         &self.formula
     }
 
     /// The colour that a hit gets from a light of intensity 1: π times the BRDF, times N.L.
-    pub fn shade(&self, hit: &Hit) -> Triple {
+    fn shade(&self, hit: &Hit) -> Triple {
         self.evaluate(&self.graph, hit)
     }
 
     /// The value of a macro, three times if it is a scalar.
-    pub fn value(&mut self, name: &str, hit: &Hit) -> Triple {
+    fn value(&mut self, name: &str, hit: &Hit) -> Triple {
         if !self.macros.contains_key(name) {
             let (_, id) = self.formula.macros.iter().find(|(known, _)| known == name).expect("a macro");
             let formula = Formula { result: *id, ..self.formula.clone() };
@@ -168,7 +169,7 @@ impl Model {
     /// What part of the light from all directions goes to a viewer at this angle in degrees, under a white sky:
     /// the integral of the colour over the hemisphere of lights, divided by π. The midpoint rule, in steps of the
     /// polar angle and of the azimuth.
-    pub fn albedo(&self, polar: f64, steps: usize) -> Triple {
+    fn albedo(&self, polar: f64, steps: usize) -> Triple {
         let viewer = direction(polar, 0.0);
         hemisphere(steps, |light| self.shade(&Hit::new(light, viewer))).map(|sum| sum / PI)
     }
@@ -176,7 +177,7 @@ impl Model {
 
 /// The integral of a function of a direction over the hemisphere above the normal. The midpoint rule, in this number
 /// of steps of the polar angle and twice as many of the azimuth.
-pub fn hemisphere(steps: usize, mut integrand: impl FnMut(Triple) -> Triple) -> Triple {
+fn hemisphere(steps: usize, mut integrand: impl FnMut(Triple) -> Triple) -> Triple {
     let (polar_step, azimuth_step) = (FRAC_PI_2 / steps as f64, PI / steps as f64);
     let mut sum = [0.0; 3];
     for row in 0..steps {
@@ -194,7 +195,7 @@ pub fn hemisphere(steps: usize, mut integrand: impl FnMut(Triple) -> Triple) -> 
 
 /// Directions to light and viewer all over the hemisphere, also near its edge and with N.L ≤ 0, and equal to each
 /// other, to the normal and to the mirror direction.
-pub fn hits() -> Vec<Hit> {
+fn hits() -> Vec<Hit> {
     let mut found = Vec::new();
     for viewer in [0.0, 45.0, 89.9, 90.0] {
         for polar in [0.0, 45.0, 89.9, 90.0, 135.0, 180.0] {
@@ -208,17 +209,17 @@ pub fn hits() -> Vec<Hit> {
 
 /// Asserts that a value is near another one: within `tolerance`, relative to the wanted one where that is above 1.
 #[track_caller]
-pub fn near(found: f64, wanted: f64, tolerance: f64) {
+fn near(found: f64, wanted: f64, tolerance: f64) {
     assert!((found - wanted).abs() <= tolerance * wanted.abs().max(1.0), "{found} is not {wanted}");
 }
 
 /// The tolerance of computations in single precision.
-pub const SINGLE: f64 = 1e-4;
+const SINGLE: f64 = 1e-4;
 
 /// Asserts that the colour is a number, not negative and nowhere extreme, for all [`hits`] with many settings of the
 /// body's parameters: each at one end of its range or at its default, in combinations drawn by a fixed sequence.
 #[track_caller]
-pub fn sound_in_all_corners(name: &str) {
+fn sound_in_all_corners(name: &str) {
     const COMBINATIONS: usize = 150;
     let mut model = Model::built_in(name);
     let hits = hits();

@@ -35,10 +35,14 @@ fn ward_by_angles() {
 }
 
 #[test]
-fn ward_reflects_rho_s_where_slopes_are_small() {
-    // "Normalization is accurate as long as alpha is not much greater than 0.2": for a viewer straight above.
-    let gloss = Model::built_in("ward").set("rd", 0.0).set("rs", 1.0).set("ax", 0.15).set("ay", 0.15);
-    near(gloss.albedo(0.0, 64)[0], 1.0, 0.03);
+fn ward_reflects_almost_rho_s() {
+    // Seen straight on, with t = tan^2(delta) and a slope a, the albedo is rho_s/a^2 times the integral of
+    // (1 + t)^(-5/2) (1 - t)^(1/2) exp(-t/a^2) over t, which is 1 - 3a^2 + 11a^4 - 51a^6 + ...
+    for slope in [0.1_f64, 0.15] {
+        let gloss = Model::built_in("ward").set("rd", 0.0).set("rs", 1.0).set("ax", slope).set("ay", slope);
+        let wanted = 1.0 - 3.0 * slope.powi(2) + 11.0 * slope.powi(4) - 51.0 * slope.powi(6);
+        near(gloss.albedo(0.0, 64)[0], wanted, 2e-3);
+    }
 }
 
 #[test]
@@ -86,10 +90,10 @@ fn ggx_with_a_grain_keeps_its_promises() {
     }
     let mirrors = model().set("n", 0.05).set("k", 10.0);
     sends_no_more_than_it_gets(&mirrors, &[0.0, 45.0, 75.0], 0.0);
-    // All the light comes back from smooth facets that reflect all.
+    // What smooth facets lose because light that meets a second facet is left out: the albedo by a script that sums
+    // Heitz's formulas over 400 by 800 directions in double precision.
     let smooth = Model::built_in("ggx-anisotropic").set("ax", 0.15).set("ay", 0.15).set("n", 0.01).set("k", 10.0);
-    let part = smooth.albedo(30.0, 64)[0];
-    assert!(part > 0.97 && part <= 1.0, "{part}");
+    near(smooth.albedo(30.0, 64)[0], 0.966394, 1e-3);
 }
 
 #[test]
@@ -137,7 +141,8 @@ fn ashikhmin_and_shirleys_diffuse_part_reflects_what_the_other_leaves() {
 #[test]
 fn brushed_metal_without_strokes_is_ggx_with_a_grain() {
     let strokes = |brush: f64, axis| Model::built_in("brushed-metal").set("depth", 0.0).set("brush", brush).colour("axis", axis);
-    let grain = |rot| Model::built_in("ggx-anisotropic").set("ax", 0.08).set("ay", 0.35).set("rot", rot).set("n", 1.99).set("k", 4.21);
+    let grain =
+        |rot| Model::built_in("ggx-anisotropic").set("ax", 0.08).set("ay", 0.35).set("rot", rot).set("n", 1.99).set("k", 4.21);
     for hit in pairs() {
         let hit = Hit { point: [0.0, 2.0, 0.0], ..hit };
         // The tangent is +x, the normal +z.
@@ -146,12 +151,16 @@ fn brushed_metal_without_strokes_is_ggx_with_a_grain() {
         // Around z, at a point on y: along x.
         near(strokes(1.0, [0.0, 0.0, 1.0]).shade(&hit)[0], grain(0.0).shade(&hit)[0], SINGLE);
     }
-    near(strokes(0.0, [1.0, 0.0, 0.0]).shade(&mirror(60.0))[0], {
-        // D = 1/(pi ax ay); masking by lambda of the direction along the strokes.
-        let sine = 60.0_f64.to_radians().sin();
-        let lambda = ((1.0 + (0.08 * sine / 0.5).powi(2)).sqrt() - 1.0) / 2.0;
-        fresnel(1.99, 4.21, 0.5) / (0.08 * 0.35 * (1.0 + 2.0 * lambda) * 4.0 * 0.5)
-    }, SINGLE);
+    near(
+        strokes(0.0, [1.0, 0.0, 0.0]).shade(&mirror(60.0))[0],
+        {
+            // D = 1/(pi ax ay); masking by lambda of the direction along the strokes.
+            let sine = 60.0_f64.to_radians().sin();
+            let lambda = ((1.0 + (0.08 * sine / 0.5).powi(2)).sqrt() - 1.0) / 2.0;
+            fresnel(1.99, 4.21, 0.5) / (0.08 * 0.35 * (1.0 + 2.0 * lambda) * 4.0 * 0.5)
+        },
+        SINGLE,
+    );
 }
 
 #[test]

@@ -18,7 +18,7 @@ fn torrance_and_sparrow_straight_on() {
 fn torrance_and_sparrow_obey_fresnel() {
     let model = Model::built_in("torrance-sparrow").set("kd", 0.0).set("ks", 1.0).colour("n", GOLD[0]).colour("k", GOLD[1]);
     for polar in [0.0, 30.0, 60.0, 80.0] {
-        let cosine = polar.to_radians().cos();
+        let cosine = f64::to_radians(polar).cos();
         let shade = model.shade(&mirror(polar));
         for channel in 0..3 {
             // In the mirror direction the facet is level, nothing is masked, and G/cos(theta) is 1/cos(theta).
@@ -41,7 +41,8 @@ fn torrance_and_sparrow_peak_beyond_the_mirror_direction() {
         (45.0, 75.0, 4.012156050008479, 1.8598590129416248),
         (60.0, 80.0, 7.978591821873834, 1.2163763542466899),
     ] {
-        let radiance = |tenths: i32| model.shade(&Hit::new(direction(incidence, 0.0), direction(f64::from(tenths) / 10.0, 180.0)))[0];
+        let radiance =
+            |tenths: i32| model.shade(&Hit::new(direction(incidence, 0.0), direction(f64::from(tenths) / 10.0, 180.0)))[0];
         let brightest = (0..899).max_by(|one, other| radiance(*one).total_cmp(&radiance(*other))).expect("some angles");
         assert!((f64::from(brightest) / 10.0 - peak).abs() < 0.25, "{brightest} at {incidence}");
         near(radiance(brightest), value, SINGLE);
@@ -80,7 +81,7 @@ fn cook_and_torrance_obey_fresnel() {
     let metal = Model::built_in("cook-torrance").set("d", 0.0).set("s", 1.0).colour("n", GOLD[0]).colour("k", GOLD[1]);
     let plastic = Model::built_in("cook-torrance").set("d", 0.0).set("s", 1.0).colour("n", [1.333, 1.5, 2.42]);
     for polar in [0.0, 45.0, 56.31, 75.0, 85.0] {
-        let cosine = polar.to_radians().cos();
+        let cosine = f64::to_radians(polar).cos();
         // A level facet of the slope 0.25, not masked.
         let scale = 1.0 / (0.0625 * 4.0 * cosine);
         let (gold, clear) = (metal.shade(&mirror(polar)), plastic.shade(&mirror(polar)));

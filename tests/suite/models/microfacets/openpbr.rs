@@ -47,7 +47,13 @@ fn dielectrics_obey_fresnel() {
 #[test]
 fn metals_take_their_colour_straight_on_and_their_tint_at_82_degrees() {
     let gold = [0.956, 0.792, 0.408];
-    let metal = || model().colour("Cd", gold).set("base_metalness", 1.0).set("specular_roughness", 0.6).colour("specular_color", [0.9, 0.5, 0.2]);
+    let metal = || {
+        model()
+            .colour("Cd", gold)
+            .set("base_metalness", 1.0)
+            .set("specular_roughness", 0.6)
+            .colour("specular_color", [0.9, 0.5, 0.2])
+    };
     let polar = (1.0_f64 / 7.0).acos().to_degrees();
     let sine = (1.0 - 1.0_f64 / 49.0).sqrt();
     let lambda = ((1.0 + (0.36 * sine * 7.0).powi(2)).sqrt() - 1.0) / 2.0;
@@ -92,8 +98,8 @@ fn a_coat_that_does_not_reflect_only_absorbs() {
     for (polar, azimuth) in [(0.0, 0.0), (50.0, 180.0)] {
         let hit = Hit::new(direction(polar, azimuth), direction(0.0, 0.0));
         let length = 0.5 + 0.5 / hit.light[2];
-        for channel in 0..3 {
-            let wanted = 0.8 * hit.light[2] * coat[channel].powf(length);
+        for (channel, coat) in coat.into_iter().enumerate() {
+            let wanted = 0.8 * hit.light[2] * f64::powf(coat, length);
             near(painted().set("coat_darkening", 0.0).shade(&hit)[channel], wanted, SINGLE);
         }
     }
@@ -103,7 +109,15 @@ fn a_coat_that_does_not_reflect_only_absorbs() {
 fn a_coat_darkens_and_saturates() {
     // (1 - K)/(1 - Cd K) for each colour: straight on, without gloss of the base, with and without the bounces.
     let red = [0.8, 0.2, 0.0];
-    let coated = |darkening| model().colour("Cd", red).set("specular_weight", 0.0).set("coat_weight", 1.0).set("coat_ior", 1.5).set("coat_darkening", darkening).set("coat_roughness", 1.0);
+    let coated = |darkening| {
+        model()
+            .colour("Cd", red)
+            .set("specular_weight", 0.0)
+            .set("coat_weight", 1.0)
+            .set("coat_ior", 1.5)
+            .set("coat_darkening", darkening)
+            .set("coat_roughness", 1.0)
+    };
     let k = coated(1.0).value("K", &straight())[0];
     // The light that comes back down inside: known for 1.5 to be about 0.6.
     near(k, 0.596, 5e-3);

@@ -84,9 +84,9 @@ fn rough_dielectrics_obey_fresnel() {
 fn rough_dielectrics_are_reciprocal_and_conserve_energy() {
     for distribution in [GGX, BECKMANN, PHONG] {
         reciprocal(&facets(distribution, 0.4).set("kd", 0.7));
-        for width in [0.2, 0.5, 1.0] {
+        for width in [0.2, 0.7] {
             let white = facets(distribution, width).set("kd", 1.0).set("Cd", 1.0);
-            sends_no_more_than_it_gets(&white, &[0.0, 45.0, 75.0, 85.0], 0.0);
+            sends_no_more_than_it_gets(&white, &[0.0, 60.0, 85.0], 0.0);
         }
     }
 }
