@@ -2,7 +2,7 @@
 //! kernels are expensive on two of their scenes: a rough dielectric (GGX), a thin film and Hapke's regolith. The scene
 //! `wall` is the worst case for every model: one body under one light fills the picture.
 //!
-//! `cargo bench --bench drags` takes some minutes. A filter selects cases: `cargo bench --bench drags -- glass`.
+//! `cargo bench --bench drags` takes about ten minutes. A filter selects cases: `cargo bench --bench drags -- glass`.
 //! `ILLUMINATOR_LANES=8` or `4` limits the vectors. Everything runs on one thread. The two frames are drawn in turns
 //! from the same numbers, which change from round to round.
 #![allow(clippy::expect_used, reason = "a benchmark that cannot go on has failed")]
@@ -24,8 +24,10 @@ use std::time::Instant;
 
 /// The size of the pictures.
 const SIZE: [u32; 2] = [640, 360];
-/// How often each slider is moved.
+/// How often each slider is moved, at most and at least. In between, frames are drawn for [`SECONDS`].
 const ROUNDS: usize = 25;
+const LEAST_ROUNDS: usize = 3;
+const SECONDS: f64 = 0.5;
 /// The memory that a drag may keep, in bytes.
 const BUDGET: usize = 1 << 30;
 /// The slowest sliders of a case are listed.
@@ -159,7 +161,11 @@ fn ratio(
     drag.frame(values.numbers(), &mut dragged);
     let [low, high] = values.range_of(owner, id).unwrap_or([0.0, 1.0]);
     let [mut frames, mut full] = [Vec::new(), Vec::new()];
+    let begin = Instant::now();
     for round in 0..ROUNDS {
+        if round >= LEAST_ROUNDS && begin.elapsed().as_secs_f64() > SECONDS {
+            break;
+        }
         let target = low + [0.25, 0.6, 0.4, 0.75][round % 4] * (high - low);
         let mut value = [target; 3];
         if let Some(component) = component {
@@ -177,6 +183,6 @@ fn ratio(
     [&mut frames, &mut full].into_iter().for_each(|times| times.sort_by(f64::total_cmp));
     let label = values.table().label(owner, id);
     let slider = component.map_or_else(|| label.clone(), |_| format!("{label}.r"));
-    let (median, best) = (frames[ROUNDS / 2] / full[ROUNDS / 2], frames[0] / full[0]);
+    let (median, best) = (frames[frames.len() / 2] / full[full.len() / 2], frames[0] / full[0]);
     Some(Ratio { slider, method: drag.method().name(), median, best })
 }

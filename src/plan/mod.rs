@@ -17,7 +17,7 @@ mod kernel;
 mod slider;
 mod surface;
 
-pub use conditions::ConditionPlan;
+pub use conditions::{ConditionPlan, VariantPlan};
 pub use contribution::{ContributionPlan, ParameterSlot, parameter_slots};
 pub use drag::{Channels, DragPlan, Factors, ImageTerm, Method, MovedTerm};
 pub use formula::FormulaPlan;

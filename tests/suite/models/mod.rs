@@ -1,6 +1,7 @@
 //! The built-in models against numbers that were worked out independently of this program: closed forms, limits,
 //! published tables, integrals, and formulas of papers computed again in double precision.
 
+mod microfacets;
 mod painterly;
 
 use illuminator::formula::graph::{Graph, Node, NodeId};
@@ -111,6 +112,18 @@ impl Model {
         let graph = Graph::new(&formula);
         let values = formula.parameter_ids().map(|id| (id, formula.parameter(id).default)).collect();
         Model { formula, graph, macros: HashMap::new(), values }
+    }
+
+    /// With a value of a parameter: all three components of a vector.
+    fn set(mut self, name: &str, value: f64) -> Self {
+        self.assign(name, [value; 3]);
+        self
+    }
+
+    /// With a value of a vector parameter.
+    fn colour(mut self, name: &str, value: Triple) -> Self {
+        self.assign(name, value);
+        self
     }
 
     /// Gives a parameter a value, which must be in its range.

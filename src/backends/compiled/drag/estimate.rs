@@ -17,7 +17,6 @@ use crate::lang::variables::Owner;
 use crate::plan::{Channels, ContributionPlan, KernelWork};
 use crate::trace::{Group, Tile};
 use crate::world::EmitterId;
-use std::collections::BTreeMap;
 
 /// To read a column, for sixteen records.
 const COLUMN: f64 = 5.0;
@@ -63,15 +62,15 @@ impl FrameEstimate {
         let formula = &compiled.compiled;
         let whole = of(&formula.plan.contribution, &formula.plan.bindings.graph);
         // Where the formula chooses, the kernels of a pair have the branches that it takes.
-        let mut known = BTreeMap::new();
-        let mut of_choice = |choice: &u32| {
-            let variant = || formula.variant(*choice).map_or(whole, |variant| of(&variant.plan, &variant.bindings.graph));
-            *known.entry(*choice).or_insert_with(variant)
+        let chosen = compiled.chosen(parameters);
+        let of_variant = |pair: usize| {
+            let variant = chosen.as_ref()?.variants.iter().find(|variant| variant.pairs[pair])?;
+            let plan = &variant.compiled.as_ref()?.plan;
+            Some(of(&plan.contribution, &plan.bindings.graph))
         };
-        let choices = compiled.choices(parameters);
         let [bodies, lights] = [Owner::Body, Owner::Light].map(|owner| compiled.equation.layout.owners(owner));
         let of_pair = |pair: usize| match kernels.plan.may_be_on(parameters, pair % lights) {
-            true => choices.get(pair).map_or(whole, &mut of_choice),
+            true => of_variant(pair).unwrap_or(whole),
             false => 0.0,
         };
         let full = (0..bodies * lights).map(of_pair).collect();
@@ -81,7 +80,7 @@ impl FrameEstimate {
         Self { full, live: moving.sum::<f64>() + columns, add: ADD * adding(compiled.width()), lights }
     }
 
-    /// Whether images are worth having in a tile: this many cells of the base and of images, to write so many cells.
+    /// Whether images are worth having in a tile: this many cells of the base and of images, to write this many.
     pub(super) fn images_pay(&self, images: usize, cells: usize, reach: &Reach, tile: &Tile, monomials: &PathMonomials) -> bool {
         let image = match reach.plan.channels {
             Channels::All => IMAGE,

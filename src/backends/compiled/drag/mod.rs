@@ -222,9 +222,10 @@ impl Drag for CompiledDrag {
         let factors = plan.factors(parameters);
         let factor = |key: Key| factor_of(key, &factors);
         // Once everything is made, few tiles are drawn by the general method.
-        let whole = OnceLock::new();
+        let (whole, chosen) = (OnceLock::new(), compiled.chosen(parameters));
+        let pass = || compiled.whole(parameters, chosen.as_deref());
         let draw_all = |index: usize, scratch: &mut TileScratch, part: Part| {
-            compiled.draw_tile(whole.get_or_init(|| compiled.whole(parameters)), parameters, index, scratch, part);
+            compiled.draw_tile(whole.get_or_init(pass), parameters, index, scratch, part);
         };
         let live = self.kernels.live_pass(compiled, parameters);
         let (channels, drawn) = (plan.channels, self.drawn);
@@ -259,11 +260,12 @@ impl Drag for CompiledDrag {
         }
         let counts = self.next_counts();
         if counts.iter().any(|count| *count > 0) {
+            let chosen = self.compiled.chosen(&self.parameters);
             let preparation = Preparation {
                 compiled: &self.compiled,
                 kernels: &self.kernels,
                 estimate: &self.estimate,
-                passes: self.kernels.passes(&self.compiled, &self.parameters),
+                passes: self.kernels.passes(&self.compiled, &self.parameters, chosen.as_deref()),
                 parameters: &self.parameters,
             };
             self.compiled.each_tile(self.tiles.par_iter_mut().zip(counts), |(state, count), index, scratch| {
