@@ -7,6 +7,8 @@ mod encoding;
 mod endings;
 mod files;
 mod man;
+#[cfg(unix)]
+mod manual;
 mod materials;
 mod memory;
 mod messages;
@@ -64,6 +66,8 @@ fn run(folder: &Path, arguments: &str) -> Output {
         .current_dir(folder)
         .args(arguments.split_whitespace())
         .env_remove("RUST_BACKTRACE")
+        // The width of help.
+        .env_remove("COLUMNS")
         // No window is opened.
         .env_remove("DISPLAY")
         .env_remove("WAYLAND_DISPLAY")
