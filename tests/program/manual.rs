@@ -8,8 +8,8 @@
 //!   it, commands below can read the file.
 //! - `settings`: a file of settings without mistakes.
 //! - `console`: each line that begins with `$ ` is run by a shell. The lines below it are what the command prints. `…`
-//!   in a line stands for any text, and a line `…` for any lines. Without such lines, pictures are made smaller, because
-//!   nobody looks at them.
+//!   in a line stands for any text, and a line `…` for any lines. Without such lines, pictures are made smaller,
+//!   because nobody looks at them.
 //! - `sh` is not run: commands that open a window, or change the machine.
 //! - `text`, `ebnf` and `rust` are not tried here. Documentation tests run the examples in Rust.
 
