@@ -85,7 +85,7 @@ impl Bindings {
     }
 
     /// Analyses a graph. The first three roots are the contribution, and all roots are read.
-    fn analysed(graph: Graph, roots: &[NodeId]) -> Self {
+    pub(super) fn analysed(graph: Graph, roots: &[NodeId]) -> Self {
         let mut times: Vec<BindingTime> = Vec::with_capacity(graph.len());
         for index in 0..graph.len() {
             times.push(BindingTime::of(&graph, NodeId(index as u32), &times));

@@ -257,6 +257,13 @@ impl Graph {
             let condition = self.constant(operands[0])?;
             return Some(if condition != 0.0 { operands[1] } else { operands[2] });
         }
+        if let Primitive::And | Primitive::Or = primitive {
+            // One operand is known: it decides, or the other one does.
+            let known = [0, 1].into_iter().find_map(|index| Some((self.constant(operands[index])?, operands[1 - index])));
+            let (value, other) = known?;
+            let decides = (value != 0.0) == (primitive == Primitive::Or);
+            return Some(if decides { self.record_constant(value) } else { other });
+        }
         let first = matches!(primitive, Primitive::Mul | Primitive::Div) && is(1, 1.0)
             || primitive == Primitive::Sub && is(1, 0.0)
             || primitive == Primitive::Add && is(1, -0.0);

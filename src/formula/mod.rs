@@ -16,6 +16,7 @@ mod linear;
 mod range;
 mod rewrite;
 pub mod separation;
+pub mod variants;
 mod written;
 
 use crate::lang::ast::Relation;

@@ -19,6 +19,7 @@ use crate::formula::linear::{Common, LinearForm, Product};
 use crate::formula::range::{self, UNIT_SLACK};
 use crate::lang::interval::Interval;
 use crate::lang::scalars::{Primitive, Recorder};
+use std::collections::HashMap;
 
 /// The largest factors of regrouped products: no partial product overflows, and underflow does not matter.
 const LARGEST_FACTOR: f64 = 1e6;
@@ -44,6 +45,34 @@ pub(super) fn rewrite(old: &Graph, roots: &[NodeId], formula: &Formula) -> (Grap
     let roots: Vec<NodeId> = roots.iter().map(|root| rewriter.linear(new[root.0 as usize])).collect();
     // Nodes of abandoned attempts are left out.
     rewriter.graph.reachable(&roots)
+}
+
+/// The graph in which these conditions are known, rewritten, with the nodes in it that stand for `roots` and for
+/// `kept`. Nodes of variables alone are the same in both graphs.
+pub(super) fn specialise(
+    old: &Graph,
+    known: &HashMap<NodeId, bool>,
+    roots: [NodeId; 3],
+    kept: &[NodeId],
+    formula: &Formula,
+) -> (Graph, Vec<NodeId>, Vec<NodeId>) {
+    let mut rewriter = Rewriter::new(formula);
+    let mut new: Vec<NodeId> = Vec::with_capacity(old.len());
+    for index in 0..old.len() {
+        let id = NodeId(index as u32);
+        let node = old.node(id);
+        let operands: Vec<NodeId> = node.operands().iter().map(|operand| new[operand.0 as usize]).collect();
+        new.push(match (known.get(&id), node) {
+            (Some(holds), _) => rewriter.constant(f32::from(u8::from(*holds))),
+            (None, Node::Constant(_) | Node::Variable(..) | Node::Parameter(..)) => rewriter.leaf(node),
+            (None, Node::Apply(primitive, _)) => rewriter.apply(primitive, &operands),
+        });
+    }
+    let roots = roots.map(|root| rewriter.linear(new[root.0 as usize]));
+    let wanted: Vec<NodeId> = roots.into_iter().chain(kept.iter().map(|id| new[id.0 as usize])).collect();
+    let (graph, mut found) = rewriter.graph.reachable(&wanted);
+    let kept = found.split_off(roots.len());
+    (graph, found, kept)
 }
 
 /// A new graph, with the interval and binding time of each node.

@@ -1,5 +1,6 @@
 //! The kernels of a formula, compiled from its plan.
 
+use crate::formula::binding::Bindings;
 use crate::formula::graph::Graph;
 use crate::formula::{Formula, ParameterId};
 use crate::jit::call::{Kernel, generate};
@@ -8,7 +9,7 @@ use crate::jit::target::{CompileError, Listing};
 use crate::jit::width::Width;
 use crate::plan::{ContributionPlan, FormulaPlan, KernelPlan, SliderPlan, SurfacePlan};
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// The number of sliders whose kernels are kept for the next drag.
 const SLIDERS_KEPT: usize = 64;
@@ -28,7 +29,30 @@ pub struct CompiledFormula {
     pub contribution: Contribution,
     /// The kernels of what the formula gives at every hit, if it gives anything.
     pub surface: Option<CompiledSurface>,
+    /// The kernel of the uniform conditions by which the contribution chooses, if it does.
+    pub conditions: Option<Kernel>,
+    variants: Variants,
     sliders: Mutex<Sliders>,
+}
+
+/// The most variants of a formula that are compiled. Where others are in use, all branches are computed.
+const MOST_VARIANTS: usize = 32;
+
+/// A contribution in which the uniform conditions are known.
+pub struct CompiledVariant {
+    /// The graph that the plan belongs to.
+    pub bindings: Bindings,
+    /// What the kernels compute.
+    pub plan: ContributionPlan,
+    /// The kernels.
+    pub contribution: Contribution,
+}
+
+/// The variants that have been in use, in the order of their first use. `None`: the code generator refused it.
+#[derive(Default)]
+struct Variants {
+    known: Mutex<HashMap<u32, usize>>,
+    compiled: [OnceLock<Option<CompiledVariant>>; MOST_VARIANTS],
 }
 
 /// Compiled sliders, by the components of parameters that move.
@@ -154,7 +178,35 @@ impl CompiledFormula {
         let (hits, records) = (kernels.kernel(hits), kernels.kernel(records));
         let contribution = kernels.contribution(contribution);
         let surface = plan.surface.as_ref().map(|surface| CompiledSurface::new(surface, width)).transpose()?;
-        Ok(Self { plan, width, hits, records, contribution, surface, sliders: Mutex::default() })
+        let conditions = match &plan.conditions {
+            None => None,
+            Some(conditions) => {
+                let mut batch = Batch::default();
+                let numbers = batch.stage(&conditions.numbers);
+                Some(batch.compile(width, &conditions.bindings.graph, None)?.kernel(numbers))
+            }
+        };
+        let (variants, sliders) = (Variants::default(), Mutex::default());
+        Ok(Self { plan, width, hits, records, contribution, surface, conditions, variants, sliders })
+    }
+
+    /// The variant where these uniform conditions hold, a bit for each. It is compiled at the first use. `None` if the
+    /// formula does not choose, or too many variants are in use.
+    pub fn variant(&self, holds: u32) -> Option<&CompiledVariant> {
+        let conditions = self.plan.conditions.as_ref()?;
+        let index = {
+            let mut known = self.variants.known.lock().unwrap_or_else(PoisonError::into_inner);
+            let next = known.len();
+            *known.entry(holds).or_insert(next)
+        };
+        let compile = || {
+            let (bindings, plan) = conditions.variant(&self.plan.bindings, holds);
+            let mut batch = Batch::default();
+            let ticket = batch.contribution(&plan);
+            let contribution = batch.compile(self.width, &bindings.graph, None).ok()?.contribution(ticket);
+            Some(CompiledVariant { bindings, plan, contribution })
+        };
+        self.variants.compiled.get(index)?.get_or_init(compile).as_ref()
     }
 
     /// The kernels for a drag that moves these components of parameters. They are compiled at the first use.

@@ -33,6 +33,11 @@ impl Splat {
     pub fn new(value: f32) -> Self {
         Self([value; Line::RECORDS])
     }
+
+    /// The value.
+    pub fn value(&self) -> f32 {
+        self.0[0]
+    }
 }
 
 /// Sixteen pixels of a framebuffer: one cache line.

@@ -3,8 +3,9 @@
 
 use crate::lang::builtins::{Form, Operation, Repetition};
 use crate::lang::printer::Binding;
+use crate::lang::surface_terms::SurfaceTerm;
 use crate::lang::token::Mark;
-use crate::lang::types::Origin;
+use crate::lang::types::{Origin, Type};
 use crate::lang::variables::{Owner, Predefined, Rate, Variable};
 
 /// The longest line, in characters.
@@ -75,6 +76,7 @@ pub fn tables() -> Vec<Table> {
         table(FUNCTIONS, functions()),
         table("Variables of a hit", variables(Rate::Hit)),
         table("Variables of a hit and a light", variables(Rate::Record)),
+        table("Terms of every hit that a macro of this name gives", SurfaceTerm::ALL.iter().map(surface_term).collect()),
     ];
     tables.extend(Owner::ALL.map(|owner| {
         let rows = Predefined::ALL.iter().filter(|predefined| predefined.owner() == owner).map(predefined).collect();
@@ -155,6 +157,18 @@ fn variable(variable: &Variable) -> Row {
         types: variable.ty().letter().to_string(),
         origin: variable.origin(),
         doc: variable.doc().to_owned(),
+    }
+}
+
+fn surface_term(term: &SurfaceTerm) -> Row {
+    let types: Vec<String> =
+        [Type::Scalar, Type::Vector].into_iter().filter(|ty| term.takes(*ty)).map(|ty| ty.letter().to_string()).collect();
+    Row {
+        name: term.name(),
+        form: format!("{} = …;", term.name()),
+        types: types.join(" or "),
+        origin: Origin::Added,
+        doc: term.doc().to_owned(),
     }
 }
 

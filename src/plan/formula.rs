@@ -1,9 +1,10 @@
 //! The kernels that evaluate a formula.
 
+use crate::formula::Formula;
 use crate::formula::binding::{Bindings, Frontier};
-use crate::formula::graph::{Graph, Node, NodeId};
-use crate::formula::{Formula, Parameter};
-use crate::lang::variables::Owner;
+use crate::formula::graph::NodeId;
+use crate::plan::conditions::ConditionPlan;
+use crate::plan::contribution::ContributionPlan;
 use crate::plan::kernel::{Domain, KernelPlan, Sink};
 use crate::plan::surface::SurfacePlan;
 
@@ -20,31 +21,16 @@ pub struct FormulaPlan {
     pub contribution: ContributionPlan,
     /// What the formula gives at every hit, if it gives anything.
     pub surface: Option<SurfacePlan>,
-}
-
-/// How outputs are computed from columns and parameters in a frame: first uniform values, then records.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct ContributionPlan {
-    /// Parameters of pairs of a body and a light → uniform values. Its records are the pairs, and its first stream
-    /// holds the parameters.
-    pub uniforms: KernelPlan,
-    /// Columns of the hit frontier, of the record frontier and of a drag, and uniform values → outputs.
-    pub records: KernelPlan,
-}
-
-/// A number among the parameters of an owner of some kind.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub struct ParameterSlot {
-    /// The kind of owner.
-    pub owner: Owner,
-    /// The slot in the row of the owner, see [`Layout`](crate::formula::layout::Layout).
-    pub slot: usize,
+    /// The uniform conditions by which the contribution chooses, if it does.
+    pub conditions: Option<ConditionPlan>,
 }
 
 impl FormulaPlan {
     /// Plans the evaluation of a formula.
     pub fn new(formula: &Formula) -> Self {
-        Self::of(Bindings::new(formula), SurfacePlan::new(formula))
+        let bindings = Bindings::new(formula);
+        let conditions = ConditionPlan::new(formula, &bindings);
+        Self { conditions, ..Self::of(bindings, SurfacePlan::new(formula)) }
     }
 
     /// Plans the evaluation of an analysed formula.
@@ -54,7 +40,7 @@ impl FormulaPlan {
         let (hits, records) = (stage("hits", Domain::Hits, hits), stage("records", Domain::LitRecords, records));
         let outputs = bindings.contribution.to_vec();
         let contribution = ContributionPlan::new("contributions", &bindings, outputs, &[], Sink::Sums);
-        Self { bindings, hits, records, contribution, surface }
+        Self { bindings, hits, records, contribution, surface, conditions: None }
     }
 
     /// Whether both compute the same.
@@ -65,36 +51,5 @@ impl FormulaPlan {
             (Some(_), None) | (None, Some(_)) => false,
         };
         surfaces && self.bindings.computes_the_same(&other.bindings)
-    }
-}
-
-impl ContributionPlan {
-    /// Plans the computation of `outputs`; `stored` are dynamic nodes that are read from columns of a drag.
-    pub(super) fn new(name: &'static str, bindings: &Bindings, outputs: Vec<NodeId>, stored: &[NodeId], sink: Sink) -> Self {
-        let Frontier { uniforms, .. } = bindings.frontier_of(&outputs, stored);
-        let leaves = bindings.leaves(&uniforms);
-        let records = KernelPlan {
-            name,
-            domain: Domain::LitRecords,
-            streams: [bindings.frontier.hits.clone(), bindings.frontier.records.clone(), stored.to_vec()],
-            uniforms: uniforms.clone(),
-            outputs,
-            sink,
-        };
-        Self { uniforms: KernelPlan::stage("uniforms", Domain::Pairs, leaves, uniforms), records }
-    }
-
-    /// The parameter numbers that the uniform values are computed from, in the order of the columns of their kernel.
-    /// `graph` is the graph of the plan.
-    pub fn leaves(&self, graph: &Graph, parameters: &[Parameter]) -> Vec<ParameterSlot> {
-        let slot = |leaf: &NodeId| match graph.node(*leaf) {
-            Node::Parameter(id, component) => {
-                let parameter = &parameters[id.0 as usize];
-                Some(ParameterSlot { owner: parameter.owner, slot: parameter.slot as usize + usize::from(component) })
-            }
-            Node::Constant(_) | Node::Variable(..) | Node::Apply(..) => None,
-        };
-        // Uniform values are computed from parameters alone.
-        self.uniforms.streams[0].iter().filter_map(slot).collect()
     }
 }

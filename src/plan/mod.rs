@@ -9,14 +9,18 @@
 //!                                       └─ DragPlan: what moves on a scene, and what each picture is a sum of
 //! ```
 
+mod conditions;
+mod contribution;
 mod drag;
 mod formula;
 mod kernel;
 mod slider;
 mod surface;
 
+pub use conditions::ConditionPlan;
+pub use contribution::{ContributionPlan, ParameterSlot, parameter_slots};
 pub use drag::{Channels, DragPlan, Factors, ImageTerm, Method, MovedTerm};
-pub use formula::{ContributionPlan, FormulaPlan, ParameterSlot};
+pub use formula::FormulaPlan;
 pub use kernel::{Domain, KernelPlan, STREAMS, Schedule, Sink};
 pub use slider::{Moved, SliderPlan, moved_parameters};
 pub use surface::SurfacePlan;

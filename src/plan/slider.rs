@@ -5,7 +5,7 @@ use crate::formula::graph::NodeId;
 use crate::formula::layout::Layout;
 use crate::formula::separation::{Dependence, Separation};
 use crate::formula::{Parameter, ParameterId};
-use crate::plan::formula::ContributionPlan;
+use crate::plan::contribution::ContributionPlan;
 use crate::plan::kernel::Sink;
 
 /// Components of parameters that move together, each counted from 0.

@@ -4,7 +4,7 @@ use crate::formula::binding::{Bindings, SurfaceNodes};
 use crate::formula::graph::{Graph, Node, NodeId};
 use crate::formula::{Formula, ParameterId};
 use crate::lang::scalars::Primitive;
-use crate::plan::formula::ContributionPlan;
+use crate::plan::contribution::ContributionPlan;
 use crate::plan::kernel::{Domain, KernelPlan, Sink};
 
 /// The kernels for what a formula gives at every hit, in the order in which they run.

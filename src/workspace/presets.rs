@@ -33,6 +33,14 @@ const FORMULAS: &[Preset] = files!("formula", "formula":
     "blinn-phong" = "Blinn (1977): the highlight by the half-way vector",
     "strauss" = "Strauss (1990): smooth, metallic, transparent",
     "strauss-thesis" = "Strauss's model as the thesis prints it",
+    "lommel-seeliger" = "Lommel, Seeliger (1887): the dark, flat disc of the full Moon",
+    "hapke" = "Hapke (1981, 2012): ground of grains, with the opposition effect",
+    "retroreflection" = "Belcour and others (2014): signs and vests that send light back",
+    "gooch" = "Gooch and others (1998): from warm to cool, as in technical drawings",
+    "toon" = "cel shading (2000): a few even tones, a spot, a rim of light, ink",
+    "marble" = "Perlin (1985): marble, its veins shaken by turbulence",
+    "wood" = "Peachey (1985): rings around the axis of a trunk, and fibres",
+    "physical-lights" = "lamps in watts and kelvin that fade with the square of the distance",
 );
 const SCENES: &[Preset] = files!("scene", "scene":
     "studio" = "two balls under three lights, for a new formula",
@@ -41,6 +49,12 @@ const SCENES: &[Preset] = files!("scene", "scene":
     "sunset" = "water, silver, glass and a soap bubble at sunset",
     "crystals" = "balls of glass and mirrors before a fan of colours",
     "dozen" = "twelve coloured balls around a mirror",
+    "phases" = "two rings of moons around a sun, from crescent to full",
+    "regolith" = "boulders on an airless plain, the sun behind the viewer",
+    "night-road" = "signs, posts and a walker in the light of a car",
+    "bear" = "a toy bear between balls and a block, under one light",
+    "pedestals" = "three balls on three blocks, for solid patterns",
+    "room" = "a room with spotlights and lamps, in metres",
 );
 const SESSIONS: &[Preset] = files!("session", "toml":
     "default" = "the crystals with Phong's model: what opens if nothing is named",
@@ -50,11 +64,27 @@ const SESSIONS: &[Preset] = files!("session", "toml":
     "sunset" = "water, silver and glass at sunset, with Phong's model",
     "crystals" = "glass and mirrors before a fan of colours, with Blinn's model",
     "dozen" = "twelve balls around a mirror, with Blinn's model",
+    "lommel-seeliger" = "moons: flat by Lommel and Seeliger outside, round by Lambert inside",
+    "hapke" = "an airless plain: the opposition effect on its right half",
+    "retroreflection" = "a road at night: what sends the headlights back",
+    "gooch" = "a toy bear drawn from warm to cool, in three pairs of colours",
+    "toon" = "a toy bear in two to six tones",
+    "marble" = "balls and blocks of seven marbles",
+    "wood" = "balls and blocks of seven woods",
+    "physical-lights" = "a room lit by bulbs of 1900 to 9500 kelvin",
 );
 const MATERIALS: &[Preset] = files!("material", "toml":
     "phong" = "materials for Phong's model",
     "blinn-phong" = "materials for Blinn's model",
     "strauss" = "materials for Strauss's model",
+    "lommel-seeliger" = "grounds of moons and planets",
+    "hapke" = "grounds of planets and asteroids, snow and sand",
+    "retroreflection" = "sheets, cloth and eyes that send light back",
+    "gooch" = "pairs of warm and cool colours",
+    "toon" = "vinyl, cloth, fur and metal of cartoons",
+    "marble" = "seven marbles",
+    "wood" = "seven woods",
+    "physical-lights" = "surfaces by their reflectance",
 );
 
 /// The built-in files of a kind, in the order of menus and lists.

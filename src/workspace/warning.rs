@@ -42,7 +42,11 @@ impl fmt::Display for ValueWarning {
         let (label, given, used) = (&self.label, show(&self.given), show(&self.used));
         match &self.cause {
             Cause::OutOfRange([low, high]) => {
+                let inside = self.given.iter().all(|number| (low..=high).contains(&number));
                 let (low, high) = (short(*low), short(*high));
+                if inside {
+                    return write!(f, "`{label}` = {given} is not a whole number; {used} is used");
+                }
                 write!(f, "`{label}` = {given} is outside {low}..{high}; {used} is used")
             }
             Cause::Invariant => write!(f, "`{label}` = {given} breaks an invariant; {used} is used"),

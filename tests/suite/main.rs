@@ -5,6 +5,7 @@ mod agreement;
 mod house;
 mod inspection;
 mod materials;
+mod models;
 mod presets;
 mod reference;
 mod round_trip;

@@ -23,7 +23,7 @@ use crate::jit::{self, CompiledFormula, Kernel, KernelCache, Line, PREFETCH_DIST
 use crate::lang::scalars::flush;
 use crate::lang::variables::Owner;
 use crate::picture::Frame;
-use crate::plan::{Channels, DragPlan, ParameterSlot, SurfacePlan};
+use crate::plan::{Channels, DragPlan, ParameterSlot, SurfacePlan, parameter_slots};
 use crate::trace::{Hits, Mismatch, Tile, View, tile_pixels};
 use crate::world::World;
 use columns::{Columns, LeafColumns};
@@ -171,13 +171,49 @@ impl Compiled {
     /// The pass of a whole picture.
     fn whole(&self, parameters: &[f32]) -> Pass<'_> {
         self.check_parameters(parameters);
-        let (source, uniforms) = self.source(parameters, &self.compiled.contribution, &self.leaves, Channels::All);
         let bodies = 0..self.equation.layout.owners(Owner::Body);
         let at_hits = bodies.map(|body| self.equation.sum(Site::Hit, parameters, body)).collect();
         let mut pass = self.empty_pass(at_hits, self.equation.sum(Site::Miss, parameters, 0), Channels::All);
         pass.surface = self.surface_pass(parameters, true);
-        pass.push(source, uniforms);
+        self.push_contributions(parameters, &mut pass);
         pass
+    }
+
+    /// Adds the contributions of all pairs of a body and a light. Where the formula chooses by uniform conditions, each
+    /// pair gets the kernels of the branches that it takes.
+    fn push_contributions<'p>(&'p self, parameters: &[f32], pass: &mut Pass<'p>) {
+        let (mut rest, uniforms) = self.source(parameters, &self.compiled.contribution, &self.leaves, Channels::All);
+        let choices = self.choices(parameters);
+        let mut distinct: Vec<u32> =
+            choices.iter().zip(&rest.active).filter(|(_, active)| **active).map(|(choice, _)| *choice).collect();
+        distinct.sort_unstable();
+        distinct.dedup();
+        for choice in distinct {
+            let Some(variant) = self.compiled.variant(choice) else { continue };
+            let leaves = variant.plan.leaves(&variant.bindings.graph, &self.parameters);
+            let (mut source, uniforms) = self.source(parameters, &variant.contribution, &leaves, Channels::All);
+            source.variant = Some(choice);
+            for (pair, active) in source.active.iter_mut().enumerate() {
+                *active &= choices[pair] == choice;
+                rest.active[pair] &= !*active;
+            }
+            pass.push(source, uniforms);
+        }
+        if choices.is_empty() || rest.active.iter().any(|active| *active) {
+            pass.push(rest, uniforms);
+        }
+    }
+
+    /// Which uniform conditions hold for each pair of a body and a light, a bit for each. Empty if the formula does not
+    /// choose by uniform conditions.
+    fn choices(&self, parameters: &[f32]) -> Vec<u32> {
+        let (Some(plan), Some(kernel)) = (&self.compiled.plan.conditions, &self.compiled.conditions) else { return Vec::new() };
+        let leaves = parameter_slots(&plan.numbers, &plan.bindings.graph, &self.parameters);
+        let numbers = self.uniforms(parameters, kernel, &leaves, self.equation.layout.owners(Owner::Light));
+        let bits = |of_pair: &[Splat]| {
+            of_pair.iter().enumerate().fold(0, |bits, (index, number)| bits | u32::from(number.value() != 0.0) << index)
+        };
+        numbers.chunks_exact(plan.conditions.len()).map(bits).collect()
     }
 
     /// What the formula gives at every hit, for a pass with these parameter numbers.
@@ -235,6 +271,7 @@ impl Compiled {
             overwrite: &contribution.overwrite,
             add: &contribution.add,
             channels,
+            variant: None,
             first_uniform: 0,
             uniform_count: contribution.uniforms.outputs(),
             active: self.active(parameters, |_, _| true),

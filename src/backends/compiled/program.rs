@@ -23,9 +23,18 @@ pub(super) struct TileProgram {
     calls: CallList,
     /// The operations of portable code, in order. Each runs after this many calls of compiled code.
     between: Vec<(usize, Portable)>,
-    /// What it depends on: which pairs of a body and a light are active, source by source, and the weight classes of
-    /// the paths. `None` before the first frame.
-    built_for: Option<(Vec<bool>, Vec<WeightClass>)>,
+    /// What it depends on. `None` before the first frame.
+    built_for: Option<BuiltFor>,
+}
+
+/// What the order of work depends on.
+struct BuiltFor {
+    /// The variant of each source.
+    variants: Vec<Option<u32>>,
+    /// Which pairs of a body and a light are active, source by source.
+    active: Vec<bool>,
+    /// The weight classes of the paths.
+    classes: Vec<WeightClass>,
 }
 
 /// An operation of portable code.
@@ -72,8 +81,8 @@ pub(super) struct TileInputs<'t> {
 impl TileProgram {
     /// The memory that it takes, in bytes.
     pub(super) fn bytes(&self) -> usize {
-        let (active, classes) =
-            self.built_for.as_ref().map_or((0, 0), |(active, classes)| (active.capacity(), classes.capacity()));
+        let capacities = |built: &BuiltFor| (built.active.capacity(), built.classes.capacity());
+        let (active, classes) = self.built_for.as_ref().map_or((0, 0), capacities);
         self.calls.bytes()
             + self.between.capacity() * size_of::<(usize, Portable)>()
             + active
@@ -95,8 +104,11 @@ impl TileProgram {
     pub(super) fn prepare(&mut self, pass: &Pass, inputs: &TileInputs) {
         let active = || pass.sources.iter().flat_map(|source| source.active.iter().copied());
         let classes = || inputs.weights.iter().map(|weight| WeightClass::of(*weight));
-        let holds = |(known_active, known_classes): &(Vec<bool>, Vec<WeightClass>)| {
-            active().eq(known_active.iter().copied()) && classes().eq(known_classes.iter().copied())
+        let variants = || pass.sources.iter().map(|source| source.variant);
+        let holds = |known: &BuiltFor| {
+            active().eq(known.active.iter().copied())
+                && classes().eq(known.classes.iter().copied())
+                && variants().eq(known.variants.iter().copied())
         };
         if self.built_for.as_ref().is_some_and(holds) {
             return;
@@ -109,7 +121,8 @@ impl TileProgram {
         }
         self.calls.shrink();
         self.between.shrink_to_fit();
-        self.built_for = Some((active().collect(), classes().collect()));
+        self.built_for =
+            Some(BuiltFor { variants: variants().collect(), active: active().collect(), classes: classes().collect() });
     }
 
     /// Does the work. `weights` holds the weight of each span, followed by as many more numbers as a chunk has hits.

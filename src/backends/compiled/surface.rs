@@ -1,8 +1,8 @@
 //! What a formula gives at every hit, if it gives anything: the weights of rays, ambient light and emission.
 //!
 //! Without such a formula the weight of a path is the same for all its hits. With one it differs from hit to hit, so
-//! each hit of a tile is a *node* here, with the node of the hit that its ray comes from. A frame computes the values of
-//! all nodes by a kernel, multiplies the weights along the paths, and adds ambient light, emission and background.
+//! each hit of a tile is a *node* here, with the node of the hit that its ray comes from. A frame computes the values
+//! of all nodes by a kernel, multiplies the weights along the paths, and adds ambient light, emission and background.
 //! Lit records then find the weight of their hit by its node.
 
 use crate::backends::compiled::memory::StreamMemory;

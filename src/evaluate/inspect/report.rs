@@ -67,7 +67,8 @@ pub struct InspectedHit {
     pub ambient: [f32; 3],
     /// What the surface emits, linear RGB, if the formula gives it.
     pub emission: Option<[f32; 3]>,
-    /// The weights of the reflected and of the refracted ray, red, green and blue: kr and kt, or what the formula gives.
+    /// The weights of the reflected and of the refracted ray, red, green and blue: kr and kt, or what the formula
+    /// gives.
     pub weights: [[f32; 3]; 2],
     /// Every emitter of the scene, in the order of their lights.
     pub lights: Vec<InspectedLight>,

@@ -39,7 +39,8 @@ pub(super) const SIZE: (u32, u32) = (15, 13);
 /// An operand as text. Everything that binds less tightly than a call is in parentheses.
 fn leaf(ty: Type) -> BoxedStrategy<String> {
     let variables = |ty: Type| -> Vec<String> {
-        Variable::ALL.iter().filter(|variable| variable.ty() == ty).map(|variable| variable.name().to_owned()).collect()
+        let known = Variable::ALL.iter().filter(|variable| variable.ty() == ty && !variable.is_of_crossing());
+        known.map(|variable| variable.name().to_owned()).collect()
     };
     let number = prop_oneof![
         6 => (0..300u32).prop_map(|n| format!("{}", f64::from(n) / 100.0)),

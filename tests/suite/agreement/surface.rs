@@ -1,5 +1,5 @@
-//! Formulas that give terms of every hit: weights of rays, ambient light, emission. Some expected numbers are worked out
-//! by hand; the others are those of the interpreter.
+//! Formulas that give terms of every hit: weights of rays, ambient light, emission. Some expected numbers are worked
+//! out by hand; the others are those of the interpreter.
 
 use crate::agreement::compiled;
 use crate::agreement::drags::{VIEWS, drag};

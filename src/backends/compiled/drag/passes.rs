@@ -73,7 +73,10 @@ impl DragKernels {
         }
         pass.at_misses = plan.fixed(Site::Miss, parameters, 0);
         for source in &mut pass.sources {
-            source.active = compiled.active(parameters, |body, light| !plan.moves_pair(body, light));
+            let lights = source.lights;
+            for (pair, active) in source.active.iter_mut().enumerate() {
+                *active &= !plan.moves_pair(pair / lights, pair % lights);
+            }
         }
         if let Some(fixed) = &self.kernels.fixed {
             let (mut source, uniforms) = compiled.source(parameters, fixed, &self.fixed_leaves, Channels::All);
