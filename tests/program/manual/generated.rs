@@ -5,8 +5,7 @@
 
 use super::gallery::gallery;
 use crate::run;
-use illuminator::lang::reference::{Row, tables};
-use illuminator::lang::surface_terms::SurfaceTerm;
+use illuminator::lang::reference::{Row, Table, tables};
 use illuminator::lang::types::Origin;
 use std::process::Output;
 
@@ -31,13 +30,11 @@ fn language_tables() -> String {
         };
         format!("| `{}` | {types} | {mark} | {} |\n", form.replace('|', "\\|"), plain(doc))
     };
-    let table = |title: &str, rows: &str| format!("## {title}\n\n| written | types | | meaning |\n|---|---|---|---|\n{rows}\n");
-    let tables = tables().into_iter().map(|found| table(&found.title, &found.rows.iter().map(row).collect::<String>()));
-    let terms = SurfaceTerm::ALL.iter().map(|term| {
-        let types = if term.is_weight() { "S or V" } else { "V" };
-        format!("| `{} = …;` | {types} | + | {} |\n", term.name(), plain(term.doc()))
-    });
-    tables.collect::<String>() + &table("Macros that give a term of the picture", &terms.collect::<String>())
+    let table = |table: &Table| {
+        let rows = table.rows.iter().map(row).collect::<String>();
+        format!("## {}\n\n| written | types | | meaning |\n|---|---|---|---|\n{rows}\n", table.title)
+    };
+    tables().iter().map(table).collect()
 }
 
 /// A text as Markdown that shows it as it is, in a cell of a table too.
