@@ -8,7 +8,7 @@ in docs/manual/src: 1 language.md (1.1 text and grammar, 1.2 operators and funct
 Parts:  1 arithmetic (total: nothing raises)   2 lexer   3 formula parser   4 types and code
         5 parameters and invariants            6 scene   7 rays             8 picture    9 command line
 """
-import argparse, math, multiprocessing, os, re, struct, sys
+import argparse, bisect, math, multiprocessing, os, re, struct, sys
 from fractions import Fraction
 
 NAN, INF = math.nan, math.inf
@@ -151,6 +151,11 @@ def radians(x):
     return x * math.pi / 180
 
 
+def unit_dot(a, b):                              # directions of unit length: rounding never leaves -1..1; NaN stays NaN
+    x = dot(a, b)
+    return 1.0 if x > 1 else (-1.0 if x < -1 else x)
+
+
 # ---- vectors are tuples of three floats
 def vneg(a): return (-a[0], -a[1], -a[2])
 def vadd(a, b): return (a[0] + b[0], a[1] + b[1], a[2] + b[2])
@@ -171,6 +176,11 @@ def vmix(a, b, t): return (mix(a[0], b[0], t), mix(a[1], b[1], t), mix(a[2], b[2
 def length(a): return math.sqrt(dot(a, a)) if dot(a, a) == dot(a, a) else NAN
 def distance(a, b): return length(vsub(a, b))
 def normalize(a): return vover(a, length(a))
+
+
+def by_components(function, vectors, *args):
+    """A function of scalars on vectors: vectors[i] says whether args[i] is one; a scalar counts for each component."""
+    return tuple(function(*(a[k] if v else a for a, v in zip(args, vectors))) for k in range(3))
 
 
 def cross(a, b):
@@ -251,10 +261,17 @@ def lex(text, name):
     text = text.removeprefix('\ufeff')
     tokens, i = [], 0
 
+    # A line ends with LF, CRLF or a lone CR; the positions where lines begin.
+    begins = [0] + [m.end() for m in re.finditer('\r\n|\n|\r', text)]
+
+    def line_end(start):
+        return min((x for x in (text.find('\n', start), text.find('\r', start)) if x >= 0), default=len(text))
+
     def add(kind, start, end, value=None):
         t = Token()
         t.kind, t.text, t.value = kind, text[start:end], value
-        t.where = '%s:%d:%d' % (name, text.count('\n', 0, start) + 1, start - (text.rfind('\n', 0, start) + 1) + 1)
+        line = bisect.bisect_right(begins, start)
+        t.where = '%s:%d:%d' % (name, line, start - begins[line - 1] + 1)
         tokens.append(t)
         return t
 
@@ -263,20 +280,23 @@ def lex(text, name):
         if c in ' \t\r\n\f\v':
             i += 1
         elif text.startswith('//', i):
-            i = text.find('\n', i)
-            i = len(text) if i < 0 else i
+            i = line_end(i)
         elif text.startswith('/*', i):
             j = text.find('*/', i + 2)
             if j < 0:
                 raise Wrong('%s: comment not closed' % name)
             i = j + 2
         elif text.startswith('#uses', i):        # PATH: raw text to ';' on one line, trimmed
-            line_end = text.find('\n', i)
-            line_end = len(text) if line_end < 0 else line_end
-            j = text.find(';', i, line_end)
+            j = text.find(';', i, line_end(i))
             if j < 0:
                 raise Wrong("%s: '#uses' needs a ';' on its line" % name)
             add('uses', i, j + 1, text[i + 5:j].strip())
+            i = j + 1
+        elif c == '"':                           # STRING: to the next quote on the line
+            j = text.find('"', i + 1, line_end(i))
+            if j < 0:
+                raise Wrong('%s: a text without its closing quote' % name)
+            add('string', i, j + 1, text[i + 1:j])
             i = j + 1
         elif m := NUMBER.match(text, i):
             t = add('number', i, m.end(), float(m.group()))
@@ -358,9 +378,10 @@ class Parser:
 class Param:
     def __init__(self, name, owner, type, lo, hi, default):
         self.name, self.owner, self.type, self.lo, self.hi, self.default = name, owner, type, lo, hi, default
+        self.whole = False                       # switch, choices
 
     def clamp(self, v):
-        one = lambda x: min(max(x, self.lo), self.hi)
+        one = lambda x: min(max(float(math.floor(x + 0.5)) if self.whole else x, self.lo), self.hi)
         return one(v) if self.type == 'S' else tuple(map(one, v))
 
 
@@ -377,22 +398,28 @@ THESIS_NAMES = set('sqrt floor exp log sin cos tan getx gety getz min max perlin
 
 
 class FormulaParser(Parser):
-    SECTIONS = ('global', 'body_specific', 'light_specific', 'invariants')
+    SECTIONS = ('global', 'body_specific', 'light_specific', 'invariants', 'predefined')
+
+    def section(self):
+        """Whether a section begins here.  `predefined` is a keyword only before a semicolon."""
+        return self.word(*self.SECTIONS) and self.tokens[self.at + 1].kind == ';'
 
     def formula_file(self):
         f = Formula()
         if self.peek('uses'):
             self.next()
         seen = set()
-        while self.word(*self.SECTIONS):
+        while self.section():
             t = self.next()
             self.need(';')
             if t.text in seen:
                 raise Wrong('%s: section %s twice' % (t.where, t.text))
             seen.add(t.text)
-            while self.peek('ident') and not self.word('formula', *self.SECTIONS):
+            while self.peek('ident') and not self.word('formula') and not self.section():
                 if t.text == 'invariants':
                     self.invariant(f)
+                elif t.text == 'predefined':
+                    self.predefined(f)
                 else:
                     self.decl(f, {'global': 'global', 'body_specific': 'body', 'light_specific': 'light'}[t.text])
         self.need_word('formula')
@@ -400,8 +427,18 @@ class FormulaParser(Parser):
         while self.peek('ident'):
             t = self.name()
             self.new_name(f, t)
-            self.need('=')
-            f.macros[t.text] = self.expr()
+            if self.accept('('):                 # a function
+                args = [self.need('ident').text]
+                while self.accept(','):
+                    args.append(self.need('ident').text)
+                self.need(')')
+                if len(set(args)) != len(args):
+                    raise Wrong('%s: two arguments of %s have one name' % (t.where, t.text))
+                self.need('=')
+                f.functions[t.text] = (args, self.value())
+            else:
+                self.need('=')
+                f.macros[t.text] = self.value()
             self.need(';')
         f.result_where = self.need('=').where
         f.result = self.expr()
@@ -413,7 +450,7 @@ class FormulaParser(Parser):
     def new_name(self, f, t):
         if t.text in THESIS_NAMES:
             raise Wrong('%s: %r is already taken by the language' % (t.where, t.text))
-        if t.text in f.params or t.text in f.macros:
+        if t.text in f.params or t.text in f.macros or t.text in f.functions:
             raise Wrong('%s: %r is defined twice' % (t.where, t.text))
 
     def decl(self, f, owner):
@@ -421,30 +458,56 @@ class FormulaParser(Parser):
         self.new_name(f, t)
         self.need(':')
         type = 'S' if self.need_word('scalar', 'vector').text == 'scalar' else 'V'
-        lo, hi, default, seen = -INF, INF, None, set()
-        while self.accept(','):
-            a = self.need_word('constraint', 'default', 'slider', 'color')
+        f.params[t.text] = self.attributes(t, Param(t.text, owner, type, -INF, INF, None))
+
+    def predefined(self, f):
+        """Another range, default or widget of a predefined parameter; its type and meaning stay."""
+        t = self.need('ident')
+        old = predefined().get(t.text)
+        if old is None or t.text in f.changed:
+            raise Wrong('%s: %r is no predefined parameter, or is there twice' % (t.where, t.text))
+        self.need(':')
+        f.changed[t.text] = self.attributes(t, old, first=True)
+
+    def attributes(self, t, p, first=False):
+        """The attributes of a parameter, to the semicolon; p has the range and default where they give none."""
+        default, seen = p.default, set()
+        while first or self.accept(','):
+            first = False
+            a = self.need_word('constraint', 'default', 'slider', 'color', 'switch', 'choices')
             if a.text in seen:
                 raise Wrong('%s: %s twice' % (a.where, a.text))
             seen.add(a.text)
             if a.text == 'constraint':
-                lo = self.snum(); self.need('..'); hi = self.snum()
-                if lo > hi:
+                p.lo = self.snum(); self.need('..'); p.hi = self.snum()
+                if p.lo > p.hi:
                     raise Wrong('%s: empty range' % a.where)
             elif a.text == 'default':
                 is_vector = self.peek('<')
                 default = self.const_vector() if is_vector else self.snum()
-                if is_vector != (type == 'V'):
+                if is_vector != (p.type == 'V'):
                     raise Wrong('%s: the default is of the other type' % a.where)
+            elif a.text in ('switch', 'choices'):    # a whole number; [CHOICE 24]
+                count = 2
+                if a.text == 'choices':
+                    self.need('string')
+                    count = 1
+                    while self.peek(',') and self.tokens[self.at + 1].kind == 'string':
+                        self.next(); self.next()
+                        count += 1
+                if p.type != 'S':
+                    raise Wrong('%s: %s is for scalars' % (a.where, a.text))
+                p.lo, p.hi, p.whole = 0.0, count - 1.0, True
+        if p.whole and ('constraint' in seen or {'switch', 'choices'} <= seen):
+            raise Wrong('%s: %s has two ranges' % (t.where, t.text))
         self.need(';')
-        p = Param(t.text, owner, type, lo, hi, None)
         if default is None:                      # the value nearest 0 in the range
-            p.default = p.clamp(0.0 if type == 'S' else (0.0, 0.0, 0.0))
+            p.default = p.clamp(0.0 if p.type == 'S' else (0.0, 0.0, 0.0))
         else:
             p.default = p.clamp(default)
             if p.default != default:
                 warn('%s: default of %s clamped to its range' % (t.where, t.text))
-        f.params[t.text] = p
+        return p
 
     def invariant(self, f):
         names = [self.need('ident')]
@@ -488,12 +551,15 @@ class FormulaParser(Parser):
             t = self.next()
             return ('number', t.where, t.value)
         if self.accept('('):
-            e = self.expr()
+            e = self.value()
             self.need(')')
             return e
         if self.peek('<'):
             t = self.next()
-            x = self.expr(); self.need(',')
+            x = self.expr()
+            if self.accept('>'):                 # three equal components
+                return ('call', t.where, '<>', (x,))
+            self.need(',')
             y = self.expr(); self.need(',')
             z = self.expr(); self.need('>')
             return ('call', t.where, '<>', (x, y, z))
@@ -513,40 +579,31 @@ class FormulaParser(Parser):
             return ('call', t.where, t.text, tuple(args))
         self.fail('an expression')
 
-    # ---- conditions: ('or'|'and', a, b), ('not', a), ('cmp', where, op, x, y)
+    # ---- conditions: ('or'|'and', where, a, b), ('not', where, a), ('cmp', where, op, x, y), ('scalar', where, x)
+    def value(self):
+        """expr | cond, as an expression: a condition is a scalar 0 or 1."""
+        where, c = self.tokens[self.at].where, self.cond()
+        return c[2] if c[0] == 'scalar' else ('truth', where, c)
+
     def cond(self):
         a = self.cond_and()
-        while self.accept('||'):
-            a = ('or', a, self.cond_and())
+        while self.peek('||'):
+            a = ('or', self.next().where, a, self.cond_and())
         return a
 
     def cond_and(self):
         a = self.cond_not()
-        while self.accept('&&'):
-            a = ('and', a, self.cond_not())
+        while self.peek('&&'):
+            a = ('and', self.next().where, a, self.cond_not())
         return a
 
     def cond_not(self):
-        if self.accept('!'):
-            return ('not', self.cond_not())
-        start = self.at
-        try:                                     # expr op expr, or else ( cond )
-            return self.comparison()
-        except Wrong as first:
-            self.at = start
-            if not self.accept('('):
-                raise
-            try:
-                c = self.cond()
-                self.need(')')
-                return c
-            except Wrong:
-                raise first
-
-    def comparison(self):
-        x = self.expr()
+        # "(" cond ")" needs no case of its own: it is an atom, a scalar 0 or 1, and holds if it is not 0.
+        if self.peek('!'):
+            return ('not', self.next().where, self.cond_not())
+        where, x = self.tokens[self.at].where, self.expr()
         if not self.peek('<', '<=', '>', '>=', '==', '!='):
-            self.fail('a comparison')
+            return ('scalar', where, x)
         t = self.next()
         return ('cmp', t.where, t.kind, x, self.expr())
 
@@ -570,9 +627,9 @@ op('/', 'SS', 'S', 'div({0}, {1})');     op('/', 'VV', 'V', 'vdiv({0}, {1})')
 op('/', 'VS', 'V', 'vover({0}, {1})')
 op('.', 'VV', 'S', 'dot({0}, {1})')
 op('^', 'SS', 'S', 'power({0}, {1})');   op('pow', 'SS', 'S', 'power({0}, {1})')
-op('<>', 'SSS', 'V', '({0}, {1}, {2})')
-for _f in 'sqrt floor exp log sin cos tan abs acos asin atan exp2 log2 ceil radians sign fract'.split():
-    op(_f, 'S', 'S', {'abs': 'math.fabs', 'atan': 'math.atan'}.get(_f, _f) + '({0})')
+op('<>', 'SSS', 'V', '({0}, {1}, {2})'); op('<>', 'S', 'V', '({0}, {0}, {0})')
+for _f in 'sqrt floor exp log sin cos tan abs acos asin atan exp2 log2 ceil radians sign fract tanh erf'.split():
+    op(_f, 'S', 'S', {'abs': 'math.fabs', 'atan': 'math.atan', 'tanh': 'math.tanh', 'erf': 'math.erf'}.get(_f, _f) + '({0})')
 for _f in 'getx gety getz length'.split():
     op(_f, 'V', 'S', _f + '({0})')
 op('min', 'SS', 'S', 'minimum({0}, {1})'); op('min', 'SSS', 'S', 'min3({0}, {1}, {2})'); op('min', 'VV', 'V', 'vmin({0}, {1})')
@@ -586,93 +643,220 @@ op('mix', 'SSS', 'S', 'mix({0}, {1}, {2})'); op('mix', 'VVS', 'V', 'vmix({0}, {1
 op('cross', 'VV', 'V', 'cross({0}, {1})'); op('reflect', 'VV', 'V', 'reflect({0}, {1})')
 op('normalize', 'V', 'V', 'normalize({0})'); op('distance', 'VV', 'S', 'distance({0}, {1})')
 
+# Every function of scalars, and ^, works by components of vectors, too; the operators have their own overloads.
+BY_COMPONENTS = {name: [o for o in overloads if set(o[0]) == {'S'} and o[1] == 'S'] for name, overloads in OVERLOADS.items()
+                 if name not in ('neg', '+', '-', '*', '/', '<>')}
+
 VARIABLES = {'N': 'V', 'L': 'V', 'V': 'V', 'R': 'V', 'alpha': 'S', 'beta': 'S', 'gamma': 'S', 'point': 'V',
-             'H': 'V', 'T': 'V', 'B': 'V', 'dist': 'S', 'visible': 'S'}
+             'H': 'V', 'T': 'V', 'B': 'V', 'dist': 'S', 'visible': 'S', 'eta': 'S', 'total': 'S'}
+DIRECTIONS = set('NLVRHTB')                      # of unit length
+OF_LIGHTS = {'L', 'R', 'alpha', 'beta', 'H', 'dist', 'visible'}
+OF_REFRACTION = {'eta', 'total'}
+SURFACE = {'reflected': 'SV', 'refracted': 'SV', 'ambient': 'V', 'emission': 'V'}      # the terms that a formula may give for every hit, with their types
+
+
+class Value:
+    """A generated expression: its type, its Python text (an atom), its value where it is constant, whether its length is 1."""
+
+    def __init__(self, type, atom, constant=None, unit=False):
+        self.type, self.atom, self.constant, self.unit = type, atom, constant, unit
+
+
+def literal(x):
+    one = lambda x: 'NAN' if x != x else (repr(float(x)) if math.isfinite(x) else ('INF' if x > 0 else '(-INF)'))
+    return Value('V', '(%s, %s, %s)' % tuple(map(one, x)), x) if isinstance(x, tuple) else Value('S', one(x), float(x))
+
+
+class Code:
+    """Python code of some expressions of a formula, one operation a line.  Functions are written out at each call, sums term by term."""
+
+    def __init__(self, formula, variables):
+        self.f, self.variables = formula, variables
+        self.lines, self.macro_done, self.in_progress, self.names_read = [], {}, [], set()
+
+    def emit(self, type, text, operands=(), unit=False):
+        if all(o.constant is not None for o in operands):               # constant operands: a constant
+            x = eval(text, globals())
+            return literal(x if type == 'V' else float(x))
+        self.lines.append('    t%d = %s' % (len(self.lines), text))
+        return Value(type, 't%d' % (len(self.lines) - 1), None, unit)
+
+    def gen(self, e, local):
+        """-> Value.  Every operation is total, so both branches of an if may be computed.
+        local: name -> Value of what hides all other names here: arguments of a function, the numbers of sums."""
+        f, kind, where = self.f, e[0], e[1]
+        if kind == 'number':
+            return literal(e[2])
+        if kind == 'name':
+            return self.name(e[2], where, local)
+        if kind == 'truth':
+            c = self.cond(e[2], local)
+            return self.emit('S', '1.0 if %s else 0.0' % c.atom, (c,))
+        if kind == 'if':
+            c = self.cond(e[2], local)
+            a, b = self.gen(e[3], local), self.gen(e[4], local)
+            if a.type != b.type:
+                raise Wrong('%s: the branches of if are of different types' % where)
+            return self.emit(a.type, '%s if %s else %s' % (a.atom, c.atom, b.atom), (a, c, b))
+        name = e[2]
+        if name in f.functions:
+            return self.call(name, where, [self.gen(a, local) for a in e[3]])
+        if name in local or name in f.macros or name in f.params:
+            raise Wrong('%s: %r is not a function' % (where, name))       # [CHOICE 3] a redefined [+] function name
+        if name in ('sum', 'product'):
+            return self.series(name, where, e[3], local)
+        if name not in OVERLOADS:
+            raise Wrong('%s: %r is not a function' % (where, name))
+        args = [self.gen(a, local) for a in e[3]]
+        types, atoms = ''.join(a.type for a in args), [a.atom for a in args]
+        if name == '.' and types == 'VV' and args[0].unit and args[1].unit:
+            return self.emit('S', 'unit_dot(%s, %s)' % tuple(atoms), args)
+        for want, result, code in OVERLOADS[name]:
+            if want == types:
+                return self.emit(result, code.format(*atoms), args, name == 'normalize')
+        for want, _, code in BY_COMPONENTS.get(name, ()):               # [CHOICE 25] any operand may be a vector
+            if len(want) == len(types):
+                function = 'lambda %s: %s' % (', '.join('xyz'[:len(want)]), code.format(*'xyz'))
+                return self.emit('V', 'by_components(%s, %r, %s)' % (function, [t == 'V' for t in types], ', '.join(atoms)), args)
+        raise Wrong('%s: %s does not take operands of types %s' % (where, name, ','.join(types)))
+
+    def name(self, name, where, local):
+        f = self.f
+        if name in local:
+            return local[name]
+        self.names_read.add(name)
+        if name in f.macros:                     # the user's meaning wins over [+] names
+            return self.macro(name, where)
+        if name in f.functions:
+            raise Wrong('%s: the function %s needs arguments' % (where, name))
+        if name in f.params:
+            p = f.params[name]
+            if name == 'background':
+                raise Wrong('%s: background is not usable in formulas' % where)
+            if p.owner == 'light' and not OF_LIGHTS <= self.variables:
+                raise Wrong('%s: %s belongs to a light' % (where, name))
+            return Value(p.type, '%s[%r]' % ({'body': 'body', 'light': 'light', 'global': 'globals_'}[p.owner], name))
+        if name in VARIABLES:
+            if name not in self.variables:
+                raise Wrong('%s: %s is not known here' % (where, name))
+            return Value(VARIABLES[name], 'var_' + name, None, name in DIRECTIONS)
+        if name == 'pi':
+            return literal(math.pi)
+        raise Wrong('%s: unknown name %r' % (where, name))
+
+    def call(self, name, where, args):
+        names, body = self.f.functions[name]
+        if len(names) != len(args):
+            raise Wrong('%s: %s takes %d arguments' % (where, name, len(names)))
+        return self.inside(name, where, lambda: self.gen(body, dict(zip(names, args))))
+
+    def macro(self, name, where):
+        if name not in self.macro_done:
+            self.macro_done[name] = self.inside(name, where, lambda: self.gen(self.f.macros[name], {}))
+        return self.macro_done[name]
+
+    def inside(self, name, where, make):
+        if name in self.in_progress:
+            raise Wrong('%s: %s uses itself' % (where, name))
+        self.in_progress.append(name)
+        value = make()
+        self.in_progress.pop()
+        return value
+
+    def series(self, name, where, args, local):
+        if len(args) != 4 or args[0][0] != 'name':
+            raise Wrong('%s: %s takes a name, two bounds and an expression' % (where, name))
+        bounds = [self.gen(a, local) for a in args[1:3]]
+        if any(b.type != 'S' or b.constant is None or not math.isfinite(b.constant) for b in bounds):
+            raise Wrong('%s: the bounds of a %s are constants' % (where, name))
+        whole = range(math.ceil(bounds[0].constant), math.floor(bounds[1].constant) + 1)
+        if len(whole) > 256:
+            raise Wrong('%s: more than 256 terms' % where)
+        term = lambda i: self.gen(args[3], {**local, args[0][2]: literal(float(i))})
+        if not whole:                            # the type is that of a term
+            kept = self.lines, dict(self.macro_done)
+            self.lines = list(self.lines)
+            is_vector = term(0).type == 'V'
+            self.lines, self.macro_done = kept
+            x = 0.0 if name == 'sum' else 1.0
+            return literal((x, x, x) if is_vector else x)
+        total = term(whole[0])
+        for i in whole[1:]:
+            t = term(i)
+            code = next(c for want, _, c in OVERLOADS['+' if name == 'sum' else '*'] if want == total.type + t.type)
+            total = self.emit(total.type, code.format(total.atom, t.atom), (total, t))
+        return total
+
+    def cond(self, c, local):
+        if c[0] == 'not':
+            a = self.cond(c[2], local)
+            return self.emit('S', '0.0 if %s else 1.0' % a.atom, (a,))
+        if c[0] in ('and', 'or'):
+            a, b = self.cond(c[2], local), self.cond(c[3], local)
+            return self.emit('S', '1.0 if (%s %s %s) else 0.0' % (a.atom, c[0], b.atom), (a, b))
+        operands = [self.gen(x, local) for x in (c[3:] if c[0] == 'cmp' else c[2:])]
+        if any(o.type != 'S' for o in operands):
+            raise Wrong('%s: conditions are of scalars' % c[1])
+        if c[0] == 'scalar':                     # holds if it is not 0; so does NaN
+            return self.emit('S', '1.0 if %s != 0 else 0.0' % operands[0].atom, operands)
+        return self.emit('S', '1.0 if %s %s %s else 0.0' % (operands[0].atom, c[2], operands[1].atom), operands)   # NaN: false but in !=
+
+    def function(self, name, result):
+        """-> (the Python function of these lines, its text)"""
+        source = 'def %s(%s, body, light, globals_):\n%s\n    return %s\n' % (
+            name, ', '.join('var_' + v for v in VARIABLES), '\n'.join(self.lines), result)
+        space = dict(globals())
+        exec(source, space)
+        return space[name], source
+
+
+def names_in(e):
+    """All names that an expression or condition reads (arguments and numbers of sums, too)."""
+    if isinstance(e, tuple):
+        if e and e[0] == 'name':
+            yield e[2]
+        elif e and e[0] == 'call':
+            yield e[2]
+        for x in e:
+            yield from names_in(x)
 
 
 class Formula:
     def __init__(self):
         self.params = {}                         # declared parameters only, until compile() adds the predefined ones
+        self.changed = {}                        # predefined parameters with another range or default
         self.macros = {}                         # name -> expression
+        self.functions = {}                      # name -> ([arguments], expression)
         self.invariants = []                     # (op, [name tokens])
         self.result = None
 
     def compile(self):
-        """-> function (N, L, V, R, alpha, beta, gamma, point, H, T, B, dist, visible, body, light, globals) -> RGB"""
-        self.params = {**predefined(), **self.params}
-        lines, macro_done, in_progress, reads_visible = [], {}, [], False
-
-        def emit(text):
-            lines.append('    t%d = %s' % (len(lines), text))
-            return 't%d' % (len(lines) - 1)
-
-        def gen(e):
-            """-> (type, Python atom).  Every operation is total, so both branches of an if may be computed."""
-            kind, where = e[0], e[1]
-            if kind == 'number':
-                return 'S', repr(float(e[2])) if math.isfinite(e[2]) else 'INF'
-            if kind == 'name':
-                name = e[2]
-                if name in self.macros:          # the user's meaning wins over [+] names
-                    return macro(name, where)
-                if name in self.params:
-                    p = self.params[name]
-                    if name == 'background':
-                        raise Wrong('%s: background is not usable in formulas' % where)
-                    return p.type, '%s[%r]' % ({'body': 'body', 'light': 'light', 'global': 'globals_'}[p.owner], name)
-                if name in VARIABLES:
-                    nonlocal reads_visible
-                    reads_visible |= name == 'visible'
-                    return VARIABLES[name], 'var_' + name
-                if name == 'pi':
-                    return 'S', repr(math.pi)
-                raise Wrong('%s: unknown name %r' % (where, name))
-            if kind == 'if':
-                c = gen_cond(e[2])
-                (ta, a), (tb, b) = gen(e[3]), gen(e[4])
-                if ta != tb:
-                    raise Wrong('%s: the branches of if are of different types' % where)
-                return ta, emit('%s if %s else %s' % (a, c, b))
-            name, args = e[2], [gen(a) for a in e[3]]
-            if name in self.macros or name in self.params or name not in OVERLOADS:
-                raise Wrong('%s: %r is not a function' % (where, name))   # [CHOICE 3] a redefined [+] function name
-            types = ''.join(t for t, _ in args)
-            for want, result, code in OVERLOADS[name]:
-                if want == types:
-                    return result, emit(code.format(*(a for _, a in args)))
-            raise Wrong('%s: %s does not take operands of types %s' % (where, name, ','.join(types)))
-
-        def gen_cond(c):
-            if c[0] == 'not':
-                return emit('not ' + gen_cond(c[1]))
-            if c[0] in ('and', 'or'):
-                a, b = gen_cond(c[1]), gen_cond(c[2])
-                return emit('%s %s %s' % (a, c[0], b))
-            (tx, x), (ty, y) = gen(c[3]), gen(c[4])
-            if tx + ty != 'SS':
-                raise Wrong('%s: comparisons take scalars' % c[1])
-            return emit('%s %s %s' % (x, c[2], y))   # Python: NaN compares false but in !=
-
-        def macro(name, where):
-            if name in in_progress:
-                raise Wrong('%s: macro %s uses itself' % (where, name))
-            if name not in macro_done:
-                in_progress.append(name)
-                macro_done[name] = gen(self.macros[name])
-                in_progress.pop()
-            return macro_done[name]
-
-        type, value = gen(self.result)
-        self.all_lights = reads_visible          # what the result uses, not unused macros
-        for name in self.macros:                 # unused ones must be right, too
-            macro(name, '')
-        if type != 'V':
+        """-> function (the variables, body, light, globals) -> RGB.  Sets .surface: name in SURFACE -> such a function, light unused."""
+        self.params = {**predefined(), **self.changed, **self.params}
+        texts = [self.result] + list(self.macros.values()) + [body for _, body in self.functions.values()]
+        read = {name for e in texts for name in names_in(e)}
+        surface = [name for name in SURFACE if name in self.macros and name not in read]   # one that is read is an ordinary macro
+        for name in SURFACE:
+            if name in self.macros and name in read:
+                warn('%s is read, so it is an ordinary macro' % name)
+        code = Code(self, set(VARIABLES) - OF_REFRACTION)
+        value = code.gen(self.result, {})
+        if value.type != 'V':
             raise Wrong('%s: the result must be a vector' % self.result_where)
-        self.source = 'def local(%s, body, light, globals_):\n%s\n    return %s\n' % (
-            ', '.join('var_' + v for v in VARIABLES), '\n'.join(lines), value)
-        space = dict(globals())
-        exec(self.source, space)
-        return space['local']
+        self.all_lights = 'visible' in code.names_read and 'visible' not in self.macros and 'visible' not in self.params   # what the result uses
+        local, self.source = code.function('local', value.atom)
+        self.surface = {}
+        for name in surface:
+            refraction = OF_REFRACTION if name in ('reflected', 'refracted') else set()
+            own = Code(self, (set(VARIABLES) - OF_LIGHTS - OF_REFRACTION) | refraction)
+            value = own.macro(name, name)
+            if value.type not in SURFACE[name]:
+                raise Wrong('%s must be a vector' % name)
+            self.surface[name], source = own.function(name, value.atom if value.type == 'V' else '({0}, {0}, {0})'.format(value.atom))
+            self.source += source
+        for name in self.macros:                 # unused ones must be right, too
+            Code(self, set(VARIABLES)).macro(name, '')
+        return local
 
 
 # =====================================================================================================================
@@ -1022,8 +1206,9 @@ def parse_scene(text, name, default_index):
 # 7  Rays (language 3)
 # =====================================================================================================================
 class Tracer:
-    def __init__(self, scene, local, depth, shadows, all_lights):
+    def __init__(self, scene, local, depth, shadows, all_lights, surface):
         self.scene, self.local, self.depth, self.shadows, self.all_lights = scene, local, depth, shadows, all_lights
+        self.surface = surface                   # the terms that the formula gives for every hit
         # A ray leaving a surface ignores that surface's own root at 0 (known exactly, see meet) and anything nearer
         # than this; far below the 1e-6 x extent that it allows.
         self.eps = 1e-9 * scene.extent
@@ -1073,26 +1258,34 @@ class Tracer:
                 continue                         # a zero factor: the term is exactly 0; a formula that reads visible has no visible_i
             R = vsub(vscale(N, 2 * dot(N, L)), L)
             H = normalize(vadd(L, V))
-            e = self.local(N, L, V, R, angle(N, L), angle(R, V), gamma, A, H, T, B, dist, float(visible), p, light.values, g)
+            e = self.local(N, L, V, R, angle(N, L), angle(R, V), gamma, A, H, T, B, dist, float(visible), None, None, p, light.values, g)
             total = vadd(total, vscale(e, ki))
-        if g['ka'] != 0:
+        n12 = 1 / body.index if front else body.index
+        beyond = 1 - n12 * n12 * (1 - dot(N, V) ** 2) < 0
+        own = {name: f(N, None, V, None, None, None, gamma, A, None, T, B, None, None, n12, float(beyond), p, None, g)
+               for name, f in self.surface.items()}
+        if 'ambient' in own:                     # in place of ka Cd Ia
+            total = vadd(total, own['ambient'])
+        elif g['ka'] != 0:
             total = vadd(total, vscale(vmul(p['Cd'], g['Ia']), g['ka']))
+        if 'emission' in own:
+            total = vadd(total, own['emission'])
         if depth < self.depth:
-            if p['kr'] != 0 and not body.matte:
+            weight = own.get('reflected', (p['kr'],) * 3)
+            if any(w != 0 for w in weight) and not body.matte:
                 r = normalize(vsub(vscale(N, 2 * dot(N, V)), V))
-                total = vadd(total, vscale(self.color(A, r, body, depth + 1), p['kr']))
-            if p['kt'] != 0 and not body.opaque:
-                r = self.refracted(N, V, 1 / body.index if front else body.index)
-                if r is not None:
-                    total = vadd(total, vscale(self.color(A, r, body, depth + 1), p['kt']))
+                total = vadd(total, vmul(self.color(A, r, body, depth + 1), weight))
+            weight = own.get('refracted', (p['kt'],) * 3)
+            if any(w != 0 for w in weight) and not body.opaque and not beyond:
+                r = self.refracted(N, V, n12)
+                total = vadd(total, vmul(self.color(A, r, body, depth + 1), weight))
         return total
 
     @staticmethod
     def refracted(N, V, n12):                    # thesis 3.2.5: T = [n12 (N.V) - sqrt(1 - n12^2 (1 - (N.V)^2))] N - n12 V
         c = dot(N, V)
         radicand = 1 - n12 * n12 * (1 - c * c)
-        if radicand < 0:
-            return None                          # beyond the critical angle
+        radicand = max(radicand, 0.0)            # not beyond the critical angle: the caller has looked
         return normalize(vsub(vscale(N, n12 * c - math.sqrt(radicand)), vscale(V, n12)))
 
 
@@ -1181,7 +1374,7 @@ def build(formula_path, scene_path, sets=(), ior=1.5, background=None, depth=5, 
     local = formula.compile()
     scene = parse_scene(read(scene_path), scene_path, ior)
     assign_values(formula, scene, list(sets), background)
-    return Tracer(scene, local, depth, shadows, formula.all_lights), formula
+    return Tracer(scene, local, depth, shadows, formula.all_lights, formula.surface), formula
 
 
 def main():

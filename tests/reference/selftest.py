@@ -54,12 +54,52 @@ ok('macro by value', shoot(make('global; a: scalar, default 2; b: scalar, defaul
                            (0., 0., 5.), (0., 0., -1.)), (10., 25., -5.))
 ok('CRLF, BOM', shoot(make('\ufeff/* c */ #uses a b;\r\nformula; // x\r\n= <1,2,3>;', body, sets=['ka=0']), (0., 0., 5.), (0., 0., -1.)), (1., 2., 3.))
 
+# ---- the grown language: functions, sums, conditions as numbers, components.  x is the first component of the result
+SCALARS = 'global; a: scalar, default 2; v: vector, default <4,9,16>; on: scalar, switch, default 1; m: scalar, choices "p", "q, r", "s", default 2; formula; '
+
+
+def grown(text, sets=(), decl=SCALARS):
+    return shoot(make(decl + text, body, sets=['ka=0', *sets]), (0., 0., 5.), (0., 0., -1.))
+
+
+for text, w in (('F(x) = x^2+1; = <F(3), F(F(1)), F(0)+F(a)>;', (10, 5, 6)), ('G(x) = H2(x,2); H2(a,b) = a*b; = G(<1,2,3>)*G(2);', (8, 16, 24)),
+                ('A = B2(2); B2(x) = x*C; C = 5; = <A, B2(C), 0>;', (10, 25, 0)), ('x = 7; f(x) = x+1; = <x, f(1), x>;', (7, 2, 7)),
+                ('i = 10; f(x) = x*i; = <sum(i,1,3,f(i)), 0, 0>;', (60, 0, 0)), ('f(N) = N*2; = <f(a)>;', (4, 4, 4)),
+                ('= <sum(i,0,4,i^2), product(i,1,5,i), sum(i,1,2,sum(j,i,3,i*j))>;', (30, 120, 16)), ('= sum(i,1,3,<1,i,i^2>);', (3, 6, 14)),
+                ('= <sum(i,2,1,i), product(i,2,1,i), sum(i,0.5,2.5,i)>;', (0, 1, 3)), ('= sum(i,2,1,<i>) + product(i,2,1,v);', (1, 1, 1)),
+                ('n = 2*3; f(m) = sum(i,1,m,i); = <f(n), f(2), sum(i,-1,1,i)>;', (21, 3, 0)), ('= <sum(i,1,256,a), 0, 0>;', (512, 0, 0)),
+                ('sum(p,q) = p-q; product = 3; = <sum(a,1), product, 0>;', (1, 3, 0)), ('is = 1<2; not = !(1<2) || 3==4; = <is, not, (2>1)+(a>=2)>;', (1, 0, 2)),
+                ('n = 3; = <if(n,1,2), if(n-3,1,2), if(!n || n>2 && n,5,6)>;', (1, 2, 5)), ('n = 0/0; = <if(n,1,2), if(n==n,1,2), (n!=0)>;', (1, 2, 1)),
+                ('= if(on, v, <0>)*<m>;', (8, 18, 32)), ('= sqrt(v) + <a>;', (4, 5, 6)), ('v2 = <1,2,3>; = v2^2 + v2^v2;', (2, 8, 36)),
+                ('= clamp(<-1,0.5,2>,0,1) + max(<-1,1,2>,0);', (0, 1.5, 3)), ('= mix(<1>,<2>,<0,0.5,1>);', (1, 1.5, 2)), ('= atan2(<0,1,0>,1) + mod(v,5);', (4, math.pi / 4 + 4, 1)),
+                ('= <tanh(0.5), erf(0.5), tanh(-40)>;', ((math.e - 1) / (math.e + 1), .5204998778130465, -1)), ('d = N.normalize(3*N) - 1; = <d, acos(V.L), (d > 0)>;', (0, 0, 0)),
+                ('= <(1+2)*3>;', (9, 9, 9)), ('= <(1<2), ((1+a)*3 > 8), ((a))>;', (1, 1, 2)), ('predefined = 2; = <predefined>;', (2, 2, 2))):
+    ok(text, grown(text), tuple(map(float, w)), 1e-9)
+ok('switch', grown('= <on, m, 0>;', ['on=0', 'm=1']), (0., 1., 0.))
+t = make('predefined; ki: constraint 0..50, default 3; kr: default 0.5; Cd: color; global; q: scalar; formula; = <1,2,3>;', body, sets=['ka=0', 'l.ki=20'])
+ok('predefined', shoot(t, (0., 0., 5.), (0., 0., -1.)), (20., 40., 60.))
+ok('predefined kr', t.scene.bodies[0].values['kr'], .5)
+ok('lone CR', grown('// a comment\r = <1,2,3>;'), (1., 2., 3.))
+
+for bad in ('formula; f(x) = f(x-1); = <f(1)>;', 'formula; f(x) = M*x; M = f(1); = <M>;', 'formula; f() = 1; = N;', 'formula; f(x,x) = x; = N;', 'formula; f(x) = x; = <f>;',
+            'formula; f(x) = x; = <f(1,2)>;', 'formula; f(x) = y; = <f(1)>;', 'formula; f(x) = 1; f = 2; = N;', 'formula; N(x) = 1; = N;', 'formula; = <sum(i,1,257,i)>;',
+            'formula; = <sum(i,1,kr,i)>;', 'formula; = <sum(1,1,2,3)>;', 'formula; = <max(0, 1<2)>;', 'formula; = Cd*(Cd > 1);', 'formula; = (1<2);', 'formula; = if(Cd,N,N);',
+            'formula; = Cd + 1;', 'formula; = perlin(N,Cd,1,2);', 'predefined; q: default 1; formula; = N;', 'predefined; ki: default <1,1,1>; formula; = N;', 'formula; = <eta>;',
+            'global; s: vector, switch; formula; = N;', 'global; s: scalar, choices "a; formula; = N;', 'formula; reflected = N.L; = N;', 'formula; refracted = ki; = N;',
+            'formula; M = H; reflected = M; = N;', 'formula; ambient = 1; = N;', 'formula; emission = <eta>; = N;', 'formula; reflected = nothing; = N;'):
+    try:
+        make(bad, body)
+    except Wrong:
+        count += 1
+    else:
+        raise AssertionError('accepted: ' + bad)
+
 for bad in ('formula; = 1;', 'formula; = <1,2,3>', 'formula; = <1.N,0,0>;', 'formula; = Cd*N.L*1;', 'formula; = 1/N;', 'formula; M = M; = N;',
             'formula; A = B2; B2 = A; = N;', 'formula; Cd = 1; = N;', 'formula; = background;', 'formula; = <1<2,0,0>;', 'formula; = if(1<2<3,N,N);',
             'formula; = if(N<L,N,N);', 'formula; = if(1<2,1,N);', 'global; global; formula; = N;', 'global; a: scalar; a: vector; formula; = N;',
             'global; a: scalar, default <1,2,3>; formula; = N;', 'global; a: scalar, constraint 2..1; formula; = N;', 'formula; = foo;', 'formula; = N; = L;',
             'invariants; kr+ka=1; formula; = N;', 'invariants; kr=1; kr+kt=1; kt=1; formula; = N;', 'invariants; Cd=1; formula; = N;',
-            'global; a: scalar, slider, slider; formula; = N;', 'formula; = min(N,L,V);', 'global; sin: scalar; formula; = N;', 'formula; = N /* ;'):
+            'global; a: scalar, slider, slider; formula; = N;', 'global; sin: scalar; formula; = N;', 'formula; = N /* ;'):
     try:
         make(bad, body)
     except Wrong:
@@ -146,4 +186,32 @@ ok('T', shoot(t, (0., 0., 5.), (0., 0., -1.)), (1., 0., 0.))
 t = make('formula; = B;', body, sets=['ka=0'])
 ok('B', shoot(t, (0., 0., 5.), (0., 0., -1.)), (0., 1., 0.))
 ok('pole', t.scene.bodies[0].tangent((0., 1., 0.)), (1., 0., 0.))
+# ---- weights of rays, ambient light and emission as formulas
+for depth in range(1, 8):
+    t = make('formula; reflected = <0.5,0.25,1>*kr; ambient = <1,2,3>; = N;', M, sets=['*.kr=0.8'], depth=depth)
+    ok('coloured mirrors', shoot(t, (0., 0., 0.), (.1, 0., -1.)), tuple(a * sum((w * .8) ** k for k in range(depth)) for a, w in zip((1, 2, 3), (.5, .25, 1))))
+t = make('formula; reflected = 0.5; emission = <1,1,1>; = N;', M, sets=['*.Cd=<1,0.5,0.25>', 'ka=0.2'], depth=2)
+ok('emission is added', shoot(t, (0., 0., 0.), (.1, 0., -1.)), (1.8, 1.65, 1.575))
+t = make('formula; emission = <0.5,0,0>; reflected = <0,0.5,0>; = N*emission;', M, sets=['*.Cd=<1,1,1>', 'ka=1'], depth=2)
+ok('a name that is read is a macro', shoot(t, (0., 0., 0.), (.1, 0., -1.)), (1., 1.5, 1.))
+FRESNEL = 'formula; F0 = ((1-eta)/(1+eta))^2; F = if(total, 1, F0+(1-F0)*(1-max(0,N.V))^5); reflected = kr*F; refracted = kt*(1-F); ambient = <0>; = N;'
+for index in (0.5, 1.0, 1.5, 2.4):
+    # straight through a ball, without inner reflections: (1 - F0)^2 of the background; straight back: F0
+    f0 = ((1 - index) / (1 + index)) ** 2
+    ball = 'bodies; b: sphere, center <0,0,0>, radius 1, refractive_index %g; lights; %s' % (index, CAM)
+    t = make(FRESNEL, ball, sets=['*.kt=1', 'background=<1,0.5,0>'], depth=3)
+    ok('Fresnel through', shoot(t, (0., 0., 5.), (0., 0., -1.)), ((1 - f0) ** 2, .5 * (1 - f0) ** 2, 0.))
+    t = make(FRESNEL, ball, sets=['*.kr=1', 'background=<1,0.5,0>'], depth=3)
+    ok('Fresnel back', shoot(t, (0., 0., 5.), (0., 0., -1.)), (f0, .5 * f0, 0.))
+# beyond the critical angle of a pane seen from behind all is mirrored, and nothing goes through
+pane = 'bodies; pane: rectangle, <9,9,0>,<-9,9,0>,<-9,-9,0>, refractive_index 1.5; lights; ' + CAM
+t = make(FRESNEL, pane, sets=['*.kr=0.75', '*.kt=0.5', 'background=<1,1,1>'])
+for deg in (41.8, 41.82, 60):
+    th = math.radians(deg)
+    f0, c = .04, math.cos(th)
+    f = f0 + (1 - f0) * (1 - c) ** 5
+    ok('total reflection', shoot(t, (0., 0., 3.), (math.sin(th), 0., -c)), (.75 if deg > 41.811 else .75 * f + .5 * (1 - f),) * 3)
+t = make('formula; reflected = <0,0,0>; = N;', 'bodies; s: sphere, center <0,0,0>, radius 1; n: rectangle, <-9,-9,8>,<9,-9,8>,<9,9,8>; lights; ' + CAM,
+         sets=['*.kr=1', 'background=<1,1,1>', 'ka=0'])
+ok('a weight of 0 sends no ray', shoot(t, (0., 0., 5.), (0., 0., -1.)), (0., 0., 0.))
 print(count, 'checks passed')

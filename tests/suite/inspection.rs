@@ -7,6 +7,7 @@ use illuminator::evaluate::inspect::{End, Inspector, Visibility};
 use illuminator::files::Readable;
 use illuminator::formula::Formula;
 use illuminator::lang::source::Source;
+use illuminator::lang::variables::EvaluatedLights;
 use illuminator::scene::Scene;
 use illuminator::trace::View;
 use illuminator::workspace::Location;
@@ -52,7 +53,11 @@ fn every_preset_adds_up_to_the_interpreters_pixel() {
                     assert_eq!(hit.lights.len(), world.scene().lights.len(), "{what}");
                     for light in &hit.lights {
                         let lit = light.visibility == Visibility::Lit;
-                        assert!(lit || shadows && light.contribution == [0.0; 3], "{what}: {light:?}");
+                        // A formula that reads `visible` is evaluated for all lights.
+                        let adds = light.evaluated || light.contribution == [0.0; 3];
+                        assert!(lit || shadows && adds, "{what}: {light:?}");
+                        let all = formula.evaluated_lights() == EvaluatedLights::All;
+                        assert_eq!(light.evaluated, lit || all, "{what}: {light:?}");
                         let none = light.visibility == Visibility::Shadowed(Vec::new());
                         assert!(!none, "{what}: a shadow that no body casts");
                     }

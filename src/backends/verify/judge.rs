@@ -23,7 +23,7 @@ const PERTURBATION: f32 = 8.0;
 /// range of the result.
 const ACCURATE_ANGLE: f32 = 1e5;
 /// How many perturbed results are computed before a difference counts as an error.
-const TRIALS: u32 = 1024;
+const TRIALS: u32 = 8192;
 
 /// Whether a difference is excused.
 pub(super) fn excuses(interpreted: &Interpreted, parameters: &[f32], difference: &Difference) -> bool {

@@ -271,9 +271,32 @@ impl WordReader<'_> {
             }
             (TextSection::Formula, Some(Mark::Semicolon), Some(Mark::Equal)) => self.declare(at, Class::Named, None),
             (TextSection::Formula, Some(Mark::Semicolon), Some(Mark::Open)) if self.defines_function(at) => {
+                self.arguments(at);
                 self.declare(at, Class::Named, None)
             }
+            (TextSection::Formula, _, Some(Mark::Open)) if Repetition::named(word).is_some() => {
+                self.local(at + 2);
+                Class::Plain
+            }
             _ => Class::Plain,
+        }
+    }
+
+    /// Records the arguments of the function whose name is at `at`.
+    fn arguments(&mut self, at: usize) {
+        let mut next = at + 2;
+        while self.mark(Some(next)).is_none() && next < self.tokens.len() {
+            self.local(next);
+            next += 2;
+        }
+    }
+
+    /// Records a name that has a meaning in one statement only.
+    fn local(&mut self, at: usize) {
+        if let Some(TokenKind::Word(name)) = self.tokens.get(at).map(|token| &token.kind)
+            && known(name) == Class::Plain
+        {
+            self.declare(at, Class::Named, None);
         }
     }
 

@@ -83,6 +83,8 @@ fn recent_files_are_in_the_gallery() {
     harness.state_mut().perform(Action::Open(FileKind::Session, Location::Preset("glass".to_owned())));
     harness.state_mut().perform(Action::ShowGallery);
     harness.run_steps(3);
+    harness.get_by_label("mine.toml").scroll_to_me();
+    harness.run_steps(10);
     harness.get_by_label("mine.toml").click();
     harness.run_steps(3);
     assert_eq!(harness.state().session, Some(Location::File(own)));
