@@ -21,6 +21,6 @@ pub use conditions::ConditionPlan;
 pub use contribution::{ContributionPlan, ParameterSlot, parameter_slots};
 pub use drag::{Channels, DragPlan, Factors, ImageTerm, Method, MovedTerm};
 pub use formula::FormulaPlan;
-pub use kernel::{Domain, KernelPlan, STREAMS, Schedule, Sink};
+pub use kernel::{Domain, KernelPlan, KernelWork, STREAMS, Schedule, Sink};
 pub use slider::{Moved, SliderPlan, moved_parameters};
 pub use surface::SurfacePlan;

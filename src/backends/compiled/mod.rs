@@ -140,7 +140,7 @@ impl Compiled {
         self.tile(pass, parameters, index, scratch);
         // Kernels have prefetched the first lines after those of the tile.
         let next = self.columns.get(index + 1).and_then(|next| next.lines().get(PREFETCH_DISTANCE / size_of::<Line>()..));
-        scratch.planes.quantise(part, next.unwrap_or_default());
+        scratch.planes.quantise(0, part, next.unwrap_or_default());
     }
 
     fn check_size(&self, framebuffer: &Framebuffer) {

@@ -13,7 +13,6 @@ use crate::evaluate::weights::{PathMonomials, Powers};
 use crate::formula::equation::Site;
 use crate::jit::compile::{CompiledSlider, Contribution};
 use crate::jit::{CompileError, Splat};
-use crate::lang::scalars::flush;
 use crate::lang::variables::Owner;
 use crate::plan::{Channels, ContributionPlan, DragPlan, ImageTerm, Method, ParameterSlot, moved_parameters};
 use std::sync::Arc;
@@ -54,6 +53,11 @@ impl DragKernels {
         let [fixed_leaves, column_leaves] =
             [&kernels.plan.fixed, &kernels.plan.columns].map(|plan| plan.as_ref().map(leaves).unwrap_or_default());
         Ok(Self { plan, moving_leaves, fixed_leaves, column_leaves, kernels })
+    }
+
+    /// What moves where.
+    pub(super) fn reach<'p>(&'p self, compiled: &'p Compiled) -> Reach<'p> {
+        Reach { plan: &self.plan, world: &compiled.hits.world, has_fixed: self.plan.slider.fixed.is_some() }
     }
 
     /// The passes that make the stored data.
@@ -122,12 +126,10 @@ impl DragKernels {
     ) -> (ContributionSource<'p>, Vec<Splat>) {
         let plan = &self.plan;
         let (mut source, uniforms) = compiled.source(parameters, contribution, leaves, plan.moving_channels());
-        let may_be_on =
-            |light: usize| plan.moves_light_weight(light) || flush(compiled.equation.light_weight(parameters, light)) != 0.0;
         let lights = source.lights;
         for (pair, active) in source.active.iter_mut().enumerate() {
             let (body, light) = (pair / lights, pair % lights);
-            *active = may_be_on(light) && plan.moves_pair(body, light);
+            *active = plan.may_be_on(parameters, light) && plan.moves_pair(body, light);
         }
         (source, uniforms)
     }
