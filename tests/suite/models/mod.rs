@@ -2,6 +2,7 @@
 //! published tables, integrals, and formulas of papers computed again in double precision.
 
 mod painterly;
+mod surfaces;
 
 use illuminator::formula::graph::{Graph, Node, NodeId};
 use illuminator::formula::{Formula, ParameterId};
