@@ -102,7 +102,7 @@ fn schlicks_facets_have_their_integral() {
         // azimuths is sqrt(p)/agm(1, p), by Gauss.
         let glossy = 4.0 * r * (1.0 - r);
         let density = |h: Triple| facets.shade(&Hit::new(h, h)).map(|x| x * 4.0 * h[2] / glossy * h[2] / PI);
-        near(hemisphere(60, density)[0], p.sqrt() / common_mean(1.0, p), 2e-3);
+        near(hemisphere(48, density)[0], p.sqrt() / common_mean(1.0, p), 2e-3);
     }
 }
 
@@ -111,14 +111,14 @@ fn schlicks_layer_sends_no_more_than_it_gets() {
     // By a script in double precision: what a white layer sends back with shadows, without its mirror part.
     for (r, polar, share) in [(0.1, 0.0, 0.3086), (0.3, 45.0, 0.4844), (0.5, 75.0, 0.4412), (0.8, 45.0, 0.5571)] {
         let white = model("schlick", &[("Cd", &[1.0]), ("r", &[r])]);
-        near(white.albedo(polar, 60)[0], share, 2e-3);
+        near(white.albedo(polar, 40)[0], share, 3e-3);
         let mirror = model("schlick", &[("Cd", &[1.0]), ("r", &[r])]).value("mirror", &Hit::new(UP, UP))[0];
         assert!(share + mirror < 1.0, "{r}");
     }
     // The light that is given back makes up for most of what shadows take, straight on; the view that grazes is bright.
     let back = |r: f64| model("schlick", &[("Cd", &[1.0]), ("r", &[r]), ("shadows", &[2.0])]);
-    near(back(0.8).albedo(0.0, 60)[0], 0.7060, 2e-3);
-    near(back(0.5).albedo(75.0, 60)[0], 1.8855, 4e-3);
+    near(back(0.8).albedo(0.0, 40)[0], 0.7060, 2e-3);
+    near(back(0.5).albedo(75.0, 40)[0], 1.8855, 4e-3);
 }
 
 /// The values of a lobe: Cx, Cy, Cz and n for red, green and blue.

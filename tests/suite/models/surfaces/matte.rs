@@ -36,7 +36,7 @@ fn oren_nayar(hit: &Hit, sigma: f64, rho: f64, inter: bool) -> f64 {
     let tangents = cosine * c2 * small.tan() + (1.0 - cosine.abs()) * c3 * f64::midpoint(large, small).tan();
     let once = rho * light.cos() * (c1 + tangents);
     let twice = 0.17 * rho * rho * light.cos() * s2 / (s2 + 0.13) * (1.0 - cosine * (2.0 * small / PI).powi(2));
-    once + if inter { twice } else { 0.0 }
+    (once + if inter { twice } else { 0.0 }).max(0.0)
 }
 
 #[test]
