@@ -114,19 +114,24 @@ impl Graph {
         self.add(node)
     }
 
-    /// The graph of the nodes that `roots` need, in the same order, and the roots in it. The first three become its
-    /// result.
-    pub(super) fn reachable(&self, roots: &[NodeId]) -> (Graph, Vec<NodeId>) {
-        let mut wanted = vec![false; self.len()];
+    /// For each node, whether `roots` need it.
+    fn needed(&self, roots: &[NodeId]) -> Vec<bool> {
+        let mut needed = vec![false; self.len()];
         let mut pending = roots.to_vec();
         while let Some(id) = pending.pop() {
-            if !std::mem::replace(&mut wanted[id.0 as usize], true) {
+            if !std::mem::replace(&mut needed[id.0 as usize], true) {
                 pending.extend_from_slice(self.node(id).operands());
             }
         }
+        needed
+    }
+
+    /// The graph of the nodes that `roots` need, in the same order, and the roots in it. The first three become its
+    /// result.
+    pub(super) fn reachable(&self, roots: &[NodeId]) -> (Graph, Vec<NodeId>) {
         let mut graph = Graph::empty();
         let mut new_ids = vec![NodeId(0); self.len()];
-        for (index, _) in wanted.iter().enumerate().filter(|(_, wanted)| **wanted) {
+        for (index, _) in self.needed(roots).iter().enumerate().filter(|(_, needed)| **needed) {
             let node = match self.nodes[index] {
                 Node::Apply(primitive, operands) => Node::Apply(primitive, operands.map(|operand| new_ids[operand.0 as usize])),
                 leaf @ (Node::Constant(_) | Node::Variable(..) | Node::Parameter(..)) => leaf,
@@ -195,28 +200,18 @@ impl Graph {
 
     /// The values of some nodes by the reference meaning. `leaf` gives the values of variables and parameters.
     pub fn evaluate(&self, roots: &[NodeId], leaf: impl Fn(NodeId) -> f32) -> Vec<f32> {
-        let mut values: HashMap<NodeId, f32> = HashMap::new();
-        let mut pending = roots.to_vec();
-        while let Some(id) = pending.last().copied() {
-            let node = self.node(id);
-            let missing = node.operands().iter().filter(|operand| !values.contains_key(operand));
-            let before = pending.len();
-            pending.extend(missing.copied().collect::<Vec<_>>());
-            if pending.len() > before {
-                continue;
-            }
-            pending.pop();
-            let value = match node {
+        let mut values = vec![0.0; self.len()];
+        for (index, _) in self.needed(roots).iter().enumerate().filter(|(_, needed)| **needed) {
+            values[index] = match self.nodes[index] {
                 Node::Constant(bits) => f32::from_bits(bits),
-                Node::Variable(..) | Node::Parameter(..) => leaf(id),
-                Node::Apply(primitive, _) => {
-                    let operands: Vec<f32> = node.operands().iter().map(|operand| values[operand]).collect();
-                    primitive.apply(&mut Floats, &operands)
+                Node::Variable(..) | Node::Parameter(..) => leaf(NodeId(index as u32)),
+                Node::Apply(primitive, operands) => {
+                    let operands = operands.map(|operand| values[operand.0 as usize]);
+                    primitive.apply(&mut Floats, &operands[..primitive.arity()])
                 }
             };
-            values.insert(id, value);
         }
-        roots.iter().map(|root| values[root]).collect()
+        roots.iter().map(|root| values[root.0 as usize]).collect()
     }
 
     /// xⁿ for whole n from −4 to 4, as products: within four units in the last place of `powf`, at a fraction of the

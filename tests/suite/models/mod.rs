@@ -1,6 +1,7 @@
 //! The built-in models against numbers that were worked out independently of this program: closed forms, limits,
 //! published tables, integrals, and formulas of papers computed again in double precision.
 
+mod microfacets;
 mod painterly;
 mod surfaces;
 
@@ -114,6 +115,18 @@ impl Model {
         Model { formula, graph, macros: HashMap::new(), values }
     }
 
+    /// With a value of a parameter: all three components of a vector.
+    fn set(mut self, name: &str, value: f64) -> Self {
+        self.assign(name, [value; 3]);
+        self
+    }
+
+    /// With a value of a vector parameter.
+    fn colour(mut self, name: &str, value: Triple) -> Self {
+        self.assign(name, value);
+        self
+    }
+
     /// Gives a parameter a value, which must be in its range.
     fn assign(&mut self, name: &str, value: Triple) {
         let id = self.formula.parameter_named(name).unwrap_or_else(|| panic!("no parameter {name}"));
@@ -208,7 +221,12 @@ const SINGLE: f64 = 1e-4;
 /// body's parameters: each at one end of its range or at its default, in combinations drawn by a fixed sequence.
 #[track_caller]
 fn sound_in_all_corners(name: &str) {
-    const COMBINATIONS: usize = 150;
+    sound_in_corners(name, 150);
+}
+
+/// The same as [`sound_in_all_corners`], in this number of combinations: for long formulas.
+#[track_caller]
+fn sound_in_corners(name: &str, combinations: usize) {
     let mut model = Model::built_in(name);
     let hits = hits();
     let mut state = 1_u32;
@@ -216,7 +234,7 @@ fn sound_in_all_corners(name: &str) {
         state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         (state >> 16) as usize % count
     };
-    for _ in 0..COMBINATIONS {
+    for _ in 0..combinations {
         let ids: Vec<ParameterId> = model.formula.parameter_ids().collect();
         for id in ids {
             let parameter = model.formula.parameter(id);
