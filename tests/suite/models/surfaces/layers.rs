@@ -58,8 +58,8 @@ fn real(x: f64) -> Complex {
     Complex(x, 0.0)
 }
 
-/// What a film reflects of unpolarized light, by the characteristic matrix of a layer (Born and Wolf, section 1.6), which
-/// knows no sum of Airy's. Lengths in nanometres; the cosine is that outside.
+/// What a film reflects of unpolarized light, by the characteristic matrix of a layer (Born and Wolf, section 1.6),
+/// which knows no sum of Airy's. Lengths in nanometres; the cosine is that outside.
 fn film(thickness: f64, index: f64, ground: Complex, wavelength: f64, cosine: f64) -> f64 {
     let sine2 = real(1.0 - cosine * cosine);
     // The normal parts of the wave vectors, in the film and in the ground.
@@ -113,7 +113,7 @@ fn films_agree_with_the_matrix_of_a_layer() {
 #[test]
 fn films_have_their_closed_forms() {
     let glass = |d: f64, n1: f64| model("thin-film", &[("d", &[d]), ("n1", &[n1]), ("n2", &[1.52]), ("kt", &[1.0])]);
-    // No film: ((n - 1)/(n + 1))^2. A quarter of a wave: ((n - n1^2)/(n + n1^2))^2, in green; half a wave: no film again.
+    // No film: ((n - 1)/(n + 1))^2. A quarter of a wave: ((n - n1^2)/(n + n1^2))^2, in green; half a wave: as no film.
     let bare = (0.52_f64 / 2.52).powi(2);
     all_close(mirrored(&mut glass(0.0, 1.38), 0.0), [bare; 3]);
     let square = 1.38_f64.powi(2);

@@ -1,7 +1,7 @@
 //! Schlick's model of layers, and Lafortune's lobes.
 
-use super::{Given, Hit, Model, PI, Triple, UP, all_close, close, hemisphere, hit, model, near, reciprocal, slanted};
 use super::sound_in_all_corners;
+use super::{Given, Hit, Model, PI, Triple, UP, all_close, close, hemisphere, hit, model, near, reciprocal, slanted};
 use crate::models::normalize;
 
 #[test]
