@@ -53,6 +53,13 @@ const FORMULAS: &[Preset] = files!("formula", "formula":
     "brushed-metal" = "brushed and turned metal: strokes of noise under a stretched highlight",
     "fresnel-glass" = "Fresnel (1823): glass and water, whose rays obey the law",
     "coloured-mirror" = "mirrors of metal, by Fresnel's law or Schlick's (1994)",
+    "oren-nayar" = "Oren and Nayar (1994): rough matte surfaces, flat like the full Moon",
+    "eon" = "Portsmouth, Kutz and Hill (2024): rough matte surfaces that lose no light",
+    "minnaert" = "Minnaert (1941): discs of planets and moons, by their limb darkening",
+    "schlick" = "Schlick (1994): from mirror over gloss to matte, in one layer or two, with a grain",
+    "lafortune" = "Lafortune and others (1997): three lobes that fit measurements",
+    "thin-film" = "Airy (1833): colours of soap bubbles, oil and anodised titanium",
+    "lacquer" = "a matte colour under a smooth coat that absorbs: Fresnel, Beer, Saunderson (1942)",
 );
 const SCENES: &[Preset] = files!("scene", "scene":
     "studio" = "two balls under three lights, for a new formula",
@@ -70,6 +77,9 @@ const SCENES: &[Preset] = files!("scene", "scene":
     "row" = "five balls side by side, to compare five values",
     "brushed" = "balls, a plate and sheets with a grain",
     "grazing" = "strips of a road towards low lamps",
+    "shelves" = "two rows of four balls on shelves, to compare values and kinds",
+    "planets" = "seven balls in space, the sun behind the viewer",
+    "softboxes" = "nine balls on a dark table between bright panels",
 );
 const SESSIONS: &[Preset] = files!("session", "toml":
     "default" = "the crystals with Phong's model: what opens if nothing is named",
@@ -99,6 +109,13 @@ const SESSIONS: &[Preset] = files!("session", "toml":
     "brushed-metal" = "turned and brushed metals",
     "fresnel-glass" = "glass before a fan of colours, by Fresnel's law",
     "coloured-mirror" = "mirrors of gold, copper, silver and foil among coloured balls",
+    "oren-nayar" = "plaster and clay, smooth to rough, with Oren and Nayar's model",
+    "eon" = "rough matte balls that lose light, and below them those that do not",
+    "minnaert" = "planets with bright, flat and dark edges",
+    "schlick" = "gold from mirror to matte, and lacquers, with Schlick's model",
+    "lafortune" = "measured paint, clay, skin and felt, and lobes that bend and turn back",
+    "thin-film" = "soap bubbles before anodised titanium",
+    "lacquer" = "amber varnish from none to thick, and red under coats",
 );
 const MATERIALS: &[Preset] = files!("material", "toml":
     "phong" = "materials for Phong's model",
@@ -124,6 +141,13 @@ const MATERIALS: &[Preset] = files!("material", "toml":
     "brushed-metal" = "brushed and turned metals with measured indices",
     "fresnel-glass" = "glass, water and gems",
     "coloured-mirror" = "mirrors of metal with measured indices, and of foil",
+    "oren-nayar" = "plaster, sand, clay and cloth",
+    "eon" = "chalk, clay, plaster and powder",
+    "minnaert" = "planets and moons",
+    "schlick" = "metals, lacquers and varnish",
+    "lafortune" = "measured and made-up lobes",
+    "thin-film" = "bubbles, oil, coated glass and anodised metals",
+    "lacquer" = "varnish, urushi, glaze and wet stone",
 );
 
 /// The built-in files of a kind, in the order of menus and lists.

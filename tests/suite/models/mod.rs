@@ -3,6 +3,7 @@
 
 mod microfacets;
 mod painterly;
+mod surfaces;
 
 use illuminator::formula::graph::{Graph, Node, NodeId};
 use illuminator::formula::{Formula, ParameterId};
@@ -220,7 +221,12 @@ const SINGLE: f64 = 1e-4;
 /// body's parameters: each at one end of its range or at its default, in combinations drawn by a fixed sequence.
 #[track_caller]
 fn sound_in_all_corners(name: &str) {
-    const COMBINATIONS: usize = 150;
+    sound_in_corners(name, 150);
+}
+
+/// The same as [`sound_in_all_corners`], in this number of combinations: for long formulas.
+#[track_caller]
+fn sound_in_corners(name: &str, combinations: usize) {
     let mut model = Model::built_in(name);
     let hits = hits();
     let mut state = 1_u32;
@@ -228,7 +234,7 @@ fn sound_in_all_corners(name: &str) {
         state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         (state >> 16) as usize % count
     };
-    for _ in 0..COMBINATIONS {
+    for _ in 0..combinations {
         let ids: Vec<ParameterId> = model.formula.parameter_ids().collect();
         for id in ids {
             let parameter = model.formula.parameter(id);
