@@ -53,6 +53,11 @@ const FORMULAS: &[Preset] = files!("formula", "formula":
     "brushed-metal" = "brushed and turned metal: strokes of noise under a stretched highlight",
     "fresnel-glass" = "Fresnel (1823): glass and water, whose rays obey the law",
     "coloured-mirror" = "mirrors of metal, by Fresnel's law or Schlick's (1994)",
+    "kajiya-kay" = "Kajiya and Kay (1989): fur and hair by the direction of their fibres",
+    "hair" = "Marschner and others (2003), Scheuermann (2004): hair with two highlights",
+    "charlie-sheen" = "Estevez and Kulla (2017): the sheen of cloth",
+    "velvet" = "Ashikhmin and others (2000, 2007): velvet, dark in the middle and bright at the edge",
+    "leaf" = "Bousquet and others (2005): a leaf that light goes through",
 );
 const SCENES: &[Preset] = files!("scene", "scene":
     "studio" = "two balls under three lights, for a new formula",
@@ -70,6 +75,9 @@ const SCENES: &[Preset] = files!("scene", "scene":
     "row" = "five balls side by side, to compare five values",
     "brushed" = "balls, a plate and sheets with a grain",
     "grazing" = "strips of a road towards low lamps",
+    "heads" = "two rows of five balls on a shelf, for hair and cloth",
+    "edges" = "three balls lit from both sides and from behind",
+    "twig" = "nine leaves on a twig against the light",
 );
 const SESSIONS: &[Preset] = files!("session", "toml":
     "default" = "the crystals with Phong's model: what opens if nothing is named",
@@ -99,6 +107,11 @@ const SESSIONS: &[Preset] = files!("session", "toml":
     "brushed-metal" = "turned and brushed metals",
     "fresnel-glass" = "glass before a fan of colours, by Fresnel's law",
     "coloured-mirror" = "mirrors of gold, copper, silver and foil among coloured balls",
+    "kajiya-kay" = "a toy bear of fur, with Kajiya and Kay's model",
+    "hair" = "five colours of hair, with two highlights",
+    "charlie-sheen" = "sheen from thin to wide, and five cloths",
+    "velvet" = "balls of velvet, lit along their edges",
+    "leaf" = "leaves of spring and autumn against the sun",
 );
 const MATERIALS: &[Preset] = files!("material", "toml":
     "phong" = "materials for Phong's model",
@@ -124,6 +137,11 @@ const MATERIALS: &[Preset] = files!("material", "toml":
     "brushed-metal" = "brushed and turned metals with measured indices",
     "fresnel-glass" = "glass, water and gems",
     "coloured-mirror" = "mirrors of metal with measured indices, and of foil",
+    "kajiya-kay" = "fur, hair and threads",
+    "hair" = "hair of eight kinds",
+    "charlie-sheen" = "cloth with a sheen",
+    "velvet" = "velvet and other cloth with a pile",
+    "leaf" = "leaves, and paper",
 );
 
 /// The built-in files of a kind, in the order of menus and lists.

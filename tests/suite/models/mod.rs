@@ -1,6 +1,9 @@
 //! The built-in models against numbers that were worked out independently of this program: closed forms, limits,
 //! published tables, integrals, and formulas of papers computed again in double precision.
 
+mod cloth;
+mod fibres;
+mod leaves;
 mod microfacets;
 mod painterly;
 
