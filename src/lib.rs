@@ -10,7 +10,7 @@
 //! formula text ─▶ lang ──▶ formula ──▶ plan ─┬─▶ backends: compiled (jit), interpreter (bytecode) ─┐
 //!   scene text ─▶ lang ──▶ scene ──▶ world ──┴─▶ trace (hits) ──▶ evaluate ◀───────────────────────┘──▶ picture
 //!
-//!                  engine: the whole sequence        workspace: values, sessions, materials
+//!                  engine: the whole sequence        workspace: values, sessions, materials        assist: help for editors
 //! ```
 //!
 //! # Example
@@ -59,6 +59,8 @@ pub mod engine;
 pub mod workspace;
 
 pub mod picture;
+
+pub mod assist;
 
 #[cfg(any(feature = "cli", feature = "window"))]
 pub mod user_data;

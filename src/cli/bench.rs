@@ -4,7 +4,7 @@ use crate::cli::engine;
 use crate::cli::input::load;
 use crate::cli::options::InputOptions;
 use crate::cli::progress::Progress;
-use crate::cli::report::{Failure, print};
+use crate::cli::report::{Failure, print, print_json};
 use clap::Args;
 use illuminator::backends::{DEFAULT, REFERENCE};
 use illuminator::engine::{Engine, Subject, Task};
@@ -93,12 +93,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let wanted = options.slider.iter().map(|label| find(&input.values, &all, label)).collect::<Result<Vec<_>, _>>()?;
     let wanted = if wanted.is_empty() { all } else { wanted };
     let report = engine::on_threads(&options.input.machine, || measure(options, &input, &wanted))??;
-    if options.json {
-        let text = serde_json::to_string_pretty(&report).map_err(|error| Failure::input(error.to_string()))?;
-        print(&format!("{text}\n"))
-    } else {
-        print(&table(&report, options.runs))
-    }
+    if options.json { print_json(&report) } else { print(&table(&report, options.runs)) }
 }
 
 /// Everything that a slider can move. The formula's own parameters with `slider` come first; colours count as a whole

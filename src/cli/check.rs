@@ -1,17 +1,16 @@
 //! `illuminator check`: reports what is wrong with files.
 
-use crate::cli::input::{Speaker, data_folder};
-use crate::cli::report::{Failure, count, explain, print, say};
+use crate::cli::input::{Speaker, data_folder, read_of_kind};
+use crate::cli::protocol::reports::CheckedFiles;
+use crate::cli::report::{Failure, count, number, print, print_json};
 use clap::{Args, ValueEnum};
-use illuminator::files::Readable;
 use illuminator::formula::Formula;
-use illuminator::lang::diagnostic::{Diagnostic, Diagnostics};
+use illuminator::lang::diagnostic::Diagnostics;
 use illuminator::lang::display_text::one_line;
 use illuminator::lang::source::Source;
 use illuminator::scene::Scene;
-use illuminator::workspace::project::{Project, library_location};
-use illuminator::workspace::{FileKind, Location, kind_of, read_source, unknown_preset};
-use illuminator::workspace::{Library, Session, presets};
+use illuminator::workspace::project::{Listener, OpenProjectError, Project, library_location};
+use illuminator::workspace::{FileKind, Library, Location, Session, presets};
 use std::ffi::OsString;
 use std::io::ErrorKind;
 use std::path::Path;
@@ -28,6 +27,9 @@ pub(super) struct Options {
     /// Warn where a macro would give another value if it stood for its text, as in the thesis
     #[arg(long)]
     thesis: bool,
+    /// Print what is wrong as JSON, in the form of the Language Server Protocol
+    #[arg(long)]
+    json: bool,
 }
 
 /// The kinds of files.
@@ -42,6 +44,7 @@ enum KindName {
 /// Checks all files, even if the first ones have errors.
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let mut wrong = false;
+    let mut collected = CheckedFiles::default();
     for file in &options.files {
         let given = options.kind.map(|kind| match kind {
             KindName::Formula => FileKind::Formula,
@@ -49,23 +52,64 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
             KindName::Session => FileKind::Session,
             KindName::Material => FileKind::Material,
         });
-        let location = built_in_if_missing(Location::new(file), given)?;
+        let location = built_in_if_missing(Location::new(file), given, options.json)?;
         for kind in kinds_of(&location, given) {
-            wrong |= !check(&location, kind, options.thesis)?;
+            if options.json {
+                collected.begin(&location);
+                wrong |= check(&location, kind, options.thesis, &mut collected).is_none_or(|checked| !checked.is_valid());
+            } else {
+                let checked = check(&location, kind, options.thesis, &mut Speaker);
+                wrong |= checked.as_ref().is_none_or(|checked| !checked.is_valid());
+                checked.map_or(Ok(()), |checked| print(&checked.summary(&location)))?;
+            }
         }
+    }
+    if options.json {
+        print_json(&collected.report())?;
     }
     if wrong { Err(Failure::Reported) } else { Ok(()) }
 }
 
+/// What was found in a file.
+struct CheckOutcome {
+    kind: FileKind,
+    diagnostics: Diagnostics,
+    /// How many warnings the values of a session gave.
+    value_warnings: usize,
+    /// Whether the files that a session names have no errors.
+    files_are_valid: bool,
+}
+
+impl CheckOutcome {
+    fn of(kind: FileKind, diagnostics: Diagnostics) -> Self {
+        Self { kind, diagnostics, value_warnings: 0, files_are_valid: true }
+    }
+
+    fn is_valid(&self) -> bool {
+        !self.diagnostics.has_errors() && self.files_are_valid
+    }
+
+    /// The numbers of errors and warnings, as a line.
+    fn summary(&self, location: &Location) -> String {
+        let [errors, warnings] = count(&self.diagnostics);
+        let [errors_found, warnings_found] = [number(errors, "error"), number(warnings + self.value_warnings, "warning")];
+        let named_files = if errors == 0 && !self.files_are_valid { "; a file that it names has errors" } else { "" };
+        let name = one_line(&location.to_string());
+        format!("{name}: {}, {errors_found}, {warnings_found}{named_files}\n", self.kind.noun())
+    }
+}
+
 /// The location, or the built-in files of its name if there is no such file.
-fn built_in_if_missing(location: Location, given: Option<FileKind>) -> Result<Location, Failure> {
+fn built_in_if_missing(location: Location, given: Option<FileKind>, silent: bool) -> Result<Location, Failure> {
     let Location::File(path) = &location else { return Ok(location) };
     let missing = path.symlink_metadata().is_err_and(|error| error.kind() == ErrorKind::NotFound);
     let is_named = |kind: &FileKind, name: &str| given.is_none_or(|given| given == *kind) && presets::text(*kind, name).is_some();
     let named = path.to_str().filter(|name| missing && FileKind::ALL.iter().any(|kind| is_named(kind, name)));
     let Some(name) = named.map(str::to_owned) else { return Ok(location) };
     let built_in = Location::Preset(name.clone());
-    print(&format!("{name}: there is no such file; the built-in `{built_in}` is checked instead\n"))?;
+    if !silent {
+        print(&format!("{name}: there is no such file; the built-in `{built_in}` is checked instead\n"))?;
+    }
     Ok(built_in)
 }
 
@@ -77,91 +121,67 @@ fn kinds_of(location: &Location, given: Option<FileKind>) -> Vec<Option<FileKind
     if given.is_some() || named.is_empty() { vec![given] } else { named }
 }
 
-/// Checks one file. Returns whether it has no errors.
-fn check(location: &Location, given: Option<FileKind>, thesis: bool) -> Result<bool, Failure> {
-    let (kind, source) = match read(location, given) {
+/// Checks one file, and tells the listener. `None` if it cannot be read.
+fn check(location: &Location, given: Option<FileKind>, thesis: bool, listener: &mut dyn Listener) -> Option<CheckOutcome> {
+    let (kind, source) = match read_of_kind(location, given) {
         Ok(found) => found,
         Err(diagnostic) => {
-            say(&diagnostic);
-            return Ok(false);
+            listener.message(diagnostic);
+            return None;
         }
     };
-    let (diagnostics, value_warnings, files_are_valid) = match kind {
-        FileKind::Formula => (check_formula(location, &source, thesis), 0, true),
-        FileKind::Scene => (explained(Scene::parse(&source), &source), 0, true),
-        FileKind::Session => check_session(location, &source),
-        FileKind::Material => (explained(Library::parse(&source), &source), 0, true),
-    };
-    let [errors, warnings] = count(&diagnostics);
-    let warnings = warnings + value_warnings;
-    let number = |count: usize, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
-    let [errors_found, warnings_found] = [number(errors, "error"), number(warnings, "warning")];
-    let named_files = if errors == 0 && !files_are_valid { "; a file that it names has errors" } else { "" };
-    let name = one_line(&location.to_string());
-    print(&format!("{name}: {}, {errors_found}, {warnings_found}{named_files}\n", kind.noun()))?;
-    Ok(errors == 0 && files_are_valid)
+    Some(match kind {
+        FileKind::Formula => CheckOutcome::of(kind, told(check_formula(location, &source, thesis), &source, listener)),
+        FileKind::Scene => CheckOutcome::of(kind, told(Scene::parse(&source), &source, listener)),
+        FileKind::Session => check_session(location, &source, listener),
+        FileKind::Material => CheckOutcome::of(kind, told(Library::parse(&source), &source, listener)),
+    })
 }
 
-/// Reads a file, and finds out what it is if no kind is given.
-fn read(location: &Location, given: Option<FileKind>) -> Result<(FileKind, Source), Diagnostic> {
-    if let Some(kind) = given {
-        return Ok((kind, location.read(kind, Readable::RegularOrPipe)?));
-    }
-    match location {
-        Location::File(path) => {
-            let source = read_source(path, None, Readable::RegularOrPipe)?;
-            let suffix = match path.extension().and_then(|suffix| suffix.to_str()) {
-                Some("formula") => Some(FileKind::Formula),
-                Some("scene") => Some(FileKind::Scene),
-                Some("toml") => Some(FileKind::Session),
-                Some(_) | None => None,
-            };
-            // A formula or a scene with a mistake in its first line may look like TOML. For a file of unknown kind the
-            // parser of formulas has the best messages.
-            let told = kind_of(source.text()).filter(|kind| match kind {
-                FileKind::Formula | FileKind::Scene => true,
-                FileKind::Session | FileKind::Material => suffix.is_none_or(|suffix| suffix == FileKind::Session),
-            });
-            Ok((told.or(suffix).unwrap_or(FileKind::Formula), source))
-        }
-        // A name that some kind has comes with that kind.
-        Location::Preset(name) => Err(unknown_preset(None, name)),
-    }
-}
-
-/// Writes the diagnostics of a text and returns them.
-fn explained<T>(outcome: Result<(T, Diagnostics), Diagnostics>, source: &Source) -> Diagnostics {
+/// Tells the diagnostics of a text and returns them.
+fn told<T>(outcome: Result<(T, Diagnostics), Diagnostics>, source: &Source, listener: &mut dyn Listener) -> Diagnostics {
     match outcome {
         Ok((_, diagnostics)) | Err(diagnostics) => {
-            explain(&diagnostics, source);
+            listener.diagnostics(&diagnostics, source);
             diagnostics
         }
     }
 }
 
 /// Checks a formula, and whether the built-in material library that it may name exists. A file need not exist yet.
-fn check_formula(location: &Location, source: &Source, thesis: bool) -> Diagnostics {
+fn check_formula(location: &Location, source: &Source, thesis: bool) -> Result<(Formula, Diagnostics), Diagnostics> {
     let parse = if thesis { Formula::parse_as_thesis } else { Formula::parse };
-    let outcome = parse(source).map(|(formula, mut diagnostics)| {
-        if formula.uses.is_some()
-            && let Err(unknown) = library_location(&formula, location, source, data_folder().as_deref())
-        {
-            diagnostics.push(unknown);
-            diagnostics.sort();
-        }
-        (formula, diagnostics)
-    });
-    explained(outcome, source)
+    let (formula, mut diagnostics) = parse(source)?;
+    if formula.uses.is_some()
+        && let Err(unknown) = library_location(&formula, location, source, data_folder().as_deref())
+    {
+        diagnostics.push(unknown);
+        diagnostics.sort();
+    }
+    Ok((formula, diagnostics))
 }
 
-/// Checks a session and the files that it names. Returns the diagnostics of its text, the number of warnings about its
-/// values, and whether the files are valid.
-fn check_session(location: &Location, source: &Source) -> (Diagnostics, usize, bool) {
+/// What is wrong with a text itself. The files that a session names are not looked at.
+pub(super) fn diagnostics_of(kind: FileKind, location: &Location, source: &Source) -> Diagnostics {
+    fn found<T>(outcome: Result<(T, Diagnostics), Diagnostics>) -> Diagnostics {
+        outcome.map_or_else(|errors| errors, |(_, warnings)| warnings)
+    }
+    match kind {
+        FileKind::Formula => found(check_formula(location, source, false)),
+        FileKind::Scene => found(Scene::parse(source)),
+        FileKind::Session => found(Session::parse(source)),
+        FileKind::Material => found(Library::parse(source)),
+    }
+}
+
+/// Checks a session and the files that it names.
+fn check_session(location: &Location, source: &Source, listener: &mut dyn Listener) -> CheckOutcome {
+    let kind = FileKind::Session;
     let (mut session, diagnostics) = match Session::parse(source) {
         Ok(read) => read,
         Err(diagnostics) => {
-            explain(&diagnostics, source);
-            return (diagnostics, 0, false);
+            listener.diagnostics(&diagnostics, source);
+            return CheckOutcome { files_are_valid: false, ..CheckOutcome::of(kind, diagnostics) };
         }
     };
     if let Location::File(path) = location {
@@ -169,12 +189,15 @@ fn check_session(location: &Location, source: &Source) -> (Diagnostics, usize, b
         session.formula = session.formula.from_folder(folder);
         session.scene = session.scene.from_folder(folder);
     }
-    explain(&diagnostics, source);
-    match Project::check_session(&session, source, &mut Speaker) {
-        Ok(warnings) => (diagnostics, warnings, true),
+    listener.diagnostics(&diagnostics, source);
+    match Project::check_session(&session, source, listener) {
+        Ok(value_warnings) => CheckOutcome { value_warnings, ..CheckOutcome::of(kind, diagnostics) },
         Err(error) => {
-            Failure::from(error).report();
-            (diagnostics, 0, false)
+            match error {
+                OpenProjectError::Reported => {}
+                OpenProjectError::Input(diagnostic) | OpenProjectError::Request(diagnostic) => listener.message(diagnostic),
+            }
+            CheckOutcome { files_are_valid: false, ..CheckOutcome::of(kind, diagnostics) }
         }
     }
 }

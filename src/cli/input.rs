@@ -7,10 +7,10 @@ use illuminator::lang::diagnostic::{Diagnostic, Diagnostics};
 use illuminator::lang::source::Source;
 use illuminator::trace::usable_memory;
 use illuminator::user_data::Folders;
-use illuminator::workspace::Location;
 use illuminator::workspace::presets::DEFAULT_SESSION;
 use illuminator::workspace::project::{Listener, OpenProjectError, Project, Request, SessionText};
 use illuminator::workspace::session::PictureSettings;
+use illuminator::workspace::{FileKind, Location, kind_of_file, read_source, unknown_preset};
 use std::path::PathBuf;
 
 /// Reports diagnostics on standard error.
@@ -78,4 +78,19 @@ fn change_picture(options: &InputOptions, picture: &mut PictureSettings) {
     picture.depth = options.depth.unwrap_or(picture.depth);
     picture.shadows = !options.no_shadows && (options.shadows || picture.shadows);
     picture.default_index = options.ior.unwrap_or(picture.default_index);
+}
+
+/// Reads a file, and finds out what it is if no kind is given.
+pub(super) fn read_of_kind(location: &Location, given: Option<FileKind>) -> Result<(FileKind, Source), Diagnostic> {
+    if let Some(kind) = given {
+        return Ok((kind, location.read(kind, Readable::RegularOrPipe)?));
+    }
+    match location {
+        Location::File(path) => {
+            let source = read_source(path, None, Readable::RegularOrPipe)?;
+            Ok((kind_of_file(path, source.text()), source))
+        }
+        // A name that some kind has comes with that kind.
+        Location::Preset(name) => Err(unknown_preset(None, name)),
+    }
 }

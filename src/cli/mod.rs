@@ -9,15 +9,18 @@ mod completions;
 mod draw;
 mod dump;
 mod engine;
+mod fmt;
 mod hits;
 mod input;
 mod list;
+mod lsp;
 mod man;
 mod options;
 mod output;
 #[cfg(feature = "window")]
 mod preview;
 mod progress;
+mod protocol;
 mod render;
 mod report;
 #[cfg(unix)]
@@ -52,6 +55,10 @@ enum Command {
     Sweep(sweep::Options),
     /// Check formulas, scenes, sessions and material libraries for mistakes
     Check(check::Options),
+    /// Give formulas and scenes a regular layout: lines, spaces, columns
+    Fmt(fmt::Options),
+    /// Answer an editor as a language server, on standard input and output
+    Lsp,
     /// Compare the compiled code with the reference interpreter
     Verify(verify::Options),
     /// Measure how fast tracing, compiling and evaluating are
@@ -93,6 +100,8 @@ pub(crate) fn run() -> ExitCode {
         Command::Render(options) => render::run(&options),
         Command::Sweep(options) => sweep::run(&options),
         Command::Check(options) => check::run(&options),
+        Command::Fmt(options) => fmt::run(&options),
+        Command::Lsp => lsp::run(),
         Command::Verify(options) => verify::run(&options),
         Command::Bench(options) => bench::run(&options),
         Command::Dump(options) => dump::run(&options),

@@ -9,10 +9,11 @@ use illuminator::engine::Subject;
 use illuminator::evaluate::review::{PictureSummary, ReviewedPicture, review};
 use illuminator::files::reason;
 use illuminator::lang::diagnostic::{Diagnostic, Diagnostics, Severity};
-use illuminator::lang::display_text::{escaped_lines, one_line};
+use illuminator::lang::display_text::{escaped_lines, is_hidden, one_line};
 use illuminator::lang::source::Source;
 use illuminator::picture::{Frame, ViewTransform};
 use illuminator::workspace::project::Project;
+use serde::Serialize;
 use std::io::{self, ErrorKind, IsTerminal, Write};
 
 /// How the program ends.
@@ -148,9 +149,35 @@ pub(super) fn count(diagnostics: &Diagnostics) -> [usize; 2] {
         .map(|severity| diagnostics.iter().filter(|diagnostic| diagnostic.severity() == severity).count())
 }
 
+/// A number of things: "1 error", "2 errors".
+pub(super) fn number(count: usize, what: &str) -> String {
+    format!("{count} {what}{}", if count == 1 { "" } else { "s" })
+}
+
 /// Writes a result to standard output. It is not a failure if the reader has closed the pipe.
 pub(super) fn print(text: &str) -> Result<(), Failure> {
     print_bytes(escaped_lines(text).as_bytes())
+}
+
+/// Writes a result as JSON to standard output. Hidden characters are written as JSON writes them.
+pub(super) fn print_json(value: &impl Serialize) -> Result<(), Failure> {
+    let text = serde_json::to_string_pretty(value).map_err(|error| Failure::input(error.to_string()))?;
+    print_bytes(escaped_json(&text).as_bytes())
+}
+
+/// JSON with a line feed at its end, in which the hidden characters of texts are escapes.
+fn escaped_json(text: &str) -> String {
+    let mut written = String::with_capacity(text.len() + 1);
+    for character in text.chars() {
+        if character != '\n' && is_hidden(character) {
+            let mut units = [0; 2];
+            written.extend(character.encode_utf16(&mut units).iter().map(|unit| format!("\\u{unit:04x}")));
+        } else {
+            written.push(character);
+        }
+    }
+    written.push('\n');
+    written
 }
 
 /// Writes a result that is no text to standard output. It is not a failure if the reader has closed the pipe.
@@ -167,4 +194,17 @@ pub(super) fn print_bytes(bytes: &[u8]) -> Result<(), Failure> {
 /// Whether standard output is a terminal.
 pub(super) fn prints_to_terminal() -> bool {
     io::stdout().is_terminal()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hidden_characters_stay_json() {
+        let name = "a\u{202e}b\u{e0001}\t\u{9b}\n";
+        let written = escaped_json(&serde_json::to_string_pretty(&[name]).unwrap());
+        assert!(!written.chars().any(|character| character != '\n' && is_hidden(character)), "{written}");
+        assert_eq!(serde_json::from_str::<[String; 1]>(&written).unwrap(), [name]);
+    }
 }

@@ -13,7 +13,7 @@ use crate::cli::input::load;
 use crate::cli::options::{InputOptions, PictureOptions, read};
 use crate::cli::output::PictureTarget;
 use crate::cli::progress::Progress;
-use crate::cli::report::{Failure, print, print_bytes, say};
+use crate::cli::report::{Failure, print_bytes, print_json, say};
 use cells::{Cell, Cells};
 use clap::Args;
 use findings::Findings;
@@ -112,8 +112,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         return Ok(());
     }
     let made: Vec<_> = (0..cells.cells.len()).map(|index| output.made(index, &varied, picture)).collect();
-    let text = serde_json::to_string_pretty(&made).map_err(|error| Failure::input(error.to_string()))?;
-    print(&format!("{text}\n"))
+    print_json(&made)
 }
 
 /// Refuses options that do not go together, and warns of those without an effect.

@@ -5,7 +5,7 @@
 //! together. In a *variant* the conditions have known values, and only the branches that are taken are left.
 
 use crate::formula::Formula;
-use crate::formula::binding::Bindings;
+use crate::formula::binding::{Bindings, Frontier};
 use crate::formula::binding_time::BindingTime;
 use crate::formula::graph::{Node, NodeId};
 use crate::formula::rewrite::specialise;
@@ -45,17 +45,16 @@ impl Bindings {
         conditions.iter().map(|condition| self.record(Primitive::Select, &[*condition, one, zero])).collect()
     }
 
-    /// The variant in which these conditions hold or not. It reads the same columns.
-    pub fn variant(&self, formula: &Formula, conditions: &[(NodeId, bool)]) -> Bindings {
+    /// The variant in which these conditions hold or not, and the static values of all branches as nodes of its graph.
+    /// The variant reads a part of them, or values that can be computed from them.
+    pub fn variant(&self, formula: &Formula, conditions: &[(NodeId, bool)]) -> (Bindings, Frontier) {
         let known: HashMap<NodeId, bool> = conditions.iter().copied().collect();
         let frontier = &self.frontier;
         let columns: Vec<NodeId> = frontier.hits.iter().chain(&frontier.records).copied().collect();
         let (graph, contribution, columns) = specialise(&self.graph, &known, self.contribution, &columns, formula);
-        let mut variant = Bindings::analysed(graph, &contribution);
         let (hits, records) = columns.split_at(frontier.hits.len());
-        variant.frontier.hits = hits.to_vec();
-        variant.frontier.records = records.to_vec();
-        variant
+        let given = Frontier { hits: hits.to_vec(), records: records.to_vec(), uniforms: Vec::new() };
+        (Bindings::analysed(graph, &contribution), given)
     }
 }
 
@@ -79,7 +78,7 @@ mod tests {
         assert_eq!(conditions.len(), 2);
         for (holds, alone) in [([true, false], "IL*D"), ([false, true], "IL*P"), ([false, false], "IL*B")] {
             let known: Vec<(NodeId, bool)> = conditions.iter().copied().zip(holds).collect();
-            let variant = all.variant(&formula, &known);
+            let (variant, given) = all.variant(&formula, &known);
             let alone = Bindings::new(&source(alone));
             let dynamic = |bindings: &Bindings| {
                 let (mut count, mut pending, mut seen) = (0, bindings.contribution.to_vec(), std::collections::HashSet::new());
@@ -92,7 +91,9 @@ mod tests {
                 count
             };
             assert_eq!(dynamic(&variant), dynamic(&alone), "{holds:?}");
-            assert_eq!(variant.frontier.records.len(), all.frontier.records.len());
+            // It reads as many columns as the branch alone. They are computed from those of all branches.
+            assert_eq!(variant.frontier.records.len(), alone.frontier.records.len(), "{holds:?}");
+            assert_eq!(given.records.len(), all.frontier.records.len());
         }
     }
 

@@ -1,15 +1,14 @@
 //! The kernels of a formula, compiled from its plan.
 
-use crate::formula::binding::Bindings;
 use crate::formula::graph::Graph;
 use crate::formula::{Formula, ParameterId};
 use crate::jit::call::{Kernel, generate};
 use crate::jit::kernel::KernelSpec;
 use crate::jit::target::{CompileError, Listing};
 use crate::jit::width::Width;
-use crate::plan::{ContributionPlan, FormulaPlan, KernelPlan, SliderPlan, SurfacePlan};
+use crate::plan::{ContributionPlan, FormulaPlan, KernelPlan, SliderPlan, SurfacePlan, VariantPlan};
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// The number of sliders whose kernels are kept for the next drag.
 const SLIDERS_KEPT: usize = 64;
@@ -31,29 +30,28 @@ pub struct CompiledFormula {
     pub surface: Option<CompiledSurface>,
     /// The kernel of the uniform conditions by which the contribution chooses, if it does.
     pub conditions: Option<Kernel>,
-    variants: Variants,
+    variants: Mutex<Variants>,
     sliders: Mutex<Sliders>,
 }
 
-/// The most variants of a formula that are compiled. Where others are in use, all branches are computed.
+/// The most variants of a formula that are kept. Where more are in use, all branches are computed for the others.
 const MOST_VARIANTS: usize = 32;
 
-/// A contribution in which the uniform conditions are known.
+/// The kernels of a [`VariantPlan`].
 pub struct CompiledVariant {
-    /// The graph that the plan belongs to.
-    pub bindings: Bindings,
     /// What the kernels compute.
-    pub plan: ContributionPlan,
-    /// The kernels.
+    pub plan: VariantPlan,
+    /// Columns of all branches → columns of the variant.
+    pub hits: Kernel,
+    /// The same for records.
+    pub records: Kernel,
+    /// Columns of the variant → red, green and blue of its contribution.
     pub contribution: Contribution,
 }
 
-/// The variants that have been in use, in the order of their first use. `None`: the code generator refused it.
-#[derive(Default)]
-struct Variants {
-    known: Mutex<HashMap<u32, usize>>,
-    compiled: [OnceLock<Option<CompiledVariant>>; MOST_VARIANTS],
-}
+/// The variants that are in use or were, by the conditions that hold. `None`: it cannot be compiled, or it would need
+/// more columns than all branches.
+type Variants = HashMap<u32, Option<Arc<CompiledVariant>>>;
 
 /// Compiled sliders, by the components of parameters that move.
 type Sliders = HashMap<Vec<(ParameterId, u8)>, Arc<CompiledSlider>>;
@@ -186,27 +184,41 @@ impl CompiledFormula {
                 Some(batch.compile(width, &conditions.bindings.graph, None)?.kernel(numbers))
             }
         };
-        let (variants, sliders) = (Variants::default(), Mutex::default());
+        let (variants, sliders) = (Mutex::default(), Mutex::default());
         Ok(Self { plan, width, hits, records, contribution, surface, conditions, variants, sliders })
     }
 
-    /// The variant where these uniform conditions hold, a bit for each. It is compiled at the first use. `None` if the
-    /// formula does not choose, or too many variants are in use.
-    pub fn variant(&self, holds: u32) -> Option<&CompiledVariant> {
-        let conditions = self.plan.conditions.as_ref()?;
-        let index = {
-            let mut known = self.variants.known.lock().unwrap_or_else(PoisonError::into_inner);
-            let next = known.len();
-            *known.entry(holds).or_insert(next)
-        };
-        let compile = || {
-            let (bindings, plan) = conditions.variant(&self.plan.bindings, holds);
-            let mut batch = Batch::default();
-            let ticket = batch.contribution(&plan);
-            let contribution = batch.compile(self.width, &bindings.graph, None).ok()?.contribution(ticket);
-            Some(CompiledVariant { bindings, plan, contribution })
-        };
-        self.variants.compiled.get(index)?.get_or_init(compile).as_ref()
+    /// The variants where these uniform conditions hold, a bit for each. `choices` are in order, each once. A variant
+    /// is compiled at its first use. `None` if the formula does not choose, if the code generator refuses the variant,
+    /// if it would need more columns than all branches, and for all after the first 32.
+    pub fn variants(&self, choices: &[u32]) -> Vec<Option<Arc<CompiledVariant>>> {
+        let known = || self.variants.lock().unwrap_or_else(PoisonError::into_inner);
+        let within = &choices[..choices.len().min(MOST_VARIANTS)];
+        let missing: Vec<u32> = within.iter().copied().filter(|choice| !known().contains_key(choice)).collect();
+        let compiled: Vec<_> = missing.into_iter().map(|choice| (choice, self.variant(choice).map(Arc::new))).collect();
+        let mut known = known();
+        known.extend(compiled);
+        let found = choices.iter().map(|choice| known.get(choice).filter(|_| within.contains(choice)).cloned().flatten());
+        let found = found.collect();
+        if known.len() > MOST_VARIANTS {
+            known.retain(|choice, _| within.contains(choice));
+        }
+        found
+    }
+
+    fn variant(&self, holds: u32) -> Option<CompiledVariant> {
+        let plan = self.plan.conditions.as_ref()?.variant(&self.plan.bindings, holds);
+        let (own, all) = (&plan.bindings.frontier, &self.plan.bindings.frontier);
+        if own.hits.len() > all.hits.len() || own.records.len() > all.records.len() {
+            return None;
+        }
+        let mut batch = Batch::default();
+        let contribution = batch.contribution(&plan.contribution);
+        let (hits, records) = (batch.stage(&plan.hits), batch.stage(&plan.records));
+        let kernels = batch.compile(self.width, &plan.bindings.graph, None).ok()?;
+        let (hits, records) = (kernels.kernel(hits), kernels.kernel(records));
+        let contribution = kernels.contribution(contribution);
+        Some(CompiledVariant { plan, hits, records, contribution })
     }
 
     /// The kernels for a drag that moves these components of parameters. They are compiled at the first use.

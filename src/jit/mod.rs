@@ -32,7 +32,7 @@ mod writer;
 
 pub use cache::KernelCache;
 pub use call::{CallList, Kernel, PixelCode, fetch};
-pub use compile::CompiledFormula;
+pub use compile::{CompiledFormula, CompiledVariant};
 pub use lanes::{Line, Operands, PREFETCH_DISTANCE, PixelLine, PixelPlanes, Splat, Streams, Sums};
 pub use target::{CompileError, Listing};
 pub use width::Width;

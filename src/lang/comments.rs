@@ -65,9 +65,10 @@ fn line_ends(gap: &str) -> usize {
     gap.replace("\r\n", "\n").matches(LINE_ENDS).count()
 }
 
-/// The bytes before a comment on its line.
+/// The characters before a comment on its line.
 fn column(text: &str, comment: SourceSpan) -> usize {
-    comment.start as usize - line_start(text.as_bytes(), comment.start as usize)
+    let start = comment.start as usize;
+    text[line_start(text.as_bytes(), start)..start].chars().count()
 }
 
 /// Whether nothing is before a comment on its line.
@@ -125,6 +126,8 @@ mod tests {
     fn a_comment_goes_on_in_its_column() {
         let text = "global;\na: scalar;  // one\n            // two\nb: scalar;\nc: scalar; d: scalar; // of d";
         assert_eq!(docs(text), [some("one two"), None, None, some("of d")]);
+        let text = "global;\na: scalar, choices \"č\", \"ž\";  // one\n                              // two";
+        assert_eq!(docs(text), [some("one two")]);
     }
 
     #[test]

@@ -6,7 +6,7 @@
 //! 2. [`diagnostic`]: what is said about a text. [`display_text`], [`excerpt`] and [`located`]: how it may be shown.
 //! 3. [`token`] and [`lexer`]: words, shared with the scene language.
 //! 4. [`cursor`] and [`parser`]: grammar.
-//! 5. [`ast`] and [`printer`]: syntax, and syntax as text again.
+//! 5. [`ast`] and [`printer`]: syntax, and syntax as text again. [`format`](mod@format) gives a text a regular layout.
 //!
 //! The tables are [`scalars`] (scalar primitives and their meaning), [`builtins`] (operators and functions in terms of
 //! them), [`variables`] (variables and predefined parameters), [`surface_terms`] (terms of the lighting equation that
@@ -23,6 +23,7 @@ pub mod diagnostic;
 pub mod display_text;
 pub mod excerpt;
 pub mod foreign;
+pub mod format;
 pub mod interval;
 pub mod keywords;
 pub mod lexer;

@@ -201,6 +201,14 @@ impl DragPlan {
         weights.any(|weight| self.moved.binary_search(&self.equation.index(weight, owner_index(weight, 0, light))).is_ok())
     }
 
+    /// Whether a light adds anything with these numbers, or may while its weight moves.
+    ///
+    /// # Panics
+    /// Where there are fewer numbers than the layout has.
+    pub fn may_be_on(&self, parameters: &[f32], light: usize) -> bool {
+        self.moves_light_weight(light) || flush(self.equation.light_weight(parameters, light)) != 0.0
+    }
+
     /// Whether a term without the formula moves at the hits of a body.
     pub fn moves_at(&self, moved: &MovedTerm, body: usize) -> bool {
         moved.factor.owner() != Owner::Body || self.owner == (Owner::Body, body)

@@ -44,6 +44,15 @@ pub struct KernelPlan {
     pub sink: Sink,
 }
 
+/// What a kernel does for one record.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct KernelWork {
+    /// What it computes, in [simple instructions](crate::lang::scalars::Primitive::cost).
+    pub instructions: u32,
+    /// How many numbers it reads from columns.
+    pub columns: u32,
+}
+
 impl KernelPlan {
     /// The plan of a kernel that computes `outputs` from leaves, one column each, and stores them.
     pub(super) fn stage(name: &'static str, domain: Domain, leaves: Vec<NodeId>, outputs: Vec<NodeId>) -> Self {
@@ -54,6 +63,30 @@ impl KernelPlan {
     /// The nodes that are read: from columns and from uniform values.
     pub fn inputs(&self) -> impl Iterator<Item = NodeId> {
         self.streams.iter().flatten().chain(&self.uniforms).copied()
+    }
+
+    /// What it does for one record.
+    pub fn work(&self, graph: &Graph) -> KernelWork {
+        let mut uniform = vec![false; graph.len()];
+        self.uniforms.iter().for_each(|node| uniform[node.0 as usize] = true);
+        let mut column = vec![false; graph.len()];
+        self.streams.iter().flatten().for_each(|node| column[node.0 as usize] = true);
+        let mut seen = vec![false; graph.len()];
+        let mut work = KernelWork::default();
+        let mut pending = self.outputs.clone();
+        while let Some(id) = pending.pop() {
+            let index = id.0 as usize;
+            if std::mem::replace(&mut seen[index], true) || uniform[index] {
+                continue;
+            }
+            if column[index] {
+                work.columns += 1;
+            } else if let node @ Node::Apply(primitive, _) = graph.node(id) {
+                work.instructions = work.instructions.saturating_add(primitive.cost());
+                pending.extend_from_slice(node.operands());
+            }
+        }
+        work
     }
 
     /// The nodes to compute for `roots`, operands before their users; inputs are not among them. `None` where a
@@ -96,5 +129,22 @@ impl Schedule {
         // Nodes are numbered operands first.
         found.sort_unstable();
         Some(found)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::formula::Formula;
+    use crate::lang::source::Source;
+    use crate::plan::{FormulaPlan, KernelWork};
+
+    #[test]
+    fn shared_nodes_and_columns_count_once() {
+        let text = "body_specific; p: scalar; formula; Q = exp(p*alpha); = <Q, Q + Q, Q*alpha>;";
+        let (formula, _) = Formula::parse(&Source::new("test", text)).expect("a formula");
+        let plan = FormulaPlan::new(&formula);
+        let work = plan.contribution.records.work(&plan.bindings.graph);
+        // p·α, the exponential, one sum, one product, and ki times three components.
+        assert_eq!(work, KernelWork { instructions: 1 + 16 + 1 + 1 + 3, columns: 1 });
     }
 }

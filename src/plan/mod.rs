@@ -17,10 +17,10 @@ mod kernel;
 mod slider;
 mod surface;
 
-pub use conditions::ConditionPlan;
+pub use conditions::{ConditionPlan, VariantPlan};
 pub use contribution::{ContributionPlan, ParameterSlot, parameter_slots};
 pub use drag::{Channels, DragPlan, Factors, ImageTerm, Method, MovedTerm};
 pub use formula::FormulaPlan;
-pub use kernel::{Domain, KernelPlan, STREAMS, Schedule, Sink};
+pub use kernel::{Domain, KernelPlan, KernelWork, STREAMS, Schedule, Sink};
 pub use slider::{Moved, SliderPlan, moved_parameters};
 pub use surface::SurfacePlan;

@@ -1,13 +1,13 @@
 //! The text editor for formulas and scenes: colours, marks of errors, completion, search, undo.
 //!
 //! [`Document`] is the text, [`Editor`] is the widget that edits one document at a time. [`problems_ui`] and
-//! [`reference_ui`] are panels beside it. No files or windows are known here. The modules: `words` and `completion`
-//! know the languages; `lines`, `history` and `commands` work on texts; `keys` handles the keyboard; `colouring`,
-//! `marks`, `list`, `hover` and `palette` draw; `find` is the search bar, `edit_menu` the menu of edits.
+//! [`reference_ui`] are panels beside it. No files or windows are known here. What is known about the words of a text
+//! comes from [`assist`](crate::assist). The modules: `lines`, `history` and `commands` work on texts; `keys` handles
+//! the keyboard; `colouring`, `marks`, `list`, `hover` and `palette` draw; `find` is the search bar, `edit_menu` the
+//! menu of edits.
 
 mod colouring;
 mod commands;
-mod completion;
 mod document;
 mod edit_menu;
 mod find;
@@ -23,16 +23,16 @@ mod reference;
 #[cfg(test)]
 mod tests;
 mod view;
-mod words;
 
+pub use crate::assist::words::Class;
 pub use document::Document;
 pub use edit_menu::{PossibleEdits, edit_menu_ui};
 pub use keys::EditorCommand;
 pub use palette::Palette;
 pub use problems::problems_ui;
 pub use reference::reference_ui;
-pub use words::Class;
 
+use crate::assist::completion::complete;
 use crate::lang::source::SourceSpan;
 use colouring::{Colouring, Laid};
 use egui::{Context, Event, FontId, Id, Key, TextStyle, Ui, ViewportCommand};
@@ -76,7 +76,7 @@ pub struct Editor {
     queue: Queue,
     list: List,
     find: Find,
-    syntax: hover::PointedSyntax,
+    pointed: hover::PointedNames,
     /// The document that was shown last, and the selection in each document.
     shown: Option<u64>,
     selections: HashMap<u64, Selection>,
@@ -368,7 +368,7 @@ impl Editor {
     fn offer(&mut self, look: TextStyling<'_>, document: &Document, asked: bool) {
         let laid = self.lay(look, document);
         let cursor = self.selection.head;
-        let completion = completion::complete(document.kind(), &document.text, &laid.words, cursor);
+        let completion = complete(document.kind(), &document.text, &laid.words, cursor);
         self.list.offer(completion.filter(|_| self.selection.range().is_empty()), &document.text, asked);
     }
 

@@ -25,7 +25,7 @@ pub use location::{Location, read_source, unknown_preset};
 pub use materials::{Library, Material, Materials};
 pub use owner::{OwnerId, Owners};
 pub use parameter_table::ParameterTable;
-pub use recognise::kind_of;
+pub use recognise::{kind_of, kind_of_file};
 pub use session::Session;
 pub use values::Values;
 pub use variation::{Variation, VariedValues};

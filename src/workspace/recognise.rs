@@ -4,6 +4,24 @@ use crate::lang::lines::LINE_ENDS;
 use crate::workspace::file_kind::FileKind;
 use crate::workspace::session;
 use crate::workspace::spanned_toml::VERSION_KEY;
+use std::path::Path;
+
+/// The kind of file that a text is, by its first words and the suffix of its path. Without either it is a formula.
+pub fn kind_of_file(path: &Path, text: &str) -> FileKind {
+    let suffix = match path.extension().and_then(|suffix| suffix.to_str()) {
+        Some("formula") => Some(FileKind::Formula),
+        Some("scene") => Some(FileKind::Scene),
+        Some("toml") => Some(FileKind::Session),
+        Some(_) | None => None,
+    };
+    // A formula or a scene with a mistake in its first line may look like TOML. For a file of unknown kind the parser
+    // of formulas has the best messages.
+    let told = kind_of(text).filter(|kind| match kind {
+        FileKind::Formula | FileKind::Scene => true,
+        FileKind::Session | FileKind::Material => suffix.is_none_or(|suffix| suffix == FileKind::Session),
+    });
+    told.or(suffix).unwrap_or(FileKind::Formula)
+}
 
 /// The kind of file that a text is, if its first words tell.
 pub fn kind_of(text: &str) -> Option<FileKind> {
@@ -79,5 +97,16 @@ mod tests {
         assert_eq!(kind_of("kd: scalar;"), None);
         assert_eq!(kind_of("// no end"), None);
         assert_eq!(kind_of("/* no end"), None);
+    }
+
+    #[test]
+    fn first_words_count_before_suffixes_but_toml_is_not_taken_for_a_formula() {
+        let kind = |name: &str, text: &str| kind_of_file(Path::new(name), text);
+        assert_eq!(kind("a.formula", "bodies;"), FileKind::Scene);
+        assert_eq!(kind("a.formula", "a = 1;"), FileKind::Formula);
+        assert_eq!(kind("a.scene", "ball: sphere;"), FileKind::Scene);
+        assert_eq!(kind("a.toml", "[gold]"), FileKind::Material);
+        assert_eq!(kind("a", "version = 1"), FileKind::Session);
+        assert_eq!(kind("a", "kd: scalar;"), FileKind::Formula);
     }
 }

@@ -1,9 +1,12 @@
-//! A printed formula parses as the same formula.
+//! A printed or formatted text parses as the same formula or scene.
 
 use illuminator::lang::ast::{ExprKind, FormulaFile, ParameterAttributes, Section};
+use illuminator::lang::format::formatted;
 use illuminator::lang::parser::parse;
 use illuminator::lang::printer::print;
 use illuminator::lang::source::{Source, SourceSpan};
+use illuminator::scene::Scene;
+use illuminator::workspace::{FileKind, presets};
 use proptest::prelude::*;
 use proptest::sample::select;
 
@@ -140,5 +143,30 @@ proptest! {
         let printed = print(&first);
         let second = read(&printed)?;
         prop_assert_eq!(&first, &second, "{}\n{}", text, printed);
+    }
+}
+
+#[test]
+fn built_in_files_mean_the_same_when_they_are_formatted() {
+    for kind in [FileKind::Formula, FileKind::Scene] {
+        for name in presets::names(kind) {
+            let text = presets::text(kind, name).expect("a built-in file");
+            let once = formatted(&Source::new(name, text)).expect("known characters");
+            assert_eq!(formatted(&Source::new(name, once.as_str())).expect("known characters"), once, "{name}");
+            if kind == FileKind::Formula {
+                let parsed = |text: &str| {
+                    let (file, diagnostics) = parse(&Source::new(name, text));
+                    assert!(!diagnostics.has_errors(), "{name}: {diagnostics:?}");
+                    bare(file)
+                };
+                assert_eq!(parsed(&once), parsed(text), "{name}");
+            } else {
+                let parsed = |text: &str| Scene::parse(&Source::new(name, text)).expect("a sound scene").0.to_string();
+                assert_eq!(parsed(&once), parsed(text), "{name}");
+            }
+            // That formula is written as the thesis prints it.
+            let is_regular = once == text || name == "phong-thesis";
+            assert!(is_regular, "{name} is not formatted; `illuminator fmt presets/{0}/{name}.{0}` does it", kind.noun());
+        }
     }
 }

@@ -5,6 +5,10 @@
 //! A chunk begins with a stream of the hit columns. A stream of the record columns of each emitter follows. A stream
 //! holds its columns line by line. This is the order in which frames read them, from front to back.
 
+mod packing;
+
+pub(super) use packing::{Packing, Reader};
+
 use crate::backends::compiled::memory::StreamMemory;
 use crate::backends::compiled::source::ContributionSource;
 use crate::formula::graph::{Node, NodeId};
@@ -36,7 +40,8 @@ struct Arrangement {
     groups: Vec<GroupColumns>,
     hit_columns: usize,
     record_columns: usize,
-    lines: usize,
+    /// The first line after them.
+    end: usize,
 }
 
 /// Where the columns of a group lie.
@@ -50,14 +55,15 @@ struct GroupColumns {
 }
 
 impl Arrangement {
-    /// The arrangement of a tile, with columns for the groups that `has` chooses.
-    fn new(tile: &Tile, hit_columns: usize, record_columns: usize, has: impl Fn(&Group) -> bool) -> Self {
-        let mut arrangement = Self { groups: Vec::with_capacity(tile.groups.len()), hit_columns, record_columns, lines: 0 };
+    /// The arrangement of a tile from line `start` on, with columns for the groups that `has` chooses.
+    fn new(tile: &Tile, start: usize, hit_columns: usize, record_columns: usize, has: impl Fn(&Group) -> bool) -> Self {
+        let groups = Vec::with_capacity(tile.groups.len());
+        let mut arrangement = Self { groups, hit_columns, record_columns, end: start };
         for group in &tile.groups {
             let lines = if has(group) { group.hits.len().div_ceil(LINE_HITS) } else { 0 };
-            let own = GroupColumns { start: arrangement.lines, lines, emitters: group.emitters.len() };
+            let own = GroupColumns { start: arrangement.end, lines, emitters: group.emitters.len() };
             arrangement.groups.push(own);
-            arrangement.lines += lines * arrangement.columns_of(&own);
+            arrangement.end += lines * arrangement.columns_of(&own);
         }
         arrangement
     }
@@ -109,13 +115,13 @@ impl Columns {
         let lit = |group: &Group| !group.emitters.is_empty();
         let (hit_columns, record_columns) = (frontier.hits.len(), frontier.records.len());
         let spare = Arrangement::spare(hit_columns, record_columns);
-        let arrangement = |tile: &Tile| Arrangement::new(tile, hit_columns, record_columns, lit);
+        let arrangement = |tile: &Tile| Arrangement::new(tile, 0, hit_columns, record_columns, lit);
         let arrangements: Vec<Arrangement> = hits.tiles.iter().map(arrangement).collect();
-        let mut memory = StreamMemory::zeroed(arrangements.iter().map(|arrangement| arrangement.lines).sum::<usize>() + spare);
+        let mut memory = StreamMemory::zeroed(arrangements.iter().map(|arrangement| arrangement.end).sum::<usize>() + spare);
         let mut parts = Vec::with_capacity(arrangements.len());
         let mut rest = memory.lines_mut();
         for arrangement in &arrangements {
-            let (own, behind) = rest.split_at_mut(arrangement.lines);
+            let (own, behind) = rest.split_at_mut(arrangement.end);
             parts.push(own);
             rest = behind;
         }
@@ -127,7 +133,7 @@ impl Columns {
         let mut end = 0;
         let tile = |arrangement: Arrangement| {
             let start = end;
-            end += arrangement.lines;
+            end += arrangement.end;
             Self { memory: Arc::clone(&memory), lines: start..end, arrangement }
         };
         Ok(arrangements.into_iter().map(tile).collect())
@@ -139,8 +145,8 @@ impl Columns {
         let is_active = |group: &Group, emitter: &EmitterId| source.active[source.pair(group.body, *emitter)];
         let outputs = source.overwrite.outputs();
         let arrangement =
-            Arrangement::new(tile, 0, outputs, |group| group.emitters.iter().any(|emitter| is_active(group, emitter)));
-        let mut memory = StreamMemory::zeroed(arrangement.lines + Arrangement::spare(0, outputs));
+            Arrangement::new(tile, 0, 0, outputs, |group| group.emitters.iter().any(|emitter| is_active(group, emitter)));
+        let mut memory = StreamMemory::zeroed(arrangement.end + Arrangement::spare(0, outputs));
         let lines = memory.lines_mut();
         for (index, (group, own)) in tile.groups.iter().zip(&arrangement.groups).enumerate() {
             for chunk in Chunk::all(own) {
@@ -155,7 +161,7 @@ impl Columns {
                 }
             }
         }
-        Self { memory: Arc::new(memory), lines: 0..arrangement.lines, arrangement }
+        Self { memory: Arc::new(memory), lines: 0..arrangement.end, arrangement }
     }
 
     /// The lines of the columns, and the lines after them that whole rounds may read.

@@ -4,6 +4,7 @@
 //! spans whose path weight is not 0, and adds their results to the pixels (`pass`, `tile`, `planes`). The order of
 //! that work is kept from frame to frame (`program`). `drag` makes the pictures while a slider is held.
 
+mod chosen;
 mod columns;
 mod drag;
 mod memory;
@@ -26,9 +27,10 @@ use crate::picture::Frame;
 use crate::plan::{Channels, DragPlan, ParameterSlot, SurfacePlan, parameter_slots};
 use crate::trace::{Hits, Mismatch, Tile, View, tile_pixels};
 use crate::world::World;
+use chosen::{Chosen, ChosenVariant};
 use columns::{Columns, LeafColumns};
 use drag::CompiledDrag;
-use pass::Pass;
+use pass::{Pass, PassColumns};
 use program::TileProgram;
 use rayon::prelude::*;
 use source::ContributionSource;
@@ -68,8 +70,15 @@ impl Backend for Jit {
         let per_call = jit::CallList::BYTES_PER_CALL as u64;
         let surface = compiled.surface.as_ref();
         let surface = surface.map_or(0, |surface| numbers(surface.hits.outputs()) + SurfaceTile::BYTES_PER_HIT as u64);
-        let per_hit = numbers(frontier.hits.len()) + surface;
-        Ok(Footprint { per_hit, per_record: numbers(frontier.records.len()), per_pair, per_call })
+        let per_record = numbers(frontier.records.len());
+        // Variants have columns of their own, at most as many.
+        let copies = if compiled.conditions.is_some() { 2 } else { 1 };
+        Ok(Footprint {
+            per_hit: copies * numbers(frontier.hits.len()) + surface,
+            per_record: copies * per_record,
+            per_pair,
+            per_call,
+        })
     }
 
     fn thread_bytes(&self, formula: &Arc<Formula>, world: &World, _: &View) -> Result<u64, EvaluateError> {
@@ -99,6 +108,8 @@ pub struct Compiled {
     leaves: Vec<ParameterSlot>,
     /// The order of work of each tile in a whole picture.
     programs: Vec<Mutex<TileProgram>>,
+    /// The variants that were in use last, if the formula chooses.
+    chosen: Mutex<Option<Arc<Chosen>>>,
     /// Scratch of the threads, kept for the next frame.
     scratch: Mutex<Vec<TileScratch>>,
 }
@@ -124,6 +135,7 @@ impl Compiled {
             parameters: formula.parameters.clone(),
             leaves,
             programs: hits.tiles.iter().map(|_| Mutex::default()).collect(),
+            chosen: Mutex::default(),
             compiled,
             hits,
             scratch: Mutex::default(),
@@ -139,8 +151,8 @@ impl Compiled {
     fn draw_tile(&self, pass: &Pass, parameters: &[f32], index: usize, scratch: &mut TileScratch, part: Part) {
         self.tile(pass, parameters, index, scratch);
         // Kernels have prefetched the first lines after those of the tile.
-        let next = self.columns.get(index + 1).and_then(|next| next.lines().get(PREFETCH_DISTANCE / size_of::<Line>()..));
-        scratch.planes.quantise(part, next.unwrap_or_default());
+        let next = pass.columns.lines(index + 1).and_then(|next| next.get(PREFETCH_DISTANCE / size_of::<Line>()..));
+        scratch.planes.quantise(0, part, next.unwrap_or_default());
     }
 
     fn check_size(&self, framebuffer: &Framebuffer) {
@@ -168,39 +180,31 @@ impl Compiled {
         });
     }
 
-    /// The pass of a whole picture.
-    fn whole(&self, parameters: &[f32]) -> Pass<'_> {
+    /// The pass of a whole picture, with the [variants](Self::chosen) for these numbers.
+    fn whole<'p>(&'p self, parameters: &[f32], chosen: Option<&'p Chosen>) -> Pass<'p> {
         self.check_parameters(parameters);
         let bodies = 0..self.equation.layout.owners(Owner::Body);
         let at_hits = bodies.map(|body| self.equation.sum(Site::Hit, parameters, body)).collect();
         let mut pass = self.empty_pass(at_hits, self.equation.sum(Site::Miss, parameters, 0), Channels::All);
         pass.surface = self.surface_pass(parameters, true);
-        self.push_contributions(parameters, &mut pass);
+        self.push_contributions(parameters, chosen, &mut pass);
         pass
     }
 
-    /// Adds the contributions of all pairs of a body and a light. Where the formula chooses by uniform conditions, each
-    /// pair gets the kernels of the branches that it takes.
-    fn push_contributions<'p>(&'p self, parameters: &[f32], pass: &mut Pass<'p>) {
-        let (mut rest, uniforms) = self.source(parameters, &self.compiled.contribution, &self.leaves, Channels::All);
-        let choices = self.choices(parameters);
-        let mut distinct: Vec<u32> =
-            choices.iter().zip(&rest.active).filter(|(_, active)| **active).map(|(choice, _)| *choice).collect();
-        distinct.sort_unstable();
-        distinct.dedup();
-        for choice in distinct {
-            let Some(variant) = self.compiled.variant(choice) else { continue };
-            let leaves = variant.plan.leaves(&variant.bindings.graph, &self.parameters);
-            let (mut source, uniforms) = self.source(parameters, &variant.contribution, &leaves, Channels::All);
-            source.variant = Some(choice);
-            for (pair, active) in source.active.iter_mut().enumerate() {
-                *active &= choices[pair] == choice;
-                rest.active[pair] &= !*active;
-            }
+    /// Adds the contributions of all pairs of a body and a light: by the kernels of the branches that a pair takes, or
+    /// by one kernel where the formula does not choose.
+    fn push_contributions<'p>(&'p self, parameters: &[f32], chosen: Option<&'p Chosen>, pass: &mut Pass<'p>) {
+        let Some(chosen) = chosen else {
+            let (source, uniforms) = self.source(parameters, &self.compiled.contribution, &self.leaves, Channels::All);
+            return pass.push(source, uniforms);
+        };
+        pass.columns = PassColumns::Variants(chosen);
+        for (index, ChosenVariant { compiled, leaves, pairs }) in chosen.variants.iter().enumerate() {
+            let contribution = compiled.as_ref().map_or(&self.compiled.contribution, |variant| &variant.contribution);
+            let (mut source, uniforms) = self.source(parameters, contribution, leaves, Channels::All);
+            source.variant = index;
+            source.active.iter_mut().zip(pairs).for_each(|(active, own)| *active &= own);
             pass.push(source, uniforms);
-        }
-        if choices.is_empty() || rest.active.iter().any(|active| *active) {
-            pass.push(rest, uniforms);
         }
     }
 
@@ -255,7 +259,8 @@ impl Compiled {
     fn empty_pass(&self, at_hits: Vec<[f32; 3]>, at_misses: [f32; 3], channels: Channels) -> Pass<'_> {
         let code = PixelCode::get(self.width());
         let (sources, uniforms) = (Vec::new(), Vec::new());
-        Pass { sources, uniforms, columns: &self.columns, at_hits, at_misses, channels, code, surface: None }
+        let columns = PassColumns::Formula(&self.columns);
+        Pass { sources, uniforms, columns, at_hits, at_misses, channels, code, surface: None }
     }
 
     /// A contribution of all pairs of a body and a light whose light is on, and its uniform values, computed from
@@ -271,7 +276,7 @@ impl Compiled {
             overwrite: &contribution.overwrite,
             add: &contribution.add,
             channels,
-            variant: None,
+            variant: 0,
             first_uniform: 0,
             uniform_count: contribution.uniforms.outputs(),
             active: self.active(parameters, |_, _| true),
@@ -332,7 +337,8 @@ impl Evaluator for Compiled {
     fn frame(&self, parameters: &[f32]) -> Frame {
         let view = self.hits.view;
         let mut frame = Frame::black(view.width(), view.height());
-        let pass = self.whole(parameters);
+        let chosen = self.chosen(parameters);
+        let pass = self.whole(parameters, chosen.as_deref());
         self.each_tile(frame.linear.par_chunks_mut(tile_pixels(view.pixels()) as usize), |pixels, index, scratch| {
             self.tile(&pass, parameters, index, scratch);
             for (index, pixel) in pixels.iter_mut().enumerate() {
@@ -345,7 +351,8 @@ impl Evaluator for Compiled {
     fn draw(&self, parameters: &[f32], framebuffer: &mut Framebuffer) -> Drawn {
         self.check_size(framebuffer);
         Drawn::timed(|| {
-            let pass = self.whole(parameters);
+            let chosen = self.chosen(parameters);
+            let pass = self.whole(parameters, chosen.as_deref());
             self.each_tile(framebuffer.parts(), |part, index, scratch| {
                 self.draw_tile(&pass, parameters, index, scratch, part);
             });
@@ -361,12 +368,13 @@ impl Evaluator for Compiled {
         Ok(Box::new(CompiledDrag::new(&self, moved, parameters, budget)?))
     }
 
-    /// The hit store, the static columns, the order of work of each tile, and scratch memory. The last two exist
-    /// after the first frame.
+    /// The hit store, the static columns, those of the variants in use, the order of work of each tile, and scratch
+    /// memory. The last three exist after the first frame.
     fn bytes(&self) -> usize {
         let scratch = self.scratch.lock().unwrap_or_else(PoisonError::into_inner).len();
         let programs = self.programs.iter().map(|program| program.lock().unwrap_or_else(PoisonError::into_inner).bytes());
         let columns = self.columns.iter().map(Columns::bytes).chain(self.surface.iter().map(SurfaceTile::bytes));
-        self.hits.bytes() as usize + columns.chain(programs).sum::<usize>() + scratch * TileScratch::BYTES
+        let chosen = self.chosen.lock().unwrap_or_else(PoisonError::into_inner).as_ref().map_or(0, |chosen| chosen.bytes());
+        self.hits.bytes() as usize + columns.chain(programs).sum::<usize>() + chosen + scratch * TileScratch::BYTES
     }
 }

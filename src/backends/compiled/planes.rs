@@ -119,16 +119,18 @@ impl Planes {
         }
     }
 
-    /// Writes the pixels of the tile, and prefetches the lines `next_lines`, which are read next.
-    pub(super) fn quantise(&self, part: Part, next_lines: &[Line]) {
+    /// Writes some pixels of the tile, from index `start` on. It prefetches the lines `next_lines`, which are read
+    /// next.
+    pub(super) fn quantise(&self, start: usize, part: Part, next_lines: &[Line]) {
         let Part { pixels, encoder } = part;
         let Some(code) = self.code else {
-            return self.quantise_portably(0, Part { pixels, encoder });
+            return self.quantise_portably(start, Part { pixels, encoder });
         };
         // Stores that bypass the caches write whole lines.
         let (head, lines, tail) = bytemuck::pod_align_to_mut::<u32, PixelLine>(pixels);
-        let (first, last) = (head.len(), head.len() + lines.len() * LINE_HITS);
-        self.quantise_portably(0, Part { pixels: head, encoder });
+        let first = start + head.len();
+        let last = first + lines.len() * LINE_HITS;
+        self.quantise_portably(start, Part { pixels: head, encoder });
         code.write(encoder, &self.planes, PIXELS.start + first, lines, next_lines);
         self.quantise_portably(last, Part { pixels: tail, encoder });
     }
@@ -309,7 +311,7 @@ mod tests {
             let encoder = &Encoder::new(&view);
             let planes = Planes { planes: planes.planes.clone(), ..Planes::new(width) };
             let mut pixels = [0xdead_beef; 2000];
-            planes.quantise(Part { pixels: &mut pixels[start..start + length], encoder }, &[]);
+            planes.quantise(0, Part { pixels: &mut pixels[start..start + length], encoder }, &[]);
             for (index, pixel) in pixels.into_iter().enumerate() {
                 let is_written = (start..start + length).contains(&index);
                 let [red, green, blue] = if is_written { planes.colour(index - start) } else { [0.0; 3] };

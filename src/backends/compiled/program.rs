@@ -15,6 +15,7 @@ use crate::plan::Channels;
 use crate::trace::{CHUNK_HITS, CHUNK_LINES, Group, LINE_HITS, ROUND_LINES, Span, Tile};
 use smallvec::SmallVec;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// The order of work on a tile in a pass.
 #[derive(Default)]
@@ -29,8 +30,8 @@ pub(super) struct TileProgram {
 
 /// What the order of work depends on.
 struct BuiltFor {
-    /// The variant of each source.
-    variants: Vec<Option<u32>>,
+    /// What the formula chooses, if the columns depend on it.
+    choices: Option<Arc<[u32]>>,
     /// Which pairs of a body and a light are active, source by source.
     active: Vec<bool>,
     /// The weight classes of the paths.
@@ -104,11 +105,10 @@ impl TileProgram {
     pub(super) fn prepare(&mut self, pass: &Pass, inputs: &TileInputs) {
         let active = || pass.sources.iter().flat_map(|source| source.active.iter().copied());
         let classes = || inputs.weights.iter().map(|weight| WeightClass::of(*weight));
-        let variants = || pass.sources.iter().map(|source| source.variant);
         let holds = |known: &BuiltFor| {
             active().eq(known.active.iter().copied())
                 && classes().eq(known.classes.iter().copied())
-                && variants().eq(known.variants.iter().copied())
+                && pass.columns.choices() == known.choices.as_ref()
         };
         if self.built_for.as_ref().is_some_and(holds) {
             return;
@@ -121,13 +121,13 @@ impl TileProgram {
         }
         self.calls.shrink();
         self.between.shrink_to_fit();
-        self.built_for =
-            Some(BuiltFor { variants: variants().collect(), active: active().collect(), classes: classes().collect() });
+        let choices = pass.columns.choices().cloned();
+        self.built_for = Some(BuiltFor { choices, active: active().collect(), classes: classes().collect() });
     }
 
     /// Does the work. `weights` holds the weight of each span, followed by as many more numbers as a chunk has hits.
     pub(super) fn run(&self, pass: &Pass, inputs: &TileInputs, weights: &[f32], sums: &mut Sums, planes: &mut Planes) {
-        let columns = pass.columns[inputs.tile_index].lines();
+        let columns = pass.columns.lines(inputs.tile_index).unwrap_or_default();
         let drag_lines = inputs.drag_columns.map_or(&[][..], Columns::lines);
         let mut done = 0;
         let calls = |calls: Range<usize>, sums: &mut Sums, planes: &mut Planes| {
@@ -237,12 +237,15 @@ impl ProgramBuilder<'_, '_> {
     /// chunk. Returns the index of the lines that are read next.
     fn lights(&mut self, index: usize, active_lights: &ActiveLights, lines: Range<usize>) -> usize {
         let own = lines.start % CHUNK_LINES..lines.start % CHUNK_LINES + lines.len();
-        let part = self.pass.columns[self.inputs.tile_index].part(index, lines.clone());
-        let drag_part = self.inputs.drag_columns.map(|columns| columns.part(index, lines));
+        let drag_part = self.inputs.drag_columns.map(|columns| columns.part(index, lines.clone()));
+        let mut next_lines = 0;
         // The sums still hold the chunk before.
         let mut stale = [true; 3];
         for active_lights in active_lights.chunk_by(|a, b| a.source == b.source) {
-            let ContributionSource { overwrite, add, channels, .. } = &self.pass.sources[active_lights[0].source];
+            let source = &self.pass.sources[active_lights[0].source];
+            let ContributionSource { overwrite, add, channels, .. } = source;
+            let part = self.pass.columns.part(source, self.inputs.tile_index, index, lines.clone());
+            next_lines = part.next_lines();
             let components = channels.components();
             let mut store = stale[components.clone()].iter().all(|stale| *stale);
             if !store {
@@ -257,7 +260,7 @@ impl ProgramBuilder<'_, '_> {
             stale[components].fill(false);
         }
         self.clear(&own, &mut stale, self.pass.channels.components());
-        drag_part.as_ref().map_or_else(|| part.next_lines(), ColumnPart::next_lines)
+        drag_part.as_ref().map_or(next_lines, ColumnPart::next_lines)
     }
 
     /// Clears these lines of the sums of those components that are stale.

@@ -14,8 +14,8 @@ pub(super) struct ContributionSource<'p> {
     pub(super) add: &'p Kernel,
     /// The components that the kernels compute.
     pub(super) channels: Channels,
-    /// Which uniform conditions hold in its kernels, if they are of a variant.
-    pub(super) variant: Option<u32>,
+    /// The index of its variant among those in use; 0 for kernels of all branches.
+    pub(super) variant: usize,
     /// The index of the first uniform value of its pairs of a body and a light, and the number of values of a pair.
     pub(super) first_uniform: usize,
     pub(super) uniform_count: usize,

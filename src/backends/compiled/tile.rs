@@ -86,11 +86,11 @@ impl Pass<'_> {
         program.run(self, &inputs, span_weights, sums, planes);
     }
 
-    /// Runs a pass that runs only once over the tile. It overwrites the planes.
-    pub(super) fn run_once(&self, tile: &Tile, tile_index: usize, scratch: &mut TileScratch) {
+    /// Runs a pass that runs only once over the tile.
+    pub(super) fn run_once(&self, tile: &Tile, tile_index: usize, accumulate: Accumulate, scratch: &mut TileScratch) {
         let mut program = std::mem::take(&mut scratch.once);
         program.forget();
-        self.run(tile, tile_index, None, Accumulate::Overwrite, scratch, &mut program);
+        self.run(tile, tile_index, None, accumulate, scratch, &mut program);
         scratch.once = program;
     }
 

@@ -6,7 +6,7 @@
 
 use super::lines::Lines;
 use super::palette::Palette;
-use super::words::{Class, Words};
+use crate::assist::words::{Class, Words};
 use crate::workspace::FileKind;
 use egui::text::{ByteIndex, LayoutJob, LayoutSection, TextFormat};
 use egui::{Context, FontId, Galley};

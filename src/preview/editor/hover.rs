@@ -1,134 +1,31 @@
-//! What is known about the word under the pointer: from the tables of the language, and from the author's comments.
+//! What is known about the word under the pointer, as a tooltip.
 
-use super::completion::{Candidate, function, meaning, predefined, repetition, variable};
 use super::palette::Palette;
-use super::words::{Class, Declared, TextSection, Words, scene_words};
-use crate::lang::ast::FormulaFile;
-use crate::lang::builtins::{self, Form, Repetition};
-use crate::lang::display_text::one_line;
-use crate::lang::keywords;
-use crate::lang::parser::parse;
-use crate::lang::token::{Mark, TokenKind};
-use crate::lang::variables::{Predefined, Variable};
+use crate::assist::completion::Candidate;
+use crate::assist::meaning::meaning_at;
+use crate::assist::symbols::{Symbol, symbols};
+use crate::assist::words::Words;
 use crate::preview::editor::Document;
-use crate::workspace::FileKind;
 use egui::{RichText, Ui};
 use std::ops::Range;
 
-/// The syntax of the formula that was pointed at last, which has the author's comments.
+/// The names that the text defines that was pointed at last, with the author's comments.
 #[derive(Debug, Default)]
-pub(super) struct PointedSyntax {
+pub(super) struct PointedNames {
     /// The document and its revision.
     of: Option<(u64, u64)>,
-    file: FormulaFile,
+    symbols: Vec<Symbol>,
 }
 
-impl PointedSyntax {
-    /// What the author's comments say about a name of a formula.
-    fn doc(&mut self, document: &Document, name: &str) -> Option<String> {
-        let of = Some((document.id(), document.revision()));
-        if self.of != of {
-            (self.of, self.file) = (of, parse(&document.source()).0);
-        }
-        let parameters = self.file.declarations().map(|one| (&one.name.text, &one.doc));
-        let macros = self.file.definitions.iter().map(|line| (&line.name.text, &line.doc));
-        let mut named = parameters.chain(macros).filter(|(other, _)| *other == name);
-        named.find_map(|(_, doc)| doc.as_deref().map(one_line))
-    }
-
+impl PointedNames {
     /// What is known about the word at a byte, and the bytes of the word.
     pub(super) fn meaning(&mut self, document: &Document, words: &Words, byte: usize) -> Option<(Candidate, Range<usize>)> {
-        let text = document.text();
-        let at = words.tokens.partition_point(|token| token.span.range().end <= byte);
-        let range = words.tokens.get(at).map(|token| token.span.range()).filter(|range| range.contains(&byte))?;
-        let (word, class) = (&text[range.clone()], words.class_at(range.start));
-        let found = match class {
-            Class::Keyword if document.kind() == FileKind::Scene => scene_keyword(words, range.start, word),
-            Class::Keyword => formula_keyword(word),
-            Class::Function => builtins::named(word).map(function).or_else(|| Repetition::named(word).map(repetition)),
-            Class::Variable => Variable::named(word).as_ref().map(variable),
-            Class::Predefined => Predefined::named(word).as_ref().map(predefined),
-            Class::Parameter | Class::Named => {
-                let declared = words.declared.iter().find(|declared| declared.name == word)?;
-                let doc = match document.kind() {
-                    FileKind::Formula => self.doc(document, word).unwrap_or_default(),
-                    FileKind::Scene | FileKind::Session | FileKind::Material => String::new(),
-                };
-                Some(own(declared, text, doc))
-            }
-            Class::Plain if document.kind() == FileKind::Formula => operator(words, at).map(function),
-            Class::Plain | Class::Number | Class::Comment | Class::Uses | Class::Unknown => None,
-        };
-        found.map(|found| (found, range))
-    }
-}
-
-/// A name that the text defines, with its definition and what the author says about it.
-fn own(declared: &Declared, text: &str, doc: String) -> Candidate {
-    let statement = text[declared.statement.clone()].split_whitespace().collect::<Vec<_>>().join(" ");
-    let rest = statement.strip_prefix(&declared.name).unwrap_or_default().trim_end_matches(';');
-    let types = one_line(rest.trim_start().trim_start_matches(':').trim_start());
-    Candidate { name: declared.name.clone(), insert: String::new(), types, doc, class: declared.class }
-}
-
-/// The operator of a token, if it is one. A sign before its operand and one between two operands have their own
-/// meanings, and so has `<`.
-fn operator(words: &Words, at: usize) -> Option<Form> {
-    if words.section(words.tokens[at].span.range().start) != TextSection::Formula {
-        return None;
-    }
-    let mark = |at: usize| match words.tokens[at].kind {
-        TokenKind::Mark(mark) => Some(mark),
-        TokenKind::Number(_)
-        | TokenKind::Word(_)
-        | TokenKind::Uses(..)
-        | TokenKind::Text(_)
-        | TokenKind::Unknown
-        | TokenKind::End => None,
-    };
-    // The vectors and parentheses that are open at the token.
-    let mut open = Vec::new();
-    let mut found = None;
-    // Whether an operand stands before the token. After a vector there is one.
-    let mut behind_operand = false;
-    for index in 0..=at {
-        let (one, before) = (mark(index), behind_operand);
-        behind_operand = one.is_none();
-        let Some(one) = one else {
-            found = None;
-            continue;
-        };
-        let ends_vector = one == Mark::Greater && open.last() == Some(&Mark::Less);
-        let starts_vector = one == Mark::Less && !before;
-        if starts_vector || one == Mark::Open {
-            open.push(one);
-        } else if ends_vector || one == Mark::Close {
-            open.pop();
-            behind_operand = true;
-        } else if one == Mark::Semicolon {
-            open.clear();
+        let of = Some((document.id(), document.revision()));
+        if self.of != of {
+            (self.of, self.symbols) = (of, symbols(document.kind(), &document.source()));
         }
-        found = Some(match before {
-            _ if starts_vector || ends_vector => Form::Vector,
-            true => Form::Infix(one),
-            false => Form::Prefix(one),
-        });
+        meaning_at(document.kind(), document.text(), words, byte, &self.symbols)
     }
-    found.filter(|form| form.overloads().next().is_some())
-}
-
-fn formula_keyword(word: &str) -> Option<Candidate> {
-    if word == Form::Conditional.spelling() {
-        return Some(function(Form::Conditional));
-    }
-    let tables = [&keywords::FORMULA_SECTIONS[..], &keywords::TYPES[..], &keywords::PARAMETER_ATTRIBUTES[..]];
-    tables.into_iter().flatten().find(|keyword| keyword.word == word).map(meaning)
-}
-
-fn scene_keyword(words: &Words, start: usize, word: &str) -> Option<Candidate> {
-    let in_section = scene_words(words.section(start));
-    let keyword = in_section.into_iter().chain(&keywords::SCENE_SECTIONS).find(|keyword| keyword.word == word);
-    keyword.map(meaning)
 }
 
 /// Draws what is known about a word, as a tooltip.
@@ -140,71 +37,5 @@ pub(super) fn hover_ui(ui: &mut Ui, known: &Candidate, palette: &Palette) {
     }
     if !known.types.is_empty() {
         ui.label(RichText::new(&known.types).monospace().weak());
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// What is known about the word at the `|`.
-    fn known(kind: FileKind, marked: &str) -> Option<(String, String)> {
-        let byte = marked.find('|').unwrap();
-        let text = marked.replace('|', "");
-        let document = Document::untitled(kind, &text);
-        let found = PointedSyntax::default().meaning(&document, &Words::new(kind, &text), byte);
-        found.map(|(known, _)| (known.types, known.doc))
-    }
-
-    fn in_formula(marked: &str) -> Option<(String, String)> {
-        known(FileKind::Formula, marked)
-    }
-
-    #[test]
-    fn the_language_and_the_author_say_what_words_mean() {
-        let head = "body_specific;\nkd: scalar, default 0.5; // matte part\nformula;\n// what is scattered\nD = kd*Cd;\n";
-        let doc = |rest: &str| in_formula(&format!("{head}{rest}")).map(|(_, doc)| doc).unwrap_or_default();
-        assert_eq!(doc("= D*|kd;"), "matte part");
-        assert_eq!(doc("= |D;"), "what is scattered");
-        assert_eq!(doc("= IL*C|d;"), "colour of the body");
-        assert_eq!(doc("= |N;"), "surface normal, turned to the side the ray came from");
-        assert_eq!(doc("= |max(0, 1);"), crate::lang::builtins::named("max").unwrap().overloads().next().unwrap().doc());
-        assert_eq!(in_formula("body_specific; a: sca|lar;").map(|(_, doc)| doc).as_deref(), Some("one number"));
-        let own = in_formula(&head.replace("D = k", "D = |k")).expect("a parameter");
-        assert_eq!(own, ("scalar, default 0.5".to_owned(), "matte part".to_owned()));
-        assert_eq!(in_formula("formula; = 1|2; // t|ext"), None);
-    }
-
-    #[test]
-    fn operators_are_explained_by_the_table_of_the_language() {
-        let doc = |marked: &str| in_formula(&format!("formula;\n{marked}")).map(|(_, doc)| doc).unwrap_or_default();
-        let of = |form: Form| form.overloads().next().unwrap().doc().to_owned();
-        assert_eq!(doc("= Cd|*2;"), of(Form::Infix(Mark::Star)));
-        assert_eq!(doc("= N|.L*Cd;"), of(Form::Infix(Mark::Dot)));
-        assert_eq!(doc("= (1 |- 2)*Cd;"), of(Form::Infix(Mark::Minus)));
-        assert_eq!(doc("= |-2*Cd;"), of(Form::Prefix(Mark::Minus)));
-        assert_eq!(doc("= Cd*(|-2);"), of(Form::Prefix(Mark::Minus)));
-        assert_eq!(doc("= if(N.L |<= 2, Cd, Cs);"), of(Form::Infix(Mark::LessEqual)));
-        assert_eq!(doc("= if(N.L |< 2, Cd, Cs);"), of(Form::Infix(Mark::Less)));
-        assert_eq!(doc("= if(2 |> N.L, Cd, Cs);"), of(Form::Infix(Mark::Greater)));
-        assert_eq!(doc("= |<1, 2, 3>;"), of(Form::Vector));
-        assert_eq!(doc("= <1, 2, 3|>;"), of(Form::Vector));
-        assert_eq!(doc("= <1, 2, 3> |- Cd;"), of(Form::Infix(Mark::Minus)));
-        assert_eq!(doc("D |= Cd;\n= D;"), "");
-        assert_eq!(in_formula("body_specific; a: scalar, constraint 0|..1; formula; = a*Cd;"), None);
-    }
-
-    #[test]
-    fn a_text_with_a_mistake_still_says_what_it_knows() {
-        let text = "body_specific;\nkd: scalar; // matte part\nformula;\n= |kd*(Cd;";
-        assert_eq!(in_formula(text).map(|(_, doc)| doc).as_deref(), Some("matte part"));
-    }
-
-    #[test]
-    fn the_words_of_a_scene_are_explained() {
-        let doc = |marked: &str| known(FileKind::Scene, marked).map(|(_, doc)| doc).unwrap_or_default();
-        assert_eq!(doc("bodies; b: sphere, center <0,0,0>, radius 1, mat|te;"), "the body never reflects");
-        assert_eq!(doc("lights; cam|era;"), "position, gaze, up and fov");
-        assert_eq!(doc("camera; f|ov 30;"), "the vertical angle of view in degrees, between 0 and 180");
     }
 }

@@ -1,7 +1,7 @@
 //! The list of completions, below the cursor.
 
-use super::completion::{Candidate, Completion};
 use super::palette::Palette;
+use crate::assist::completion::{Candidate, Completion};
 use egui::text::LayoutJob;
 use egui::{Align, Area, Color32, Context, FontId, Frame, Id, LayerId, Order, Pos2, ScrollArea, TextFormat, pos2, vec2};
 

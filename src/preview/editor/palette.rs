@@ -1,6 +1,6 @@
 //! The colours of the editor, in a dark and a light theme.
 
-use super::words::Class;
+use crate::assist::words::Class;
 use egui::Color32;
 
 /// The colours of the editor.

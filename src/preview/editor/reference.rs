@@ -56,7 +56,7 @@ fn all_tables() -> Vec<Table> {
     let mut all = vec![
         table("Sections of a formula file", &keywords::FORMULA_SECTIONS, ";"),
         table("Types of parameters", &keywords::TYPES, ""),
-        table("ParameterAttributes of parameters", &keywords::PARAMETER_ATTRIBUTES, ""),
+        table("Attributes of parameters", &keywords::PARAMETER_ATTRIBUTES, ""),
     ];
     all.extend(tables());
     all

@@ -353,13 +353,13 @@ fn times_of_a_large_text() {
         println!("frame {frame} {typed:?}: {drawn:?}, with meshes ({}) {:?}", meshes.len(), start.elapsed());
     }
     let start = std::time::Instant::now();
-    let words = words::Words::new(FileKind::Formula, &text);
+    let words = crate::assist::words::Words::new(FileKind::Formula, &text);
     println!("words: {:?}", start.elapsed());
     let start = std::time::Instant::now();
     let at = text.rfind("DIFFUSE + ").unwrap() + 4;
     println!(
         "completion: {} in {:?}",
-        completion::complete(FileKind::Formula, &text, &words, at).map_or(0, |one| one.candidates.len()),
+        complete(FileKind::Formula, &text, &words, at).map_or(0, |one| one.candidates.len()),
         start.elapsed()
     );
     let start = std::time::Instant::now();

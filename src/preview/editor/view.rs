@@ -1,11 +1,11 @@
 //! Drawing the editor: gutter, text and list; and what egui's widget did in a frame.
 
 use super::colouring::Laid;
-use super::completion::Candidate;
 use super::history::{Edit, Selection};
 use super::list::List;
 use super::marks::VisibleText;
 use super::{Document, Editor, EditorCommand, Order, TextStyling, edit_menu_ui, hover, problems};
+use crate::assist::completion::Candidate;
 use egui::text::{CCursor, CCursorRange};
 use egui::text_edit::TextEditState;
 use egui::util::undoer::{Settings, Undoer};
@@ -208,6 +208,6 @@ impl Editor {
         let under = |range: &std::ops::Range<usize>| {
             sheet.rectangles(&document.text, range.clone()).iter().any(|rect| rect.contains(pointer))
         };
-        candidates.filter_map(|byte| self.syntax.meaning(document, &laid.words, byte)).find(|(_, range)| under(range))
+        candidates.filter_map(|byte| self.pointed.meaning(document, &laid.words, byte)).find(|(_, range)| under(range))
     }
 }

@@ -6,6 +6,7 @@
 //! precision.
 
 mod accuracy;
+mod choices;
 mod columns;
 mod drags;
 mod formulas;

@@ -128,6 +128,11 @@ impl TileImages {
         size_of_val(&*self.numbers) + size_of_val(&*self.cells) + size_of_val(&*self.runs)
     }
 
+    /// How many cells of the base and of images a frame reads, and how many cells it writes.
+    pub(super) fn traffic(&self) -> (usize, usize) {
+        (self.runs.iter().map(|run| run.cells * (1 + run.images.len())).sum(), self.cells.len())
+    }
+
     /// The number of pixels that a frame writes, in a tile of this many pixels.
     pub(super) fn pixels(&self, tile_pixels: usize) -> usize {
         cells::pixel_count(&self.cells, tile_pixels)

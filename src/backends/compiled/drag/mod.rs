@@ -7,13 +7,14 @@
 //!   linearly.
 //! - **Specialised**, elsewhere: everything that does not move is one image, and a kernel computes the live part from
 //!   columns that keep every expensive value that does not move.
-//! - **General**, where neither is possible or ready yet: the whole picture again.
+//! - **General**, where neither is possible or ready yet, or faster: the whole picture again.
 //!
 //! Images, bases and columns are made tile by tile, between frames, so that no frame waits for them. Each
-//! [`prepare`](Drag::prepare) does about as much work as a full evaluation. A tile whose images would be inaccurate
-//! or would exceed the budget is drawn by the general method.
+//! [`prepare`](Drag::prepare) does about as much work as a full evaluation. A tile whose images would be inaccurate,
+//! would exceed the budget or would not be faster is drawn by the general method. [`estimate`] decides what is faster.
 
 mod cells;
+mod estimate;
 mod images;
 mod passes;
 mod reach;
@@ -24,16 +25,17 @@ use crate::backends::compiled::columns::Columns;
 use crate::backends::compiled::pass::Pass;
 use crate::backends::compiled::program::TileProgram;
 use crate::backends::compiled::tile::{Accumulate, TileScratch};
+use crate::evaluate::weights::PathMonomials;
 use crate::evaluate::{Drag, Framebuffer, Part};
 use crate::jit::CompileError;
 use crate::picture::encoder::with_bytes;
 use crate::plan::{Channels, Method};
 use crate::trace::Tile;
+use estimate::FrameEstimate;
 use images::{Image, Key, LARGEST_SUM, TileImages, factor_of};
 use passes::{DragKernels, Passes};
 use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
-use reach::Reach;
 use std::sync::{Arc, OnceLock};
 use work::{Work, WorkItem, full_cost, work_items};
 
@@ -41,6 +43,7 @@ use work::{Work, WorkItem, full_cost, work_items};
 pub(super) struct CompiledDrag {
     compiled: Arc<Compiled>,
     kernels: DragKernels,
+    estimate: FrameEstimate,
     /// The parameter numbers that all stored data was made with, apart from those that move.
     parameters: Vec<f32>,
     tiles: Vec<TileState>,
@@ -101,6 +104,7 @@ impl CompiledDrag {
         let mut drag = Self {
             compiled: Arc::clone(compiled),
             kernels,
+            estimate: FrameEstimate::default(),
             parameters: Vec::new(),
             tiles: Vec::new(),
             drawn: false,
@@ -127,6 +131,7 @@ impl CompiledDrag {
     fn restart(&mut self, parameters: &[f32]) {
         self.parameters = parameters.to_vec();
         self.drawn = false;
+        self.estimate = FrameEstimate::new(&self.compiled, &self.kernels, parameters);
         let plan = &self.kernels.plan;
         let state = |tile: &Tile| {
             if plan.method == Method::General {
@@ -136,12 +141,20 @@ impl CompiledDrag {
             let items = work_items(plan, &self.compiled.hits.world, tile, &monomials);
             if items.is_empty() {
                 TileState::Untouched
+            } else if plan.method == Method::Specialised && !self.specialising_pays(tile, &monomials) {
+                TileState::General
             } else {
                 TileState::Waiting { items, done: 0, images: Vec::new(), columns: None }
             }
         };
         self.tiles = self.compiled.hits.tiles.par_iter().map(state).collect();
         self.settle();
+    }
+
+    /// Whether a live part is faster in a tile than a full evaluation, by the estimate.
+    fn specialising_pays(&self, tile: &Tile, monomials: &PathMonomials) -> bool {
+        let reach = self.kernels.reach(&self.compiled);
+        self.estimate.live_pays(reach.live_cells(tile, monomials).len(), &reach, tile, monomials)
     }
 
     /// The number of work items of each tile that are done next: together they cost about one full evaluation.
@@ -173,8 +186,11 @@ impl CompiledDrag {
 }
 
 impl Drag for CompiledDrag {
+    /// If no tile has stored data at the end of the preparation, every frame is drawn by the general method.
     fn method(&self) -> Method {
-        self.kernels.plan.method
+        let stored = |state: &TileState| !matches!(state, TileState::Untouched | TileState::General);
+        let general = self.tiles.iter().any(|state| matches!(state, TileState::General));
+        if general && !self.tiles.iter().any(stored) { Method::General } else { self.kernels.plan.method }
     }
 
     fn bytes(&self) -> usize {
@@ -206,9 +222,10 @@ impl Drag for CompiledDrag {
         let factors = plan.factors(parameters);
         let factor = |key: Key| factor_of(key, &factors);
         // Once everything is made, few tiles are drawn by the general method.
-        let whole = OnceLock::new();
+        let (whole, chosen) = (OnceLock::new(), compiled.chosen(parameters));
+        let pass = || compiled.whole(parameters, chosen.as_deref());
         let draw_all = |index: usize, scratch: &mut TileScratch, part: Part| {
-            compiled.draw_tile(whole.get_or_init(|| compiled.whole(parameters)), parameters, index, scratch, part);
+            compiled.draw_tile(whole.get_or_init(pass), parameters, index, scratch, part);
         };
         let live = self.kernels.live_pass(compiled, parameters);
         let (channels, drawn) = (plan.channels, self.drawn);
@@ -243,10 +260,12 @@ impl Drag for CompiledDrag {
         }
         let counts = self.next_counts();
         if counts.iter().any(|count| *count > 0) {
+            let chosen = self.compiled.chosen(&self.parameters);
             let preparation = Preparation {
                 compiled: &self.compiled,
                 kernels: &self.kernels,
-                passes: self.kernels.passes(&self.compiled, &self.parameters),
+                estimate: &self.estimate,
+                passes: self.kernels.passes(&self.compiled, &self.parameters, chosen.as_deref()),
                 parameters: &self.parameters,
             };
             self.compiled.each_tile(self.tiles.par_iter_mut().zip(counts), |(state, count), index, scratch| {
@@ -281,6 +300,7 @@ impl TileState {
 struct Preparation<'p> {
     compiled: &'p Compiled,
     kernels: &'p DragKernels,
+    estimate: &'p FrameEstimate,
     passes: Passes<'p>,
     parameters: &'p [f32],
 }
@@ -307,10 +327,16 @@ impl Preparation<'_> {
                     Method::Images if images.is_empty() => TileState::General,
                     Method::Images => {
                         let images = TileImages::new(std::mem::take(images), &scratch.planes, plan.channels);
-                        TileState::Images { images, right: false }
+                        let reach = self.kernels.reach(compiled);
+                        let (read, written) = images.traffic();
+                        if self.estimate.images_pay(read, written, &reach, tile, &monomials) {
+                            TileState::Images { images, right: false }
+                        } else {
+                            TileState::General
+                        }
                     }
                     Method::Specialised => {
-                        let reach = Reach { plan, world: &compiled.hits.world, has_fixed: plan.slider.fixed.is_some() };
+                        let reach = self.kernels.reach(compiled);
                         LiveTile::new(reach.live_cells(tile, &monomials), columns.take(), plan.channels, scratch)
                             .map_or(TileState::General, TileState::Live)
                     }
@@ -340,16 +366,28 @@ impl LiveTile {
             cells::restore(&mut scratch.planes, usize::from(*cell), channels, lanes);
         }
         live.run(tile, index, self.columns.as_ref(), Accumulate::Add, scratch, &mut self.program);
-        let (planes, width) = (scratch.planes.components(), scratch.planes.width());
-        width.dispatch(CellWriter { cells: &self.cells, planes, channels, part });
+        match channels {
+            Channels::All => {
+                let Part { pixels, encoder } = part;
+                for run in self.cells.chunk_by(|one, next| one + 1 == *next) {
+                    let start = usize::from(run[0]) * cells::CELL_PIXELS;
+                    let end = (start + run.len() * cells::CELL_PIXELS).min(pixels.len());
+                    scratch.planes.quantise(start, Part { pixels: &mut pixels[start..end], encoder }, &[]);
+                }
+            }
+            Channels::One(component) => {
+                let (planes, width) = (scratch.planes.components(), scratch.planes.width());
+                width.dispatch(CellWriter { cells: &self.cells, plane: planes[component], component, part });
+            }
+        }
     }
 }
 
-/// Writes cells of the planes. The code that is inlined here is compiled for a width.
+/// Writes one component of cells of the planes. The code that is inlined here is compiled for a width.
 struct CellWriter<'a> {
     cells: &'a [u16],
-    planes: [&'a [f32]; 3],
-    channels: Channels,
+    plane: &'a [f32],
+    component: usize,
     part: Part<'a>,
 }
 
@@ -358,15 +396,10 @@ impl WithSimd for CellWriter<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let CellWriter { cells, planes, channels, part: Part { pixels, encoder } } = self;
-        let planes = planes.map(|plane| plane.as_chunks::<{ cells::CELL_PIXELS }>().0);
+        let CellWriter { cells, plane, component, part: Part { pixels, encoder } } = self;
+        let plane = plane.as_chunks::<{ cells::CELL_PIXELS }>().0;
         with_bytes!(encoder, bytes => for cell in cells {
-            let pixels = cells::pixels_of(pixels, *cell);
-            let [red, green, blue] = planes.map(|plane| &plane[usize::from(*cell)]);
-            match channels {
-                Channels::All => cells::write_cell(pixels, [red, green, blue], 0, bytes),
-                Channels::One(component) => cells::write_cell(pixels, [[red, green, blue][component]], component, bytes),
-            }
+            cells::write_cell(cells::pixels_of(pixels, *cell), [&plane[usize::from(*cell)]], component, bytes);
         });
     }
 }

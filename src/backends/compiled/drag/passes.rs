@@ -1,6 +1,7 @@
 //! The passes over the hits that make the stored data of a drag, and the pass for the live part.
 
 use crate::backends::compiled::Compiled;
+use crate::backends::compiled::chosen::Chosen;
 use crate::backends::compiled::columns::Columns;
 use crate::backends::compiled::drag::cells::CellSet;
 use crate::backends::compiled::drag::images::Key;
@@ -8,14 +9,14 @@ use crate::backends::compiled::drag::reach::{Reach, add_cells};
 use crate::backends::compiled::pass::Pass;
 use crate::backends::compiled::source::ContributionSource;
 use crate::backends::compiled::surface::SurfacePass;
-use crate::backends::compiled::tile::TileScratch;
+use crate::backends::compiled::tile::{Accumulate, TileScratch};
 use crate::evaluate::weights::{PathMonomials, Powers};
 use crate::formula::equation::Site;
 use crate::jit::compile::{CompiledSlider, Contribution};
 use crate::jit::{CompileError, Splat};
-use crate::lang::scalars::flush;
 use crate::lang::variables::Owner;
 use crate::plan::{Channels, ContributionPlan, DragPlan, ImageTerm, Method, ParameterSlot, moved_parameters};
+use crate::trace::Tile;
 use std::sync::Arc;
 
 /// The plan of a drag, with the kernels for it.
@@ -31,6 +32,8 @@ pub(super) struct DragKernels {
 /// The passes that make the stored data, for some parameter numbers.
 pub(super) struct Passes<'p> {
     fixed: Pass<'p>,
+    /// What is added to it, where the formula chooses: the part that does not move of the pairs that move.
+    fixed_part: Option<Pass<'p>>,
     terms: Vec<Pass<'p>>,
     /// With its uniform values.
     columns: Option<(ContributionSource<'p>, Vec<Splat>)>,
@@ -56,18 +59,39 @@ impl DragKernels {
         Ok(Self { plan, moving_leaves, fixed_leaves, column_leaves, kernels })
     }
 
-    /// The passes that make the stored data.
-    pub(super) fn passes<'p>(&'p self, compiled: &'p Compiled, parameters: &[f32]) -> Passes<'p> {
+    /// What moves where.
+    pub(super) fn reach<'p>(&'p self, compiled: &'p Compiled) -> Reach<'p> {
+        Reach { plan: &self.plan, world: &compiled.hits.world, has_fixed: self.plan.slider.fixed.is_some() }
+    }
+
+    /// The passes that make the stored data, with the [variants](Compiled::chosen) for these numbers.
+    pub(super) fn passes<'p>(&'p self, compiled: &'p Compiled, parameters: &[f32], chosen: Option<&'p Chosen>) -> Passes<'p> {
         let terms = self.plan.terms.iter().map(|term| self.term_pass(compiled, parameters, term)).collect();
         let columns = self.kernels.columns.as_ref();
         let columns = columns.map(|columns| self.moving_source(compiled, parameters, columns, &self.column_leaves));
-        Passes { fixed: self.fixed_pass(compiled, parameters), terms, columns }
+        let mut fixed = self.fixed_pass(compiled, parameters, chosen);
+        let fixed_part = match self.fixed_source(compiled, parameters) {
+            Some((source, uniforms)) if chosen.is_none() => {
+                fixed.push(source, uniforms);
+                None
+            }
+            // It reads other columns.
+            Some((source, uniforms)) => {
+                let no_colours = vec![[0.0; 3]; fixed.at_hits.len()];
+                let mut part = compiled.empty_pass(no_colours, [0.0; 3], self.plan.channels);
+                part.surface = self.surface_pass(compiled, parameters, false);
+                part.push(source, uniforms);
+                Some(part)
+            }
+            None => None,
+        };
+        Passes { fixed, fixed_part, terms, columns }
     }
 
-    /// Everything that does not move.
-    fn fixed_pass<'p>(&'p self, compiled: &'p Compiled, parameters: &[f32]) -> Pass<'p> {
+    /// Everything that does not move, apart from the [fixed part](Self::fixed_source) of the pairs that move.
+    fn fixed_pass<'p>(&'p self, compiled: &'p Compiled, parameters: &[f32], chosen: Option<&'p Chosen>) -> Pass<'p> {
         let plan = &self.plan;
-        let mut pass = compiled.whole(parameters);
+        let mut pass = compiled.whole(parameters, chosen);
         for (body, colour) in pass.at_hits.iter_mut().enumerate() {
             *colour = plan.fixed(Site::Hit, parameters, body);
         }
@@ -78,14 +102,16 @@ impl DragKernels {
                 *active &= !plan.moves_pair(pair / lights, pair % lights);
             }
         }
-        if let Some(fixed) = &self.kernels.fixed {
-            let (mut source, uniforms) = compiled.source(parameters, fixed, &self.fixed_leaves, Channels::All);
-            source.active = compiled.active(parameters, |body, light| plan.moves_pair(body, light));
-            pass.push(source, uniforms);
-        }
         pass.channels = plan.channels;
         pass.surface = self.surface_pass(compiled, parameters, true);
         pass
+    }
+
+    /// The part that does not move of the contributions of the pairs that move.
+    fn fixed_source<'p>(&'p self, compiled: &'p Compiled, parameters: &[f32]) -> Option<(ContributionSource<'p>, Vec<Splat>)> {
+        let (mut source, uniforms) = compiled.source(parameters, self.kernels.fixed.as_ref()?, &self.fixed_leaves, Channels::All);
+        source.active = compiled.active(parameters, |body, light| self.plan.moves_pair(body, light));
+        Some((source, uniforms))
     }
 
     /// What the formula gives at every hit, without the moved kr and kt.
@@ -122,12 +148,10 @@ impl DragKernels {
     ) -> (ContributionSource<'p>, Vec<Splat>) {
         let plan = &self.plan;
         let (mut source, uniforms) = compiled.source(parameters, contribution, leaves, plan.moving_channels());
-        let may_be_on =
-            |light: usize| plan.moves_light_weight(light) || flush(compiled.equation.light_weight(parameters, light)) != 0.0;
         let lights = source.lights;
         for (pair, active) in source.active.iter_mut().enumerate() {
             let (body, light) = (pair / lights, pair % lights);
-            *active = may_be_on(light) && plan.moves_pair(body, light);
+            *active = plan.may_be_on(parameters, light) && plan.moves_pair(body, light);
         }
         (source, uniforms)
     }
@@ -164,11 +188,10 @@ impl Passes<'_> {
     ) -> CellSet {
         let tile = &compiled.hits.tiles[index];
         monomials.of(key.powers, &mut scratch.weights);
-        let pass = match usize::from(key.term).checked_sub(1) {
-            Some(term) => &self.terms[term],
-            None => &self.fixed,
-        };
-        pass.run_once(tile, index, scratch);
+        match usize::from(key.term).checked_sub(1) {
+            Some(term) => self.terms[term].run_once(tile, index, Accumulate::Overwrite, scratch),
+            None => self.set_fixed(tile, index, scratch),
+        }
         let reach = Reach { plan, world: &compiled.hits.world, has_fixed: plan.slider.fixed.is_some() };
         let mut touched = CellSet::none(tile.pixels.len());
         for group in tile.groups.iter().filter(|group| reach.emitters_of(group, key.term).is_some()) {
@@ -185,7 +208,15 @@ impl Passes<'_> {
     /// Makes the image of everything that does not move, in the planes of the scratch memory.
     pub(super) fn make_base(&self, compiled: &Compiled, monomials: &PathMonomials, index: usize, scratch: &mut TileScratch) {
         monomials.of(Powers::default(), &mut scratch.weights);
-        self.fixed.run_once(&compiled.hits.tiles[index], index, scratch);
+        self.set_fixed(&compiled.hits.tiles[index], index, scratch);
+    }
+
+    /// Sets the planes to everything that does not move.
+    fn set_fixed(&self, tile: &Tile, index: usize, scratch: &mut TileScratch) {
+        self.fixed.run_once(tile, index, Accumulate::Overwrite, scratch);
+        if let Some(part) = &self.fixed_part {
+            part.run_once(tile, index, Accumulate::Add, scratch);
+        }
     }
 
     /// The values that the live part reads from columns, for each record of a tile.

@@ -50,7 +50,7 @@ impl Reach<'_> {
     }
 
     /// Whether the contribution of an emitter to hits of a body moves.
-    fn moves_pair(&self, body: usize, emitter: EmitterId) -> bool {
+    pub(super) fn moves_pair(&self, body: usize, emitter: EmitterId) -> bool {
         self.plan.moves_pair(body, self.world.light_of(emitter).index())
     }
 

@@ -36,6 +36,23 @@ fn session() -> (Arc<Compiled>, Values) {
     (Arc::new(Compiled::new(compiled, &formula, &hits).expect("hits of the scene")), values)
 }
 
+/// One body that fills the picture, under one light: no part of the picture is spared by a slider of the body.
+const WALL: &str = "bodies; wall: sphere, center <0,0,-4>, radius 3.6, opaque; lights; key: point, <5,8,6>;
+    camera; position <0,0,1.5>; gaze <0,0,-1>; up <0,1,0>; fov 30;";
+
+/// A formula on the wall, with default values.
+fn on_wall(formula: &str) -> (Arc<Compiled>, Values) {
+    let (formula, _) = Formula::parse(&Source::new("wall", formula)).expect("a formula");
+    let (scene, _) = Scene::parse(&Source::new("wall", WALL)).expect("a scene");
+    let view = View::new(256, 144).expect("a size in range");
+    let world = Arc::new(World::new(scene));
+    let (lights, unstopped) = (EvaluatedLights::Reaching, AtomicBool::new(false));
+    let hits = Arc::new(trace(&world, &view, lights, &Budget::UNLIMITED, &|_| {}, &unstopped).expect("small enough"));
+    let values = Values::defaults(&formula, world.scene());
+    let compiled = Arc::new(CompiledFormula::new(&formula).expect("a formula of ordinary size"));
+    (Arc::new(Compiled::new(compiled, &formula, &hits).expect("hits of the scene")), values)
+}
+
 /// The indices of the numbers that a slider moves.
 fn moved_by(values: &Values, slider: &str) -> Vec<usize> {
     let roster = values.table();
@@ -120,5 +137,31 @@ fn what_is_counted_is_what_is_kept() {
         }
         let given_up = tight.tiles.iter().any(|state| matches!(state, TileState::General));
         assert!(tight.bytes() > 0 && given_up, "{slider}: a part is kept");
+    }
+}
+
+#[test]
+fn stored_data_is_kept_only_where_it_is_faster() {
+    let phong = presets::text(FileKind::Formula, "phong").expect("a built-in file");
+    let lambert = presets::text(FileKind::Formula, "lambert").expect("a built-in file");
+    let waves = "body_specific; a: scalar, constraint 0..1; b: scalar, constraint 0..9; formula;
+        = IL*Cd*(exp(-a*alpha) + sin(b*alpha)*cos(b*beta)*exp(b*(N.L))*sin(b*(V.L)));";
+    let layers = "body_specific; a: scalar, constraint 0..1; b: scalar, constraint 0..9; formula;
+        = IL*Cd*(a + sin(b*alpha)*cos(b*beta)*exp(b*(N.L))*sin(b*(V.L)));";
+    for (formula, slider, method) in [
+        // A live part reads as much as the whole contribution, and the base too.
+        (phong, "wall.h", Method::General),
+        // The live part is a small part of the computation.
+        (waves, "wall.a", Method::Specialised),
+        (waves, "wall.b", Method::General),
+        // Two images are twelve times as large as the only column.
+        (lambert, "wall.kd", Method::General),
+        (layers, "wall.a", Method::Images),
+    ] {
+        let (compiled, values) = on_wall(formula);
+        let mut drag = CompiledDrag::new(&compiled, &moved_by(&values, slider), values.numbers(), usize::MAX).expect("kernels");
+        while !drag.prepare() {}
+        assert_eq!(drag.method(), method, "{slider}");
+        assert_eq!(drag.bytes() > 0, method != Method::General, "{slider}");
     }
 }

@@ -108,7 +108,7 @@ fn blocks(hits: &Range<u32>) -> usize {
 }
 
 /// The blocks of spans whose weight is not 0.
-fn weighted_blocks(spans: &[Span], weights: &[Weight]) -> usize {
+pub(super) fn weighted_blocks(spans: &[Span], weights: &[Weight]) -> usize {
     spans.iter().filter(|span| !weights[span.path.index()].is_zero()).map(|span| blocks(&span.hits)).sum()
 }
 

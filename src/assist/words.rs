@@ -1,7 +1,6 @@
 //! The words of a text and their classes: keywords, names, numbers, comments; and the names that the text defines.
 //!
-//! This uses the lexer and the tables of the language, so it works on unfinished texts that no parser accepts. No
-//! colours or widgets are known here.
+//! This uses the lexer and the tables of the language, so it works on unfinished texts that no parser accepts.
 
 use crate::lang::builtins::{self, Form, Operation, Repetition};
 use crate::lang::keywords::{self, Keyword};
@@ -44,12 +43,12 @@ pub enum Class {
 
 /// A section of a text, which has its own rules.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum TextSection {
+pub enum TextSection {
     /// Before the first section.
     Head,
     /// Declarations of parameters.
     Parameters(Owner),
-    /// ParameterAttributes of predefined parameters.
+    /// New attributes of predefined parameters.
     Predefined,
     /// Invariants.
     Invariants,
@@ -63,9 +62,9 @@ pub(super) enum TextSection {
     Camera,
 }
 
-/// A name that the text defines: a parameter, a macro, a body or a light.
+/// A name that the text defines for the whole text: a parameter, a macro, a function, a body or a light.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Declared {
+pub struct Declared {
     /// The name.
     pub name: String,
     /// [`Class::Parameter`] or [`Class::Named`].
@@ -78,7 +77,7 @@ pub(super) struct Declared {
 
 /// The words of a text, classified.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Words {
+pub struct Words {
     /// The tokens of the lexer, without the end of the text.
     pub tokens: Vec<Token>,
     /// The parts that are not plain, in order. They do not overlap.
@@ -91,7 +90,7 @@ pub(super) struct Words {
 
 impl Words {
     /// The words of a text. Only formulas and scenes have other classes than plain.
-    pub(super) fn new(kind: FileKind, text: &str) -> Self {
+    pub fn new(kind: FileKind, text: &str) -> Self {
         match kind {
             FileKind::Formula | FileKind::Scene => {}
             FileKind::Session | FileKind::Material => return Self::default(),
@@ -99,13 +98,19 @@ impl Words {
         // The lexer needs a source. Its name is only used in messages, which are not shown here.
         let mut tokens = tokenize(&Source::new("", text)).tokens;
         tokens.pop();
-        let mut reader =
-            WordReader { kind, tokens: &tokens, section: TextSection::Head, declared: Vec::new(), sections: Vec::new() };
+        let mut reader = WordReader {
+            kind,
+            tokens: &tokens,
+            section: TextSection::Head,
+            declared: Vec::new(),
+            locals: Vec::new(),
+            sections: Vec::new(),
+        };
         let mut classes: Vec<Class> = (0..tokens.len()).map(|at| reader.class(at)).collect();
-        let WordReader { declared, sections, .. } = reader;
+        let WordReader { declared, locals, sections, .. } = reader;
         // A name may be used before it is defined.
-        let mut meanings: HashMap<&str, Class> =
-            declared.iter().rev().map(|declared| (declared.name.as_str(), declared.class)).collect();
+        let mut meanings: HashMap<&str, Class> = locals.into_iter().map(|name| (name, Class::Named)).collect();
+        meanings.extend(declared.iter().rev().map(|declared| (declared.name.as_str(), declared.class)));
         for (class, token) in classes.iter_mut().zip(&tokens) {
             if let (Class::Plain, TokenKind::Word(word)) = (*class, &token.kind) {
                 // Searching the tables again for every word would take longer than everything else.
@@ -128,19 +133,19 @@ impl Words {
     }
 
     /// The section of a byte.
-    pub(super) fn section(&self, byte: usize) -> TextSection {
+    pub fn section(&self, byte: usize) -> TextSection {
         let behind = self.sections.partition_point(|(start, _)| *start <= byte);
         behind.checked_sub(1).map_or(TextSection::Head, |last| self.sections[last].1)
     }
 
     /// The class of a byte.
-    pub(super) fn class_at(&self, byte: usize) -> Class {
+    pub fn class_at(&self, byte: usize) -> Class {
         let at = self.pieces.partition_point(|(range, _)| range.end <= byte);
         self.pieces.get(at).filter(|(range, _)| range.contains(&byte)).map_or(Class::Plain, |(_, class)| *class)
     }
 
     /// The parenthesis beside a cursor and its partner, in bytes. The partner is `None` if there is none.
-    pub(super) fn brackets(&self, cursor: usize) -> Option<(usize, Option<usize>)> {
+    pub fn brackets(&self, cursor: usize) -> Option<(usize, Option<usize>)> {
         let bracket = |token: &Token| matches!(token.kind, TokenKind::Mark(Mark::Open | Mark::Close));
         let touches = |token: &&Token| token.span.range().end == cursor || token.span.range().start == cursor;
         let near = self.tokens.partition_point(|token| token.span.range().end < cursor);
@@ -206,10 +211,12 @@ struct WordReader<'t> {
     tokens: &'t [Token],
     section: TextSection,
     declared: Vec<Declared>,
+    /// Arguments of functions and variables of sums.
+    locals: Vec<&'t str>,
     sections: Vec<(usize, TextSection)>,
 }
 
-impl WordReader<'_> {
+impl<'t> WordReader<'t> {
     fn class(&mut self, at: usize) -> Class {
         match &self.tokens[at].kind {
             TokenKind::Word(word) if self.kind == FileKind::Formula => self.formula_word(at, word),
@@ -293,10 +300,11 @@ impl WordReader<'_> {
 
     /// Records a name that has a meaning in one statement only.
     fn local(&mut self, at: usize) {
-        if let Some(TokenKind::Word(name)) = self.tokens.get(at).map(|token| &token.kind)
+        let tokens: &'t [Token] = self.tokens;
+        if let Some(TokenKind::Word(name)) = tokens.get(at).map(|token| &token.kind)
             && known(name) == Class::Plain
         {
-            self.declare(at, Class::Named, None);
+            self.locals.push(name);
         }
     }
 
@@ -340,7 +348,7 @@ fn scene_section(word: &str) -> Option<TextSection> {
 }
 
 /// The words that have a meaning in a section of a scene file, without duplicates.
-pub(super) fn scene_words(section: TextSection) -> Vec<&'static Keyword> {
+pub fn scene_words(section: TextSection) -> Vec<&'static Keyword> {
     let mut words: Vec<&Keyword> = match section {
         TextSection::Bodies => Shape::SYNTAX.iter().flat_map(Syntax::words).chain(&keywords::BODY_ATTRIBUTES).collect(),
         TextSection::Lights => LightKind::SYNTAX.iter().flat_map(Syntax::words).collect(),
@@ -357,7 +365,7 @@ pub(super) fn scene_words(section: TextSection) -> Vec<&'static Keyword> {
 }
 
 /// The overloads of a function or constant, with their types.
-pub(super) fn signatures(form: Form) -> String {
+pub fn signatures(form: Form) -> String {
     let written = |operation: Operation| match form {
         Form::Function(_) | Form::Conditional => format!("({})  {}", operation.operand_names().join(", "), operation.signature()),
         Form::Constant(_) | Form::Prefix(_) | Form::Infix(_) | Form::UnitDot | Form::Vector => operation.signature(),

@@ -1,11 +1,12 @@
 //! Completions: names and keywords from the language's tables and from the text that continue what was typed.
 //!
-//! They are chosen by the words before the cursor. No widget is known here.
+//! They are chosen by the words before the cursor.
 
-use super::words::{Class, TextSection, Words, scene_words, signatures};
+use crate::assist::words::{Class, TextSection, Words, scene_words, signatures};
 use crate::lang::builtins::{self, Form, Repetition};
 use crate::lang::keywords::{self, Keyword};
-use crate::lang::token::{Mark, TokenKind};
+use crate::lang::surface_terms::SurfaceTerm;
+use crate::lang::token::{Mark, Token, TokenKind};
 use crate::lang::types::Type;
 use crate::lang::variables::{Predefined, Variable};
 use crate::scene::{LightKind, Shape};
@@ -14,7 +15,7 @@ use std::ops::Range;
 
 /// A completion.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Candidate {
+pub struct Candidate {
     /// The name or keyword.
     pub name: String,
     /// The text to insert.
@@ -29,7 +30,7 @@ pub(super) struct Candidate {
 
 /// The completions at a cursor, best first.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Completion {
+pub struct Completion {
     /// The bytes of the word that was typed so far.
     pub word: Range<usize>,
     /// The completions of it.
@@ -37,7 +38,7 @@ pub(super) struct Completion {
 }
 
 /// The completions at a cursor; `None` if there are none.
-pub(super) fn complete(kind: FileKind, text: &str, words: &Words, cursor: usize) -> Option<Completion> {
+pub fn complete(kind: FileKind, text: &str, words: &Words, cursor: usize) -> Option<Completion> {
     let word = word_before(text, cursor);
     let typed = &text[word.clone()];
     // Nothing is completed inside a comment, number or path, but it is after its end.
@@ -54,8 +55,9 @@ pub(super) fn complete(kind: FileKind, text: &str, words: &Words, cursor: usize)
     };
     candidates.retain(|candidate| rank(&candidate.name, typed).is_some());
     candidates.sort_by_key(|candidate| rank(&candidate.name, typed));
-    let called = text[cursor..].trim_start_matches(' ').starts_with('(');
-    if called {
+    // What follows a name is not written twice.
+    let goes_on = text[cursor..].trim_start_matches(' ').starts_with(['(', '=']);
+    if goes_on {
         candidates.iter_mut().for_each(|candidate| candidate.insert.clone_from(&candidate.name));
     }
     (!candidates.is_empty()).then_some(Completion { word, candidates })
@@ -106,16 +108,20 @@ fn in_formula(text: &str, words: &Words, word: Range<usize>) -> Vec<Candidate> {
             let given = Predefined::ALL.iter().filter(|one| one.ty() == Type::Scalar && one.usable_in_formulas()).map(predefined);
             sums.chain(given).chain(heads().filter(|_| begins)).collect()
         }
-        TextSection::Formula if begins => Vec::new(),
+        TextSection::Formula if begins => {
+            let is_free = |one: &SurfaceTerm| words.declared.iter().all(|declared| declared.name != one.name());
+            SurfaceTerm::ALL.iter().copied().filter(is_free).map(term).collect()
+        }
         TextSection::Formula => expression(text, words, &word),
         TextSection::Bodies | TextSection::Lights | TextSection::Camera => Vec::new(),
     }
 }
 
 /// Everything that can be named in an expression. Names of the text come first, because they are the most likely, and
-/// hide others.
+/// hide others; arguments hide them.
 fn expression(text: &str, words: &Words, word: &Range<usize>) -> Vec<Candidate> {
-    let mut candidates: Vec<Candidate> = own(text, words, word).collect();
+    let mut candidates: Vec<Candidate> = arguments(words, word.start);
+    candidates.extend(own(text, words, word));
     let variables = Variable::ALL.iter().map(variable);
     let given = Predefined::ALL.iter().filter(|one| one.usable_in_formulas()).map(predefined);
     let functions = builtins::names().into_iter().filter_map(builtins::named).chain([Form::Conditional]).map(function);
@@ -124,6 +130,35 @@ fn expression(text: &str, words: &Words, word: &Range<usize>) -> Vec<Candidate> 
     let mut names = std::collections::HashSet::new();
     candidates.retain(|candidate| names.insert(candidate.name.clone()));
     candidates
+}
+
+/// The arguments of the function whose expression is being typed.
+fn arguments(words: &Words, cursor: usize) -> Vec<Candidate> {
+    let before = &words.tokens[..words.tokens.partition_point(|token| token.span.range().end <= cursor)];
+    let ends = |token: &Token| token.kind == TokenKind::Mark(Mark::Semicolon);
+    let statement = &before[before.iter().rposition(ends).map_or(0, |at| at + 1)..];
+    let [Token { kind: TokenKind::Word(function), .. }, open, rest @ ..] = statement else { return Vec::new() };
+    let Some(close) = rest.iter().position(|token| token.kind == TokenKind::Mark(Mark::Close)) else { return Vec::new() };
+    let is_head = open.kind == TokenKind::Mark(Mark::Open)
+        && rest.get(close + 1).is_some_and(|token| token.kind == TokenKind::Mark(Mark::Equal));
+    let names = rest[..close].iter().filter(|_| is_head).filter_map(|token| match &token.kind {
+        TokenKind::Word(name) => Some(name.clone()),
+        TokenKind::Number(_)
+        | TokenKind::Uses(..)
+        | TokenKind::Text(_)
+        | TokenKind::Mark(_)
+        | TokenKind::Unknown
+        | TokenKind::End => None,
+    });
+    names
+        .map(|name| Candidate {
+            insert: name.clone(),
+            name,
+            types: String::new(),
+            doc: format!("argument of `{function}`"),
+            class: Class::Parameter,
+        })
+        .collect()
 }
 
 /// The parameters and macros of the text, except the one whose statement is being typed.
@@ -141,7 +176,8 @@ fn own<'t>(text: &'t str, words: &'t Words, word: &Range<usize>) -> impl Iterato
     })
 }
 
-pub(super) fn variable(variable: &Variable) -> Candidate {
+/// A variable of a hit.
+pub fn variable(variable: &Variable) -> Candidate {
     Candidate {
         name: variable.name().to_owned(),
         insert: variable.name().to_owned(),
@@ -151,7 +187,8 @@ pub(super) fn variable(variable: &Variable) -> Candidate {
     }
 }
 
-pub(super) fn predefined(predefined: &Predefined) -> Candidate {
+/// A predefined parameter.
+pub fn predefined(predefined: &Predefined) -> Candidate {
     Candidate {
         name: predefined.name().to_owned(),
         insert: predefined.name().to_owned(),
@@ -161,7 +198,8 @@ pub(super) fn predefined(predefined: &Predefined) -> Candidate {
     }
 }
 
-pub(super) fn function(form: Form) -> Candidate {
+/// A function, constant or operator of the language.
+pub fn function(form: Form) -> Candidate {
     let name = form.spelling();
     let call = match form {
         Form::Function(_) | Form::Conditional => format!("{name}("),
@@ -172,7 +210,8 @@ pub(super) fn function(form: Form) -> Candidate {
     Candidate { name: name.to_owned(), insert: call, types: signatures(form), doc: doc.to_owned(), class }
 }
 
-pub(super) fn repetition(repetition: Repetition) -> Candidate {
+/// `sum` or `product`.
+pub fn repetition(repetition: Repetition) -> Candidate {
     let name = repetition.name();
     let usage = repetition.usage();
     let types = usage.strip_prefix(name).unwrap_or_default().to_owned();
@@ -185,7 +224,21 @@ pub(super) fn repetition(repetition: Repetition) -> Candidate {
     }
 }
 
-pub(super) fn meaning(keyword: &Keyword) -> Candidate {
+/// A term of the lighting equation, which a macro of its name gives.
+pub fn term(term: SurfaceTerm) -> Candidate {
+    let types: Vec<String> =
+        [Type::Scalar, Type::Vector].into_iter().filter(|ty| term.takes(*ty)).map(|ty| ty.to_string()).collect();
+    Candidate {
+        name: term.name().to_owned(),
+        insert: format!("{} = ", term.name()),
+        types: types.join(" or "),
+        doc: term.doc().to_owned(),
+        class: Class::Named,
+    }
+}
+
+/// A keyword.
+pub fn meaning(keyword: &Keyword) -> Candidate {
     let word = keyword.word.to_owned();
     Candidate { insert: word.clone(), name: word, types: String::new(), doc: keyword.doc.to_owned(), class: Class::Keyword }
 }
@@ -242,6 +295,7 @@ mod tests {
         assert!(!in_formula(&format!("{head}= |")).is_empty());
         assert_eq!(in_formula(&format!("{head}= backg|")), [""; 0]);
         assert_eq!(in_formula("formula;\nMINE = MI|;")[0], "min");
+        assert_eq!(in_formula("formula;\nF(sines, x) = 1 + si|;")[..2], ["sines", "sin"]);
     }
 
     #[test]
@@ -258,6 +312,28 @@ mod tests {
         assert_eq!(names(FileKind::Scene, "bodies; b: sphere, ra|")[0], "radius");
         assert_eq!(names(FileKind::Scene, "camera; |"), ["position", "gaze", "up", "fov"]);
         assert_eq!(names(FileKind::Session, "f|"), [""; 0]);
+    }
+
+    #[test]
+    fn terms_of_the_lighting_equation_are_offered_where_macros_begin() {
+        assert_eq!(in_formula("formula;\nref|"), ["reflected", "refracted"]);
+        assert_eq!(in_formula("formula;\n|"), ["reflected", "refracted", "ambient", "emission"]);
+        assert_eq!(in_formula("formula;\nreflected = kr;\nre|"), ["refracted"]);
+        assert_eq!(in_formula("formula;\n= emi|"), [""; 0], "no macro gives it");
+        assert_eq!(in_formula("formula;\nemission = Cd;\nM = emi|"), ["emission"]);
+        assert_eq!(in_formula("formula;\nreflected = et|")[0], "eta");
+        let text = "formula;\nemi";
+        let offered = |text: &str| complete(FileKind::Formula, text, &Words::new(FileKind::Formula, text), 12).unwrap();
+        let emission = offered(text).candidates.swap_remove(0);
+        assert_eq!((emission.insert.as_str(), emission.types.as_str()), ("emission = ", "vector"));
+        assert_eq!(emission.doc, SurfaceTerm::Emission.doc());
+        assert_eq!(offered("formula;\nemi = Cd;").candidates[0].insert, "emission");
+    }
+
+    #[test]
+    fn names_of_other_functions_are_not_offered() {
+        assert_eq!(in_formula("formula;\nF(sines) = sines;\n= si|;")[0], "sin");
+        assert_eq!(in_formula("formula;\nF(sines) = sines;\nG(x) = sine|;"), [""; 0]);
     }
 
     #[test]
