@@ -102,7 +102,8 @@ fn strands_hardly_vary_along_themselves() {
 
 #[test]
 fn hair_straight_on() {
-    // First: pi g(beta; -alpha)/2 F(0)/4. Second: pi g(2 beta; 3/2 alpha)/2 (1 - F)^2 F exp(0.22) Cd^0.8, F at 60 degrees.
+    // First: pi g(beta; -alpha)/2 F(0)/4. Second: pi g(2 beta; 3/2 alpha)/2 (1 - F)^2 F exp(0.22) Cd^0.8, with F at 60
+    // degrees.
     let gauss = |width: f64, x: f64| (-(x / width).powi(2) / 2.0).exp() / (width.to_radians() * (2.0 * PI).sqrt());
     let hit = straight();
     let shine = PI * gauss(8.0, 7.0) / 2.0 * (0.55_f64 / 2.55).powi(2) / 4.0;
