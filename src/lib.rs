@@ -67,3 +67,8 @@ pub mod user_data;
 
 #[cfg(feature = "window")]
 pub mod preview;
+
+/// The examples in the manual's chapter about the library, which documentation tests try.
+#[cfg(doctest)]
+#[doc = include_str!("../docs/manual/src/library.md")]
+struct LibraryChapter;

@@ -138,9 +138,12 @@ mod tests {
 
     #[test]
     fn the_language_reference_shows_every_word() {
-        let reference = include_str!("../../docs/language.md");
+        let reference = include_str!("../../docs/manual/src/scenes.md");
         for word in all().flat_map(|(_, words, _)| words) {
-            assert!(reference.contains(&format!("\"{word}\"")), "docs/language.md does not show `{word}` in its grammar");
+            assert!(
+                reference.contains(&format!("\"{word}\"")),
+                "docs/manual/src/scenes.md does not show `{word}` in its grammar"
+            );
         }
     }
 

@@ -10,6 +10,8 @@ mod fmt;
 mod json;
 mod lsp;
 mod man;
+#[cfg(unix)]
+mod manual;
 mod materials;
 mod memory;
 mod messages;
@@ -67,6 +69,8 @@ fn run(folder: &Path, arguments: &str) -> Output {
         .current_dir(folder)
         .args(arguments.split_whitespace())
         .env_remove("RUST_BACKTRACE")
+        // The width of help.
+        .env_remove("COLUMNS")
         // No window is opened.
         .env_remove("DISPLAY")
         .env_remove("WAYLAND_DISPLAY")

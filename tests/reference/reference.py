@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""Reference renderer for docs/language.md (the oracle).  Plain Python 3.11, standard library only, IEEE double throughout.
+"""Reference renderer for the languages of the manual (the oracle).  Plain Python 3.11, standard library only, IEEE double throughout.
 
-Written from the description of the languages alone; simple rather than fast.  "language x.y" in the comments cites the section of docs/language.md that is followed.
+Written from the description of the languages alone; simple rather than fast.  "language x.y" in the comments cites what is followed
+in docs/manual/src: 1 language.md (1.1 text and grammar, 1.2 operators and functions, 1.3 variables and parameters), 2 scenes.md, 3 pictures.md.
 "[CHOICE n]" marks a place where the description leaves a choice; they are listed in CHOICES.md.
 
 Parts:  1 arithmetic (total: nothing raises)   2 lexer   3 formula parser   4 types and code

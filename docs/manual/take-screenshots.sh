@@ -1,0 +1,79 @@
+#!/usr/bin/env bash
+# Takes the pictures of the manual and the README again, but for the gallery, which `tests/program/manual.rs` makes.
+# Needs a release build, and: apt-get install xvfb xdotool imagemagick
+# ILLUMINATOR names another program than that of the release build. Names of pictures as arguments take only these.
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+program=${ILLUMINATOR:-$PWD/target/release/illuminator}
+images=$PWD/docs/manual/src/images
+only=("$@")
+
+wanted() {
+    [ ${#only[@]} -eq 0 ] || [[ " ${only[*]} " == *" $1 "* ]]
+}
+
+# picture NAME ARGUMENTS…: a picture in the chapter about the first model or scenes.
+picture() {
+    local name=$1
+    shift
+    wanted "$name" || return 0
+    "$program" render "$@" --size 400x225 --samples 3 -o "$images/$name.png"
+}
+
+home=$(mktemp -d)
+trap 'rm -rf "$home"' EXIT
+if wanted default; then "$program" render -o "$images/default.png"; fi
+
+# block CHAPTER KIND N: the text of the Nth block of a kind. Formulas and scenes of pictures are those of the chapters.
+block() {
+    awk -v fence="^\`\`\`$2" -v number="$3" '$0 ~ fence {n++; inside = n == number; next} /^```/ {inside = 0} inside' \
+        "docs/manual/src/$1.md"
+}
+block first-model formula 1 > "$home/matte.formula"
+block first-model formula 2 > "$home/gloss.formula"
+block scenes scene 1 > "$home/first.scene"
+picture first-matte preset:studio --formula "$home/matte.formula"
+picture first-gloss preset:studio --formula "$home/gloss.formula"
+picture first-values preset:studio --formula "$home/gloss.formula" --set '*.gloss=8' --set ball.Cd='<0.05, 0.15, 0.6>'
+picture first-mirror preset:studio --formula "$home/gloss.formula" --set ball.kr=0.6
+picture first-scene --scene "$home/first.scene" --formula preset:phong --background '#405a80' \
+    --set 'ball.Cd=<0.8,0.1,0.05>' --set 'glass.Cd=<0,0,0>' --set glass.kr=0.1 --set glass.kt=0.9 --srgb
+
+export DISPLAY=:${SCREEN:-97}
+Xvfb "$DISPLAY" -screen 0 1280x800x24 -noreset >/dev/null 2>&1 &
+display=$!
+trap 'kill $display; rm -rf "$home"' EXIT
+sleep 1
+
+# take NAME SESSION COMMAND…: opens the session, runs the commands of xdotool, and takes a screenshot. Without a session
+# the gallery opens.
+take() {
+    local name=$1 session=$2
+    shift 2
+    wanted "$name" || return 0
+    # Settings and drafts of the user, and those of the last picture, stay out of it.
+    export ILLUMINATOR_HOME=$home/$name
+    mkdir -p "$ILLUMINATOR_HOME/configuration"
+    printf 'version = 1\n[window]\ntheme = "dark"\nscale = 1.0\nsize = [1280, 800]\n' \
+        > "$ILLUMINATOR_HOME/configuration/settings.toml"
+    # shellcheck disable=SC2086
+    "$program" preview $session >/dev/null 2>&1 &
+    local window=$!
+    sleep "${WAIT:-12}"
+    for command in "$@"; do
+        # shellcheck disable=SC2086
+        xdotool $command
+        sleep 0.7
+    done
+    sleep 2
+    # 256 colours, so that all images of the manual together stay small.
+    import -window root -dither FloydSteinberg -colors 256 "PNG8:$images/$name.png"
+    kill $window
+    wait $window || true
+}
+
+take window preset:default "mousemove 690 360 click 1" "mousemove 690 120"
+take window-error preset:studio "mousemove 300 336 click 1" "key End" "key BackSpace" "type  + ks;" "key ctrl+Return" \
+    "mousemove 690 120"
+take window-inspector preset:glass "key F5" "sleep 1" "mousemove 690 260 click 1" "mousemove 690 120"
+take window-gallery "" "sleep 6" "mousemove 20 790"
