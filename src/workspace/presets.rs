@@ -60,6 +60,11 @@ const FORMULAS: &[Preset] = files!("formula", "formula":
     "lafortune" = "Lafortune and others (1997): three lobes that fit measurements",
     "thin-film" = "Airy (1833): colours of soap bubbles, oil and anodised titanium",
     "lacquer" = "a matte colour under a smooth coat that absorbs: Fresnel, Beer, Saunderson (1942)",
+    "kajiya-kay" = "Kajiya and Kay (1989): fur and hair by the direction of their fibres",
+    "hair" = "Marschner and others (2003), Scheuermann (2004): hair with two highlights",
+    "charlie-sheen" = "Estevez and Kulla (2017): the sheen of cloth",
+    "velvet" = "Ashikhmin and others (2000, 2007): velvet, dark in the middle and bright at the edge",
+    "leaf" = "Bousquet and others (2005): a leaf that light goes through",
 );
 const SCENES: &[Preset] = files!("scene", "scene":
     "studio" = "two balls under three lights, for a new formula",
@@ -80,6 +85,9 @@ const SCENES: &[Preset] = files!("scene", "scene":
     "shelves" = "two rows of four balls on shelves, to compare values and kinds",
     "planets" = "seven balls in space, the sun behind the viewer",
     "softboxes" = "nine balls on a dark table between bright panels",
+    "heads" = "two rows of five balls on a shelf, for hair and cloth",
+    "edges" = "three balls lit from both sides and from behind",
+    "twig" = "nine leaves on a twig against the light",
 );
 const SESSIONS: &[Preset] = files!("session", "toml":
     "default" = "the crystals with Phong's model: what opens if nothing is named",
@@ -116,6 +124,11 @@ const SESSIONS: &[Preset] = files!("session", "toml":
     "lafortune" = "measured paint, clay, skin and felt, and lobes that bend and turn back",
     "thin-film" = "soap bubbles before anodised titanium",
     "lacquer" = "amber varnish from none to thick, and red under coats",
+    "kajiya-kay" = "a toy bear of fur, with Kajiya and Kay's model",
+    "hair" = "five colours of hair, with two highlights",
+    "charlie-sheen" = "sheen from thin to wide, and five cloths",
+    "velvet" = "balls of velvet, lit along their edges",
+    "leaf" = "leaves of spring and autumn against the sun",
 );
 const MATERIALS: &[Preset] = files!("material", "toml":
     "phong" = "materials for Phong's model",
@@ -148,6 +161,11 @@ const MATERIALS: &[Preset] = files!("material", "toml":
     "lafortune" = "measured and made-up lobes",
     "thin-film" = "bubbles, oil, coated glass and anodised metals",
     "lacquer" = "varnish, urushi, glaze and wet stone",
+    "kajiya-kay" = "fur, hair and threads",
+    "hair" = "hair of eight kinds",
+    "charlie-sheen" = "cloth with a sheen",
+    "velvet" = "velvet and other cloth with a pile",
+    "leaf" = "leaves, and paper",
 );
 
 /// The built-in files of a kind, in the order of menus and lists.
