@@ -1,7 +1,7 @@
 //! Values for parameters: by name, as in `ball.kd=0.3`, and resolved to an owner and a parameter of a formula on a
 //! scene.
 
-use crate::formula::ParameterId;
+use crate::formula::{Parameter, ParameterId};
 use crate::lang::ast::Constant;
 use crate::lang::diagnostic::{Diagnostic, nearest};
 use crate::lang::source::SourceSpan;
@@ -87,7 +87,16 @@ pub struct NamedAssignment {
     /// The parameter's name.
     pub parameter: String,
     /// The value.
-    pub value: Constant,
+    pub value: NamedValue,
+}
+
+/// A value as it is written.
+#[derive(Debug, Clone, PartialEq)]
+pub enum NamedValue {
+    /// A number, a vector or a colour.
+    Constant(Constant),
+    /// The name of a choice, as in `ball.model=GGX`, or `on` or `off` for a switch.
+    Choice(String),
 }
 
 /// What is wrong with a value by name.
@@ -96,9 +105,14 @@ pub enum NamedAssignmentError {
     /// It has no `=`, or nothing in front of it.
     #[error("`{0}` is not of the form OWNER.PARAMETER=VALUE; write for example `ball.kd=0.3`, `ka=0.1` or `*.kd=0.3`")]
     Form(String),
-    /// The value is not a number, vector or colour.
-    #[error("`{0}` is not a value; write a number, a vector `<x, y, z>` or a colour `#rrggbb`")]
-    Value(String),
+    /// The value is not a number, vector or colour, and no choice of the parameter.
+    #[error("`{given}` is not a value; write {wanted}")]
+    Value {
+        /// The value.
+        given: String,
+        /// What can be written.
+        wanted: String,
+    },
     /// There is no body or light of this name.
     #[error("there is no body or light `{name}`{hint}")]
     Owner {
@@ -151,7 +165,11 @@ impl FromStr for NamedAssignment {
             return Err(form());
         }
         let target = AssignmentTarget::new(owner);
-        let value = parse_value(value).ok_or_else(|| NamedAssignmentError::Value(value.trim().to_owned()))?;
+        let value = match parse_value(value) {
+            Some(constant) => NamedValue::Constant(constant),
+            None if may_be_choice(value.trim()) => NamedValue::Choice(value.trim().to_owned()),
+            None => return Err(NamedAssignmentError::Value { given: value.trim().to_owned(), wanted: CONSTANTS.to_owned() }),
+        };
         Ok(NamedAssignment { target, parameter: parameter.to_owned(), value })
     }
 }
@@ -186,17 +204,18 @@ impl NamedAssignment {
                 name: name.clone(),
             });
         }
-        if self.value.ty() != parameter.ty {
+        let value = self.constant(parameter)?;
+        if value.ty() != parameter.ty {
             return Err(NamedAssignmentError::Type {
                 name: parameter.name.clone(),
                 expected: parameter.ty.with_article(),
-                hint: match self.value {
+                hint: match value {
                     Constant::Scalar(_) => "give a vector `<x, y, z>` or a colour `#rrggbb`",
                     Constant::Vector(_) => "give a single number",
                 },
             });
         }
-        let value = match self.value {
+        let value = match value {
             Constant::Scalar(number) => [number, 0.0, 0.0],
             Constant::Vector(numbers) => numbers,
         };
@@ -205,6 +224,37 @@ impl NamedAssignment {
             None => table.owners().of_kind(parameter.owner).collect(),
         };
         Ok(owners.into_iter().map(|owner| Assignment { owner, parameter: id, value }).collect())
+    }
+}
+
+/// What can be written for any parameter.
+const CONSTANTS: &str = "a number, a vector `<x, y, z>` or a colour `#rrggbb`";
+
+/// Whether a text that is no number may be the name of a choice.
+fn may_be_choice(text: &str) -> bool {
+    let is_word_of_number = ["nan", "inf", "infinity"].iter().any(|word| text.eq_ignore_ascii_case(word));
+    text.starts_with(char::is_alphabetic) && !is_word_of_number
+}
+
+impl NamedAssignment {
+    /// The value as a number or a vector. The number of a choice is its place in the list, from 0 on.
+    fn constant(&self, parameter: &Parameter) -> Result<Constant, NamedAssignmentError> {
+        let given = match &self.value {
+            NamedValue::Constant(constant) => return Ok(*constant),
+            NamedValue::Choice(given) => given,
+        };
+        let place = match given.as_str() {
+            "off" if parameter.switch => Some(0),
+            "on" if parameter.switch => Some(1),
+            name => parameter.choices.iter().position(|choice| choice == name),
+        };
+        let wanted = || match parameter.switch {
+            true => "`on` or `off`, or a number".to_owned(),
+            false if parameter.choices.is_empty() => CONSTANTS.to_owned(),
+            false => format!("a choice of `{}`: {}", parameter.name, parameter.choices.join(", ")),
+        };
+        let number = place.map(|place| Constant::Scalar(place as f32));
+        number.ok_or_else(|| NamedAssignmentError::Value { given: given.clone(), wanted: wanted() })
     }
 }
 
@@ -266,7 +316,10 @@ fn parse_number(text: &str) -> Option<f32> {
 
 impl fmt::Display for NamedAssignment {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let value = crate::workspace::warning::show(self.value.components());
+        let value = match &self.value {
+            NamedValue::Constant(constant) => crate::workspace::warning::show(constant.components()),
+            NamedValue::Choice(choice) => choice.clone(),
+        };
         match &self.target {
             AssignmentTarget::Scene => write!(f, "{}={value}", self.parameter),
             AssignmentTarget::All => write!(f, "*.{}={value}", self.parameter),
@@ -287,6 +340,7 @@ mod tests {
         assert_eq!(read("ka=-0.1").as_deref(), Ok("ka=-0.1"));
         assert_eq!(read("*.Cd=#ff0033").as_deref(), Ok("*.Cd=<1, 0, 0.2>"));
         assert_eq!(read("global.ka=1").as_deref(), Ok("ka=1"));
+        assert_eq!(read("ball.model= Cook and Torrance ").as_deref(), Ok("ball.model=Cook and Torrance"));
     }
 
     #[test]
@@ -294,8 +348,8 @@ mod tests {
         for text in ["kd", "=1", "ball.=1", ".kd=1", "a.b.c=1", ""] {
             assert!(matches!(text.parse::<NamedAssignment>(), Err(NamedAssignmentError::Form(_))), "{text}");
         }
-        for text in ["a=", "a=x", "a=inf", "a=NaN", "a=<1,2>", "a=<1,2,3", "a=<1,2,3,4>", "a=#12345", "a=#12345é"] {
-            assert!(matches!(text.parse::<NamedAssignment>(), Err(NamedAssignmentError::Value(_))), "{text}");
+        for text in ["a=", "a=(x)", "a=inf", "a=NaN", "a=<1,2>", "a=<1,2,3", "a=<1,2,3,4>", "a=#12345", "a=#12345é"] {
+            assert!(matches!(text.parse::<NamedAssignment>(), Err(NamedAssignmentError::Value { .. })), "{text}");
         }
     }
 }

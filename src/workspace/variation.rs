@@ -5,7 +5,9 @@
 use crate::formula::ParameterId;
 use crate::lang::ast::Constant;
 use crate::lang::types::Type;
-use crate::workspace::assignment::{Assignment, AssignmentTarget, NamedAssignment, NamedAssignmentError, is_name, parse_value};
+use crate::workspace::assignment::{
+    Assignment, AssignmentTarget, NamedAssignment, NamedAssignmentError, NamedValue, is_name, parse_value,
+};
 use crate::workspace::owner::OwnerId;
 use crate::workspace::parameter_table::ParameterTable;
 use crate::workspace::values::Values;
@@ -143,11 +145,15 @@ impl Variation {
             return Err(VariationError::VectorForComponent(self.label()));
         }
         let whole = if component.is_some() { Constant::Vector([0.0; 3]) } else { self.ends[0] };
-        let named = NamedAssignment { target: AssignmentTarget::new(owner), parameter: parameter.to_owned(), value: whole };
+        let named = NamedAssignment {
+            target: AssignmentTarget::new(owner),
+            parameter: parameter.to_owned(),
+            value: NamedValue::Constant(whole),
+        };
         let resolved = named.resolve(table).map_err(|error| match error {
             NamedAssignmentError::Type { name, .. } if component.is_some() => VariationError::Scalar(name),
             NamedAssignmentError::Form(_)
-            | NamedAssignmentError::Value(_)
+            | NamedAssignmentError::Value { .. }
             | NamedAssignmentError::Owner { .. }
             | NamedAssignmentError::Parameter { .. }
             | NamedAssignmentError::Kind { .. }

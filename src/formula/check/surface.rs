@@ -22,7 +22,7 @@ pub(super) fn surface_terms(
     let mut found = SurfaceTerms::default();
     for definition in file.definitions.iter().filter(|definition| definition.arguments.is_none()) {
         let Some(term) = SurfaceTerm::named(&definition.name.text) else { continue };
-        if let Some(read) = read_of(file, &definition.name.text) {
+        if let Some(read) = reads.of_name(&definition.name.text) {
             diagnostics.push(
                 Diagnostic::warning(format!("`{}` is an ordinary macro here, because the formula reads it", term.name()))
                     .at(definition.name.span, format!("it does not give the {}", short(term)))
@@ -80,12 +80,6 @@ fn short(term: SurfaceTerm) -> &'static str {
     }
 }
 
-/// Where the formula reads a name.
-fn read_of(file: &FormulaFile, name: &str) -> Option<SourceSpan> {
-    let mut names = file.expressions.iter().filter(|expression| matches!(&expression.kind, ExprKind::Name(read) if read == name));
-    names.next().map(|expression| expression.span)
-}
-
 /// What expressions read, directly and through macros and functions.
 struct Reads<'r> {
     file: &'r FormulaFile,
@@ -94,6 +88,30 @@ struct Reads<'r> {
 }
 
 impl Reads<'_> {
+    /// Where the formula reads a macro. An argument of a function and the variable of a repetition may have its name.
+    fn of_name(&self, name: &str) -> Option<SourceSpan> {
+        let bodies = self.file.definitions.iter().map(|definition| {
+            let arguments = definition.arguments.iter().flatten();
+            (definition.body, arguments.map(|argument| argument.text.as_str()).collect())
+        });
+        let mut pending: Vec<(ExprId, Vec<&str>)> = bodies.chain(self.file.result.map(|root| (root, Vec::new()))).collect();
+        while let Some((id, hidden)) = pending.pop() {
+            let expression = self.file.expr(id);
+            if matches!(&expression.kind, ExprKind::Name(read) if read == name && !hidden.contains(&name)) {
+                return Some(expression.span);
+            }
+            self.push_operands(id, &hidden, &mut pending);
+        }
+        None
+    }
+
+    /// Adds the operands of an expression, with the names that are hidden in them.
+    fn push_operands<'f>(&'f self, id: ExprId, hidden: &[&'f str], pending: &mut Vec<(ExprId, Vec<&'f str>)>) {
+        let mut inside = hidden.to_vec();
+        inside.extend(self.names.repetition(self.file, id).map(|repetition| repetition.variable));
+        pending.extend(self.file.expr(id).kind.operands().iter().map(|operand| (*operand, inside.clone())));
+    }
+
     /// A variable or parameter of a light that an expression reads, with the place.
     fn of_lights(&self, root: ExprId) -> Option<(String, SourceSpan)> {
         self.first(root, |meaning| match meaning {
@@ -137,9 +155,7 @@ impl Reads<'_> {
                 }
                 _ => {}
             }
-            let mut inside = hidden.clone();
-            inside.extend(self.names.repetition(self.file, id).map(|repetition| repetition.variable));
-            pending.extend(expression.kind.operands().iter().map(|operand| (*operand, inside.clone())));
+            self.push_operands(id, &hidden, &mut pending);
         }
         None
     }

@@ -221,3 +221,15 @@ fn switches_and_choices_are_whole_numbers() {
     );
     assert_eq!(said("scalar, choices \"a\n"), "test:1:28: error: a text in quotation marks is not closed\n");
 }
+
+#[test]
+fn a_term_of_a_hit_that_is_read_is_an_ordinary_macro() {
+    use crate::lang::surface_terms::SurfaceTerm;
+    let read = "formula; emission = <1>; = IL*Cd + emission;";
+    assert_eq!(parsed(read).surface.get(SurfaceTerm::Emission), None);
+    assert!(said(read).contains("warning: `emission` is an ordinary macro here, because the formula reads it"), "{}", said(read));
+    // An argument and the variable of a sum of the same name are others.
+    let hidden = "formula; emission = <1>; f(emission) = 2*emission; = IL*Cd*f(sum(emission, 1, 3, emission));";
+    assert!(parsed(hidden).surface.get(SurfaceTerm::Emission).is_some());
+    assert!(!said(hidden).contains("ordinary macro"), "{}", said(hidden));
+}

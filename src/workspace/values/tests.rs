@@ -155,3 +155,18 @@ fn names_that_do_not_exist_are_reported_with_the_nearest() {
     assert_eq!(error("ball.Cd=1"), "`Cd` is a vector; give a vector `<x, y, z>` or a colour `#rrggbb`");
     assert_eq!(error("ball.kd=<1,1,1>"), "`kd` is a scalar; give a single number");
 }
+
+#[test]
+fn choices_and_switches_are_set_by_name() {
+    let models = "body_specific; model: scalar, choices \"Lambert\", \"Cook and Torrance\"; wet: scalar, switch; formula;
+        = IL*Cd*(model + 2*wet);";
+    let mut values = Values::defaults(&formula(models), &balls());
+    assert_eq!(assign(&mut values, &["ball.model=Cook and Torrance", "ball.wet=on"]), Vec::<String>::new());
+    assert_eq!((get(&values, "ball.model"), get(&values, "ball.wet")), (vec![1.0], vec![1.0]));
+    assert_eq!(assign(&mut values, &["ball.model=0", "ball.wet=off"]), Vec::<String>::new());
+    assert_eq!((get(&values, "ball.model"), get(&values, "ball.wet")), (vec![0.0], vec![0.0]));
+    let error = |text: &str| text.parse::<NamedAssignment>().unwrap().resolve(values.table()).unwrap_err().to_string();
+    assert_eq!(error("ball.model=Phong"), "`Phong` is not a value; write a choice of `model`: Lambert, Cook and Torrance");
+    assert_eq!(error("ball.wet=yes"), "`yes` is not a value; write `on` or `off`, or a number");
+    assert_eq!(error("ball.kr=x"), "`x` is not a value; write a number, a vector `<x, y, z>` or a colour `#rrggbb`");
+}
