@@ -49,7 +49,7 @@ pub(super) fn pictures() -> Vec<GalleryPicture> {
 
 /// The text of the gallery.
 pub(super) fn gallery() -> String {
-    let mut text = String::new();
+    let mut text = contents();
     for preset in presets::all(FileKind::Formula) {
         let name = preset.name;
         let source = presets::text(FileKind::Formula, name).expect("a built-in formula");
@@ -69,6 +69,13 @@ pub(super) fn gallery() -> String {
         text.push('\n');
     }
     text
+}
+
+/// The table of contents: a row for each model, with a link to it.
+fn contents() -> String {
+    let row = |name: &str, about: &str| format!("| [{name}](#{name}) | {} |\n", plain(about));
+    let rows = presets::all(FileKind::Formula).iter().map(|preset| row(preset.name, preset.about)).collect::<String>();
+    format!("| model | what it is |\n|---|---|\n{rows}\n")
 }
 
 /// The comment at the head of a formula, in a block.
