@@ -6,8 +6,8 @@
 //! - Each statement begins a line. Line breaks inside a statement stay, and so does the indentation behind them.
 //! - Of several blank lines, one stays. All lines end as the first one does.
 //! - Declarations are indented as the first one is, heads of sections are not.
-//! - `=`, types and comments that the author has put in one column stay in one column, see [`alignment`].
-//! - Spaces are set by the rules of [`spacing`].
+//! - `=`, types and comments that the author has put in one column stay in one column, see `alignment`.
+//! - Spaces are set by the rules of `spacing`.
 
 mod alignment;
 mod spacing;

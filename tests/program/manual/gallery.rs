@@ -63,7 +63,8 @@ pub(super) fn gallery() -> String {
             text.push_str(&format!("\n{}", wrapped(&format!("Materials: {names}."))));
         }
         for (title, picture) in pictures_of(name) {
-            text.push_str(&format!("\n{}\n![{}](images/gallery/{})\n", wrapped(&format!("{title}.")), title, picture.file));
+            let alternative = picture.file.trim_end_matches(".png");
+            text.push_str(&format!("\n{}\n![{alternative}](images/gallery/{})\n", wrapped(&format!("{title}.")), picture.file));
             text.push_str(&format!("\n```console\n$ illuminator {}\n```\n", picture.arguments));
         }
         text.push('\n');

@@ -13,7 +13,7 @@ use crate::models::{Hit, Model, SINGLE, cross, direction, dot, hemisphere, near}
 
 /// The reflectance of a smooth surface for unpolarized light, from the complex index n − ik and the cosine of the angle
 /// of incidence: the squares of the complex amplitudes of both polarizations.
-fn fresnel(n: f64, k: f64, cosine: f64) -> f64 {
+pub(super) fn fresnel(n: f64, k: f64, cosine: f64) -> f64 {
     let index = Complex(n, -k);
     let square = index.times(index);
     let inside = Complex(square.0 - (1.0 - cosine * cosine), square.1).root();
@@ -48,17 +48,17 @@ impl Complex {
 }
 
 /// Light and viewer at the same angle to the normal, in degrees, opposite each other.
-fn mirror(polar: f64) -> Hit {
+pub(super) fn mirror(polar: f64) -> Hit {
     Hit::new(direction(polar, 0.0), direction(polar, 180.0))
 }
 
 /// Light, viewer and normal in one line.
-fn straight() -> Hit {
+pub(super) fn straight() -> Hit {
     mirror(0.0)
 }
 
 /// Pairs of directions without symmetry.
-fn pairs() -> [Hit; 4] {
+pub(super) fn pairs() -> [Hit; 4] {
     [
         Hit::new(direction(35.0, 20.0), direction(50.0, 160.0)),
         Hit::new(direction(70.0, 75.0), direction(40.0, 0.0)),
@@ -69,7 +69,7 @@ fn pairs() -> [Hit; 4] {
 
 /// Asserts that the BRDF is the same with light and viewer exchanged.
 #[track_caller]
-fn reciprocal(model: &Model) {
+pub(super) fn reciprocal(model: &Model) {
     for hit in pairs() {
         let (there, back) = (model.shade(&hit), model.shade(&hit.swapped()));
         for channel in 0..3 {
@@ -80,13 +80,13 @@ fn reciprocal(model: &Model) {
 
 /// The integral of a distribution of facets, a macro, times the cosine of their angle: the area that they cover, seen
 /// from above.
-fn covered(model: &mut Model, distribution: &str, steps: usize) -> f64 {
+pub(super) fn covered(model: &mut Model, distribution: &str, steps: usize) -> f64 {
     hemisphere(steps, |facet| model.value(distribution, &Hit::new(facet, facet)).map(|x| x * facet[2]))[0]
 }
 
 /// Asserts that the surface sends back no more than it gets, in these directions of the viewer.
 #[track_caller]
-fn sends_no_more_than_it_gets(model: &Model, angles: &[f64], slack: f64) {
+pub(super) fn sends_no_more_than_it_gets(model: &Model, angles: &[f64], slack: f64) {
     for polar in angles {
         let albedo = model.albedo(*polar, 32);
         assert!(albedo.iter().all(|x| *x <= 1.0 + slack), "{albedo:?} at {polar} degrees");

@@ -1,8 +1,12 @@
 //! The built-in models against numbers that were worked out independently of this program: closed forms, limits,
 //! published tables, integrals, and formulas of papers computed again in double precision.
 
+mod cloth;
+mod fibres;
+mod leaves;
 mod microfacets;
 mod painterly;
+mod surfaces;
 
 use illuminator::formula::graph::{Graph, Node, NodeId};
 use illuminator::formula::{Formula, ParameterId};
@@ -69,24 +73,25 @@ impl Hit {
     fn variable(&self, variable: Variable, component: u8) -> f64 {
         let normal = [0.0, 0.0, 1.0];
         let tangent = [1.0, 0.0, 0.0];
-        let cosine = dot(normal, self.light);
-        let mirrored = [0, 1, 2].map(|axis| 2.0 * cosine * normal[axis] - self.light[axis]);
-        let angle = |a, b| dot(a, b).clamp(-1.0, 1.0).acos();
-        let sine = self.eta * (1.0 - dot(normal, self.viewer).powi(2)).max(0.0).sqrt();
+        let mirrored = || [0, 1, 2].map(|axis| 2.0 * dot(normal, self.light) * normal[axis] - self.light[axis]);
+        let angle = |a, b| [dot(a, b).clamp(-1.0, 1.0).acos(); 3];
         let vector = match variable {
             Variable::Normal => normal,
             Variable::ToLight => self.light,
             Variable::ToViewer => self.viewer,
-            Variable::Mirrored => mirrored,
+            Variable::Mirrored => mirrored(),
             Variable::Halfway => normalize([0, 1, 2].map(|axis| self.light[axis] + self.viewer[axis])),
             Variable::Tangent => tangent,
             Variable::Bitangent => cross(normal, tangent),
             Variable::Point => self.point,
-            Variable::Alpha => [angle(normal, self.light); 3],
-            Variable::Beta => [angle(mirrored, self.viewer); 3],
-            Variable::Gamma => [angle(normal, self.viewer); 3],
+            Variable::Alpha => angle(normal, self.light),
+            Variable::Beta => angle(mirrored(), self.viewer),
+            Variable::Gamma => angle(normal, self.viewer),
             Variable::RelativeIndex => [self.eta; 3],
-            Variable::TotalReflection => [f64::from(sine > 1.0); 3],
+            Variable::TotalReflection => {
+                let sine = self.eta * (1.0 - dot(normal, self.viewer).powi(2)).max(0.0).sqrt();
+                [f64::from(sine > 1.0); 3]
+            }
             Variable::Distance => [self.distance; 3],
             Variable::Visible => [self.visible; 3],
         };
@@ -99,7 +104,8 @@ struct Model {
     formula: Formula,
     graph: Graph,
     macros: HashMap<String, Graph>,
-    values: HashMap<ParameterId, [f32; 3]>,
+    /// By the index of the parameter.
+    values: Vec<[f32; 3]>,
 }
 
 impl Model {
@@ -110,7 +116,7 @@ impl Model {
         let (formula, warnings) = Formula::parse(&source).unwrap_or_else(|errors| panic!("{}", errors.located(&source)));
         assert!(warnings.is_empty(), "{}", warnings.located(&source));
         let graph = Graph::new(&formula);
-        let values = formula.parameter_ids().map(|id| (id, formula.parameter(id).default)).collect();
+        let values = formula.parameter_ids().map(|id| formula.parameter(id).default).collect();
         Model { formula, graph, macros: HashMap::new(), values }
     }
 
@@ -133,7 +139,7 @@ impl Model {
         for x in value {
             assert!(!self.formula.parameter(id).clamp(x).1, "{name} = {x} is out of range");
         }
-        self.values.insert(id, value);
+        self.values[id.0 as usize] = value;
     }
 
     /// The formula.
@@ -159,7 +165,7 @@ impl Model {
     fn evaluate(&self, graph: &Graph, hit: &Hit) -> Triple {
         let leaf = |id: NodeId| match graph.node(id) {
             Node::Variable(variable, component) => hit.variable(variable, component) as f32,
-            Node::Parameter(parameter, component) => self.values[&parameter][usize::from(component)],
+            Node::Parameter(parameter, component) => self.values[parameter.0 as usize][usize::from(component)],
             Node::Constant(_) | Node::Apply(..) => unreachable!("only variables and parameters are asked for"),
         };
         let values = graph.evaluate(&graph.result(), leaf);
@@ -220,7 +226,12 @@ const SINGLE: f64 = 1e-4;
 /// body's parameters: each at one end of its range or at its default, in combinations drawn by a fixed sequence.
 #[track_caller]
 fn sound_in_all_corners(name: &str) {
-    const COMBINATIONS: usize = 150;
+    sound_in_corners(name, 60);
+}
+
+/// The same as [`sound_in_all_corners`], in this number of combinations: for long formulas.
+#[track_caller]
+fn sound_in_corners(name: &str, combinations: usize) {
     let mut model = Model::built_in(name);
     let hits = hits();
     let mut state = 1_u32;
@@ -228,7 +239,7 @@ fn sound_in_all_corners(name: &str) {
         state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         (state >> 16) as usize % count
     };
-    for _ in 0..COMBINATIONS {
+    for _ in 0..combinations {
         let ids: Vec<ParameterId> = model.formula.parameter_ids().collect();
         for id in ids {
             let parameter = model.formula.parameter(id);
@@ -238,12 +249,12 @@ fn sound_in_all_corners(name: &str) {
             } else {
                 [[low; 3], [high; 3], parameter.default][draw(3)]
             };
-            model.values.insert(id, value);
+            model.values[id.0 as usize] = value;
         }
         for hit in &hits {
             let colour = model.shade(hit);
             let sound = colour.iter().all(|x| x.is_finite() && *x >= 0.0 && *x < 1e9);
-            let given = || Vec::from_iter(model.values.iter().map(|(id, x)| (&model.formula.parameter(*id).name, x)));
+            let given = || Vec::from_iter(model.formula.parameters.iter().map(|one| &one.name).zip(&model.values));
             assert!(sound, "{name}: {colour:?} at {hit:?} with {:?}", given());
         }
     }

@@ -112,7 +112,7 @@ fn hapke_agrees_with_numbers_in_double_precision() {
 
 /// Chandrasekhar's function H for a single-scattering albedo, from its integral equation by iteration.
 fn chandrasekhar(albedo: f64, cosine: f64) -> f64 {
-    const STEPS: usize = 400;
+    const STEPS: usize = 100;
     let node = |index: usize| (index as f64 + 0.5) / STEPS as f64;
     let root = (1.0 - albedo).sqrt();
     let integral = |table: &[f64], x: f64| {
@@ -120,7 +120,7 @@ fn chandrasekhar(albedo: f64, cosine: f64) -> f64 {
         table.iter().enumerate().map(part).sum::<f64>() / STEPS as f64
     };
     let mut table = vec![1.0; STEPS];
-    for _ in 0..200 {
+    for _ in 0..40 {
         let next: Vec<f64> = (0..STEPS).map(|index| 1.0 / (root + albedo / 2.0 * integral(&table, node(index)))).collect();
         // The mean of two steps converges where the step alone goes to and fro.
         table = table.iter().zip(next).map(|(old, new)| f64::midpoint(*old, new)).collect();

@@ -31,6 +31,7 @@ use crate::jit::CompileError;
 use crate::picture::encoder::with_bytes;
 use crate::plan::{Channels, Method};
 use crate::trace::Tile;
+use cells::Factor;
 use estimate::FrameEstimate;
 use images::{Image, Key, LARGEST_SUM, TileImages, factor_of};
 use passes::{DragKernels, Passes};
@@ -221,8 +222,10 @@ impl Drag for CompiledDrag {
         let plan = &self.kernels.plan;
         let factors = plan.factors(parameters);
         let factor = |key: Key| factor_of(key, &factors);
-        // Once everything is made, few tiles are drawn by the general method.
-        let (whole, chosen) = (OnceLock::new(), compiled.chosen(parameters));
+        // Once everything is made, few tiles are drawn by the general method. If there is none, the variants that a
+        // moved number chooses are not needed.
+        let chosen = self.tiles.iter().any(|tile| tile.is_drawn_whole(self.drawn, &factor)).then(|| compiled.chosen(parameters));
+        let (whole, chosen) = (OnceLock::new(), chosen.flatten());
         let pass = || compiled.whole(parameters, chosen.as_deref());
         let draw_all = |index: usize, scratch: &mut TileScratch, part: Part| {
             compiled.draw_tile(whole.get_or_init(pass), parameters, index, scratch, part);
@@ -280,6 +283,15 @@ impl Drag for CompiledDrag {
 }
 
 impl TileState {
+    /// Whether the next frame draws the tile by the general method.
+    fn is_drawn_whole(&self, drawn: bool, factor: &impl Fn(Key) -> Factor) -> bool {
+        match self {
+            TileState::Untouched | TileState::Live(_) => !drawn,
+            TileState::Images { images, right } => !(drawn && *right && images.is_accurate(factor)),
+            TileState::Waiting { .. } | TileState::General => true,
+        }
+    }
+
     /// The memory that is kept, in bytes.
     fn bytes(&self) -> usize {
         match self {

@@ -15,7 +15,7 @@ fn without_gloss_and_coat_the_base_is_eon() {
         near(matte(0.0).shade(&hit)[0], 0.8 * hit.light[2], SINGLE);
     }
     for polar in [0.0, 60.0, 80.0] {
-        near(matte(1.0).set("Cd", 1.0).albedo(polar, 64)[0], 1.0, 2e-3);
+        near(matte(1.0).set("Cd", 1.0).albedo(polar, 28)[0], 1.0, 2e-3);
     }
 }
 
