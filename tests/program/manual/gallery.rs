@@ -139,7 +139,7 @@ fn wrapped(text: &str) -> String {
     lines + "\n"
 }
 
-/// Makes the pictures of the gallery in a folder, or only those that it lacks. Removes files that the gallery has no more.
+/// Makes the pictures of the gallery in a folder, or only those that it lacks. Removes other files.
 pub(super) fn make_pictures(folder: &Path, only_missing: bool) {
     let pictures = pictures();
     for entry in fs::read_dir(folder).expect("a folder of pictures").map(|entry| entry.expect("an entry")) {
