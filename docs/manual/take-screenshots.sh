@@ -32,10 +32,15 @@ block() {
 block first-model formula 1 > "$home/matte.formula"
 block first-model formula 2 > "$home/gloss.formula"
 block scenes scene 1 > "$home/first.scene"
+block ray-weights formula 1 > "$home/fresnel.formula"
+block ray-weights formula 3 > "$home/lamp.formula"
 picture first-matte preset:studio --formula "$home/matte.formula"
 picture first-gloss preset:studio --formula "$home/gloss.formula"
 picture first-values preset:studio --formula "$home/gloss.formula" --set '*.gloss=8' --set ball.Cd='<0.05, 0.15, 0.6>'
 picture first-mirror preset:studio --formula "$home/gloss.formula" --set ball.kr=0.6
+picture weights-fresnel preset:glass --formula "$home/fresnel.formula" --set glass.kr=1 --set glass.kt=1 \
+    --set bubble.kr=1 --set bubble.kt=1 --set pane.kr=1 --set pane.kt=1
+picture weights-lamp preset:studio --formula "$home/lamp.formula" --set ball.glow='<0.9, 0.5, 0.1>'
 picture first-scene --scene "$home/first.scene" --formula preset:phong --background '#405a80' \
     --set 'ball.Cd=<0.8,0.1,0.05>' --set 'glass.Cd=<0,0,0>' --set glass.kr=0.1 --set glass.kt=0.9 --srgb
 
@@ -76,4 +81,4 @@ take window preset:default "mousemove 690 360 click 1" "mousemove 690 120"
 take window-error preset:studio "mousemove 300 336 click 1" "key End" "key BackSpace" "type  + ks;" "key ctrl+Return" \
     "mousemove 690 120"
 take window-inspector preset:glass "key F5" "sleep 1" "mousemove 690 260 click 1" "mousemove 690 120"
-take window-gallery "" "sleep 6" "mousemove 20 790"
+take window-gallery "" "sleep 30" "mousemove 20 790"

@@ -197,16 +197,15 @@ fn generated_parts_are_fresh() {
     }
 }
 
-/// Not a test, but a program that belongs to the manual: it makes the pictures of the gallery.
+/// Not a test, but a program that belongs to the manual: it makes the pictures of the gallery. If the environment
+/// variable `MANUAL_PICTURES` is `missing`, it makes only those that are not there.
 #[test]
-#[ignore = "it makes pictures, and takes a minute"]
+#[ignore = "it makes pictures, and takes minutes"]
 fn make_gallery_pictures() {
     let pictures = folder().join("images/gallery");
     fs::create_dir_all(&pictures).expect("a folder of pictures");
-    for entry in fs::read_dir(&pictures).expect("a folder of pictures") {
-        fs::remove_file(entry.expect("an entry").path()).expect("an old picture");
-    }
-    gallery::make_pictures(&pictures);
+    let only_missing = std::env::var("MANUAL_PICTURES").is_ok_and(|which| which == "missing");
+    gallery::make_pictures(&pictures, only_missing);
 }
 
 #[test]

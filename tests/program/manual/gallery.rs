@@ -6,6 +6,7 @@ use illuminator::formula::{Formula, Parameter};
 use illuminator::lang::source::Source;
 use illuminator::lang::types::Type;
 use illuminator::workspace::{FileKind, presets};
+use std::fs;
 use std::path::Path;
 
 /// The picture of a built-in model: its file, and the command that makes it.
@@ -138,9 +139,17 @@ fn wrapped(text: &str) -> String {
     lines + "\n"
 }
 
-/// Makes the pictures of the gallery in a folder.
-pub(super) fn make_pictures(folder: &Path) {
-    for GalleryPicture { arguments, .. } in pictures() {
-        printed(&run(folder, &arguments));
+/// Makes the pictures of the gallery in a folder, or only those that it lacks. Removes other files.
+pub(super) fn make_pictures(folder: &Path, only_missing: bool) {
+    let pictures = pictures();
+    for entry in fs::read_dir(folder).expect("a folder of pictures").map(|entry| entry.expect("an entry")) {
+        if pictures.iter().all(|picture| entry.file_name() != *picture.file) {
+            fs::remove_file(entry.path()).expect("an old picture");
+        }
+    }
+    for GalleryPicture { file, arguments } in pictures {
+        if !(only_missing && folder.join(&file).exists()) {
+            printed(&run(folder, &arguments));
+        }
     }
 }
