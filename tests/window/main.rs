@@ -249,8 +249,8 @@ fn typed_and_ended(end: impl FnOnce(&mut Screen)) -> (std::process::ExitStatus, 
     // The text so far is saved after two seconds. The text typed now is newer than that when the window ends.
     std::thread::sleep(Duration::from_millis(2500));
     screen.run("xdotool", &["type", "--delay", "1", "typed at last"]);
-    // The keys need time to reach the window.
-    std::thread::sleep(Duration::from_millis(150));
+    // The keys need time to reach the window, on a busy machine too.
+    std::thread::sleep(Duration::from_millis(1000));
     end(&mut screen);
     let status = screen.window.wait().expect("an end");
     let mut drafts = Vec::new();
