@@ -86,8 +86,7 @@ impl FormulaParser<'_> {
         let head = self.cursor.span();
         if let TokenKind::Uses(..) = self.cursor.kind(0) {
             self.cursor.advance();
-            self.cursor
-                .report(Diagnostic::error("`#uses` must be the first line of the file").at(head, "move this line to the top"));
+            self.cursor.report(Diagnostic::error("`#uses` must come before all sections").at(head, "move this line up"));
             return Next::Section;
         }
         let word = self.cursor.word(0).map(str::to_owned);

@@ -21,7 +21,7 @@ The formula language
 
 A formula file has sections in any order, all of them optional, and the formula at its end:
 
-  #uses FILE;                         the material library; must be the first line
+  #uses FILE;                         the material library; it comes before the sections
   global;                             parameters of the whole scene
   body_specific;                      parameters of each body
   light_specific;                     parameters of each light
