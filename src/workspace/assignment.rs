@@ -87,12 +87,12 @@ pub struct NamedAssignment {
     /// The parameter's name.
     pub parameter: String,
     /// The value.
-    pub value: NamedValue,
+    pub value: WrittenValue,
 }
 
 /// A value as it is written.
 #[derive(Debug, Clone, PartialEq)]
-pub enum NamedValue {
+pub enum WrittenValue {
     /// A number, a vector or a colour.
     Constant(Constant),
     /// The name of a choice, as in `ball.model=GGX`, or `on` or `off` for a switch.
@@ -166,8 +166,8 @@ impl FromStr for NamedAssignment {
         }
         let target = AssignmentTarget::new(owner);
         let value = match parse_value(value) {
-            Some(constant) => NamedValue::Constant(constant),
-            None if may_be_choice(value.trim()) => NamedValue::Choice(value.trim().to_owned()),
+            Some(constant) => WrittenValue::Constant(constant),
+            None if may_be_choice(value.trim()) => WrittenValue::Choice(value.trim().to_owned()),
             None => return Err(NamedAssignmentError::Value { given: value.trim().to_owned(), wanted: CONSTANTS.to_owned() }),
         };
         Ok(NamedAssignment { target, parameter: parameter.to_owned(), value })
@@ -240,8 +240,8 @@ impl NamedAssignment {
     /// The value as a number or a vector. The number of a choice is its place in the list, from 0 on.
     fn constant(&self, parameter: &Parameter) -> Result<Constant, NamedAssignmentError> {
         let given = match &self.value {
-            NamedValue::Constant(constant) => return Ok(*constant),
-            NamedValue::Choice(given) => given,
+            WrittenValue::Constant(constant) => return Ok(*constant),
+            WrittenValue::Choice(given) => given,
         };
         let place = match given.as_str() {
             "off" if parameter.switch => Some(0),
@@ -317,8 +317,8 @@ fn parse_number(text: &str) -> Option<f32> {
 impl fmt::Display for NamedAssignment {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let value = match &self.value {
-            NamedValue::Constant(constant) => crate::workspace::warning::show(constant.components()),
-            NamedValue::Choice(choice) => choice.clone(),
+            WrittenValue::Constant(constant) => crate::workspace::warning::show(constant.components()),
+            WrittenValue::Choice(choice) => choice.clone(),
         };
         match &self.target {
             AssignmentTarget::Scene => write!(f, "{}={value}", self.parameter),

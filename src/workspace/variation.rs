@@ -6,7 +6,7 @@ use crate::formula::ParameterId;
 use crate::lang::ast::Constant;
 use crate::lang::types::Type;
 use crate::workspace::assignment::{
-    Assignment, AssignmentTarget, NamedAssignment, NamedAssignmentError, NamedValue, is_name, parse_value,
+    Assignment, AssignmentTarget, NamedAssignment, NamedAssignmentError, WrittenValue, is_name, parse_value,
 };
 use crate::workspace::owner::OwnerId;
 use crate::workspace::parameter_table::ParameterTable;
@@ -148,7 +148,7 @@ impl Variation {
         let named = NamedAssignment {
             target: AssignmentTarget::new(owner),
             parameter: parameter.to_owned(),
-            value: NamedValue::Constant(whole),
+            value: WrittenValue::Constant(whole),
         };
         let resolved = named.resolve(table).map_err(|error| match error {
             NamedAssignmentError::Type { name, .. } if component.is_some() => VariationError::Scalar(name),
