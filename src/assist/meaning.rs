@@ -7,7 +7,7 @@ use crate::lang::builtins::{self, Form, Repetition};
 use crate::lang::display_text::one_line;
 use crate::lang::keywords;
 use crate::lang::surface_terms::SurfaceTerm;
-use crate::lang::token::{Mark, TokenKind};
+use crate::lang::token::Mark;
 use crate::lang::variables::{Predefined, Variable};
 use crate::workspace::FileKind;
 use std::ops::Range;
@@ -73,15 +73,7 @@ fn own(kind: FileKind, declared: &Declared, text: &str, author: Option<&str>) ->
 /// The operator of a token, if it is one. A sign before its operand and one between two operands have their own
 /// meanings, and so has `<`.
 fn operator(words: &Words, at: usize) -> Option<Form> {
-    let mark = |at: usize| match words.tokens[at].kind {
-        TokenKind::Mark(mark) => Some(mark),
-        TokenKind::Number(_)
-        | TokenKind::Word(_)
-        | TokenKind::Uses(..)
-        | TokenKind::Text(_)
-        | TokenKind::Unknown
-        | TokenKind::End => None,
-    };
+    let mark = |at: usize| words.tokens[at].kind.mark();
     // The vectors and parentheses that are open at the token.
     let mut open = Vec::new();
     let mut found = None;

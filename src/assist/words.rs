@@ -229,15 +229,7 @@ impl<'t> WordReader<'t> {
     }
 
     fn mark(&self, at: Option<usize>) -> Option<Mark> {
-        match self.tokens.get(at?)?.kind {
-            TokenKind::Mark(mark) => Some(mark),
-            TokenKind::Number(_)
-            | TokenKind::Word(_)
-            | TokenKind::Uses(..)
-            | TokenKind::Text(_)
-            | TokenKind::Unknown
-            | TokenKind::End => None,
-        }
+        self.tokens.get(at?)?.kind.mark()
     }
 
     fn enter(&mut self, at: usize, section: TextSection) -> Class {

@@ -92,15 +92,7 @@ impl Cursor {
 
     /// The current word if it is a mark.
     pub fn mark(&self) -> Option<Mark> {
-        match self.peek(0).kind {
-            TokenKind::Mark(mark) => Some(mark),
-            TokenKind::Number(_)
-            | TokenKind::Word(_)
-            | TokenKind::Uses(..)
-            | TokenKind::Text(_)
-            | TokenKind::Unknown
-            | TokenKind::End => None,
-        }
+        self.peek(0).kind.mark()
     }
 
     /// The name or keyword `ahead` words after the current one.

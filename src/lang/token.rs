@@ -33,6 +33,19 @@ pub enum TokenKind {
 }
 
 impl TokenKind {
+    /// The mark, if it is one.
+    pub fn mark(&self) -> Option<Mark> {
+        match self {
+            TokenKind::Mark(mark) => Some(*mark),
+            TokenKind::Number(_)
+            | TokenKind::Word(_)
+            | TokenKind::Uses(..)
+            | TokenKind::Text(_)
+            | TokenKind::Unknown
+            | TokenKind::End => None,
+        }
+    }
+
     /// How a message names this word: `` `kd` ``, `the number 1.5`, `the end of the file`.
     pub fn describe(&self) -> String {
         match self {
