@@ -7,6 +7,7 @@
 
 use crate::backends::compiled::Compiled;
 use crate::backends::compiled::columns::{Columns, Packing, Reader};
+use crate::backends::compiled::memory::StreamMemory;
 use crate::jit::CompiledVariant;
 use crate::lang::variables::Owner;
 use crate::plan::ParameterSlot;
@@ -34,9 +35,18 @@ pub(super) struct ChosenVariant {
     pub(super) pairs: Vec<bool>,
 }
 
+/// The variants that a picture of a drag uses.
+pub(super) struct DragVariants {
+    /// Those that have columns.
+    pub(super) chosen: Arc<Chosen>,
+    /// Whether each pair of a body and a light has another choice now. The kernels of all branches compute these.
+    pub(super) others: Option<Vec<bool>>,
+}
+
 impl Chosen {
     /// The variants for these choices, with their columns. It compiles what has not been compiled yet.
-    fn new(compiled: &Compiled, choices: Vec<u32>) -> Self {
+    /// `old` is memory for the columns that is not needed any more.
+    fn new(compiled: &Compiled, choices: Vec<u32>, old: Option<StreamMemory>) -> Self {
         let mut distinct = choices.clone();
         distinct.sort_unstable();
         distinct.dedup();
@@ -60,8 +70,16 @@ impl Chosen {
             variants.iter().map(|own| Reader { variant: own.compiled.as_deref(), pairs: &own.pairs }).collect();
         let (lights, world) = (compiled.equation.layout.owners(Owner::Light), &compiled.hits.world);
         let pair = |body: BodyId, emitter: EmitterId| body.index() * lights + world.light_of(emitter).index();
-        let columns = Packing { readers: &readers, pair: &pair }.pack(&compiled.columns, &compiled.hits);
+        let columns = Packing { readers: &readers, pair: &pair }.pack(&compiled.columns, &compiled.hits, old);
         Self { choices: choices.into(), variants, columns }
+    }
+
+    /// The memory of the columns.
+    fn into_memory(self) -> Option<StreamMemory> {
+        let mut columns = self.columns.into_iter().flatten();
+        let memory = columns.next()?.into_memory();
+        drop(columns);
+        Arc::into_inner(memory)
     }
 
     /// The memory of the columns, in bytes.
@@ -82,10 +100,28 @@ impl Compiled {
         if let Some(known) = last().as_ref().filter(|known| *known.choices == *choices) {
             return Some(Arc::clone(known));
         }
-        // The columns of the last choices are freed first. The lock is not held meanwhile.
-        *last() = None;
-        let chosen = Arc::new(Chosen::new(self, choices));
+        // The columns of the last choices are given up first. The lock is not held meanwhile.
+        let old = last().take().and_then(Arc::into_inner).and_then(Chosen::into_memory);
+        let chosen = Arc::new(Chosen::new(self, choices, old));
         *last() = Some(Arc::clone(&chosen));
         Some(chosen)
+    }
+
+    /// The variants for a picture of a drag. Columns are computed only for choices that two pictures in turn have:
+    /// they cost several pictures. `new` keeps the choices that only the last picture had.
+    pub(super) fn chosen_in_drag(&self, parameters: &[f32], new: &mut Option<Vec<u32>>) -> Option<DragVariants> {
+        let known = self.chosen.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        let choices = self.choices(parameters);
+        match known {
+            Some(chosen) if *chosen.choices != *choices && new.as_ref() != Some(&choices) => {
+                let others = chosen.choices.iter().zip(&choices).map(|(one, other)| one != other).collect();
+                *new = Some(choices);
+                Some(DragVariants { chosen, others: Some(others) })
+            }
+            Some(_) | None => {
+                *new = None;
+                self.chosen(parameters).map(|chosen| DragVariants { chosen, others: None })
+            }
+        }
     }
 }

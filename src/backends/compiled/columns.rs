@@ -169,6 +169,11 @@ impl Columns {
         &self.memory.lines()[self.lines.start..]
     }
 
+    /// The memory that they lie in, possibly with others.
+    pub(super) fn into_memory(self) -> Arc<StreamMemory> {
+        self.memory
+    }
+
     /// Their memory, in bytes.
     pub(super) fn bytes(&self) -> usize {
         self.lines.len() * size_of::<Line>() + size_of_val(self.arrangement.groups.as_slice())

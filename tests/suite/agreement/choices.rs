@@ -132,24 +132,30 @@ fn formulas_that_choose_are_dragged() {
         ("level", 0, [0.1, 0.9, 0.5, 0.2]),
     ];
     for backend in compiled() {
-        let evaluator = Engine::new(backend).evaluator(&subject, &Task::UNWATCHED).expect("small enough");
+        let engine = Engine::new(backend);
+        // Two, because an evaluator keeps what it chose last.
+        let evaluators = [(); 2].map(|()| engine.evaluator(&subject, &Task::UNWATCHED).expect("small enough"));
         for (name, owner, values) in moves {
-            check(&evaluator, &subject, index(&subject, name, owner), &start, values);
+            check(&evaluators, &subject, index(&subject, name, owner), &start, values);
         }
     }
 }
 
-/// Drags a number, before and after the preparation, and compares each frame with a full evaluation.
-fn check(evaluator: &Arc<dyn Evaluator>, subject: &Subject, moved: usize, start: &[f32], values: [f32; 4]) {
+/// Drags a number, before and after the preparation, and compares each frame with a full evaluation by another
+/// evaluator. Each value is drawn three times: when it is new, and when what it chooses has columns or is prepared.
+fn check([dragged, full]: &[Arc<dyn Evaluator>; 2], subject: &Subject, moved: usize, start: &[f32], values: [f32; 4]) {
     let mut numbers = start.to_vec();
-    let mut drag = Arc::clone(evaluator).drag(&[moved], &numbers, usize::MAX).expect("a drag");
+    let mut drag = Arc::clone(dragged).drag(&[moved], &numbers, usize::MAX).expect("a drag");
     let mut drawn = Framebuffer::black(subject.view.width(), subject.view.height(), VIEWS[1]);
     for (turn, value) in values.into_iter().enumerate() {
         numbers[moved] = value;
         if turn == 1 {
             while !drag.prepare() {}
         }
-        drag.frame(&numbers, &mut drawn);
-        assert_eq!(wrong(&drawn, &evaluator.frame(&numbers)), 0, "number {moved} at {value}, by {:?}", drag.method());
+        let frame = full.frame(&numbers);
+        for time in 1..=3 {
+            drag.frame(&numbers, &mut drawn);
+            assert_eq!(wrong(&drawn, &frame), 0, "number {moved} at {value}, time {time}, by {:?}", drag.method());
+        }
     }
 }

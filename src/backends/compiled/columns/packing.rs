@@ -26,14 +26,22 @@ pub(in crate::backends::compiled) struct Packing<'r> {
 
 impl Packing<'_> {
     /// The columns of each reader, tile by tile. They are computed from the columns of the formula. The columns of a
-    /// tile lie one reader after the other.
-    pub(in crate::backends::compiled) fn pack(&self, given: &[Columns], hits: &Hits) -> Vec<Vec<Columns>> {
+    /// tile lie one reader after the other. `old` is memory that is not needed any more. It is used again if it has
+    /// about the right size: the system takes longer to give memory than it takes to fill it.
+    pub(in crate::backends::compiled) fn pack(
+        &self,
+        given: &[Columns],
+        hits: &Hits,
+        old: Option<StreamMemory>,
+    ) -> Vec<Vec<Columns>> {
         let arrangements: Vec<Vec<Arrangement>> =
             hits.tiles.iter().zip(given).map(|(tile, given)| self.arrangements(tile, given)).collect();
         let end = |tile: &Vec<Arrangement>| tile.last().map_or(0, |arrangement| arrangement.end);
         let spare = |arrangement: &Arrangement| Arrangement::spare(arrangement.hit_columns, arrangement.record_columns);
         let spare = arrangements.iter().flatten().map(spare).max().unwrap_or(0);
-        let mut memory = StreamMemory::zeroed(arrangements.iter().map(end).sum::<usize>() + spare);
+        let needed = arrangements.iter().map(end).sum::<usize>() + spare;
+        let old = old.filter(|old| (needed..=2 * needed).contains(&old.lines().len()));
+        let mut memory = old.unwrap_or_else(|| StreamMemory::zeroed(needed));
         let mut parts = Vec::with_capacity(arrangements.len());
         let mut rest = memory.lines_mut();
         for tile in &arrangements {

@@ -18,6 +18,7 @@ mod estimate;
 mod images;
 mod passes;
 mod reach;
+mod whole;
 mod work;
 
 use crate::backends::compiled::Compiled;
@@ -38,6 +39,7 @@ use passes::{DragKernels, Passes};
 use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 use std::sync::{Arc, OnceLock};
+use whole::WholePasses;
 use work::{Work, WorkItem, full_cost, work_items};
 
 /// A slider that is held: frames in which only some numbers of one owner move.
@@ -50,6 +52,8 @@ pub(super) struct CompiledDrag {
     tiles: Vec<TileState>,
     /// Whether a whole picture has been drawn.
     drawn: bool,
+    /// What the formula chooses, if it chose otherwise for the picture before.
+    new_choices: Option<Vec<u32>>,
     /// The most bytes that may be stored, and the bytes that are stored.
     budget: usize,
     bytes: usize,
@@ -109,6 +113,7 @@ impl CompiledDrag {
             parameters: Vec::new(),
             tiles: Vec::new(),
             drawn: false,
+            new_choices: None,
             budget,
             bytes: 0,
         };
@@ -224,11 +229,12 @@ impl Drag for CompiledDrag {
         let factor = |key: Key| factor_of(key, &factors);
         // Once everything is made, few tiles are drawn by the general method. If there is none, the variants that a
         // moved number chooses are not needed.
-        let chosen = self.tiles.iter().any(|tile| tile.is_drawn_whole(self.drawn, &factor)).then(|| compiled.chosen(parameters));
-        let (whole, chosen) = (OnceLock::new(), chosen.flatten());
-        let pass = || compiled.whole(parameters, chosen.as_deref());
+        let any_whole = self.tiles.iter().any(|tile| tile.is_drawn_whole(self.drawn, &factor));
+        let variants = if any_whole { compiled.chosen_in_drag(parameters, &mut self.new_choices) } else { None };
+        let whole = OnceLock::new();
         let draw_all = |index: usize, scratch: &mut TileScratch, part: Part| {
-            compiled.draw_tile(whole.get_or_init(pass), parameters, index, scratch, part);
+            let passes = whole.get_or_init(|| WholePasses::new(compiled, parameters, variants.as_ref()));
+            passes.draw_tile(compiled, parameters, index, scratch, part);
         };
         let live = self.kernels.live_pass(compiled, parameters);
         let (channels, drawn) = (plan.channels, self.drawn);

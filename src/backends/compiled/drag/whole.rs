@@ -1,0 +1,49 @@
+//! The passes of a whole picture in a drag.
+//!
+//! Where the moved number decides what a formula chooses, a picture may need variants whose columns do not exist yet.
+//! To compute them for each picture costs more than it gains. So the kernels of all branches compute these pairs of a
+//! body and a light, from the columns of the formula.
+
+use crate::backends::compiled::Compiled;
+use crate::backends::compiled::chosen::DragVariants;
+use crate::backends::compiled::pass::Pass;
+use crate::backends::compiled::tile::{Accumulate, TileScratch};
+use crate::evaluate::Part;
+use crate::plan::Channels;
+
+/// The passes of a whole picture.
+pub(super) struct WholePasses<'p> {
+    /// All terms, apart from those of the other pass.
+    pass: Pass<'p>,
+    /// The contributions of the pairs whose variants have no columns.
+    others: Option<Pass<'p>>,
+}
+
+impl<'p> WholePasses<'p> {
+    pub(super) fn new(compiled: &'p Compiled, parameters: &[f32], variants: Option<&'p DragVariants>) -> Self {
+        let others = variants.and_then(|variants| variants.others.as_ref());
+        // One pass is enough if all pairs have other choices. It is cheaper if each pass must compute weights of rays.
+        let is_one_pass = |others: &Vec<bool>| others.iter().all(|other| *other) || !compiled.surface.is_empty();
+        let chosen = variants.filter(|_| !others.is_some_and(is_one_pass));
+        let mut pass = compiled.whole(parameters, chosen.map(|variants| &*variants.chosen));
+        let (Some(_), Some(others)) = (chosen, others) else { return Self { pass, others: None } };
+        for source in &mut pass.sources {
+            source.active.iter_mut().zip(others).for_each(|(active, other)| *active &= !other);
+        }
+        let no_colours = vec![[0.0; 3]; pass.at_hits.len()];
+        let mut own = compiled.empty_pass(no_colours, [0.0; 3], Channels::All);
+        let (mut source, uniforms) =
+            compiled.source(parameters, &compiled.compiled.contribution, &compiled.leaves, Channels::All);
+        source.active.iter_mut().zip(others).for_each(|(active, other)| *active &= other);
+        own.push(source, uniforms);
+        Self { pass, others: Some(own) }
+    }
+
+    /// Draws a tile into its part of a framebuffer.
+    pub(super) fn draw_tile(&self, compiled: &Compiled, parameters: &[f32], index: usize, scratch: &mut TileScratch, part: Part) {
+        let Some(others) = &self.others else { return compiled.draw_tile(&self.pass, parameters, index, scratch, part) };
+        compiled.tile(&self.pass, parameters, index, scratch);
+        others.run_once(&compiled.hits.tiles[index], index, Accumulate::Add, scratch);
+        scratch.planes.quantise(0, part, &[]);
+    }
+}
