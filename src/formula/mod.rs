@@ -17,8 +17,9 @@ mod range;
 mod rewrite;
 pub mod separation;
 pub mod variants;
-mod written;
+pub mod written;
 
+use crate::formula::written::Written;
 use crate::lang::ast::Relation;
 use crate::lang::builtins::Operation;
 use crate::lang::surface_terms::SurfaceTerm;
@@ -129,6 +130,8 @@ pub struct Formula {
     pub result: TermId,
     /// The terms of the lighting equation that the formula gives for every hit.
     pub surface: SurfaceTerms,
+    /// The text that the expressions were made from.
+    pub written: Written,
 }
 
 /// The terms of the lighting equation that macros give for every hit, see [`SurfaceTerm`].

@@ -18,7 +18,7 @@ pub struct Name {
 }
 
 /// An expression, as an index into [`FormulaFile::expressions`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct ExprId(pub u32);
 
 /// An expression with its place.

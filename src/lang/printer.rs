@@ -111,7 +111,7 @@ pub fn print(file: &FormulaFile) -> String {
     }
     if let Some(result) = file.result {
         // A comparison as the result needs parentheses.
-        out.push_str(&format!("= {};\n", print_bound(file, result, Binding::Sum)));
+        out.push_str(&format!("= {};\n", print_bound(file, result, Binding::Sum, &|_| None)));
     }
     out
 }
@@ -172,14 +172,49 @@ fn list(parts: &[ExprId], least: Binding, close: &'static str) -> Vec<Piece> {
     pieces
 }
 
+/// The pieces of an operator between two operands, in reverse order.
+fn infix(mark: Mark, left: ExprId, right: ExprId) -> Vec<Piece> {
+    use Piece::{Expr, Text};
+    let binding = Binding::of_infix(mark);
+    let tighter = match binding {
+        Binding::Or => Binding::And,
+        Binding::And => Binding::Not,
+        Binding::Comparison => Binding::Sum,
+        Binding::Sum => Binding::Product,
+        Binding::Product => Binding::Power,
+        Binding::Not | Binding::Power | Binding::Unary | Binding::Atom => Binding::Unary,
+    };
+    let (first, second) = match binding {
+        Binding::Power => (Binding::Unary, Binding::Power),
+        Binding::Comparison => (Binding::Sum, Binding::Sum),
+        Binding::Or | Binding::And | Binding::Not | Binding::Sum | Binding::Product | Binding::Unary | Binding::Atom => {
+            (binding, tighter)
+        }
+    };
+    let mut pieces = vec![Expr(right, second)];
+    match binding {
+        Binding::Product | Binding::Power => pieces.push(Text(mark.spelling())),
+        Binding::Or | Binding::And | Binding::Not | Binding::Comparison | Binding::Sum | Binding::Unary | Binding::Atom => {
+            pieces.extend([Text(" "), Text(mark.spelling()), Text(" ")]);
+        }
+    }
+    pieces.push(Expr(left, first));
+    pieces
+}
+
 /// An expression as text. A list of pieces that are still to be written replaces recursion, so that sums may have any
 /// length.
 pub fn print_expression(file: &FormulaFile, root: ExprId) -> String {
-    print_bound(file, root, Binding::Or)
+    print_bound(file, root, Binding::Or, &|_| None)
+}
+
+/// The same. A text from `stand_in` replaces its part, without parentheses, like a name.
+pub fn print_with(file: &FormulaFile, root: ExprId, stand_in: impl Fn(ExprId) -> Option<String>) -> String {
+    print_bound(file, root, Binding::Or, &stand_in)
 }
 
 /// An expression as text, in parentheses if it binds less tightly than `least`.
-fn print_bound(file: &FormulaFile, root: ExprId, least: Binding) -> String {
+fn print_bound(file: &FormulaFile, root: ExprId, least: Binding, stand_in: &dyn Fn(ExprId) -> Option<String>) -> String {
     use Piece::{Expr, Text};
     let mut out = String::new();
     let mut pieces = vec![Expr(root, least)];
@@ -195,6 +230,10 @@ fn print_bound(file: &FormulaFile, root: ExprId, least: Binding) -> String {
             }
             Expr(id, least) => (id, least),
         };
+        if let Some(text) = stand_in(id) {
+            out.push_str(&text);
+            continue;
+        }
         let kind = &file.expr(id).kind;
         let binding = Binding::of(kind);
         if binding < least {
@@ -214,39 +253,7 @@ fn print_bound(file: &FormulaFile, root: ExprId, least: Binding) -> String {
                 out.push_str(mark.spelling());
                 pieces.push(Expr(*operand, if *mark == Mark::Not { Binding::Not } else { Binding::Unary }));
             }
-            ExprKind::Infix(mark, _, [left, right]) => {
-                let tighter = match binding {
-                    Binding::Or => Binding::And,
-                    Binding::And => Binding::Not,
-                    Binding::Comparison => Binding::Sum,
-                    Binding::Sum => Binding::Product,
-                    Binding::Product => Binding::Power,
-                    Binding::Not | Binding::Power | Binding::Unary | Binding::Atom => Binding::Unary,
-                };
-                let (first, second) = match binding {
-                    Binding::Power => (Binding::Unary, Binding::Power),
-                    Binding::Comparison => (Binding::Sum, Binding::Sum),
-                    Binding::Or
-                    | Binding::And
-                    | Binding::Not
-                    | Binding::Sum
-                    | Binding::Product
-                    | Binding::Unary
-                    | Binding::Atom => (binding, tighter),
-                };
-                pieces.push(Expr(*right, second));
-                match binding {
-                    Binding::Product | Binding::Power => pieces.push(Text(mark.spelling())),
-                    Binding::Or
-                    | Binding::And
-                    | Binding::Not
-                    | Binding::Comparison
-                    | Binding::Sum
-                    | Binding::Unary
-                    | Binding::Atom => pieces.extend([Text(" "), Text(mark.spelling()), Text(" ")]),
-                }
-                pieces.push(Expr(*left, first));
-            }
+            ExprKind::Infix(mark, _, [left, right]) => pieces.extend(infix(*mark, *left, *right)),
             ExprKind::Vector(parts) => {
                 out.push('<');
                 pieces.extend(list(parts, Binding::Sum, ">"));

@@ -17,6 +17,7 @@ pub use figures::{Quantity, figures, vector_figures, weight_figures};
 pub use instance::{Instance, InstanceLine};
 pub use nan::NanOrigin;
 pub use report::{Crossing, End, InspectedHit, InspectedLight, InspectedRay, Inspection, Onward, Visibility};
+pub use text::left_out;
 
 use crate::formula::equation::{Equation, Site, weighed, weighed_by, weight_parameter};
 use crate::formula::{Formula, ParameterId, Term};

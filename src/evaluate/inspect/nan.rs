@@ -7,7 +7,6 @@ use crate::formula::{Formula, Term, TermId};
 use crate::lang::builtins::Form;
 use crate::scene::{BodyId, LightId};
 use crate::trace::variable;
-use std::collections::HashMap;
 
 /// Where NaN comes from in a pixel.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -16,11 +15,11 @@ pub struct NanOrigin {
     pub body: BodyId,
     /// The light for which it is.
     pub light: LightId,
-    /// The innermost macro that holds the expression; `None`: it is in the result.
-    pub in_macro: Option<String>,
-    /// The expression as in the formula, with names of macros: `sqrt(-COSINE)`.
+    /// The macro or function in which the expression is typed; `None`: in the result.
+    pub typed_in: Option<String>,
+    /// The expression as it is typed: `sqrt(-COSINE)`.
     pub written: String,
-    /// The same with rounded numbers for its operands: `sqrt(-0.8333)`.
+    /// Its operation with rounded numbers for its operands: `sqrt(-0.8333)`.
     pub numbers: String,
 }
 
@@ -42,25 +41,19 @@ impl Inspector<'_> {
     fn origin_at(&self, hit: &InspectedHit, light: &InspectedLight) -> NanOrigin {
         let formula = self.formula;
         let values = self.values(hit.body(), Some(light.light), &|symbol| variable(symbol, &hit.variables, &light.variables));
-        let mut names: HashMap<TermId, &str> = HashMap::new();
-        for (name, id) in &formula.macros {
-            names.entry(*id).or_insert(name);
-        }
         let mut id = formula.result;
-        let mut in_macro = names.get(&id).copied();
         // Operands have smaller numbers than their users, so this ends.
         while let Some(next) = nan_operand(formula, id, &values) {
             id = next;
-            in_macro = names.get(&id).copied().or(in_macro);
         }
-        let operands = formula.term(id).operands();
+        let (typed_in, written) = formula.written.origin(id);
         let number = |operand: TermId| Quantity::new(formula.ty(operand), values[operand.0 as usize]).to_string();
         NanOrigin {
             body: hit.body(),
             light: light.light,
-            in_macro: in_macro.map(str::to_owned),
-            written: formula.written(id, |term| names.get(&term).filter(|_| term != id).map(|name| (*name).to_owned())),
-            numbers: formula.written(id, |term| (term != id && operands.contains(&term)).then(|| number(term))),
+            typed_in: typed_in.map(str::to_owned),
+            written,
+            numbers: formula.with_operands(id, number),
         }
     }
 }

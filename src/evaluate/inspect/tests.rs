@@ -217,12 +217,11 @@ fn instances_read_like_the_formula() {
         lines,
         [
             "K | 1.5 | 1.5 | 1.5",
-            // One of the two names is the other's meaning; the first is the one that is written out.
-            "EARLY | (K - h)^2 | (1.5 - (-2))^2 | 12.25",
-            "LATE | EARLY | 12.25 | 12.25",
+            "EARLY | LATE | 12.25 | 12.25",
+            "LATE | (K - h)^2 | (1.5 - (-2))^2 | 12.25",
             "TURN | -h^2 + cos(pi) | -(-2)^2 + cos(3.142) | 3",
             "SIDE | if(N.L > 0 && gamma < pi, v.N, h) | if(0.8 > 0 && 0 < 3.142, <-1, 0.5, 0>.<0, 0, 1>, -2) | 0",
-            " | <EARLY, TURN, SIDE> - (v + Cd*(N.v)) | <12.25, 3, 0> - (<-1, 0.5, 0> + <0.8, 0.8, 0.8>*(<0, 0, 1>.<-1, 0.5, 0>)) | <13.25, 2.5, 0>",
+            " | <LATE, TURN, SIDE> - (v + Cd*(N.v)) | <12.25, 3, 0> - (<-1, 0.5, 0> + <0.8, 0.8, 0.8>*(<0, 0, 1>.<-1, 0.5, 0>)) | <13.25, 2.5, 0>",
         ]
     );
 }
@@ -261,4 +260,64 @@ fn a_formula_that_reads_visible_adds_lights_behind_the_surface_and_in_shadows() 
     assert!(text.contains("light `hidden`: in the shadow of `stone`, 36.87° from the normal, distance 10\n"), "{text}");
     assert!(text.contains("THROUGH = 0.5*visible*max(0, -(N.L)) = 0.5*1*max(0, -(-0.8)) = 0.4\n"), "{text}");
     assert!(text.contains("own = <0.32, 0.16, 0.08> + <0.2, 0.1, 0.05> + "), "{text}");
+}
+
+/// The lines of an instance at the pixel of a sphere with a light at 0.8 from the normal, calls with two spaces.
+fn instance_lines(formula: &str) -> Vec<String> {
+    let scene = format!("bodies; ball: sphere, center <0,0,0>, radius 1; lights; key: point, <0,3,5>; {PREFETCH_DISTANCE}");
+    let bench = Bench::new(formula, &scene, &[]);
+    let inspection = bench.inspect();
+    let instance = bench.inspector().instance(inspection.hit(0).expect("a hit"), LightId(0)).expect("a light");
+    let text = |line: &InstanceLine| {
+        format!("{} | {} | {} | {}", line.name.as_deref().unwrap_or(""), line.written, line.numbers, line.value)
+    };
+    let with_calls = |line: &InstanceLine| {
+        let calls = line.calls.iter().map(|call| format!("  {}", text(call)));
+        [text(line)].into_iter().chain(calls).chain(left_out(line.calls_left_out)).collect::<Vec<_>>()
+    };
+    instance.lines.iter().flat_map(with_calls).collect()
+}
+
+#[test]
+fn functions_and_sums_read_as_they_were_typed() {
+    let lines = instance_lines(
+        "formula; Fade(x, n) = Square(x)^n; Square(x) = x*x; M = Fade(N.L, 2) + Square(0.5);
+         LAYERS = sum(i, 1, 3, Square(i)*(N.L)); = Cd*M*LAYERS*Square(N.L);",
+    );
+    assert_eq!(
+        lines,
+        [
+            "M | Fade(N.L, 2) + Square(0.5) | Fade(0.8, 2) + Square(0.5) | 0.6596",
+            "  Fade(0.8, 2) | Square(x)^n | Square(0.8)^2 | 0.4096",
+            "  Square(0.5) | x*x | 0.5*0.5 | 0.25",
+            "  Square(0.8) | x*x | 0.8*0.8 | 0.64",
+            "LAYERS | sum(i, 1, 3, Square(i)*(N.L)) | sum(i, 1, 3, Square(i)*0.8) | 11.2",
+            "  Square(1) | x*x | 1*1 | 1",
+            "  Square(2) | x*x | 2*2 | 4",
+            "  Square(3) | x*x | 3*3 | 9",
+            // Its call stands above.
+            " | Cd*M*LAYERS*Square(N.L) | <0.8, 0.8, 0.8>*0.6596*11.2*Square(0.8) | <3.782, 3.782, 3.782>",
+        ]
+    );
+}
+
+#[test]
+fn chains_of_functions_are_short() {
+    // Written out, the result would have 2⁵⁰ factors.
+    let chain: String = (0..50).map(|n| format!("f{n}(x) = f{0}(x)*f{0}(x);", n + 1)).collect();
+    let lines = instance_lines(&format!("formula; {chain} f50(x) = x; = Cd*f0(N.L);"));
+    assert_eq!(lines.len(), 1 + Instance::MOST_CALLS + 1);
+    assert_eq!(lines[2], "  f1(0.8) | f2(x)*f2(x) | f2(0.8)*f2(0.8) | 0");
+    assert_eq!(lines.last().map(String::as_str), Some("… 19 more calls are left out"));
+}
+
+#[test]
+fn the_origin_of_nan_in_functions_is_short_too() {
+    let chain: String = (0..50).map(|n| format!("f{n}(x) = f{0}(x)*f{0}(x);", n + 1)).collect();
+    let formula = format!("formula; {chain} f50(x) = sqrt(x - 1); = Cd*f0(N.L);");
+    let scene = format!("bodies; ball: sphere, center <0,0,0>, radius 1; lights; key: point, <0,3,5>; {PREFETCH_DISTANCE}");
+    let bench = Bench::new(&formula, &scene, &[]);
+    let origin = bench.inspector().nan_origin(&bench.inspect()).expect("NaN");
+    let texts = (origin.typed_in.as_deref(), origin.written.as_str(), origin.numbers.as_str());
+    assert_eq!(texts, (Some("f50"), "sqrt(x - 1)", "sqrt(-0.2)"));
 }

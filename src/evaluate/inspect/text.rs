@@ -4,7 +4,7 @@
 
 use crate::evaluate::inspect::figures::{figures, vector_figures, weight_figures};
 use crate::evaluate::inspect::{
-    Crossing, End, InspectedHit, InspectedLight, InspectedRay, Inspection, Inspector, Onward, Visibility,
+    Crossing, End, InspectedHit, InspectedLight, InspectedRay, Inspection, Inspector, InstanceLine, Onward, Visibility,
 };
 use crate::formula::equation::weight_parameter;
 use crate::lang::surface_terms::SurfaceTerm;
@@ -39,6 +39,15 @@ fn vector(vector: DVec3) -> String {
 
 fn angle(degrees: f64) -> String {
     format!("{}°", figures(degrees))
+}
+
+/// The line that stands for calls that are left out, if there are any.
+pub fn left_out(calls: usize) -> Option<String> {
+    match calls {
+        0 => None,
+        1 => Some("… one more call is left out".to_owned()),
+        _ => Some(format!("… {calls} more calls are left out")),
+    }
 }
 
 impl Inspector<'_> {
@@ -148,11 +157,23 @@ impl InspectionWriter<'_> {
         }
         self.depth += 1;
         for line in self.inspector.instance(hit, light.light).into_iter().flat_map(|instance| instance.lines) {
-            let name = line.name.as_deref().unwrap_or("local");
-            self.equal(name, vec![line.written, line.numbers, line.value.to_string()]);
+            self.instance_line(line);
         }
         let product = format!("{}*{}", scalar(light.intensity), colour(light.local));
         self.equal("ki*local", vec![product, colour(light.contribution)]);
+        self.depth -= 1;
+    }
+
+    fn instance_line(&mut self, line: InstanceLine) {
+        let name = line.name.as_deref().unwrap_or("local");
+        self.equal(name, vec![line.written, line.numbers, line.value.to_string()]);
+        self.depth += 1;
+        for call in line.calls {
+            self.equal(call.name.as_deref().unwrap_or_default(), vec![call.written, call.numbers, call.value.to_string()]);
+        }
+        if let Some(line) = left_out(line.calls_left_out) {
+            self.line(&line);
+        }
         self.depth -= 1;
     }
 

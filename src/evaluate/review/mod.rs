@@ -109,7 +109,7 @@ fn nan_origin(picture: &ReviewedPicture, pixel: [u32; 2]) -> String {
     }
 }
 
-fn origin_in_words(world: &World, NanOrigin { body, light, in_macro, written, numbers }: &NanOrigin) -> String {
+fn origin_in_words(world: &World, NanOrigin { body, light, typed_in, written, numbers }: &NanOrigin) -> String {
     /// Longer expressions are cut.
     const MOST: usize = 48;
     let cut = |text: &str| match text.char_indices().nth(MOST) {
@@ -118,6 +118,6 @@ fn origin_in_words(world: &World, NanOrigin { body, light, in_macro, written, nu
     };
     let (body, light) = (&world.scene().body(*body).name, &world.scene().light(*light).name);
     let with_numbers = if written == numbers { String::new() } else { format!(", with numbers `{}`,", cut(numbers)) };
-    let place = in_macro.as_ref().map_or_else(String::new, |name| format!(" of {name}"));
+    let place = typed_in.as_ref().map_or_else(String::new, |name| format!(" of {name}"));
     format!("it is `{}`{place}{with_numbers} on {body} for light {light}", cut(written))
 }

@@ -3,11 +3,14 @@
 //!
 //! Functions and sums become terms here, so nothing behind the checker knows them. A call is a [`CheckFrame`] on an
 //! explicit stack: the expressions of the body, with the arguments as names. A function cannot use itself, so the
-//! values of the expressions of its body are those of the innermost call.
+//! values of the expressions of its body are those of the innermost call. What was typed is kept beside the terms, see
+//! [`Written`].
 
 use crate::formula::check::definitions::{self, DefinitionOrder};
+use crate::formula::check::leaves::leaves;
 use crate::formula::check::names::{Meaning, Names, RepetitionCall};
 use crate::formula::check::terms::{Settled, Terms};
+use crate::formula::written::{Written, WrittenBody, WrittenCall};
 use crate::formula::{Parameter, Term, TermId};
 use crate::lang::ast::{ExprId, ExprKind, FormulaFile, Name};
 use crate::lang::builtins::{Form, Operation, Repetition};
@@ -26,6 +29,8 @@ pub(super) struct Checked {
     pub(super) macros: Vec<(String, TermId)>,
     /// The formula's last line, if it is valid.
     pub(super) result: Option<TermId>,
+    /// What the terms were made from.
+    pub(super) written: Written,
     /// The term and type of each expression of the file, if it is valid. Those of a function's body are of one call.
     settled: Vec<Option<Settled>>,
 }
@@ -63,30 +68,35 @@ pub(super) fn check(
         circular,
         frames: Vec::new(),
         lists: HashMap::new(),
+        leaves: HashMap::new(),
         calls: HashMap::new(),
+        written_calls: Vec::new(),
         reported: HashSet::new(),
         too_large: false,
     };
+    let mut bodies: Vec<Option<WrittenBody>> = vec![None; file.definitions.len()];
     for index in order {
         let definition = &file.definitions[index];
         if definition.arguments.is_none() && !checker.circular.contains(&index) {
-            let value = checker.evaluate(definition.body);
-            let value = value.map(|value| checker.terms.as_value(value));
+            let (value, body) = checker.evaluate(definition.body).unzip();
             checker.macros[index] = value;
+            bodies[index] = body;
             checker.settled[definition.body.0 as usize] = value;
         }
     }
     let result = file.result.and_then(|root| {
-        let value = checker.evaluate(root);
-        let (term, ty) = checker.terms.as_value(value?);
+        let ((term, ty), body) = checker.evaluate(root)?;
         if ty != Type::Vector {
             checker.report_scalar_result(root, ty);
         }
+        bodies.push(Some(body));
         (ty == Type::Vector).then_some(term)
     });
     let found = checker.macros.iter().zip(&file.definitions);
     let macros = found.filter_map(|(value, definition)| value.map(|(id, _)| (definition.name.text.clone(), id))).collect();
-    Checked { terms: checker.terms.into_list(), macros, result, settled: checker.settled }
+    let (terms, origins) = checker.terms.into_lists();
+    let written = Written::new(file, bodies, checker.written_calls, origins);
+    Checked { terms, macros, result, written, settled: checker.settled }
 }
 
 /// Checks expressions, and makes their terms.
@@ -105,8 +115,11 @@ pub(super) struct Checker<'c> {
     frames: Vec<CheckFrame<'c>>,
     /// The expressions to check for a root, in order.
     lists: HashMap<ExprId, Rc<[ExprId]>>,
-    /// The values of calls, by the function and its arguments.
-    calls: HashMap<(usize, Vec<TermId>), Option<Settled>>,
+    /// The names to write numbers for in a root, see [`leaves`].
+    leaves: HashMap<ExprId, Rc<[ExprId]>>,
+    /// The values of calls, by the function and its arguments, and their indices in `written_calls`.
+    calls: HashMap<(usize, Vec<TermId>), Option<(Settled, u32)>>,
+    written_calls: Vec<WrittenCall>,
     /// The expressions with a mistake in their types that has been reported.
     reported: HashSet<ExprId>,
     /// Whether functions and sums make too many terms. That has been reported.
@@ -122,6 +135,8 @@ struct CheckFrame<'c> {
     done: usize,
     /// The names that have a meaning here alone.
     locals: Vec<(&'c str, Settled)>,
+    /// The calls in it and in its sums, by their indices in `written_calls`.
+    calls: Vec<u32>,
     purpose: FramePurpose<'c>,
 }
 
@@ -142,12 +157,13 @@ enum CheckStep<'c> {
 }
 
 impl<'c> Checker<'c> {
-    /// The term and type of an expression outside of functions and sums.
-    fn evaluate(&mut self, root: ExprId) -> Option<Settled> {
+    /// The term and type of an expression outside of functions and sums, and how it is written.
+    fn evaluate(&mut self, root: ExprId) -> Option<(Settled, WrittenBody)> {
         let frame = self.frame(root, Vec::new(), FramePurpose::Root);
         self.frames.push(frame);
         while let Some(frame) = self.frames.last_mut() {
             if let Some(&id) = frame.list.get(frame.done) {
+                self.terms.origin = id;
                 match self.step(id) {
                     CheckStep::Done(value) => self.finish(id, value),
                     CheckStep::Enter(frame) => self.frames.push(frame),
@@ -155,18 +171,56 @@ impl<'c> Checker<'c> {
                 continue;
             }
             let Some(frame) = self.frames.pop() else { break };
+            self.terms.origin = frame.root;
             let value = self.settled[frame.root.0 as usize];
             let value = value.map(|value| self.terms.as_value(value));
             match frame.purpose {
-                FramePurpose::Root => return self.settled[frame.root.0 as usize],
+                FramePurpose::Root => return value.map(|value| (value, self.body(frame.root, value, frame.calls))),
                 FramePurpose::Call { key, .. } => {
-                    self.calls.insert(key, value);
+                    let arguments = frame.locals.iter().map(|(_, (term, _))| *term).collect();
+                    let known = value.map(|value| {
+                        let body = self.body(frame.root, value, frame.calls);
+                        self.written_calls.push(WrittenCall { definition: key.0, arguments, body });
+                        (value, self.written_calls.len() as u32 - 1)
+                    });
+                    self.calls.insert(key, known);
+                    self.note_call(known);
                     self.finish_pending(value);
                 }
-                FramePurpose::Repetition { call, index, last, total } => self.repeat(call, index, last, total, value),
+                FramePurpose::Repetition { call, index, last, total } => {
+                    if let Some(around) = self.frames.last_mut() {
+                        around.calls.extend(frame.calls);
+                    }
+                    self.repeat(call, index, last, total, value);
+                }
             }
         }
         None
+    }
+
+    /// How the expressions of a frame that is done are written.
+    fn body(&mut self, root: ExprId, value: Settled, mut calls: Vec<u32>) -> WrittenBody {
+        let (file, names) = (self.file, self.names);
+        let places = self.leaves.entry(root).or_insert_with(|| leaves(file, names, root).into());
+        let settled = |id: ExprId| self.settled[id.0 as usize].map(|(term, _)| term);
+        let is_leaf = |id: &ExprId| match file.expr(*id).kind.infix() {
+            // The dot product of two variables, a cosine mostly, is one number.
+            Some((_, operands)) => {
+                operands.iter().all(|operand| settled(*operand).is_some_and(|term| self.terms.is_variable(term)))
+            }
+            None => true,
+        };
+        let leaves = places.iter().filter(|id| is_leaf(id)).filter_map(|id| Some((*id, settled(*id)?))).collect();
+        let mut seen = HashSet::new();
+        calls.retain(|call| seen.insert(*call));
+        WrittenBody { root, value: value.0, leaves, calls }
+    }
+
+    /// Notes a call in the innermost frame.
+    fn note_call(&mut self, known: Option<(Settled, u32)>) {
+        if let Some(((_, call), frame)) = known.zip(self.frames.last_mut()) {
+            frame.calls.push(call);
+        }
     }
 
     /// Ends an expression of the innermost frame.
@@ -188,7 +242,7 @@ impl<'c> Checker<'c> {
     fn frame(&mut self, root: ExprId, locals: Vec<(&'c str, Settled)>, purpose: FramePurpose<'c>) -> CheckFrame<'c> {
         let (file, names) = (self.file, self.names);
         let list = self.lists.entry(root).or_insert_with(|| reachable(file, names, root).into());
-        CheckFrame { root, list: Rc::clone(list), done: 0, locals, purpose }
+        CheckFrame { root, list: Rc::clone(list), done: 0, locals, calls: Vec::new(), purpose }
     }
 
     fn step(&mut self, id: ExprId) -> CheckStep<'c> {
@@ -255,8 +309,9 @@ impl<'c> Checker<'c> {
         };
         let values: Vec<Settled> = values.into_iter().map(|value| self.terms.as_value(value)).collect();
         let key = (index, values.iter().map(|(term, _)| self.terms.canonical(*term)).collect());
-        if let Some(known) = self.calls.get(&key) {
-            return CheckStep::Done(*known);
+        if let Some(known) = self.calls.get(&key).copied() {
+            self.note_call(known);
+            return CheckStep::Done(known.map(|(value, _)| value));
         }
         if self.is_too_large(callee.span) {
             return CheckStep::Done(None);

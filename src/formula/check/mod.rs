@@ -8,6 +8,7 @@ mod definitions;
 mod expressions;
 mod grouping;
 mod invariants;
+mod leaves;
 mod mismatch;
 mod names;
 mod parameters;
@@ -70,6 +71,7 @@ fn check(source: &Source, substitution: Substitution) -> Result<(Formula, Diagno
         macros: expressions.macros,
         terms: expressions.terms,
         result,
+        written: expressions.written,
     });
     diagnostics.sort();
     match formula {

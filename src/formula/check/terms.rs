@@ -1,6 +1,7 @@
 //! The terms of a formula while they are made.
 
 use crate::formula::{Term, TermId};
+use crate::lang::ast::ExprId;
 use crate::lang::builtins::{Operation, Stack};
 use crate::lang::scalars::flush;
 use crate::lang::types::Type;
@@ -24,6 +25,10 @@ enum TermContent {
 #[derive(Default)]
 pub(super) struct Terms {
     list: Vec<Term>,
+    /// The expression that each was made for.
+    origins: Vec<ExprId>,
+    /// The expression that terms are made for now.
+    pub(super) origin: ExprId,
     /// The first term that is equal to each.
     canonical: Vec<TermId>,
     first: HashMap<TermContent, TermId>,
@@ -42,8 +47,13 @@ impl Terms {
         self.list.len()
     }
 
-    pub(super) fn into_list(self) -> Vec<Term> {
-        self.list
+    /// All terms, and the expression that each was made for.
+    pub(super) fn into_lists(self) -> (Vec<Term>, Vec<ExprId>) {
+        (self.list, self.origins)
+    }
+
+    pub(super) fn is_variable(&self, id: TermId) -> bool {
+        matches!(self.list[id.0 as usize], Term::Variable(_))
     }
 
     /// The first term that is equal to this one.
@@ -77,6 +87,7 @@ impl Terms {
         let constant = self.value(&term);
         self.constants.push(constant);
         self.list.push(term);
+        self.origins.push(self.origin);
         let first = *self.first.entry(content).or_insert(id);
         self.canonical.push(first);
         (id, ty)

@@ -1,7 +1,8 @@
 //! The pixel inspector: the ray tree of a pixel, what each ray adds, and the formula with its numbers.
 
 use crate::evaluate::inspect::{
-    End, InspectedHit, InspectedLight, Inspection, Inspector, Onward, Visibility, figures, vector_figures, weight_figures,
+    End, InspectedHit, InspectedLight, Inspection, Inspector, InstanceLine, Onward, Visibility, figures, left_out,
+    vector_figures, weight_figures,
 };
 use crate::preview::app::colours::{paint_swatch, shown_colour};
 use crate::preview::app::pane::Placement;
@@ -230,10 +231,11 @@ fn light_ui(ui: &mut Ui, workshop: &Workshop, hit: &InspectedHit, light: &Inspec
         let inspector = Inspector::new(workshop.formula(), workshop.world(), workshop.values().numbers());
         let Some(instance) = inspector.instance(hit, light.light) else { return };
         for line in &instance.lines {
-            let name = line.name.as_deref().unwrap_or("");
-            ui.monospace(format!("{name} = {}", line.written));
-            ui.monospace(RichText::new(format!("   = {}", line.numbers)).weak());
-            ui.monospace(format!("   = {}", line.value));
+            line_ui(ui, line, "");
+            line.calls.iter().for_each(|call| line_ui(ui, call, "   "));
+            if let Some(text) = left_out(line.calls_left_out) {
+                ui.monospace(format!("   {text}"));
+            }
         }
         ui.monospace(format!(
             "times ki {}: {}",
@@ -241,4 +243,12 @@ fn light_ui(ui: &mut Ui, workshop: &Workshop, hit: &InspectedHit, light: &Inspec
             vector_figures(light.contribution.map(f64::from))
         ));
     });
+}
+
+/// Draws a macro, the result or a call behind this indentation.
+fn line_ui(ui: &mut Ui, line: &InstanceLine, indent: &str) {
+    let name = line.name.as_deref().unwrap_or("");
+    ui.monospace(format!("{indent}{name} = {}", line.written));
+    ui.monospace(RichText::new(format!("{indent}   = {}", line.numbers)).weak());
+    ui.monospace(format!("{indent}   = {}", line.value));
 }
