@@ -37,7 +37,8 @@ const BYTES_PER_SHEET_PIXEL: u64 = 6;
 #[derive(Args, Debug)]
 pub(super) struct Options {
     /// Vary a value in N equal steps: ball.kd=0..1:5, ka=0..0.5:3, *.kd=0..1:5 for all, ball.Cd=#ff0000..#0000ff:5,
-    /// ball.Cd.r=0..1:5 for a component. Given twice, the first one changes from row to row
+    /// ball.Cd.r=0..1:5 for a component. Or give a list: ball.kd=0.1,0.5, ball.model=GGX,Beckmann, ball.model=all for all
+    /// choices. Given twice, the first one changes from row to row
     #[arg(long, value_name = "OWNER.PARAM=A..B:N", value_parser = read::<Variation>, required = true)]
     vary: Vec<Variation>,
     /// Contact sheet (.png or .bmp; - writes PNG to standard output), or with a place for a number, as in
@@ -60,8 +61,11 @@ pub(super) struct Options {
 #[derive(Serialize)]
 struct Made<'s> {
     file: String,
-    /// The varied values as given, by name.
-    values: BTreeMap<&'s str, Numbers>,
+    /// The varied values as they are used, by name.
+    values: BTreeMap<&'s str, Numbers<'s>>,
+    /// The given values of those that are not used as given, because they are outside their range or break an invariant.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    clamped: BTreeMap<&'s str, Numbers<'s>>,
     /// Arguments of `--set` that give the same picture.
     set: &'s [String],
     /// The time to evaluate and write it.
@@ -71,12 +75,25 @@ struct Made<'s> {
     place: Option<[u32; 4]>,
 }
 
-/// A value in JSON: a number, or three.
+/// A value in JSON: a number, or several.
 #[derive(Serialize)]
 #[serde(untagged)]
-enum Numbers {
+enum Numbers<'n> {
     One(f32),
-    Three([f32; 3]),
+    Several(&'n [f32]),
+}
+
+impl<'n> Numbers<'n> {
+    fn new(numbers: &'n [f32]) -> Self {
+        match numbers {
+            [number] => Numbers::One(*number),
+            numbers => Numbers::Several(numbers),
+        }
+    }
+}
+
+fn by_name(values: &[(String, Vec<f32>)]) -> BTreeMap<&str, Numbers<'_>> {
+    values.iter().map(|(name, numbers)| (name.as_str(), Numbers::new(numbers))).collect()
 }
 
 /// Makes the pictures.
@@ -111,7 +128,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     if !options.json {
         return Ok(());
     }
-    let made: Vec<_> = (0..cells.cells.len()).map(|index| output.made(index, &varied, picture)).collect();
+    let made: Vec<_> = (0..cells.cells.len()).map(|index| output.made(index, picture)).collect();
     print_json(&made)
 }
 
@@ -285,12 +302,8 @@ impl SweepOutput<'_> {
     }
 
     /// What the list says about a picture.
-    fn made<'s>(&'s self, index: usize, varied: &'s [VariedValues], [width, height]: [u32; 2]) -> Made<'s> {
+    fn made(&self, index: usize, [width, height]: [u32; 2]) -> Made<'_> {
         let cell = &self.cells[index];
-        let value = |(varied, step): (&'s VariedValues, &u32)| {
-            let numbers = varied.at(*step);
-            (varied.label(), if varied.is_vector() { Numbers::Three(numbers) } else { Numbers::One(numbers[0]) })
-        };
         let file = match &self.target {
             SweepTarget::Numbered(pattern) => pattern.path(index as u32).display().to_string(),
             SweepTarget::Sheet(PictureTarget::File(path, _)) => path.display().to_string(),
@@ -300,7 +313,13 @@ impl SweepOutput<'_> {
             let [x, y] = sheet.corner(index);
             [x, y, width, height]
         });
-        let values = varied.iter().zip(&cell.steps).map(value).collect();
-        Made { file, values, set: &cell.set, seconds: self.seconds[index], place }
+        Made {
+            file,
+            values: by_name(&cell.used),
+            clamped: by_name(&cell.clamped),
+            set: &cell.set,
+            seconds: self.seconds[index],
+            place,
+        }
     }
 }

@@ -165,12 +165,7 @@ impl FromStr for NamedAssignment {
             return Err(form());
         }
         let target = AssignmentTarget::new(owner);
-        let value = match parse_value(value) {
-            Some(constant) => WrittenValue::Constant(constant),
-            None if may_be_choice(value.trim()) => WrittenValue::Choice(value.trim().to_owned()),
-            None => return Err(NamedAssignmentError::Value { given: value.trim().to_owned(), wanted: CONSTANTS.to_owned() }),
-        };
-        Ok(NamedAssignment { target, parameter: parameter.to_owned(), value })
+        Ok(NamedAssignment { target, parameter: parameter.to_owned(), value: value.parse()? })
     }
 }
 
@@ -204,7 +199,7 @@ impl NamedAssignment {
                 name: name.clone(),
             });
         }
-        let value = self.constant(parameter)?;
+        let value = self.value.constant(parameter)?;
         if value.ty() != parameter.ty {
             return Err(NamedAssignmentError::Type {
                 name: parameter.name.clone(),
@@ -231,15 +226,28 @@ impl NamedAssignment {
 const CONSTANTS: &str = "a number, a vector `<x, y, z>` or a colour `#rrggbb`";
 
 /// Whether a text that is no number may be the name of a choice.
-fn may_be_choice(text: &str) -> bool {
+pub(super) fn may_be_choice(text: &str) -> bool {
     let is_word_of_number = ["nan", "inf", "infinity"].iter().any(|word| text.eq_ignore_ascii_case(word));
     text.starts_with(char::is_alphabetic) && !is_word_of_number
 }
 
-impl NamedAssignment {
+impl FromStr for WrittenValue {
+    type Err = NamedAssignmentError;
+
+    fn from_str(text: &str) -> Result<Self, NamedAssignmentError> {
+        let text = text.trim();
+        match parse_value(text) {
+            Some(constant) => Ok(WrittenValue::Constant(constant)),
+            None if may_be_choice(text) => Ok(WrittenValue::Choice(text.to_owned())),
+            None => Err(NamedAssignmentError::Value { given: text.to_owned(), wanted: CONSTANTS.to_owned() }),
+        }
+    }
+}
+
+impl WrittenValue {
     /// The value as a number or a vector. The number of a choice is its place in the list, from 0 on.
-    fn constant(&self, parameter: &Parameter) -> Result<Constant, NamedAssignmentError> {
-        let given = match &self.value {
+    pub(super) fn constant(&self, parameter: &Parameter) -> Result<Constant, NamedAssignmentError> {
+        let given = match self {
             WrittenValue::Constant(constant) => return Ok(*constant),
             WrittenValue::Choice(given) => given,
         };

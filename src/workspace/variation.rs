@@ -1,12 +1,12 @@
-//! Values at equal steps, for pictures that differ in one value: `ball.kd=0..1:5`.
+//! Values at equal steps or from a list, for pictures that differ in one value: `ball.kd=0..1:5`, `ball.kd=0.1,0.5`.
 //!
 //! A [`Variation`] has names as a user writes them. [`VariedValues`] has them resolved for a formula on a scene.
 
-use crate::formula::ParameterId;
+use crate::formula::{Parameter, ParameterId};
 use crate::lang::ast::Constant;
 use crate::lang::types::Type;
 use crate::workspace::assignment::{
-    Assignment, AssignmentTarget, NamedAssignment, NamedAssignmentError, WrittenValue, is_name, parse_value,
+    Assignment, AssignmentTarget, NamedAssignment, NamedAssignmentError, WrittenValue, is_name, may_be_choice, parse_value,
 };
 use crate::workspace::owner::OwnerId;
 use crate::workspace::parameter_table::ParameterTable;
@@ -22,16 +22,26 @@ pub const MOST_STEPS: u32 = 10_000;
 const COMPONENTS: [[&str; 3]; 2] = [["r", "g", "b"], ["x", "y", "z"]];
 
 /// Values for a parameter at equal steps from a first to a last one: `ball.kd=0..1:5`, `*.kd=0..1:5` for all bodies,
-/// `ball.Cd=#ff0000..#0000ff:5`, or `ball.Cd.r=0..1:5` for a component of a vector.
+/// `ball.Cd=#ff0000..#0000ff:5`, or `ball.Cd.r=0..1:5` for a component of a vector. Or a list of values:
+/// `ball.kd=0.1,0.2,0.5`, `ball.model=GGX,Beckmann`, or `ball.model=all` for all choices.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Variation {
     /// Owner, parameter and component, as far as they are given: one to three words.
     words: Vec<String>,
-    /// The first value and the last one. Both have one type.
-    ends: [Constant; 2],
-    /// The number of steps, 1..=[`MOST_STEPS`].
-    count: u32,
+    values: GivenValues,
 }
+
+/// The values of a variation as they are given.
+#[derive(Debug, Clone, PartialEq)]
+enum GivenValues {
+    /// The first value and the last one, which have one type, and the number of steps, 1..=[`MOST_STEPS`].
+    Range { ends: [Constant; 2], count: u32 },
+    /// Values with commas between them. Only the parameter tells which of them are names of choices.
+    List(String),
+}
+
+/// The word for all choices of a parameter.
+const ALL_CHOICES: &str = "all";
 
 /// What is wrong with a variation.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -43,7 +53,8 @@ pub enum VariationError {
     Form(String),
     /// There are no two values with `..` between them.
     #[error(
-        "`{0}` is not a range of values; write the first and the last one, as in `0..1`, `<0,0,0>..<1,1,1>` or `#000000..#ff8000`"
+        "`{0}` is not a range of values; write the first and the last one, as in `0..1`, `<0,0,0>..<1,1,1>` or \
+         `#000000..#ff8000`, or a list of values, as in `0.1,0.5,2`"
     )]
     Range(String),
     /// It does not say how many steps there are.
@@ -93,6 +104,11 @@ impl FromStr for Variation {
             return Err(form());
         }
         let values = values.trim();
+        let is_range = values.rsplit_once(':').is_some_and(|(range, _)| parse_range(range).is_some());
+        let is_list = split_list(values).len() > 1 || may_be_choice(values) && !values.contains("..");
+        if is_list && !is_range {
+            return Ok(Variation { words, values: GivenValues::List(values.to_owned()) });
+        }
         let Some((range, count)) = values.rsplit_once(':') else {
             return Err(match parse_range(values) {
                 Some(_) => VariationError::NoCount(text.trim().to_owned()),
@@ -106,7 +122,7 @@ impl FromStr for Variation {
         let count = count.trim();
         let number = count.parse().ok().filter(|number| (1..=MOST_STEPS).contains(number));
         let count = number.ok_or_else(|| VariationError::Count(count.to_owned()))?;
-        Ok(Variation { words, ends, count })
+        Ok(Variation { words, values: GivenValues::Range { ends, count } })
     }
 }
 
@@ -116,20 +132,39 @@ fn parse_range(text: &str) -> Option<[Constant; 2]> {
     splits.into_iter().find_map(|at| Some([parse_value(&text[..at])?, parse_value(&text[at + 2..])?]))
 }
 
+/// The parts of a list, without the commas between them. Those of vectors are no such commas.
+fn split_list(text: &str) -> Vec<&str> {
+    let mut inside = false;
+    text.split(|c: char| {
+        inside = c == '<' || inside && c != '>';
+        c == ',' && !inside
+    })
+    .collect()
+}
+
+/// The values of a list for this parameter. The name of a choice may have commas.
+fn listed(text: &str, parameter: &Parameter) -> Result<Vec<Constant>, NamedAssignmentError> {
+    let is_choice = |name: &str| parameter.choices.iter().any(|choice| choice == name);
+    let choices = if parameter.switch { 2 } else { parameter.choices.len() };
+    if text == ALL_CHOICES && choices > 0 && !is_choice(text) {
+        return Ok((0..choices).map(|index| Constant::Scalar(index as f32)).collect());
+    }
+    let parts = split_list(text);
+    let mut values = Vec::new();
+    let mut first = 0;
+    while first < parts.len() {
+        let joined = |end: usize| parts[first..end].join(",").trim().to_owned();
+        let end = (first + 1..=parts.len()).rev().find(|end| is_choice(&joined(*end))).unwrap_or(first + 1);
+        values.push(joined(end).parse::<WrittenValue>()?.constant(parameter)?);
+        first = end;
+    }
+    Ok(values)
+}
+
 impl Variation {
     /// What is varied, as the user writes it: `ball.kd`, `*.Cd.r`.
     pub fn label(&self) -> String {
         self.words.join(".")
-    }
-
-    /// The number of steps.
-    pub fn count(&self) -> u32 {
-        self.count
-    }
-
-    /// The first value and the last one.
-    pub fn ends(&self) -> [Constant; 2] {
-        self.ends
     }
 
     /// Resolves the names for the formula and the scene of these values.
@@ -141,10 +176,17 @@ impl Variation {
         let table = values.table();
         let (owner, parameter, component) = self.names(table);
         let component = component.map(|word| component_named(word, parameter)).transpose()?;
-        if component.is_some() && self.ends[0].ty() == Type::Vector {
+        let known = table.parameter_named(parameter).map(|id| table.parameter(id));
+        let given = match &self.values {
+            GivenValues::Range { ends, .. } => ends.to_vec(),
+            GivenValues::List(text) => known.map_or_else(|| Ok(Vec::new()), |known| listed(text, known))?,
+        };
+        if component.is_some() && given.iter().any(|value| value.ty() == Type::Vector) {
             return Err(VariationError::VectorForComponent(self.label()));
         }
-        let whole = if component.is_some() { Constant::Vector([0.0; 3]) } else { self.ends[0] };
+        // A value of another type, if there is one, for the message.
+        let odd = given.iter().find(|value| known.is_some_and(|known| known.ty != value.ty())).or(given.first());
+        let whole = if component.is_some() { None } else { odd.copied() }.unwrap_or(Constant::Vector([0.0; 3]));
         let named = NamedAssignment {
             target: AssignmentTarget::new(owner),
             parameter: parameter.to_owned(),
@@ -168,12 +210,12 @@ impl Variation {
             };
             return Err(VariationError::Locked { name: self.label(), reason });
         }
-        let ends = self.ends.map(|end| match end {
-            Constant::Scalar(number) => [as_written(number), 0.0, 0.0],
-            Constant::Vector(numbers) => numbers.map(as_written),
-        });
-        let vector = self.ends[0].ty() == Type::Vector;
-        Ok(VariedValues { label: self.label(), targets, component, ends, vector, count: self.count })
+        let vector = given.iter().any(|value| value.ty() == Type::Vector);
+        let steps = match &self.values {
+            GivenValues::Range { ends, count } => steps(*ends, *count),
+            GivenValues::List(_) => given.into_iter().map(three_numbers).collect(),
+        };
+        Ok(VariedValues { label: self.label(), targets, component, steps, vector })
     }
 
     /// Owner, parameter and component. Of two words, the second is a component if the first is a vector of the scene:
@@ -196,6 +238,22 @@ impl Variation {
     }
 }
 
+/// A value as three numbers. A scalar is the first.
+fn three_numbers(value: Constant) -> [f32; 3] {
+    match value {
+        Constant::Scalar(number) => [number, 0.0, 0.0],
+        Constant::Vector(numbers) => numbers,
+    }
+}
+
+/// The values at equal steps. The ends, and whole numbers at whole steps, are exact.
+fn steps(ends: [Constant; 2], count: u32) -> Vec<[f32; 3]> {
+    let [first, last] = ends.map(|end| three_numbers(end).map(as_written));
+    let steps = f64::from(count.max(2) - 1);
+    let between = |step: f64, index: usize| ((first[index] * (steps - step) + last[index] * step) / steps) as f32;
+    (0..count).map(|step| std::array::from_fn(|index| between(f64::from(step), index))).collect()
+}
+
 /// The number that the user wrote: 0.1 rather than 0.100000001, so that steps between 0.1 and 0.7 are tenths.
 fn as_written(number: f32) -> f64 {
     number.to_string().parse().unwrap_or(f64::from(number))
@@ -208,8 +266,13 @@ fn component_named(word: &str, parameter: &str) -> Result<usize, VariationError>
 
 impl fmt::Display for Variation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let [first, last] = self.ends.map(|end| show(end.components()));
-        write!(f, "{}={first}..{last}:{}", self.label(), self.count)
+        match &self.values {
+            GivenValues::Range { ends, count } => {
+                let [first, last] = ends.map(|end| show(end.components()));
+                write!(f, "{}={first}..{last}:{count}", self.label())
+            }
+            GivenValues::List(text) => write!(f, "{}={text}", self.label()),
+        }
     }
 }
 
@@ -221,10 +284,9 @@ pub struct VariedValues {
     targets: Vec<(OwnerId, ParameterId)>,
     /// The component that is varied; `None` for the whole value.
     component: Option<usize>,
-    /// The first value and the last one. Scalars and components are first numbers.
-    ends: [[f64; 3]; 2],
+    /// The value of each step. Scalars and components are first numbers.
+    steps: Vec<[f32; 3]>,
     vector: bool,
-    count: u32,
 }
 
 impl VariedValues {
@@ -235,16 +297,18 @@ impl VariedValues {
 
     /// The number of steps, 1 or more.
     pub fn count(&self) -> u32 {
-        self.count
+        // The command line has fewer values than 2³².
+        self.steps.len() as u32
     }
 
     /// The value at a step, 0..`count`. Scalars and components are the first number.
     pub fn at(&self, step: u32) -> [f32; 3] {
-        let [first, last] = self.ends;
-        let (step, steps) = (f64::from(step), f64::from(self.count.max(2) - 1));
-        // The ends, and whole numbers at whole steps, are exact.
-        let between = |index: usize| (first[index] * (steps - step) + last[index] * step) / steps;
-        std::array::from_fn(|index| between(index) as f32)
+        self.steps.get(step as usize).copied().unwrap_or_default()
+    }
+
+    /// The given numbers at a step: one or three.
+    pub fn given(&self, step: u32) -> Vec<f32> {
+        self.at(step)[..if self.vector { 3 } else { 1 }].to_vec()
     }
 
     /// Adds the assignments of a step. A component changes one number of the value that is assigned already, or else of
@@ -271,22 +335,36 @@ impl VariedValues {
 
     /// The value that all owners have in these values: one number or three; `None` if they differ.
     pub fn used<'v>(&self, values: &'v Values) -> Option<&'v [f32]> {
-        let get = |(owner, id): &(OwnerId, ParameterId)| match (values.get(*owner, *id), self.component) {
+        let mut all = self.targets.iter().map(|target| self.of_target(*target, values));
+        let first = all.next()?;
+        all.all(|other| other == first).then_some(first)
+    }
+
+    /// The value of each owner in these values, with its name: `ball.kd`, `ball.Cd.r`.
+    pub fn used_by_owner<'v>(&self, values: &'v Values) -> Vec<(String, &'v [f32])> {
+        let component = self.label.rsplit_once('.').filter(|_| self.component.is_some()).map(|(_, component)| component);
+        let name = |(owner, id): (OwnerId, ParameterId)| {
+            let label = values.table().label(owner, id);
+            component.map_or(label.clone(), |component| format!("{label}.{component}"))
+        };
+        self.targets.iter().map(|target| (name(*target), self.of_target(*target, values))).collect()
+    }
+
+    /// The numbers that are varied of one owner.
+    fn of_target<'v>(&self, (owner, id): (OwnerId, ParameterId), values: &'v Values) -> &'v [f32] {
+        match (values.get(owner, id), self.component) {
             (numbers, Some(component)) => numbers.get(component..=component).unwrap_or(&[]),
             (numbers, None) => numbers,
-        };
-        let first = get(self.targets.first()?);
-        self.targets.iter().all(|target| get(target) == first).then_some(first)
+        }
     }
 
-    /// The names of the values 0, 1, …, if the parameter has choices.
-    pub fn choices<'v>(&self, values: &'v Values) -> &'v [String] {
-        self.targets.first().map_or(&[], |(_, id)| &values.table().parameter(*id).choices)
-    }
-
-    /// Whether the values are vectors, and not scalars or components.
-    pub fn is_vector(&self) -> bool {
-        self.vector
+    /// The names of the values 0, 1, …, if the parameter has choices or is a switch.
+    pub fn choices(&self, values: &Values) -> Vec<String> {
+        let parameter = self.targets.first().map(|(_, id)| values.table().parameter(*id));
+        match parameter {
+            Some(parameter) if parameter.switch => ["off", "on"].map(str::to_owned).to_vec(),
+            parameter => parameter.map_or_else(Vec::new, |parameter| parameter.choices.clone()),
+        }
     }
 
     /// Whether every number that the other variation changes is changed here too, so that the other one has no effect
@@ -305,8 +383,9 @@ mod tests {
     use crate::scene::Scene;
 
     fn values() -> Values {
-        let formula = "body_specific; kd: scalar, constraint 0..1, default 0.2; ks: scalar, constraint 0..1, default 0.5;
-            n: scalar, constraint 1..8, default 1; invariants; ks + kd = 1; formula; = kd*ks*n*Cd;";
+        let formula = r#"body_specific; kd: scalar, constraint 0..1, default 0.2; ks: scalar, constraint 0..1, default 0.5;
+            n: scalar, constraint 1..8, default 1; lit: scalar, switch; model: scalar, choices "GGX", "Beckmann", "Oren, Nayar";
+            invariants; ks + kd = 1; formula; = kd*ks*n*lit*model*Cd;"#;
         let scene = "bodies; ball: sphere, center <0,0,0>, radius 1; floor: sphere, center <0,0,0>, radius 1, opaque;
             lights; key: point, <9,9,9>; camera; position <0,0,9>; gaze <0,0,-1>; up <0,1,0>; fov 45;";
         let formula = Formula::parse(&Source::new("f", formula)).unwrap().0;
@@ -330,6 +409,31 @@ mod tests {
         assert_eq!(steps(" *.n = -1e1 .. 1 : 1 "), [-10.0]);
         let blend = resolve("ball.Cd=#ff0000..<0,0,1>:3");
         assert_eq!([blend.at(0), blend.at(1), blend.at(2)], [[1.0, 0.0, 0.0], [0.5, 0.0, 0.5], [0.0, 0.0, 1.0]]);
+    }
+
+    #[test]
+    fn lists_have_values_names_of_choices_and_all_of_them() {
+        assert_eq!(steps("ball.ks=0.5,0.1, .25"), [0.5, 0.1, 0.25]);
+        assert_eq!(steps("ball.model=GGX,1,2"), [0.0, 1.0, 2.0]);
+        // The name of a choice may have a comma, and a space before it does not count.
+        assert_eq!(steps("ball.model=Oren, Nayar,GGX, Beckmann"), [2.0, 0.0, 1.0]);
+        assert_eq!(steps("ball.model=Beckmann"), [1.0]);
+        assert_eq!(steps("ball.model=all"), [0.0, 1.0, 2.0]);
+        assert_eq!((steps("*.lit=on,off"), steps("ball.lit=all")), (vec![1.0, 0.0], vec![0.0, 1.0]));
+        assert_eq!(steps("ball.Cd.g=0,1"), [0.0, 1.0]);
+        let colours = resolve("ball.Cd=#ff0000,<0, .5, 1>");
+        assert_eq!([colours.at(0), colours.at(1)], [[1.0, 0.0, 0.0], [0.0, 0.5, 1.0]]);
+        let shown = "ball.model=GGX,Beckmann".parse::<Variation>().map(|variation| variation.to_string());
+        assert_eq!(shown.as_deref(), Ok("ball.model=GGX,Beckmann"));
+    }
+
+    #[test]
+    fn values_of_owners_that_differ_are_named() {
+        let mut values = values();
+        values.assign(&"ball.Cd=<0.1, 0.2, 0.3>".parse::<NamedAssignment>().unwrap().resolve(values.table()).unwrap());
+        let used = resolve("*.Cd.g=0,1");
+        let expected = [("ball.Cd.g".to_owned(), &[0.2][..]), ("floor.Cd.g".to_owned(), &[0.8][..])];
+        assert_eq!((used.used(&values), used.used_by_owner(&values)), (None, expected.to_vec()));
     }
 
     #[test]
@@ -391,6 +495,18 @@ mod tests {
             error("ball.ks=0..1"),
             "`ball.ks=0..1` does not say how many pictures; write `:` and their number behind it, as in `ball.ks=0..1:5`"
         );
+        assert_eq!(
+            error("ball.model=GGX,Phong"),
+            "`Phong` is not a value; write a choice of `model`: GGX, Beckmann, Oren, Nayar"
+        );
+        assert_eq!(error("ball.lit=on,maybe"), "`maybe` is not a value; write `on` or `off`, or a number");
+        assert!(error("ball.ks=all").starts_with("`all` is not a value; write a number"));
+        assert!(error("ball.ks=0.1,,0.2").starts_with("`` is not a value; write a number"));
+        assert_eq!(error("ball.Cd=#ffffff,1"), "`Cd` is a vector; give a vector `<x, y, z>` or a colour `#rrggbb`");
+        assert_eq!(error("ball.ks=0.1,<0,0,0>"), "`ks` is a scalar; give a single number");
+        assert_eq!(error("bal.ks=0.1,0.2"), "there is no body or light `bal`; did you mean `ball`?");
+        assert_eq!(error("ball.Ks=0.1,0.2"), "`Ks` is not a parameter of the formula; did you mean `ks`?");
+        assert_eq!(error("*.kd=0,1"), "`*.kd` cannot be varied: it follows from other values (kd = 1 - ks)");
         assert!(error("ball.Cd=0..<1,1,1>:2").contains("two numbers or two vectors"));
         assert_eq!(error("ball.Cd=0..1:2"), "`Cd` is a vector; give a vector `<x, y, z>` or a colour `#rrggbb`");
         assert_eq!(error("ball.Cd.q=0..1:2"), "`Cd` has no component `q`; write `Cd.r`, `.g` or `.b`, or `.x`, `.y` or `.z`");

@@ -37,12 +37,18 @@ impl SweptParameter {
     }
 }
 
+/// Values with their names.
+type NamedNumbers = Vec<(String, Vec<f32>)>;
+
 /// One picture of a sweep.
 pub(super) struct Cell {
-    /// The step of each parameter.
-    pub(super) steps: Vec<u32>,
     /// The given values, as `--set` takes them.
     pub(super) set: Vec<String>,
+    /// The varied values as they are used, with their names. Those of several owners are there one by one where they
+    /// differ.
+    pub(super) used: NamedNumbers,
+    /// The given values of those that are not used as given.
+    pub(super) clamped: NamedNumbers,
     /// The numbers of all parameters.
     pub(super) numbers: Vec<f32>,
 }
@@ -89,12 +95,12 @@ impl Cells {
                 }
             }
             let set = assignments.iter().map(|assignment| written(assignment, &values)).collect();
-            cells.push(Cell { steps, set, numbers: values.numbers().to_vec() });
+            let (used, clamped) = used_values(varied, &steps, &values);
+            cells.push(Cell { set, used, clamped, numbers: values.numbers().to_vec() });
         }
         let parameters = varied.iter().zip(used).map(|(varied, used)| {
-            let given = |step: u32| varied.at(step)[..if varied.is_vector() { 3 } else { 1 }].to_vec();
-            let values = used.into_iter().map(|(step, used)| used.unwrap_or_else(|| given(step))).collect();
-            let choices = varied.choices(&project.values).to_vec();
+            let values = used.into_iter().map(|(step, used)| used.unwrap_or_else(|| varied.given(step))).collect();
+            let choices = varied.choices(&project.values);
             SweptParameter { name: varied.label().to_owned(), values, choices }
         });
         Ok(Self { parameters: parameters.collect(), cells, warnings })
@@ -121,6 +127,23 @@ fn steps(index: u32, varied: &[VariedValues]) -> Vec<u32> {
         .collect();
     steps.reverse();
     steps
+}
+
+/// The varied values of a picture as they are used, and the given ones of those that are not used as given.
+fn used_values(varied: &[VariedValues], steps: &[u32], values: &Values) -> (NamedNumbers, NamedNumbers) {
+    let (mut all, mut clamped) = (Vec::new(), Vec::new());
+    for (varied, step) in varied.iter().zip(steps) {
+        let given = varied.given(*step);
+        let used = match varied.used(values) {
+            Some(used) => vec![(varied.label().to_owned(), used.to_vec())],
+            None => varied.used_by_owner(values).into_iter().map(|(name, used)| (name, used.to_vec())).collect(),
+        };
+        if used.iter().any(|(_, used)| *used != given) {
+            clamped.push((varied.label().to_owned(), given));
+        }
+        all.extend(used);
+    }
+    (all, clamped)
 }
 
 /// A value as `--set` takes it, in full precision.
