@@ -9,7 +9,7 @@ use illuminator::lang::diagnostic::Diagnostics;
 use illuminator::lang::display_text::one_line;
 use illuminator::lang::source::Source;
 use illuminator::scene::Scene;
-use illuminator::workspace::project::{Listener, OpenProjectError, Project, library_location};
+use illuminator::workspace::project::{Listener, OpenProjectError, Project, library_mistake};
 use illuminator::workspace::{FileKind, Library, Location, Session, presets};
 use std::ffi::OsString;
 use std::io::ErrorKind;
@@ -148,14 +148,12 @@ fn told<T>(outcome: Result<(T, Diagnostics), Diagnostics>, source: &Source, list
     }
 }
 
-/// Checks a formula, and whether the built-in material library that it may name exists. A file need not exist yet.
+/// Checks a formula, and whether what it names as its material library is one. A file need not exist yet.
 fn check_formula(location: &Location, source: &Source, thesis: bool) -> Result<(Formula, Diagnostics), Diagnostics> {
     let parse = if thesis { Formula::parse_as_thesis } else { Formula::parse };
     let (formula, mut diagnostics) = parse(source)?;
-    if formula.uses.is_some()
-        && let Err(unknown) = library_location(&formula, location, source, data_folder().as_deref())
-    {
-        diagnostics.push(unknown);
+    if let Some(mistake) = library_mistake(&formula, location, source, data_folder().as_deref()) {
+        diagnostics.push(mistake);
         diagnostics.sort();
     }
     Ok((formula, diagnostics))

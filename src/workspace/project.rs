@@ -4,6 +4,7 @@
 //! Everything that is found wrong is passed to a [`Listener`], text by text, as diagnostics with their source. The
 //! listener decides how it is shown. `partial` opens what can be used of a session with mistakes.
 
+mod library;
 mod partial;
 
 use crate::engine::Subject;
@@ -11,7 +12,6 @@ use crate::files::Readable;
 use crate::formula::Formula;
 use crate::formula::layout::Layout;
 use crate::lang::diagnostic::{Diagnostic, Diagnostics};
-use crate::lang::parser::parse;
 use crate::lang::source::Source;
 use crate::lang::variables::Predefined;
 use crate::scene::Scene;
@@ -19,10 +19,12 @@ use crate::trace::{MemorySize, View, ViewError};
 use crate::workspace::FileKind;
 use crate::workspace::assignment::Assignment;
 use crate::workspace::carried::CarriedValues;
-use crate::workspace::materials::{LibraryLocation, MaterialAssignment, Materials, SourceDiagnostics};
+use crate::workspace::materials::{MaterialAssignment, Materials, SourceDiagnostics};
 use crate::workspace::session::{MissingTarget, PictureSettings, Session};
 use crate::workspace::{Location, kind_of};
 use crate::workspace::{NamedAssignment, OwnerId, ParameterTable, ValueWarning, Values};
+pub use library::library_mistake;
+use library::open_materials;
 pub use partial::{PartialProject, SessionMistakes, UnusableText};
 use std::path::{Path, PathBuf};
 
@@ -480,47 +482,4 @@ fn unless_errors<T>(errors: Vec<String>, outcome: T, listener: &mut dyn Listener
     let Some(last) = errors.next_back() else { return Ok(outcome) };
     errors.for_each(|error| listener.message(error));
     Err(OpenProjectError::Request(last))
-}
-
-/// Where the materials of a formula are. The error that there are none is marked where the formula names the library.
-///
-/// # Errors
-/// The formula names no library, or a built-in one that does not exist.
-pub fn library_location(
-    formula: &Formula,
-    location: &Location,
-    source: &Source,
-    data: Option<&Path>,
-) -> Result<LibraryLocation, Diagnostic> {
-    LibraryLocation::find(formula.uses.as_deref(), Some(location), data).map_err(|reason| match parse(source).0.uses {
-        Some((_, span)) => reason.at(span, "unknown"),
-        None => reason,
-    })
-}
-
-/// Reads the materials of a formula.
-fn open_materials(
-    read: &Read,
-    location: &Location,
-    request: &Request,
-    listener: &mut dyn Listener,
-) -> Result<Materials, OpenProjectError> {
-    let (formula, source) = (&read.formula, &read.formula_text);
-    let library = library_location(formula, location, source, request.data.as_deref()).map_err(|reason| {
-        if formula.uses.is_none() {
-            return OpenProjectError::Request(reason);
-        }
-        listener.diagnostics(&reason.into(), source);
-        OpenProjectError::Reported
-    })?;
-    match Materials::open(library, request.readable) {
-        Ok((materials, found)) => {
-            listener.diagnostics(&found.diagnostics, &found.source);
-            Ok(materials)
-        }
-        Err(found) => {
-            listener.diagnostics(&found.diagnostics, &found.source);
-            Err(OpenProjectError::Reported)
-        }
-    }
 }

@@ -109,3 +109,23 @@ fn what_is_said() {
         ],
     );
 }
+
+#[test]
+fn a_file_that_is_no_library_is_reported_once() {
+    let folder = folder();
+    let session = "version = 1\nformula = \"model.txt\"\nscene = \"sub/place.txt\"\n";
+    let torn = "version = 1\n[gold]\nkr = \"much\"\n[tin]\nks = true\n";
+    write(&folder, "words.txt", "hello world\nthis is a text\nof no kind\n");
+    write(&folder, "plain.toml", session);
+    write(&folder, "torn.toml", torn);
+    for (name, library) in
+        [("f", "model.txt"), ("s", "sub/place.txt"), ("w", "words.txt"), ("t", "plain.toml"), ("m", "torn.toml"), ("d", "sub")]
+    {
+        write(&folder, &format!("{name}.formula"), &format!("#uses {library};\n{FORMULA}"));
+    }
+    let mut commands: Vec<String> = "fswtmd".chars().map(|name| format!("check {name}.formula")).collect();
+    let render = |name: char| format!("render session.toml -f {name}.formula --material ball=gold -o out.png");
+    commands.extend("fswtd".chars().map(render));
+    let commands: Vec<&str> = commands.iter().map(String::as_str).collect();
+    crate::messages::check("no_library", &folder, &commands);
+}

@@ -2,9 +2,12 @@
 
 use crate::files::{Readable, reason};
 use crate::lang::diagnostic::{Diagnostic, Diagnostics};
+use crate::lang::display_text::one_line;
 use crate::lang::source::Source;
 use crate::workspace::materials::{Library, LibraryLocation, Material, unknown_material};
-use crate::workspace::{FileKind, Location, read_source};
+use crate::workspace::session::Session;
+use crate::workspace::spanned_toml;
+use crate::workspace::{FileKind, Location, kind_of, read_source};
 use std::fmt;
 use std::path::Path;
 
@@ -150,7 +153,10 @@ impl Layer {
     fn parse(source: Source) -> Result<(Self, Diagnostics), SourceDiagnostics> {
         match Library::parse(&source) {
             Ok((library, warnings)) => Ok((Self { library, source }, warnings)),
-            Err(diagnostics) => Err(SourceDiagnostics { source, diagnostics }),
+            Err(diagnostics) => Err(match another_kind(&source) {
+                Some(mistake) => SourceDiagnostics::without_text(mistake),
+                None => SourceDiagnostics { source, diagnostics },
+            }),
         }
     }
 
@@ -161,6 +167,26 @@ impl Layer {
         }
         Self::parse(read_source(path, Some(FileKind::Material), readable).map_err(SourceDiagnostics::without_text)?)
     }
+}
+
+/// The one mistake about a text with mistakes that was never meant as a library.
+fn another_kind(source: &Source) -> Option<Diagnostic> {
+    let name = one_line(source.name());
+    let what = match kind_of(source.text()) {
+        Some(kind @ (FileKind::Formula | FileKind::Scene)) => Some(kind),
+        Some(FileKind::Session) if Session::parse(source).is_ok() => Some(FileKind::Session),
+        Some(FileKind::Session | FileKind::Material) => return None,
+        None if source.text().trim_start().starts_with(['"', '\'']) || spanned_toml::parse(source).is_ok() => return None,
+        None => None,
+    };
+    let message = match what {
+        Some(kind) => format!("`{name}` is a {}, not a material library", kind.noun()),
+        None => format!("`{name}` is not a material library"),
+    };
+    Some(
+        Diagnostic::error(message)
+            .help("a library is a TOML file with a table for each material: `[gold]`, then values such as `kr = 0.3`"),
+    )
 }
 
 /// The materials of both libraries. Of two materials with one name, the second library's counts.
