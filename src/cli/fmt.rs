@@ -10,13 +10,18 @@ use illuminator::lang::format::formatted;
 use illuminator::lang::parser;
 use illuminator::lang::source::Source;
 use illuminator::scene::Scene;
-use illuminator::workspace::{FileKind, Location, presets};
+use illuminator::workspace::{FileKind, Location, kind_of, presets};
 use std::ffi::OsString;
+use std::io::Read;
+use std::path::Path;
+
+/// The name of standard input on the command line.
+const STANDARD_INPUT: &str = "-";
 
 /// Options of `fmt`.
 #[derive(Args, Debug)]
 pub(super) struct Options {
-    /// Formulas and scenes
+    /// Formulas and scenes; - formats standard input and prints it
     #[arg(required = true, value_name = "FILE")]
     files: Vec<OsString>,
     /// Change nothing; fail if a file would be changed
@@ -37,16 +42,19 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     if failed { Err(Failure::Reported) } else { Ok(()) }
 }
 
-/// Formats a file. Returns whether that was possible and, with `--check`, whether nothing was to be done.
+/// Formats a file, or standard input. Returns whether that was possible and, with `--check`, whether nothing was to be
+/// done.
 fn format(location: &Location, options: &Options) -> Result<bool, Failure> {
-    let (kind, source) = match read_of_kind(location, kind_of_preset(location)) {
+    let is_input = matches!(location, Location::File(path) if path.as_os_str() == STANDARD_INPUT);
+    let read = if is_input { standard_input() } else { read_of_kind(location, kind_of_preset(location)) };
+    let (kind, source) = match read {
         Ok(read) => read,
         Err(diagnostic) => {
             say(&diagnostic);
             return Ok(false);
         }
     };
-    let name = one_line(&location.to_string());
+    let name = one_line(source.name());
     let text = match laid_out(kind, &source) {
         Some(Ok(text)) => text,
         Some(Err(diagnostics)) => {
@@ -61,7 +69,7 @@ fn format(location: &Location, options: &Options) -> Result<bool, Failure> {
             return Ok(false);
         }
     };
-    if options.prints {
+    if options.prints || is_input && !options.check {
         if prints_to_terminal() {
             print(&text)?;
         } else {
@@ -80,12 +88,32 @@ fn format(location: &Location, options: &Options) -> Result<bool, Failure> {
             .help("`--stdout` prints the formatted text"));
         return Ok(false);
     };
-    if !is_regular && let Err(error) = replace_text(path, &text) {
-        say(&Diagnostic::error(format!("cannot write `{name}`: {}", reason(&error))));
+    if !is_regular && let Err(diagnostic) = overwrite(path, &name, &text) {
+        say(&diagnostic);
         return Ok(false);
     }
     print(&format!("{name}: {}\n", if is_regular { "unchanged" } else { "formatted" }))?;
     Ok(true)
+}
+
+/// The text of standard input, and what it is.
+fn standard_input() -> Result<(FileKind, Source), Diagnostic> {
+    let name = "standard input";
+    let mut text = String::new();
+    match std::io::stdin().read_to_string(&mut text) {
+        Ok(_) => Ok((kind_of(&text).unwrap_or(FileKind::Formula), Source::new(name, text))),
+        Err(error) => Err(Diagnostic::error(format!("cannot read {name}: {}", reason(&error)))),
+    }
+}
+
+/// Writes a formatted text over a file that may be written. The file is replaced by another one, which its write
+/// protection would not prevent.
+fn overwrite(path: &Path, name: &str, text: &str) -> Result<(), Diagnostic> {
+    if path.metadata().is_ok_and(|found| found.permissions().readonly()) {
+        let error = Diagnostic::error(format!("`{name}` is read-only and is left as it is"));
+        return Err(error.help("`--stdout` prints the formatted text"));
+    }
+    replace_text(path, text).map_err(|error| Diagnostic::error(format!("cannot write `{name}`: {}", reason(&error))))
 }
 
 /// The kind of a built-in formula or scene.
