@@ -30,6 +30,8 @@ pub struct Draft {
     pub kind: FileKind,
     /// Where the text was opened from, and would be saved to; `None` for a new text.
     pub location: Option<Location>,
+    /// The session in which the text was open; `None` for one without a file.
+    pub session: Option<Location>,
     /// The text, of any size.
     pub text: String,
     /// When the draft was saved, to the second.
@@ -68,23 +70,34 @@ impl Drafts {
         Self { folder: folders.state.join("drafts"), own_folder: None, kept: BTreeMap::new() }
     }
 
-    /// Saves the text of an editor, instead of its previous draft. It is on disk when this returns. Saving the same
+    /// Saves the text of an editor in a session, instead of its previous draft. It is on disk when this returns. Saving the same
     /// text again costs next to nothing.
     ///
     /// # Errors
     /// It cannot be written, for instance because the disk is full. The previous draft is unchanged, and the next call
     /// tries again.
-    pub fn keep(&mut self, editor: u32, kind: FileKind, location: Option<&Location>, text: &str) -> Result<(), Diagnostic> {
+    pub fn keep(
+        &mut self,
+        editor: u32,
+        kind: FileKind,
+        location: Option<&Location>,
+        session: Option<&Location>,
+        text: &str,
+    ) -> Result<(), Diagnostic> {
         // The next program may have another working directory.
-        let location = location.map(|location| match location {
+        let absolute = |location: &Location| match location {
             Location::File(path) => Location::File(std::path::absolute(path).unwrap_or_else(|_| path.clone())),
             Location::Preset(name) => Location::Preset(name.clone()),
-        });
-        let same = self.kept.get(&editor).is_some_and(|old| old.kind == kind && old.location == location && old.text == text);
+        };
+        let (location, session) = (location.map(absolute), session.map(absolute));
+        let same = self
+            .kept
+            .get(&editor)
+            .is_some_and(|old| (old.kind, &old.location, &old.session, old.text.as_str()) == (kind, &location, &session, text));
         if same && self.own_folder.as_ref().is_some_and(|own_folder| file_of(own_folder, editor).exists()) {
             return Ok(());
         }
-        self.put(editor, Draft { kind, location, text: text.to_owned(), time: SystemTime::now() })
+        self.put(editor, Draft { kind, location, session, text: text.to_owned(), time: SystemTime::now() })
     }
 
     fn put(&mut self, editor: u32, draft: Draft) -> Result<(), Diagnostic> {

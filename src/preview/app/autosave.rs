@@ -43,6 +43,8 @@ impl DraftSlot {
 pub(super) struct Unsaved {
     pub(super) kind: FileKind,
     pub(super) location: Option<Location>,
+    /// The session in which a text is open.
+    pub(super) session: Option<Location>,
     pub(super) text: String,
 }
 
@@ -114,7 +116,9 @@ impl AutosaveState {
         for (slot, change) in DraftSlot::ALL.into_iter().zip(changes) {
             let Some(change) = change else { continue };
             let done = match &change {
-                Change::Keep(Unsaved { kind, location, text }) => drafts.keep(slot.editor(), *kind, location.as_ref(), text),
+                Change::Keep(Unsaved { kind, location, session, text }) => {
+                    drafts.keep(slot.editor(), *kind, location.as_ref(), session.as_ref(), text)
+                }
                 Change::Remove => drafts.remove(slot.editor()),
             };
             if let Err(error) = done {

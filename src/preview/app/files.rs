@@ -259,6 +259,9 @@ impl App {
         let drafts = self.user_state.restore_drafts();
         if let Some(session) = drafts.iter().find(|draft| draft.kind == FileKind::Session) {
             self.take_session(session, &drafts);
+        } else if let Some(session) = drafts.iter().find_map(|draft| draft.session.clone()) {
+            // The session itself was saved.
+            self.open_session(session);
         }
         for draft in drafts {
             let Some(tab) = TextTab::of(draft.kind) else { continue };
@@ -398,8 +401,8 @@ impl App {
             Ok(_) => {
                 document.note_applied(true);
                 self.log.add(format!("{name}: read in {}", super::log::milliseconds(start.elapsed())));
-                let carried = CarriedValues::between(&before, self.workshop.values().table());
-                if !carried.without_parameter.is_empty() {
+                let carried = CarriedValues::between(&before, self.workshop.values());
+                if !carried.without_parameter.is_empty() || !carried.unused_defaults.is_empty() {
                     carried.sentence().into_iter().for_each(|sentence| self.log.add(format!("  {sentence}")));
                 }
                 self.note_mended(is_saved);

@@ -57,13 +57,16 @@ impl App {
     /// Notes the unsaved state of some drafts.
     pub(super) fn note_unsaved(&mut self, slots: &[DraftSlot], states: PerDraft<Option<u64>>) {
         let Self { workshop, documents, session, user_state, .. } = self;
-        let of_text =
-            |text: &Document| Unsaved { kind: text.kind(), location: text.location().cloned(), text: text.text().to_owned() };
+        let of_text = |text: &Document| {
+            let (location, session) = (text.location().cloned(), session.clone());
+            Unsaved { kind: text.kind(), location, session, text: text.text().to_owned() }
+        };
         user_state.note_unsaved(slots, states, |slot| match slot {
             DraftSlot::Formula => of_text(&documents.formula),
             DraftSlot::Scene => of_text(&documents.scene),
             DraftSlot::Session => {
-                Unsaved { kind: FileKind::Session, location: session.clone(), text: session_text(workshop, documents) }
+                let text = session_text(workshop, documents);
+                Unsaved { kind: FileKind::Session, location: session.clone(), session: None, text }
             }
         });
     }

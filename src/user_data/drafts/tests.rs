@@ -39,7 +39,7 @@ fn a_text_that_is_saved_leaves_nothing() {
     assert_eq!(leftover_drafts(&drafts), []);
     assert!(!folders.state.exists(), "nothing is made before there is something to keep");
     drafts.remove(0).unwrap();
-    drafts.keep(0, FileKind::Formula, None, "one").unwrap();
+    drafts.keep(0, FileKind::Formula, None, None, "one").unwrap();
     drafts.remove(0).unwrap();
     drop(drafts);
     assert_eq!(leftover_drafts(&Drafts::new(&folders)), []);
@@ -51,9 +51,9 @@ fn what_a_program_leaves_is_found_by_the_next() {
     let (_home, folders) = home();
     let mut drafts = Drafts::new(&folders);
     let preset = Location::new("preset:phong");
-    drafts.keep(0, FileKind::Formula, Some(&preset), "old").unwrap();
-    drafts.keep(0, FileKind::Formula, Some(&preset), "new").unwrap();
-    drafts.keep(1, FileKind::Scene, Some(&Location::new("a.scene")), "").unwrap();
+    drafts.keep(0, FileKind::Formula, Some(&preset), None, "old").unwrap();
+    drafts.keep(0, FileKind::Formula, Some(&preset), None, "new").unwrap();
+    drafts.keep(1, FileKind::Scene, Some(&Location::new("a.scene")), None, "").unwrap();
     assert_eq!(leftover_drafts(&Drafts::new(&folders)), [], "the program is running");
     assert_eq!(leftover_drafts(&drafts), []);
     drop(drafts);
@@ -82,8 +82,8 @@ fn what_a_program_leaves_is_found_by_the_next() {
 fn two_programs_have_drafts_of_their_own() {
     let (_home, folders) = home();
     let (mut one, mut other) = (Drafts::new(&folders), Drafts::new(&folders));
-    one.keep(0, FileKind::Formula, None, "one").unwrap();
-    other.keep(0, FileKind::Formula, None, "other").unwrap();
+    one.keep(0, FileKind::Formula, None, None, "one").unwrap();
+    other.keep(0, FileKind::Formula, None, None, "other").unwrap();
     one.remove(0).unwrap();
     drop(other);
     assert_eq!(texts(&leftover_drafts(&one)), ["other"]);
@@ -93,8 +93,8 @@ fn two_programs_have_drafts_of_their_own() {
 fn only_one_program_takes_a_draft_over() {
     let (_home, folders) = home();
     let mut gone = Drafts::new(&folders);
-    gone.keep(0, FileKind::Formula, None, "text").unwrap();
-    gone.keep(1, FileKind::Scene, None, "scene").unwrap();
+    gone.keep(0, FileKind::Formula, None, None, "text").unwrap();
+    gone.keep(1, FileKind::Scene, None, None, "scene").unwrap();
     drop(gone);
     let (mut one, mut other) = (Drafts::new(&folders), Drafts::new(&folders));
     let (mine, yours) = (leftover_drafts(&one), leftover_drafts(&other));
@@ -122,8 +122,8 @@ fn many_programs_at_once_lose_nothing() {
                     let mut drafts = Drafts::new(folders);
                     // Looking removes folders that are empty, while others are just making theirs.
                     let _ = drafts.leftover_drafts();
-                    drafts.keep(0, FileKind::Formula, None, &format!("{program} {round}")).unwrap();
-                    drafts.keep(1, FileKind::Scene, None, "saved").unwrap();
+                    drafts.keep(0, FileKind::Formula, None, None, &format!("{program} {round}")).unwrap();
+                    drafts.keep(1, FileKind::Scene, None, None, "saved").unwrap();
                     drafts.remove(1).unwrap();
                     if round % 2 == 0 {
                         drafts.remove(0).unwrap();
@@ -152,7 +152,7 @@ fn this_test(name: &str) -> String {
 fn a_killed_program_leaves_its_drafts() {
     if let Some(home) = std::env::var_os(CHILD_HOME) {
         let mut drafts = Drafts::new(&Folders::below(Path::new(&home)));
-        drafts.keep(0, FileKind::Formula, None, "typed until the end").unwrap();
+        drafts.keep(0, FileKind::Formula, None, None, "typed until the end").unwrap();
         fs::write(Path::new(&home).join("kept"), "").unwrap();
         std::io::stdin().read_to_end(&mut Vec::new()).unwrap();
         return;
@@ -183,14 +183,14 @@ fn a_killed_program_leaves_its_drafts() {
 fn the_same_text_is_not_written_again() {
     let (_home, folders) = home();
     let mut drafts = Drafts::new(&folders);
-    drafts.keep(0, FileKind::Formula, None, "text").unwrap();
+    drafts.keep(0, FileKind::Formula, None, None, "text").unwrap();
     let path = file_of(drafts.own_folder.as_ref().unwrap(), 0);
     let written = |path: &Path| fs::metadata(path).unwrap().modified().unwrap();
     let before = written(&path);
     std::thread::sleep(Duration::from_millis(20));
-    drafts.keep(0, FileKind::Formula, None, "text").unwrap();
+    drafts.keep(0, FileKind::Formula, None, None, "text").unwrap();
     assert_eq!(written(&path), before);
-    drafts.keep(0, FileKind::Formula, Some(&Location::new("/saved/as")), "text").unwrap();
+    drafts.keep(0, FileKind::Formula, Some(&Location::new("/saved/as")), None, "text").unwrap();
     assert!(written(&path) > before);
 }
 
@@ -198,10 +198,10 @@ fn the_same_text_is_not_written_again() {
 fn a_folder_that_is_taken_away_is_made_again_with_all_drafts() {
     let (_home, folders) = home();
     let mut drafts = Drafts::new(&folders);
-    drafts.keep(0, FileKind::Formula, None, "formula").unwrap();
-    drafts.keep(1, FileKind::Scene, None, "scene").unwrap();
+    drafts.keep(0, FileKind::Formula, None, None, "formula").unwrap();
+    drafts.keep(1, FileKind::Scene, None, None, "scene").unwrap();
     fs::remove_dir_all(&folders.state).unwrap();
-    drafts.keep(0, FileKind::Formula, None, "formula").unwrap();
+    drafts.keep(0, FileKind::Formula, None, None, "formula").unwrap();
     assert_eq!(leftover_drafts(&Drafts::new(&folders)), []);
     drop(drafts);
     assert_eq!(texts(&leftover_drafts(&Drafts::new(&folders))), ["formula", "scene"]);
@@ -212,20 +212,20 @@ fn what_cannot_be_kept_is_reported_and_tried_again() {
     let (home, folders) = home();
     fs::write(home.path().join("state"), "a file").unwrap();
     let mut drafts = Drafts::new(&folders);
-    let error = drafts.keep(0, FileKind::Formula, None, "text").unwrap_err();
+    let error = drafts.keep(0, FileKind::Formula, None, None, "text").unwrap_err();
     assert!(error.message().starts_with("cannot save the draft in `"), "{}", error.message());
     let (found, diagnostics) = drafts.leftover_drafts();
     assert_eq!((found.len(), diagnostics.len()), (0, 1), "{diagnostics:?}");
     fs::remove_file(home.path().join("state")).unwrap();
-    drafts.keep(0, FileKind::Formula, None, "text").unwrap();
+    drafts.keep(0, FileKind::Formula, None, None, "text").unwrap();
 
     // Something stands where the next one is to be: the first is unharmed, and so is what could not be kept.
     let path = file_of(drafts.own_folder.as_ref().unwrap(), 1);
     fs::create_dir_all(path.join("inside")).unwrap();
-    assert!(drafts.keep(1, FileKind::Scene, None, "scene").is_err());
-    assert!(drafts.keep(1, FileKind::Scene, None, "scene").is_err(), "an error is no success the second time");
+    assert!(drafts.keep(1, FileKind::Scene, None, None, "scene").is_err());
+    assert!(drafts.keep(1, FileKind::Scene, None, None, "scene").is_err(), "an error is no success the second time");
     fs::remove_dir_all(&path).unwrap();
-    drafts.keep(1, FileKind::Scene, None, "scene").unwrap();
+    drafts.keep(1, FileKind::Scene, None, None, "scene").unwrap();
     drop(drafts);
     assert_eq!(texts(&leftover_drafts(&Drafts::new(&folders))), ["scene", "text"]);
 }
@@ -234,7 +234,7 @@ fn what_cannot_be_kept_is_reported_and_tried_again() {
 #[test]
 fn a_system_that_takes_no_files_is_reported() {
     let mut drafts = Drafts::new(&Folders::below(Path::new("/proc/illuminator")));
-    assert!(drafts.keep(0, FileKind::Formula, None, "text").is_err());
+    assert!(drafts.keep(0, FileKind::Formula, None, None, "text").is_err());
     assert_eq!(leftover_drafts(&drafts), []);
 }
 
@@ -250,7 +250,7 @@ fn damaged_drafts_are_reported_and_stay_until_they_are_discarded() {
     ];
     let (_home, folders) = home();
     let mut gone = Drafts::new(&folders);
-    gone.keep(9, FileKind::Formula, None, "sound").unwrap();
+    gone.keep(9, FileKind::Formula, None, None, "sound").unwrap();
     let own_folder = gone.own_folder.as_ref().unwrap();
     for (editor, (bytes, _)) in damaged.iter().enumerate() {
         fs::write(file_of(own_folder, editor as u32), bytes).unwrap();
@@ -278,7 +278,7 @@ fn damaged_drafts_are_reported_and_stay_until_they_are_discarded() {
 fn folders_without_a_lock_are_taken_for_left_behind() {
     let (_home, folders) = home();
     let mut gone = Drafts::new(&folders);
-    gone.keep(0, FileKind::Formula, None, "text").unwrap();
+    gone.keep(0, FileKind::Formula, None, None, "text").unwrap();
     let folder = gone.own_folder.as_ref().unwrap().folder().to_owned();
     drop(gone);
     fs::remove_file(folder.join("lock")).unwrap();
@@ -296,7 +296,7 @@ fn huge_texts_are_kept() {
     let text = "formula; /* \"\\ \t\r\n\0 ž \u{1f600} ''' \"\"\" */\n".repeat(200_000);
     assert!(text.len() > crate::lang::source::MAX_BYTES);
     let mut drafts = Drafts::new(&folders);
-    drafts.keep(0, FileKind::Formula, None, &text).unwrap();
+    drafts.keep(0, FileKind::Formula, None, None, &text).unwrap();
     drop(drafts);
     let found = leftover_drafts(&Drafts::new(&folders));
     assert!(found[0].draft.as_ref().unwrap().text == text);
@@ -309,7 +309,7 @@ fn a_text_from_a_path_that_is_no_text_is_kept_without_it() {
     let (_home, folders) = home();
     let location = Location::File(PathBuf::from(std::ffi::OsStr::from_bytes(b"/a\xff")));
     let mut drafts = Drafts::new(&folders);
-    drafts.keep(0, FileKind::Formula, Some(&location), "text").unwrap();
+    drafts.keep(0, FileKind::Formula, Some(&location), None, "text").unwrap();
     drop(drafts);
     let found = leftover_drafts(&Drafts::new(&folders));
     let draft = found[0].draft.as_ref().unwrap();
@@ -322,7 +322,7 @@ fn pipes_in_place_of_drafts_and_locks_are_reported() {
     use rustix::fs::{CWD, FileType, Mode, mknodat};
     let (_home, folders) = home();
     let mut gone = Drafts::new(&folders);
-    gone.keep(0, FileKind::Formula, None, "text").unwrap();
+    gone.keep(0, FileKind::Formula, None, None, "text").unwrap();
     drop(gone);
     let pipe = |name: &str| {
         let path = folders.state.join("drafts").join(name);
@@ -343,7 +343,7 @@ fn drafts_are_the_users_alone() {
     use std::os::unix::fs::PermissionsExt;
     let (_home, folders) = home();
     let mut drafts = Drafts::new(&folders);
-    drafts.keep(0, FileKind::Formula, None, "text").unwrap();
+    drafts.keep(0, FileKind::Formula, None, None, "text").unwrap();
     assert_eq!(fs::metadata(folders.state.join("drafts")).unwrap().permissions().mode() & 0o77, 0);
 }
 
@@ -354,7 +354,7 @@ proptest! {
         let path = folder.path().join("0.toml");
         for text in [text, lines] {
             let location = Some(Location::File(Path::new("/").join(text.replace('\0', ""))));
-            let draft = Draft { kind: FileKind::Session, location, text, time: UNIX_EPOCH + Duration::from_secs(seconds) };
+            let draft = Draft { kind: FileKind::Formula, session: location.clone(), location, text, time: UNIX_EPOCH + Duration::from_secs(seconds) };
             fs::write(&path, to_toml(&draft).unwrap()).unwrap();
             prop_assert_eq!(read(&path).unwrap(), draft);
         }

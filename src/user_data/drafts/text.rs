@@ -19,19 +19,23 @@ struct DraftText<'d> {
     kind: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
     location: Option<&'d str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    session: Option<&'d str>,
     /// Seconds since 1970.
     time: u64,
     text: &'d str,
 }
 
 pub(super) fn to_toml(draft: &Draft) -> io::Result<String> {
-    let location = draft.location.as_ref().and_then(|location| match location {
+    let written = |location: &Location| match location {
         Location::Preset(_) => Some(location.to_string()),
         // TOML cannot hold all paths. The text matters more than its path.
         Location::File(path) => path.to_str().map(str::to_owned),
-    });
+    };
+    let [location, session] = [&draft.location, &draft.session].map(|location| location.as_ref().and_then(written));
     let time = draft.time.duration_since(UNIX_EPOCH).unwrap_or_default().as_secs();
-    let text = DraftText { version: VERSION, kind: draft.kind.word(), location: location.as_deref(), time, text: &draft.text };
+    let (location, session) = (location.as_deref(), session.as_deref());
+    let text = DraftText { version: VERSION, kind: draft.kind.word(), location, session, time, text: &draft.text };
     toml::to_string(&text).map_err(io::Error::other)
 }
 
@@ -55,12 +59,13 @@ pub(super) fn read(path: &Path) -> Result<Draft, Diagnostic> {
 fn parse_draft(source: &Source) -> Result<Draft, Diagnostics> {
     let table = parse(source)?;
     let mut diagnostics = Diagnostics::new();
-    let [mut version, mut kind, mut location, mut time, mut text] = [None; 5];
+    let [mut version, mut kind, mut location, mut session, mut time, mut text] = [None; 6];
     for entry in entries(&table) {
         match entry.key {
             "version" => version = Some(entry.value),
             "kind" => kind = Some(entry.value),
             "location" => location = Some(entry.value),
+            "session" => session = Some(entry.value),
             "time" => time = Some(entry.value),
             "text" => text = Some(entry.value),
             // A later version may add keys. Ignoring them loses nothing.
@@ -75,13 +80,14 @@ fn parse_draft(source: &Source) -> Result<Draft, Diagnostics> {
     };
     let text = take(text, "text = \"formula; = Cd;\"");
     let word = take(kind, "kind = \"formula\"");
-    let location = location.and_then(|location| take(Some(location), "")).map(Location::new);
+    let [location, session] =
+        [location, session].map(|location| location.and_then(|location| take(Some(location), "")).map(Location::new));
     let seconds = time.and_then(|time| time.whole(0..i64::MAX).ok()).unwrap_or_default();
     let kind = word.and_then(|word| FileKind::ALL.into_iter().find(|kind| kind.word() == word));
     let time: Option<SystemTime> = UNIX_EPOCH.checked_add(Duration::from_secs(seconds.unsigned_abs()));
     match (kind, text) {
         (Some(kind), Some(text)) if !diagnostics.has_errors() => {
-            Ok(Draft { kind, location, text, time: time.unwrap_or(UNIX_EPOCH) })
+            Ok(Draft { kind, location, session, text, time: time.unwrap_or(UNIX_EPOCH) })
         }
         _ => {
             if !diagnostics.has_errors() {

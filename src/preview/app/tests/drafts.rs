@@ -62,6 +62,25 @@ fn values_that_are_unsaved_are_offered_again_with_the_texts_that_they_are_of() {
 }
 
 #[test]
+fn a_text_comes_back_in_the_session_that_it_was_open_in() {
+    let home = tempfile::tempdir().expect("a folder");
+    let folders = Folders::below(home.path());
+    let path = home.path().join("own.toml");
+    let mut app = App::new(Some(&Location::Preset("sunset".to_owned())), Some(&folders)).expect("a built-in session");
+    app.perform(Action::SaveTo(Some(FileKind::Session), path.clone()));
+    assert!(!app.is_unsaved());
+    app.documents.formula.replace_text("formula;\n= N;\n");
+    app.closing();
+    drop(app);
+    let mut app = App::new(None, Some(&folders)).expect("the startup session");
+    assert_eq!(app.user_state.draft_names().len(), 1, "the session is saved");
+    app.perform(Action::RestoreDrafts);
+    assert_eq!((app.session.as_ref(), app.documents.formula.text()), (Some(&Location::File(path)), "formula;\n= N;\n"));
+    assert_eq!(app.documents.scene.location(), Some(&Location::Preset("sunset".to_owned())));
+    assert!(app.documents.formula.unsaved());
+}
+
+#[test]
 fn values_of_built_in_sessions_are_left_once_and_not_asked_for() {
     let home = tempfile::tempdir().expect("a folder");
     let folders = Folders::below(home.path());
