@@ -5,12 +5,18 @@ use crate::preview::app::thumbnail_key::ThumbnailKey;
 use crate::preview::app::thumbnails::THUMBNAIL;
 use crate::preview::app::{Action, App};
 use crate::workspace::{FileKind, Location, presets};
-use egui::{Align, Button, Context, Frame, Layout, Modal, Rect, RichText, ScrollArea, Sense, Ui, WidgetInfo, WidgetType, vec2};
+use egui::{
+    Align, Button, Context, Frame, Layout, Modal, Rect, RichText, ScrollArea, Sense, TextStyle, Ui, WidgetInfo, WidgetType, vec2,
+};
 use std::path::PathBuf;
 
-/// The space around the picture of a card, and the height of its texts, in points.
+/// The space around the picture and the texts of a card, that between them, and that below its name, in points.
 const MARGIN: f32 = 8.0;
-const TEXTS: f32 = 60.0;
+const ABOVE_TEXTS: f32 = 6.0;
+const BELOW_NAME: f32 = 2.0;
+
+/// The most lines that say what a session shows.
+const LINES: f32 = 3.0;
 
 /// The gallery.
 #[derive(Default)]
@@ -39,9 +45,9 @@ pub(super) fn gallery_ui(app: &mut App, context: &Context, actions: &mut Vec<Act
     let frame = Frame::popup(&context.global_style()).inner_margin(18.0);
     let before = actions.len();
     let screen = context.content_rect().size();
-    let card = vec2(THUMBNAIL.x + 2.0 * MARGIN, THUMBNAIL.y + TEXTS + 2.0 * MARGIN);
-    let most = ((screen.x - 100.0) / (card.x + 8.0)).floor().clamp(2.0, 4.0);
     let shown = Modal::new(egui::Id::new("gallery")).frame(frame).show(context, |ui| {
+        let card = card_size(ui);
+        let most = ((screen.x - 100.0) / (card.x + 8.0)).floor().clamp(2.0, 4.0);
         let width = most * (card.x + 8.0);
         ui.set_width(width);
         ui.horizontal(|ui| {
@@ -118,6 +124,12 @@ fn recent_ui(ui: &mut Ui, recent: &[ThumbnailKey], actions: &mut Vec<Action>) {
     });
 }
 
+/// The size of a card, with room for all its texts.
+fn card_size(ui: &Ui) -> egui::Vec2 {
+    let texts = ui.text_style_height(&TextStyle::Body) + BELOW_NAME + LINES * ui.text_style_height(&TextStyle::Small);
+    vec2(THUMBNAIL.x + 2.0 * MARGIN, THUMBNAIL.y + ABOVE_TEXTS + texts + 2.0 * MARGIN)
+}
+
 /// Draws a card: a picture, a name, and a line. Returns whether it was clicked.
 fn card_ui(app: &mut App, ui: &mut Ui, size: egui::Vec2, key: &ThumbnailKey, name: &str, about: &str) -> bool {
     let (rect, response) = ui.allocate_exact_size(size, Sense::click());
@@ -129,9 +141,9 @@ fn card_ui(app: &mut App, ui: &mut Ui, size: egui::Vec2, key: &ThumbnailKey, nam
     ui.painter().rect_filled(rect, 6.0, if response.hovered() { widget.weak_bg_fill } else { ui.visuals().faint_bg_color });
     let picture = Rect::from_min_size(rect.min + vec2(MARGIN, MARGIN), THUMBNAIL);
     app.thumbnails.paint(ui, picture, key);
-    let texts = Rect::from_min_max(picture.left_bottom() + vec2(0.0, 6.0), rect.max - vec2(MARGIN, 2.0));
+    let texts = Rect::from_min_max(picture.left_bottom() + vec2(0.0, ABOVE_TEXTS), rect.max - vec2(MARGIN, MARGIN));
     let mut inner = ui.new_child(egui::UiBuilder::new().max_rect(texts).layout(Layout::top_down(Align::LEFT)));
-    inner.spacing_mut().item_spacing.y = 2.0;
+    inner.spacing_mut().item_spacing.y = BELOW_NAME;
     inner.set_clip_rect(texts.intersect(ui.clip_rect()));
     inner.add(egui::Label::new(RichText::new(name).strong()).selectable(false));
     inner.add(egui::Label::new(RichText::new(about).small()).selectable(false).wrap());

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::preview::app::action::PanelId;
+use crate::workspace::presets;
 use egui::Rect;
 
 /// The rectangles of widgets with these labels.
@@ -73,5 +74,18 @@ fn the_list_of_bodies_and_lights_shows_whole_rows() {
         let off = |top: &&f32| ((**top - tops[0]) / 22.0).fract().abs() > 0.01;
         assert_eq!(tops.iter().find(off), None, "rows of one height");
         assert!(tops[0] < material);
+    }
+}
+
+#[test]
+fn the_texts_of_cards_keep_off_their_edges() {
+    let mut harness = harness();
+    harness.set_size(egui::vec2(1280.0, 800.0));
+    harness.state_mut().perform(Action::ShowGallery);
+    harness.run_steps(4);
+    for preset in presets::all(FileKind::Session) {
+        let card = harness.get_by_role_and_label(Role::Button, preset.name).rect();
+        let about = harness.get_by_role_and_label(Role::Label, preset.about).rect();
+        assert!(about.bottom() <= card.bottom() - 6.0 && about.left() > card.left(), "{}: {about:?} in {card:?}", preset.name);
     }
 }
