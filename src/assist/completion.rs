@@ -44,7 +44,12 @@ pub fn complete(kind: FileKind, text: &str, words: &Words, cursor: usize) -> Opt
     // Nothing is completed inside a comment, number or path, but it is after its end.
     let inside = |class| matches!(class, Class::Comment | Class::Number | Class::Uses | Class::Unknown);
     let in_comment = cursor > 0 && words.class_at(cursor - 1) == Class::Comment && !text[..cursor].ends_with("*/");
-    if in_comment || (!typed.is_empty() && inside(words.class_at(word.start))) || typed.starts_with(|c: char| c.is_ascii_digit())
+    // No letter of the path need be there yet.
+    let in_path = cursor > 0 && words.class_at(cursor - 1) == Class::Uses && !text[..cursor].ends_with(';');
+    if in_comment
+        || in_path
+        || (!typed.is_empty() && inside(words.class_at(word.start)))
+        || typed.starts_with(|c: char| c.is_ascii_digit())
     {
         return None;
     }
@@ -306,6 +311,10 @@ mod tests {
         assert_eq!(in_formula("global; a: scalar, default 1|"), [""; 0]);
         assert_eq!(in_formula("global; a: scalar; invariants; a+k|")[..2], ["kr", "kt"]);
         assert_eq!(in_formula("formula; = Cd; // c|"), [""; 0]);
+        for path in ["#uses |", "#uses |;\nformula;", "#uses metals/|;", "#uses metals.t|", "#uses my | metals;"] {
+            assert_eq!(in_formula(path), [""; 0], "{path}");
+        }
+        assert_eq!(in_formula("#uses m.toml;|")[0], "global");
         assert_eq!(in_formula("/* a */ f|"), ["formula"]);
         assert_eq!(names(FileKind::Scene, "|"), ["bodies", "lights", "camera"]);
         assert_eq!(names(FileKind::Scene, "bodies; b: s|"), ["sphere"]);

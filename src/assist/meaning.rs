@@ -6,8 +6,10 @@ use crate::assist::words::{Class, Declared, TextSection, Words, scene_words};
 use crate::lang::builtins::{self, Form, Repetition};
 use crate::lang::display_text::one_line;
 use crate::lang::keywords;
+use crate::lang::parser::parse;
+use crate::lang::source::Source;
 use crate::lang::surface_terms::SurfaceTerm;
-use crate::lang::token::Mark;
+use crate::lang::token::{Mark, Token, TokenKind};
 use crate::lang::variables::{Predefined, Variable};
 use crate::workspace::FileKind;
 use std::ops::Range;
@@ -34,7 +36,7 @@ pub fn meaning_at(
         Class::Keyword => formula_keyword(word),
         Class::Function => builtins::named(word).map(function).or_else(|| Repetition::named(word).map(repetition)),
         Class::Variable => Variable::named(word).as_ref().map(variable),
-        Class::Predefined => Predefined::named(word).as_ref().map(predefined),
+        Class::Predefined => Predefined::named(word).map(|parameter| predefined_here(parameter, text, words)),
         Class::Parameter | Class::Named => {
             let declared = words.declared.iter().find(|declared| declared.name == word)?;
             let symbol = symbols.iter().find(|symbol| !symbol.kind.is_local() && symbol.name == word);
@@ -46,6 +48,28 @@ pub fn meaning_at(
         Class::Plain | Class::Number | Class::Comment | Class::Uses | Class::Unknown => None,
     };
     found.map(|found| (found, range))
+}
+
+/// A predefined parameter, with the attributes that the text gives it and what the author says about it.
+fn predefined_here(parameter: Predefined, text: &str, words: &Words) -> Candidate {
+    let mut known = predefined(&parameter);
+    let is_line = |pair: &[Token]| {
+        let is_name = matches!(&pair[0].kind, TokenKind::Word(word) if word == parameter.name());
+        let is_inside = words.section(pair[0].span.range().start) == TextSection::Predefined;
+        is_name && is_inside && pair[1].kind == TokenKind::Mark(Mark::Colon)
+    };
+    let Some(colon) = words.tokens.windows(2).position(is_line).map(|at| at + 1) else { return known };
+    let rest = &words.tokens[colon..];
+    let end = rest.iter().position(|token| token.kind == TokenKind::Mark(Mark::Semicolon)).unwrap_or(rest.len());
+    if let [_, first, ..] = &rest[..end] {
+        let attributes = first.span.to(rest[end - 1].span).range();
+        let attributes = text[attributes].split_whitespace().collect::<Vec<_>>().join(" ");
+        known.types = one_line(&format!("{}, {attributes}", known.types));
+    }
+    let (file, _) = parse(&Source::new("", text));
+    let author = file.predefined().find(|line| line.name.text == parameter.name()).and_then(|line| line.doc.clone());
+    known.doc = std::iter::once(known.doc).chain(author).collect::<Vec<_>>().join("\n");
+    known
 }
 
 /// A name of one expression.
@@ -123,7 +147,6 @@ fn scene_keyword(words: &Words, start: usize, word: &str) -> Option<Candidate> {
 mod tests {
     use super::*;
     use crate::assist::symbols::symbols;
-    use crate::lang::source::Source;
 
     /// What is known about the word at the `|`.
     fn known(kind: FileKind, marked: &str) -> Option<(String, String)> {
@@ -151,6 +174,18 @@ mod tests {
         let own = in_formula(&head.replace("D = k", "D = |k")).expect("a parameter");
         assert_eq!(own, ("scalar, default 0.5".to_owned(), "matte part".to_owned()));
         assert_eq!(in_formula("formula; = 1|2; // t|ext"), None);
+    }
+
+    #[test]
+    fn predefined_parameters_have_what_the_text_gives_them() {
+        let text = "predefined;\nki: constraint 0..50,\n  default 1, slider; // in candela\nformula;\n= |ki*kr*IL;";
+        let plain = in_formula("formula; = |ki*Cd;").expect("a parameter");
+        assert_eq!(plain.0, "scalar");
+        let given = ("scalar, constraint 0..50, default 1, slider".to_owned(), format!("{}\nin candela", plain.1));
+        assert_eq!(in_formula(text), Some(given.clone()));
+        assert_eq!(in_formula(&text.replace('|', "").replace("ki:", "|ki:")), Some(given));
+        let other = in_formula(&text.replace("|ki*kr", "ki*|kr")).expect("a parameter");
+        assert_eq!(other.0, "scalar");
     }
 
     #[test]

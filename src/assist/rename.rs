@@ -42,6 +42,18 @@ impl fmt::Display for RenameError {
 
 impl std::error::Error for RenameError {}
 
+/// The name at a byte and its place there, if the text defines one.
+///
+/// # Errors
+/// The name has a meaning, so it cannot be changed.
+pub fn renamable(kind: FileKind, source: &Source, byte: usize) -> Result<Option<(Symbol, SourceSpan)>, RenameError> {
+    let found = symbol_at(kind, source, byte);
+    match found.as_ref().and_then(|(symbol, _)| given_term(kind, symbol, source)) {
+        Some(term) => Err(RenameError::Term(term)),
+        None => Ok(found),
+    }
+}
+
 /// The places where the new name must stand so that the name at a byte is changed. Before and after, the text means the
 /// same.
 ///
@@ -58,7 +70,7 @@ pub fn renamed(kind: FileKind, source: &Source, byte: usize, new: &str) -> Resul
     }
     if kind == FileKind::Formula
         && !symbol.kind.is_local()
-        && let Some(term) = given_term(&symbol, source).or(SurfaceTerm::named(new))
+        && let Some(term) = given_term(kind, &symbol, source).or(SurfaceTerm::named(new))
     {
         return Err(RenameError::Term(term));
     }
@@ -80,9 +92,10 @@ pub fn renamed(kind: FileKind, source: &Source, byte: usize, new: &str) -> Resul
 
 /// The term of the lighting equation that a macro gives. One that the formula itself reads gives none. A text with
 /// errors does not tell, so there the name decides.
-fn given_term(symbol: &Symbol, source: &Source) -> Option<SurfaceTerm> {
+fn given_term(kind: FileKind, symbol: &Symbol, source: &Source) -> Option<SurfaceTerm> {
     let gives = |term: &SurfaceTerm| Formula::parse(source).map_or(true, |(formula, _)| formula.surface.get(*term).is_some());
-    SurfaceTerm::named(&symbol.name).filter(|_| symbol.kind == SymbolKind::Macro).filter(gives)
+    let is_macro = kind == FileKind::Formula && symbol.kind == SymbolKind::Macro;
+    SurfaceTerm::named(&symbol.name).filter(|_| is_macro).filter(gives)
 }
 
 /// The messages of the errors of a text.

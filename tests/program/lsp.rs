@@ -164,6 +164,9 @@ fn terms_of_the_lighting_equation_are_completed_and_explained() {
         "formula;\nambient = Cd;\nemission = 0.1*Cd; // the glow\nreflected = kr*(1 - eta)*total;\nref\n= IL*Cd*visible;\n";
     let mut editor = EditorSession::begun();
     editor.open("illuminator-formula", TERMS);
+    let refused = editor.ask_at("textDocument/prepareRename", 3, 2, &json!({}));
+    let told = refused["error"]["message"].as_str().expect("a reason");
+    assert!(told.starts_with("the name `reflected` has a meaning: "), "{refused}");
     let completion = editor.ask_at("textDocument/completion", 4, 3, &json!({}));
     let items = completion["result"]["items"].as_array().expect("a list");
     assert_eq!(items.len(), 1, "`reflected` is there already: {items:?}");

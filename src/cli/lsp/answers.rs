@@ -4,7 +4,7 @@ use crate::cli::fmt::laid_out;
 use crate::cli::lsp::texts::{OpenText, OpenTexts, language};
 use illuminator::assist::completion::{Candidate, complete};
 use illuminator::assist::meaning::meaning_at;
-use illuminator::assist::rename::renamed;
+use illuminator::assist::rename::{renamable, renamed};
 use illuminator::assist::symbols::{Symbol, SymbolKind, symbol_at, symbols};
 use illuminator::assist::words::{Class, Words};
 use lsp_server::ErrorCode;
@@ -57,7 +57,7 @@ pub(super) fn answer(method: &str, params: Value, texts: &OpenTexts, markdown: b
             at(texts, &asked.text_document_position, |text, byte| references(text, byte, with_definition))
         }),
         PrepareRenameRequest::METHOD => {
-            parsed::<TextDocumentPositionParams>(params).and_then(|asked| at(texts, &asked, renamable))
+            parsed::<TextDocumentPositionParams>(params).and_then(|asked| at(texts, &asked, name_to_change))
         }
         Rename::METHOD => parsed::<lsp_types::RenameParams>(params)
             .and_then(|asked| at(texts, &asked.text_document_position, |text, byte| rename(text, byte, &asked.new_name))),
@@ -175,8 +175,9 @@ fn references(text: &OpenText, byte: usize, with_definition: bool) -> AnswerResu
 }
 
 /// The place of the name that may be changed; null if there is none.
-fn renamable(text: &OpenText, byte: usize) -> AnswerResult {
-    let found = symbol_at(text.kind(), &text.source, byte);
+fn name_to_change(text: &OpenText, byte: usize) -> AnswerResult {
+    let found = renamable(text.kind(), &text.source, byte)
+        .map_err(|error| AnswerError::new(ErrorCode::RequestFailed, &error.to_string()))?;
     Ok(found.map_or(
         Value::Null,
         |(symbol, place)| json!({ "range": text.positions().range(place.range()), "placeholder": symbol.name }),
