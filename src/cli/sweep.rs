@@ -37,8 +37,8 @@ const BYTES_PER_SHEET_PIXEL: u64 = 6;
 #[derive(Args, Debug)]
 pub(super) struct Options {
     /// Vary a value in N equal steps: ball.kd=0..1:5, ka=0..0.5:3, *.kd=0..1:5 for all, ball.Cd=#ff0000..#0000ff:5,
-    /// ball.Cd.r=0..1:5 for a component. Or give a list: ball.kd=0.1,0.5, ball.model=GGX,Beckmann, ball.model=all for all
-    /// choices. Given twice, the first one changes from row to row
+    /// ball.Cd.r=0..1:5 for a component. Or give a list: ball.kd=0.1,0.5, ball.model=GGX,Beckmann, ball.model=all for
+    /// all choices. Given twice, the first one changes from row to row
     #[arg(long, value_name = "OWNER.PARAM=A..B:N", value_parser = read::<Variation>, required = true)]
     vary: Vec<Variation>,
     /// Contact sheet (.png or .bmp; - writes PNG to standard output), or with a place for a number, as in
@@ -63,7 +63,8 @@ struct Made<'s> {
     file: String,
     /// The varied values as they are used, by name.
     values: BTreeMap<&'s str, Numbers<'s>>,
-    /// The given values of those that are not used as given, because they are outside their range or break an invariant.
+    /// The given values of those that are not used as given, because they are outside their range or break an
+    /// invariant.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     clamped: BTreeMap<&'s str, Numbers<'s>>,
     /// Arguments of `--set` that give the same picture.

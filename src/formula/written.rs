@@ -1,7 +1,7 @@
 //! What was typed for the expressions of a checked formula, also with numbers in place of names.
 //!
-//! Terms have functions and sums written out, which may be long. Here a call and a sum stay as they were typed, so a text
-//! grows with the formula and not with its terms.
+//! Terms have functions and sums written out, which may be long. Here a call and a sum stay as they were typed, so a
+//! text grows with the formula and not with its terms.
 
 use crate::formula::{Formula, Term, TermId};
 use crate::lang::ast::{Expr, ExprId, ExprKind, FormulaFile, Name};

@@ -70,8 +70,8 @@ impl Drafts {
         Self { folder: folders.state.join("drafts"), own_folder: None, kept: BTreeMap::new() }
     }
 
-    /// Saves the text of an editor in a session, instead of its previous draft. It is on disk when this returns. Saving the same
-    /// text again costs next to nothing.
+    /// Saves the text of an editor in a session, instead of its previous draft. It is on disk when this returns. Saving
+    /// the same text again costs next to nothing.
     ///
     /// # Errors
     /// It cannot be written, for instance because the disk is full. The previous draft is unchanged, and the next call

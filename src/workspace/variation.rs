@@ -28,12 +28,12 @@ const COMPONENTS: [[&str; 3]; 2] = [["r", "g", "b"], ["x", "y", "z"]];
 pub struct Variation {
     /// Owner, parameter and component, as far as they are given: one to three words.
     words: Vec<String>,
-    values: GivenValues,
+    values: WrittenSteps,
 }
 
 /// The values of a variation as they are given.
 #[derive(Debug, Clone, PartialEq)]
-enum GivenValues {
+enum WrittenSteps {
     /// The first value and the last one, which have one type, and the number of steps, 1..=[`MOST_STEPS`].
     Range { ends: [Constant; 2], count: u32 },
     /// Values with commas between them. Only the parameter tells which of them are names of choices.
@@ -107,7 +107,7 @@ impl FromStr for Variation {
         let is_range = values.rsplit_once(':').is_some_and(|(range, _)| parse_range(range).is_some());
         let is_list = split_list(values).len() > 1 || may_be_choice(values) && !values.contains("..");
         if is_list && !is_range {
-            return Ok(Variation { words, values: GivenValues::List(values.to_owned()) });
+            return Ok(Variation { words, values: WrittenSteps::List(values.to_owned()) });
         }
         let Some((range, count)) = values.rsplit_once(':') else {
             return Err(match parse_range(values) {
@@ -122,7 +122,7 @@ impl FromStr for Variation {
         let count = count.trim();
         let number = count.parse().ok().filter(|number| (1..=MOST_STEPS).contains(number));
         let count = number.ok_or_else(|| VariationError::Count(count.to_owned()))?;
-        Ok(Variation { words, values: GivenValues::Range { ends, count } })
+        Ok(Variation { words, values: WrittenSteps::Range { ends, count } })
     }
 }
 
@@ -178,8 +178,8 @@ impl Variation {
         let component = component.map(|word| component_named(word, parameter)).transpose()?;
         let known = table.parameter_named(parameter).map(|id| table.parameter(id));
         let given = match &self.values {
-            GivenValues::Range { ends, .. } => ends.to_vec(),
-            GivenValues::List(text) => known.map_or_else(|| Ok(Vec::new()), |known| listed(text, known))?,
+            WrittenSteps::Range { ends, .. } => ends.to_vec(),
+            WrittenSteps::List(text) => known.map_or_else(|| Ok(Vec::new()), |known| listed(text, known))?,
         };
         if component.is_some() && given.iter().any(|value| value.ty() == Type::Vector) {
             return Err(VariationError::VectorForComponent(self.label()));
@@ -212,8 +212,8 @@ impl Variation {
         }
         let vector = given.iter().any(|value| value.ty() == Type::Vector);
         let steps = match &self.values {
-            GivenValues::Range { ends, count } => steps(*ends, *count),
-            GivenValues::List(_) => given.into_iter().map(three_numbers).collect(),
+            WrittenSteps::Range { ends, count } => steps(*ends, *count),
+            WrittenSteps::List(_) => given.into_iter().map(three_numbers).collect(),
         };
         Ok(VariedValues { label: self.label(), targets, component, steps, vector })
     }
@@ -267,11 +267,11 @@ fn component_named(word: &str, parameter: &str) -> Result<usize, VariationError>
 impl fmt::Display for Variation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match &self.values {
-            GivenValues::Range { ends, count } => {
+            WrittenSteps::Range { ends, count } => {
                 let [first, last] = ends.map(|end| show(end.components()));
                 write!(f, "{}={first}..{last}:{count}", self.label())
             }
-            GivenValues::List(text) => write!(f, "{}={text}", self.label()),
+            WrittenSteps::List(text) => write!(f, "{}={text}", self.label()),
         }
     }
 }

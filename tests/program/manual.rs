@@ -222,6 +222,7 @@ fn links_lead_somewhere() {
                 if file.contains("://") {
                     continue;
                 }
+                assert!(!file.starts_with(".."), "{place}: `{target}` leads out of the book, where it is broken");
                 let path = if file.is_empty() { folder().join(name) } else { folder().join(file) };
                 assert!(path.exists(), "{place}: there is no `{target}`");
                 if !heading.is_empty() {

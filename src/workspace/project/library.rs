@@ -1,4 +1,5 @@
-//! The material library that a formula names: where it is, and what is wrong with it, marked where the formula names it.
+//! The material library that a formula names: where it is, and what is wrong with it, marked where the formula names
+//! it.
 
 use crate::files::Readable;
 use crate::formula::Formula;

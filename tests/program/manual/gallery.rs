@@ -55,7 +55,7 @@ pub(super) fn gallery() -> String {
         let name = preset.name;
         let source = presets::text(FileKind::Formula, name).expect("a built-in formula");
         text.push_str(&format!("## {name}\n\n{}.\n", preset.about));
-        text.push_str(&format!("The formula is [presets/formula/{name}.formula]({FORMULAS}/{name}.formula).\n"));
+        text.push_str(&format!("`illuminator fmt --stdout preset:{name}` prints the formula.\n"));
         text.push_str(&head(source));
         text.push_str(&parameters(name, source));
         if let Some(library) = library_of(source) {
@@ -115,9 +115,6 @@ fn library_of(text: &str) -> Option<&'static str> {
     let name = text.lines().find_map(|line| line.strip_prefix("#uses preset:")?.split(';').next())?;
     presets::text(FileKind::Material, name)
 }
-
-/// Where the built-in formulas lie, seen from a chapter.
-const FORMULAS: &str = "../../../presets/formula";
 
 /// A paragraph in lines of at most 120 characters.
 fn wrapped(text: &str) -> String {
