@@ -21,6 +21,9 @@ use crate::lang::types::Type;
 use std::collections::{HashMap, HashSet};
 use std::rc::Rc;
 
+/// A function and the values of its arguments.
+type CallKey = (usize, Vec<TermId>);
+
 /// The checked expressions.
 pub(super) struct Checked {
     /// All terms, operands before their users.
@@ -118,7 +121,7 @@ pub(super) struct Checker<'c> {
     /// The names to write numbers for in a root, see [`leaves`].
     leaves: HashMap<ExprId, Rc<[ExprId]>>,
     /// The values of calls, by the function and its arguments, and their indices in `written_calls`.
-    calls: HashMap<(usize, Vec<TermId>), Option<(Settled, u32)>>,
+    calls: HashMap<CallKey, Option<(Settled, u32)>>,
     written_calls: Vec<WrittenCall>,
     /// The expressions with a mistake in their types that has been reported.
     reported: HashSet<ExprId>,
@@ -145,7 +148,7 @@ enum FramePurpose<'c> {
     /// It is a macro or the result.
     Root,
     /// It is the value of a call.
-    Call { key: (usize, Vec<TermId>), callee: SourceSpan },
+    Call { key: CallKey, callee: SourceSpan },
     /// It is a term of a sum or a product: that for `index`. `total` has the terms before.
     Repetition { call: RepetitionCall<'c>, index: i32, last: i32, total: Option<Settled> },
 }
