@@ -60,6 +60,45 @@ fn every_built_in_material_fits_its_formula() {
     assert_eq!(used, presets::names(FileKind::Material).map(str::to_owned).collect(), "every library belongs to a formula");
 }
 
+/// Metals with their indices n and k at 650, 550 and 450 nm, interpolated in the tables of refractiveindex.info:
+/// Johnson and Christy (1972, 1974), aluminium of Rakic (1995).
+const METALS: [(&str, [f64; 3], [f64; 3]); 7] = [
+    ("gold", [0.1556, 0.4241, 1.3831], [3.6024, 2.4721, 1.9155]),
+    ("copper", [0.2378, 1.0066, 1.2404], [3.6264, 2.5823, 2.3929]),
+    ("silver", [0.0522, 0.0596, 0.0400], [4.4094, 3.5974, 2.6484]),
+    ("nickel", [1.9900, 1.9212, 1.7290], [4.2086, 3.6158, 2.9435]),
+    ("chromium", [3.1071, 3.1812, 2.3230], [3.3314, 3.3291, 3.1350]),
+    ("titanium", [2.7407, 2.5418, 2.2670], [3.8143, 3.4345, 3.0385]),
+    ("aluminium", [1.5580, 1.0152, 0.6332], [7.7124, 6.6273, 5.4544]),
+];
+
+#[test]
+fn metals_have_their_measured_indices() {
+    let mut found = 0;
+    for name in presets::names(FileKind::Material) {
+        let text = presets::text(FileKind::Material, name).expect("a built-in file");
+        let table: toml::Table = text.parse().expect("a sound library");
+        for (metal, n, k) in METALS {
+            let vector = |key: &str| -> Option<Vec<f64>> {
+                let components = table.get(metal)?.get(key)?.as_array()?;
+                components.iter().map(toml::Value::as_float).collect()
+            };
+            let (Some(given_n), Some(given_k), Some(colour)) = (vector("n"), vector("k"), vector("Cd")) else {
+                continue;
+            };
+            found += 1;
+            for i in 0..3 {
+                let (n, k) = (n[i], k[i]);
+                // What is reflected straight on is |(n - ik - 1)/(n - ik + 1)|^2.
+                let reflected = ((n - 1.0).powi(2) + k * k) / ((n + 1.0).powi(2) + k * k);
+                let pairs = [(given_n[i], n), (given_k[i], k), (colour[i], reflected)];
+                assert!(pairs.iter().all(|(given, wanted)| (given - wanted).abs() < 1e-3), "{metal} of {name}: {pairs:?}");
+            }
+        }
+    }
+    assert!(found >= 25, "{found} metals were compared");
+}
+
 #[test]
 fn the_formula_of_the_thesis_has_a_library_of_the_users() {
     let data = tempfile::tempdir().expect("a temporary folder");

@@ -3,6 +3,7 @@
 
 mod cloth;
 mod fibres;
+mod headers;
 mod leaves;
 mod microfacets;
 mod painterly;
