@@ -99,6 +99,17 @@ const TERMS: [&str; 9] = [
     "emission = Cd*(gety(N) > 0.9); ambient = <0>;",
 ];
 
+/// Formulas whose weights of rays are infinite or NaN at some hits: the normal of the floor is <0, 1, 0>.
+const UNBOUNDED: [&str; 7] = [
+    "reflected = <0/getx(N), 1, 1>;",
+    "reflected = <1/getx(N), kr, 0>; ambient = <0>;",
+    "refracted = kt/(getx(N) + getz(N)); reflected = kr*F; ambient = <0, q, 0>;",
+    "reflected = kr*<1, 0, 1>/N; refracted = <0, 1, 1>/N;",
+    "reflected = F/getx(N); refracted = if(N.V > 0.5, 0, 1/getz(N)); emission = <0, 0.1, 0>;",
+    "reflected = -1/max(0, 0.8 - N.V); ambient = <0, 0, 0.1>;",
+    "reflected = sqrt(N.V - 0.5); refracted = kr*log(N.V - 0.3); ambient = <0>;",
+];
+
 fn case(terms: &str) -> Case {
     let text = format!(
         "global; g: scalar, constraint -1..50; body_specific; p: scalar; q: scalar, constraint 0..1; v: vector, constraint 0..1; \
@@ -109,15 +120,31 @@ fn case(terms: &str) -> Case {
 }
 
 #[test]
+fn unbounded_weights_follow_the_recursion() {
+    let mirror = |weight: &str, background: &str| {
+        let formula = format!("formula; reflected = {weight}; refracted = 0; = Cd;");
+        pixel(&formula, 0.0, 2, &[background])
+    };
+    for found in mirror("<0/0, 1/0, -1/0>", "background=<0, 0.5, 0.5>") {
+        assert!(found[0].is_nan() && found[1] == f32::INFINITY && found[2] == f32::NEG_INFINITY, "{found:?}");
+    }
+    // Infinity times black is NaN. Where the weight is 0 in all components, the ray is cut off.
+    for found in mirror("<1/0, 1, 1>", "background=<0, 0.5, 0.5>") {
+        assert!(found[0].is_nan() && found[1..] == [0.5, 0.5], "{found:?}");
+    }
+    near(mirror("if(N.V > 0, 0, 1/0)", "background=<0, 0.5, 0.5>"), [0.0; 3]);
+}
+
+#[test]
 fn backends_agree() {
-    for terms in TERMS {
+    for terms in TERMS.iter().chain(&UNBOUNDED) {
         check(&case(terms)).unwrap_or_else(|error| panic!("{terms}: {error}"));
     }
 }
 
 #[test]
 fn drags_give_the_general_picture() {
-    for terms in TERMS {
+    for terms in TERMS.iter().chain(&UNBOUNDED) {
         let case = case(terms);
         for index in 0..case.layout.len() {
             for evaluator in &case.evaluators {
