@@ -5,9 +5,10 @@
 //! of all nodes by a kernel, multiplies the weights along the paths, and adds ambient light, emission and background.
 //! Lit records then find the weight of their hit by its node.
 //!
-//! The flat sum over paths is that of the recursive equation only if weights are finite: ∞·(0 + 1) is ∞, and ∞·0 + ∞·1
-//! is NaN. In a tile with another weight, the terms of each node are collected, and added up along the paths at the
-//! end.
+//! The flat sum over paths is that of the recursive equation only if weights are bounded: ∞·(0 + 1) is ∞, and
+//! ∞·0 + ∞·1 is NaN. Nor does it tell a ray that is cut off from one behind a red and a green mirror, whose weight is 0
+//! but whose infinite colours are NaN. In a tile with such weights, the terms of each node are collected, and added up
+//! along the paths at the end.
 
 use crate::backends::compiled::memory::StreamMemory;
 use crate::evaluate::weights::Weight;
@@ -24,6 +25,9 @@ use crate::trace::{Edge, HitVariables, Hits, LINE_HITS, Mismatch, Path, PathId, 
 use rayon::prelude::*;
 use std::cell::Cell;
 use std::ops::Range;
+
+/// The largest weight of a path that is bounded. Larger ones, infinity and NaN are not.
+const LARGEST_WEIGHT: f64 = 1e6;
 
 /// No node.
 const NONE: u32 = u32::MAX;
@@ -66,24 +70,35 @@ pub(super) struct SurfaceScratch {
     weights: Vec<[f64; 3]>,
     /// Whether any node of each path has another weight than 0.
     live: Vec<bool>,
-    /// Whether a weight is infinite or NaN. Then the weights of paths are 0 or 1.
+    /// Whether a weight is not bounded.
     is_unbounded: bool,
-    /// The terms of each node, if a weight is infinite or NaN.
+    /// Whether the terms of nodes are collected. Then the weights of paths are 0 or 1.
+    collects: bool,
+    /// The terms of each node, if they are collected.
     collected: Vec<[f32; 3]>,
 }
 
 impl SurfaceScratch {
-    /// Whether a weight was infinite or NaN in the last pass.
+    /// Whether the weight of a path was not bounded in the last pass.
     pub(super) fn is_unbounded(&self) -> bool {
         self.is_unbounded
     }
+}
+
+/// What the weights of the paths of a tile have that is special.
+#[derive(Default)]
+struct Special {
+    /// One of them is not bounded.
+    is_unbounded: bool,
+    /// One of them is 0 in all components, but no ray is cut off.
+    vanishes: bool,
 }
 
 /// The weights of the hits of a tile.
 pub(super) struct HitWeights<'w> {
     nodes: &'w [u32],
     weights: &'w [[f64; 3]],
-    /// Where the terms of nodes are collected, if a weight is infinite or NaN.
+    /// Where the terms of nodes are collected, if they are.
     collected: Option<&'w [Cell<[f32; 3]>]>,
 }
 
@@ -244,10 +259,12 @@ impl SurfacePass<'_> {
     pub(super) fn weigh(&self, tile: &Tile, tile_index: usize, path_weights: &mut [Weight], scratch: &mut SurfaceScratch) {
         let nodes = &self.tiles[tile_index];
         self.evaluate(nodes, &mut scratch.outputs);
-        let SurfaceScratch { outputs, weights, live, is_unbounded, collected } = scratch;
-        *is_unbounded = self.multiply(nodes, tile, outputs, weights, live, |weight, factor| weight * factor);
+        let SurfaceScratch { outputs, weights, live, is_unbounded, collects, collected } = scratch;
+        let found = self.multiply(nodes, tile, outputs, weights, live, |weight, factor| weight * factor);
+        *is_unbounded = found.is_unbounded;
+        *collects = found.is_unbounded || found.vanishes;
         collected.clear();
-        if *is_unbounded {
+        if *collects {
             self.multiply(nodes, tile, outputs, weights, live, |_, _| 1.0);
             collected.resize(nodes.pixels.len(), [0.0; 3]);
         }
@@ -259,7 +276,8 @@ impl SurfacePass<'_> {
     }
 
     /// Multiplies the weights along the paths of a tile. `product` gives a component of the weight of a node from that
-    /// of its parent and the weight of its own ray. Returns whether a weight of a ray is infinite or NaN.
+    /// of its parent and the weight of its own ray. Returns what is special about
+    /// the weights.
     fn multiply(
         &self,
         nodes: &SurfaceTile,
@@ -268,12 +286,12 @@ impl SurfacePass<'_> {
         weights: &mut Vec<[f64; 3]>,
         live: &mut Vec<bool>,
         product: impl Fn(f64, f64) -> f64,
-    ) -> bool {
+    ) -> Special {
         weights.clear();
         weights.resize(nodes.pixels.len(), [1.0; 3]);
         live.clear();
         live.resize(tile.paths.len(), true);
-        let mut is_unbounded = false;
+        let mut special = Special::default();
         for (index, (path, own)) in tile.paths.iter().zip(&nodes.paths).enumerate() {
             let (Some(parent), Some(factors)) = (path.parent, self.factors(nodes, tile, path, outputs)) else { continue };
             if !live[parent.index()] {
@@ -287,11 +305,12 @@ impl SurfacePass<'_> {
                 let is_cut = factor == [0.0; 3] || weights[parent] == [0.0; 3];
                 weights[node] = std::array::from_fn(|at| if is_cut { 0.0 } else { product(weights[parent][at], factor[at]) });
                 any |= weights[node] != [0.0; 3];
-                is_unbounded |= !is_cut && !factor.iter().all(|factor| factor.is_finite());
+                special.is_unbounded |= !weights[node].iter().all(|weight| weight.abs() <= LARGEST_WEIGHT);
+                special.vanishes |= !is_cut && weights[node] == [0.0; 3];
             }
             live[index] = any;
         }
-        is_unbounded
+        special
     }
 
     /// The weights of the rays that end at the nodes of a path. `None` for rays of the camera.
@@ -324,7 +343,7 @@ impl SurfacePass<'_> {
         mut add: impl FnMut(usize, [f32; 3]),
     ) {
         let nodes = &self.tiles[tile_index];
-        let SurfaceScratch { outputs, weights, is_unbounded, collected, .. } = scratch;
+        let SurfaceScratch { outputs, weights, collects, collected, .. } = scratch;
         let count = self.compiled.outputs.overwrite.outputs();
         let given = self.plan.nodes.own.filter(|_| self.adds_own).map(|own| self.plan.columns(own));
         for ((path, own), weight) in tile.paths.iter().zip(&nodes.paths).zip(path_weights) {
@@ -343,7 +362,7 @@ impl SurfacePass<'_> {
                     colour = std::array::from_fn(|component| colour[component] + own[component]);
                 }
                 let weight = weights[node];
-                if *is_unbounded {
+                if *collects {
                     collected[node] = colour;
                 } else if weight != [0.0; 3] {
                     let weighted = std::array::from_fn(|component| times(weight[component], colour[component]));
@@ -359,7 +378,7 @@ impl SurfacePass<'_> {
         HitWeights {
             nodes: &self.tiles[tile_index].of_hit,
             weights: &scratch.weights,
-            collected: scratch.is_unbounded.then_some(collected),
+            collected: scratch.collects.then_some(collected),
         }
     }
 
@@ -372,8 +391,8 @@ impl SurfacePass<'_> {
         scratch: &mut SurfaceScratch,
         mut add: impl FnMut(usize, [f32; 3]),
     ) {
-        let SurfaceScratch { outputs, weights, is_unbounded, collected, .. } = scratch;
-        if !*is_unbounded {
+        let SurfaceScratch { outputs, weights, collects, collected, .. } = scratch;
+        if !*collects {
             return;
         }
         let nodes = &self.tiles[tile_index];

@@ -54,7 +54,7 @@ impl TileScratch {
         }
     }
 
-    /// Whether the last pass had a weight of a ray that is infinite or NaN. Then its picture is not a sum of images.
+    /// Whether a weight of a path was not bounded in the last pass. Then its picture is not a sum of images.
     pub(super) fn is_unbounded(&self) -> bool {
         self.surface.is_unbounded()
     }
