@@ -88,16 +88,13 @@ impl Planes {
         for segment in segments {
             let lane = segment.lanes().trailing_zeros() as usize;
             for (offset, pixel) in segment.pixels().enumerate() {
-                let (weight, own) = (weights.of(hit), hit);
+                let weight = weights.of(hit);
                 hit += 1;
                 if weight == [0.0; 3] {
                     continue;
                 }
                 for component in channels.components() {
                     let sum = sums[component][segment.line()].0[lane + offset];
-                    if weights.collect(own, component, sum) {
-                        continue;
-                    }
                     self.planes.0[component][PIXELS.start + pixel] += times(weight[component], sum);
                 }
             }

@@ -15,13 +15,13 @@ use crate::evaluate::weights::Weight;
 use crate::formula::equation::{Equation, weighed_by, weight_parameter};
 use crate::formula::graph::Node;
 use crate::jit::compile::CompiledSurface;
-use crate::jit::{CompiledFormula, Line, Splat};
+use crate::jit::{CompiledFormula, Line, Splat, Sums};
 use crate::lang::scalars::{Floats, Scalars, flush};
 use crate::lang::surface_terms::SurfaceTerm;
 use crate::lang::variables::Variable;
-use crate::plan::SurfacePlan;
+use crate::plan::{Channels, SurfacePlan};
 use crate::scene::BodyId;
-use crate::trace::{Edge, HitVariables, Hits, LINE_HITS, Mismatch, Path, PathId, ROUND_LINES, Tile, Tracer, replay};
+use crate::trace::{Edge, HitVariables, Hits, LINE_HITS, Mismatch, Path, PathId, ROUND_LINES, Segment, Tile, Tracer, replay};
 use rayon::prelude::*;
 use std::cell::Cell;
 use std::ops::Range;
@@ -109,14 +109,23 @@ impl HitWeights<'_> {
         self.weights[self.nodes[hit as usize] as usize]
     }
 
-    /// Adds a component of a term of a hit to those of its node. `false` if it belongs to the pixel.
-    #[inline]
-    pub(super) fn collect(&self, hit: u32, component: usize, term: f32) -> bool {
+    /// Adds the sums of the hits of a span to the terms of their nodes. The first hit has this number in the tile.
+    /// `false` if terms are not collected.
+    pub(super) fn collect(&self, segments: &[Segment], first: u32, sums: &Sums, channels: Channels) -> bool {
         let Some(collected) = self.collected else { return false };
-        let node = &collected[self.nodes[hit as usize] as usize];
-        let mut sum = node.get();
-        sum[component] += term;
-        node.set(sum);
+        let mut hit = first as usize;
+        for segment in segments {
+            let lane = segment.lanes().trailing_zeros() as usize;
+            for offset in 0..segment.pixels().len() {
+                let node = &collected[self.nodes[hit] as usize];
+                let mut terms = node.get();
+                for component in channels.components() {
+                    terms[component] += sums[component][segment.line()].0[lane + offset];
+                }
+                node.set(terms);
+                hit += 1;
+            }
+        }
         true
     }
 }
