@@ -82,3 +82,13 @@ take window-error preset:studio "mousemove 300 336 click 1" "key End" "key BackS
     "mousemove 690 120"
 take window-inspector preset:glass "key F5" "sleep 1" "mousemove 690 260 click 1" "mousemove 690 120"
 take window-gallery "" "sleep 30" "mousemove 20 790"
+# The ball is selected, and its list of materials opened.
+ball="mousemove 1016 249 click 1"
+list="mousemove 1012 311 click 1"
+take window-materials preset:studio "$ball" "$list"
+take window-compare preset:studio "$ball" "mousemove 214 13 click 1" "mousemove 240 44 click 1" "$list" \
+    "mousemove 1010 477 click 1" "sleep 1" "mousemove 214 13 click 1" "mousemove 240 276 click 1" \
+    "mousemove 680 500 mousedown 1" "mousemove 650 500" "mousemove 622 500" "mouseup 1" "mousemove 690 650"
+take window-log preset:studio "$ball" "key F11" "key F12" "mousemove 1135 557 mousedown 1" "mousemove 1120 557" \
+    "mousemove 1100 557" "mousemove 1140 557" "mouseup 1" "mousemove 690 60"
+take window-settings preset:studio "mousemove 20 13 click 1" "mousemove 60 551 click 1" "mousemove 690 780"

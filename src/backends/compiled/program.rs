@@ -153,6 +153,7 @@ impl TileProgram {
                     for span in &inputs.tile.spans[spans.clone()] {
                         let segments = inputs.tile.segments_of(span);
                         match &inputs.hit_weights {
+                            Some(weights) if weights.collect(segments, span.hits.start, sums, *channels) => {}
                             Some(weights) => planes.add_weighted(segments, span.hits.start, sums, weights, *channels),
                             None => planes.add(segments, sums, inputs.weights[span.path.index()], *channels),
                         }

@@ -4,21 +4,30 @@
 //! each hit of a tile is a *node* here, with the node of the hit that its ray comes from. A frame computes the values
 //! of all nodes by a kernel, multiplies the weights along the paths, and adds ambient light, emission and background.
 //! Lit records then find the weight of their hit by its node.
+//!
+//! The flat sum over paths is that of the recursive equation only if weights are bounded: ∞·(0 + 1) is ∞, and
+//! ∞·0 + ∞·1 is NaN. Nor does it tell a ray that is cut off from one behind a red and a green mirror, whose weight is 0
+//! but whose infinite colours are NaN. In a tile with such weights, the terms of each node are collected, and added up
+//! along the paths at the end.
 
 use crate::backends::compiled::memory::StreamMemory;
 use crate::evaluate::weights::Weight;
-use crate::formula::equation::{Equation, weight_parameter};
+use crate::formula::equation::{Equation, weighed_by, weight_parameter};
 use crate::formula::graph::Node;
 use crate::jit::compile::CompiledSurface;
-use crate::jit::{CompiledFormula, Line, Splat};
-use crate::lang::scalars::flush;
+use crate::jit::{CompiledFormula, Line, Splat, Sums};
+use crate::lang::scalars::{Floats, Scalars, flush};
 use crate::lang::surface_terms::SurfaceTerm;
 use crate::lang::variables::Variable;
-use crate::plan::SurfacePlan;
+use crate::plan::{Channels, SurfacePlan};
 use crate::scene::BodyId;
-use crate::trace::{Edge, HitVariables, Hits, LINE_HITS, Mismatch, PathId, ROUND_LINES, Tile, Tracer, replay};
+use crate::trace::{Edge, HitVariables, Hits, LINE_HITS, Mismatch, Path, PathId, ROUND_LINES, Segment, Tile, Tracer, replay};
 use rayon::prelude::*;
+use std::cell::Cell;
 use std::ops::Range;
+
+/// The largest weight of a path that is bounded. Larger ones, infinity and NaN are not.
+const LARGEST_WEIGHT: f64 = 1e6;
 
 /// No node.
 const NONE: u32 = u32::MAX;
@@ -61,12 +70,36 @@ pub(super) struct SurfaceScratch {
     weights: Vec<[f64; 3]>,
     /// Whether any node of each path has another weight than 0.
     live: Vec<bool>,
+    /// Whether a weight is not bounded.
+    is_unbounded: bool,
+    /// Whether the terms of nodes are collected. Then the weights of paths are 0 or 1.
+    collects: bool,
+    /// The terms of each node, if they are collected.
+    collected: Vec<[f32; 3]>,
+}
+
+impl SurfaceScratch {
+    /// Whether the weight of a path was not bounded in the last pass.
+    pub(super) fn is_unbounded(&self) -> bool {
+        self.is_unbounded
+    }
+}
+
+/// What the weights of the paths of a tile have that is special.
+#[derive(Default)]
+struct Special {
+    /// One of them is not bounded.
+    is_unbounded: bool,
+    /// One of them is 0 in all components, but no ray is cut off.
+    vanishes: bool,
 }
 
 /// The weights of the hits of a tile.
 pub(super) struct HitWeights<'w> {
     nodes: &'w [u32],
     weights: &'w [[f64; 3]],
+    /// Where the terms of nodes are collected, if they are.
+    collected: Option<&'w [Cell<[f32; 3]>]>,
 }
 
 impl HitWeights<'_> {
@@ -74,6 +107,26 @@ impl HitWeights<'_> {
     #[inline]
     pub(super) fn of(&self, hit: u32) -> [f64; 3] {
         self.weights[self.nodes[hit as usize] as usize]
+    }
+
+    /// Adds the sums of the hits of a span to the terms of their nodes. The first hit has this number in the tile.
+    /// `false` if terms are not collected.
+    pub(super) fn collect(&self, segments: &[Segment], first: u32, sums: &Sums, channels: Channels) -> bool {
+        let Some(collected) = self.collected else { return false };
+        let mut hit = first as usize;
+        for segment in segments {
+            let lane = segment.lanes().trailing_zeros() as usize;
+            for offset in 0..segment.pixels().len() {
+                let node = &collected[self.nodes[hit] as usize];
+                let mut terms = node.get();
+                for component in channels.components() {
+                    terms[component] += sums[component][segment.line()].0[lane + offset];
+                }
+                node.set(terms);
+                hit += 1;
+            }
+        }
+        true
     }
 }
 
@@ -87,7 +140,7 @@ pub(super) fn times(weight: f64, component: f32) -> f32 {
 impl SurfaceTile {
     /// The memory that a hit takes beside its static values, in bytes, scratch memory of a frame included.
     pub(super) const BYTES_PER_HIT: usize =
-        size_of::<u16>() + 2 * size_of::<u32>() + size_of::<[f64; 3]>() + 9 * size_of::<f32>();
+        size_of::<u16>() + 2 * size_of::<u32>() + size_of::<[f64; 3]>() + 12 * size_of::<f32>();
 
     /// The nodes of all tiles, with their static values.
     pub(super) fn of_tiles(formula: &CompiledFormula, hits: &Hits) -> Result<Vec<Self>, Mismatch> {
@@ -215,40 +268,76 @@ impl SurfacePass<'_> {
     pub(super) fn weigh(&self, tile: &Tile, tile_index: usize, path_weights: &mut [Weight], scratch: &mut SurfaceScratch) {
         let nodes = &self.tiles[tile_index];
         self.evaluate(nodes, &mut scratch.outputs);
-        let SurfaceScratch { outputs, weights, live } = scratch;
-        weights.clear();
-        weights.resize(nodes.pixels.len(), [1.0; 3]);
-        live.clear();
-        live.resize(tile.paths.len(), true);
-        let count = self.compiled.outputs.overwrite.outputs();
-        let columns = self.plan.nodes.weights.map(|weight| weight.map(|weight| self.plan.columns(weight)));
-        for (index, (path, own)) in tile.paths.iter().zip(&nodes.paths).enumerate() {
-            let (Some(parent), Some(edge)) = (path.parent, weight_of(path.edge)) else { continue };
-            if !live[parent.index()] {
-                live[index] = false;
-                continue;
-            }
-            let body = tile.paths[parent.index()].body;
-            let constant = body.map_or(0.0, |body| f64::from(self.weights[body.index()][edge]));
-            let mut any = false;
-            for node in own.clone().map(|node| node as usize) {
-                let parent = nodes.parents[node] as usize;
-                let factor = match columns[edge] {
-                    Some(columns) => columns.map(|column| f64::from(value(outputs, count, parent, column))),
-                    None => [constant; 3],
-                };
-                // A weight of 0 in all components cuts the ray off, even if another weight is infinite.
-                let is_cut = factor == [0.0; 3] || weights[parent] == [0.0; 3];
-                weights[node] = std::array::from_fn(|at| if is_cut { 0.0 } else { weights[parent][at] * factor[at] });
-                any |= weights[node] != [0.0; 3];
-            }
-            live[index] = any;
+        let SurfaceScratch { outputs, weights, live, is_unbounded, collects, collected } = scratch;
+        let found = self.multiply(nodes, tile, outputs, weights, live, |weight, factor| weight * factor);
+        *is_unbounded = found.is_unbounded;
+        *collects = found.is_unbounded || found.vanishes;
+        collected.clear();
+        if *collects {
+            self.multiply(nodes, tile, outputs, weights, live, |_, _| 1.0);
+            collected.resize(nodes.pixels.len(), [0.0; 3]);
         }
         for (weight, live) in path_weights.iter_mut().zip(live) {
             if !*live {
                 *weight = Weight(0.0);
             }
         }
+    }
+
+    /// Multiplies the weights along the paths of a tile. `product` gives a component of the weight of a node from that
+    /// of its parent and the weight of its own ray. Returns what is special about
+    /// the weights.
+    fn multiply(
+        &self,
+        nodes: &SurfaceTile,
+        tile: &Tile,
+        outputs: &[Line],
+        weights: &mut Vec<[f64; 3]>,
+        live: &mut Vec<bool>,
+        product: impl Fn(f64, f64) -> f64,
+    ) -> Special {
+        weights.clear();
+        weights.resize(nodes.pixels.len(), [1.0; 3]);
+        live.clear();
+        live.resize(tile.paths.len(), true);
+        let mut special = Special::default();
+        for (index, (path, own)) in tile.paths.iter().zip(&nodes.paths).enumerate() {
+            let (Some(parent), Some(factors)) = (path.parent, self.factors(nodes, tile, path, outputs)) else { continue };
+            if !live[parent.index()] {
+                live[index] = false;
+                continue;
+            }
+            let mut any = false;
+            for node in own.clone().map(|node| node as usize) {
+                let (parent, factor) = (nodes.parents[node] as usize, factors(node).map(f64::from));
+                // A weight of 0 in all components cuts the ray off, even if another weight is infinite.
+                let is_cut = factor == [0.0; 3] || weights[parent] == [0.0; 3];
+                weights[node] = std::array::from_fn(|at| if is_cut { 0.0 } else { product(weights[parent][at], factor[at]) });
+                any |= weights[node] != [0.0; 3];
+                special.is_unbounded |= !weights[node].iter().all(|weight| weight.abs() <= LARGEST_WEIGHT);
+                special.vanishes |= !is_cut && weights[node] == [0.0; 3];
+            }
+            live[index] = any;
+        }
+        special
+    }
+
+    /// The weights of the rays that end at the nodes of a path. `None` for rays of the camera.
+    fn factors<'f>(
+        &self,
+        nodes: &'f SurfaceTile,
+        tile: &Tile,
+        path: &Path,
+        outputs: &'f [Line],
+    ) -> Option<impl Fn(usize) -> [f32; 3] + use<'f>> {
+        let (parent, edge) = (path.parent?, weight_of(path.edge)?);
+        let count = self.compiled.outputs.overwrite.outputs();
+        let columns = self.plan.nodes.weights[edge].map(|weight| self.plan.columns(weight));
+        let constant = tile.paths[parent.index()].body.map_or(0.0, |body| self.weights[body.index()][edge]);
+        Some(move |node: usize| match columns {
+            Some(columns) => columns.map(|column| value(outputs, count, nodes.parents[node] as usize, column)),
+            None => [constant; 3],
+        })
     }
 
     /// Adds what every hit and every ray that leaves the scene adds to the pixels, whatever the lights. `add` adds a
@@ -258,12 +347,12 @@ impl SurfacePass<'_> {
         tile: &Tile,
         tile_index: usize,
         path_weights: &[Weight],
-        scratch: &SurfaceScratch,
+        scratch: &mut SurfaceScratch,
         (at_hits, at_misses): (&[[f32; 3]], [f32; 3]),
         mut add: impl FnMut(usize, [f32; 3]),
     ) {
         let nodes = &self.tiles[tile_index];
-        let SurfaceScratch { outputs, weights, .. } = scratch;
+        let SurfaceScratch { outputs, weights, collects, collected, .. } = scratch;
         let count = self.compiled.outputs.overwrite.outputs();
         let given = self.plan.nodes.own.filter(|_| self.adds_own).map(|own| self.plan.columns(own));
         for ((path, own), weight) in tile.paths.iter().zip(&nodes.paths).zip(path_weights) {
@@ -282,7 +371,9 @@ impl SurfacePass<'_> {
                     colour = std::array::from_fn(|component| colour[component] + own[component]);
                 }
                 let weight = weights[node];
-                if weight != [0.0; 3] {
+                if *collects {
+                    collected[node] = colour;
+                } else if weight != [0.0; 3] {
                     let weighted = std::array::from_fn(|component| times(weight[component], colour[component]));
                     add(usize::from(nodes.pixels[node]), weighted);
                 }
@@ -291,8 +382,44 @@ impl SurfacePass<'_> {
     }
 
     /// The weights of the hits of a tile, after [`weigh`](Self::weigh).
-    pub(super) fn hit_weights<'w>(&'w self, tile_index: usize, scratch: &'w SurfaceScratch) -> HitWeights<'w> {
-        HitWeights { nodes: &self.tiles[tile_index].of_hit, weights: &scratch.weights }
+    pub(super) fn hit_weights<'w>(&'w self, tile_index: usize, scratch: &'w mut SurfaceScratch) -> HitWeights<'w> {
+        let collected = Cell::from_mut(&mut scratch.collected[..]).as_slice_of_cells();
+        HitWeights {
+            nodes: &self.tiles[tile_index].of_hit,
+            weights: &scratch.weights,
+            collected: scratch.collects.then_some(collected),
+        }
+    }
+
+    /// Adds the terms that were collected for the nodes of a tile, each node times the weight of its ray to the node
+    /// where the ray starts, and those of the camera's rays to the pixels. `add` adds a colour to a pixel of the tile.
+    pub(super) fn add_collected(
+        &self,
+        tile: &Tile,
+        tile_index: usize,
+        scratch: &mut SurfaceScratch,
+        mut add: impl FnMut(usize, [f32; 3]),
+    ) {
+        let SurfaceScratch { outputs, weights, collects, collected, .. } = scratch;
+        if !*collects {
+            return;
+        }
+        let nodes = &self.tiles[tile_index];
+        // The path before the last step of a path comes before it.
+        for (path, own) in tile.paths.iter().zip(&nodes.paths).rev() {
+            let factors = self.factors(nodes, tile, path, outputs);
+            for node in own.clone().map(|node| node as usize) {
+                let Some(factors) = &factors else {
+                    add(usize::from(nodes.pixels[node]), collected[node]);
+                    continue;
+                };
+                if weights[node] != [0.0; 3] {
+                    let weighted = weighed_by(factors(node), collected[node]);
+                    let sum = &mut collected[nodes.parents[node] as usize];
+                    *sum = std::array::from_fn(|component| Floats.add(sum[component], weighted[component]));
+                }
+            }
+        }
     }
 
     /// Computes what the formula gives, for the nodes on bodies.

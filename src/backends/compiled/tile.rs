@@ -53,6 +53,11 @@ impl TileScratch {
             surface: SurfaceScratch::default(),
         }
     }
+
+    /// Whether a weight of a path was not bounded in the last pass. Then its picture is not a sum of images.
+    pub(super) fn is_unbounded(&self) -> bool {
+        self.surface.is_unbounded()
+    }
 }
 
 impl Pass<'_> {
@@ -84,6 +89,9 @@ impl Pass<'_> {
         span_weights.extend(tile.spans.iter().map(|span| weights[span.path.index()].0 as f32));
         span_weights.resize(tile.spans.len() + CHUNK_HITS, 0.0);
         program.run(self, &inputs, span_weights, sums, planes);
+        if let Some(pass) = &self.surface {
+            pass.add_collected(tile, tile_index, surface, |pixel, colour| planes.add_colour(pixel, colour));
+        }
     }
 
     /// Runs a pass that runs only once over the tile.

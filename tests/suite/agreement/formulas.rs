@@ -65,7 +65,7 @@ fn leaf(ty: Type) -> BoxedStrategy<String> {
 }
 
 /// A random expression of a type, from the table of operations.
-fn expression(ty: Type, depth: u32, macros: bool) -> BoxedStrategy<String> {
+pub(super) fn expression(ty: Type, depth: u32, macros: bool) -> BoxedStrategy<String> {
     let leaves = leaf(ty).prop_filter("macros do not use macros here", move |text| macros || !text.starts_with('M')).boxed();
     if depth == 0 {
         return leaves;

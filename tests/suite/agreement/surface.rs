@@ -3,13 +3,15 @@
 
 use crate::agreement::compiled;
 use crate::agreement::drags::{VIEWS, drag};
-use crate::agreement::formulas::{Case, check};
+use crate::agreement::formulas::{Case, check, expression, runner};
 use illuminator::backends::interpreter::Interpreted;
 use illuminator::engine::{Engine, Subject, Task};
 use illuminator::evaluate::Evaluator;
+use illuminator::lang::types::Type;
 use illuminator::plan::Method;
 use illuminator::trace::View;
 use illuminator::workspace::{NamedAssignment, Values};
+use proptest::prelude::*;
 
 /// Schlick's approximation for glass, as a weight.
 const GLASS: &str = "F0 = ((1-eta)/(1+eta))^2; F = if(total, 1, F0 + (1-F0)*(1-max(0,N.V))^5);
@@ -99,6 +101,19 @@ const TERMS: [&str; 9] = [
     "emission = Cd*(gety(N) > 0.9); ambient = <0>;",
 ];
 
+/// Formulas whose weights of rays are infinite, NaN or very large at some hits: the normal of the floor is <0, 1, 0>.
+const UNBOUNDED: [&str; 9] = [
+    "reflected = <1e20, -1e20, 1>; refracted = 1e20; emission = N;",
+    "reflected = <0/getx(N), 1, 1>;",
+    "reflected = <1/getx(N), kr, 0>; ambient = <0>;",
+    "refracted = kt/(getx(N) + getz(N)); reflected = kr*F; ambient = <0, q, 0>;",
+    "reflected = kr*<1, 0, 1>/N; refracted = <0, 1, 1>/N;",
+    "reflected = F/getx(N); refracted = if(N.V > 0.5, 0, 1/getz(N)); emission = <0, 0.1, 0>;",
+    "reflected = -1/max(0, 0.8 - N.V); ambient = <0, 0, 0.1>;",
+    "reflected = clamp(N, 0, 1); refracted = clamp(B, 0, 1); ambient = Cd/getx(B);",
+    "reflected = sqrt(N.V - 0.5); refracted = kr*log(N.V - 0.3); ambient = <0>;",
+];
+
 fn case(terms: &str) -> Case {
     let text = format!(
         "global; g: scalar, constraint -1..50; body_specific; p: scalar; q: scalar, constraint 0..1; v: vector, constraint 0..1; \
@@ -109,15 +124,82 @@ fn case(terms: &str) -> Case {
 }
 
 #[test]
+fn unbounded_weights_follow_the_recursion() {
+    let mirror = |weight: &str, background: &str| {
+        let formula = format!("formula; reflected = {weight}; refracted = 0; = Cd;");
+        pixel(&formula, 0.0, 2, &[background])
+    };
+    for found in mirror("<0/0, 1/0, -1/0>", "background=<0, 0.5, 0.5>") {
+        assert!(found[0].is_nan() && found[1] == f32::INFINITY && found[2] == f32::NEG_INFINITY, "{found:?}");
+    }
+    // Infinity times black is NaN. Where the weight is 0 in all components, the ray is cut off.
+    for found in mirror("<1/0, 1, 1>", "background=<0, 0.5, 0.5>") {
+        assert!(found[0].is_nan() && found[1..] == [0.5, 0.5], "{found:?}");
+    }
+    near(mirror("if(N.V > 0, 0, 1/0)", "background=<0, 0.5, 0.5>"), [0.0; 3]);
+}
+
+#[test]
 fn backends_agree() {
-    for terms in TERMS {
+    for terms in TERMS.iter().chain(&UNBOUNDED) {
         check(&case(terms)).unwrap_or_else(|error| panic!("{terms}: {error}"));
+    }
+}
+
+/// An expression that reads nothing of a light: its names of lights are those of hits.
+fn of_hit(text: &str) -> String {
+    let name = |word: &str| match word {
+        "L" | "H" => "N".to_owned(),
+        "R" => "V".to_owned(),
+        "alpha" | "beta" => "gamma".to_owned(),
+        "dist" | "visible" | "l" => "q".to_owned(),
+        "IL" => "Cd".to_owned(),
+        "ki" => "kr".to_owned(),
+        _ => word.to_owned(),
+    };
+    // Names and what is between them.
+    let is_name = |character: char| character.is_ascii_alphanumeric();
+    let mut pieces: Vec<String> = Vec::new();
+    let mut inside = None;
+    for character in text.chars() {
+        match pieces.last_mut() {
+            Some(piece) if inside == Some(is_name(character)) => piece.push(character),
+            _ => pieces.push(character.to_string()),
+        }
+        inside = Some(is_name(character));
+    }
+    pieces.iter().map(|piece| name(piece)).collect()
+}
+
+#[test]
+fn random_terms_of_hits_agree() {
+    let term = |ty: Type| expression(ty, 3, false).prop_map(|text| of_hit(&text));
+    let strategy = (
+        term(Type::Vector),
+        term(Type::Scalar),
+        [term(Type::Vector), term(Type::Vector)],
+        expression(Type::Vector, 2, false),
+        proptest::collection::vec(prop_oneof![5 => 0.0..1.0_f32, 1 => -3.0..9.0_f32, 1 => Just(0.0), 1 => Just(1.0)], 61),
+    );
+    let outcome = runner(150).run(&strategy, |(reflected, refracted, [ambient, emission], result, numbers)| {
+        let text = format!(
+            "global; g: scalar, constraint -1..50; \
+             body_specific; p: scalar; q: scalar, constraint 0..1; v: vector; model: scalar, choices \"A\", \"B\", \"C\"; \
+             light_specific; l: scalar; \
+             formula; SCALED(x, n) = sum(i, 0, n, x*product(k, 1, i, q)/(i + 1)); \
+             reflected = if(model == 0, SCALED({reflected}, 2), <total>); refracted = (1 - total)*{refracted}; \
+             ambient = {ambient}; emission = if(model == 1, {emission}, <0>); = {result};"
+        );
+        check(&Case::of(text, &numbers, &compiled())?)
+    });
+    if let Err(error) = outcome {
+        panic!("{error}");
     }
 }
 
 #[test]
 fn drags_give_the_general_picture() {
-    for terms in TERMS {
+    for terms in TERMS.iter().chain(&UNBOUNDED) {
         let case = case(terms);
         for index in 0..case.layout.len() {
             for evaluator in &case.evaluators {

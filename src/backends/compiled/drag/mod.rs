@@ -342,6 +342,7 @@ impl Preparation<'_> {
                 let monomials = monomials();
                 self.passes.make_base(compiled, &monomials, index, scratch);
                 *state = match plan.method {
+                    _ if scratch.is_unbounded() => TileState::General,
                     Method::Images if images.is_empty() => TileState::General,
                     Method::Images => {
                         let images = TileImages::new(std::mem::take(images), &scratch.planes, plan.channels);
