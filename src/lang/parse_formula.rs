@@ -13,7 +13,15 @@ impl FormulaParser<'_> {
         let mut stray = None;
         let mut failed = false;
         while !self.cursor.at_end() {
+            if self.foreign_statement() {
+                failed = true;
+                continue;
+            }
             self.declared_like_elsewhere();
+            if self.foreign_statement() {
+                failed = true;
+                continue;
+            }
             if self.cursor.accept(Mark::Equal) {
                 self.result();
                 return;
@@ -83,24 +91,6 @@ impl FormulaParser<'_> {
                     ahead += 1
                 }
             }
-        }
-    }
-
-    /// Reports a type or a keyword of another language before a name or a result, as in `float d = 1;` or `return Cd;`,
-    /// and moves past it.
-    fn declared_like_elsewhere(&mut self) {
-        let Some(word) = self.cursor.word(0) else { return };
-        if word == "return" && !self.cursor.sees_mark(1, Mark::Equal) && !self.cursor.sees_mark(1, Mark::Open) {
-            let diagnostic = Diagnostic::error("`return` is not part of the language").at(self.cursor.span(), "expected `=`");
-            self.cursor.report(diagnostic.help("the colour is written `= expression;`, at the end"));
-            self.cursor.replace(Mark::Equal);
-        } else if foreign::declares(word) && self.cursor.word(1).is_some() {
-            let name = self.cursor.word(1).unwrap_or_default();
-            let message = format!("`{word}` is too much before `{name}`");
-            let hint = format!("write `{name} = …;`: types follow from the values");
-            let diagnostic = Diagnostic::error(message).at(self.cursor.span(), "no type stands here").help(hint);
-            self.cursor.report(diagnostic);
-            self.cursor.advance();
         }
     }
 

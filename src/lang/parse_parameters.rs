@@ -10,14 +10,22 @@ use crate::lang::parser::FormulaParser;
 use crate::lang::source::SourceSpan;
 use crate::lang::token::{Mark, TokenKind};
 use crate::lang::types::Type;
-use crate::lang::variables::Owner;
+use crate::lang::variables::{Owner, Predefined};
+
+/// The type of a declaration.
+enum DeclaredType {
+    /// It is there.
+    Given(Type),
+    /// It is missing; this is the one that fits the attribute in its place.
+    LeftOut(Type),
+}
 
 const ATTRIBUTES: [&str; 6] = keywords::words(&keywords::PARAMETER_ATTRIBUTES);
 
 impl FormulaParser<'_> {
     /// Whether the current word may begin a line of a section.
     fn sees_line(&self) -> bool {
-        self.cursor.word(0).is_some_and(|word| word != "formula") && !self.cursor.sees_section()
+        self.cursor.word(0).is_some_and(|word| word != "formula") && !self.sees_head()
     }
 
     pub(super) fn declarations(&mut self, owner: Owner) {
@@ -33,7 +41,11 @@ impl FormulaParser<'_> {
     /// Parses a declaration. One with a mistake in its attributes is kept, so that uses of the parameter are not
     /// reported too.
     fn declaration(&mut self, owner: Owner, list: &mut Vec<Declaration>) -> Result<(), Reported> {
+        if self.type_before_name(owner, list) {
+            return Err(Reported);
+        }
         let name = self.cursor.name("the name of a parameter")?;
+        let others = self.other_names(&name)?;
         if self.cursor.sees_mark(0, Mark::Equal) {
             let diagnostic = self
                 .cursor
@@ -41,22 +53,58 @@ impl FormulaParser<'_> {
                 .help("macros (`NAME = expression;`) belong under `formula;`; parameters are declared `name: scalar;`");
             return Err(self.cursor.report(diagnostic));
         }
-        self.cursor.expect(Mark::Colon, "between the parameter's name and its type")?;
-        let ty = self.declared_type()?;
+        let colon = self.cursor.expect(Mark::Colon, "between the parameter's name and its type");
+        if colon.is_err() && !matches!(self.cursor.word(0), Some("scalar" | "vector")) {
+            return Err(Reported);
+        }
         let mut attributes = ParameterAttributes::default();
-        let outcome = self.attributes(&name, &mut attributes);
+        let (ty, outcome) = match self.declared_type(&name)? {
+            DeclaredType::Given(ty) => (ty, self.more_attributes(&name, Vec::new(), &mut attributes)),
+            // An attribute stands in its place, which has been reported.
+            DeclaredType::LeftOut(ty) => (ty, self.first_and_more_attributes(&name, &mut attributes)),
+        };
         let doc = self.doc(name.span);
+        let others =
+            others.into_iter().map(|name| Declaration { name, owner, ty, attributes: ParameterAttributes::default(), doc: None });
         list.push(Declaration { name, owner, ty, attributes, doc });
+        list.extend(others);
         outcome
     }
 
+    /// Parses `, b, c` after the first name of a declaration: other languages declare several at once.
+    fn other_names(&mut self, first: &Name) -> Result<Vec<Name>, Reported> {
+        let mut names = Vec::new();
+        let comma = self.cursor.span();
+        while self.cursor.accept(Mark::Comma) {
+            names.push(self.cursor.name("the name of a parameter")?);
+        }
+        if let Some(second) = names.first() {
+            let diagnostic = Diagnostic::error("each parameter needs a declaration of its own").at(comma, "expected `:`");
+            let help = format!("write `{}: scalar; {}: scalar;`", first.text, second.text);
+            self.cursor.report(diagnostic.help(help));
+        }
+        Ok(names)
+    }
+
     /// Parses the type of a parameter. A type of another language is reported and read as ours.
-    fn declared_type(&mut self) -> Result<Type, Reported> {
-        let ty = match self.cursor.word(0) {
-            Some("scalar") => Type::Scalar,
-            Some("vector") => Type::Vector,
+    fn declared_type(&mut self, name: &Name) -> Result<DeclaredType, Reported> {
+        let word = self.cursor.word(0).unwrap_or_default().to_owned();
+        let ty = match word.as_str() {
+            "scalar" => Type::Scalar,
+            "vector" => Type::Vector,
+            attribute if ATTRIBUTES.contains(&attribute) => {
+                if Predefined::named(&name.text).is_some() {
+                    let diagnostic = Diagnostic::error(format!("`{}` is a predefined parameter", name.text))
+                        .at(name.span, "its type stays, and its attributes do not belong here");
+                    return Err(self.cursor.report(diagnostic.help("put this line under `predefined;`")));
+                }
+                let (ty, ours) = if word == "color" { (Type::Vector, "vector") } else { (Type::Scalar, "scalar") };
+                let diagnostic = self.cursor.unexpected("`scalar` or `vector`");
+                self.cursor.report(diagnostic.help(format!("write `{}: {ours}, {word}`", name.text)));
+                return Ok(DeclaredType::LeftOut(ty));
+            }
             other => {
-                let Some((ty, ours)) = other.and_then(foreign::ty) else {
+                let Some((ty, ours)) = foreign::ty(other) else {
                     return Err(self.cursor.unknown_word("`scalar` or `vector`", &keywords::words(&keywords::TYPES)));
                 };
                 let diagnostic = self.cursor.unexpected("`scalar` or `vector`").help(format!("write `{ours}`"));
@@ -65,7 +113,7 @@ impl FormulaParser<'_> {
             }
         };
         self.cursor.advance();
-        Ok(ty)
+        Ok(DeclaredType::Given(ty))
     }
 
     /// Parses the lines of the section `predefined`.
@@ -91,16 +139,17 @@ impl FormulaParser<'_> {
             self.cursor.accept(Mark::Comma);
         }
         let mut attributes = ParameterAttributes::default();
-        let mut seen = Vec::new();
-        let outcome = self.counted_attribute(&mut seen, &mut attributes);
-        let outcome = outcome.and_then(|()| self.more_attributes(&name, seen, &mut attributes));
+        let outcome = self.first_and_more_attributes(&name, &mut attributes);
         let doc = self.doc(name.span);
         list.push(PredefinedLine { name, attributes, doc });
         outcome
     }
 
-    fn attributes(&mut self, name: &Name, attributes: &mut ParameterAttributes) -> Result<(), Reported> {
-        self.more_attributes(name, Vec::new(), attributes)
+    /// Parses the attributes, each but the first after a comma, and the `;`.
+    fn first_and_more_attributes(&mut self, name: &Name, attributes: &mut ParameterAttributes) -> Result<(), Reported> {
+        let mut seen = Vec::new();
+        self.counted_attribute(&mut seen, attributes)?;
+        self.more_attributes(name, seen, attributes)
     }
 
     /// Parses the attributes after those in `seen`, each after a comma, and the `;`.
@@ -159,29 +208,73 @@ impl FormulaParser<'_> {
         self.cursor.advance();
         match word {
             "constraint" => {
-                let low = self.single("the lower bound, as in `constraint 0..1`")?;
-                self.cursor.expect(Mark::DotDot, "between the bounds, as in `constraint 0..1`")?;
-                let high = self.single("the upper bound, as in `constraint 0..1`")?;
-                attributes.range = Some(([low, high], span.to(self.cursor.previous_span())));
+                self.cursor.pass_marks_after(word, &[Mark::Colon, Mark::Equal]);
+                let bounds = match self.range_of_other_languages() {
+                    Some(bounds) => bounds,
+                    None => self.range()?,
+                };
+                attributes.range = Some((bounds, span.to(self.cursor.previous_span())));
             }
             "default" => {
-                let value = if self.cursor.sees_mark(0, Mark::Less) {
-                    let [x, y, z] = self.cursor.vector("the default value")?.value;
-                    Constant::Vector([self.narrow(x)?, self.narrow(y)?, self.narrow(z)?])
-                } else {
-                    Constant::Scalar(self.single("the default value, a number or a vector `<x, y, z>`")?)
-                };
+                self.cursor.pass_marks_after(word, &[Mark::Colon, Mark::Equal]);
+                let value = self.default_value(attributes.choices.as_ref().map(|(names, _)| names.as_slice()))?;
                 attributes.default = Some((value, span.to(self.cursor.previous_span())));
             }
-            "slider" => attributes.slider = Some(span),
-            "switch" => attributes.switch = Some(span),
             "choices" => {
+                self.cursor.pass_marks_after(word, &[Mark::Colon, Mark::Equal]);
                 let names = self.choices()?;
                 attributes.choices = Some((names, span.to(self.cursor.previous_span())));
             }
+            "slider" => attributes.slider = Some(span),
+            "switch" => attributes.switch = Some(span),
             _ => attributes.colour = Some(span),
         }
+        if let TokenKind::Number(_) | TokenKind::Mark(Mark::Less | Mark::Open | Mark::Equal) = self.cursor.kind(0)
+            && matches!(word, "slider" | "switch" | "color")
+        {
+            let help = match word {
+                "color" => "a colour at the start is written `default <1, 0.5, 0>, color`",
+                _ => "a range is written `constraint 0..1`, and the value at the start `default 0.5`",
+            };
+            let diagnostic =
+                Diagnostic::error(format!("`{word}` has no value of its own")).at(self.cursor.span(), "expected `,` or `;`");
+            return Err(self.cursor.report(diagnostic.help(help)));
+        }
         Ok(())
+    }
+
+    /// Parses the range after `constraint`.
+    fn range(&mut self) -> Result<[f32; 2], Reported> {
+        let low = self.single("the lower bound, as in `constraint 0..1`")?;
+        self.cursor.expect(Mark::DotDot, "between the bounds, as in `constraint 0..1`")?;
+        let high = self.single("the upper bound, as in `constraint 0..1`")?;
+        Ok([low, high])
+    }
+
+    /// Parses the value after `default`.
+    fn default_value(&mut self, choices: Option<&[String]>) -> Result<Constant, Reported> {
+        if let (TokenKind::Mark(Mark::Less), TokenKind::Number(x), TokenKind::Mark(Mark::Greater)) =
+            (self.cursor.kind(0), self.cursor.kind(1), self.cursor.kind(2))
+        {
+            let span = self.cursor.span().to(self.cursor.peek(2).span);
+            let help = format!("write `default <{x}, {x}, {x}>` for a vector, or `default {x}` for a scalar");
+            let diagnostic = Diagnostic::error("a default vector has three numbers").at(span, "expected `<x, y, z>`");
+            return Err(self.cursor.report(diagnostic.help(help)));
+        }
+        if let TokenKind::Text(text) = self.cursor.kind(0) {
+            let place = choices.and_then(|names| names.iter().position(|name| name == text));
+            let help = match place {
+                Some(place) => format!("write `default {place}`: choices are numbered 0, 1, … in their order"),
+                None => "a default is a number: choices are numbered 0, 1, … in their order".to_owned(),
+            };
+            let diagnostic = self.cursor.unexpected("the default value, a number").help(help);
+            return Err(self.cursor.report(diagnostic));
+        }
+        if self.cursor.sees_mark(0, Mark::Less) || self.cursor.sees_mark(0, Mark::Open) {
+            let [x, y, z] = self.cursor.vector("the default value")?.value;
+            return Ok(Constant::Vector([self.narrow(x)?, self.narrow(y)?, self.narrow(z)?]));
+        }
+        Ok(Constant::Scalar(self.single("the default value, a number or a vector `<x, y, z>`")?))
     }
 
     /// Parses the names after `choices`.
