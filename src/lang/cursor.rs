@@ -195,12 +195,16 @@ impl Cursor {
         Err(self.report(diagnostic))
     }
 
-    /// Moves past the keyword, or reports that it is missing; `context` says where.
+    /// Moves past the keyword before a value, or reports that it is missing; `context` says where.
     ///
     /// # Errors
     /// The current word is another one.
     pub fn expect_word(&mut self, keyword: &str, context: &str) -> Result<(), Reported> {
-        if self.accept_word(keyword) { Ok(()) } else { Err(self.unknown_word(&format!("`{keyword}` {context}"), &[keyword])) }
+        if !self.accept_word(keyword) {
+            return Err(self.unknown_word(&format!("`{keyword}` {context}"), &[keyword]));
+        }
+        self.pass_marks_after(keyword, &[Mark::Colon, Mark::Equal]);
+        Ok(())
     }
 
     /// Reads a name that the text gives to something; `what` describes it in messages, as in "the name of a parameter".
@@ -254,6 +258,12 @@ impl Cursor {
     pub fn statement_has_unknown(&self) -> bool {
         let rest = self.tokens[self.at..].iter().take_while(|token| token.kind != TokenKind::Mark(Mark::Semicolon));
         rest.into_iter().any(|token| token.kind == TokenKind::Unknown)
+    }
+
+    /// The place of the `;` that ends the current statement.
+    pub fn statement_end(&self) -> SourceSpan {
+        let ends = |token: &&Token| token.kind == TokenKind::Mark(Mark::Semicolon) || token.kind == TokenKind::End;
+        self.tokens[self.at..].iter().find(ends).map_or(self.span(), |token| token.span)
     }
 
     /// Moves past the rest of a statement: past the next `;`, or to the head of the next section.

@@ -175,7 +175,8 @@ impl FormulaParser<'_> {
             return Ok(());
         }
         let span = self.cursor.span().to(self.cursor.peek(1).span);
-        let base = self.source_text(self.file.expr(base).outer);
+        let last = self.file.expr(base).kind.infix().map_or(base, |(_, [_, last])| last);
+        let base = self.source_text(self.file.expr(last).outer);
         let exponent = match self.cursor.kind(2) {
             TokenKind::Number(_) | TokenKind::Word(_) => self.source_text(self.cursor.peek(2).span),
             TokenKind::Mark(_) | TokenKind::Uses(..) | TokenKind::Text(_) | TokenKind::Unknown | TokenKind::End => "n".to_owned(),

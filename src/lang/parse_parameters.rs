@@ -108,7 +108,13 @@ impl FormulaParser<'_> {
                     return Err(self.cursor.unknown_word("`scalar` or `vector`", &keywords::words(&keywords::TYPES)));
                 };
                 let diagnostic = self.cursor.unexpected("`scalar` or `vector`").help(format!("write `{ours}`"));
-                self.cursor.report(diagnostic);
+                if *self.cursor.kind(1) == TokenKind::Unknown {
+                    // `enum { A, B }`: the braces belong to the type.
+                    let span = self.cursor.span().to(self.cursor.statement_end());
+                    self.cursor.report_instead(span, diagnostic);
+                } else {
+                    self.cursor.report(diagnostic);
+                }
                 ty
             }
         };

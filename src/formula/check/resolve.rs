@@ -143,7 +143,8 @@ impl<'r> Resolver<'r> {
         };
         let ours = foreign::function(member).map(|ours| format!("here it is written {ours}"));
         let hint = match self.names.meaning(member) {
-            Some(_) => format!("functions and constants stand alone: write `{member}`"),
+            Some(Meaning::Builtin(Form::Function(_))) => format!("functions stand alone: write `{member}(…)`"),
+            Some(_) => format!("constants stand alone: write `{member}`"),
             None => ours
                 .or_else(|| foreign::values::hint(member))
                 .unwrap_or_else(|| format!("functions and constants stand alone, and the language has no `{member}`")),
@@ -212,6 +213,8 @@ impl<'r> Resolver<'r> {
                 }
             }
             Some(Meaning::Repetition(repetition)) => self.repetition(repetition, callee, arguments),
+            // What it stands for has been reported; it may be a function.
+            Some(Meaning::Macro(index)) if self.file.expr(self.file.definitions[index].body).kind == ExprKind::Missing => {}
             Some(other) => {
                 let mut diagnostic =
                     Diagnostic::error(format!("`{name}` is {}, not a function", other.describe())).at(callee.span, "called here");

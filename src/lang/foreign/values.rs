@@ -19,7 +19,7 @@ fn constant(name: &str) -> Option<&'static str> {
         "INV_PI" | "M_1_PI" | "INVPI" | "ONE_OVER_PI" | "kInvPi" | "RECIPROCAL_PI" => "`1/pi`",
         "M_2_PI" => "`2/pi`",
         "M_SQRT2" | "SQRT2" => "`sqrt(2)`",
-        "M_E" | "e" | "E" | "euler" => "`exp(1)`, and a power of it `exp(x)`",
+        "M_E" | "e" | "E" | "euler" => "`exp(1)`, and a power of it, as e^x, `exp(x)`",
         "true" | "on" | "yes" | "True" | "TRUE" | "YES" | "ON" | "On" => "`1`",
         "false" | "off" | "no" | "False" | "FALSE" | "OFF" | "Off" | "None" | "null" | "nil" | "nullptr" => "`0`",
         "inf" | "Inf" | "infinity" | "INFINITY" | "FLT_MAX" | "INF" => "as a large number, `1e30`",

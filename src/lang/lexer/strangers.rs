@@ -118,6 +118,9 @@ impl Lexer<'_> {
             "[" if let Some(("constraint", _)) = before => "a range is written `constraint 0..1`",
             "[" => return component().or_else(|| Some("vectors are written `<x, y, z>`, and only `(` `)` group".to_owned())),
             "{" if self.after_caret() => "an exponent is a number or stands in parentheses: `x^5`, `x^(a + 1)`",
+            "{" if before.is_some_and(|(word, _)| word.ends_with('_')) => {
+                "a name is written `x_i`, and a sum `sum(i, from, to, expression)`"
+            }
             "{" if self.begins_block(before.map(|(word, _)| word)) => {
                 "there are no blocks: sections begin as in `formula;`, and functions are written `F(x) = expression;`"
             }
