@@ -81,6 +81,15 @@ impl Cursor {
         self.tokens[self.at.saturating_sub(1)].kind.mark()
     }
 
+    /// The word before a `^` before the word that has been read last: `cos` in `cos^2`.
+    pub fn function_with_exponent(&self) -> Option<&str> {
+        let before = |count: usize| self.at.checked_sub(count).map(|at| &self.tokens[at].kind);
+        match (before(3)?, before(2)?) {
+            (TokenKind::Word(word), TokenKind::Mark(Mark::Caret)) => Some(word),
+            _ => None,
+        }
+    }
+
     /// Whether all words have been read.
     pub fn at_end(&self) -> bool {
         self.peek(0).kind == TokenKind::End

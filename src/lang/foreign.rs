@@ -34,8 +34,8 @@ pub fn ty(word: &str) -> Option<(Type, &'static str)> {
 pub fn declares(word: &str) -> bool {
     let is_type = ty(word).is_some() && !matches!(word, "point" | "normal" | "num" | "choice" | "menu" | "string");
     is_type
-        || matches!(word, "let" | "var" | "const" | "auto" | "uniform" | "static" | "local" | "mut" | "varying" | "out" | "in")
-        || matches!(word, "scalar" | "vector" | "macro" | "define" | "set" | "param" | "parameter" | "output" | "extern")
+        || matches!(word, "let" | "var" | "const" | "auto" | "uniform" | "static" | "local" | "mut" | "varying")
+        || matches!(word, "scalar" | "vector" | "macro" | "define" | "set" | "param" | "parameter" | "extern")
 }
 
 /// Whether a word before a name and its arguments begins a function elsewhere: `def F(x):`.
@@ -208,6 +208,10 @@ fn special_function(name: &str) -> Option<&'static str> {
         "mean" | "average" | "avg" => "`(a + b)/2`",
         "summation" | "Sum" => "`sum(i, from, to, expression)`",
         "prod" => "`product(i, from, to, expression)`",
+        "diffuse" | "lambert" | "lambertian" => "`max(0, N.L)`",
+        "specular" | "phong" | "blinn" | "specularbrdf" => "`max(0, R.V)^h`, or with Blinn's halfway vector `max(0, N.H)^h`",
+        "fresnel" | "schlick" => "`F0 + (1 - F0)*(1 - max(0, H.V))^5`, with an `F0` of your own",
+        "ambient" => "`ambient = …;` among the macros",
         "refract" => "`refracted = …;`, the weight of the refracted ray: the program traces the ray itself",
         "trace" | "traceRay" => "`reflected = …;` or `refracted = …;`: the program traces the rays itself",
         "faceforward" => "`if(N.V < 0, -N, N)`; `N` is already turned to the side the ray came from",

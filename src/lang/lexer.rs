@@ -8,7 +8,7 @@ mod numbers;
 mod strangers;
 
 use crate::lang::colour::{hexadecimal_colour, linear_from_srgb};
-use crate::lang::diagnostic::{Diagnostic, Diagnostics};
+use crate::lang::diagnostic::{Diagnostic, Diagnostics, nearest};
 use crate::lang::display_text::is_hidden;
 use crate::lang::lines::{LINE_ENDS, line_end};
 use crate::lang::source::{BYTE_ORDER_MARK, Source, SourceSpan};
@@ -142,7 +142,12 @@ impl Lexer<'_> {
                 let [red, green, blue] = stored.map(|stored| (linear_from_srgb(stored) * 1000.0).round() / 1000.0);
                 format!("write `<{red}, {green}, {blue}>`: the same colour as linear red, green and blue, each 0..1")
             }
-            None => "only `#uses FILE;` begins with `#`; comments are written `// …` or `/* … */`".to_owned(),
+            None => match name {
+                "define" => "a constant is a macro under `formula;`: `NAME = 3.14;`".to_owned(),
+                "include" | "import" | "version" | "pragma" => "all functions of the language are there without it".to_owned(),
+                _ if nearest(name, ["uses"]).is_some() => "did you mean `#uses FILE;`?".to_owned(),
+                _ => "only `#uses FILE;` begins with `#`; comments are written `// …` or `/* … */`".to_owned(),
+            },
         };
         let span = SourceSpan::new(start, self.at + word);
         self.at += word;
@@ -278,8 +283,8 @@ mod tests {
     #[test]
     fn strangers_are_reported_and_passed_over() {
         let TokenizedText { tokens, diagnostics, .. } = tokenize(&Source::new("t", "a & b § c $$ d | e"));
-        assert_eq!(tokens.iter().filter(|token| token.kind == TokenKind::Unknown).count(), 4);
-        assert_eq!(tokens.len(), 10);
+        assert_eq!(tokens.iter().filter(|token| token.kind == TokenKind::Unknown).count(), 5);
+        assert_eq!(tokens.len(), 11);
         assert_eq!(diagnostics.len(), 4, "{diagnostics:?}");
     }
 

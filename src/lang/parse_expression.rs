@@ -1,7 +1,7 @@
 //! Parses expressions: `expr` and `cond` of the grammar (thesis 9.2.1).
 
 use crate::lang::ast::{ExprId, ExprKind, Name};
-use crate::lang::builtins::{self, Form};
+use crate::lang::builtins::{self, Form, Repetition};
 use crate::lang::cursor::{Placed, Reported};
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::foreign;
@@ -69,6 +69,12 @@ impl FormulaParser<'_> {
                 Diagnostic::error(format!("an operator is missing between `{before}` and `{after}`"))
                     .at(self.cursor.previous_span().to(span), "expected `*`, `.`, `+` or another operator between the two")
                     .help_if(hint)
+            }
+            Some(Mark::Comma) if mark == Mark::Close => Diagnostic::error("a `,` in parentheses without a function")
+                .at(span, "expected an operator or `)`")
+                .help("vectors are written `<x, y, z>`"),
+            Some(Mark::Comma) if self.cursor.peek(1).begins_line => {
+                Diagnostic::error("a `,` at the end of a statement").at(span, "expected `;`").help("statements end with `;`")
             }
             Some(Mark::Comma) if mark == Mark::Semicolon => Diagnostic::error("a `,` outside parentheses")
                 .at(span, "expected an operator or `;`")
@@ -284,6 +290,12 @@ impl FormulaParser<'_> {
 
     /// Moves past the mark after a component of the vector that begins at `open`.
     fn expect_component(&mut self, open: SourceSpan, mark: Mark) -> Result<(), Reported> {
+        if mark == Mark::Comma && self.cursor.sees_mark(0, Mark::Semicolon) && !self.cursor.peek(1).begins_line {
+            let diagnostic = Diagnostic::error("a `;` between the components of a vector").at(self.cursor.span(), "expected `,`");
+            self.cursor.report(diagnostic.help("vectors are written `<x, y, z>`"));
+            self.cursor.advance();
+            return Ok(());
+        }
         let few = mark == Mark::Comma && self.cursor.sees_mark(0, Mark::Greater);
         let many = mark == Mark::Greater && self.cursor.sees_mark(0, Mark::Comma);
         if few || many {
@@ -317,6 +329,9 @@ impl FormulaParser<'_> {
                 None => format!("write `{text}*{name}` for a product"),
             },
             TokenKind::Word(name) => format!("write `{text}*{name}` for a product, or a `,` between arguments"),
+            TokenKind::Mark(_) if let Some(function) = self.cursor.function_with_exponent() => {
+                format!("the power comes behind the arguments: `{function}(…)^{text}`")
+            }
             TokenKind::Mark(_) => format!("write `{text}*(…)` for a product"),
             TokenKind::Number(_) | TokenKind::Uses(..) | TokenKind::Text(_) | TokenKind::Unknown | TokenKind::End => {
                 "write an operator, or a `,` between arguments".to_owned()
@@ -332,6 +347,11 @@ impl FormulaParser<'_> {
     fn conditional(&mut self, nesting: usize, callee: Name) -> Result<ExprId, Reported> {
         self.cursor.expect(Mark::Open, "after `if`, as in `if(a < b, then, else)`")?;
         let condition = self.condition(nesting)?;
+        if self.cursor.sees_mark(0, Mark::Close) {
+            let diagnostic = Diagnostic::error("`if` lacks its two values")
+                .at(callee.span.to(self.cursor.span()), "expected `if(condition, then, else)`");
+            return Err(self.cursor.report(diagnostic.help("the values stand in the same parentheses, after commas")));
+        }
         self.expect_expression_end(Mark::Comma, "between the condition and the value if it holds")?;
         let then = self.sum(nesting)?;
         if self.cursor.sees_mark(0, Mark::Close) {
@@ -396,7 +416,12 @@ impl FormulaParser<'_> {
                 .at(self.cursor.span(), "expected `)` before this");
             return Err(self.cursor.report(diagnostic));
         }
-        self.expect_expression_end(Mark::Close, &format!("to close `{}(…)`", callee.text))?;
+        let reports = self.cursor.report_count();
+        let end = self.expect_expression_end(Mark::Close, &format!("to close `{}(…)`", callee.text));
+        if let (true, Some(repetition)) = (end.is_err(), Repetition::named(&callee.text)) {
+            self.cursor.help_since(reports, &format!("write `{}`", repetition.usage()));
+        }
+        end?;
         let span = callee.span.to(self.cursor.previous_span());
         Ok(self.add(ExprKind::Call(callee, arguments), span))
     }

@@ -186,6 +186,9 @@ impl FormulaParser<'_> {
         let call = format!("{}({})", name.text, if listed.is_empty() { "x".to_owned() } else { listed.join(", ") });
         let body = self.foreign_body(head);
         let help = match body {
+            _ if matches!(name.text.as_str(), "main" | "mainImage" | "surface" | "shade" | "fragment") => {
+                "the colour is the last line, `= expression;`, and steps before it are macros: `STEP = expression;`".to_owned()
+            }
             Some(body) => format!("write `{call} = {body};`"),
             None => format!("write `{call} = expression;`, and give steps names of their own: `STEP = expression;`"),
         };
@@ -295,7 +298,7 @@ impl FormulaParser<'_> {
     }
 
     /// Defines a macro or a function with a value that is not known, unless the name has a meaning.
-    fn define(&mut self, name: Name, arguments: Option<Vec<Name>>) {
+    pub(super) fn define(&mut self, name: Name, arguments: Option<Vec<Name>>) {
         let word = name.text.as_str();
         let of_language = Variable::named(word).is_some() || Predefined::named(word).is_some() || builtins::named(word).is_some();
         let known = self.file.definitions.iter().any(|definition| definition.name.text == word)

@@ -47,18 +47,28 @@ impl FormulaParser<'_> {
         let name = self.cursor.name("the name of a parameter")?;
         let others = self.other_names(&name)?;
         if self.cursor.sees_mark(0, Mark::Equal) {
+            list.push(self.plain_declaration(name.clone(), owner));
             let diagnostic = self
                 .cursor
                 .unexpected("`:` and a type")
                 .help("macros (`NAME = expression;`) belong under `formula;`; parameters are declared `name: scalar;`");
             return Err(self.cursor.report(diagnostic));
         }
+        if ATTRIBUTES.contains(&name.text.as_str()) && !self.cursor.sees_mark(0, Mark::Colon) {
+            let diagnostic = Diagnostic::error(format!("`{}` stands outside of a declaration", name.text));
+            let help = format!("attributes stand before the `;`: `name: scalar, {} …;`", name.text);
+            return Err(self.cursor.report(diagnostic.at(name.span, "an attribute").help(help)));
+        }
         let colon = self.cursor.expect(Mark::Colon, "between the parameter's name and its type");
         if colon.is_err() && !matches!(self.cursor.word(0), Some("scalar" | "vector")) {
             return Err(Reported);
         }
         let mut attributes = ParameterAttributes::default();
-        let (ty, outcome) = match self.declared_type(&name)? {
+        let ty = self.declared_type(&name);
+        if ty.is_err() && Predefined::named(&name.text).is_none() {
+            list.push(self.plain_declaration(name.clone(), owner));
+        }
+        let (ty, outcome) = match ty? {
             DeclaredType::Given(ty) => (ty, self.more_attributes(&name, Vec::new(), &mut attributes)),
             // An attribute stands in its place, which has been reported.
             DeclaredType::LeftOut(ty) => (ty, self.first_and_more_attributes(&name, &mut attributes)),
@@ -69,6 +79,11 @@ impl FormulaParser<'_> {
         list.push(Declaration { name, owner, ty, attributes, doc });
         list.extend(others);
         outcome
+    }
+
+    /// The declaration of a scalar for one that cannot be read, so that uses of it are not reported too.
+    fn plain_declaration(&self, name: Name, owner: Owner) -> Declaration {
+        Declaration { name, owner, ty: Type::Scalar, attributes: ParameterAttributes::default(), doc: None }
     }
 
     /// Parses `, b, c` after the first name of a declaration: other languages declare several at once.
@@ -105,6 +120,11 @@ impl FormulaParser<'_> {
             }
             other => {
                 let Some((ty, ours)) = foreign::ty(other) else {
+                    if other == "texture" || other == "sampler2D" || other == "image" {
+                        let diagnostic = self.cursor.unexpected("`scalar` or `vector`");
+                        let help = "there are no pictures on bodies; patterns are made by `perlin(pt, a, b, n)` and `point`";
+                        return Err(self.cursor.report(diagnostic.help(help)));
+                    }
                     return Err(self.cursor.unknown_word("`scalar` or `vector`", &keywords::words(&keywords::TYPES)));
                 };
                 let diagnostic = self.cursor.unexpected("`scalar` or `vector`").help(format!("write `{ours}`"));
@@ -135,7 +155,11 @@ impl FormulaParser<'_> {
 
     fn predefined_line(&mut self, list: &mut Vec<PredefinedLine>) -> Result<(), Reported> {
         let name = self.cursor.name("the name of a predefined parameter")?;
-        self.cursor.expect(Mark::Colon, "between the parameter's name and its attributes")?;
+        let reports = self.cursor.report_count();
+        if let Err(reported) = self.cursor.expect(Mark::Colon, "between the parameter's name and its attributes") {
+            self.cursor.help_since(reports, &format!("write `{}: default 0.5;`", name.text));
+            return Err(reported);
+        }
         if let Some("scalar" | "vector") = self.cursor.word(0) {
             let diagnostic = Diagnostic::error("the type of a predefined parameter stays as it is")
                 .at(self.cursor.span(), "expected an attribute")
@@ -204,12 +228,23 @@ impl FormulaParser<'_> {
         if !ATTRIBUTES.contains(&word) {
             let known = ATTRIBUTES.map(|attribute| format!("`{attribute}`"));
             let (last, others) = known.split_last().map_or((String::new(), String::new()), |(a, b)| (a.clone(), b.join(", ")));
-            let hint = foreign::attribute(word);
-            let Some(ours) = hint else {
-                return Err(self.cursor.unknown_word(&format!("an attribute: {others} or {last}"), &ATTRIBUTES));
+            let expected = format!("an attribute: {others} or {last}");
+            let number = matches!(self.cursor.kind(0), TokenKind::Number(_));
+            let hint = match foreign::attribute(word) {
+                Some(ours) => Some(format!("did you mean `{ours}`?")),
+                None if number && self.cursor.sees_mark(1, Mark::DotDot) => Some("did you mean `constraint 0..1`?".to_owned()),
+                None if number => Some("did you mean `default 0.5`? Decimal numbers have a dot".to_owned()),
+                None => None,
             };
-            let diagnostic = self.cursor.unexpected(&format!("an attribute: {others} or {last}"));
-            return Err(self.cursor.report(diagnostic.help(format!("did you mean `{ours}`?"))));
+            let Some(hint) = hint else {
+                return Err(self.cursor.unknown_word(&expected, &ATTRIBUTES));
+            };
+            let diagnostic = self.cursor.unexpected(&expected).help(hint);
+            if *self.cursor.kind(1) == TokenKind::Unknown {
+                // `range [0, 1]`: the brackets belong to the attribute.
+                return Err(self.cursor.report_instead(span.to(self.cursor.statement_end()), diagnostic));
+            }
+            return Err(self.cursor.report(diagnostic));
         }
         self.cursor.advance();
         match word {
@@ -235,9 +270,12 @@ impl FormulaParser<'_> {
             "switch" => attributes.switch = Some(span),
             _ => attributes.colour = Some(span),
         }
-        if let TokenKind::Number(_) | TokenKind::Mark(Mark::Less | Mark::Open | Mark::Equal) = self.cursor.kind(0)
-            && matches!(word, "slider" | "switch" | "color")
-        {
+        let is_value = match self.cursor.kind(0) {
+            TokenKind::Number(_) | TokenKind::Mark(Mark::Less | Mark::Open | Mark::Equal) => true,
+            TokenKind::Word(next) => !ATTRIBUTES.contains(&next.as_str()) && !self.cursor.peek(0).begins_line,
+            TokenKind::Mark(_) | TokenKind::Uses(..) | TokenKind::Text(_) | TokenKind::Unknown | TokenKind::End => false,
+        };
+        if is_value && matches!(word, "slider" | "switch" | "color") {
             let help = match word {
                 "color" => "a colour at the start is written `default <1, 0.5, 0>, color`",
                 _ => "a range is written `constraint 0..1`, and the value at the start `default 0.5`",
@@ -251,6 +289,16 @@ impl FormulaParser<'_> {
 
     /// Parses the range after `constraint`.
     fn range(&mut self) -> Result<[f32; 2], Reported> {
+        let reports = self.cursor.report_count();
+        let range = self.bounds();
+        if range.is_err() {
+            let help = "a range has two bounds; a large one, as in `0..1000`, or no `constraint` at all lets any value in";
+            self.cursor.help_since(reports, help);
+        }
+        range
+    }
+
+    fn bounds(&mut self) -> Result<[f32; 2], Reported> {
         let low = self.single("the lower bound, as in `constraint 0..1`")?;
         self.cursor.expect(Mark::DotDot, "between the bounds, as in `constraint 0..1`")?;
         let high = self.single("the upper bound, as in `constraint 0..1`")?;
@@ -276,9 +324,19 @@ impl FormulaParser<'_> {
             let diagnostic = self.cursor.unexpected("the default value, a number").help(help);
             return Err(self.cursor.report(diagnostic));
         }
-        if self.cursor.sees_mark(0, Mark::Less) || self.cursor.sees_mark(0, Mark::Open) {
+        let list = self.cursor.numbers_ahead().len() == 3;
+        if self.cursor.sees_mark(0, Mark::Less) || self.cursor.sees_mark(0, Mark::Open) || list {
             let [x, y, z] = self.cursor.vector("the default value")?.value;
             return Ok(Constant::Vector([self.narrow(x)?, self.narrow(y)?, self.narrow(z)?]));
+        }
+        if let Some(word) = self.cursor.word(0).filter(|word| foreign::values::number(word).is_none()) {
+            let help = match foreign::function(word).filter(|_| self.cursor.sees_mark(1, Mark::Open)) {
+                Some(_) => "a colour is written `<1, 0.5, 0>`: red, green and blue, each 0..1".to_owned(),
+                None if self.cursor.sees_mark(1, Mark::Open) => "numbers alone stand here; work the value out".to_owned(),
+                None => "a default is written as a number, a colour as `<1, 0.5, 0>`".to_owned(),
+            };
+            let diagnostic = self.cursor.unexpected("the default value, a number or a vector `<x, y, z>`");
+            return Err(self.cursor.report(diagnostic.help(help)));
         }
         Ok(Constant::Scalar(self.single("the default value, a number or a vector `<x, y, z>`")?))
     }
@@ -329,7 +387,7 @@ impl FormulaParser<'_> {
 
     pub(super) fn invariants(&mut self) {
         let mut lines = Vec::new();
-        while self.sees_line() {
+        while self.sees_line() || matches!(self.cursor.kind(0), TokenKind::Number(_)) {
             match self.invariant() {
                 Ok(line) => lines.push(line),
                 Err(Reported) => self.cursor.skip_statement(),
@@ -341,6 +399,10 @@ impl FormulaParser<'_> {
     fn invariant(&mut self) -> Result<InvariantLine, Reported> {
         const FORM: &str = "invariants are sums like `ks + kd = 1;` or `ks + kd <= 1;`";
         let start = self.cursor.span();
+        if let TokenKind::Number(_) = self.cursor.kind(0) {
+            let diagnostic = self.cursor.unexpected("the name of a parameter").help(FORM);
+            return Err(self.cursor.report(diagnostic));
+        }
         let mut terms = vec![self.cursor.name("the name of a parameter")?];
         while self.cursor.accept(Mark::Plus) {
             terms.push(self.cursor.name("the name of a parameter")?);
@@ -359,6 +421,10 @@ impl FormulaParser<'_> {
         }
         self.cursor.advance();
         let span = start.to(self.cursor.previous_span());
+        if let Some(Mark::Plus | Mark::Minus | Mark::Star) = self.cursor.mark() {
+            let diagnostic = self.cursor.unexpected("`;` after the 1").help(FORM);
+            return Err(self.cursor.report(diagnostic));
+        }
         self.cursor.expect(Mark::Semicolon, "after the invariant")?;
         Ok(InvariantLine { terms, relation, span })
     }

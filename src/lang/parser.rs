@@ -5,7 +5,7 @@
 //! After an error the parser goes on with the next statement, so that one run reports all independent mistakes. Names
 //! and types are not checked here.
 
-use crate::lang::ast::{Expr, ExprId, ExprKind, FormulaFile};
+use crate::lang::ast::{Declaration, Expr, ExprId, ExprKind, FormulaFile, Name, ParameterAttributes, Section};
 use crate::lang::comments::doc;
 use crate::lang::cursor::Cursor;
 use crate::lang::diagnostic::{Diagnostic, Diagnostics, nearest};
@@ -13,6 +13,7 @@ use crate::lang::foreign;
 use crate::lang::keywords;
 use crate::lang::source::{Source, SourceSpan};
 use crate::lang::token::{Mark, TokenKind};
+use crate::lang::types::Type;
 use crate::lang::variables::{Owner, PREDEFINED_SECTION};
 
 /// Parses a formula file. The syntax is as complete as the text allows; it may be used only if there are no errors.
@@ -34,7 +35,7 @@ const SECTIONS: [&str; 6] = keywords::words(&keywords::FORMULA_SECTIONS);
 
 /// What follows a section.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Next {
+pub(super) enum Next {
     /// Another section, or the head of the formula.
     Section,
     /// Macros and the result, whose head is missing. That has been reported.
@@ -86,7 +87,7 @@ impl FormulaParser<'_> {
 
     /// Parses a section before the formula, or reports what is in its place. `seen` has the sections before, with their
     /// heads.
-    fn section(&mut self, seen: &mut Vec<(String, SourceSpan)>) -> Next {
+    pub(super) fn section(&mut self, seen: &mut Vec<(String, SourceSpan)>) -> Next {
         let head = self.cursor.span();
         if let TokenKind::Uses(..) = self.cursor.kind(0) {
             self.cursor.advance();
@@ -154,9 +155,28 @@ impl FormulaParser<'_> {
                 diagnostic
                     .help("parameters are declared `name: scalar;`; a formula file ends with `formula;` and `= expression;`"),
             );
+            // It may be a parameter, and so is what follows, so that uses of them are not reported too.
+            if let Some(text) = word.map(str::to_owned) {
+                let name = Name { text, span: head };
+                let attributes = ParameterAttributes::default();
+                let declaration = Declaration { name, owner: Owner::Body, ty: Type::Scalar, attributes, doc: None };
+                self.file.sections.push(Section::Parameters(Owner::Body, vec![declaration]));
+            }
             self.cursor.skip_statement();
-            // What follows is read, so that uses of it are not reported too.
             self.declarations(Owner::Body);
+            return Next::Section;
+        }
+        if let (TokenKind::Number(_), TokenKind::Word(_)) = (self.cursor.kind(0), self.cursor.kind(1)) {
+            let diagnostic = self.cursor.unexpected("a name").help("names begin with a letter or `_`");
+            self.cursor.report(diagnostic);
+            self.cursor.skip_statement();
+            self.declarations(Owner::Body);
+            return Next::Section;
+        }
+        if matches!(word, Some("uses" | "use" | "include" | "import" | "materials")) && self.cursor.word(1).is_some() {
+            let diagnostic = self.cursor.unexpected("a section").help("a library of materials is named by `#uses FILE;`");
+            self.cursor.report(diagnostic);
+            self.cursor.skip_statement();
             return Next::Section;
         }
         if word.is_none() && self.cursor.sees_mark(0, Mark::Equal) || self.cursor.sees_mark(1, Mark::Equal) {

@@ -69,7 +69,10 @@ impl<'r> Resolver<'r> {
                         pending.extend(repetition.bounds.map(|bound| (bound, Rc::clone(&known))));
                         continue;
                     }
-                    if let Some(Meaning::Repetition(_)) = self.names.callee(&callee.text) {
+                    let like_sum =
+                        || matches!(callee.text.to_lowercase().as_str(), "sum" | "summation" | "sigma" | "product" | "prod");
+                    let meaning = self.names.callee(&callee.text);
+                    if matches!(meaning, Some(Meaning::Repetition(_))) || meaning.is_none() && like_sum() {
                         // It has been reported, and its variable has no meaning.
                         continue;
                     }

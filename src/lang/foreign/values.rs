@@ -25,6 +25,9 @@ fn constant(name: &str) -> Option<&'static str> {
         "inf" | "Inf" | "infinity" | "INFINITY" | "FLT_MAX" | "INF" => "as a large number, `1e30`",
         "nan" | "NaN" | "NAN" => "`0/0`, and it shows as black",
         "EPSILON" | "eps" | "epsilon" | "FLT_EPSILON" | "EPS" => "as a small number, `0.0001`",
+        "I" => "`-V`, where `V` is the direction to the viewer",
+        "P" => "`point`",
+        "Ci" | "Oi" | "fragColor" | "gl_FragColor" | "outColor" => "as the last line, `= expression;`",
         "DEG2RAD" | "deg2rad" => "`pi/180`, and `radians(x)` turns degrees into radians",
         _ => return None,
     })
@@ -103,8 +106,26 @@ fn quantity(name: &str) -> Option<&'static str> {
 
 /// The direction or place of names like `lightDir`, `viewVector`, `vWorldNormal`: a word, with others around it.
 fn direction(plain: &str) -> Option<&'static str> {
-    const BEFORE: [&str; 16] =
-        ["to", "world", "surface", "surf", "frag", "vertex", "unit", "v", "u", "i", "in", "n", "the", "my", "normalized", "hit"];
+    const BEFORE: [&str; 18] = [
+        "to",
+        "world",
+        "fragment",
+        "pixel",
+        "surface",
+        "surf",
+        "frag",
+        "vertex",
+        "unit",
+        "v",
+        "u",
+        "i",
+        "in",
+        "n",
+        "the",
+        "my",
+        "normalized",
+        "hit",
+    ];
     const BEHIND: [&str; 14] =
         ["direction", "dir", "vector", "vec", "ray", "ws", "way", "angle", "hat", "world", "norm", "unit", "position", "pos"];
     let ours = |word: &str| {
@@ -127,7 +148,7 @@ fn direction(plain: &str) -> Option<&'static str> {
         if let Some(ours) = found(word) {
             return Some(ours);
         }
-        let shorter = BEHIND.iter().find_map(|end| word.strip_suffix(end).filter(|rest| !rest.is_empty()));
+        let shorter = BEHIND.iter().find_map(|end| word.strip_suffix(end).filter(|rest| rest.len() > 1 && *rest != "frag"));
         let shorter =
             shorter.or_else(|| BEFORE.iter().find_map(|start| word.strip_prefix(start).filter(|rest| !rest.is_empty())));
         word = shorter?;

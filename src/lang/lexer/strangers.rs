@@ -90,6 +90,8 @@ impl Lexer<'_> {
             "}" => self.found.tokens.iter().filter(unknown).any(|token| &self.text[token.span.range()] == "{") || before("\\"),
             "{" => before("\\") || before("{"),
             "|" => before("|"),
+            "`" => before("`"),
+            "⟩" => before("⟨"),
             "”" => before("“"),
             "’" | "'" => before(text),
             "$" => before("$") || before("\\"),
@@ -115,6 +117,7 @@ impl Lexer<'_> {
             Some(format!("a component of a vector is written `{get}({before})`"))
         };
         let hint = match text {
+            "[" | "{" if let Some(("choices", _)) = before => "choices are written `choices \"one\", \"other\"`",
             "[" if let Some(("constraint", _)) = before => "a range is written `constraint 0..1`",
             "[" => return component().or_else(|| Some("vectors are written `<x, y, z>`, and only `(` `)` group".to_owned())),
             "{" if self.after_caret() => "an exponent is a number or stands in parentheses: `x^5`, `x^(a + 1)`",
