@@ -33,6 +33,7 @@ pub(super) fn parse(source: &Source) -> Result<(Scene, Diagnostics), Diagnostics
         bodies: Vec::new(),
         lights: Vec::new(),
         camera: None,
+        light_among_bodies: false,
     };
     parser.file();
     let diagnostics = parser.cursor.into_diagnostics();
@@ -54,6 +55,8 @@ struct SceneParser {
     bodies: Vec<Body>,
     lights: Vec<Light>,
     camera: Option<Camera>,
+    /// Whether a light stands among the bodies, so that the section of lights may be what is missing.
+    light_among_bodies: bool,
 }
 
 impl SceneParser {
@@ -98,6 +101,9 @@ impl SceneParser {
         }
         let missing: Vec<_> = SECTIONS.iter().zip(&self.seen).filter(|(_, seen)| seen.is_none()).map(|(name, _)| *name).collect();
         for name in missing {
+            if name == SECTIONS[1] && self.light_among_bodies {
+                continue;
+            }
             let diagnostic =
                 Diagnostic::error(format!("the section `{name};` is missing")).at(self.cursor.span(), "the scene ends here");
             self.cursor.report(
@@ -259,8 +265,7 @@ impl SceneParser {
         let is_light = LightKind::SYNTAX.iter().any(|kind| kind.keyword.word == word);
         let hint = if is_light { Some("lights stand in the section `lights;`") } else { foreign::shape(word) };
         if is_light {
-            // It is the section that is missing, and that it is missing would be a second error for one mistake.
-            self.seen[1].get_or_insert(name.span);
+            self.light_among_bodies = true;
         }
         let (kind, shape) = self.kind(("shape", &name.value), Shape::SYNTAX, hint)?;
         let attributes = self.attributes(kind)?;

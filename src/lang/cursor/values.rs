@@ -38,7 +38,8 @@ impl Cursor {
         };
         let span = start.to(self.peek(words - 1).span);
         if !plain {
-            let diagnostic = Diagnostic::error(format!("expected {what}, found an expression"));
+            let found = if words == 1 { self.kind(0).describe() } else { "an expression".to_owned() };
+            let diagnostic = Diagnostic::error(format!("expected {what}, found {found}"));
             self.report(diagnostic.at(span, "a number alone belongs here").help(format!("write `{}`", value as f32)));
         }
         for _ in 0..words {
