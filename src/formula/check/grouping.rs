@@ -1,5 +1,6 @@
 //! How products are grouped, where mathematics would group them otherwise: `Cd*N.L` is `(Cd*N).L`, `N.V^5` is
-//! `N.(V^5)`, `-x^2` is `(-x)^2`, and `!a + b` is `!(a + b)`. Warnings where that gives a value, and hints where types do not fit.
+//! `N.(V^5)`, `-x^2` is `(-x)^2`, and `!a + b` is `!(a + b)`. Warnings where that gives a value, and hints where types
+//! do not fit.
 
 use crate::formula::check::expressions::Checked;
 use crate::lang::ast::{Expr, ExprId, ExprKind, FormulaFile};
