@@ -129,6 +129,11 @@ pub fn function(name: &str) -> Option<String> {
 }
 
 fn special_function(name: &str) -> Option<&'static str> {
+    function_of_numbers(name).or_else(|| function_of_values(name))
+}
+
+/// How we write a function of numbers.
+fn function_of_numbers(name: &str) -> Option<&'static str> {
     Some(match name {
         "vec3" | "float3" | "color" | "vector" | "rgb" | "vec4" | "float4" | "color3" | "Vector" | "Color" | "RGB" | "half3"
         | "vec2" | "float2" | "array" | "Vector3" | "Vec3" | "make_float3" | "spectrum" | "Spectrum" | "normal" | "colour" => {
@@ -163,6 +168,13 @@ fn special_function(name: &str) -> Option<&'static str> {
         "atanh" => "`log((1 + x)/(1 - x))/2`",
         "erfc" => "`1 - erf(x)`",
         "sinc" => "`if(x == 0, 1, sin(x)/x)`",
+        _ => return None,
+    })
+}
+
+/// How we write a function of vectors, colours, places and conditions.
+fn function_of_values(name: &str) -> Option<&'static str> {
+    Some(match name {
         "norm" | "len" | "magnitude" | "mag" => "`length(v)`",
         "unit" | "normalise" | "normalized" | "normalised" => "`normalize(v)`",
         "dist" => "`distance(a, b)`",

@@ -89,7 +89,7 @@ impl FormulaParser<'_> {
             }
             depth == 1 && self.cursor.sees_mark(at, Mark::Comma)
         });
-        !self.cursor.sees_mark(close + 1, Mark::Equal) && !(word == "if" && has_comma)
+        !(self.cursor.sees_mark(close + 1, Mark::Equal) || word == "if" && has_comma)
     }
 
     /// How many words ahead the `)` is that closes a `(`; in the same statement, but for the head of a `for`.
@@ -355,9 +355,9 @@ impl FormulaParser<'_> {
     /// Our word for the type that is among these many words.
     fn type_word(&self, count: usize) -> &'static str {
         let words = (0..count).filter_map(|at| self.cursor.word(at));
-        let types =
+        let mut types =
             words.filter_map(|word| if word == "vector" { Some("vector") } else { foreign::ty(word).map(|(_, ours)| ours) });
-        types.last().unwrap_or("scalar")
+        types.next_back().unwrap_or("scalar")
     }
 
     /// Reports `float a = 0.5;` and `scalar a;` among declarations. Whether it was one; the rest of it is not read.

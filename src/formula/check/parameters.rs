@@ -95,7 +95,7 @@ fn redefine(parameter: &mut Parameter, line: &PredefinedLine, diagnostics: &mut 
     let attributes = &line.attributes;
     let before = parameter.clone();
     let values = [(attributes.switch, "switch"), (attributes.choices.as_ref().map(|(_, span)| *span), "choices")];
-    for (span, word) in values.into_iter().filter_map(|(span, word)| Some((span?, word))) {
+    if let Some((span, word)) = values.into_iter().find_map(|(span, word)| Some((span?, word))) {
         diagnostics.push(
             Diagnostic::error(format!("`{}` cannot become a `{word}`: its meaning stays", parameter.name))
                 .at(span, "expected a range, a default or a slider")
