@@ -1,7 +1,7 @@
 //! How this language writes what other languages and papers write in another way: for hints in messages.
 //!
-//! Shading languages, C, Python and mathematics have words of their own. Each table here gives ours for theirs; names of
-//! values are in `foreign/values.rs`, signs in `foreign/marks.rs`.
+//! Shading languages, C, Python and mathematics have words of their own. Each table here gives ours for theirs; names
+//! of values are in `foreign/values.rs`, signs in `foreign/marks.rs`.
 
 pub mod marks;
 pub mod values;

@@ -1,5 +1,5 @@
-//! Statements and declarations in the forms of other languages: C, GLSL, Python, MATLAB. Each is one error with the form
-//! of this language, and what it names counts as named, so that uses of it are not reported too.
+//! Statements and declarations in the forms of other languages: C, GLSL, Python, MATLAB. Each is one error with the
+//! form of this language, and what it names counts as named, so that uses of it are not reported too.
 
 use crate::lang::ast::{Declaration, Definition, Name, ParameterAttributes};
 use crate::lang::builtins;

@@ -1,6 +1,6 @@
 //! Parses the words of a formula file into syntax, by recursive descent (thesis 9.1). Here are the file and its
-//! sections; `parse_parameters`, `parse_formula` and `parse_expression` have what stands in them, and `parse_foreign` what
-//! stands there in the form of another language.
+//! sections; `parse_parameters`, `parse_formula` and `parse_expression` have what stands in them, and `parse_foreign`
+//! what stands there in the form of another language.
 //!
 //! After an error the parser goes on with the next statement, so that one run reports all independent mistakes. Names
 //! and types are not checked here.

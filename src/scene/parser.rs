@@ -283,8 +283,8 @@ impl SceneParser {
         Ok(())
     }
 
-    /// Parses a kind of shape or light and its values; `what` names it in messages, and `name` is what the scene calls it.
-    /// The value is `None` where it is out of range, which is reported.
+    /// Parses a kind of shape or light and its values; `what` names it in messages, and `name` is what the scene calls
+    /// it. The value is `None` where it is out of range, which is reported.
     fn kind<T>(
         &mut self,
         (what, name): (&str, &str),

@@ -1,5 +1,5 @@
-//! Reads numbers and constant vectors, as declarations and scenes have them. Arithmetic in their place is worked out for
-//! the message.
+//! Reads numbers and constant vectors, as declarations and scenes have them. Arithmetic in their place is worked out
+//! for the message.
 
 use super::{Cursor, Placed, Reported};
 use crate::lang::diagnostic::Diagnostic;
