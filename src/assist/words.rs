@@ -186,8 +186,8 @@ fn known(word: &str) -> Class {
     }
 }
 
-/// The comments between two words. A stray `#` was most likely meant as a comment, so the rest of its line is marked
-/// as wrong.
+/// The comments between two words. A stray `#` or `%` was most likely meant as a comment, so the rest of its line is
+/// marked as wrong.
 fn between(text: &str, gap: Range<usize>, pieces: &mut Vec<(Range<usize>, Class)>) {
     let all = text[gap.clone()].trim_start_matches('\u{feff}');
     let inner = all.trim();
@@ -196,7 +196,7 @@ fn between(text: &str, gap: Range<usize>, pieces: &mut Vec<(Range<usize>, Class)
     }
     let start = gap.end - all.trim_start().len();
     let end = start + inner.len();
-    let unknown = if inner.starts_with('#') { inner.find('\n').unwrap_or(inner.len()) } else { 0 };
+    let unknown = if inner.starts_with(['#', '%']) { inner.find('\n').unwrap_or(inner.len()) } else { 0 };
     if unknown > 0 {
         pieces.push((start..start + unknown, Class::Unknown));
     }

@@ -1,4 +1,7 @@
 //! The reading position of a parser in a list of words: how words are expected, and how parsing goes on after an error.
+//! Numbers and constant vectors are read in `cursor/values.rs`.
+
+mod values;
 
 use crate::lang::ast::Name;
 use crate::lang::diagnostic::{Diagnostic, Diagnostics, nearest};
@@ -71,6 +74,20 @@ impl Cursor {
     /// The place of the word before the current one.
     pub fn previous_span(&self) -> SourceSpan {
         self.tokens[self.at.saturating_sub(1)].span
+    }
+
+    /// The word before the current one if it is a mark.
+    pub fn previous_mark(&self) -> Option<Mark> {
+        self.tokens[self.at.saturating_sub(1)].kind.mark()
+    }
+
+    /// The word before a `^` before the word that has been read last: `cos` in `cos^2`.
+    pub fn function_with_exponent(&self) -> Option<&str> {
+        let before = |count: usize| self.at.checked_sub(count).map(|at| &self.tokens[at].kind);
+        match (before(3)?, before(2)?) {
+            (TokenKind::Word(word), TokenKind::Mark(Mark::Caret)) => Some(word),
+            _ => None,
+        }
     }
 
     /// Whether all words have been read.
@@ -187,12 +204,16 @@ impl Cursor {
         Err(self.report(diagnostic))
     }
 
-    /// Moves past the keyword, or reports that it is missing; `context` says where.
+    /// Moves past the keyword before a value, or reports that it is missing; `context` says where.
     ///
     /// # Errors
     /// The current word is another one.
     pub fn expect_word(&mut self, keyword: &str, context: &str) -> Result<(), Reported> {
-        if self.accept_word(keyword) { Ok(()) } else { Err(self.unknown_word(&format!("`{keyword}` {context}"), &[keyword])) }
+        if !self.accept_word(keyword) {
+            return Err(self.unknown_word(&format!("`{keyword}` {context}"), &[keyword]));
+        }
+        self.pass_marks_after(keyword, &[Mark::Colon, Mark::Equal]);
+        Ok(())
     }
 
     /// Reads a name that the text gives to something; `what` describes it in messages, as in "the name of a parameter".
@@ -212,51 +233,46 @@ impl Cursor {
         Ok(name)
     }
 
-    /// Reads a number with an optional minus sign; `what` describes it in messages.
-    ///
-    /// # Errors
-    /// The current word is something else.
-    pub fn number(&mut self, what: &str) -> Result<Placed<f64>, Reported> {
-        let start = self.span();
-        let negative = self.accept(Mark::Minus);
-        let TokenKind::Number(value) = *self.kind(0) else {
-            let diagnostic = Diagnostic::error(format!("expected {what}, found {}", self.kind(0).describe()));
-            return Err(self.report(diagnostic.at(self.span(), "a number belongs here")));
-        };
-        let span = start.to(self.span());
-        self.advance();
-        Ok(Placed { value: if negative { -value } else { value }, span })
+    /// Reports marks between a word and its value, as in `default = 0.5`, and moves past them.
+    pub fn pass_marks_after(&mut self, word: &str, marks: &[Mark]) {
+        for stray in marks {
+            let place = self.span();
+            if self.accept(*stray) {
+                let diagnostic = Diagnostic::error(format!("no `{}` stands after `{word}`", stray.spelling()));
+                self.report(diagnostic.at(place, "leave this out"));
+            }
+        }
     }
 
-    /// Reads a vector `<x, y, z>` of numbers; `what` describes it in messages.
-    ///
-    /// # Errors
-    /// Something else is found.
-    pub fn vector(&mut self, what: &str) -> Result<Placed<[Placed<f64>; 3]>, Reported> {
-        let start = self.span();
-        if !self.accept(Mark::Less) {
-            let diagnostic = Diagnostic::error(format!("expected {what}, found {}", self.kind(0).describe()));
-            return Err(self.report(diagnostic.at(start, "a vector belongs here").help("vectors are written `<x, y, z>`")));
+    /// How many errors and warnings there are by now.
+    pub fn report_count(&self) -> usize {
+        self.diagnostics.len()
+    }
+
+    /// Adds a hint to the last report, if there are more than this many.
+    pub fn help_since(&mut self, count: usize, hint: &str) {
+        if self.diagnostics.len() > count {
+            self.diagnostics.help_last(hint);
         }
-        let mut components = [Placed { value: 0.0, span: start }; 3];
-        for (index, component) in components.iter_mut().enumerate() {
-            if index > 0 {
-                self.expect(Mark::Comma, &format!("between the components of {what}"))?;
-            }
-            *component = self.number(&format!("a component of {what}"))?;
-        }
-        if self.sees_mark(0, Mark::Comma) {
-            let diagnostic = Diagnostic::error(format!("{what} has more than three components"));
-            return Err(self.report(diagnostic.at(self.span(), "expected `>` here").help("vectors are written `<x, y, z>`")));
-        }
-        self.expect(Mark::Greater, &format!("at the end of {what}"))?;
-        Ok(Placed { value: components, span: start.to(self.previous_span()) })
+    }
+
+    /// Reports something in place of what was reported within a span, as about characters that belong to it.
+    pub fn report_instead(&mut self, span: SourceSpan, diagnostic: Diagnostic) -> Reported {
+        self.diagnostics.remove_within(span);
+        self.diagnostics.push(diagnostic);
+        Reported
     }
 
     /// Whether characters that are no word come before the end of the statement. The lexer has reported them.
     pub fn statement_has_unknown(&self) -> bool {
         let rest = self.tokens[self.at..].iter().take_while(|token| token.kind != TokenKind::Mark(Mark::Semicolon));
         rest.into_iter().any(|token| token.kind == TokenKind::Unknown)
+    }
+
+    /// The place of the `;` that ends the current statement.
+    pub fn statement_end(&self) -> SourceSpan {
+        let ends = |token: &&Token| token.kind == TokenKind::Mark(Mark::Semicolon) || token.kind == TokenKind::End;
+        self.tokens[self.at..].iter().find(ends).map_or(self.span(), |token| token.span)
     }
 
     /// Moves past the rest of a statement: past the next `;`, or to the head of the next section.

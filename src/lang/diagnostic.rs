@@ -147,6 +147,19 @@ impl Diagnostics {
         }
     }
 
+    /// Removes those whose main place is within a span.
+    pub fn remove_within(&mut self, span: SourceSpan) {
+        let within = |place: SourceSpan| span.start <= place.start && place.end <= span.end;
+        self.list.retain(|diagnostic| !diagnostic.span().is_some_and(within));
+    }
+
+    /// Adds a hint to the one that was added last.
+    pub fn help_last(&mut self, hint: impl AsRef<str>) {
+        if let Some(last) = self.list.last_mut() {
+            last.hints.push(one_line(hint.as_ref()));
+        }
+    }
+
     /// Adds all of `others`.
     pub fn extend(&mut self, others: Diagnostics) {
         others.list.into_iter().for_each(|diagnostic| self.push(diagnostic));
@@ -205,7 +218,8 @@ pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) ->
         .filter(|candidate| *candidate != name)
         .filter_map(|candidate| {
             let longest = candidate.chars().take(2 * LONGEST_MISSPELT).count().max(length);
-            let limit = longest.div_ceil(3);
+            // One slip in three or four letters, two in five to seven.
+            let limit = (longest + 1) / 3;
             // A name that is much longer is not near, and comparing the two would take long.
             if longest > length + limit {
                 return None;
@@ -232,6 +246,7 @@ mod tests {
         assert_eq!(nearest("sqr", ["sin", "sqrt", "cos"]), Some("sqrt"));
         assert_eq!(nearest("roughness", ["kd", "Cd", "normalize"]), None);
         assert_eq!(nearest("kd", ["Cd", "ka"]), None);
+        assert_eq!(nearest("any", ["tanh"]), None);
     }
 
     #[test]

@@ -1,15 +1,18 @@
 //! Splits a text into words, by the lexical rules that the formula and the scene language share.
 //!
-//! The rules of white space, comments, numbers, identifiers, `#uses` and punctuation are here; the grammar is not.
+//! The rules of white space, comments, identifiers, `#uses` and punctuation are here, those of numbers in
+//! `lexer/numbers.rs`. `lexer/strangers.rs` says what characters mean elsewhere that are no part of the language. The
+//! grammar is not here.
 
-use crate::lang::diagnostic::{Diagnostic, Diagnostics};
+mod numbers;
+mod strangers;
+
+use crate::lang::colour::{hexadecimal_colour, linear_from_srgb};
+use crate::lang::diagnostic::{Diagnostic, Diagnostics, nearest};
 use crate::lang::display_text::is_hidden;
 use crate::lang::lines::{LINE_ENDS, line_end};
 use crate::lang::source::{BYTE_ORDER_MARK, Source, SourceSpan};
 use crate::lang::token::{Mark, Token, TokenKind};
-
-/// How many unknown characters a message shows.
-const MOST_SHOWN: usize = 20;
 
 /// A text as words and comments.
 #[derive(Debug, Clone, Default)]
@@ -55,6 +58,8 @@ impl Lexer<'_> {
                 self.number_sign(start);
             } else if first == '"' {
                 self.quoted(start);
+            } else if self.rest().starts_with("...") {
+                self.three_dots(start);
             } else if let Some(mark) = Mark::ALL.iter().find(|mark| self.rest().starts_with(mark.spelling())) {
                 self.at += mark.spelling().len();
                 self.push(TokenKind::Mark(*mark), start);
@@ -117,33 +122,6 @@ impl Lexer<'_> {
         }
     }
 
-    /// `digits`, `digits.digits`, `.digits`, or `digits.` if no other dot follows; then an optional exponent.
-    fn number(&mut self, start: usize) {
-        let digits = |byte: u8| byte.is_ascii_digit();
-        self.at += self.run_length(digits);
-        if self.rest().starts_with('.') && !self.rest().starts_with("..") {
-            self.at += 1;
-            self.at += self.run_length(digits);
-        }
-        if self.rest().starts_with(['e', 'E']) {
-            let sign = usize::from(self.rest()[1..].starts_with(['+', '-']));
-            if self.digit_at(self.at + 1 + sign) {
-                self.at += 1 + sign;
-                self.at += self.run_length(digits);
-            }
-        }
-        // Rust can read every text of this form.
-        let value = self.text[start..self.at].parse::<f64>().unwrap_or(f64::INFINITY);
-        if value.is_infinite() {
-            self.found.diagnostics.push(
-                Diagnostic::error("this number is too large")
-                    .at(SourceSpan::new(start, self.at), "larger than the largest number")
-                    .help(format!("numbers go up to about {:e}", f32::MAX)),
-            );
-        }
-        self.push(if value.is_finite() { TokenKind::Number(value) } else { TokenKind::Unknown }, start);
-    }
-
     /// `#uses PATH;`, or something that only begins like it.
     fn number_sign(&mut self, start: usize) {
         self.at += 1;
@@ -153,15 +131,23 @@ impl Lexer<'_> {
             return;
         }
         let name = &self.text[self.at..self.at + word];
-        let colour = colour(name);
+        let colour = hexadecimal_colour(name);
         let message = match colour {
             _ if name.is_empty() => "a stray `#`".to_owned(),
             Some(_) => format!("colours are not written `#{name}`"),
             None => format!("`#{name}` has no meaning"),
         };
         let hint = match colour {
-            Some([red, green, blue]) => format!("write `<{red}, {green}, {blue}>`: red, green and blue, each 0..1"),
-            None => "only `#uses FILE;` begins with `#`; comments are written `// …` or `/* … */`".to_owned(),
+            Some(stored) => {
+                let [red, green, blue] = stored.map(|stored| (linear_from_srgb(stored) * 1000.0).round() / 1000.0);
+                format!("write `<{red}, {green}, {blue}>`: the same colour as linear red, green and blue, each 0..1")
+            }
+            None => match name {
+                "define" => "a constant is a macro under `formula;`: `NAME = 3.14;`".to_owned(),
+                "include" | "import" | "version" | "pragma" => "all functions of the language are there without it".to_owned(),
+                _ if nearest(name, ["uses"]).is_some() => "did you mean `#uses FILE;`?".to_owned(),
+                _ => "only `#uses FILE;` begins with `#`; comments are written `// …` or `/* … */`".to_owned(),
+            },
         };
         let span = SourceSpan::new(start, self.at + word);
         self.at += word;
@@ -215,120 +201,11 @@ impl Lexer<'_> {
         let text = self.text[inner..inner + length].to_owned();
         self.push(TokenKind::Text(text), start);
     }
-
-    /// A run of characters that cannot begin a word.
-    fn strangers(&mut self, start: usize) {
-        let known = |character: char| {
-            is_blank(character)
-                || character.is_ascii_alphanumeric()
-                || "_#\"".contains(character)
-                || Mark::ALL.iter().any(|mark| mark.spelling().starts_with(character))
-        };
-        let first_hidden = self.rest().chars().next().is_some_and(is_hidden);
-        self.at += self
-            .rest()
-            .char_indices()
-            .find(|(offset, c)| *offset > 0 && (known(*c) || is_hidden(*c) != first_hidden))
-            .map_or(self.rest().len(), |(offset, _)| offset);
-        let text = &self.text[start..self.at];
-        let span = SourceSpan::new(start, self.at);
-        if self.closes_stranger(text) {
-            self.push(TokenKind::Unknown, start);
-            return;
-        }
-        let diagnostic = match text.chars().next().filter(|first| is_hidden(*first)) {
-            Some(hidden) => Diagnostic::error(format!("an invisible character, U+{:04X}, is in the text", u32::from(hidden)))
-                .at(span, "here")
-                .help("delete it; it probably came with a copied text"),
-            None => {
-                let shown: String = text.chars().take(MOST_SHOWN).collect();
-                let rest = if shown.len() < text.len() { "…" } else { "" };
-                Diagnostic::error(format!("`{shown}{rest}` is not part of the language"))
-                    .at(span, "not understood")
-                    .help_if(self.stranger_hint(text))
-            }
-        };
-        self.found.diagnostics.push(diagnostic);
-        self.push(TokenKind::Unknown, start);
-    }
-
-    /// Whether these characters close what others that have been reported opened, as `]` after `[`.
-    fn closes_stranger(&self, text: &str) -> bool {
-        let opening = match text {
-            "]" | "]]" => "[",
-            "}" => "{",
-            "|" | "||" => "|",
-            "”" => "“",
-            "’" | "'" => text,
-            _ => return false,
-        };
-        let statement = self.found.tokens.iter().rev().take_while(|token| token.kind != TokenKind::Mark(Mark::Semicolon));
-        let mut unknown = statement.filter(|token| token.kind == TokenKind::Unknown);
-        unknown.any(|token| &self.text[token.span.range()] == opening)
-    }
-
-    /// How the language writes what these characters mean elsewhere.
-    fn stranger_hint(&self, text: &str) -> Option<String> {
-        let component = || {
-            let before = match &self.found.tokens.last()?.kind {
-                TokenKind::Word(word) => word.as_str(),
-                TokenKind::Number(_)
-                | TokenKind::Uses(..)
-                | TokenKind::Text(_)
-                | TokenKind::Mark(_)
-                | TokenKind::Unknown
-                | TokenKind::End => return None,
-            };
-            let get = match self.rest().chars().next()? {
-                '0' => "getx",
-                '1' => "gety",
-                '2' => "getz",
-                _ => return None,
-            };
-            Some(format!("a component of a vector is written `{get}({before})`"))
-        };
-        let hint = match text {
-            "&" => "the logical operators are `&&`, `||` and `!`",
-            "|" => "the absolute value is `abs(x)`, a vector's length `length(v)`; the logical operators are `&&`, `||` and `!`",
-            "?" => "a choice is written `if(condition, then, else)`",
-            "%" => "the remainder is `mod(x, y)`",
-            "²" | "³" | "⁴" | "⁵" => "powers are written `x^2`",
-            "√" => "the square root is `sqrt(x)`",
-            "≤" => "write `<=`",
-            "≥" => "write `>=`",
-            "≠" => "write `!=`",
-            "−" | "–" | "—" => "the minus sign is `-`",
-            "×" | "·" | "∙" | "⋅" => "multiplication is `*`, the dot product `.`",
-            "÷" => "division is `/`",
-            "“" | "”" | "„" | "‘" | "’" | "'" => "quotation marks are written `\"`",
-            "α" | "β" | "γ" | "π" => "the angles are written `alpha`, `beta`, `gamma`, and π is `pi`",
-            "[" => return component().or_else(|| Some("vectors are written `<x, y, z>`, and only `(` `)` group".to_owned())),
-            "]" | "{" | "}" => "vectors are written `<x, y, z>`, and only `(` `)` group",
-            _ if text.chars().all(char::is_alphabetic) => "names have the letters A to Z and a to z, digits and `_`",
-            _ => return None,
-        };
-        Some(hint.to_owned())
-    }
 }
 
 /// Whether a character separates words.
 fn is_blank(character: char) -> bool {
     character.is_whitespace() && (!is_hidden(character) || matches!(character, '\t' | '\r' | '\n'))
-}
-
-/// The colour that `#rgb` or `#rrggbb` means elsewhere: red, green and blue, 0..1, rounded to three digits.
-fn colour(digits: &str) -> Option<[f64; 3]> {
-    let step = match digits.len() {
-        3 => 1,
-        6 => 2,
-        _ => return None,
-    };
-    let component = |index: usize| {
-        let value = u32::from_str_radix(digits.get(step * index..step * (index + 1))?, 16).ok()?;
-        let largest = if step == 1 { 15.0 } else { 255.0 };
-        Some((f64::from(value) / largest * 1000.0).round() / 1000.0)
-    };
-    Some([component(0)?, component(1)?, component(2)?])
 }
 
 #[cfg(test)]
@@ -349,10 +226,10 @@ mod tests {
     fn numbers_and_dots_part_as_the_language_says() {
         use TokenKind::{End, Mark as M, Number};
         assert_eq!(kinds("0..1"), [Number(0.0), M(Mark::DotDot), Number(1.0), End]);
-        assert_eq!(kinds("0...5"), [Number(0.0), M(Mark::DotDot), Number(0.5), End]);
+        assert_eq!(kinds("0.. .5"), [Number(0.0), M(Mark::DotDot), Number(0.5), End]);
         assert_eq!(kinds("N.L"), [word("N"), M(Mark::Dot), word("L"), End]);
         assert_eq!(kinds("1.N"), [Number(1.0), word("N"), End]);
-        assert_eq!(kinds("1.5e-3 .25 2.E1 7e"), [Number(1.5e-3), Number(0.25), Number(20.0), Number(7.0), word("e"), End]);
+        assert_eq!(kinds("1.5e-3 .25 2.E1"), [Number(1.5e-3), Number(0.25), Number(20.0), End]);
     }
 
     #[test]
@@ -380,10 +257,34 @@ mod tests {
     }
 
     #[test]
+    fn numbers_of_other_languages_are_reported_once_and_read() {
+        let cases =
+            [("1.0f", 1.0), ("0x10", 16.0), ("0b101", 5.0), ("1e", 1.0), ("1_000", 1000.0), ("40deg", 40.0), ("50%", 50.0)];
+        for (text, value) in cases {
+            let TokenizedText { tokens, diagnostics, .. } = tokenize(&Source::new("t", text));
+            assert_eq!(tokens.len(), 2, "{text}");
+            assert_eq!(tokens[0].kind, TokenKind::Number(value), "{text}");
+            assert_eq!(diagnostics.len(), 1, "{text}");
+        }
+        // Parameters may have these names.
+        for text in ["2h", "3kd", "2.N", "1 f", "5 % 2"] {
+            let TokenizedText { tokens, .. } = tokenize(&Source::new("t", text));
+            assert!(tokens.len() > 2, "{text}");
+        }
+    }
+
+    #[test]
+    fn three_dots_are_refused() {
+        let TokenizedText { tokens, diagnostics, .. } = tokenize(&Source::new("t", "0...5"));
+        assert_eq!(tokens[1].kind, TokenKind::Mark(Mark::DotDot));
+        assert_eq!(diagnostics.len(), 1);
+    }
+
+    #[test]
     fn strangers_are_reported_and_passed_over() {
         let TokenizedText { tokens, diagnostics, .. } = tokenize(&Source::new("t", "a & b § c $$ d | e"));
-        assert_eq!(tokens.iter().filter(|token| token.kind == TokenKind::Unknown).count(), 4);
-        assert_eq!(tokens.len(), 10);
+        assert_eq!(tokens.iter().filter(|token| token.kind == TokenKind::Unknown).count(), 5);
+        assert_eq!(tokens.len(), 11);
         assert_eq!(diagnostics.len(), 4, "{diagnostics:?}");
     }
 

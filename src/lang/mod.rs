@@ -10,13 +10,14 @@
 //!
 //! The tables are [`scalars`] (scalar primitives and their meaning), [`builtins`] (operators and functions in terms of
 //! them), [`variables`] (variables and predefined parameters), [`surface_terms`] (terms of the lighting equation that
-//! macros give) and [`keywords`] (the other words). [`foreign`] has what other languages write in another way.
-//! [`reference`](mod@reference) prints them.
+//! macros give) and [`keywords`] (the other words). [`foreign`] and [`colour`] have what other languages
+//! write in another way. [`reference`](mod@reference) prints them.
 //!
 //! What a name stands for and whether types fit is decided in [`formula`](crate::formula).
 
 pub mod ast;
 pub mod builtins;
+pub mod colour;
 pub mod comments;
 pub mod cursor;
 pub mod diagnostic;
@@ -31,6 +32,7 @@ pub mod lines;
 pub mod located;
 pub mod noise;
 mod parse_expression;
+mod parse_foreign;
 mod parse_formula;
 mod parse_parameters;
 pub mod parser;

@@ -1,6 +1,7 @@
 //! Parses expressions: `expr` and `cond` of the grammar (thesis 9.2.1).
 
 use crate::lang::ast::{ExprId, ExprKind, Name};
+use crate::lang::builtins::{self, Form, Repetition};
 use crate::lang::cursor::{Placed, Reported};
 use crate::lang::diagnostic::Diagnostic;
 use crate::lang::foreign;
@@ -41,6 +42,15 @@ impl FormulaParser<'_> {
             Some(found) if logical(found) => Diagnostic::error(format!("`{}` is outside of parentheses", found.spelling()))
                 .at(span, "here a comparison needs parentheses")
                 .help("write `(a < b)`, which is 1 or 0, or `if(a < b, then, else)`"),
+            Some(Mark::Colon) if self.cursor.sees_mark(1, Mark::Colon) => Diagnostic::error("`::` is not part of the language")
+                .at(span.to(self.cursor.peek(1).span), "expected an operator")
+                .help("functions and constants stand alone: write `max(a, b)`, `pi`"),
+            Some(Mark::Equal) if self.cursor.sees_mark(1, Mark::Greater) || self.cursor.sees_mark(1, Mark::Less) => {
+                let ours = if self.cursor.sees_mark(1, Mark::Greater) { ">=" } else { "<=" };
+                Diagnostic::error("an operator is turned round")
+                    .at(span.to(self.cursor.peek(1).span), "not understood")
+                    .help(format!("write `{ours}`"))
+            }
             Some(Mark::Equal) if !self.cursor.peek(0).begins_line => Diagnostic::error("a second `=` in one statement")
                 .at(span, format!("expected an operator or `{}`", mark.spelling()))
                 .help("is a `;` missing before it? To compare, write `==` inside `if(…)`"),
@@ -51,11 +61,20 @@ impl FormulaParser<'_> {
                 let hint = match (foreign::operator(&before), foreign::operator(&after)) {
                     (Some(ours), _) => Some(format!("`{before}` is written `{ours}`")),
                     (None, Some(ours)) => Some(format!("`{after}` is written `{ours}`")),
+                    (None, None) if matches!(builtins::named(&before), Some(Form::Function(_))) => {
+                        Some(format!("arguments stand in parentheses: `{before}({after})`"))
+                    }
                     (None, None) => None,
                 };
                 Diagnostic::error(format!("an operator is missing between `{before}` and `{after}`"))
                     .at(self.cursor.previous_span().to(span), "expected `*`, `.`, `+` or another operator between the two")
                     .help_if(hint)
+            }
+            Some(Mark::Comma) if mark == Mark::Close => Diagnostic::error("a `,` in parentheses without a function")
+                .at(span, "expected an operator or `)`")
+                .help("vectors are written `<x, y, z>`"),
+            Some(Mark::Comma) if self.cursor.peek(1).begins_line => {
+                Diagnostic::error("a `,` at the end of a statement").at(span, "expected `;`").help("statements end with `;`")
             }
             Some(Mark::Comma) if mark == Mark::Semicolon => Diagnostic::error("a `,` outside parentheses")
                 .at(span, "expected an operator or `;`")
@@ -150,9 +169,27 @@ impl FormulaParser<'_> {
     fn product(&mut self, nesting: usize) -> Result<ExprId, Reported> {
         let mut left = self.power(nesting)?;
         while let Some(Mark::Star | Mark::Slash | Mark::Dot) = self.cursor.mark() {
+            self.no_double_star(left)?;
             left = self.infix(left, nesting, Self::power)?;
         }
         Ok(left)
+    }
+
+    /// Reports `a**2`.
+    fn no_double_star(&mut self, base: ExprId) -> Result<(), Reported> {
+        if !(self.cursor.sees_mark(0, Mark::Star) && self.cursor.sees_mark(1, Mark::Star)) {
+            return Ok(());
+        }
+        let span = self.cursor.span().to(self.cursor.peek(1).span);
+        let last = self.file.expr(base).kind.infix().map_or(base, |(_, [_, last])| last);
+        let base = self.source_text(self.file.expr(last).outer);
+        let exponent = match self.cursor.kind(2) {
+            TokenKind::Number(_) | TokenKind::Word(_) => self.source_text(self.cursor.peek(2).span),
+            TokenKind::Mark(_) | TokenKind::Uses(..) | TokenKind::Text(_) | TokenKind::Unknown | TokenKind::End => "n".to_owned(),
+        };
+        let short = if base.len() <= 20 { base } else { "x".to_owned() };
+        let diagnostic = Diagnostic::error("`**` is not part of the language").at(span, "expected one operator");
+        Err(self.cursor.report(diagnostic.help(format!("powers are written `{short}^{exponent}`"))))
     }
 
     /// `^` groups to the right, and a unary minus binds more tightly: −2^2 is 4.
@@ -232,13 +269,33 @@ impl FormulaParser<'_> {
                 Err(self.cursor.report(diagnostic))
             }
             TokenKind::Mark(_) | TokenKind::Uses(..) | TokenKind::Text(_) | TokenKind::Unknown | TokenKind::End => {
-                Err(self.cursor.expected("a value: a number, a name, `(…)` or `<x, y, z>`"))
+                let before = self.cursor.previous_mark();
+                let hint = match (&token.kind, before) {
+                    (TokenKind::Mark(Mark::Greater), Some(Mark::Less)) => {
+                        Some("unequal is written `a != b`, and vectors `<x, y, z>`")
+                    }
+                    (TokenKind::Mark(Mark::Equal), Some(Mark::EqualEqual)) => Some("equal is written `a == b`"),
+                    (TokenKind::Mark(Mark::Equal), Some(Mark::NotEqual)) => Some("unequal is written `a != b`"),
+                    (TokenKind::Mark(Mark::Plus), Some(Mark::Plus)) => Some("there is no `++`; a macro has one value"),
+                    (TokenKind::Mark(Mark::Plus), _) => Some("a sign before a value is `-` alone; leave the `+` out"),
+                    (TokenKind::Text(_), _) => Some("texts are no values; choices are compared by their numbers: `model == 0`"),
+                    (TokenKind::Mark(_) | TokenKind::Uses(..) | TokenKind::Number(_) | TokenKind::Word(_), _)
+                    | (TokenKind::Unknown | TokenKind::End, _) => None,
+                };
+                let diagnostic = self.cursor.unexpected("a value: a number, a name, `(…)` or `<x, y, z>`").help_if(hint);
+                Err(self.cursor.report(diagnostic))
             }
         }
     }
 
     /// Moves past the mark after a component of the vector that begins at `open`.
     fn expect_component(&mut self, open: SourceSpan, mark: Mark) -> Result<(), Reported> {
+        if mark == Mark::Comma && self.cursor.sees_mark(0, Mark::Semicolon) && !self.cursor.peek(1).begins_line {
+            let diagnostic = Diagnostic::error("a `;` between the components of a vector").at(self.cursor.span(), "expected `,`");
+            self.cursor.report(diagnostic.help("vectors are written `<x, y, z>`"));
+            self.cursor.advance();
+            return Ok(());
+        }
         let few = mark == Mark::Comma && self.cursor.sees_mark(0, Mark::Greater);
         let many = mark == Mark::Greater && self.cursor.sees_mark(0, Mark::Comma);
         if few || many {
@@ -267,13 +324,18 @@ impl FormulaParser<'_> {
                     text.trim_end_matches('.')
                 )
             }
+            TokenKind::Word(name) if self.cursor.sees_mark(1, Mark::Dot) => match self.cursor.word(2) {
+                Some(other) => format!("write `{text}*({name}.{other})` for a product"),
+                None => format!("write `{text}*{name}` for a product"),
+            },
             TokenKind::Word(name) => format!("write `{text}*{name}` for a product, or a `,` between arguments"),
-            TokenKind::Number(_)
-            | TokenKind::Mark(_)
-            | TokenKind::Uses(..)
-            | TokenKind::Text(_)
-            | TokenKind::Unknown
-            | TokenKind::End => "write an operator, or a `,` between arguments".to_owned(),
+            TokenKind::Mark(_) if let Some(function) = self.cursor.function_with_exponent() => {
+                format!("the power comes behind the arguments: `{function}(…)^{text}`")
+            }
+            TokenKind::Mark(_) => format!("write `{text}*(…)` for a product"),
+            TokenKind::Number(_) | TokenKind::Uses(..) | TokenKind::Text(_) | TokenKind::Unknown | TokenKind::End => {
+                "write an operator, or a `,` between arguments".to_owned()
+            }
         };
         let diagnostic = Diagnostic::error(format!("a number is directly before {described}"))
             .at(number.to(next.span), "expected an operator between the two")
@@ -285,13 +347,47 @@ impl FormulaParser<'_> {
     fn conditional(&mut self, nesting: usize, callee: Name) -> Result<ExprId, Reported> {
         self.cursor.expect(Mark::Open, "after `if`, as in `if(a < b, then, else)`")?;
         let condition = self.condition(nesting)?;
-        self.cursor.expect(Mark::Comma, "between the condition and the value if it holds")?;
+        if self.cursor.sees_mark(0, Mark::Close) {
+            let diagnostic = Diagnostic::error("`if` lacks its two values")
+                .at(callee.span.to(self.cursor.span()), "expected `if(condition, then, else)`");
+            return Err(self.cursor.report(diagnostic.help("the values stand in the same parentheses, after commas")));
+        }
+        self.expect_expression_end(Mark::Comma, "between the condition and the value if it holds")?;
         let then = self.sum(nesting)?;
-        self.cursor.expect(Mark::Comma, "between the two values of `if`")?;
+        if self.cursor.sees_mark(0, Mark::Close) {
+            let diagnostic = Diagnostic::error("`if` lacks the value for the other case")
+                .at(callee.span.to(self.cursor.span()), "expected `if(condition, then, else)`");
+            let zero = "a third value is needed, such as `0`, or `<0>` for a vector";
+            return Err(self.cursor.report(diagnostic.help(zero)));
+        }
+        self.expect_expression_end(Mark::Comma, "between the two values of `if`")?;
         let other = self.sum(nesting)?;
-        self.cursor.expect(Mark::Close, "to close `if(condition, then, else)`")?;
+        self.expect_expression_end(Mark::Close, "to close `if(condition, then, else)`")?;
         let span = callee.span.to(self.cursor.previous_span());
         Ok(self.add(ExprKind::Conditional([condition, then, other]), span))
+    }
+
+    /// Whether a `;` is here that separates arguments: the statement does not end before a `)` in the same line.
+    fn sees_separator(&self) -> bool {
+        if !self.cursor.sees_mark(0, Mark::Semicolon) {
+            return false;
+        }
+        let mut depth = 1;
+        let mut ahead = 1;
+        loop {
+            let token = self.cursor.peek(ahead);
+            match token.kind.mark() {
+                _ if token.begins_line || token.kind == TokenKind::End => return false,
+                Some(Mark::Open) => depth += 1,
+                Some(Mark::Close) => depth -= 1,
+                Some(Mark::Equal) => return false,
+                _ => {}
+            }
+            if depth == 0 {
+                return true;
+            }
+            ahead += 1;
+        }
     }
 
     /// Parses `(arguments)` after a name.
@@ -304,6 +400,12 @@ impl FormulaParser<'_> {
         }
         loop {
             arguments.push(self.sum(nesting)?);
+            if self.sees_separator() {
+                let diagnostic = Diagnostic::error(format!("a `;` between the arguments of `{}`", callee.text));
+                let span = self.cursor.span();
+                self.cursor.report(diagnostic.at(span, "expected `,`").help("a `;` ends a statement"));
+                self.cursor.replace(Mark::Comma);
+            }
             if !self.cursor.accept(Mark::Comma) {
                 break;
             }
@@ -314,7 +416,12 @@ impl FormulaParser<'_> {
                 .at(self.cursor.span(), "expected `)` before this");
             return Err(self.cursor.report(diagnostic));
         }
-        self.expect_expression_end(Mark::Close, &format!("to close `{}(…)`", callee.text))?;
+        let reports = self.cursor.report_count();
+        let end = self.expect_expression_end(Mark::Close, &format!("to close `{}(…)`", callee.text));
+        if let (true, Some(repetition)) = (end.is_err(), Repetition::named(&callee.text)) {
+            self.cursor.help_since(reports, &format!("write `{}`", repetition.usage()));
+        }
+        end?;
         let span = callee.span.to(self.cursor.previous_span());
         Ok(self.add(ExprKind::Call(callee, arguments), span))
     }

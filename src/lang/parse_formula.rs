@@ -13,7 +13,15 @@ impl FormulaParser<'_> {
         let mut stray = None;
         let mut failed = false;
         while !self.cursor.at_end() {
+            if self.foreign_statement() {
+                failed = true;
+                continue;
+            }
             self.declared_like_elsewhere();
+            if self.foreign_statement() {
+                failed = true;
+                continue;
+            }
             if self.cursor.accept(Mark::Equal) {
                 self.result();
                 return;
@@ -26,6 +34,12 @@ impl FormulaParser<'_> {
                 self.cursor.report(diagnostic.help("the last line is `= expression;`, and the others are `NAME = expression;`"));
                 self.result();
                 return;
+            }
+            if self.cursor.sees_section() && self.cursor.word(0) != Some("formula") {
+                let diagnostic = Diagnostic::error("a section under `formula;`").at(self.cursor.span(), "too late");
+                self.cursor.report(diagnostic.help("the formula is the end of a file; put sections before `formula;`"));
+                self.section(&mut Vec::new());
+                continue;
             }
             if let Err(Reported) = self.definition() {
                 failed = true;
@@ -60,9 +74,12 @@ impl FormulaParser<'_> {
         if !self.cursor.at_end() {
             let span = self.cursor.span();
             self.cursor.report(
-                Diagnostic::error("nothing may follow the formula's last line `= …;`")
-                    .at(span, "this is too much")
-                    .help("put macros before the last line, and sections before `formula;`"),
+                Diagnostic::error("nothing may follow the formula's last line `= …;`").at(span, "this is too much").help(
+                    match self.cursor.sees_mark(0, Mark::Semicolon) {
+                        true => "one `;` is enough",
+                        false => "put macros before the last line, and sections before `formula;`",
+                    },
+                ),
             );
         }
     }
@@ -86,24 +103,6 @@ impl FormulaParser<'_> {
         }
     }
 
-    /// Reports a type or a keyword of another language before a name or a result, as in `float d = 1;` or `return Cd;`,
-    /// and moves past it.
-    fn declared_like_elsewhere(&mut self) {
-        let Some(word) = self.cursor.word(0) else { return };
-        if word == "return" && !self.cursor.sees_mark(1, Mark::Equal) && !self.cursor.sees_mark(1, Mark::Open) {
-            let diagnostic = Diagnostic::error("`return` is not part of the language").at(self.cursor.span(), "expected `=`");
-            self.cursor.report(diagnostic.help("the colour is written `= expression;`, at the end"));
-            self.cursor.replace(Mark::Equal);
-        } else if foreign::declares(word) && self.cursor.word(1).is_some() {
-            let name = self.cursor.word(1).unwrap_or_default();
-            let message = format!("`{word}` is too much before `{name}`");
-            let hint = format!("write `{name} = …;`: types follow from the values");
-            let diagnostic = Diagnostic::error(message).at(self.cursor.span(), "no type stands here").help(hint);
-            self.cursor.report(diagnostic);
-            self.cursor.advance();
-        }
-    }
-
     fn definition(&mut self) -> Result<(), Reported> {
         if self.cursor.word(0) == Some("formula") && self.cursor.sees_mark(1, Mark::Semicolon) {
             let diagnostic =
@@ -117,6 +116,10 @@ impl FormulaParser<'_> {
             let diagnostic = Diagnostic::error("a declaration under `formula;`")
                 .at(self.cursor.span(), "expected `NAME = expression;`")
                 .help("declare parameters before it, under `global;`, `body_specific;` or `light_specific;`");
+            if let Some(word) = self.cursor.word(0).map(str::to_owned) {
+                let span = self.cursor.span();
+                self.define(Name { text: word, span }, None);
+            }
             return Err(self.cursor.report(diagnostic));
         }
         let name = self.cursor.name("`NAME = expression;` or the last line `= expression;`")?;
@@ -127,6 +130,7 @@ impl FormulaParser<'_> {
             self.cursor.report(diagnostic);
             self.cursor.advance();
         }
+        self.equal_sign_of_other_languages(&name);
         let what = if arguments.is_some() { "after the function's arguments" } else { "after the macro's name" };
         let body = self.cursor.expect(Mark::Equal, what).and_then(|()| self.statement(Self::value_or_condition));
         // A definition with an error keeps its name, so that uses of it are not reported too.
@@ -137,6 +141,19 @@ impl FormulaParser<'_> {
         let doc = self.doc(name.span);
         self.file.definitions.push(Definition { name, arguments, body, doc });
         outcome
+    }
+
+    /// Reports `==` and `<-` in place of the `=` of a macro, and reads them as that.
+    fn equal_sign_of_other_languages(&mut self, name: &Name) {
+        let arrow = self.cursor.sees_mark(0, Mark::Less) && self.cursor.sees_mark(1, Mark::Minus);
+        if !arrow && !self.cursor.sees_mark(0, Mark::EqualEqual) {
+            return;
+        }
+        let start = self.cursor.span();
+        let span = if arrow { start.to(self.cursor.advance().span).to(self.cursor.span()) } else { start };
+        let diagnostic = Diagnostic::error("a macro is written with one `=`").at(span, "expected `=`");
+        self.cursor.report(diagnostic.help(format!("write `{} = expression;`", name.text)));
+        self.cursor.replace(Mark::Equal);
     }
 
     /// Parses `(x, y)` after the name of a function.
@@ -181,6 +198,10 @@ impl FormulaParser<'_> {
         let begins = self.cursor.word(0).is_some() && self.cursor.sees_mark(1, Mark::Equal)
             || self.cursor.sees_mark(0, Mark::Equal) && self.cursor.peek(0).begins_line;
         let next_begins = self.cursor.at_end() || begins;
+        if outcome.is_err() && self.cursor.sees_mark(0, Mark::Comma) && self.cursor.peek(1).begins_line {
+            self.cursor.advance();
+            return Ok(expression);
+        }
         if outcome.is_err() && !next_begins {
             return Err(Reported);
         }

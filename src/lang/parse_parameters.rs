@@ -10,14 +10,22 @@ use crate::lang::parser::FormulaParser;
 use crate::lang::source::SourceSpan;
 use crate::lang::token::{Mark, TokenKind};
 use crate::lang::types::Type;
-use crate::lang::variables::Owner;
+use crate::lang::variables::{Owner, Predefined};
+
+/// The type of a declaration.
+enum DeclaredType {
+    /// It is there.
+    Given(Type),
+    /// It is missing; this is the one that fits the attribute in its place.
+    LeftOut(Type),
+}
 
 const ATTRIBUTES: [&str; 6] = keywords::words(&keywords::PARAMETER_ATTRIBUTES);
 
 impl FormulaParser<'_> {
     /// Whether the current word may begin a line of a section.
     fn sees_line(&self) -> bool {
-        self.cursor.word(0).is_some_and(|word| word != "formula") && !self.cursor.sees_section()
+        self.cursor.word(0).is_some_and(|word| word != "formula") && !self.sees_head()
     }
 
     pub(super) fn declarations(&mut self, owner: Owner) {
@@ -33,39 +41,105 @@ impl FormulaParser<'_> {
     /// Parses a declaration. One with a mistake in its attributes is kept, so that uses of the parameter are not
     /// reported too.
     fn declaration(&mut self, owner: Owner, list: &mut Vec<Declaration>) -> Result<(), Reported> {
+        if self.type_before_name(owner, list) {
+            return Err(Reported);
+        }
         let name = self.cursor.name("the name of a parameter")?;
+        let others = self.other_names(&name)?;
         if self.cursor.sees_mark(0, Mark::Equal) {
+            list.push(self.plain_declaration(name.clone(), owner));
             let diagnostic = self
                 .cursor
                 .unexpected("`:` and a type")
                 .help("macros (`NAME = expression;`) belong under `formula;`; parameters are declared `name: scalar;`");
             return Err(self.cursor.report(diagnostic));
         }
-        self.cursor.expect(Mark::Colon, "between the parameter's name and its type")?;
-        let ty = self.declared_type()?;
+        if ATTRIBUTES.contains(&name.text.as_str()) && !self.cursor.sees_mark(0, Mark::Colon) {
+            let diagnostic = Diagnostic::error(format!("`{}` stands outside of a declaration", name.text));
+            let help = format!("attributes stand before the `;`: `name: scalar, {} …;`", name.text);
+            return Err(self.cursor.report(diagnostic.at(name.span, "an attribute").help(help)));
+        }
+        let colon = self.cursor.expect(Mark::Colon, "between the parameter's name and its type");
+        if colon.is_err() && !matches!(self.cursor.word(0), Some("scalar" | "vector")) {
+            return Err(Reported);
+        }
         let mut attributes = ParameterAttributes::default();
-        let outcome = self.attributes(&name, &mut attributes);
+        let ty = self.declared_type(&name);
+        if ty.is_err() && Predefined::named(&name.text).is_none() {
+            list.push(self.plain_declaration(name.clone(), owner));
+        }
+        let (ty, outcome) = match ty? {
+            DeclaredType::Given(ty) => (ty, self.more_attributes(&name, Vec::new(), &mut attributes)),
+            // An attribute stands in its place, which has been reported.
+            DeclaredType::LeftOut(ty) => (ty, self.first_and_more_attributes(&name, &mut attributes)),
+        };
         let doc = self.doc(name.span);
+        let others =
+            others.into_iter().map(|name| Declaration { name, owner, ty, attributes: ParameterAttributes::default(), doc: None });
         list.push(Declaration { name, owner, ty, attributes, doc });
+        list.extend(others);
         outcome
     }
 
+    /// The declaration of a scalar for one that cannot be read, so that uses of it are not reported too.
+    fn plain_declaration(&self, name: Name, owner: Owner) -> Declaration {
+        Declaration { name, owner, ty: Type::Scalar, attributes: ParameterAttributes::default(), doc: None }
+    }
+
+    /// Parses `, b, c` after the first name of a declaration: other languages declare several at once.
+    fn other_names(&mut self, first: &Name) -> Result<Vec<Name>, Reported> {
+        let mut names = Vec::new();
+        let comma = self.cursor.span();
+        while self.cursor.accept(Mark::Comma) {
+            names.push(self.cursor.name("the name of a parameter")?);
+        }
+        if let Some(second) = names.first() {
+            let diagnostic = Diagnostic::error("each parameter needs a declaration of its own").at(comma, "expected `:`");
+            let help = format!("write `{}: scalar; {}: scalar;`", first.text, second.text);
+            self.cursor.report(diagnostic.help(help));
+        }
+        Ok(names)
+    }
+
     /// Parses the type of a parameter. A type of another language is reported and read as ours.
-    fn declared_type(&mut self) -> Result<Type, Reported> {
-        let ty = match self.cursor.word(0) {
-            Some("scalar") => Type::Scalar,
-            Some("vector") => Type::Vector,
+    fn declared_type(&mut self, name: &Name) -> Result<DeclaredType, Reported> {
+        let word = self.cursor.word(0).unwrap_or_default().to_owned();
+        let ty = match word.as_str() {
+            "scalar" => Type::Scalar,
+            "vector" => Type::Vector,
+            attribute if ATTRIBUTES.contains(&attribute) => {
+                if Predefined::named(&name.text).is_some() {
+                    let diagnostic = Diagnostic::error(format!("`{}` is a predefined parameter", name.text))
+                        .at(name.span, "its type stays, and its attributes do not belong here");
+                    return Err(self.cursor.report(diagnostic.help("put this line under `predefined;`")));
+                }
+                let (ty, ours) = if word == "color" { (Type::Vector, "vector") } else { (Type::Scalar, "scalar") };
+                let diagnostic = self.cursor.unexpected("`scalar` or `vector`");
+                self.cursor.report(diagnostic.help(format!("write `{}: {ours}, {word}`", name.text)));
+                return Ok(DeclaredType::LeftOut(ty));
+            }
             other => {
-                let Some((ty, ours)) = other.and_then(foreign::ty) else {
+                let Some((ty, ours)) = foreign::ty(other) else {
+                    if other == "texture" || other == "sampler2D" || other == "image" {
+                        let diagnostic = self.cursor.unexpected("`scalar` or `vector`");
+                        let help = "there are no pictures on bodies; patterns are made by `perlin(pt, a, b, n)` and `point`";
+                        return Err(self.cursor.report(diagnostic.help(help)));
+                    }
                     return Err(self.cursor.unknown_word("`scalar` or `vector`", &keywords::words(&keywords::TYPES)));
                 };
                 let diagnostic = self.cursor.unexpected("`scalar` or `vector`").help(format!("write `{ours}`"));
-                self.cursor.report(diagnostic);
+                if *self.cursor.kind(1) == TokenKind::Unknown {
+                    // `enum { A, B }`: the braces belong to the type.
+                    let span = self.cursor.span().to(self.cursor.statement_end());
+                    self.cursor.report_instead(span, diagnostic);
+                } else {
+                    self.cursor.report(diagnostic);
+                }
                 ty
             }
         };
         self.cursor.advance();
-        Ok(ty)
+        Ok(DeclaredType::Given(ty))
     }
 
     /// Parses the lines of the section `predefined`.
@@ -81,7 +155,11 @@ impl FormulaParser<'_> {
 
     fn predefined_line(&mut self, list: &mut Vec<PredefinedLine>) -> Result<(), Reported> {
         let name = self.cursor.name("the name of a predefined parameter")?;
-        self.cursor.expect(Mark::Colon, "between the parameter's name and its attributes")?;
+        let reports = self.cursor.report_count();
+        if let Err(reported) = self.cursor.expect(Mark::Colon, "between the parameter's name and its attributes") {
+            self.cursor.help_since(reports, &format!("write `{}: default 0.5;`", name.text));
+            return Err(reported);
+        }
         if let Some("scalar" | "vector") = self.cursor.word(0) {
             let diagnostic = Diagnostic::error("the type of a predefined parameter stays as it is")
                 .at(self.cursor.span(), "expected an attribute")
@@ -91,16 +169,17 @@ impl FormulaParser<'_> {
             self.cursor.accept(Mark::Comma);
         }
         let mut attributes = ParameterAttributes::default();
-        let mut seen = Vec::new();
-        let outcome = self.counted_attribute(&mut seen, &mut attributes);
-        let outcome = outcome.and_then(|()| self.more_attributes(&name, seen, &mut attributes));
+        let outcome = self.first_and_more_attributes(&name, &mut attributes);
         let doc = self.doc(name.span);
         list.push(PredefinedLine { name, attributes, doc });
         outcome
     }
 
-    fn attributes(&mut self, name: &Name, attributes: &mut ParameterAttributes) -> Result<(), Reported> {
-        self.more_attributes(name, Vec::new(), attributes)
+    /// Parses the attributes, each but the first after a comma, and the `;`.
+    fn first_and_more_attributes(&mut self, name: &Name, attributes: &mut ParameterAttributes) -> Result<(), Reported> {
+        let mut seen = Vec::new();
+        self.counted_attribute(&mut seen, attributes)?;
+        self.more_attributes(name, seen, attributes)
     }
 
     /// Parses the attributes after those in `seen`, each after a comma, and the `;`.
@@ -149,39 +228,117 @@ impl FormulaParser<'_> {
         if !ATTRIBUTES.contains(&word) {
             let known = ATTRIBUTES.map(|attribute| format!("`{attribute}`"));
             let (last, others) = known.split_last().map_or((String::new(), String::new()), |(a, b)| (a.clone(), b.join(", ")));
-            let hint = foreign::attribute(word);
-            let Some(ours) = hint else {
-                return Err(self.cursor.unknown_word(&format!("an attribute: {others} or {last}"), &ATTRIBUTES));
+            let expected = format!("an attribute: {others} or {last}");
+            let number = matches!(self.cursor.kind(0), TokenKind::Number(_));
+            let hint = match foreign::attribute(word) {
+                Some(ours) => Some(format!("did you mean `{ours}`?")),
+                None if number && self.cursor.sees_mark(1, Mark::DotDot) => Some("did you mean `constraint 0..1`?".to_owned()),
+                None if number => Some("did you mean `default 0.5`? Decimal numbers have a dot".to_owned()),
+                None => None,
             };
-            let diagnostic = self.cursor.unexpected(&format!("an attribute: {others} or {last}"));
-            return Err(self.cursor.report(diagnostic.help(format!("did you mean `{ours}`?"))));
+            let Some(hint) = hint else {
+                return Err(self.cursor.unknown_word(&expected, &ATTRIBUTES));
+            };
+            let diagnostic = self.cursor.unexpected(&expected).help(hint);
+            if *self.cursor.kind(1) == TokenKind::Unknown {
+                // `range [0, 1]`: the brackets belong to the attribute.
+                return Err(self.cursor.report_instead(span.to(self.cursor.statement_end()), diagnostic));
+            }
+            return Err(self.cursor.report(diagnostic));
         }
         self.cursor.advance();
         match word {
             "constraint" => {
-                let low = self.single("the lower bound, as in `constraint 0..1`")?;
-                self.cursor.expect(Mark::DotDot, "between the bounds, as in `constraint 0..1`")?;
-                let high = self.single("the upper bound, as in `constraint 0..1`")?;
-                attributes.range = Some(([low, high], span.to(self.cursor.previous_span())));
+                self.cursor.pass_marks_after(word, &[Mark::Colon, Mark::Equal]);
+                let bounds = match self.range_of_other_languages() {
+                    Some(bounds) => bounds,
+                    None => self.range()?,
+                };
+                attributes.range = Some((bounds, span.to(self.cursor.previous_span())));
             }
             "default" => {
-                let value = if self.cursor.sees_mark(0, Mark::Less) {
-                    let [x, y, z] = self.cursor.vector("the default value")?.value;
-                    Constant::Vector([self.narrow(x)?, self.narrow(y)?, self.narrow(z)?])
-                } else {
-                    Constant::Scalar(self.single("the default value, a number or a vector `<x, y, z>`")?)
-                };
+                self.cursor.pass_marks_after(word, &[Mark::Colon, Mark::Equal]);
+                let value = self.default_value(attributes.choices.as_ref().map(|(names, _)| names.as_slice()))?;
                 attributes.default = Some((value, span.to(self.cursor.previous_span())));
             }
-            "slider" => attributes.slider = Some(span),
-            "switch" => attributes.switch = Some(span),
             "choices" => {
+                self.cursor.pass_marks_after(word, &[Mark::Colon, Mark::Equal]);
                 let names = self.choices()?;
                 attributes.choices = Some((names, span.to(self.cursor.previous_span())));
             }
+            "slider" => attributes.slider = Some(span),
+            "switch" => attributes.switch = Some(span),
             _ => attributes.colour = Some(span),
         }
+        let is_value = match self.cursor.kind(0) {
+            TokenKind::Number(_) | TokenKind::Mark(Mark::Less | Mark::Open | Mark::Equal) => true,
+            TokenKind::Word(next) => !ATTRIBUTES.contains(&next.as_str()) && !self.cursor.peek(0).begins_line,
+            TokenKind::Mark(_) | TokenKind::Uses(..) | TokenKind::Text(_) | TokenKind::Unknown | TokenKind::End => false,
+        };
+        if is_value && matches!(word, "slider" | "switch" | "color") {
+            let help = match word {
+                "color" => "a colour at the start is written `default <1, 0.5, 0>, color`",
+                _ => "a range is written `constraint 0..1`, and the value at the start `default 0.5`",
+            };
+            let diagnostic =
+                Diagnostic::error(format!("`{word}` has no value of its own")).at(self.cursor.span(), "expected `,` or `;`");
+            return Err(self.cursor.report(diagnostic.help(help)));
+        }
         Ok(())
+    }
+
+    /// Parses the range after `constraint`.
+    fn range(&mut self) -> Result<[f32; 2], Reported> {
+        let reports = self.cursor.report_count();
+        let range = self.bounds();
+        if range.is_err() {
+            let help = "a range has two bounds; a large one, as in `0..1000`, or no `constraint` at all lets any value in";
+            self.cursor.help_since(reports, help);
+        }
+        range
+    }
+
+    fn bounds(&mut self) -> Result<[f32; 2], Reported> {
+        let low = self.single("the lower bound, as in `constraint 0..1`")?;
+        self.cursor.expect(Mark::DotDot, "between the bounds, as in `constraint 0..1`")?;
+        let high = self.single("the upper bound, as in `constraint 0..1`")?;
+        Ok([low, high])
+    }
+
+    /// Parses the value after `default`.
+    fn default_value(&mut self, choices: Option<&[String]>) -> Result<Constant, Reported> {
+        if let (TokenKind::Mark(Mark::Less), TokenKind::Number(x), TokenKind::Mark(Mark::Greater)) =
+            (self.cursor.kind(0), self.cursor.kind(1), self.cursor.kind(2))
+        {
+            let span = self.cursor.span().to(self.cursor.peek(2).span);
+            let help = format!("write `default <{x}, {x}, {x}>` for a vector, or `default {x}` for a scalar");
+            let diagnostic = Diagnostic::error("a default vector has three numbers").at(span, "expected `<x, y, z>`");
+            return Err(self.cursor.report(diagnostic.help(help)));
+        }
+        if let TokenKind::Text(text) = self.cursor.kind(0) {
+            let place = choices.and_then(|names| names.iter().position(|name| name == text));
+            let help = match place {
+                Some(place) => format!("write `default {place}`: choices are numbered 0, 1, … in their order"),
+                None => "a default is a number: choices are numbered 0, 1, … in their order".to_owned(),
+            };
+            let diagnostic = self.cursor.unexpected("the default value, a number").help(help);
+            return Err(self.cursor.report(diagnostic));
+        }
+        let list = self.cursor.numbers_ahead().len() == 3;
+        if self.cursor.sees_mark(0, Mark::Less) || self.cursor.sees_mark(0, Mark::Open) || list {
+            let [x, y, z] = self.cursor.vector("the default value")?.value;
+            return Ok(Constant::Vector([self.narrow(x)?, self.narrow(y)?, self.narrow(z)?]));
+        }
+        if let Some(word) = self.cursor.word(0).filter(|word| foreign::values::number(word).is_none()) {
+            let help = match foreign::function(word).filter(|_| self.cursor.sees_mark(1, Mark::Open)) {
+                Some(_) => "a colour is written `<1, 0.5, 0>`: red, green and blue, each 0..1".to_owned(),
+                None if self.cursor.sees_mark(1, Mark::Open) => "numbers alone stand here; work the value out".to_owned(),
+                None => "a default is written as a number, a colour as `<1, 0.5, 0>`".to_owned(),
+            };
+            let diagnostic = self.cursor.unexpected("the default value, a number or a vector `<x, y, z>`");
+            return Err(self.cursor.report(diagnostic.help(help)));
+        }
+        Ok(Constant::Scalar(self.single("the default value, a number or a vector `<x, y, z>`")?))
     }
 
     /// Parses the names after `choices`.
@@ -230,7 +387,7 @@ impl FormulaParser<'_> {
 
     pub(super) fn invariants(&mut self) {
         let mut lines = Vec::new();
-        while self.sees_line() {
+        while self.sees_line() || matches!(self.cursor.kind(0), TokenKind::Number(_)) {
             match self.invariant() {
                 Ok(line) => lines.push(line),
                 Err(Reported) => self.cursor.skip_statement(),
@@ -242,6 +399,10 @@ impl FormulaParser<'_> {
     fn invariant(&mut self) -> Result<InvariantLine, Reported> {
         const FORM: &str = "invariants are sums like `ks + kd = 1;` or `ks + kd <= 1;`";
         let start = self.cursor.span();
+        if let TokenKind::Number(_) = self.cursor.kind(0) {
+            let diagnostic = self.cursor.unexpected("the name of a parameter").help(FORM);
+            return Err(self.cursor.report(diagnostic));
+        }
         let mut terms = vec![self.cursor.name("the name of a parameter")?];
         while self.cursor.accept(Mark::Plus) {
             terms.push(self.cursor.name("the name of a parameter")?);
@@ -260,6 +421,10 @@ impl FormulaParser<'_> {
         }
         self.cursor.advance();
         let span = start.to(self.cursor.previous_span());
+        if let Some(Mark::Plus | Mark::Minus | Mark::Star) = self.cursor.mark() {
+            let diagnostic = self.cursor.unexpected("`;` after the 1").help(FORM);
+            return Err(self.cursor.report(diagnostic));
+        }
         self.cursor.expect(Mark::Semicolon, "after the invariant")?;
         Ok(InvariantLine { terms, relation, span })
     }

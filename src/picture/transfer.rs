@@ -1,6 +1,8 @@
 //! How linear components of colours become those that are stored: as they are (thesis 9.1.6), or by the transfer
 //! function of sRGB.
 
+use crate::lang::colour::linear_from_srgb;
+
 /// How linear colours become those of an 8-bit picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Transfer {
@@ -25,8 +27,7 @@ impl Transfer {
     pub fn decode(self, stored: f64) -> f64 {
         match self {
             Transfer::Linear => stored,
-            Transfer::Srgb if stored <= 0.040_45 => stored / 12.92,
-            Transfer::Srgb => ((stored + 0.055) / 1.055).powf(2.4),
+            Transfer::Srgb => linear_from_srgb(stored),
         }
     }
 }

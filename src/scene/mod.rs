@@ -6,6 +6,7 @@
 
 mod camera;
 pub mod edit;
+mod foreign;
 pub mod light;
 mod movable;
 mod parser;

@@ -14,6 +14,7 @@ use crate::lang::keywords;
 use crate::lang::source::{Source, SourceSpan};
 use crate::lang::token::{Mark, TokenKind};
 use crate::lang::variables::RESERVED;
+use crate::scene::foreign;
 use crate::scene::syntax::Syntax;
 use crate::scene::values::positive;
 use crate::scene::{Body, Camera, Light, LightKind, Scene, Shape};
@@ -32,6 +33,7 @@ pub(super) fn parse(source: &Source) -> Result<(Scene, Diagnostics), Diagnostics
         bodies: Vec::new(),
         lights: Vec::new(),
         camera: None,
+        light_among_bodies: false,
     };
     parser.file();
     let diagnostics = parser.cursor.into_diagnostics();
@@ -53,6 +55,8 @@ struct SceneParser {
     bodies: Vec<Body>,
     lights: Vec<Light>,
     camera: Option<Camera>,
+    /// Whether a light stands among the bodies, so that the section of lights may be what is missing.
+    light_among_bodies: bool,
 }
 
 impl SceneParser {
@@ -73,11 +77,15 @@ impl SceneParser {
             let diagnostic = Diagnostic::error(format!("expected `bodies;`, found {found}"));
             self.cursor.report(diagnostic.at(self.cursor.span(), "a scene begins with `bodies;`"));
             // What looks like a body is parsed as one, as if only the header were missing.
+            let place = self.cursor.span();
             if self.cursor.sees_mark(1, Mark::Colon) {
-                self.seen[0] = Some(self.cursor.span());
+                self.seen[0] = Some(place);
                 self.entries(SceneParser::body);
             } else {
                 self.skip();
+                if self.header() != Some(0) {
+                    self.seen[0] = Some(place);
+                }
             }
         }
         while *self.cursor.kind(0) != TokenKind::End {
@@ -93,6 +101,9 @@ impl SceneParser {
         }
         let missing: Vec<_> = SECTIONS.iter().zip(&self.seen).filter(|(_, seen)| seen.is_none()).map(|(name, _)| *name).collect();
         for name in missing {
+            if name == SECTIONS[1] && self.light_among_bodies {
+                continue;
+            }
             let diagnostic =
                 Diagnostic::error(format!("the section `{name};` is missing")).at(self.cursor.span(), "the scene ends here");
             self.cursor.report(
@@ -112,10 +123,11 @@ impl SceneParser {
         let word = self.cursor.word(0)?;
         let exact = SECTIONS.iter().position(|name| *name == word);
         match exact {
-            Some(_) => exact.filter(|_| !self.cursor.sees_mark(1, Mark::Colon)),
+            // In `lights:` the `:` is in place of a `;`.
+            Some(_) => exact.filter(|_| !self.cursor.sees_mark(1, Mark::Colon) || self.cursor.peek(2).begins_line),
             // Nothing else in a scene is a single word before a `;`.
             None if self.cursor.sees_mark(1, Mark::Semicolon) => {
-                let near = nearest(word, SECTIONS)?;
+                let near = nearest(word, SECTIONS).or_else(|| foreign::section(word))?;
                 SECTIONS.iter().position(|name| *name == near)
             }
             None => None,
@@ -131,7 +143,13 @@ impl SceneParser {
         }
         self.cursor.advance();
         // A missing `;` is reported. The contents of the section are parsed all the same.
-        let _ = self.cursor.expect(Mark::Semicolon, &format!("after `{name}`"));
+        let mark = self.cursor.span();
+        if self.cursor.accept(Mark::Colon) {
+            let diagnostic = Diagnostic::error(format!("expected `;` after `{name}`, found `:`")).at(mark, "expected `;`");
+            self.cursor.report(diagnostic.help(format!("write `{name};`")));
+        } else {
+            let _ = self.cursor.expect(Mark::Semicolon, &format!("after `{name}`"));
+        }
         if let Some(first) = self.seen[section] {
             let diagnostic = Diagnostic::error(format!("the section `{name};` stands twice")).at(span, "the second time");
             self.cursor.report(diagnostic.at(first, "the first time").help("put everything into one section"));
@@ -154,6 +172,9 @@ impl SceneParser {
     /// Parses declarations up to the next header or the end.
     fn entries(&mut self, entry: fn(&mut SceneParser) -> Result<(), Reported>) {
         while *self.cursor.kind(0) != TokenKind::End && self.header().is_none() {
+            if self.camera_without_header() {
+                return;
+            }
             let start = self.cursor.position();
             if entry(self).is_err() {
                 if self.cursor.position() == start {
@@ -204,15 +225,49 @@ impl SceneParser {
             self.names.insert(name.clone(), span);
         }
         self.cursor.advance();
-        self.cursor.expect(Mark::Colon, &format!("after the name of the {what}"))?;
+        self.name_end(what, &name, span)?;
         Ok(Placed { value: name, span })
+    }
+
+    /// Moves past the `:` after a name, or reports what is in its place.
+    fn name_end(&mut self, what: &str, name: &str, span: SourceSpan) -> Result<(), Reported> {
+        if self.cursor.accept(Mark::Colon) {
+            return Ok(());
+        }
+        let is_kind = |word: &str| {
+            Shape::SYNTAX
+                .iter()
+                .map(|kind| kind.keyword.word)
+                .chain(LightKind::SYNTAX.iter().map(|kind| kind.keyword.word))
+                .any(|kind| kind == word)
+        };
+        if self.cursor.sees_mark(0, Mark::Equal) {
+            let diagnostic = Diagnostic::error(format!("expected `:` after the name of the {what}, found `=`"));
+            self.cursor.report(diagnostic.at(self.cursor.span(), "expected `:`").help(format!("write `{name}: …`")));
+            self.cursor.advance();
+            return Ok(());
+        }
+        let help = match self.cursor.word(0) {
+            Some(given) if is_kind(name) => Some(format!("the name comes first: `{given}: {name}, …;`")),
+            _ if is_kind(name) => Some(format!("a {what} needs a name: `NAME: {name}, …;`")),
+            _ => None,
+        };
+        let diagnostic =
+            Diagnostic::error(format!("expected `:` after the name of the {what}, found {}", self.cursor.kind(0).describe()));
+        let place = if help.is_some() { span } else { self.cursor.span() };
+        Err(self.cursor.report(diagnostic.at(place, if help.is_some() { "expected a name" } else { "found this" }).help_if(help)))
     }
 
     /// Parses `NAME: SHAPE … { , ATTRIBUTE } ;`.
     fn body(&mut self) -> Result<(), Reported> {
         let name = self.name("body")?;
-        let lights_belong = LightKind::SYNTAX.iter().map(|kind| (kind.keyword.word, "lights stand in the section `lights;`"));
-        let (kind, shape) = self.kind("shape", Shape::SYNTAX, lights_belong)?;
+        let word = self.cursor.word(0).unwrap_or_default();
+        let is_light = LightKind::SYNTAX.iter().any(|kind| kind.keyword.word == word);
+        let hint = if is_light { Some("lights stand in the section `lights;`") } else { foreign::shape(word) };
+        if is_light {
+            self.light_among_bodies = true;
+        }
+        let (kind, shape) = self.kind(("shape", &name.value), Shape::SYNTAX, hint)?;
         let attributes = self.attributes(kind)?;
         let attribute = self.cursor.word(0).filter(|word| ATTRIBUTES.contains(word)).map(str::to_owned);
         if let Some(attribute) = attribute {
@@ -228,27 +283,32 @@ impl SceneParser {
         Ok(())
     }
 
-    /// Parses a kind of shape or light and its values; `what` names it in messages. `elsewhere` are words of other
-    /// sections, each with a hint where it belongs. The value is `None` where it is out of range, which is reported.
+    /// Parses a kind of shape or light and its values; `what` names it in messages, and `name` is what the scene calls
+    /// it. The value is `None` where it is out of range, which is reported.
     fn kind<T>(
         &mut self,
-        what: &str,
+        (what, name): (&str, &str),
         kinds: &'static [Syntax<T>],
-        mut elsewhere: impl Iterator<Item = (&'static str, &'static str)>,
+        hint: Option<&str>,
     ) -> Result<(&'static Syntax<T>, Option<T>), Reported> {
         let word = self.cursor.word(0).unwrap_or_default();
         if let Some(kind) = kinds.iter().find(|kind| kind.keyword.word == word) {
             self.cursor.advance();
-            return Ok((kind, (kind.parse)(&mut self.cursor)?));
+            let reports = self.cursor.report_count();
+            let value = (kind.parse)(&mut self.cursor);
+            if value.is_err() {
+                self.cursor.help_since(reports, &kind.form());
+            }
+            return Ok((kind, value?));
         }
         let words = || kinds.iter().map(|kind| kind.keyword.word);
-        let hint = match elsewhere.find(|(other, _)| *other == word) {
-            Some((_, hint)) => Some(hint.to_owned()),
-            None => nearest(word, words()).map(|near| format!("did you mean `{near}`?")),
-        };
+        let named_like_kind = words().any(|kind| kind == name);
+        let near = hint.map(str::to_owned).or_else(|| nearest(word, words()).map(|near| format!("did you mean `{near}`?")));
+        let near = near.or_else(|| named_like_kind.then(|| format!("the name comes first: `NAME: {name}, …;`")));
+        let forms: Vec<String> = kinds.iter().map(|kind| format!("`{}`", kind.example)).collect();
         let message = format!("expected {}, found {}", one_of(words()), self.cursor.kind(0).describe());
         let diagnostic = Diagnostic::error(message).at(self.cursor.span(), format!("not a {what}"));
-        Err(self.cursor.report(diagnostic.help_if(hint)))
+        Err(self.cursor.report(diagnostic.help_if(near).help(format!("for example {}", forms.join(" or ")))))
     }
 
     /// Parses `{ , ATTRIBUTE }` of a body with a shape of this kind.
@@ -268,7 +328,10 @@ impl SceneParser {
             seen[attribute].get_or_insert(span);
             self.cursor.advance();
             match attribute {
-                0 => attributes.refractive_index = positive(&mut self.cursor, "the refractive index")?,
+                0 => {
+                    self.cursor.pass_marks_after(&word, &[Mark::Colon, Mark::Equal]);
+                    attributes.refractive_index = positive(&mut self.cursor, "the refractive index")?;
+                }
                 1 => attributes.opaque = true,
                 _ => attributes.matte = true,
             }
@@ -289,9 +352,7 @@ impl SceneParser {
         let with_clause = std::iter::once(shape).chain(Shape::SYNTAX).find(|kind| kind.has_clause(word));
         let form = match word {
             _ if with_clause.is_some() => with_clause.map(Syntax::form),
-            "color" | "colour" | "kr" | "kt" | "kd" | "ks" => {
-                Some("values belong in a session, or are given by `--set`".to_owned())
-            }
+            _ if let Some(hint) = foreign::property(word) => Some(hint.to_owned()),
             "" if self.cursor.sees_mark(0, Mark::Less) => Some(shape.form()),
             _ => Some("the attributes are `refractive_index NUMBER`, `opaque` and `matte`".to_owned()),
         };
@@ -301,8 +362,16 @@ impl SceneParser {
     /// Parses `NAME: KIND … ;`.
     fn light(&mut self) -> Result<(), Reported> {
         let name = self.name("light")?;
-        let bodies_belong = Shape::SYNTAX.iter().map(|kind| (kind.keyword.word, "bodies stand in the section `bodies;`"));
-        let (_, kind) = self.kind("kind of light", LightKind::SYNTAX, bodies_belong)?;
+        let word = self.cursor.word(0).unwrap_or_default();
+        let is_body = Shape::SYNTAX.iter().any(|kind| kind.keyword.word == word);
+        let hint = if is_body { Some("bodies stand in the section `bodies;`") } else { foreign::light(word) };
+        let (_, kind) = self.kind(("kind of light", &name.value), LightKind::SYNTAX, hint)?;
+        if let (true, Some(hint)) = (self.cursor.sees_mark(0, Mark::Comma), self.cursor.word(1).and_then(foreign::light_property))
+        {
+            let diagnostic =
+                Diagnostic::error("a light has a place alone").at(self.cursor.peek(1).span, "expected `;` before this");
+            return Err(self.cursor.report(diagnostic.help(hint)));
+        }
         self.cursor.expect(Mark::Semicolon, "after the light")?;
         if let Some(kind) = kind {
             self.lights.push(Light { name: name.value, name_span: name.span, kind });

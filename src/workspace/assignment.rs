@@ -113,6 +113,9 @@ pub enum NamedAssignmentError {
         /// What can be written.
         wanted: String,
     },
+    /// A number of the value is beyond the largest one.
+    #[error("`{0}` is too large: numbers go up to about {max:e}", max = f32::MAX)]
+    TooLarge(String),
     /// There is no body or light of this name.
     #[error("there is no body or light `{name}`{hint}")]
     Owner {
@@ -239,6 +242,7 @@ impl FromStr for WrittenValue {
         match parse_value(text) {
             Some(constant) => Ok(WrittenValue::Constant(constant)),
             None if may_be_choice(text) => Ok(WrittenValue::Choice(text.to_owned())),
+            None if is_too_large(text) => Err(NamedAssignmentError::TooLarge(text.to_owned())),
             None => Err(NamedAssignmentError::Value { given: text.to_owned(), wanted: CONSTANTS.to_owned() }),
         }
     }
@@ -318,8 +322,15 @@ fn parse_number(text: &str) -> Option<f32> {
     let text = text.trim();
     // Rust also parses `inf`, `nan` and the like.
     let digits = text.bytes().all(|byte| byte.is_ascii_digit() || b"+-.eE".contains(&byte));
-    // A number that is too large becomes the largest one, which is clamped to the range of the parameter later.
-    text.parse().ok().filter(|number: &f32| digits && !number.is_nan()).map(|number: f32| number.clamp(f32::MIN, f32::MAX))
+    text.parse().ok().filter(|number: &f32| digits && number.is_finite())
+}
+
+/// Whether a text has a number that is larger than the largest one.
+fn is_too_large(text: &str) -> bool {
+    text.split([',', '<', '>']).filter_map(|part| part.trim().parse::<f64>().ok()).any(|value| {
+        // Rust also parses `inf`.
+        (value as f32).is_infinite() && text.contains(|character: char| character.is_ascii_digit())
+    })
 }
 
 impl fmt::Display for NamedAssignment {
@@ -355,6 +366,9 @@ mod tests {
     fn wrong_forms_and_values_are_reported() {
         for text in ["kd", "=1", "ball.=1", ".kd=1", "a.b.c=1", ""] {
             assert!(matches!(text.parse::<NamedAssignment>(), Err(NamedAssignmentError::Form(_))), "{text}");
+        }
+        for text in ["a=1e999", "a=-1e39", "a=<0, 1e40, 0>"] {
+            assert!(matches!(text.parse::<NamedAssignment>(), Err(NamedAssignmentError::TooLarge(_))), "{text}");
         }
         for text in ["a=", "a=(x)", "a=inf", "a=NaN", "a=<1,2>", "a=<1,2,3", "a=<1,2,3,4>", "a=#12345", "a=#12345é"] {
             assert!(matches!(text.parse::<NamedAssignment>(), Err(NamedAssignmentError::Value { .. })), "{text}");

@@ -195,6 +195,7 @@ impl Variation {
         let resolved = named.resolve(table).map_err(|error| match error {
             NamedAssignmentError::Type { name, .. } if component.is_some() => VariationError::Scalar(name),
             NamedAssignmentError::Form(_)
+            | NamedAssignmentError::TooLarge(_)
             | NamedAssignmentError::Value { .. }
             | NamedAssignmentError::Owner { .. }
             | NamedAssignmentError::Parameter { .. }

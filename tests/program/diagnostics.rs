@@ -103,7 +103,7 @@ fn deep_and_long_texts_are_parsed() {
     assert!(minus.contains("nested too deeply"), "{minus}");
     let power = said(&format!("formula;\n= Cd*{}2;", "2^".repeat(100_000)));
     assert!(power.contains("nested too deeply"), "{power}");
-    let long = said(&format!("formula;\n= {}Cd;", "Cd + ".repeat(100_000)));
+    let long = said(&format!("formula;\n= {}Cd;", "Cd + ".repeat(30_000)));
     assert_eq!(long, "");
     let chain: String = (1..20_000).map(|index| format!("M{index} = M{};\n", index - 1)).collect();
     assert_eq!(said(&format!("formula;\nM0 = Cd;\n{chain}= M19999;\n")), "");

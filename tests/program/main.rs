@@ -7,6 +7,7 @@ mod encoding;
 mod endings;
 mod files;
 mod fmt;
+mod habits;
 mod json;
 mod lsp;
 mod man;

@@ -3,14 +3,14 @@
 use crate::{folder, told, write};
 
 /// The messages about a formula file, with its text above.
-fn said(text: &str) -> String {
+pub(crate) fn said(text: &str) -> String {
     let folder = folder();
     write(&folder, "model", text);
     format!("{text}\n{}\n", told(folder.path(), "check --kind formula model"))
 }
 
 /// Each of these lines as the last line of a formula, with its messages.
-fn lines(lines: &[&str]) -> String {
+pub(crate) fn lines(lines: &[&str]) -> String {
     let head = "body_specific;\na: scalar, constraint 0..1;\nformula;\n";
     lines.iter().map(|line| said(&format!("{head}{line}\n")).replace(head, "")).collect::<Vec<_>>().join("\n")
 }

@@ -20,7 +20,7 @@ const ROOMS: [(&str, &[&str]); 17] = [
     ("scene", &["lang"]),
     ("world", &["scene"]),
     ("trace", &["lang", "scene", "world"]),
-    ("picture", &["files"]),
+    ("picture", &["files", "lang"]),
     ("bytecode", &["lang", "formula", "scene", "world", "trace"]),
     ("plan", &["lang", "formula"]),
     // Machine code knows the layout of hits, and how components become bytes.

@@ -4,6 +4,7 @@
 use crate::formula::check::names::{Meaning, Names};
 use crate::lang::ast::{ExprKind, FormulaFile};
 use crate::lang::diagnostic::{Diagnostic, Diagnostics};
+use crate::lang::foreign;
 use crate::lang::source::SourceSpan;
 use std::collections::HashSet;
 use std::rc::Rc;
@@ -83,7 +84,9 @@ fn report_circle(file: &FormulaFile, circle: &[usize], closing: SourceSpan, diag
         round.push(name(circle[0]));
         format!("{what} use each other in a circle: {}", round.join(" → "))
     };
+    let component = foreign::component(&first.name.text).filter(|_| circle.len() == 1);
     let help = match what {
+        "macros" if component.is_some() => "a component is written `getx(v)`, `gety(v)` or `getz(v)`; `.` is the dot product",
         "macros" => "a macro stands for a value and may not depend on itself",
         _ => "there is no recursion: write a sum, `sum(i, 1, 4, …)`, or the steps one by one",
     };

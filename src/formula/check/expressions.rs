@@ -81,20 +81,21 @@ pub(super) fn check(
     for index in order {
         let definition = &file.definitions[index];
         if definition.arguments.is_none() && !checker.circular.contains(&index) {
-            let (value, body) = checker.evaluate(definition.body).unzip();
+            let (value, body) = checker.evaluate(definition.body, Vec::new()).unzip();
             checker.macros[index] = value;
             bodies[index] = body;
             checker.settled[definition.body.0 as usize] = value;
         }
     }
     let result = file.result.and_then(|root| {
-        let ((term, ty), body) = checker.evaluate(root)?;
+        let ((term, ty), body) = checker.evaluate(root, Vec::new())?;
         if ty != Type::Vector {
             checker.report_scalar_result(root, ty);
         }
         bodies.push(Some(body));
         (ty == Type::Vector).then_some(term)
     });
+    checker.functions_without_calls();
     let found = checker.macros.iter().zip(&file.definitions);
     let macros = found.filter_map(|(value, definition)| value.map(|(id, _)| (definition.name.text.clone(), id))).collect();
     let (terms, origins) = checker.terms.into_lists();
@@ -125,7 +126,7 @@ pub(super) struct Checker<'c> {
     written_calls: Vec<WrittenCall>,
     /// The expressions with a mistake in their types that has been reported.
     reported: HashSet<ExprId>,
-    /// Whether functions and sums make too many terms. That has been reported.
+    /// Whether there are too many terms. That has been reported.
     too_large: bool,
 }
 
@@ -136,8 +137,8 @@ struct CheckFrame<'c> {
     /// The expressions of `root`, operands before their users, and how many of them are done.
     list: Rc<[ExprId]>,
     done: usize,
-    /// The names that have a meaning here alone.
-    locals: Vec<(&'c str, Settled)>,
+    /// The names that have a meaning here alone, with their values, if these are known.
+    locals: Vec<(&'c str, Option<Settled>)>,
     /// The calls in it and in its sums, by their indices in `written_calls`.
     calls: Vec<u32>,
     purpose: FramePurpose<'c>,
@@ -160,12 +161,29 @@ enum CheckStep<'c> {
 }
 
 impl<'c> Checker<'c> {
-    /// The term and type of an expression outside of functions and sums, and how it is written.
-    fn evaluate(&mut self, root: ExprId) -> Option<(Settled, WrittenBody)> {
-        let frame = self.frame(root, Vec::new(), FramePurpose::Root);
+    /// Checks the functions that nothing calls. The types of their arguments are not known, so only what does not
+    /// depend on these is reported.
+    fn functions_without_calls(&mut self) {
+        let called: HashSet<usize> = self.calls.keys().map(|(index, _)| *index).collect();
+        for (index, definition) in self.file.definitions.iter().enumerate() {
+            let Some(arguments) = &definition.arguments else { continue };
+            if !called.contains(&index) && !self.circular.contains(&index) {
+                let locals = arguments.iter().map(|argument| (argument.text.as_str(), None)).collect();
+                let _ = self.evaluate(definition.body, locals);
+            }
+        }
+    }
+
+    /// The term and type of an expression outside of sums and of functions that are called, and how it is written.
+    fn evaluate(&mut self, root: ExprId, locals: Vec<(&'c str, Option<Settled>)>) -> Option<(Settled, WrittenBody)> {
+        let frame = self.frame(root, locals, FramePurpose::Root);
         self.frames.push(frame);
         while let Some(frame) = self.frames.last_mut() {
             if let Some(&id) = frame.list.get(frame.done) {
+                if self.too_large || self.is_too_large(self.file.expr(id).span) {
+                    self.finish(id, None);
+                    continue;
+                }
                 self.terms.origin = id;
                 match self.step(id) {
                     CheckStep::Done(value) => self.finish(id, value),
@@ -180,7 +198,7 @@ impl<'c> Checker<'c> {
             match frame.purpose {
                 FramePurpose::Root => return value.map(|value| (value, self.body(frame.root, value, frame.calls))),
                 FramePurpose::Call { key, .. } => {
-                    let arguments = frame.locals.iter().map(|(_, (term, _))| *term).collect();
+                    let arguments = frame.locals.iter().filter_map(|(_, value)| value.map(|(term, _)| term)).collect();
                     let known = value.map(|value| {
                         let body = self.body(frame.root, value, frame.calls);
                         self.written_calls.push(WrittenCall { definition: key.0, arguments, body });
@@ -242,7 +260,7 @@ impl<'c> Checker<'c> {
         }
     }
 
-    fn frame(&mut self, root: ExprId, locals: Vec<(&'c str, Settled)>, purpose: FramePurpose<'c>) -> CheckFrame<'c> {
+    fn frame(&mut self, root: ExprId, locals: Vec<(&'c str, Option<Settled>)>, purpose: FramePurpose<'c>) -> CheckFrame<'c> {
         let (file, names) = (self.file, self.names);
         let list = self.lists.entry(root).or_insert_with(|| reachable(file, names, root).into());
         CheckFrame { root, list: Rc::clone(list), done: 0, locals, calls: Vec::new(), purpose }
@@ -267,7 +285,7 @@ impl<'c> Checker<'c> {
     fn name(&mut self, name: &str) -> Option<Settled> {
         for frame in self.frames.iter().rev() {
             if let Some((_, value)) = frame.locals.iter().rev().find(|(local, _)| *local == name) {
-                return Some(*value);
+                return *value;
             }
             match frame.purpose {
                 // The term of a sum sees what is around the sum.
@@ -319,7 +337,7 @@ impl<'c> Checker<'c> {
         if self.is_too_large(callee.span) {
             return CheckStep::Done(None);
         }
-        let locals = names.iter().map(|name| name.text.as_str()).zip(values).collect();
+        let locals = names.iter().map(|name| name.text.as_str()).zip(values.into_iter().map(Some)).collect();
         CheckStep::Enter(self.frame(definition.body, locals, FramePurpose::Call { key, callee: callee.span }))
     }
 
@@ -345,20 +363,38 @@ impl<'c> Checker<'c> {
         // The type of an empty sum is that of its term.
         let purpose = FramePurpose::Repetition { call, index: first, last: if empty { first - 1 } else { last }, total: None };
         let index = self.terms.number(first as f32);
-        CheckStep::Enter(self.frame(call.body, vec![(call.variable, index)], purpose))
+        CheckStep::Enter(self.frame(call.body, vec![(call.variable, Some(index))], purpose))
     }
 
     /// The value of a bound of a sum, if it is a constant.
     fn bound(&mut self, id: ExprId) -> Option<f32> {
+        /// No sum within these bounds has more terms than can be counted.
+        const LARGEST: f32 = 1e6;
         let (term, ty) = self.settled[id.0 as usize]?;
-        let value = self.terms.constant(term).filter(|value| ty == Type::Scalar && value[0].is_finite() && value[0].abs() <= 1e6);
-        if value.is_none() && self.reported.insert(id) {
-            let what = if ty == Type::Scalar { "not a constant" } else { ty.with_article() };
-            let error = Diagnostic::error(format!("a bound of a sum is {what}"))
-                .at(self.file.expr(id).span, "expected a constant number");
-            self.report(error.help("bounds are numbers, or expressions of numbers alone; for other terms use `if(i < n, …, 0)`"));
+        let known = self.terms.constant(term).filter(|_| ty == Type::Scalar).map(|value| value[0]);
+        let value = known.filter(|value| value.abs() <= LARGEST);
+        let span = self.file.expr(id).span;
+        let usual = "bounds are numbers, or expressions of numbers alone; for other terms use `if(i < n, …, 0)`";
+        let diagnostic = match (known, value) {
+            (_, Some(whole)) if whole.fract() == 0.0 => return value,
+            (_, Some(broken)) => Diagnostic::warning(format!("a bound of a sum is {broken}, no whole number"))
+                .at(span, "expected a whole number")
+                .help("the sum takes the whole numbers between its bounds; `floor(x)` and `ceil(x)` round"),
+            (Some(value), None) if value.is_finite() => Diagnostic::error("a bound of a sum is too large")
+                .at(span, format!("it is {value:e}"))
+                .help(format!("a sum has at most {} terms", Repetition::MOST_TERMS)),
+            (Some(_), None) => {
+                Diagnostic::error("a bound of a sum is no number").at(span, "infinite, or not a number (NaN)").help(usual)
+            }
+            (None, None) => {
+                let what = if ty == Type::Scalar { "not a constant" } else { ty.with_article() };
+                Diagnostic::error(format!("a bound of a sum is {what}")).at(span, "expected a constant number").help(usual)
+            }
+        };
+        if self.reported.insert(id) {
+            self.report(diagnostic);
         }
-        value.map(|value| value[0])
+        value
     }
 
     /// Adds a term to a sum, and goes on with the next.
@@ -381,18 +417,18 @@ impl<'c> Checker<'c> {
         }
         let number = self.terms.number((index + 1) as f32);
         let purpose = FramePurpose::Repetition { call, index: index + 1, last, total };
-        let frame = self.frame(call.body, vec![(call.variable, number)], purpose);
+        let frame = self.frame(call.body, vec![(call.variable, Some(number))], purpose);
         self.frames.push(frame);
     }
 
-    /// Whether functions and sums have made too many terms; reports it once.
+    /// Whether there are too many terms by now; reports it once.
     fn is_too_large(&mut self, span: SourceSpan) -> bool {
         if !self.too_large && self.terms.len() > Terms::MOST {
             self.too_large = true;
-            let message = format!("its functions and sums make the formula longer than {} operations", Terms::MOST);
-            self.report(
-                Diagnostic::error(message).at(span, "here it becomes too long").help("use fewer terms, or fewer calls in calls"),
-            );
+            let message = format!("the formula has more than {} operations", Terms::MOST);
+            self.report(Diagnostic::error(message).at(span, "here it becomes too long").help(
+                "numbers and names count too, and functions and sums as if written out: use fewer terms, or fewer calls in calls",
+            ));
         }
         self.too_large
     }
@@ -410,6 +446,12 @@ impl<'c> Checker<'c> {
         }
         let types: Vec<Type> = settled.iter().map(|(_, ty)| *ty).collect();
         let terms: Vec<TermId> = settled.iter().map(|(term, _)| *term).collect();
+        if let Form::Function(_) = form
+            && form.overloads().all(|overload| overload.operands().len() != types.len())
+        {
+            // The wrong number of arguments has been reported.
+            return None;
+        }
         if let Some(operation) = form.resolve(&types) {
             let units = terms.iter().all(|term| self.terms.is_direction(*term));
             let is_dot = matches!(operation, Operation::DotVV | Operation::Dot);

@@ -1,8 +1,9 @@
 //! How products are grouped, where mathematics would group them otherwise: `Cd*N.L` is `(Cd*N).L`, `N.V^5` is
-//! `N.(V^5)`, and `-x^2` is `(-x)^2`. Warnings where that gives a value, and hints where types do not fit.
+//! `N.(V^5)`, `-x^2` is `(-x)^2`, and `!a + b` is `!(a + b)`. Warnings where that gives a value, and hints where types
+//! do not fit.
 
 use crate::formula::check::expressions::Checked;
-use crate::lang::ast::{ExprId, ExprKind, FormulaFile};
+use crate::lang::ast::{Expr, ExprId, ExprKind, FormulaFile};
 use crate::lang::diagnostic::{Diagnostic, Diagnostics};
 use crate::lang::source::{Source, SourceSpan};
 use crate::lang::token::Mark;
@@ -16,6 +17,7 @@ pub(super) fn warn(file: &FormulaFile, source: &Source, checked: &Checked, diagn
     let written = SourceWriter { file, source };
     for (index, expression) in file.expressions.iter().enumerate() {
         let id = ExprId(index as u32);
+        warn_of_not(&written, expression, diagnostics);
         let ExprKind::Infix(mark, _, [left, right]) = expression.kind else { continue };
         let base = file.expr(left);
         if mark == Mark::Caret
@@ -44,6 +46,20 @@ pub(super) fn warn(file: &FormulaFile, source: &Source, checked: &Checked, diagn
             );
         }
     }
+}
+
+/// Warns about `!a + b`, which is `!(a + b)`, and `!a > b`, which is `!(a > b)`.
+fn warn_of_not(written: &SourceWriter, expression: &Expr, diagnostics: &mut Diagnostics) {
+    let ExprKind::Prefix(Mark::Not, operand) = expression.kind else { return };
+    let inner = written.file.expr(operand);
+    let Some((mark, [left, right])) = inner.kind.infix().filter(|_| !inner.parenthesised()) else { return };
+    let [x, y] = [left, right].map(|id| written.text(written.file.expr(id).outer));
+    let (mark, text) = (mark.spelling(), written.text(inner.span));
+    diagnostics.push(
+        Diagnostic::warning(format!("`!{text}` is read as `!({text})`"))
+            .at(expression.span, "the `!` takes everything up to `&&` or `||` along")
+            .help(format!("write `(!{x}) {mark} {y}` or `!({text})`")),
+    );
 }
 
 /// A hint for an expression whose types do not fit, if the grouping of a product in it is the likely cause. `ty` gives

@@ -10,20 +10,12 @@ use crate::lang::printer::print_expression;
 use crate::lang::source::SourceSpan;
 use crate::lang::token::Mark;
 use crate::lang::types::Type;
-use std::collections::BTreeSet;
 
 impl Checker<'_> {
     pub(super) fn report_mismatch(&mut self, form: Form, id: ExprId, operands: &[ExprId], types: &[Type], span: SourceSpan) {
         let spelling = form.spelling();
         let whole = |operand: &ExprId| self.file.expr(*operand).span;
         let mut diagnostic = match form {
-            Form::Function(name) if form.overloads().all(|overload| overload.operands().len() != types.len()) => {
-                let counts: BTreeSet<usize> = form.overloads().map(|overload| overload.operands().len()).collect();
-                let counts: Vec<String> = counts.iter().map(usize::to_string).collect();
-                let plural = if counts == ["1"] { "argument" } else { "arguments" };
-                Diagnostic::error(format!("`{name}` takes {} {plural}, not {}", counts.join(" or "), types.len()))
-                    .at(span, format!("{} given", types.len()))
-            }
             Form::Conditional if types[0] != Type::Truth => {
                 Diagnostic::error(format!("the condition of `if` is {}", types[0].with_article()))
                     .at(whole(&operands[0]), "expected a comparison or a scalar")
@@ -66,7 +58,7 @@ impl Checker<'_> {
         let mixed = types.contains(&Type::Scalar) && types.contains(&Type::Vector);
         if mixed
             && regrouping.is_none()
-            && matches!(form, Form::Infix(Mark::Plus | Mark::Minus) | Form::Function(_) | Form::Conditional)
+            && matches!(form, Form::Infix(Mark::Plus | Mark::Minus | Mark::Slash) | Form::Function(_) | Form::Conditional)
         {
             let scalar = operands
                 .iter()

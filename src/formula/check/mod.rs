@@ -18,6 +18,7 @@ mod surface;
 mod terms;
 #[cfg(test)]
 mod tests;
+mod unused;
 
 use crate::formula::Formula;
 use crate::lang::diagnostic::Diagnostics;
@@ -63,6 +64,10 @@ fn check(source: &Source, substitution: Substitution) -> Result<(Formula, Diagno
         substitution::warn(&file, &names, &expressions, &mut diagnostics);
     }
     let surface = surface::surface_terms(&file, &parameters, &names, &expressions, &mut diagnostics);
+    // What reads a macro may be part of a mistake.
+    if !diagnostics.has_errors() {
+        unused::warn(&file, &names, &mut diagnostics);
+    }
     let formula = expressions.result.map(|result| Formula {
         surface,
         uses: file.uses.as_ref().map(|(path, _)| path.clone()),

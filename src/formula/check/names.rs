@@ -63,7 +63,9 @@ impl Names {
     fn give(&mut self, name: &Name, meaning: Meaning, diagnostics: &mut Diagnostics) {
         if let Some(what) = taken(&name.text) {
             let mend = match (Predefined::named(&name.text), meaning) {
-                (Some(_), Meaning::Parameter(_)) => "leave the declaration out: the parameter is there without it",
+                (Some(_), Meaning::Parameter(_)) => {
+                    "leave the declaration out: the parameter is there without it; another range stands under `predefined;`"
+                }
                 _ => "choose another name",
             };
             diagnostics.push(
@@ -112,8 +114,8 @@ impl Names {
         self.given.get(name).map(|(_, span)| *span)
     }
 
-    /// The hint for an unknown name: the nearest known name of the wanted kind.
-    pub(super) fn suggestion(&self, name: &str, wanted: impl Fn(Meaning) -> bool) -> Option<String> {
+    /// The known names of the wanted kind, in alphabetical order.
+    fn candidates(&self, wanted: impl Fn(Meaning) -> bool) -> Vec<&str> {
         let builtin_names = Variable::ALL
             .iter()
             .map(|variable| variable.name())
@@ -123,7 +125,18 @@ impl Names {
         let mut candidates: Vec<&str> = self.given.keys().map(String::as_str).chain(builtin_names).collect();
         candidates.retain(|candidate| self.meaning(candidate).is_some_and(&wanted));
         candidates.sort_unstable();
-        nearest(name, candidates).map(|near| format!("did you mean `{near}`?"))
+        candidates
+    }
+
+    /// The hint for an unknown name: the nearest known name of the wanted kind.
+    pub(super) fn suggestion(&self, name: &str, wanted: impl Fn(Meaning) -> bool) -> Option<String> {
+        nearest(name, self.candidates(wanted)).map(|near| format!("did you mean `{near}`?"))
+    }
+
+    /// The hint for an unknown name that differs from a known one in small and capital letters alone.
+    pub(super) fn other_case(&self, name: &str, wanted: impl Fn(Meaning) -> bool) -> Option<String> {
+        let same = |candidate: &&&str| candidate.eq_ignore_ascii_case(name);
+        self.candidates(wanted).iter().find(same).map(|near| format!("did you mean `{near}`?"))
     }
 }
 

@@ -94,6 +94,16 @@ fn check_predefined_names(file: &FormulaFile, diagnostics: &mut Diagnostics) {
 fn redefine(parameter: &mut Parameter, line: &PredefinedLine, diagnostics: &mut Diagnostics) {
     let attributes = &line.attributes;
     let before = parameter.clone();
+    let values = [(attributes.switch, "switch"), (attributes.choices.as_ref().map(|(_, span)| *span), "choices")];
+    if let Some((span, word)) = values.into_iter().find_map(|(span, word)| Some((span?, word))) {
+        diagnostics.push(
+            Diagnostic::error(format!("`{}` cannot become a `{word}`: its meaning stays", parameter.name))
+                .at(span, "expected a range, a default or a slider")
+                .at(line.name.span, format!("the predefined parameter: {}", before.predefined.map_or("", Predefined::doc)))
+                .help("declare a parameter of your own for it, and multiply with that"),
+        );
+        return;
+    }
     AttributeReader { name: &line.name, attributes }.apply(parameter, diagnostics);
     if attributes.default.is_none() {
         parameter.default = before.default.map(|number| parameter.clamp(number).0);

@@ -69,13 +69,22 @@ impl<'r> Resolver<'r> {
                         pending.extend(repetition.bounds.map(|bound| (bound, Rc::clone(&known))));
                         continue;
                     }
-                    if let Some(Meaning::Repetition(_)) = self.names.callee(&callee.text) {
+                    let like_sum =
+                        || matches!(callee.text.to_lowercase().as_str(), "sum" | "summation" | "sigma" | "product" | "prod");
+                    let meaning = self.names.callee(&callee.text);
+                    if matches!(meaning, Some(Meaning::Repetition(_))) || meaning.is_none() && like_sum() {
                         // It has been reported, and its variable has no meaning.
                         continue;
                     }
                 }
                 ExprKind::Infix(Mark::Dot, _, [left, right]) if self.component(*left, *right, &known) => {
                     pending.push((*left, known));
+                    continue;
+                }
+                ExprKind::Infix(Mark::Dot, _, operands) if self.library(*operands, &known) => {
+                    // What is called is no more than an example of the mistake; its arguments count.
+                    let [left, right] = operands.map(|operand| self.file.expr(operand).kind.operands());
+                    pending.extend(left.iter().take(1).chain(right).map(|operand| (*operand, Rc::clone(&known))));
                     continue;
                 }
                 ExprKind::Number(_)
@@ -114,6 +123,43 @@ impl<'r> Resolver<'r> {
         true
     }
 
+    /// Reports `math.exp(x)`, a function of a library in other languages. Whether it was one.
+    fn library(&mut self, [left, right]: [ExprId; 2], known: &[&str]) -> bool {
+        let before = self.file.expr(left);
+        // In `Cd*math.exp(x)` the library is the last factor.
+        let last = before.kind.infix().filter(|_| !before.parenthesised()).map_or(left, |(_, [_, last])| last);
+        let library = self.file.expr(last);
+        let ExprKind::Name(name) = &library.kind else { return false };
+        if !foreign::library(name) || known.contains(&name.as_str()) || self.names.meaning(name).is_some() {
+            return false;
+        }
+        let behind = self.file.expr(right);
+        let (member, span) = match &behind.kind {
+            ExprKind::Name(member) => (member, behind.span),
+            ExprKind::Call(callee, _) => (&callee.text, callee.span),
+            ExprKind::Number(_)
+            | ExprKind::Prefix(..)
+            | ExprKind::Infix(..)
+            | ExprKind::Vector(_)
+            | ExprKind::Conditional(_)
+            | ExprKind::Missing => return false,
+        };
+        let ours = foreign::function(member).map(|ours| format!("here it is written {ours}"));
+        let hint = match self.names.meaning(member) {
+            Some(Meaning::Builtin(Form::Function(_))) => format!("functions stand alone: write `{member}(…)`"),
+            Some(_) => format!("constants stand alone: write `{member}`"),
+            None => ours
+                .or_else(|| foreign::values::hint(member))
+                .unwrap_or_else(|| format!("functions and constants stand alone, and the language has no `{member}`")),
+        };
+        self.diagnostics.push(
+            Diagnostic::error(format!("there are no libraries: `{name}.{member}`"))
+                .at(library.span.to(span), "not known")
+                .help(hint),
+        );
+        true
+    }
+
     fn name(&mut self, name: &str, span: SourceSpan) {
         match self.names.meaning(name) {
             Some(Meaning::Macro(_) | Meaning::Variable(_) | Meaning::Builtin(Form::Constant(_))) => {}
@@ -131,12 +177,11 @@ impl<'r> Resolver<'r> {
             Some(Meaning::Repetition(repetition)) => self.without_arguments(name, span, &repetition.usage()),
             Some(Meaning::Builtin(form)) => self.without_arguments(name, span, &usages(form).join("` or `")),
             None => {
-                let ours = foreign::constant(name).map(|ours| format!("here it is written {ours}"));
-                let cosine = || foreign::dot_product(name).map(|dot| format!("give it a name before: `{name} = {dot};`"));
                 let is_value = |meaning| !matches!(meaning, Meaning::Builtin(Form::Function(_)) | Meaning::Function(_));
+                let other_case = self.names.other_case(name, is_value);
                 let near = || self.names.suggestion(name, is_value);
                 let declare = || format!("declare it, as in `{name}: scalar, constraint 0..1, slider;`");
-                let hint = ours.or_else(cosine).or_else(near).unwrap_or_else(declare);
+                let hint = other_case.or_else(|| foreign::values::hint(name)).or_else(near).unwrap_or_else(declare);
                 self.diagnostics.push(
                     Diagnostic::error(format!("`{name}` is not known"))
                         .at(span, "no parameter, macro, variable or function has this name")
@@ -157,7 +202,7 @@ impl<'r> Resolver<'r> {
     fn call(&mut self, callee: &Name, arguments: &[ExprId]) {
         let name = &callee.text;
         match self.names.callee(name) {
-            Some(Meaning::Builtin(Form::Function(_))) => {}
+            Some(Meaning::Builtin(form @ Form::Function(_))) => self.argument_count(form, callee, arguments.len()),
             Some(Meaning::Function(index)) => {
                 let definition = &self.file.definitions[index];
                 let wanted = definition.arguments.as_ref().map_or(0, Vec::len);
@@ -171,6 +216,8 @@ impl<'r> Resolver<'r> {
                 }
             }
             Some(Meaning::Repetition(repetition)) => self.repetition(repetition, callee, arguments),
+            // What it stands for has been reported; it may be a function.
+            Some(Meaning::Macro(index)) if self.file.expr(self.file.definitions[index].body).kind == ExprKind::Missing => {}
             Some(other) => {
                 let mut diagnostic =
                     Diagnostic::error(format!("`{name}` is {}, not a function", other.describe())).at(callee.span, "called here");
@@ -184,7 +231,8 @@ impl<'r> Resolver<'r> {
                 let is_function = |meaning| {
                     matches!(meaning, Meaning::Builtin(Form::Function(_)) | Meaning::Function(_) | Meaning::Repetition(_))
                 };
-                let hint = ours.or_else(|| self.names.suggestion(name, is_function));
+                let other_case = self.names.other_case(name, is_function);
+                let hint = other_case.or(ours).or_else(|| self.names.suggestion(name, is_function));
                 let define =
                     || format!("define it above, as in `{name}(x) = …;`; the reference lists the functions of the language");
                 self.diagnostics.push(
@@ -194,6 +242,21 @@ impl<'r> Resolver<'r> {
                 );
             }
         }
+    }
+
+    /// Reports a call of a function of the language with too few or too many arguments.
+    fn argument_count(&mut self, form: Form, callee: &Name, given: usize) {
+        let counts: BTreeSet<usize> = form.overloads().map(|overload| overload.operands().len()).collect();
+        if counts.contains(&given) {
+            return;
+        }
+        let plural = if counts.iter().eq(&[1]) { "argument" } else { "arguments" };
+        let counts: Vec<String> = counts.iter().map(usize::to_string).collect();
+        self.diagnostics.push(
+            Diagnostic::error(format!("`{}` takes {} {plural}, not {given}", callee.text, counts.join(" or ")))
+                .at(callee.span, format!("{given} given"))
+                .help(format!("write `{}`", usages(form).join("` or `"))),
+        );
     }
 
     /// Reports a sum or a product that lacks a part.

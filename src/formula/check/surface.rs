@@ -20,6 +20,7 @@ pub(super) fn surface_terms(
 ) -> SurfaceTerms {
     let reads = Reads { file, parameters, names };
     let mut found = SurfaceTerms::default();
+    reads.report_functions(diagnostics);
     for definition in file.definitions.iter().filter(|definition| definition.arguments.is_none()) {
         let Some(term) = SurfaceTerm::named(&definition.name.text) else { continue };
         if let Some(read) = reads.of_name(&definition.name.text) {
@@ -48,7 +49,7 @@ pub(super) fn surface_terms(
                 Diagnostic::error(format!("`{}` reads {what}, which belongs to a light", term.name()))
                     .at(span, "known for each light only")
                     .at(definition.name.span, "this is evaluated once at each hit")
-                    .help("it may read N V T B Ng gamma point, parameters of bodies and global ones, and weights eta and total"),
+                    .help("it may read N V T B gamma point, parameters of bodies and global ones, and weights eta and total"),
             );
             continue;
         }
@@ -103,6 +104,34 @@ impl Reads<'_> {
             self.push_operands(id, &hidden, &mut pending);
         }
         None
+    }
+
+    /// Reports functions that have the name of a term: `reflected(x) = …`.
+    fn report_functions(&self, diagnostics: &mut Diagnostics) {
+        for definition in self.file.definitions.iter().filter(|definition| definition.arguments.is_some()) {
+            let name = definition.name.text.as_str();
+            let Some(term) = SurfaceTerm::named(name) else { continue };
+            let mut calls = self.file.expressions.iter().filter_map(|expression| match &expression.kind {
+                ExprKind::Call(callee, _) => Some(callee.span).filter(|_| callee.text == name),
+                ExprKind::Name(_)
+                | ExprKind::Number(_)
+                | ExprKind::Prefix(..)
+                | ExprKind::Infix(..)
+                | ExprKind::Vector(_)
+                | ExprKind::Conditional(_)
+                | ExprKind::Missing => None,
+            });
+            let diagnostic = match calls.next() {
+                Some(call) => Diagnostic::warning(format!("`{name}` is an ordinary function here, because the formula calls it"))
+                    .at(definition.name.span, format!("it does not give the {}", short(term)))
+                    .at(call, "called here")
+                    .help("choose another name for the function"),
+                None => Diagnostic::error(format!("`{name}` is the {} and has no arguments", short(term)))
+                    .at(definition.name.span, "expected a macro")
+                    .help(format!("write `{name} = expression;`: it is evaluated at each hit")),
+            };
+            diagnostics.push(diagnostic);
+        }
     }
 
     /// Adds the operands of an expression, with the names that are hidden in them.

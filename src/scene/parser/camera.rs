@@ -6,6 +6,7 @@ use crate::lang::diagnostic::{Diagnostic, nearest};
 use crate::lang::keywords;
 use crate::lang::source::SourceSpan;
 use crate::lang::token::{Mark, TokenKind};
+use crate::scene::foreign;
 use crate::scene::values::{SceneNumber, Vector, vector};
 use crate::scene::{Camera, CameraError};
 use glam::DVec3;
@@ -55,6 +56,39 @@ impl SceneParser {
         }
     }
 
+    /// Parses the camera if its header is missing, which is reported. Whether the current word begins a clause of it.
+    pub(super) fn camera_without_header(&mut self) -> bool {
+        let clause = self.cursor.word(0).is_some_and(|word| CLAUSES.contains(&word));
+        let value = matches!(self.cursor.kind(1), TokenKind::Number(_) | TokenKind::Mark(Mark::Less));
+        if !clause || !value {
+            return false;
+        }
+        let span = self.cursor.span();
+        let word = self.cursor.word(0).unwrap_or_default();
+        let diagnostic = Diagnostic::error(format!("expected `camera;` before `{word}`")).at(span, "this belongs to the camera");
+        self.cursor.report(diagnostic.help("the camera has a section of its own, `camera;`, behind bodies and lights"));
+        self.seen[2].get_or_insert(span);
+        self.camera_section(span);
+        true
+    }
+
+    /// For a place that is looked at, `lookat <x, y, z>`: the gaze to it from the position, if both are there.
+    fn gaze_to(&self, clauses: &Clauses, word: &str) -> Option<String> {
+        let (_, remark) = foreign::camera_clause(word).filter(|(_, remark)| *remark == foreign::TARGET)?;
+        let position = clauses.vectors[0]?.value;
+        let component = |at: usize| match (self.cursor.kind(at), self.cursor.kind(at + 1)) {
+            (TokenKind::Mark(Mark::Minus), TokenKind::Number(value)) => Some((-value, at + 3)),
+            (TokenKind::Number(value), _) => Some((*value, at + 2)),
+            _ => None,
+        };
+        let (x, next) = component(2)?;
+        let (y, next) = component(next)?;
+        let (z, _) = component(next)?;
+        let rounded = |number: f64| (number * 1e6).round() / 1e6;
+        let gaze = (DVec3::new(x, y, z) - position).to_array().map(rounded);
+        Some(format!("{remark}; here `gaze {};`", Vector(DVec3::from(gaze))))
+    }
+
     /// Parses `NAME VALUE;`.
     fn clause(&mut self, clauses: &mut Clauses) -> Result<(), Reported> {
         let span = self.cursor.span();
@@ -62,10 +96,16 @@ impl SceneParser {
         let Some(clause) = CLAUSES.iter().position(|name| *name == word) else {
             let expected = CLAUSES.iter().zip(&clauses.seen).find(|(_, seen)| seen.is_none()).map_or("fov", |(name, _)| name);
             let message = format!("expected `{expected}` of the camera, found {}", self.cursor.kind(0).describe());
-            let near = nearest(&word, CLAUSES).map(|near| format!("did you mean `{near}`?"));
-            self.cursor.report(Diagnostic::error(message).at(span, "found this").help_if(near));
+            let meant = foreign::camera_clause(&word);
+            let near = meant.map(|(clause, _)| clause).or_else(|| nearest(&word, CLAUSES));
+            let help = match meant {
+                Some((_, remark)) => self.gaze_to(clauses, &word).or_else(|| Some(remark.to_owned())),
+                None => near.map(|near| format!("did you mean `{near}`?")),
+            };
+            self.cursor.report(Diagnostic::error(message).at(span, "found this").help_if(help));
             // A misspelt clause counts as present: that it is missing would be a second error for one mistake.
-            if let Some(near) = nearest(&word, CLAUSES).and_then(|near| CLAUSES.iter().position(|name| *name == near)) {
+            let near = near.unwrap_or(expected);
+            if let Some(near) = CLAUSES.iter().position(|name| *name == near) {
                 clauses.seen[near].get_or_insert(span);
             }
             return Err(Reported);
@@ -80,13 +120,7 @@ impl SceneParser {
         }
         clauses.seen[clause].get_or_insert(span);
         self.cursor.advance();
-        for stray in [Mark::Colon, Mark::Equal, Mark::Comma] {
-            let place = self.cursor.span();
-            if self.cursor.accept(stray) {
-                let diagnostic = Diagnostic::error(format!("no `{}` stands after `{word}`", stray.spelling()));
-                self.cursor.report(diagnostic.at(place, "leave this out"));
-            }
-        }
+        self.cursor.pass_marks_after(&word, &[Mark::Colon, Mark::Equal, Mark::Comma]);
         // The first of two equal clauses counts.
         if let Some(slot) = clauses.vectors.get_mut(clause) {
             let vector = vector(&mut self.cursor, &format!("the camera's {word}"))?;

@@ -1,0 +1,99 @@
+//! Words that other programs use in scenes, with ours, and the order of parts.
+
+/// The shape that a word means elsewhere.
+pub(super) fn shape(word: &str) -> Option<&'static str> {
+    Some(match word.to_lowercase().as_str() {
+        "ball" | "globe" | "orb" | "spheres" | "uvsphere" => "a ball is a `sphere`",
+        "plane" | "quad" | "square" | "rect" | "wall" | "floor" | "ground" | "polygon" | "parallelogram" | "grid" => {
+            "a piece of a plane is a `rectangle`; a floor is a large one"
+        }
+        "box" | "cube" | "cuboid" => "a box is made of six rectangles",
+        "mesh" | "obj" | "triangle" | "triangles" | "trianglemesh" | "model" | "file" => {
+            "there are no triangles and no files of them; only these shapes"
+        }
+        _ => return None,
+    })
+}
+
+/// The kind of light that a word means elsewhere.
+pub(super) fn light(word: &str) -> Option<&'static str> {
+    Some(match word.to_lowercase().as_str() {
+        "directional" | "sun" | "parallel" | "distant" | "infinite" | "directionallight" => {
+            "for parallel light, put a point light far away: `point, <1000, 2000, 1000>`"
+        }
+        "spot" | "spotlight" | "cone" | "area" | "arealight" | "rect" | "quad" | "tube" => {
+            "only points shine; several of them come near to an area"
+        }
+        "ambient" | "environment" | "dome" | "sky" | "hdri" | "envmap" | "skylight" => {
+            "ambient light is no light of the scene: its values are `ka` and `Ia`"
+        }
+        "pointlight" | "omni" | "bulb" | "lamp" | "light" | "point_light" => "such a light is a `point`",
+        _ => return None,
+    })
+}
+
+/// The section that a word heads elsewhere.
+pub(super) fn section(word: &str) -> Option<&'static str> {
+    Some(match word.to_lowercase().as_str() {
+        "body" | "objects" | "object" | "shapes" | "shape" | "geometry" | "surfaces" | "primitives" | "models" => "bodies",
+        "light" | "lamps" | "lamp" | "lighting" | "sources" | "emitters" => "lights",
+        "cam" | "view" | "viewer" | "eye" | "observer" | "cameras" => "camera",
+        _ => return None,
+    })
+}
+
+/// What to say about a place that is looked at.
+pub(super) const TARGET: &str = "`gaze` is a direction: the place that is looked at minus the position";
+
+/// The clause of the camera that a word means elsewhere, with a remark on what differs.
+pub(super) fn camera_clause(word: &str) -> Option<(&'static str, &'static str)> {
+    let plain: String = word.chars().filter(|letter| *letter != '_').collect::<String>().to_lowercase();
+    Some(match plain.as_str() {
+        "lookat" | "target" | "at" | "to" | "focus" | "center" | "centre" | "interest" | "poi" | "look" | "aim" => {
+            ("gaze", TARGET)
+        }
+        "direction" | "dir" | "forward" | "front" | "view" | "viewdir" | "lookdir" | "axis" | "gazedirection" => {
+            ("gaze", "the direction is written `gaze <x, y, z>`")
+        }
+        "eye" | "from" | "location" | "pos" | "origin" | "eyepoint" | "place" | "point" | "translation" | "lookfrom" => {
+            ("position", "the place is written `position <x, y, z>`")
+        }
+        "sky" | "vup" | "upvector" | "upward" | "viewup" | "updirection" | "top" => {
+            ("up", "the direction up is written `up <x, y, z>`")
+        }
+        "angle" | "fovy" | "fieldofview" | "fovx" | "yfov" | "viewangle" | "zoom" | "focallength" | "lens" | "hfov" | "vfov" => {
+            ("fov", "the angle is written `fov DEGREES`: from the lower to the upper edge")
+        }
+        _ => return None,
+    })
+}
+
+/// What a word behind a body or a light means elsewhere, that a scene does not have.
+pub(super) fn property(word: &str) -> Option<&'static str> {
+    Some(match word.to_lowercase().as_str() {
+        "color" | "colour" | "rgb" | "diffuse" | "albedo" | "kr" | "kt" | "kd" | "ks" | "cd" | "material" | "shader"
+        | "specular" | "reflectivity" | "roughness" | "texture" | "emission" | "alpha" | "brdf" => {
+            "colours and other values of bodies belong in a session, or are given by `--set BODY.Cd=<1, 0, 0>`"
+        }
+        "ior" | "index" | "refraction" | "refractive" | "refractiveindex" | "n" => {
+            "the refractive index is written `refractive_index 1.5`"
+        }
+        "diffuse_only" | "no_reflection" | "noreflect" => "a body that never reflects is `matte`",
+        "solid" | "no_refraction" | "norefract" => "a body that never refracts is `opaque`",
+        "rotate" | "rotation" | "scale" | "translate" | "transform" | "matrix" => {
+            "there are no transformations; give the values of the shape where it stands"
+        }
+        _ => return None,
+    })
+}
+
+/// What a word behind a light means elsewhere, that a scene does not have.
+pub(super) fn light_property(word: &str) -> Option<&'static str> {
+    Some(match word.to_lowercase().as_str() {
+        "color" | "colour" | "rgb" | "intensity" | "power" | "energy" | "ki" | "il" | "strength" | "brightness" | "radius"
+        | "exponent" | "flux" => {
+            "colour and intensity are values of a session, or are given by `--set LIGHT.IL=<1, 1, 0.8>` and `--set LIGHT.ki=0.5`"
+        }
+        _ => return None,
+    })
+}
