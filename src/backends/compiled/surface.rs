@@ -285,8 +285,7 @@ impl SurfacePass<'_> {
     }
 
     /// Multiplies the weights along the paths of a tile. `product` gives a component of the weight of a node from that
-    /// of its parent and the weight of its own ray. Returns what is special about
-    /// the weights.
+    /// of its parent and the weight of its own ray. Returns what is special about the weights.
     fn multiply(
         &self,
         nodes: &SurfaceTile,
