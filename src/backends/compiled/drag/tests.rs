@@ -145,7 +145,7 @@ fn stored_data_is_kept_only_where_it_is_faster() {
     let phong = presets::text(FileKind::Formula, "phong").expect("a built-in file");
     let lambert = presets::text(FileKind::Formula, "lambert").expect("a built-in file");
     let waves = "body_specific; a: scalar, constraint 0..1; b: scalar, constraint 0..9; formula;
-        = IL*Cd*(exp(-a*alpha) + sin(b*alpha)*cos(b*beta)*exp(b*(N.L))*sin(b*(V.L)));";
+        = IL*Cd*(exp(-a*alpha) + sin(b*alpha)*cos(b*beta)*exp(b*(N.L))*sin(b*(V.L))*cos(b*gamma)*exp(b*(N.V)));";
     let layers = "body_specific; a: scalar, constraint 0..1; b: scalar, constraint 0..9; formula;
         = IL*Cd*(a + sin(b*alpha)*cos(b*beta)*exp(b*(N.L))*sin(b*(V.L)));";
     for (formula, slider, method) in [
