@@ -278,6 +278,9 @@ impl FormulaParser<'_> {
                     (TokenKind::Mark(Mark::Equal), Some(Mark::NotEqual)) => Some("unequal is written `a != b`"),
                     (TokenKind::Mark(Mark::Plus), Some(Mark::Plus)) => Some("there is no `++`; a macro has one value"),
                     (TokenKind::Mark(Mark::Plus), _) => Some("a sign before a value is `-` alone; leave the `+` out"),
+                    (TokenKind::Mark(Mark::Star | Mark::Slash | Mark::Caret), Some(Mark::Dot)) => {
+                        Some("`*`, `/` and `^` work by components; leave the `.` out")
+                    }
                     (TokenKind::Text(_), _) => Some("texts are no values; choices are compared by their numbers: `model == 0`"),
                     (TokenKind::Mark(_) | TokenKind::Uses(..) | TokenKind::Number(_) | TokenKind::Word(_), _)
                     | (TokenKind::Unknown | TokenKind::End, _) => None,
@@ -325,8 +328,8 @@ impl FormulaParser<'_> {
                 )
             }
             TokenKind::Word(name) if self.cursor.sees_mark(1, Mark::Dot) => match self.cursor.word(2) {
-                Some(other) => format!("write `{text}*({name}.{other})` for a product"),
-                None => format!("write `{text}*{name}` for a product"),
+                Some(other) => format!("write `{text}*({name}.{other})` for a product, or a `,` between arguments"),
+                None => format!("write `{text}*{name}` for a product, or a `,` between arguments"),
             },
             TokenKind::Word(name) => format!("write `{text}*{name}` for a product, or a `,` between arguments"),
             TokenKind::Mark(_) if let Some(function) = self.cursor.function_with_exponent() => {

@@ -37,8 +37,11 @@ impl Assignment {
         let known = table.parameter_named(name).filter(|id| table.parameter(*id).owner == owner.kind());
         let Some(parameter) = known else {
             let adjective = owner.kind().adjective();
+            let others = table.parameters_of(owner.kind()).map(|id| table.parameter(id).name.as_str());
+            let hint = nearest(name, others).map(|near| format!("did you mean `{near}`?"));
             return Err(Diagnostic::warning(format!("the formula has no {adjective} parameter `{name}`; its value is ignored"))
-                .at(span, "not in the formula"));
+                .at(span, "not in the formula")
+                .help_if(hint));
         };
         let ty = table.parameter(parameter).ty;
         if ty != value.ty() {

@@ -7,7 +7,7 @@ mod save;
 
 use crate::files::replace_text;
 use crate::lang::ast::Constant;
-use crate::lang::diagnostic::{Diagnostic, Diagnostics};
+use crate::lang::diagnostic::{Diagnostic, Diagnostics, nearest};
 use crate::lang::source::{Source, SourceSpan};
 use crate::lang::variables::Owner;
 use crate::picture::ViewTransform;
@@ -177,7 +177,7 @@ impl NamedValue {
     /// The owner does not exist, or it has no such parameter of this type.
     pub fn assignment(&self, table: &ParameterTable) -> Result<Assignment, UnusedValue> {
         let unused = |missing, owner, warning| UnusedValue { missing, owner, parameter: self.parameter.clone(), warning };
-        let owner = self.owner.find(table).ok_or_else(|| unused(MissingTarget::Owner, None, no_owner(self)))?;
+        let owner = self.owner.find(table).ok_or_else(|| unused(MissingTarget::Owner, None, no_owner(self, table)))?;
         Assignment::by_name(table, owner, &self.parameter, self.value, self.spans[1])
             .map_err(|warning| unused(MissingTarget::Parameter, Some(owner), warning))
     }
@@ -205,13 +205,20 @@ pub enum MissingTarget {
     Parameter,
 }
 
-fn no_owner(value: &NamedValue) -> Diagnostic {
-    let what = match &value.owner {
-        OwnerName::Global => "global part".to_owned(),
-        OwnerName::Body(name) => format!("body `{name}`"),
-        OwnerName::Light(name) => format!("light `{name}`"),
+fn no_owner(value: &NamedValue, table: &ParameterTable) -> Diagnostic {
+    let owners = table.owners();
+    let near = |name: &str, kind: Owner| {
+        let of_kind = |other: &&str| owners.named(other).is_some_and(|owner| owner.kind() == kind);
+        nearest(name, owners.names().filter(of_kind)).map(|near| format!("did you mean `{near}`?"))
     };
-    Diagnostic::warning(format!("the scene has no {what}; its values are ignored")).at(value.spans[0], "not in the scene")
+    let (what, hint) = match &value.owner {
+        OwnerName::Global => ("global part".to_owned(), None),
+        OwnerName::Body(name) => (format!("body `{name}`"), near(name, Owner::Body)),
+        OwnerName::Light(name) => (format!("light `{name}`"), near(name, Owner::Light)),
+    };
+    Diagnostic::warning(format!("the scene has no {what}; its values are ignored"))
+        .at(value.spans[0], "not in the scene")
+        .help_if(hint)
 }
 
 #[cfg(test)]

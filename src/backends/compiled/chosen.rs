@@ -39,8 +39,8 @@ pub(super) struct ChosenVariant {
 pub(super) struct DragVariants {
     /// Those that have columns.
     pub(super) chosen: Arc<Chosen>,
-    /// Whether each pair of a body and a light has another choice now. The kernels of all branches compute these.
-    pub(super) others: Option<Vec<bool>>,
+    /// Whether the choice of each pair of a body and a light has changed. The kernels of all branches compute these.
+    pub(super) changed: Option<Vec<bool>>,
 }
 
 impl Chosen {
@@ -114,13 +114,13 @@ impl Compiled {
         let choices = self.choices(parameters);
         match known {
             Some(chosen) if *chosen.choices != *choices && new.as_ref() != Some(&choices) => {
-                let others = chosen.choices.iter().zip(&choices).map(|(one, other)| one != other).collect();
+                let changed = chosen.choices.iter().zip(&choices).map(|(one, other)| one != other).collect();
                 *new = Some(choices);
-                Some(DragVariants { chosen, others: Some(others) })
+                Some(DragVariants { chosen, changed: Some(changed) })
             }
             Some(_) | None => {
                 *new = None;
-                self.chosen(parameters).map(|chosen| DragVariants { chosen, others: None })
+                self.chosen(parameters).map(|chosen| DragVariants { chosen, changed: None })
             }
         }
     }

@@ -116,7 +116,7 @@ fn unit_message(number: &str, unit: &str) -> String {
 
 fn angle_help(number: &str) -> String {
     format!(
-        "write `{number}`: in formulas angles are in radians (`radians({number})` turns degrees into them), and `fov` is in degrees"
+        "in a formula write `radians({number})`, since angles are in radians there; in a scene write `{number}`: `fov` is in degrees"
     )
 }
 

@@ -1,6 +1,6 @@
 //! Parsing the text of a session.
 
-use crate::lang::diagnostic::{Diagnostic, Diagnostics};
+use crate::lang::diagnostic::{Diagnostic, Diagnostics, nearest};
 use crate::lang::source::{Source, SourceSpan};
 use crate::picture::{EXPOSURES, ToneCurve, Transfer};
 use crate::trace::{MAX_DEPTH, MAX_SIDE};
@@ -13,6 +13,9 @@ use crate::workspace::spanned_toml::{
 /// The keys of a session, outside of tables.
 pub(in crate::workspace) const KEYS: [&str; 13] =
     ["version", "formula", "scene", "size", "depth", "shadows", "ior", "srgb", "exposure", "curve", "global", "bodies", "lights"];
+
+/// The keys that every session has, each with a line as an example.
+const NEEDED: [(&str, &str); 2] = [("formula", "formula = \"preset:phong\""), ("scene", "scene = \"preset:glass\"")];
 
 pub(super) fn parse(source: &Source) -> Result<(Session, Diagnostics), Diagnostics> {
     match parse_in_parts(source) {
@@ -57,7 +60,17 @@ pub(super) fn parse_in_parts(source: &Source) -> (Option<Session>, Diagnostics) 
             "global" => reader.values(&OwnerName::Global, entry.key_span, entry.value),
             "bodies" => reader.owners(entry.value, OwnerName::Body),
             "lights" => reader.owners(entry.value, OwnerName::Light),
-            _ => reader.diagnostics.push(unknown_key(&entry, &KEYS)),
+            key => {
+                let meant = nearest(key, KEYS).and_then(|near| NEEDED.iter().find(|(needed, _)| *needed == near));
+                match meant.filter(|(needed, _)| !entries(&table).iter().any(|entry| entry.key == *needed)) {
+                    Some((needed, line)) => reader.diagnostics.push(
+                        Diagnostic::error(format!("the session names no {needed}"))
+                            .at(entry.key_span, "unknown key")
+                            .help(format!("did you mean `{needed}`? Expected a line such as `{line}`")),
+                    ),
+                    None => reader.diagnostics.push(unknown_key(&entry, &KEYS)),
+                }
+            }
         }
     }
     let is_of_other_version = version.is_some_and(|value| value.whole(0..i64::MAX).is_ok_and(|version| version != VERSION));
@@ -153,10 +166,11 @@ impl SessionReader {
     }
 
     fn finish(mut self, table: &toml::de::DeTable) -> (Option<Session>, Diagnostics) {
-        for (key, example) in [("formula", "preset:phong"), ("scene", "preset:glass")] {
-            if !entries(table).iter().any(|entry| entry.key == key) {
-                let line = format!("{key} = \"{example}\"");
-                self.diagnostics.push(missing(&format!("the session names no {key}"), &line));
+        for (key, line) in NEEDED {
+            // A misspelt key has been reported.
+            let is_there = |entry: &TomlEntry| entry.key == key || nearest(entry.key, KEYS) == Some(key);
+            if !entries(table).iter().any(is_there) {
+                self.diagnostics.push(missing(&format!("the session names no {key}"), line));
             }
         }
         self.diagnostics.sort();

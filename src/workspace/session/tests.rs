@@ -109,6 +109,25 @@ fn errors_of_the_syntax_have_their_place() {
 }
 
 #[test]
+fn a_misspelt_key_that_is_needed_is_one_error() {
+    let source = Source::new("s.toml", "version = 1\nformulla = \"preset:phong\"\nscene = \"preset:studio\"\n");
+    let errors = Session::parse(&source).unwrap_err();
+    assert_eq!(messages(&errors), ["the session names no formula"]);
+    let error = errors.iter().next().unwrap();
+    assert_eq!(source.position(error.span().unwrap().start).0, 2);
+    assert!(error.hints().iter().any(|hint| hint.starts_with("did you mean `formula`?")));
+}
+
+#[test]
+fn misspelt_names_have_a_suggestion() {
+    let (formula, scene) = table();
+    let (session, _) = parse(&(TEXT.replace("[bodies.ball]", "[bodies.bal]").replace("ki = 1", "kii = 1"))).unwrap();
+    let (_, leftovers) = session.assignments(&ParameterTable::new(&formula, &scene));
+    let helps: Vec<&str> = leftovers.iter().flat_map(|leftover| leftover.warning.hints().iter().map(String::as_str)).collect();
+    assert_eq!(helps, ["did you mean `ball`?", "did you mean `ki`?"]);
+}
+
+#[test]
 fn what_no_longer_exists_is_warned_of() {
     let (formula, scene) = table();
     let text = TEXT.replace("ball", "bowl").replace("ki = 1", "ki = [1, 1, 1]\nkd = 1") + "[bodies.key]\n[lights.ball]\nki = 1\n";

@@ -15,35 +15,35 @@ use crate::plan::Channels;
 pub(super) struct WholePasses<'p> {
     /// All terms, apart from those of the other pass.
     pass: Pass<'p>,
-    /// The contributions of the pairs whose variants have no columns.
-    others: Option<Pass<'p>>,
+    /// The contributions of the pairs whose choices have changed.
+    changed: Option<Pass<'p>>,
 }
 
 impl<'p> WholePasses<'p> {
     pub(super) fn new(compiled: &'p Compiled, parameters: &[f32], variants: Option<&'p DragVariants>) -> Self {
-        let others = variants.and_then(|variants| variants.others.as_ref());
-        // One pass is enough if all pairs have other choices. It is cheaper if each pass must compute weights of rays.
-        let is_one_pass = |others: &Vec<bool>| others.iter().all(|other| *other) || !compiled.surface.is_empty();
-        let chosen = variants.filter(|_| !others.is_some_and(is_one_pass));
+        let changed = variants.and_then(|variants| variants.changed.as_ref());
+        // One pass is enough if all choices have changed. It is cheaper if each pass must compute weights of rays.
+        let is_one_pass = |changed: &Vec<bool>| changed.iter().all(|changed| *changed) || !compiled.surface.is_empty();
+        let chosen = variants.filter(|_| !changed.is_some_and(is_one_pass));
         let mut pass = compiled.whole(parameters, chosen.map(|variants| &*variants.chosen));
-        let (Some(_), Some(others)) = (chosen, others) else { return Self { pass, others: None } };
+        let (Some(_), Some(changed)) = (chosen, changed) else { return Self { pass, changed: None } };
         for source in &mut pass.sources {
-            source.active.iter_mut().zip(others).for_each(|(active, other)| *active &= !other);
+            source.active.iter_mut().zip(changed).for_each(|(active, changed)| *active &= !changed);
         }
         let no_colours = vec![[0.0; 3]; pass.at_hits.len()];
         let mut own = compiled.empty_pass(no_colours, [0.0; 3], Channels::All);
         let (mut source, uniforms) =
             compiled.source(parameters, &compiled.compiled.contribution, &compiled.leaves, Channels::All);
-        source.active.iter_mut().zip(others).for_each(|(active, other)| *active &= other);
+        source.active.iter_mut().zip(changed).for_each(|(active, changed)| *active &= changed);
         own.push(source, uniforms);
-        Self { pass, others: Some(own) }
+        Self { pass, changed: Some(own) }
     }
 
     /// Draws a tile into its part of a framebuffer.
     pub(super) fn draw_tile(&self, compiled: &Compiled, parameters: &[f32], index: usize, scratch: &mut TileScratch, part: Part) {
-        let Some(others) = &self.others else { return compiled.draw_tile(&self.pass, parameters, index, scratch, part) };
+        let Some(changed) = &self.changed else { return compiled.draw_tile(&self.pass, parameters, index, scratch, part) };
         compiled.tile(&self.pass, parameters, index, scratch);
-        others.run_once(&compiled.hits.tiles[index], index, Accumulate::Add, scratch);
+        changed.run_once(&compiled.hits.tiles[index], index, Accumulate::Add, scratch);
         scratch.planes.quantise(0, part, &[]);
     }
 }
