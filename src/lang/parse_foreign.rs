@@ -288,7 +288,8 @@ impl FormulaParser<'_> {
 
     /// Defines the macro that is assigned at the current word, with a value that is not known.
     fn define_assigned(&mut self) {
-        let operator = self.cursor.kind(1).mark();
+        // A `=` that begins a line is the result's.
+        let operator = self.cursor.kind(1).mark().filter(|_| !self.cursor.peek(1).begins_line);
         let changes = matches!(operator, Some(Mark::Plus | Mark::Minus | Mark::Star | Mark::Slash));
         let assigns = operator == Some(Mark::Equal) || changes && self.cursor.sees_mark(2, Mark::Equal);
         if let Some(word) = self.cursor.word(0).filter(|_| assigns) {

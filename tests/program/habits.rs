@@ -98,7 +98,7 @@ fn statements_of_other_languages() {
         &[
             "F(x) { return x*2; }\n= Cd*F(a);",
             "float F(float x) { return x*2; }\n= Cd*F(a);",
-            "def F(x):\n    return x*2\n= Cd*F(a);",
+            "def F(x):\n    return x*x\n= Cd*F(a);",
             "function y = F(x)\n  y = x*2;\nend\n= Cd*F(a);",
             "F = lambda x: x*2;\n= Cd*F(a);",
             "F = @(x) x*2;\n= Cd*F(a);",
