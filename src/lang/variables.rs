@@ -81,7 +81,7 @@ variables! {
     RelativeIndex "eta" Scalar Hit Added "n1/n2 of the refractive indices at this surface; only in reflected and refracted";
     TotalReflection "total" Scalar Hit Added "1 where refraction is total reflection, else 0; only in reflected and refracted";
     Halfway "H" Vector Record Added "normalize(L + V)";
-    Tangent "T" Vector Hit Added "tangent: along the first edge of a rectangle, along the parallels of a sphere";
+    Tangent "T" Vector Hit Added "tangent: along the first edge of a rectangle or triangle, along the parallels of a round body";
     Bitangent "B" Vector Hit Added "second tangent, N x T";
     Distance "dist" Scalar Record Added "distance from the hit to the light, world units";
     Visible "visible" Scalar Record Added "1 if no body lies between the hit and the light, else 0; a formula that reads it is evaluated at every light";

@@ -7,9 +7,12 @@ pub(super) fn shape(word: &str) -> Option<&'static str> {
         "plane" | "quad" | "square" | "rect" | "wall" | "floor" | "ground" | "polygon" | "parallelogram" | "grid" => {
             "a piece of a plane is a `rectangle`; a floor is a large one"
         }
-        "box" | "cube" | "cuboid" => "a box is made of six rectangles",
-        "mesh" | "obj" | "triangle" | "triangles" | "trianglemesh" | "model" | "file" => {
-            "there are no triangles and no files of them; only these shapes"
+        "cube" | "cuboid" | "boxes" | "block" | "brick" | "aabb" => "such a body is a `box`",
+        "disk" | "circle" | "discs" => "a flat round piece is a `disc`",
+        "tube" | "pipe" | "rod" | "capsule" | "cylinders" => "such a body is a `cylinder`, closed at both ends",
+        "pyramid" | "cones" => "a round body with a point is a `cone`",
+        "mesh" | "obj" | "triangles" | "trianglemesh" | "model" | "file" => {
+            "there are no files of triangles; each `triangle` is a body of its own"
         }
         _ => return None,
     })

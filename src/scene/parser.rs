@@ -303,9 +303,19 @@ impl SceneParser {
         }
         let words = || kinds.iter().map(|kind| kind.keyword.word);
         let named_like_kind = words().any(|kind| kind == name);
-        let near = hint.map(str::to_owned).or_else(|| nearest(word, words()).map(|near| format!("did you mean `{near}`?")));
+        let similar = nearest(word, words()).filter(|_| hint.is_none());
+        let near = hint.map(str::to_owned).or_else(|| similar.map(|near| format!("did you mean `{near}`?")));
         let near = near.or_else(|| named_like_kind.then(|| format!("the name comes first: `NAME: {name}, …;`")));
-        let forms: Vec<String> = kinds.iter().map(|kind| format!("`{}`", kind.example)).collect();
+        let is_meant = |kind: &&Syntax<T>| {
+            let known = kind.keyword.word;
+            similar == Some(known)
+                || (named_like_kind && known == name)
+                || hint.is_some_and(|hint| hint.contains(&format!("`{known}`")))
+        };
+        let meant: Vec<&Syntax<T>> = kinds.iter().filter(is_meant).collect();
+        // All of them would be a long line.
+        let shown = if meant.is_empty() { kinds.iter().take(2).collect() } else { meant };
+        let forms: Vec<String> = shown.iter().map(|kind| format!("`{}`", kind.example)).collect();
         let message = format!("expected {}, found {}", one_of(words()), self.cursor.kind(0).describe());
         let diagnostic = Diagnostic::error(message).at(self.cursor.span(), format!("not a {what}"));
         Err(self.cursor.report(diagnostic.help_if(near).help(format!("for example {}", forms.join(" or ")))))

@@ -70,6 +70,20 @@ mod tests {
                 let corner = |x, y| Vector(DVec3::new(x, y, 0.0));
                 format!("rectangle, {}, {}, {}", corner(x, 0.0), corner(x, 1.5), corner(x + width, 1.5))
             }),
+            (vector(), positive()).prop_map(|(center, radius)| format!(
+                "disc, center {}, normal <0, 0.5, 2>, radius {}",
+                Vector(center),
+                SceneNumber(radius)
+            )),
+            (-10.0..10.0f64, 0.1..10.0f64, positive(), 0..4).prop_map(|(x, height, radius, kind)| {
+                let [base, top] = [DVec3::new(x, 0.25, 1.0), DVec3::new(x + 2.0, height + 0.5, -3.0)].map(Vector);
+                match kind {
+                    0 => format!("box, {base}, {top}"),
+                    1 => format!("triangle, {base}, <0, 9, 100>, {top}"),
+                    2 => format!("cylinder, {base}, {top}, radius {}", SceneNumber(radius)),
+                    _ => format!("cone, {base}, {top}, radius {}", SceneNumber(radius)),
+                }
+            }),
         ];
         (shape, proptest::option::of(positive()), any::<bool>(), any::<bool>()).prop_map(move |(shape, index, opaque, matte)| {
             let index = index.map_or(String::new(), |index| format!(", refractive_index {}", SceneNumber(index)));

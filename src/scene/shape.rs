@@ -1,10 +1,20 @@
 //! The shapes of bodies, as a scene declares them. Where rays meet them is computed in [`crate::world`].
 
+mod axis_box;
+mod cone;
+mod cylinder;
+mod disc;
 mod rectangle;
 mod sphere;
+mod triangle;
 
+pub use axis_box::{AxisBox, AxisBoxError};
+pub use cone::{Cone, ConeError};
+pub use cylinder::{Cylinder, CylinderError};
+pub use disc::{Disc, DiscError};
 pub use rectangle::{Rectangle, RectangleError};
 pub use sphere::{Sphere, SphereError};
+pub use triangle::{Triangle, TriangleError};
 
 use crate::scene::syntax::declarations;
 
@@ -15,5 +25,15 @@ declarations! {
         Sphere(Sphere),
         /// A rectangle.
         Rectangle(Rectangle),
+        /// A triangle.
+        Triangle(Triangle),
+        /// A disc.
+        Disc(Disc),
+        /// A box along the axes of the world.
+        Box(AxisBox),
+        /// A closed cylinder.
+        Cylinder(Cylinder),
+        /// A closed cone.
+        Cone(Cone),
     }
 }

@@ -15,7 +15,7 @@ pub struct HitVariables {
     pub point: Vec3,
     /// `gamma`: the angle between N and V.
     pub gamma: f32,
-    /// `T`: the tangent, along the edge AB of a rectangle, along the parallel of a sphere.
+    /// `T`: the tangent, see [`World::tangent`](crate::world::World::tangent).
     pub tangent: Vec3,
     /// `B`: the other tangent, N × T.
     pub bitangent: Vec3,

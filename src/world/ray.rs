@@ -3,7 +3,7 @@
 use crate::scene::BodyId;
 use glam::DVec3;
 
-/// A part of the surface of one body, counted from 0. Spheres and rectangles have one.
+/// A part of the surface of one body, counted from 0. A box has six, a cylinder three, a cone two, other bodies one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct PrimitiveId(pub u32);
 

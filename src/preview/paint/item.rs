@@ -33,12 +33,12 @@ pub(super) enum Content {
     /// A scaled rectangle of texels: pixel 0 has texel `from`, and each next pixel is `step` texels further.
     Stretch { texture: TextureId, from: [f64; 2], step: [f64; 2], tint: u32 },
     /// A triangle with interpolated colours, and a texture if it has one.
-    Triangle(Box<Triangle>),
+    Triangle(Box<PaintTriangle>),
 }
 
 /// A triangle.
 #[derive(Debug)]
-pub(super) struct Triangle {
+pub(super) struct PaintTriangle {
     /// The corners, in pixels.
     pub(super) corners: [[f64; 2]; 3],
     /// The colours at the corners.
@@ -193,7 +193,10 @@ impl ItemCollector<'_> {
         if colours == [0; 3] {
             return;
         }
-        self.push(area, Content::Triangle(Box::new(Triangle { corners: corners.map(|corner| corner.at), colours, texture })));
+        self.push(
+            area,
+            Content::Triangle(Box::new(PaintTriangle { corners: corners.map(|corner| corner.at), colours, texture })),
+        );
     }
 
     fn push(&mut self, area: PixelRect, content: Content) {

@@ -5,7 +5,7 @@
 //! neither overlap nor leave a gap.
 
 use super::colour::{blend, span, tinted};
-use super::item::{Content, Item, Triangle, edge};
+use super::item::{Content, Item, PaintTriangle, edge};
 use super::pixel_rect::PixelRect;
 use super::texture::{Texture, Textures};
 
@@ -92,7 +92,7 @@ impl<'a> Canvas<'a> {
         }
     }
 
-    fn triangle(&mut self, area: PixelRect, triangle: &Triangle, textures: &Textures) {
+    fn triangle(&mut self, area: PixelRect, triangle: &PaintTriangle, textures: &Textures) {
         let plain = triangle.texture.is_none() && triangle.colours.iter().all(|colour| *colour == triangle.colours[0]);
         let colours = Slope::of(triangle, triangle.colours.map(|colour| colour.to_le_bytes().map(f64::from)));
         let texels =
@@ -157,7 +157,7 @@ struct Slope<const N: usize> {
 }
 
 impl<const N: usize> Slope<N> {
-    fn of(triangle: &Triangle, values: [[f64; N]; 3]) -> Self {
+    fn of(triangle: &PaintTriangle, values: [[f64; N]; 3]) -> Self {
         let [origin, b, c] = triangle.corners;
         let [[bx, by], [cx, cy]] = [b, c].map(|corner| [corner[0] - origin[0], corner[1] - origin[1]]);
         let area = bx * cy - cx * by;

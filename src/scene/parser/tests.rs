@@ -156,6 +156,65 @@ fn a_rectangle_without_an_edge_is_marked_at_both_corners() {
 }
 
 #[test]
+fn bodies_without_an_inside_are_marked_where_they_collapse() {
+    assert_snapshot!(errors(&bodies("b: box, <0,0,0>, <1,0,1>;")), @r"
+    scene:2:18: error: the box is flat: both corners have the same y
+        b: box, <0,0,0>, <1,0,1>;
+                         ^^^^^^^ the same y as the other corner
+        2:9: the other corner
+        help: give opposite corners, which differ in x, y and z; a flat piece is a `rectangle`
+    ");
+    assert_snapshot!(errors(&bodies("c: cone, <0,2,0>, <0,2,0>, radius 1;")), @r"
+    scene:2:19: error: the cone has no height
+        c: cone, <0,2,0>, <0,2,0>, radius 1;
+                          ^^^^^^^ the apex is also here
+        2:10: the centre of the base
+        help: give an apex away from the base; a flat piece is a `disc`
+    ");
+    assert_snapshot!(errors(&bodies("c: cylinder, <0,2,0>, <0,2,0>, radius 1;")), @r"
+    scene:2:23: error: the cylinder has no height
+        c: cylinder, <0,2,0>, <0,2,0>, radius 1;
+                              ^^^^^^^ the centre of the top is also here
+        2:14: the centre of the base
+        help: give the centres of two ends that are apart; a flat piece is a `disc`
+    ");
+    assert_snapshot!(errors(&bodies("d: disc, center <0,0,0>, normal <0,0,0>, radius 1;")), @r"
+    scene:2:33: error: the normal of the disc is zero
+        d: disc, center <0,0,0>, normal <0,0,0>, radius 1;
+                                        ^^^^^^^ this is no direction
+        help: a disc that looks upwards has `normal <0, 1, 0>`
+    ");
+    assert_snapshot!(errors(&bodies("t: triangle, <0,0,0>, <1,1,1>, <2,2,2>;")), @r"
+    scene:2:14: error: the corners of the triangle lie on one line
+        t: triangle, <0,0,0>, <1,1,1>, <2,2,2>;
+                     ^^^^^^^^^^^^^^^^^^^^^^^^^ nothing is between them
+        help: give three corners that are not on one line, clockwise as seen from the front
+    ");
+    assert_snapshot!(errors(&bodies("t: triangle, <0,0,0>, <1,1,1>, <0,0,0>;")), @r"
+    scene:2:32: error: two corners of the triangle are the same
+        t: triangle, <0,0,0>, <1,1,1>, <0,0,0>;
+                                       ^^^^^^^ the same as the other corner
+        2:14: the other corner
+        help: give three corners that are not on one line, clockwise as seen from the front
+    ");
+    let texts = "a: disc, <0,0,0>, <0,1,0>, 1; b: cylinder, <0,0,0>, <0,1,0>, 1; c: cone, <0,0,0>, <0,1,0>, radius 0;
+        d: box, <0,0,0>; e: box, center <0,0,0>, 1; f: triangle, <0,0,0>, <1,0,0>;
+        g: cone, <0,0,0>, <0,1e31,0>, radius 1; h: cylinder, <0,0,0>, <0,0,0>, radius -1; i: disk, 1;";
+    assert_snapshot!(messages(&bodies(texts)), @r"
+    expected `center` of the disc, found `<`
+    expected `radius` of the cylinder, found the number 1
+    the radius must be greater than 0
+    expected `,` before the opposite corner of the box, found `;`
+    expected a corner of the box, found `center`
+    expected `,` before corner C of the triangle, found `;`
+    a component of the apex is too large
+    the cylinder has no height
+    the radius must be greater than 0
+    expected `sphere`, `rectangle`, `triangle`, `disc`, `box`, `cylinder` or `cone`, found `disk`
+    ");
+}
+
+#[test]
 fn a_name_twice_points_to_the_first() {
     let text = format!("bodies;\nball: sphere, center <0,0,0>, radius 1;\nlights;\nball: point, <0,0,0>;\n{CAMERA}");
     assert_snapshot!(errors(&text), @r"
@@ -230,7 +289,11 @@ fn a_formula_is_recognised() {
 
 #[test]
 fn no_text_brings_the_parser_down() {
-    let text = bodies("b: sphere, center <-1, .5, 2.>, radius 1e-1, matte; r: rectangle, <0,0,0>, <0,1,0>, <1,1,0>;");
+    let text = bodies(
+        "b: sphere, center <-1, .5, 2.>, radius 1e-1, matte; r: rectangle, <0,0,0>, <0,1,0>, <1,1,0>;
+        t: triangle, <0,0,0>, <0,1,0>, <1,1,0>; d: disc, center <0,0,0>, normal <0,1,0>, radius 1; x: box, <0,0,0>, <1,1,1>;
+        c: cylinder, <0,0,0>, <0,1,0>, radius 1; k: cone, <0,0,0>, <0,1,0>, radius 1;",
+    );
     let words: Vec<&str> = text.split_inclusive([' ', ',', ';', '\n']).collect();
     for from in 0..words.len() {
         // Every text that lacks one word, has one twice, or ends early.

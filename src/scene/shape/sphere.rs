@@ -75,8 +75,8 @@ impl Movable for Sphere {
 impl TextForm for Sphere {
     const KEYWORD: Keyword = Keyword { word: "sphere", doc: "`sphere, center <x, y, z>, radius R`" };
     const CLAUSES: &'static [Keyword] = &[
-        Keyword { word: "center", doc: "the centre of the sphere: `center <x, y, z>`" },
-        Keyword { word: "radius", doc: "the radius of the sphere, greater than 0" },
+        Keyword { word: "center", doc: "the centre: `center <x, y, z>`" },
+        Keyword { word: "radius", doc: "the radius, greater than 0" },
     ];
     const EXAMPLE: &'static str = "sphere, center <0, 1, 0>, radius 1";
 

@@ -210,3 +210,61 @@ fn a_light_behind_a_surface_is_hidden_by_closed_bodies_but_not_by_thin_ones() {
     assert_eq!(visible("<9,0,1>", ball, true), (true, false, vec![]), "along the tangent");
     assert_eq!(visible("<4,3,5>", ball, true), (true, true, vec![]), "before it");
 }
+
+#[test]
+fn a_box_of_glass_shifts_a_ray_and_keeps_its_direction() {
+    let bodies = "glass: box, <-9,-9,-0.5>, <9,9,0>, refractive_index 1.6;
+                  screen: rectangle, <-9,-9,-4>, <-9,9,-4>, <9,9,-4>, opaque;";
+    for degrees in [10.0, 35.0, 50.0, 63.0] {
+        let angle = f64::to_radians(degrees);
+        let direction = DVec3::new(angle.sin(), 0.0, -angle.cos());
+        let (_, tree) = aim(bodies, "", -3.0 * direction, DVec3::ZERO);
+        let upper = &tree.nodes[0];
+        near(upper.hit.point, DVec3::ZERO);
+        let lower = &tree.nodes[hit(upper.refracted)];
+        assert_eq!((lower.hit.body, lower.hit.side), (BodyId(0), Side::Back));
+        let Child::Hit(screen) = lower.refracted else { panic!("{degrees}: it leaves the glass") };
+        let screen = &tree.nodes[screen].hit;
+        near(-screen.view, direction);
+        let inner = (angle.sin() / 1.6).asin();
+        let shift = 0.5 * (angle - inner).sin() / inner.cos();
+        assert!(((screen.point - screen.point.dot(direction) * direction).length() - shift).abs() < 1e-11, "{degrees}");
+    }
+}
+
+#[test]
+fn a_glass_cylinder_bends_across_its_axis_as_a_circle_does() {
+    let (index, offset): (f64, f64) = (1.5, 0.6);
+    let bodies = "rod: cylinder, <0,-7,0>, <0,7,0>, radius 1, refractive_index 1.5;";
+    let (_, tree) = aim(bodies, "", DVec3::new(offset, 0.25, 5.0), DVec3::new(offset, 0.25, 0.0));
+    let entry = &tree.nodes[0];
+    near(entry.hit.point, DVec3::new(0.6, 0.25, 0.8));
+    let inside = &tree.nodes[hit(entry.refracted)];
+    let (outer, inner) = (offset.asin(), (offset / index).asin());
+    assert!(inside.hit.side == Side::Back && (inside.hit.distance - 2.0 * inner.cos()).abs() < 1e-12);
+    let turn = 2.0 * (outer - inner);
+    let Child::Miss(direction) = inside.refracted else { panic!("it leaves the rod") };
+    near(direction, DVec3::new(-turn.sin(), 0.0, -turn.cos()));
+}
+
+#[test]
+fn a_body_on_a_floor_meets_it_once() {
+    // The box and the cylinder stand in the plane of the floor, which is declared first.
+    let floor = "floor: rectangle, <-9,0,9>, <-9,0,-9>, <9,0,-9>;";
+    for body in
+        ["b: box, <-1,0,-1>, <1,2,1>;", "b: cylinder, <0,0,0>, <0,2,0>, radius 1;", "b: cone, <0,0,0>, <0,2,0>, radius 1;"]
+    {
+        let bodies = [floor, body].concat();
+        let (_, tree) = aim(&bodies, "l: point, <0.1,5,0.2>;", DVec3::new(0.3, 5.0, 0.1), DVec3::new(0.2, 1.0, 0.1));
+        let top = &tree.nodes[0];
+        assert_eq!((top.hit.body, top.hit.side, emitters(top)), (BodyId(1), Side::Front, vec![EmitterId(0)]));
+        let below = &tree.nodes[hit(top.refracted)];
+        assert_eq!((below.hit.body, below.hit.side), (BodyId(0), Side::Front), "{body}");
+        assert!(emitters(below).is_empty(), "{body}: the body hides the light");
+        let again = &tree.nodes[hit(below.reflected)];
+        assert_eq!((again.hit.body, again.hit.side), (BodyId(1), Side::Back), "{body}");
+        // Beside it, the floor is lit.
+        let (_, tree) = aim(&bodies, "l: point, <3,5,0>;", DVec3::new(5.0, 1.0, 0.5), DVec3::new(1.0 + 1e-6, 0.0, 0.0));
+        assert_eq!((tree.nodes[0].hit.body, emitters(&tree.nodes[0])), (BodyId(0), vec![EmitterId(0)]), "{body}");
+    }
+}

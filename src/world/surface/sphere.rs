@@ -1,12 +1,13 @@
 //! Spheres.
 
+use super::axis_frame::turns;
 use super::{FrontPoint, Geometry};
 use crate::scene::shape;
 use crate::world::bounds::Bounds;
 use crate::world::hit::{Meeting, SurfaceHit};
 use crate::world::ray::{Departure, PrimitiveId, Ray, Side};
 use glam::DVec3;
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::PI;
 
 /// Closer than this to a pole of a unit sphere, the direction along the parallel is noise.
 const POLE: f64 = 1e-12;
@@ -85,9 +86,7 @@ impl Geometry for SphereSurface {
         let normal = hit.front_normal();
         let from_south = normal.x.hypot(normal.z).atan2(-normal.y);
         let longitude = if Self::east(normal).is_some() { normal.x.atan2(normal.z) } else { 0.0 };
-        let turns = longitude.rem_euclid(TAU) / TAU;
-        // A tiny negative longitude is rounded to a whole turn.
-        [if turns < 1.0 { turns } else { 0.0 }, from_south / PI]
+        [turns(longitude), from_south / PI]
     }
 }
 
@@ -95,6 +94,7 @@ impl Geometry for SphereSurface {
 mod tests {
     use super::*;
     use crate::scene::BodyId;
+    use std::f64::consts::TAU;
 
     fn sphere(center: DVec3, radius: f64) -> SphereSurface {
         SphereSurface::new(&shape::Sphere::new(center, radius).unwrap())

@@ -1,0 +1,70 @@
+//! The axes of bodies that are round about an axis: discs, cylinders, cones.
+
+use crate::world::bounds::Bounds;
+use glam::DVec3;
+use std::f64::consts::TAU;
+
+/// If the sine of the angle between an axis and the y axis is less than this, they count as parallel.
+const PARALLEL: f64 = 1e-12;
+
+/// Three perpendicular directions of unit length, right-handed: the one where the longitude is 0, the one where it is a
+/// quarter turn, and the axis.
+///
+/// The longitude is 0 in the direction normalize(<0,1,0> × axis). If the axis is parallel to y, it is 0 towards +z, as on
+/// spheres. Seen from the tip of the axis, it grows counter-clockwise.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct AxisFrame {
+    zero: DVec3,
+    quarter: DVec3,
+    axis: DVec3,
+}
+
+impl AxisFrame {
+    /// The frame about an axis of unit length.
+    pub(super) fn about(axis: DVec3) -> Self {
+        let across = DVec3::Y.cross(axis);
+        let zero = if across.length() < PARALLEL { DVec3::Z } else { across.normalize() };
+        let quarter = axis.cross(zero).normalize();
+        Self { zero: quarter.cross(axis).normalize(), quarter, axis }
+    }
+
+    /// The axis, of unit length.
+    pub(super) fn axis(&self) -> DVec3 {
+        self.axis
+    }
+
+    /// The components of a vector along the three directions. The last one is along the axis.
+    pub(super) fn components(&self, vector: DVec3) -> DVec3 {
+        DVec3::new(vector.dot(self.zero), vector.dot(self.quarter), vector.dot(self.axis))
+    }
+
+    /// The vector of these components.
+    pub(super) fn vector(&self, components: DVec3) -> DVec3 {
+        components.x * self.zero + components.y * self.quarter + components.z * self.axis
+    }
+
+    /// The longitude of a point with these components as a part of a turn, 0..1; 0 on the axis.
+    pub(super) fn turns(components: DVec3) -> f64 {
+        turns(components.y.atan2(components.x))
+    }
+
+    /// The direction in which the longitude grows at a point with these components. On the axis, it is that at
+    /// longitude 0.
+    pub(super) fn along_parallel(&self, components: DVec3) -> DVec3 {
+        let across = DVec3::new(-components.y, components.x, 0.0);
+        across.try_normalize().map_or(self.quarter, |across| self.vector(across))
+    }
+
+    /// The box around a circle about the axis.
+    pub(super) fn circle_bounds(&self, center: DVec3, radius: f64) -> Bounds {
+        let reach = radius * self.axis.map(|component| (1.0 - component * component).max(0.0).sqrt());
+        Bounds { low: center - reach, high: center + reach }
+    }
+}
+
+/// An angle in radians as a part of a turn, at least 0 and less than 1.
+pub(super) fn turns(angle: f64) -> f64 {
+    let turns = angle.rem_euclid(TAU) / TAU;
+    // A tiny negative angle is rounded to a whole turn.
+    if turns < 1.0 { turns } else { 0.0 }
+}

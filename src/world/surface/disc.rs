@@ -1,0 +1,63 @@
+//! Discs.
+
+use super::axis_frame::AxisFrame;
+use super::{FrontPoint, Geometry};
+use crate::scene::shape;
+use crate::world::bounds::Bounds;
+use crate::world::hit::{Meeting, SurfaceHit};
+use crate::world::ray::{Departure, PrimitiveId, Ray};
+use glam::DVec3;
+
+/// A disc; its front is where its normal points.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::world) struct DiscSurface {
+    center: DVec3,
+    radius: f64,
+    /// About the normal.
+    frame: AxisFrame,
+}
+
+impl DiscSurface {
+    /// The surface of a disc.
+    pub(super) fn new(shape: &shape::Disc) -> Self {
+        Self { center: shape.center(), radius: shape.radius(), frame: AxisFrame::about(shape.normal().normalize()) }
+    }
+}
+
+impl Geometry for DiscSurface {
+    fn bounds(&self) -> Bounds {
+        self.frame.circle_bounds(self.center, self.radius)
+    }
+
+    fn intersect(&self, ray: &Ray, tolerance: f64) -> Option<Meeting> {
+        let normal = self.frame.axis();
+        let height = (self.center - ray.origin).dot(normal);
+        // As for rectangles: measured across the plane.
+        if height.abs() <= tolerance {
+            return None;
+        }
+        let distance = height / ray.direction.dot(normal);
+        let inside = (ray.at(distance) - self.center).length() <= self.radius;
+        (distance > 0.0 && inside).then_some(Meeting { primitive: PrimitiveId::ONLY, distance })
+    }
+
+    /// A ray that leaves a plane never comes back.
+    fn intersect_again(&self, _: &Ray, _: Departure, _: f64) -> Option<Meeting> {
+        None
+    }
+
+    fn project(&self, point: DVec3, _: PrimitiveId, _: DVec3) -> FrontPoint {
+        let normal = self.frame.axis();
+        let point = point + (self.center - point).dot(normal) * normal;
+        FrontPoint { point, geometric_normal: normal, shading_normal: normal }
+    }
+
+    fn tangent(&self, hit: &SurfaceHit) -> DVec3 {
+        self.frame.along_parallel(self.frame.components(hit.point - self.center))
+    }
+
+    fn coordinates(&self, hit: &SurfaceHit) -> [f64; 2] {
+        let place = self.frame.components(hit.point - self.center);
+        [AxisFrame::turns(place), (place.x.hypot(place.y) / self.radius).min(1.0)]
+    }
+}
