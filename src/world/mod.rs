@@ -186,9 +186,9 @@ impl World {
 
     /// The tangent at a hit, of unit length: the direction in which u grows, see [`coordinates`](Self::coordinates).
     ///
-    /// On a rectangle or triangle it is the direction from A to B. On a round body it is along the parallel: on a sphere
-    /// normalize(<0,1,0> × outward normal), or <1,0,0> at the poles; on the axis of another body, the direction for
-    /// longitude 0. It does not depend on the side that was hit.
+    /// On a rectangle or triangle it is the direction from A to B. On a round body it is along the parallel: on a
+    /// sphere normalize(<0,1,0> × outward normal), or <1,0,0> at the poles; on the axis of another body, the direction
+    /// for longitude 0. It does not depend on the side that was hit.
     pub fn tangent(&self, hit: &SurfaceHit) -> DVec3 {
         self.surfaces[hit.body.index()].tangent(hit)
     }
@@ -199,9 +199,9 @@ impl World {
     /// - Sphere: u is the longitude / 2π, from +z towards +x about the y axis (0 at the poles), and v is the angle from
     ///   the south pole (−y) / π. Seen from outside, with +y upwards, u grows to the right and v upwards.
     /// - Disc, cylinder, cone: u is the longitude / 2π about the axis, which is the normal of a disc and leads from the
-    ///   base to the top or apex of the others. Longitude 0 is the direction normalize(<0,1,0> × axis), or +z if the axis
-    ///   is parallel to y. Seen from the tip of the axis, it grows counter-clockwise. On a wall, v is the height above the
-    ///   base / the whole height; on discs, bases and tops it is the distance from the axis / the radius.
+    ///   base to the top or apex of the others. Longitude 0 is the direction normalize(<0,1,0> × axis), or +z if the
+    ///   axis is parallel to y. Seen from the tip of the axis, it grows counter-clockwise. On a wall, v is the height
+    ///   above the base / the whole height; on discs, bases and tops it is the distance from the axis / the radius.
     /// - Box: on the sides, u grows to the right and v upwards, seen from outside with +y upwards. On the top and the
     ///   base, u grows with +x; v grows with −z on the top and with +z on the base.
     pub fn coordinates(&self, hit: &SurfaceHit) -> [f64; 2] {

@@ -10,8 +10,8 @@ const PARALLEL: f64 = 1e-12;
 /// Three perpendicular directions of unit length, right-handed: the one where the longitude is 0, the one where it is a
 /// quarter turn, and the axis.
 ///
-/// The longitude is 0 in the direction normalize(<0,1,0> × axis). If the axis is parallel to y, it is 0 towards +z, as on
-/// spheres. Seen from the tip of the axis, it grows counter-clockwise.
+/// The longitude is 0 in the direction normalize(<0,1,0> × axis). If the axis is parallel to y, it is 0 towards +z, as
+/// on spheres. Seen from the tip of the axis, it grows counter-clockwise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct AxisFrame {
     zero: DVec3,

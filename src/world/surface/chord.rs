@@ -49,7 +49,8 @@ impl Chord {
     }
 }
 
-/// Where a line passes two parallel planes between which a body is, in the order of the ray. `None` if it passes beside.
+/// Where a line passes two parallel planes between which a body is, in the order of the ray; `None` if it
+/// passes beside.
 ///
 /// The line is given by its height: `planes` are the heights of the planes above the origin of the ray, the lower one
 /// first, and `slope` is how much the ray rises in one world unit. `parts` are those of the planes.

@@ -23,9 +23,9 @@ impl TriangleSurface {
 
     /// Whether the line of the ray passes the triangle, with its edges.
     ///
-    /// Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2013: seen along the ray, the sides on which the
-    /// three edges have the origin. An edge that two triangles share has the same number in both but for its sign, so no
-    /// ray passes between them.
+    /// Woop, Benthin, Wald, "Watertight Ray/Triangle Intersection", JCGT 2013: seen along the ray, the sides on which
+    /// the three edges have the origin. An edge that two triangles share has the same number in both but for its sign,
+    /// so no ray passes between them.
     fn is_passed(&self, ray: &Ray) -> bool {
         let sizes = ray.direction.abs();
         let main = [0, 1, 2].into_iter().max_by(|one, other| sizes[*one].total_cmp(&sizes[*other])).unwrap_or_default();
