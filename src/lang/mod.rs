@@ -30,6 +30,7 @@ pub mod keywords;
 pub mod lexer;
 pub mod lines;
 pub mod located;
+pub mod memory_size;
 pub mod noise;
 mod parse_expression;
 mod parse_foreign;

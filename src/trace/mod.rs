@@ -38,6 +38,7 @@ pub use view::{MAX_DEPTH, MAX_SIDE, View, ViewError};
 pub use visibility::VisibilityTable;
 pub use walk::{Child, Edge, RayNode, Tree, ray_tree};
 
+use crate::lang::memory_size::MemorySize;
 use crate::lang::variables::EvaluatedLights;
 use crate::world::World;
 use all_lights::{all_lights_tile, needs_second_store};
@@ -112,20 +113,6 @@ impl std::fmt::Display for Shortage {
             write!(f, "about {fitting} pixels would fit; ")?;
         }
         write!(f, "make it smaller, lower the depth, or mark bodies `opaque` or `matte`")
-    }
-}
-
-/// An amount of memory in bytes, written for people: `3.3 KiB`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct MemorySize(pub u64);
-
-impl std::fmt::Display for MemorySize {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let units = [(30, "GiB"), (20, "MiB"), (10, "KiB")];
-        match units.into_iter().find(|(shift, _)| self.0 >> shift > 0) {
-            Some((shift, unit)) => write!(f, "{:.1} {unit}", self.0 as f64 / f64::from(1_u32 << shift)),
-            None => write!(f, "{} bytes", self.0),
-        }
     }
 }
 
