@@ -40,6 +40,8 @@ pub mod formula;
 
 pub mod scene;
 
+pub mod mesh;
+
 pub mod world;
 
 pub mod trace;

@@ -13,11 +13,12 @@ use tokens::{Token, tokens, without_tests};
 
 /// Each room with the rooms that it may import. Data flows one way: text → AST → formula → plans → backends; scene →
 /// world → hits → evaluation → picture. The workspace and the window use all of this, and the program uses them.
-const ROOMS: [(&str, &[&str]); 17] = [
+const ROOMS: [(&str, &[&str]); 18] = [
     ("files", &[]),
     ("lang", &[]),
     ("formula", &["lang"]),
     ("scene", &["lang"]),
+    ("mesh", &["files", "lang"]),
     ("world", &["scene"]),
     ("trace", &["lang", "scene", "world"]),
     ("picture", &["files", "lang"]),

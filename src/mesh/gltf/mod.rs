@@ -1,0 +1,220 @@
+//! glTF 2.0 files, as JSON or in a binary container (GLB).
+//!
+//! All meshes of the file's scene become one, with the transforms of their nodes. Materials, cameras, lights and
+//! animations are passed over; skins and morph targets are not applied.
+
+mod accessor;
+mod container;
+mod document;
+#[cfg(test)]
+pub(super) mod tests;
+
+use crate::mesh::MeshFile;
+use crate::mesh::error::{Fault, Places};
+use crate::mesh::ledger::Ledger;
+use crate::mesh::triangle_mesh::{MeshParts, is_coordinate, wrong_coordinate};
+use crate::mesh::weld::index;
+use accessor::Accessors;
+use container::Container;
+use document::{GltfDocument, GltfNode, GltfPrimitive};
+use glam::{DMat3, DMat4, DQuat, DVec3, Vec2, Vec3};
+
+/// Reads a file.
+pub(super) fn read(file: &MeshFile, ledger: &mut Ledger) -> Result<MeshParts, Fault> {
+    let container = Container::split(file)?;
+    let document = GltfDocument::read(container.json, container.json_start, ledger)?;
+    let buffers = container.buffers(&document, file.path, ledger)?;
+    let accessors = Accessors { document: &document, buffers: &buffers };
+    let mut parts = MeshParts::default();
+    let mut done = 0;
+    for_each_mesh(&document, |mesh, transform| {
+        let Some(found) = document.meshes.get(mesh) else {
+            return Err(Fault::new(format!("there is no meshes[{mesh}]: the file has {}", document.meshes.len())));
+        };
+        for (number, primitive) in found.primitives.iter().enumerate() {
+            ledger.tell_parsing(done, document.meshes.len())?;
+            add(primitive, &accessors, &transform, &mut parts, ledger)
+                .map_err(|fault| fault.within(&format!("meshes[{mesh}].primitives[{number}]")))?;
+        }
+        // A mesh may stand at several nodes.
+        done = (done + 1).min(document.meshes.len());
+        Ok(())
+    })?;
+    // Meshes without normals or surface coordinates may follow others.
+    let count = parts.positions.len();
+    pad(&mut parts.normals, count, Vec3::ZERO, ledger)?;
+    pad(&mut parts.uvs, count, Vec2::ZERO, ledger)?;
+    Ok(parts)
+}
+
+/// A container tells places by bytes.
+pub(super) fn places(file: &MeshFile, _: usize) -> Places {
+    if container::is_binary(file.bytes) { Places::Offsets } else { Places::Lines }
+}
+
+/// Gives each mesh of the scene with the transform of its node.
+fn for_each_mesh(document: &GltfDocument, mut give: impl FnMut(usize, DMat4) -> Result<(), Fault>) -> Result<(), Fault> {
+    let nodes = &document.nodes;
+    if nodes.is_empty() && document.scenes.is_empty() {
+        return (0..document.meshes.len()).try_for_each(|mesh| give(mesh, DMat4::IDENTITY));
+    }
+    let roots: Vec<usize> = match document.scenes.get(document.scene.unwrap_or(0)) {
+        Some(scene) => scene.nodes.clone(),
+        None if document.scenes.is_empty() => {
+            let mut is_child = vec![false; nodes.len()];
+            for child in nodes.iter().flat_map(|node| &node.children) {
+                if let Some(place) = is_child.get_mut(*child) {
+                    *place = true;
+                }
+            }
+            (0..nodes.len()).filter(|node| !is_child[*node]).collect()
+        }
+        None => return Err(Fault::new(format!("the file has {} scenes, and `scene` names none of them", document.scenes.len()))),
+    };
+    let mut visited = vec![false; nodes.len()];
+    // In the order of the file.
+    let mut waiting: Vec<(usize, DMat4)> = roots.into_iter().rev().map(|node| (node, DMat4::IDENTITY)).collect();
+    while let Some((place, parent)) = waiting.pop() {
+        let Some(node) = nodes.get(place) else {
+            return Err(Fault::new(format!("there is no nodes[{place}]: the file has {}", nodes.len())));
+        };
+        if std::mem::replace(&mut visited[place], true) {
+            return Err(Fault::new(format!("nodes[{place}] stands twice in the tree of nodes")));
+        }
+        let transform = parent * local_transform(node);
+        if let Some(mesh) = node.mesh {
+            // The joints of a skin move its mesh, not the node (glTF 2.0, chapter 3.7.3.3).
+            give(mesh, if node.skin.is_some() { DMat4::IDENTITY } else { transform })?;
+        }
+        waiting.extend(node.children.iter().rev().map(|child| (*child, transform)));
+    }
+    Ok(())
+}
+
+fn local_transform(node: &GltfNode) -> DMat4 {
+    if let Some(matrix) = &node.matrix {
+        return DMat4::from_cols_array(matrix);
+    }
+    let rotation = node.rotation.map_or(DQuat::IDENTITY, DQuat::from_array);
+    let rotation = if rotation.length_squared() > 0.0 { rotation.normalize() } else { DQuat::IDENTITY };
+    let scale = node.scale.map_or(DVec3::ONE, DVec3::from_array);
+    let translation = node.translation.map_or(DVec3::ZERO, DVec3::from_array);
+    DMat4::from_scale_rotation_translation(scale, rotation, translation)
+}
+
+/// Adds the triangles of a primitive; points and lines have none.
+fn add(
+    primitive: &GltfPrimitive,
+    accessors: &Accessors,
+    transform: &DMat4,
+    parts: &mut MeshParts,
+    ledger: &mut Ledger,
+) -> Result<(), Fault> {
+    let mode = primitive.mode.unwrap_or(4);
+    if mode < 4 {
+        return Ok(());
+    }
+    let Some(position) = primitive.attributes.position else { return Ok(()) };
+    let first = parts.positions.len();
+    let count = accessors.count(position)?;
+    index(first.saturating_add(count))?;
+    extend(&mut parts.positions, first + count, DVec3::ZERO, ledger)?;
+    accessors.each(position, |number, coordinates: [f64; 3]| {
+        ledger.check(number)?;
+        let moved = transform.transform_point3(DVec3::from_array(coordinates));
+        if let Some(wrong) = moved.to_array().into_iter().find(|coordinate| !is_coordinate(*coordinate)) {
+            return Err(Fault::new(format!("vertex {number}: {}", wrong_coordinate(wrong))));
+        }
+        parts.positions[first + number] = moved;
+        Ok(())
+    })?;
+    let linear = DMat3::from_mat4(*transform);
+    let mirrors = linear.determinant() < 0.0;
+    if let Some(normal) = primitive.attributes.normal {
+        same_count(accessors, normal, count)?;
+        // Normals stay perpendicular under the inverse of the transposed matrix, here without its scale.
+        let DMat3 { x_axis: x, y_axis: y, z_axis: z } = linear;
+        let turn = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y)) * if mirrors { -1.0 } else { 1.0 };
+        extend(&mut parts.normals, first + count, Vec3::ZERO, ledger)?;
+        accessors.each(normal, |number, normal: [f64; 3]| {
+            let turned = (turn * DVec3::from_array(normal)).try_normalize().unwrap_or(DVec3::ZERO);
+            parts.normals[first + number] = turned.as_vec3();
+            Ok(())
+        })?;
+    }
+    if let Some(uv) = primitive.attributes.uv {
+        same_count(accessors, uv, count)?;
+        extend(&mut parts.uvs, first + count, Vec2::ZERO, ledger)?;
+        accessors.each(uv, |number, uv: [f64; 2]| {
+            parts.uvs[first + number] = Vec2::from_array(uv.map(|number| number as f32));
+            Ok(())
+        })?;
+    }
+    let mut corners = Vec::new();
+    match primitive.indices {
+        Some(indices) => {
+            ledger.reserve(&mut corners, accessors.count(indices)?)?;
+            accessors.each_index(indices, |vertex| {
+                if vertex as usize >= count {
+                    return Err(Fault::new(format!("there is no vertex {vertex}: there are {count}")));
+                }
+                ledger.push(&mut corners, first as u32 + vertex)
+            })?;
+        }
+        None => {
+            ledger.reserve(&mut corners, count)?;
+            corners.extend((0..count).map(|vertex| (first + vertex) as u32));
+        }
+    }
+    add_triangles(mode, &corners, mirrors, &mut parts.triangles, ledger)?;
+    ledger.release(corners);
+    Ok(())
+}
+
+/// Adds triangles of corners in a mode: a list of triangles, a strip or a fan.
+fn add_triangles(
+    mode: u32,
+    corners: &[u32],
+    mirrors: bool,
+    triangles: &mut Vec<[u32; 3]>,
+    ledger: &mut Ledger,
+) -> Result<(), Fault> {
+    let mut push = |[a, b, c]: [u32; 3]| ledger.push(triangles, if mirrors { [a, c, b] } else { [a, b, c] });
+    match mode {
+        4 => {
+            let (whole, rest) = corners.as_chunks();
+            if !rest.is_empty() {
+                return Err(Fault::new(format!("{} corners are not three for each triangle", corners.len())));
+            }
+            whole.iter().try_for_each(|triangle| push(*triangle))
+        }
+        5 => corners.windows(3).enumerate().try_for_each(|(number, three)| match number % 2 {
+            0 => push([three[0], three[1], three[2]]),
+            _ => push([three[1], three[0], three[2]]),
+        }),
+        6 => (2..corners.len()).try_for_each(|last| push([corners[0], corners[last - 1], corners[last]])),
+        _ => Err(Fault::new(format!("the mode {mode} is not known")).help("4 is triangles, 5 a strip and 6 a fan")),
+    }
+}
+
+fn same_count(accessors: &Accessors, index: usize, count: usize) -> Result<(), Fault> {
+    match accessors.count(index)? {
+        same if same == count => Ok(()),
+        other => Err(Fault::new(format!("accessors[{index}] has {other} elements for {count} vertices"))),
+    }
+}
+
+/// Lengthens a list.
+fn extend<T: Clone>(list: &mut Vec<T>, length: usize, element: T, ledger: &mut Ledger) -> Result<(), Fault> {
+    let more = length.saturating_sub(list.len());
+    // Many small meshes do not copy the list each time.
+    let more = if more > list.capacity() - list.len() { more.max(list.capacity()) } else { more };
+    ledger.reserve(list, more)?;
+    list.resize(length.max(list.len()), element);
+    Ok(())
+}
+
+/// Lengthens a list that is not empty.
+fn pad<T: Clone>(list: &mut Vec<T>, length: usize, element: T, ledger: &mut Ledger) -> Result<(), Fault> {
+    if list.is_empty() { Ok(()) } else { extend(list, length, element, ledger) }
+}

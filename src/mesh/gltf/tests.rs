@@ -1,0 +1,213 @@
+//! Tests of glTF files.
+
+use crate::mesh::tests::{corners, parse, parse_within, refused};
+use crate::mesh::{MeshError, Reading, read};
+use glam::{Vec2, Vec3};
+use std::sync::atomic::AtomicBool;
+
+const O: [f64; 3] = [0.0, 0.0, 0.0];
+const X: [f64; 3] = [1.0, 0.0, 0.0];
+const Y: [f64; 3] = [0.0, 1.0, 0.0];
+const XY: [f64; 3] = [1.0, 1.0, 0.0];
+
+/// Four positions of a square (48 bytes), the indices 0 1 2 3 and 0 2 3 as bytes, padding, and the normal -z of a
+/// vertex.
+fn buffer() -> Vec<u8> {
+    let mut bytes: Vec<u8> = [O, X, XY, Y].iter().flatten().flat_map(|number| (*number as f32).to_le_bytes()).collect();
+    bytes.extend([0, 1, 2, 0, 2, 3, 0, 0]);
+    bytes.extend([0.0_f32, 0.0, -3.0].iter().flat_map(|number| number.to_le_bytes()));
+    bytes
+}
+
+fn base64(bytes: &[u8]) -> String {
+    const LETTERS: &[u8] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let mut text = String::new();
+    for three in bytes.chunks(3) {
+        let bits = (0..3).fold(0, |bits, place| bits << 8 | u32::from(three.get(place).copied().unwrap_or(0)));
+        for place in 0..4 {
+            let letter = LETTERS[(bits >> (18 - 6 * place)) as usize & 63] as char;
+            text.push(if place > three.len() { '=' } else { letter });
+        }
+    }
+    text
+}
+
+/// A document with the square. `uri` is that of the buffer, with its comma.
+fn document(uri: &str) -> String {
+    format!(
+        r#"{{"asset": {{"version": "2.0"}},
+"buffers": [{{{uri}"byteLength": 68}}],
+"bufferViews": [{{"buffer": 0, "byteLength": 48}}, {{"buffer": 0, "byteOffset": 48, "byteLength": 6}},
+  {{"buffer": 0, "byteOffset": 56, "byteLength": 12}}],
+"accessors": [{{"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"}},
+  {{"bufferView": 1, "componentType": 5121, "count": 6, "type": "SCALAR"}}],
+"meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0}}, "indices": 1}}]}}],
+"nodes": [{{"mesh": 0}}], "scenes": [{{"nodes": [0]}}], "scene": 0}}"#
+    )
+}
+
+fn embedded() -> String {
+    document(&format!(r#""uri": "data:application/octet-stream;base64,{}", "#, base64(&buffer())))
+}
+
+/// The embedded file after changes of its text.
+fn changed(changes: &[(&str, &str)]) -> String {
+    changes.iter().fold(embedded(), |text, (from, to)| {
+        assert!(text.contains(from), "{from}");
+        text.replacen(from, to, 1)
+    })
+}
+
+fn glb(json: &str, binary: &[u8]) -> Vec<u8> {
+    let mut json = json.as_bytes().to_vec();
+    json.resize(json.len().next_multiple_of(4), b' ');
+    let chunk = |kind: &[u8], bytes: &[u8]| [&(bytes.len() as u32).to_le_bytes()[..], kind, bytes].concat();
+    let chunks = [chunk(b"JSON", &json), chunk(b"BIN\0", binary)].concat();
+    let length = (12 + chunks.len()) as u32;
+    [&b"glTF"[..], &2_u32.to_le_bytes(), &length.to_le_bytes(), &chunks].concat()
+}
+
+/// A small file of each kind, for tests that change their bytes.
+pub(in crate::mesh) fn samples() -> Vec<(&'static str, Vec<u8>)> {
+    let sparse = changed(&[SPARSE, (r#""indices": 1"#, r#""mode": 5"#)]);
+    vec![
+        ("a.gltf", embedded().into_bytes()),
+        ("a.glb", glb(&document(""), &buffer())),
+        ("a.gltf", sparse.into_bytes()),
+        ("a.gltf", changed(&[MIRRORED]).into_bytes()),
+    ]
+}
+
+/// The first vertex is moved to (0, 0, -3).
+const SPARSE: (&str, &str) = (
+    r#""count": 4, "type": "VEC3""#,
+    r#""count": 4, "type": "VEC3", "sparse": {"count": 1, "indices": {"bufferView": 1, "componentType": 5121},
+    "values": {"bufferView": 2}}"#,
+);
+/// A child of a node that is moved; the child is turned about z by 90 degrees, and mirrored first.
+const MIRRORED: (&str, &str) = (
+    r#"[{"mesh": 0}]"#,
+    r#"[{"children": [1], "translation": [10, 0, 0]}, {"mesh": 0, "scale": [-2, 1, 1],
+    "rotation": [0, 0, 0.70710678118, 0.70710678118]}]"#,
+);
+
+#[test]
+fn the_same_square_from_all_containers() {
+    let expected = [[O, XY, X], [O, Y, XY]];
+    assert_eq!(corners(&parse("a.gltf", embedded()).0), expected);
+    assert_eq!(corners(&parse("a.glb", glb(&document(""), &buffer())).0), expected);
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("my data.bin"), buffer()).unwrap();
+    std::fs::write(folder.path().join("a.gltf"), document(r#""uri": "my%20data.bin", "#)).unwrap();
+    let reading = Reading { memory: 1 << 20, progress: &|_| (), cancelled: &AtomicBool::new(false) };
+    assert_eq!(corners(&read(&folder.path().join("a.gltf"), &reading).unwrap().0), expected);
+    std::fs::remove_file(folder.path().join("my data.bin")).unwrap();
+    let error = read(&folder.path().join("a.gltf"), &reading).unwrap_err();
+    assert!(matches!(error, MeshError::File(_)));
+    assert!(error.to_string().contains("my data.bin`: there is no such file; `"), "{error}");
+}
+
+#[test]
+fn strips_fans_and_lists_without_indices() {
+    let mode = |mode: &str| corners(&parse("a.gltf", changed(&[(r#""indices": 1"#, mode)])).0);
+    assert_eq!(mode(r#""mode": 5"#), [[O, XY, X], [XY, Y, X]].map(|[a, b, c]| [a, b, c]));
+    assert_eq!(mode(r#""mode": 6"#), [[O, XY, X], [O, Y, XY]]);
+    let three = changed(&[(r#""indices": 1"#, r#""mode": 4"#), (r#""count": 4"#, r#""count": 3"#)]);
+    assert_eq!(corners(&parse("a.gltf", three).0), [[O, XY, X]]);
+    assert!(refused("a.gltf", changed(&[(r#""indices": 1"#, r#""mode": 1"#)])).contains("it has no triangles"));
+}
+
+#[test]
+fn transforms_move_positions_and_mirrors_keep_the_front() {
+    let (mesh, _) = parse("a.gltf", changed(&[MIRRORED]));
+    // (x, y) becomes (10 - y, -2x).
+    let expected = [[[10., 0., 0.], [10., -2., 0.], [9., -2., 0.]], [[10., 0., 0.], [9., -2., 0.], [9., 0., 0.]]];
+    let found = corners(&mesh);
+    let error = found.iter().flatten().flatten().zip(expected.iter().flatten().flatten()).map(|(a, b)| (a - b).abs());
+    assert!(error.fold(0.0, f64::max) < 1e-9, "{found:?}");
+    let matrix = r#"[{"mesh": 0, "matrix": [1,0,0,0, 0,1,0,0, 0,0,1,0, 5,6,7,1]}]"#;
+    assert_eq!(corners(&parse("a.gltf", changed(&[(r#"[{"mesh": 0}]"#, matrix)])).0)[0][0], [5.0, 6.0, 7.0]);
+}
+
+#[test]
+fn normals_stay_perpendicular() {
+    // The positions serve as normals: that of the third vertex is (1, 1, 0).
+    let unequal = (r#"[{"mesh": 0}]"#, r#"[{"mesh": 0, "scale": [2, 1, 1]}]"#);
+    let normals = (r#""POSITION": 0"#, r#""POSITION": 0, "NORMAL": 0"#);
+    let (mesh, repairs) = parse("a.gltf", changed(&[unequal, normals]));
+    let expected = Vec3::new(1.0, 2.0, 0.0).normalize();
+    let third = mesh.positions().iter().position(|position| position.to_array() == [2.0, 1.0, 0.0]).unwrap();
+    assert!((mesh.normals()[third] - expected).length() < 1e-6);
+    assert_eq!(repairs.missing_normals, 1, "that of the first vertex is 0");
+    assert_eq!(mesh.normals()[0], Vec3::Z);
+}
+
+#[test]
+fn sparse_and_normalised_numbers() {
+    let (mesh, _) = parse("a.gltf", changed(&[SPARSE]));
+    assert_eq!(corners(&mesh)[0][0], [0.0, 0.0, -3.0]);
+    // The bytes 0 1 2 0 2 3 as three pairs, normalised.
+    let uv = (r#""POSITION": 0"#, r#""POSITION": 0, "TEXCOORD_0": 2"#);
+    let more = (
+        r#""type": "SCALAR"}"#,
+        r#""type": "SCALAR"}, {"bufferView": 1, "componentType": 5121, "normalized": true, "count": 3, "type": "VEC2"}"#,
+    );
+    let three = [(r#""count": 4"#, r#""count": 3"#), (r#", "indices": 1"#, ""), uv, more];
+    assert_eq!(parse("a.gltf", changed(&three)).0.uvs()[2], Vec2::new(2.0, 3.0) / 255.0);
+}
+
+#[test]
+fn mistakes_are_told() {
+    let required = r#"{"extensionsRequired": ["KHR_draco_mesh_compression"], "asset""#;
+    let child = r#"[{"mesh": 0, "children": [0]}]"#;
+    let cases = [
+        ((r#"{"asset""#, required), "it requires the extension `KHR_draco_mesh_compression`, which is not read"),
+        ((r#"[{"mesh": 0}]"#, child), "nodes[0] stands twice in the tree of nodes"),
+        ((r#"[{"mesh": 0}]"#, r#"[{"mesh": 3}]"#), "there is no meshes[3]: the file has 1"),
+        ((r#"{"nodes": [0]}"#, r#"{"nodes": [5]}"#), "there is no nodes[5]"),
+        ((r#""indices": 1"#, r#""indices": 0"#), "accessors[0] holds no indices of vertices"),
+        ((r#""indices": 1"#, r#""indices": 9"#), "meshes[0].primitives[0]: there is no accessors[9]"),
+        ((r#""indices": 1"#, r#""mode": 9"#), "the mode 9 is not known"),
+        ((r#""count": 4"#, r#""count": 2"#), "there is no vertex 2: there are 2"),
+        ((r#""count": 4"#, r#""count": 5"#), "accessors[0] has 5 elements, which do not fit into bufferViews[0] of 48 bytes"),
+        ((r#""count": 4"#, r#""count": 4000000000"#), "accessors[0] has 4000000000 elements, but the buffers have 68 bytes"),
+        ((r#""count": 6"#, r#""count": 5"#), "5 corners are not three for each triangle"),
+        ((r#""byteLength": 48"#, r#""byteLength": 480"#), "bufferViews[0] does not fit into its buffer of 68 bytes"),
+        ((r#""byteLength": 48"#, r#""byteLength": 48, "byteStride": 4"#), "elements of 12 bytes every 4 bytes"),
+        ((r#""byteLength": 68"#, r#""byteLength": 69"#), "buffers[0] has 68 bytes, and 69 are needed"),
+        ((r#""componentType": 5126"#, r#""componentType": 1"#), "components of the unknown type 1"),
+        ((r#""type": "VEC3""#, r#""type": "VEC4""#), "is of the type `VEC4`, and `VEC3` is needed"),
+        ((";base64,", ","), "has data that are not base64"),
+        (("base64,", "base64,$"), "has wrong base64"),
+        (("data:application", "http://application"), "is not a relative path"),
+        (("data:application/octet", "/etc/passwd/octet"), "is not a relative path"),
+        ((r#"[{"mesh": 0}]"#, r#"[{"mesh": 0, "scale": [1e300, 1, 1]}]"#), "vertex 1: the coordinate 1e300 is too large"),
+    ];
+    for (change, expected) in cases {
+        let found = refused("a.gltf", changed(&[change]));
+        assert!(found.contains(expected), "{found}\nexpected {expected}");
+    }
+    let found = refused("a.gltf", changed(&[(r#""buffer": 0, "byteLength": 48"#, r#""buffer": 0 "byteLength": 48"#)]));
+    assert!(found.starts_with("a.gltf:3:30: the JSON of the glTF file is wrong: expected `,` or `}`"), "{found}");
+}
+
+#[test]
+fn containers_that_are_cut_off_are_told() {
+    let whole = glb(&document(""), &buffer());
+    let found = refused("a.glb", &whole[..whole.len() - 1]);
+    assert!(found.contains("bytes, and it has") && found.contains("(at byte 8)"), "{found}");
+    let mut version = whole.clone();
+    version[4] = 1;
+    assert!(refused("a.glb", &version).contains("version 1 of glTF is not read"));
+    let mut chunk = whole.clone();
+    chunk[15] = 0xff;
+    assert!(refused("a.glb", &chunk).contains("the file ends in the middle of a chunk"));
+    assert!(refused("a.glb", glb(&document(r#""uri": "a.glb/x", "#), &[])).contains("not a folder"));
+}
+
+#[test]
+fn json_of_many_objects_is_counted_first() {
+    let nodes = format!(r#"{{"nodes": [{}{{}}]}}"#, "{},".repeat(10_000));
+    let error = parse_within(1 << 20, "a.gltf", nodes.as_bytes()).unwrap_err();
+    assert!(matches!(error, MeshError::Memory { .. }), "{error}");
+}

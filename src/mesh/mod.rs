@@ -1,0 +1,143 @@
+//! Meshes from files: OBJ, PLY, STL and glTF.
+//!
+//! [`read`] makes one [`TriangleMesh`] of a file, however many parts it has. The corners of triangles go
+//! counter-clockwise in all these files and *clockwise* in the mesh, seen from the front in both.
+//!
+//! Files come from anywhere. A damaged one is an error with its place, never a panic, and no memory is allocated because
+//! a header says so. The readers are written here: they must tell places, count memory before it is allocated, and end
+//! when they are cancelled.
+
+mod error;
+mod gltf;
+mod ledger;
+mod normals;
+mod obj;
+mod ply;
+mod polygon;
+mod stl;
+#[cfg(test)]
+mod tests;
+mod text;
+mod triangle_mesh;
+mod weld;
+
+pub use error::{MeshError, MeshFileError, MeshMistake, MeshPlace};
+pub use ledger::Reading;
+pub use triangle_mesh::{LARGEST_COORDINATE, MeshParts, MeshRepairs, TriangleMesh};
+
+use crate::files::{OpenError, Readable, open, reason};
+use error::{Fault, Places};
+use ledger::{Ledger, PARSING};
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::Path;
+
+/// The largest file that is read, in bytes.
+pub const LARGEST_FILE: u64 = 8 << 30;
+/// Files are read in pieces of this many bytes. Between them the work can be cancelled.
+const PIECE: u64 = 8 << 20;
+
+/// A format of mesh files.
+pub struct MeshFormat {
+    /// Its name.
+    pub name: &'static str,
+    /// The suffixes of its files, in small letters.
+    pub suffixes: &'static [&'static str],
+    read: fn(&MeshFile, &mut Ledger) -> Result<MeshParts, Fault>,
+    /// How the place of a byte is told.
+    places: fn(&MeshFile, usize) -> Places,
+}
+
+/// The formats that are read.
+pub const FORMATS: [MeshFormat; 4] = [
+    MeshFormat { name: "OBJ", suffixes: &["obj"], read: obj::read, places: |_, _| Places::Lines },
+    MeshFormat { name: "PLY", suffixes: &["ply"], read: ply::read, places: ply::places },
+    MeshFormat { name: "STL", suffixes: &["stl"], read: stl::read, places: stl::places },
+    MeshFormat { name: "glTF", suffixes: &["gltf", "glb"], read: gltf::read, places: gltf::places },
+];
+
+impl MeshFormat {
+    /// The format of a file by its suffix.
+    pub fn of(path: &Path) -> Option<&'static MeshFormat> {
+        let suffix = path.extension()?.to_str()?.to_lowercase();
+        FORMATS.iter().find(|format| format.suffixes.contains(&suffix.as_str()))
+    }
+}
+
+/// The contents of a file that is being read.
+struct MeshFile<'f> {
+    path: &'f Path,
+    bytes: &'f [u8],
+}
+
+impl MeshFile<'_> {
+    /// Where a text begins: behind the byte order mark, if there is one.
+    fn text_start(&self) -> usize {
+        let mark = "\u{feff}".as_bytes();
+        if self.bytes.starts_with(mark) { mark.len() } else { 0 }
+    }
+}
+
+/// Reads the mesh in a regular file. Files that it names, as glTF files do, are read too.
+///
+/// ```
+/// # use illuminator::mesh::{Reading, read};
+/// # use std::sync::atomic::AtomicBool;
+/// let folder = tempfile::tempdir()?;
+/// let path = folder.path().join("square.obj");
+/// std::fs::write(&path, "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n")?;
+/// let reading = Reading { memory: 1 << 30, progress: &|_| (), cancelled: &AtomicBool::new(false) };
+/// let (mesh, _) = read(&path, &reading)?;
+/// assert_eq!(mesh.triangles().len(), 2);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// The file cannot be read, its contents are wrong, it needs more memory than there is, or the work was cancelled.
+pub fn read(path: &Path, reading: &Reading) -> Result<(TriangleMesh, MeshRepairs), MeshError> {
+    let name = path.display().to_string();
+    let Some(format) = MeshFormat::of(path) else {
+        let suffixes = FORMATS.iter().flat_map(|format| format.suffixes).map(|suffix| format!(".{suffix}"));
+        let hint = format!("meshes are files with the suffix {}", Vec::from_iter(suffixes).join(", "));
+        return Err(MeshError::File(MeshFileError {
+            message: format!("`{name}` is not a mesh by its suffix"),
+            hint: Some(hint),
+        }));
+    };
+    let mut ledger = Ledger::new(reading);
+    let contents = contents(path, &mut ledger).map_err(|fault| fault.in_file(&name, &[], |_| Places::Offsets))?;
+    let file = MeshFile { path, bytes: &contents };
+    let parts = (format.read)(&file, &mut ledger);
+    let mesh = parts.and_then(|parts| TriangleMesh::complete(parts, &mut ledger));
+    mesh.map_err(|fault| fault.in_file(&name, file.bytes, |at| (format.places)(&file, at)))
+}
+
+/// The contents of a regular file.
+fn contents(path: &Path, ledger: &mut Ledger) -> Result<Vec<u8>, Fault> {
+    let wrong = |message: String| Fault::File(MeshFileError { message, hint: None });
+    let name = path.display();
+    let failed = |error: &io::Error| wrong(format!("cannot read the mesh `{name}`: {}", reason(error)));
+    let (mut file, metadata) = open(path, Readable::Regular).map_err(|error| match error {
+        OpenError::Irregular(found) => wrong(format!("`{name}` is {found}, not a mesh")),
+        OpenError::Io(error) => failed(&error),
+    })?;
+    let length = metadata.len();
+    if length > LARGEST_FILE {
+        return Err(wrong(format!("`{name}` is too large: {length} bytes, and {LARGEST_FILE} are read at most")));
+    }
+    let mut bytes = Vec::new();
+    ledger.reserve(&mut bytes, length as usize)?;
+    // The file may grow meanwhile. What is behind its length is not read.
+    while (bytes.len() as u64) < length {
+        ledger.tell(PARSING.0 * bytes.len() as f64 / length as f64)?;
+        let piece = PIECE.min(length - bytes.len() as u64);
+        let read = File::by_ref(&mut file).take(piece).read_to_end(&mut bytes).map_err(|error| failed(&error))?;
+        if read == 0 {
+            break;
+        }
+    }
+    if bytes.is_empty() {
+        return Err(Fault::new("the file is empty"));
+    }
+    Ok(bytes)
+}
