@@ -62,6 +62,14 @@ impl MeshFormat {
         let suffix = path.extension()?.to_str()?.to_lowercase();
         FORMATS.iter().find(|format| format.suffixes.contains(&suffix.as_str()))
     }
+
+    /// Makes a mesh of the contents of a file.
+    fn parse(&self, file: &MeshFile, ledger: &mut Ledger) -> Result<(TriangleMesh, MeshRepairs), MeshError> {
+        let parts = (self.read)(file, ledger);
+        let mesh = parts.and_then(|parts| TriangleMesh::complete(parts, ledger));
+        let name = file.path.display().to_string();
+        mesh.map_err(|fault| fault.in_file(&name, file.bytes, |at| (self.places)(file, at)))
+    }
 }
 
 /// The contents of a file that is being read.
@@ -105,11 +113,8 @@ pub fn read(path: &Path, reading: &Reading) -> Result<(TriangleMesh, MeshRepairs
         }));
     };
     let mut ledger = Ledger::new(reading);
-    let contents = contents(path, &mut ledger).map_err(|fault| fault.in_file(&name, &[], |_| Places::Offsets))?;
-    let file = MeshFile { path, bytes: &contents };
-    let parts = (format.read)(&file, &mut ledger);
-    let mesh = parts.and_then(|parts| TriangleMesh::complete(parts, &mut ledger));
-    mesh.map_err(|fault| fault.in_file(&name, file.bytes, |at| (format.places)(&file, at)))
+    let bytes = contents(path, &mut ledger).map_err(|fault| fault.in_file(&name, &[], |_| Places::Offsets))?;
+    format.parse(&MeshFile { path, bytes: &bytes }, &mut ledger)
 }
 
 /// The contents of a regular file.

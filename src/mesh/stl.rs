@@ -104,36 +104,36 @@ fn read_text(file: &MeshFile, ledger: &mut Ledger) -> Result<MeshParts, Fault> {
 
 /// A triangle after the word `facet`.
 fn read_facet(cursor: &mut TextCursor, positions: &mut Positions, ledger: &mut Ledger) -> Result<[u32; 3], Fault> {
-    expect(cursor, &["normal"])?;
+    expect(cursor, &["`normal`"])?;
     for _ in 0..3 {
         next(cursor, "a number")?.number()?;
     }
-    expect(cursor, &["outer", "loop"])?;
+    expect(cursor, &["`outer`", "`loop`"])?;
     let mut triangle = [0; 3];
     for vertex in &mut triangle {
-        expect(cursor, &["vertex"])?;
+        expect(cursor, &["`vertex`"])?;
         let mut position = [0.0; 3];
         for number in &mut position {
             *number = next(cursor, "a coordinate")?.coordinate()?;
         }
         *vertex = positions.index(DVec3::from_array(position), ledger)?;
     }
-    expect(cursor, &["endloop", "endfacet"])?;
+    expect(cursor, &["`endloop`", "`endfacet`"])?;
     Ok(triangle)
 }
 
 fn next<'t>(cursor: &mut TextCursor<'t>, expected: &str) -> Result<TextWord<'t>, Fault> {
-    let cut_off = |cursor: &TextCursor| {
+    cursor.word().ok_or_else(|| {
         Fault::at(cursor.here(), format!("the file ends where {expected} was expected")).help("the file is cut off")
-    };
-    cursor.word().ok_or_else(|| cut_off(cursor))
+    })
 }
 
+/// Reads keywords, which stand between backquotes here as in messages.
 fn expect(cursor: &mut TextCursor, keywords: &[&str]) -> Result<(), Fault> {
     for keyword in keywords {
-        let word = next(cursor, &format!("`{keyword}`"))?;
-        if !word.is(keyword) {
-            return Err(unexpected(&word, &format!("`{keyword}`")));
+        let word = next(cursor, keyword)?;
+        if !word.is(keyword.trim_matches('`')) {
+            return Err(unexpected(&word, keyword));
         }
     }
     Ok(())

@@ -46,7 +46,7 @@ impl Positions {
     /// The slot that holds a position, or the free one that it would get.
     fn slot(&self, position: DVec3) -> usize {
         let mut hasher = FixedState::with_seed(0).build_hasher();
-        position.to_array().map(|number| hasher.write_u64(number.to_bits()));
+        position.to_array().iter().for_each(|number| hasher.write_u64(number.to_bits()));
         let last = self.table.len() - 1;
         let mut slot = hasher.finish() as usize & last;
         while self.table[slot] != EMPTY && self.list[self.table[slot] as usize] != position {
