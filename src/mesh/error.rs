@@ -133,7 +133,7 @@ fn write_hint(f: &mut fmt::Formatter<'_>, hint: Option<&str>) -> fmt::Result {
 pub(super) enum Fault {
     Cancelled,
     Memory { needed: u64, allowed: u64 },
-    File(MeshFileError),
+    File(Box<MeshFileError>),
     Content(Box<Mistake>),
 }
 
@@ -194,7 +194,7 @@ impl Fault {
         match self {
             Fault::Cancelled => MeshError::Cancelled,
             Fault::Memory { needed, allowed } => MeshError::Memory { file: file.to_owned(), needed, allowed },
-            Fault::File(error) => MeshError::File(error),
+            Fault::File(error) => MeshError::File(*error),
             Fault::Content(mistake) => {
                 let Mistake { at, message, hint } = *mistake;
                 let place = at.map(|at| match places(at.start) {

@@ -119,7 +119,7 @@ pub fn read(path: &Path, reading: &Reading) -> Result<(TriangleMesh, MeshRepairs
 
 /// The contents of a regular file.
 fn contents(path: &Path, ledger: &mut Ledger) -> Result<Vec<u8>, Fault> {
-    let wrong = |message: String| Fault::File(MeshFileError { message, hint: None });
+    let wrong = |message: String| Fault::File(Box::new(MeshFileError { message, hint: None }));
     let name = path.display();
     let failed = |error: &io::Error| wrong(format!("cannot read the mesh `{name}`: {}", reason(error)));
     let (mut file, metadata) = open(path, Readable::Regular).map_err(|error| match error {

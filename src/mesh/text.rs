@@ -111,6 +111,7 @@ impl<'t> TextCursor<'t> {
         }
     }
 
+    #[inline]
     fn take_word(&mut self) -> TextWord<'t> {
         let start = self.at;
         while self.text.get(self.at).is_some_and(|byte| !is_blank(*byte) && !matches!(byte, b'\n' | b'\r')) {
@@ -120,6 +121,7 @@ impl<'t> TextCursor<'t> {
     }
 }
 
+#[inline]
 fn is_blank(byte: u8) -> bool {
     matches!(byte, b' ' | b'\t' | 0x0b | 0x0c)
 }

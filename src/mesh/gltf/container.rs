@@ -99,10 +99,10 @@ fn load(uri: &str, index: usize, path: &Path, ledger: &mut Ledger) -> Result<Vec
     }
     let beside: PathBuf = path.parent().unwrap_or(Path::new("")).join(relative);
     contents(&beside, ledger).map_err(|fault| match fault {
-        Fault::File(MeshFileError { message, .. }) => Fault::File(MeshFileError {
-            message: format!("{message}; `{}` names it", path.display()),
+        Fault::File(error) => Fault::File(Box::new(MeshFileError {
+            message: format!("{}; `{}` names it", error.message, path.display()),
             hint: Some("a .gltf file needs the files beside it that it names".to_owned()),
-        }),
+        })),
         Fault::Content(_) => wrong("names an empty file"),
         Fault::Cancelled | Fault::Memory { .. } => fault,
     })

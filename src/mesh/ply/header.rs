@@ -107,7 +107,7 @@ impl PlyHeader {
     pub(super) fn read(bytes: &[u8], ledger: &mut Ledger) -> Result<Self, Fault> {
         let text = &bytes[..bytes.len().min(LONGEST)];
         let mut cursor = TextCursor::new(text, 0);
-        if !cursor.word_in_line().is_some_and(|word| word.bytes == b"ply") {
+        if cursor.word_in_line().is_none_or(|word| word.bytes != b"ply") {
             return Err(Fault::at(0..0, "a PLY file begins with the line `ply`").help("it may have a suffix of another format"));
         }
         cursor.skip_line();
