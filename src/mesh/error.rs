@@ -47,8 +47,8 @@ pub struct MeshFileError {
     pub hint: Option<String>,
 }
 
-/// What is wrong in the contents of a file. `{}` gives one line, `FILE:LINE:COLUMN: MESSAGE`; `{:#}` adds the line of the
-/// text with a mark, and the hint.
+/// What is wrong in the contents of a file. `{}` gives one line, `FILE:LINE:COLUMN: MESSAGE`; `{:#}` adds the line of
+/// the text with a mark, and the hint.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub struct MeshMistake {
     /// The file.

@@ -3,8 +3,8 @@
 //! [`read`] makes one [`TriangleMesh`] of a file, however many parts it has. The corners of triangles go
 //! counter-clockwise in all these files and *clockwise* in the mesh, seen from the front in both.
 //!
-//! Files come from anywhere. A damaged one is an error with its place, never a panic, and no memory is allocated because
-//! a header says so. The readers are written here: they must tell places, count memory before it is allocated, and end
+//! Files come from anywhere. A damaged one is an error with its place, never a panic, and no memory is allocated
+//! because a header says so. The readers are written here: they must tell places, count memory before it is allocated, and end
 //! when they are cancelled.
 
 mod error;

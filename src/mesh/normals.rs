@@ -2,7 +2,7 @@
 
 use crate::mesh::error::Fault;
 use crate::mesh::ledger::Ledger;
-use crate::mesh::weld::Positions;
+use crate::mesh::weld::WeldedPositions;
 use glam::{DVec3, Vec3};
 
 /// The normal of a triangle of clockwise corners: unit length, towards the front; `None` where the triangle has no
@@ -18,7 +18,7 @@ pub(super) fn front_normal([a, b, c]: [DVec3; 3]) -> Option<DVec3> {
 /// the vertex (Thürmer and Wüthrich, "Computing vertex normals from polygonal facets", 1998). Vertices at one position
 /// have one normal, whatever their texture coordinates are. No triangle may be without area.
 pub(super) fn angle_weighted(positions: &[DVec3], triangles: &[[u32; 3]], ledger: &mut Ledger) -> Result<Vec<Vec3>, Fault> {
-    let mut different = Positions::new(ledger)?;
+    let mut different = WeldedPositions::new(ledger)?;
     let mut places = Vec::new();
     ledger.reserve(&mut places, positions.len())?;
     for position in positions {

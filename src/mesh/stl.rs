@@ -6,7 +6,7 @@ use crate::mesh::error::{Fault, Places};
 use crate::mesh::ledger::Ledger;
 use crate::mesh::text::{TextCursor, TextWord};
 use crate::mesh::triangle_mesh::{MeshParts, is_coordinate, wrong_coordinate};
-use crate::mesh::weld::Positions;
+use crate::mesh::weld::WeldedPositions;
 use glam::DVec3;
 
 /// The bytes before the first triangle of a binary file; the last four are the number of triangles.
@@ -52,7 +52,7 @@ fn read_binary(bytes: &[u8], ledger: &mut Ledger) -> Result<MeshParts, Fault> {
     }
     let mut parts = MeshParts::default();
     ledger.reserve(&mut parts.triangles, count as usize)?;
-    let mut positions = Positions::new(ledger)?;
+    let mut positions = WeldedPositions::new(ledger)?;
     for (index, record) in records.chunks_exact(RECORD).take(count as usize).enumerate() {
         let at = HEADER + index * RECORD;
         ledger.tell_record(index, at, bytes.len())?;
@@ -76,7 +76,7 @@ fn read_binary(bytes: &[u8], ledger: &mut Ledger) -> Result<MeshParts, Fault> {
 
 fn read_text(file: &MeshFile, ledger: &mut Ledger) -> Result<MeshParts, Fault> {
     let mut parts = MeshParts::default();
-    let mut positions = Positions::new(ledger)?;
+    let mut positions = WeldedPositions::new(ledger)?;
     let mut cursor = TextCursor::new(file.bytes, file.text_start());
     let mut is_open = false;
     while let Some(word) = cursor.word() {
@@ -103,7 +103,7 @@ fn read_text(file: &MeshFile, ledger: &mut Ledger) -> Result<MeshParts, Fault> {
 }
 
 /// A triangle after the word `facet`.
-fn read_facet(cursor: &mut TextCursor, positions: &mut Positions, ledger: &mut Ledger) -> Result<[u32; 3], Fault> {
+fn read_facet(cursor: &mut TextCursor, positions: &mut WeldedPositions, ledger: &mut Ledger) -> Result<[u32; 3], Fault> {
     expect(cursor, &["`normal`"])?;
     for _ in 0..3 {
         next(cursor, "a number")?.number()?;

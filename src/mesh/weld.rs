@@ -11,13 +11,13 @@ const EMPTY: u32 = u32::MAX;
 const FIRST_TABLE: usize = 1 << 8;
 
 /// A growing list of different positions. Each can be found by its coordinates; 0 and -0 are equal.
-pub(super) struct Positions {
+pub(super) struct WeldedPositions {
     list: Vec<DVec3>,
     /// Indices into the list by hash, with free slots between them: at least half of all.
     table: Vec<u32>,
 }
 
-impl Positions {
+impl WeldedPositions {
     pub(super) fn new(ledger: &mut Ledger) -> Result<Self, Fault> {
         Ok(Self { list: Vec::new(), table: empty_table(FIRST_TABLE, ledger)? })
     }

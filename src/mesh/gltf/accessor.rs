@@ -4,8 +4,8 @@ use crate::mesh::error::Fault;
 use crate::mesh::gltf::document::{Accessor, GltfDocument};
 use std::borrow::Cow;
 
-/// The type of a component: its code, its size in bytes, the number that stands for 1 where it is normalised, and how it
-/// is read.
+/// The type of a component: its code, its size in bytes, the number that stands for 1 where it is normalised, and how
+/// it is read.
 struct ComponentType {
     code: u32,
     size: usize,
@@ -53,8 +53,8 @@ impl<'f> Accessors<'f> {
         Ok(accessor.count as usize)
     }
 
-    /// Gives the elements of an accessor with `N` components, with their numbers. Elements that are stored sparsely come
-    /// a second time, after the others.
+    /// Gives the elements of an accessor with `N` components, with their numbers. Elements that are stored sparsely
+    /// come a second time, after the others.
     pub(super) fn each<const N: usize>(
         &self,
         index: usize,
