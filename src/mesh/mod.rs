@@ -4,8 +4,8 @@
 //! counter-clockwise in all these files and *clockwise* in the mesh, seen from the front in both.
 //!
 //! Files come from anywhere. A damaged one is an error with its place, never a panic, and no memory is allocated
-//! because a header says so. The readers are written here: they must tell places, count memory before it is allocated, and end
-//! when they are cancelled.
+//! because a header says so. The readers are written here: they must tell places, count memory before it is
+//! allocated, and end when they are cancelled.
 
 mod error;
 mod gltf;
