@@ -66,6 +66,16 @@ impl ExprKind {
         if let ExprKind::Infix(mark, _, operands) = self { Some((*mark, *operands)) } else { None }
     }
 
+    /// The name that it reads or calls, if it does.
+    pub fn name(&self) -> Option<&str> {
+        if let ExprKind::Name(name) = self { Some(name) } else { self.callee().map(|callee| callee.text.as_str()) }
+    }
+
+    /// The name of the function that it calls, with its place, if it is a call.
+    pub fn callee(&self) -> Option<&Name> {
+        if let ExprKind::Call(callee, _) = self { Some(callee) } else { None }
+    }
+
     /// The operands, in order.
     pub fn operands(&self) -> &[ExprId] {
         match self {

@@ -90,6 +90,6 @@ impl<'t> Ledger<'t> {
     }
 }
 
-/// Where the parsing of a file begins within the whole work, and its share of it. Before it the file is read, and after
-/// it the mesh is completed.
+/// The progress at which a file has been read and parsing begins, and the share of parsing in the whole work. After it
+/// the mesh is completed.
 pub(super) const PARSING: (f64, f64) = (0.1, 0.7);

@@ -2,7 +2,7 @@
 //! directly or round about, are reported.
 
 use crate::formula::check::names::{Meaning, Names};
-use crate::lang::ast::{ExprKind, FormulaFile};
+use crate::lang::ast::FormulaFile;
 use crate::lang::diagnostic::{Diagnostic, Diagnostics};
 use crate::lang::foreign;
 use crate::lang::source::SourceSpan;
@@ -107,17 +107,10 @@ fn definitions_used(file: &FormulaFile, names: &Names, index: usize) -> Vec<(usi
     let mut pending = vec![(definition.body, Rc::new(arguments))];
     while let Some((id, hidden)) = pending.pop() {
         let expression = file.expr(id);
-        let named = match &expression.kind {
-            ExprKind::Name(name) if !hidden.contains(&name.as_str()) => Some((name, expression.span)),
-            ExprKind::Call(callee, _) => Some((&callee.text, callee.span)),
-            ExprKind::Name(_)
-            | ExprKind::Number(_)
-            | ExprKind::Prefix(..)
-            | ExprKind::Infix(..)
-            | ExprKind::Vector(_)
-            | ExprKind::Conditional(_)
-            | ExprKind::Missing => None,
-        };
+        let span = expression.kind.callee().map_or(expression.span, |callee| callee.span);
+        // An argument hides what has its name, but no function.
+        let is_seen = |name: &&str| expression.kind.callee().is_some() || !hidden.contains(name);
+        let named = expression.kind.name().filter(is_seen).map(|name| (name, span));
         if let Some((name, span)) = named
             && let Some(Meaning::Macro(index) | Meaning::Function(index)) = names.meaning(name)
         {

@@ -111,16 +111,8 @@ impl Reads<'_> {
         for definition in self.file.definitions.iter().filter(|definition| definition.arguments.is_some()) {
             let name = definition.name.text.as_str();
             let Some(term) = SurfaceTerm::named(name) else { continue };
-            let mut calls = self.file.expressions.iter().filter_map(|expression| match &expression.kind {
-                ExprKind::Call(callee, _) => Some(callee.span).filter(|_| callee.text == name),
-                ExprKind::Name(_)
-                | ExprKind::Number(_)
-                | ExprKind::Prefix(..)
-                | ExprKind::Infix(..)
-                | ExprKind::Vector(_)
-                | ExprKind::Conditional(_)
-                | ExprKind::Missing => None,
-            });
+            let callees = self.file.expressions.iter().filter_map(|expression| expression.kind.callee());
+            let mut calls = callees.filter(|callee| callee.text == name).map(|callee| callee.span);
             let diagnostic = match calls.next() {
                 Some(call) => Diagnostic::warning(format!("`{name}` is an ordinary function here, because the formula calls it"))
                     .at(definition.name.span, format!("it does not give the {}", short(term)))
@@ -163,16 +155,9 @@ impl Reads<'_> {
                 continue;
             }
             let expression = self.file.expr(id);
-            let name = match &expression.kind {
-                ExprKind::Name(name) => Some(name.as_str()).filter(|name| !hidden.contains(name)),
-                ExprKind::Call(callee, _) => Some(callee.text.as_str()),
-                ExprKind::Number(_)
-                | ExprKind::Prefix(..)
-                | ExprKind::Infix(..)
-                | ExprKind::Vector(_)
-                | ExprKind::Conditional(_)
-                | ExprKind::Missing => None,
-            };
+            // An argument hides what has its name, but no function.
+            let is_seen = |name: &&str| expression.kind.callee().is_some() || !hidden.contains(name);
+            let name = expression.kind.name().filter(is_seen);
             match name.and_then(|name| self.names.meaning(name)) {
                 Some(Meaning::Macro(index) | Meaning::Function(index)) => {
                     let definition = &self.file.definitions[index];

@@ -2,7 +2,7 @@
 //! misspelt, as in `reflectd = …;`, and the picture would not show what the author means.
 
 use crate::formula::check::names::{Meaning, Names};
-use crate::lang::ast::{Definition, ExprKind, FormulaFile};
+use crate::lang::ast::{Definition, FormulaFile};
 use crate::lang::diagnostic::{Diagnostic, Diagnostics, nearest};
 use crate::lang::foreign;
 use crate::lang::surface_terms::SurfaceTerm;
@@ -10,20 +10,7 @@ use std::collections::HashSet;
 
 /// Warns about each definition that is named nowhere and gives no term of the lighting equation.
 pub(super) fn warn(file: &FormulaFile, names: &Names, diagnostics: &mut Diagnostics) {
-    let named: HashSet<&str> = file
-        .expressions
-        .iter()
-        .filter_map(|expression| match &expression.kind {
-            ExprKind::Name(name) => Some(name.as_str()),
-            ExprKind::Call(callee, _) => Some(callee.text.as_str()),
-            ExprKind::Number(_)
-            | ExprKind::Prefix(..)
-            | ExprKind::Infix(..)
-            | ExprKind::Vector(_)
-            | ExprKind::Conditional(_)
-            | ExprKind::Missing => None,
-        })
-        .collect();
+    let named: HashSet<&str> = file.expressions.iter().filter_map(|expression| expression.kind.name()).collect();
     for definition in &file.definitions {
         let name = definition.name.text.as_str();
         // A name that is taken already has been reported.

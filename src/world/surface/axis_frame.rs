@@ -7,8 +7,8 @@ use std::f64::consts::TAU;
 /// If the sine of the angle between an axis and the y axis is less than this, they count as parallel.
 const PARALLEL: f64 = 1e-12;
 
-/// Three perpendicular directions of unit length, right-handed: the one where the longitude is 0, the one where it is a
-/// quarter turn, and the axis.
+/// Three perpendicular directions of unit length, right-handed: towards longitude 0, towards a quarter turn, and along
+/// the axis.
 ///
 /// The longitude is 0 in the direction normalize(<0,1,0> × axis). If the axis is parallel to y, it is 0 towards +z, as
 /// on spheres. Seen from the tip of the axis, it grows counter-clockwise.
@@ -43,9 +43,15 @@ impl AxisFrame {
         components.x * self.zero + components.y * self.quarter + components.z * self.axis
     }
 
-    /// The longitude of a point with these components as a part of a turn, 0..1; 0 on the axis.
-    pub(super) fn turns(components: DVec3) -> f64 {
-        turns(components.y.atan2(components.x))
+    /// The surface coordinates of a point with these components on a wall of this height: the longitude as a part of a
+    /// turn, 0 on the axis, and the share of the height.
+    pub(super) fn wall_coordinates(components: DVec3, height: f64) -> [f64; 2] {
+        [turns(components.y.atan2(components.x)), (components.z / height).clamp(0.0, 1.0)]
+    }
+
+    /// The same on a disc of this radius, with the share of the radius.
+    pub(super) fn disc_coordinates(components: DVec3, radius: f64) -> [f64; 2] {
+        [turns(components.y.atan2(components.x)), (components.x.hypot(components.y) / radius).min(1.0)]
     }
 
     /// The direction in which the longitude grows at a point with these components. On the axis, it is that at

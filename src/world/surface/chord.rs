@@ -1,8 +1,8 @@
 //! The chords of convex bodies: the part of a line that is inside.
 //!
-//! A convex body is what is inside several surfaces at once: the slabs of a box, the wall and the ends of a cylinder. A
-//! line passes through each of them from one place to another, and what these parts have in common is the chord. So a
-//! body is closed where its parts meet: no ray gets in or out between them.
+//! A convex body is the intersection of simpler ones: of the slabs of a box, or of the wall and the ends of a cylinder.
+//! A line is inside each of them over an interval, and the chord is the intersection of these intervals. So a body is
+//! closed where its parts meet: no ray gets in or out between them.
 
 use crate::world::hit::Meeting;
 use crate::world::ray::PrimitiveId;
@@ -71,8 +71,8 @@ pub(super) fn slab(planes: [f64; 2], slope: f64, parts: [PrimitiveId; 2], tolera
     Some([first, second].map(|plane| passage(plane, planes[plane] / slope)))
 }
 
-/// How far ahead the second plane of a [`slab`] is for a ray that starts inside the body, with its part. The plane that
-/// the ray `left` is not ahead.
+/// The distance at which a ray that starts inside the body leaves a [`slab`], and the part that it meets there. It does
+/// not meet the plane that it `left`.
 pub(super) fn ahead(planes: [f64; 2], slope: f64, parts: [PrimitiveId; 2], left: PrimitiveId) -> (f64, PrimitiveId) {
     let plane = usize::from(slope > 0.0);
     let distance = if slope == 0.0 || parts[plane] == left { f64::INFINITY } else { planes[plane] / slope };

@@ -121,7 +121,9 @@ impl Geometry for CylinderSurface {
 
     fn coordinates(&self, hit: &SurfaceHit) -> [f64; 2] {
         let place = self.place(hit.point);
-        let share = if hit.primitive == WALL { place.z / self.height } else { place.x.hypot(place.y) / self.radius };
-        [AxisFrame::turns(place), share.clamp(0.0, 1.0)]
+        match hit.primitive == WALL {
+            true => AxisFrame::wall_coordinates(place, self.height),
+            false => AxisFrame::disc_coordinates(place, self.radius),
+        }
     }
 }

@@ -57,7 +57,6 @@ impl Geometry for DiscSurface {
     }
 
     fn coordinates(&self, hit: &SurfaceHit) -> [f64; 2] {
-        let place = self.frame.components(hit.point - self.center);
-        [AxisFrame::turns(place), (place.x.hypot(place.y) / self.radius).min(1.0)]
+        AxisFrame::disc_coordinates(self.frame.components(hit.point - self.center), self.radius)
     }
 }
