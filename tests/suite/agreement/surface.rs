@@ -23,14 +23,18 @@ fn pixel(formula: &str, degrees: f64, depth: u32, settings: &[&str]) -> Vec<[f32
     let (sine, cosine) = degrees.to_radians().sin_cos();
     let corner = |x: f64, y: f64| format!("<{}, {y}, {}>", x * cosine, -x * sine);
     let corners = [corner(-9.0, -9.0), corner(-9.0, 9.0), corner(9.0, 9.0)].join(", ");
-    let scene = format!(
-        "bodies; plate: rectangle, {corners}, refractive_index 1.5; lights; \
-         camera; position <0,0,4>; gaze <0,0,-1>; up <0,1,0>; fov 1;"
-    );
+    let bodies = format!("plate: rectangle, {corners}, refractive_index 1.5;");
+    let before = ["plate.kr=1", "plate.kt=1", "ka=0"];
+    pixel_of(&bodies, formula, depth, &[&before, settings].concat())
+}
+
+/// The same of these bodies. The camera looks at the origin, from 4 before it.
+fn pixel_of(bodies: &str, formula: &str, depth: u32, settings: &[&str]) -> Vec<[f32; 3]> {
+    let scene = format!("bodies; {bodies} lights; camera; position <0,0,4>; gaze <0,0,-1>; up <0,1,0>; fov 1;");
     let view = View::new(1, 1).and_then(|view| view.with_depth(depth)).expect("within range");
     let subject = Subject::parse(formula, &scene, view).expect("sound texts");
     let mut values = Values::defaults(&subject.formula, subject.world.scene());
-    let settings = ["background=<1, 0.5, 0.25>", "plate.kr=1", "plate.kt=1", "ka=0"].iter().chain(settings);
+    let settings = ["background=<1, 0.5, 0.25>"].iter().chain(settings);
     let settings = settings.map(|text| text.parse::<NamedAssignment>().expect("a setting"));
     let given: Vec<_> = settings.flat_map(|setting| setting.resolve(values.table()).expect("known names")).collect();
     assert_eq!(values.assign(&given), []);
@@ -137,6 +141,12 @@ fn unbounded_weights_follow_the_recursion() {
         assert!(found[0].is_nan() && found[1..] == [0.5, 0.5], "{found:?}");
     }
     near(mirror("if(N.V > 0, 0, 1/0)", "background=<0, 0.5, 0.5>"), [0.0; 3]);
+    // Behind the camera is a second mirror, black itself, in which the first one is seen: 1 + ∞·(0 + 1/4).
+    let bodies = "near: rectangle, <-9,-9,0>, <-9,9,0>, <9,9,0>; far: rectangle, <-9,-9,8>, <-9,9,8>, <9,9,8>;";
+    let formula = "body_specific; q: scalar; e: scalar; formula; reflected = <1/q>; refracted = 0; emission = <e>; = Cd;";
+    for found in pixel_of(bodies, formula, 3, &["near.q=0", "near.e=1", "far.q=4", "far.e=0", "ka=0"]) {
+        assert_eq!(found, [f32::INFINITY; 3]);
+    }
 }
 
 #[test]
