@@ -5,8 +5,8 @@
 //! of all nodes by a kernel, multiplies the weights along the paths, and adds ambient light, emission and background.
 //! Lit records then find the weight of their hit by its node.
 //!
-//! The flat sum over paths is that of the recursive equation only if weights are bounded: ∞·(0 + 1) is ∞, and
-//! ∞·0 + ∞·1 is NaN. The flat sum also cannot tell two rays of weight 0 apart: one that is cut off adds nothing, but one
+//! The flat sum over paths is that of the recursive equation only if weights are bounded: ∞·(0 + 1) is ∞, and ∞·0 +
+//! ∞·1 is NaN. The flat sum also cannot tell two rays of weight 0 apart: one that is cut off adds nothing, but one
 //! behind a red and a green mirror gives NaN if its colour is infinite. In a tile with such weights, the terms of each
 //! node are collected, and added up along the paths at the end.
 
