@@ -34,6 +34,8 @@
 
 pub mod files;
 
+pub mod simd;
+
 pub mod lang;
 
 pub mod formula;
@@ -41,6 +43,8 @@ pub mod formula;
 pub mod scene;
 
 pub mod mesh;
+
+pub mod bvh;
 
 pub mod world;
 

@@ -3,8 +3,8 @@
 use crate::formula::Formula;
 use crate::jit::compile::CompiledFormula;
 use crate::jit::target::CompileError;
-use crate::jit::width::Width;
 use crate::plan::FormulaPlan;
+use crate::simd::Width;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// The number of formulas that are kept: the last used.

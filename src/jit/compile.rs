@@ -5,8 +5,8 @@ use crate::formula::{Formula, ParameterId};
 use crate::jit::call::{Kernel, generate};
 use crate::jit::kernel::KernelSpec;
 use crate::jit::target::{CompileError, Listing};
-use crate::jit::width::Width;
 use crate::plan::{ContributionPlan, FormulaPlan, KernelPlan, SliderPlan, SurfacePlan, VariantPlan};
+use crate::simd::Width;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 

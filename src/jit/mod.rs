@@ -27,12 +27,11 @@ mod math;
 mod pixels;
 pub mod target;
 mod widen;
-pub mod width;
 mod writer;
 
+pub use crate::simd::Width;
 pub use cache::KernelCache;
 pub use call::{CallList, Kernel, PixelCode, fetch};
 pub use compile::{CompiledFormula, CompiledVariant};
 pub use lanes::{Line, Operands, PREFETCH_DISTANCE, PixelLine, PixelPlanes, Splat, Streams, Sums};
 pub use target::{CompileError, Listing};
-pub use width::Width;

@@ -4,9 +4,9 @@ use crate::formula::graph::Graph;
 use crate::jit::kernel::KernelSpec;
 use crate::jit::lanes::{Line, Operands, PixelLine, PixelPlanes, Splat, Streams};
 use crate::jit::target::{CompileError, Listing, target};
-use crate::jit::width::Width;
 use crate::picture::encoder::Encoder;
 use crate::plan::STREAMS;
+use crate::simd::Width;
 use std::ops::Range;
 
 /// A compiled kernel: there is none.

@@ -1,6 +1,6 @@
 //! What kernels are compiled for, why that may fail, and what it looks like as text.
 
-use crate::jit::width::{Width, WidthLimitError};
+use crate::simd::{Width, WidthLimitError};
 use cranelift_codegen::isa::{OwnedTargetIsa, TargetIsa};
 use cranelift_codegen::settings::{self, Configurable};
 use thiserror::Error;

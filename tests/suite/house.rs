@@ -13,19 +13,21 @@ use tokens::{Token, tokens, without_tests};
 
 /// Each room with the rooms that it may import. Data flows one way: text → AST → formula → plans → backends; scene →
 /// world → hits → evaluation → picture. The workspace and the window use all of this, and the program uses them.
-const ROOMS: [(&str, &[&str]); 18] = [
+const ROOMS: [(&str, &[&str]); 20] = [
     ("files", &[]),
+    ("simd", &[]),
     ("lang", &[]),
     ("formula", &["lang"]),
     ("scene", &["lang"]),
     ("mesh", &["files", "lang"]),
-    ("world", &["scene"]),
+    ("bvh", &["simd", "mesh"]),
+    ("world", &["scene", "mesh", "bvh"]),
     ("trace", &["lang", "scene", "world"]),
     ("picture", &["files", "lang"]),
     ("bytecode", &["lang", "formula", "scene", "world", "trace"]),
     ("plan", &["lang", "formula"]),
     // Machine code knows the layout of hits, and how components become bytes.
-    ("jit", &["lang", "formula", "plan", "trace", "picture"]),
+    ("jit", &["simd", "lang", "formula", "plan", "trace", "picture"]),
     ("evaluate", &["lang", "formula", "scene", "world", "trace", "plan", "picture"]),
     ("backends", &["lang", "formula", "scene", "world", "trace", "bytecode", "plan", "jit", "picture", "evaluate"]),
     ("engine", &["lang", "formula", "scene", "world", "trace", "picture", "evaluate", "backends"]),

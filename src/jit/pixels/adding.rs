@@ -3,7 +3,7 @@
 use crate::jit::code_call::{AddCall, Bases};
 use crate::jit::lanes::Line;
 use crate::jit::pixels::assembler::{Assembler, Binary, Operand, at};
-use crate::jit::width::Width;
+use crate::simd::Width;
 use crate::trace::{LINE_HITS, Segment};
 use iced_x86::{Code, IcedError, Instruction, MemoryOperand, Register};
 use std::mem::offset_of;

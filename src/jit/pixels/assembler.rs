@@ -1,7 +1,7 @@
 //! Instructions for vectors of any width: an operation is named once and written for SSE4.1, AVX2 or AVX-512.
 
 use crate::jit::widen::encoded;
-use crate::jit::width::Width;
+use crate::simd::Width;
 use iced_x86::{Code, IcedError, Instruction, MemoryOperand, Register};
 
 /// An operation on two vectors, lane by lane: its instruction for 4, 8 and 16 lanes.

@@ -2,8 +2,8 @@
 
 use crate::jit::lanes::Line;
 use crate::jit::pixels::assembler::{Assembler, Binary, Operand, Shift, at};
-use crate::jit::width::Width;
 use crate::picture::encoder::{ByteTable, HALF as ALMOST_HALF};
+use crate::simd::Width;
 use crate::trace::LINE_HITS;
 use iced_x86::{Code, IcedError, Instruction, MemoryOperand, Register};
 
