@@ -9,7 +9,7 @@ use crate::lang::source::Source;
 use crate::lang::token::{Mark, Token, TokenKind};
 use crate::lang::types::Type;
 use crate::lang::variables::{Owner, PREDEFINED_SECTION, Predefined, Variable};
-use crate::scene::{LightKind, Shape, Syntax};
+use crate::scene::{LightKind, Shape, Syntax, Transform};
 use crate::workspace::FileKind;
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
@@ -342,7 +342,10 @@ fn scene_section(word: &str) -> Option<TextSection> {
 /// The words that have a meaning in a section of a scene file, without duplicates.
 pub fn scene_words(section: TextSection) -> Vec<&'static Keyword> {
     let mut words: Vec<&Keyword> = match section {
-        TextSection::Bodies => Shape::SYNTAX.iter().flat_map(Syntax::words).chain(&keywords::BODY_ATTRIBUTES).collect(),
+        TextSection::Bodies => {
+            let transforms = Transform::SYNTAX.iter().flat_map(Syntax::words);
+            Shape::SYNTAX.iter().flat_map(Syntax::words).chain(transforms).chain(&keywords::BODY_ATTRIBUTES).collect()
+        }
         TextSection::Lights => LightKind::SYNTAX.iter().flat_map(Syntax::words).collect(),
         TextSection::Camera => keywords::CAMERA_CLAUSES.iter().collect(),
         TextSection::Head

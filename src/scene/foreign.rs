@@ -3,11 +3,14 @@
 /// The shape that a word means elsewhere.
 pub(super) fn shape(word: &str) -> Option<&'static str> {
     Some(match word.to_lowercase().as_str() {
+        "ellipsoid" | "spheroid" | "egg" | "ellipse" => {
+            "such a body is a `sphere` with a scale: `sphere, center <0, 0, 0>, radius 1, scale <1, 2, 1>`"
+        }
         "ball" | "globe" | "orb" | "spheres" | "uvsphere" => "a ball is a `sphere`",
         "plane" | "quad" | "square" | "rect" | "wall" | "floor" | "ground" | "polygon" | "parallelogram" | "grid" => {
             "a piece of a plane is a `rectangle`; a floor is a large one"
         }
-        "cube" | "cuboid" | "boxes" | "block" | "brick" | "aabb" => "such a body is a `box`",
+        "cube" | "cuboid" | "parallelepiped" | "boxes" | "block" | "brick" | "aabb" => "such a body is a `box`",
         "disk" | "circle" | "discs" => "a flat round piece is a `disc`",
         "tube" | "pipe" | "rod" | "capsule" | "cylinders" => "such a body is a `cylinder`, closed at both ends",
         "pyramid" | "cones" => "a round body with a point is a `cone`",
@@ -83,8 +86,19 @@ pub(super) fn property(word: &str) -> Option<&'static str> {
         }
         "diffuse_only" | "no_reflection" | "noreflect" => "a body that never reflects is `matte`",
         "solid" | "no_refraction" | "norefract" => "a body that never refracts is `opaque`",
-        "rotate" | "rotation" | "scale" | "translate" | "transform" | "matrix" => {
-            "there are no transformations; give the values of the shape where it stands"
+        "translation" | "move" | "offset" | "shift" | "displace" | "position" | "location" | "at" => {
+            "a body is moved by `translate <x, y, z>`"
+        }
+        "rotation" | "turn" | "orient" | "orientation" | "rotate_x" | "rotate_y" | "rotate_z" | "rotatex" | "rotatey"
+        | "rotatez" | "euler" | "quaternion" => "a body is turned about an axis by `rotate <0, 1, 0> DEGREES`",
+        "scaling" | "size" | "resize" | "stretch" | "zoom" | "enlarge" | "mirror" | "flip" => {
+            "a body is resized by `scale NUMBER`, stretched by `scale <x, y, z>`, and mirrored by a scale below 0"
+        }
+        "normalize" | "normalise" | "center_at" | "fit_to" | "bounds" | "bbox" => {
+            "a body gets a place and a size by `fit <x, y, z> SIZE`"
+        }
+        "transform" | "matrix" | "transformation" | "tomatrix" => {
+            "transforms are `scale`, `rotate`, `translate` and `fit`, and are applied in the order written"
         }
         _ => return None,
     })

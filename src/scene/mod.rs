@@ -4,6 +4,7 @@
 //! light has a file of its own (`shape/sphere`, `light/point`) and a row in the table of its enumeration, see `syntax`.
 //! Where rays meet bodies is computed in [`crate::world`]. How bodies look is up to the formula.
 
+mod body_form;
 mod camera;
 pub mod edit;
 mod foreign;
@@ -13,12 +14,15 @@ mod parser;
 mod print;
 pub mod shape;
 mod syntax;
+mod transform;
 mod values;
 
+pub use body_form::BodyForm;
 pub use camera::{Camera, CameraError, ViewSide};
 pub use light::{Light, LightKind};
 pub use shape::Shape;
 pub use syntax::Syntax;
+pub use transform::Transform;
 
 use crate::lang::diagnostic::Diagnostics;
 use crate::lang::source::{Source, SourceSpan};
@@ -51,15 +55,15 @@ impl LightId {
     }
 }
 
-/// A body: its shape, and the properties that decide where rays go (thesis 9.3.1). Colours are not part of it.
+/// A body: its form, and the properties that decide where rays go (thesis 9.3.1). Colours are not part of it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Body {
     /// Its name, unique among bodies and lights.
     pub name: String,
     /// Where the name stands in the text.
     pub name_span: SourceSpan,
-    /// Its shape.
-    pub shape: Shape,
+    /// Its shape, with the transforms behind it.
+    pub form: BodyForm,
     /// Its index of refraction, greater than 0; `None`: the default index of the view under which the scene is traced.
     pub refractive_index: Option<f64>,
     /// Never refracts: no refracted ray is traced from it.

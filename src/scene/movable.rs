@@ -36,7 +36,10 @@ mod tests {
         let camera = "camera; position <0, 0, 9>; gaze <0, 0, -1>; up <0, 1, 0>; fov 45;";
         let source = Source::new("scene", format!("bodies; {bodies} lights; {lights} {camera}"));
         let (scene, _) = Scene::parse(&source).unwrap();
-        (scene.bodies.into_iter().map(|body| body.shape).collect(), scene.lights.into_iter().map(|light| light.kind).collect())
+        (
+            scene.bodies.into_iter().map(|body| body.form.shape).collect(),
+            scene.lights.into_iter().map(|light| light.kind).collect(),
+        )
     }
 
     #[test]

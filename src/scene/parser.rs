@@ -14,10 +14,11 @@ use crate::lang::keywords;
 use crate::lang::source::{Source, SourceSpan};
 use crate::lang::token::{Mark, TokenKind};
 use crate::lang::variables::RESERVED;
+use crate::scene::body_form::CombinedTransform;
 use crate::scene::foreign;
 use crate::scene::syntax::Syntax;
 use crate::scene::values::positive;
-use crate::scene::{Body, Camera, Light, LightKind, Scene, Shape};
+use crate::scene::{Body, BodyForm, Camera, Light, LightKind, Scene, Shape, Transform};
 use std::collections::HashMap;
 
 /// The sections in their order.
@@ -269,7 +270,7 @@ impl SceneParser {
         }
         let (kind, shape) = self.kind(("shape", &name.value), Shape::SYNTAX, hint)?;
         let attributes = self.attributes(kind)?;
-        let attribute = self.cursor.word(0).filter(|word| ATTRIBUTES.contains(word)).map(str::to_owned);
+        let attribute = self.cursor.word(0).filter(|word| behind_shapes().any(|known| known == *word)).map(str::to_owned);
         if let Some(attribute) = attribute {
             let diagnostic = Diagnostic::error(format!("expected `,` before `{attribute}`")).at(self.cursor.span(), "found this");
             self.cursor.report(diagnostic.help(format!("write `, {attribute}`")));
@@ -277,8 +278,9 @@ impl SceneParser {
         }
         self.cursor.expect(Mark::Semicolon, "after the body")?;
         if let Some(shape) = shape {
-            let Attributes { refractive_index, opaque, matte } = attributes;
-            self.bodies.push(Body { name: name.value, name_span: name.span, shape, refractive_index, opaque, matte });
+            let Attributes { transforms, refractive_index, opaque, matte } = attributes;
+            let form = BodyForm { shape, transforms };
+            self.bodies.push(Body { name: name.value, name_span: name.span, form, refractive_index, opaque, matte });
         }
         Ok(())
     }
@@ -321,13 +323,18 @@ impl SceneParser {
         Err(self.cursor.report(diagnostic.help_if(near).help(format!("for example {}", forms.join(" or ")))))
     }
 
-    /// Parses `{ , ATTRIBUTE }` of a body with a shape of this kind.
+    /// Parses `{ , ATTRIBUTE | TRANSFORM }` of a body with a shape of this kind.
     fn attributes(&mut self, shape: &Syntax<Shape>) -> Result<Attributes, Reported> {
         let mut attributes = Attributes::default();
+        let mut product = CombinedTransform::NONE;
         let mut seen: [Option<SourceSpan>; 3] = [None; 3];
         while self.cursor.accept(Mark::Comma) {
             let span = self.cursor.span();
             let word = self.cursor.word(0).unwrap_or_default().to_owned();
+            if let Some(syntax) = Transform::SYNTAX.iter().find(|syntax| syntax.keyword.word == word) {
+                attributes.transforms.extend(self.transform(syntax, &mut product)?);
+                continue;
+            }
             let Some(attribute) = ATTRIBUTES.iter().position(|known| *known == word) else {
                 return Err(self.unknown_attribute(&word, shape));
             };
@@ -354,17 +361,41 @@ impl SceneParser {
         Ok(attributes)
     }
 
+    /// Parses a transform of this kind, from its keyword on; `product` is what those before it do together. `None`
+    /// where a value is out of range, which is reported.
+    fn transform(&mut self, syntax: &Syntax<Transform>, product: &mut CombinedTransform) -> Result<Option<Transform>, Reported> {
+        let start = self.cursor.advance().span;
+        let reports = self.cursor.report_count();
+        let transform = (syntax.parse)(&mut self.cursor).inspect_err(|_| {
+            self.cursor.help_since(reports, &format!("it is written {}", syntax.keyword.doc));
+        })?;
+        let Some(transform) = transform else { return Ok(None) };
+        match product.then(&transform) {
+            Ok(together) => *product = together,
+            Err(error) => {
+                let place = start.to(self.cursor.previous_span());
+                let help = "leave transforms out, or give the body a size by `fit <x, y, z> SIZE`";
+                self.cursor.report(Diagnostic::error(error.to_string()).at(place, "with this one").help(help));
+            }
+        }
+        Ok(Some(transform))
+    }
+
     /// Reports that a word is no attribute of a body.
     fn unknown_attribute(&mut self, word: &str, shape: &Syntax<Shape>) -> Reported {
         let message = format!("expected an attribute of the body, found {}", self.cursor.kind(0).describe());
-        let near = nearest(word, ATTRIBUTES).map(|near| format!("did you mean `{near}`?"));
+        let near = nearest(word, behind_shapes()).map(|near| format!("did you mean `{near}`?"));
         let diagnostic = Diagnostic::error(message).at(self.cursor.span(), "no attribute of this name").help_if(near);
         let with_clause = std::iter::once(shape).chain(Shape::SYNTAX).find(|kind| kind.has_clause(word));
         let form = match word {
             _ if with_clause.is_some() => with_clause.map(Syntax::form),
             _ if let Some(hint) = foreign::property(word) => Some(hint.to_owned()),
             "" if self.cursor.sees_mark(0, Mark::Less) => Some(shape.form()),
-            _ => Some("the attributes are `refractive_index NUMBER`, `opaque` and `matte`".to_owned()),
+            _ => {
+                let transforms = Transform::SYNTAX.iter().map(|syntax| syntax.keyword.word);
+                let attributes = "the attributes are `refractive_index NUMBER`, `opaque` and `matte`";
+                Some(format!("{attributes}; bodies are moved, turned and resized by {}", one_of(transforms)))
+            }
         };
         self.cursor.report(diagnostic.help_if(form))
     }
@@ -390,6 +421,11 @@ impl SceneParser {
     }
 }
 
+/// The words that may stand behind a shape: attributes and transforms.
+fn behind_shapes() -> impl Iterator<Item = &'static str> {
+    ATTRIBUTES.into_iter().chain(Transform::SYNTAX.iter().map(|syntax| syntax.keyword.word))
+}
+
 /// Words as a choice: "`a`", "`a` or `b`", "`a`, `b` or `c`".
 fn one_of(words: impl Iterator<Item = &'static str>) -> String {
     let mut words: Vec<String> = words.map(|word| format!("`{word}`")).collect();
@@ -397,9 +433,10 @@ fn one_of(words: impl Iterator<Item = &'static str>) -> String {
     if words.is_empty() { last } else { format!("{} or {last}", words.join(", ")) }
 }
 
-/// The attributes of a body.
+/// What stands behind the shape of a body.
 #[derive(Debug, Default)]
 struct Attributes {
+    transforms: Vec<Transform>,
     refractive_index: Option<f64>,
     opaque: bool,
     matte: bool,

@@ -9,7 +9,7 @@ impl Display for Scene {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         writeln!(f, "bodies;")?;
         for body in &self.bodies {
-            write!(f, "{}: {}", body.name, body.shape)?;
+            write!(f, "{}: {}", body.name, body.form)?;
             if let Some(index) = body.refractive_index {
                 write!(f, ", refractive_index {}", SceneNumber(index))?;
             }
@@ -85,9 +85,21 @@ mod tests {
                 }
             }),
         ];
-        (shape, proptest::option::of(positive()), any::<bool>(), any::<bool>()).prop_map(move |(shape, index, opaque, matte)| {
+        let factor = || prop_oneof![(-10.0..-0.1f64), (0.1..10.0f64)];
+        let place = || (-1e3..1e3f64, -1e3..1e3f64, -1e3..1e3f64).prop_map(|place| Vector(DVec3::from(place)).to_string());
+        let transform = prop_oneof![
+            factor().prop_map(|factor| format!(", scale {}", SceneNumber(factor))),
+            (factor(), factor(), factor()).prop_map(|factors| format!(", scale {}", Vector(factors.into()))),
+            (place(), number()).prop_map(|(axis, angle)| format!(", rotate {axis} {}", SceneNumber(angle))),
+            place().prop_map(|by| format!(", translate {by}")),
+            (place(), positive()).prop_map(|(center, size)| format!(", fit {center} {}", SceneNumber(size))),
+        ];
+        let transforms = proptest::collection::vec(transform, 0..4);
+        let body = (shape, transforms, proptest::option::of(positive()), any::<bool>(), any::<bool>());
+        body.prop_map(move |(shape, transforms, index, opaque, matte)| {
             let index = index.map_or(String::new(), |index| format!(", refractive_index {}", SceneNumber(index)));
-            format!("b{name}: {shape}{index}{}{};\n", if opaque { ", opaque" } else { "" }, if matte { ", matte" } else { "" })
+            let words = [if opaque { ", opaque" } else { "" }, if matte { ", matte" } else { "" }].concat();
+            format!("b{name}: {shape}{}{index}{words};\n", transforms.concat())
         })
     }
 

@@ -1,7 +1,8 @@
 //! How shapes and kinds of lights are written: what each of them says about its own text, and the tables of all.
 //!
 //! A shape or a kind of light is one file (its values, [`TextForm`], `Display`, `Movable`) and one row in the table
-//! of its enumeration. The parser, its messages and the editor read the tables; nothing else names a shape.
+//! of its enumeration. Transforms of bodies have a table too.
+//! The parser, its messages and the editor read the tables; nothing else names a shape.
 
 use crate::lang::cursor::{Cursor, Reported};
 use crate::lang::keywords::Keyword;
@@ -126,14 +127,18 @@ mod tests {
     use super::Syntax;
     use crate::lang::keywords::Keyword;
     use crate::lang::source::Source;
-    use crate::scene::{LightKind, Scene, Shape};
+    use crate::scene::{LightKind, Scene, Shape, Transform};
 
-    /// Of every shape and light: its keyword, all its words, and its example.
-    fn all() -> impl Iterator<Item = (Keyword, Vec<&'static str>, &'static str)> {
-        fn of<T>(syntax: &'static Syntax<T>) -> (Keyword, Vec<&'static str>, &'static str) {
-            (syntax.keyword, syntax.words().map(|keyword| keyword.word).collect(), syntax.example)
+    /// Of every shape, light and transform: its keyword, all its words, and its example.
+    fn all() -> impl Iterator<Item = (Keyword, Vec<&'static str>, String)> {
+        fn of<T>(syntax: &'static Syntax<T>) -> (Keyword, Vec<&'static str>, String) {
+            (syntax.keyword, syntax.words().map(|keyword| keyword.word).collect(), syntax.example.to_owned())
         }
-        Shape::SYNTAX.iter().map(of).chain(LightKind::SYNTAX.iter().map(of))
+        let of_body = |(keyword, words, example): (Keyword, Vec<&'static str>, String)| {
+            (keyword, words, format!("{}, {example}", Shape::SYNTAX[0].example))
+        };
+        let transforms = Transform::SYNTAX.iter().map(of).map(of_body);
+        Shape::SYNTAX.iter().map(of).chain(LightKind::SYNTAX.iter().map(of)).chain(transforms)
     }
 
     #[test]
@@ -156,7 +161,10 @@ mod tests {
 
     #[test]
     fn every_example_reads_back_unchanged() {
-        let bodies: String = Shape::SYNTAX.iter().map(|shape| format!("{}: {};\n", shape.keyword.word, shape.example)).collect();
+        let shapes = Shape::SYNTAX.iter().map(|shape| format!("{}: {};\n", shape.keyword.word, shape.example));
+        let ball = Shape::SYNTAX[0].example;
+        let transforms = Transform::SYNTAX.iter().map(|row| format!("t_{}: {ball}, {};\n", row.keyword.word, row.example));
+        let bodies: String = shapes.chain(transforms).collect();
         let lights: String =
             LightKind::SYNTAX.iter().map(|light| format!("l_{}: {};\n", light.keyword.word, light.example)).collect();
         let text =

@@ -18,6 +18,13 @@ impl Bounds {
         Self { low: self.low.min(other.low), high: self.high.max(other.high) }
     }
 
+    /// The box around points. Without points, it is inside out.
+    #[must_use]
+    pub(super) fn of_points(points: impl Iterator<Item = DVec3>) -> Self {
+        let none = Self { low: DVec3::INFINITY, high: DVec3::NEG_INFINITY };
+        points.fold(none, |bounds, point| Self { low: bounds.low.min(point), high: bounds.high.max(point) })
+    }
+
     /// The distance from corner to corner.
     pub fn diagonal(&self) -> f64 {
         (self.high - self.low).length()

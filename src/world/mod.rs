@@ -27,7 +27,7 @@ use crate::scene::{BodyId, LightId, Scene};
 use glam::DVec3;
 use hit::Meeting;
 use std::sync::Arc;
-use surface::{Geometry, Surface};
+use surface::Surface;
 
 /// The tolerance as a share of the extent, see [`World::tolerance`].
 const TOLERANCE: f64 = 1e-9;
@@ -48,9 +48,9 @@ impl World {
     /// Builds the world of a scene.
     pub fn new(scene: impl Into<Arc<Scene>>) -> Self {
         let scene = scene.into();
-        let surfaces: Vec<Surface> = scene.bodies.iter().map(|body| Surface::new(&body.shape)).collect();
+        let surfaces: Vec<Surface> = scene.bodies.iter().map(|body| Surface::new(&body.form)).collect();
         let emitters = scene.light_ids().map(|light| Emitter::new(light, &scene.light(light).kind)).collect();
-        let bounds = surfaces.iter().map(Geometry::bounds).reduce(Bounds::union);
+        let bounds = surfaces.iter().map(Surface::bounds).reduce(Bounds::union);
         let extent = bounds.map_or(0.0, |bounds| bounds.diagonal());
         Self { scene, surfaces, emitters, extent, tolerance: TOLERANCE * extent }
     }
@@ -185,6 +185,8 @@ impl World {
     }
 
     /// The tangent at a hit, of unit length: the direction in which u grows, see [`coordinates`](Self::coordinates).
+    ///
+    /// A transformed body takes the tangents and the coordinates of its shape along. For the shapes themselves:
     ///
     /// On a rectangle or triangle it is the direction from A to B. On a round body it is along the parallel: on a
     /// sphere normalize(<0,1,0> × outward normal), or <1,0,0> at the poles; on the axis of another body, the direction

@@ -1,4 +1,7 @@
 //! The kinds of surfaces: what each of them must answer, and the table of all.
+//!
+//! A surface of a [`Shape`] answers in the coordinates of the shape. The [`Surface`] of a body answers in those of the
+//! world, whatever transforms the body has (`surface/placed.rs`).
 
 mod axis_box;
 mod axis_frame;
@@ -6,31 +9,35 @@ mod chord;
 mod cone;
 mod cylinder;
 mod disc;
+mod placed;
 mod rectangle;
 mod sphere;
 #[cfg(test)]
 mod tests;
+mod tolerance;
 mod triangle;
 
 use crate::scene::Shape;
 use crate::world::bounds::Bounds;
 use crate::world::hit::{Meeting, SurfaceHit};
 use crate::world::ray::{Departure, PrimitiveId, Ray};
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 
-/// What a surface answers. Each kind implements it in a file of its own.
-pub(super) trait Geometry {
-    /// The box around it.
-    fn bounds(&self) -> Bounds;
+pub(super) use placed::Surface;
+use tolerance::Tolerance;
+
+/// What the surface of a shape answers, in the coordinates of the shape. Each kind implements it in a file of its own.
+trait Geometry {
+    /// The box around it, after it is transformed by `map`.
+    fn bounds(&self, map: &DAffine3) -> Bounds;
 
     /// Where a ray from elsewhere first meets the surface, at a distance greater than 0.
     ///
-    /// A surface within `tolerance` (in world units, ≥ 0) of the origin is not met: it coincides with the surface that
-    /// the ray comes from.
-    fn intersect(&self, ray: &Ray, tolerance: f64) -> Option<Meeting>;
+    /// A surface within the tolerance of the origin is not met: it coincides with the surface that the ray comes from.
+    fn intersect(&self, ray: &Ray, tolerance: &Tolerance) -> Option<Meeting>;
 
     /// Where a ray that starts on this very surface meets it again. The root at the origin is left out analytically.
-    fn intersect_again(&self, ray: &Ray, from: Departure, tolerance: f64) -> Option<Meeting>;
+    fn intersect_again(&self, ray: &Ray, from: Departure, tolerance: &Tolerance) -> Option<Meeting>;
 
     /// The point of the surface nearest to `point`, which is on it but for rounding, with its front normals.
     /// `direction`, that of the ray that found it, decides where rounding leaves nothing else to go by.
@@ -51,61 +58,62 @@ pub(super) struct FrontPoint {
     pub(super) shading_normal: DVec3,
 }
 
-/// Declares [`Surface`] from rows: the variant of [`Shape`] that a surface is built from, and the type of the surface.
+/// Declares [`ShapeSurface`] from rows: the variant of [`Shape`] that a surface is built from, and the type of the
+/// surface.
 macro_rules! surfaces {
     ($($kind:ident: $module:ident::$type:ident,)*) => {
-        /// The surface of a body.
+        /// The surface of a shape.
         #[derive(Debug, Clone, PartialEq)]
-        pub(super) enum Surface {
+        enum ShapeSurface {
             $($kind($module::$type),)*
         }
 
-        impl Surface {
+        impl ShapeSurface {
             /// The surface of a shape.
-            pub(super) fn new(shape: &Shape) -> Self {
+            fn new(shape: &Shape) -> Self {
                 match shape {
-                    $(Shape::$kind(shape) => Surface::$kind($module::$type::new(shape)),)*
+                    $(Shape::$kind(shape) => ShapeSurface::$kind($module::$type::new(shape)),)*
                 }
             }
         }
 
-        impl Geometry for Surface {
-            fn bounds(&self) -> Bounds {
+        impl Geometry for ShapeSurface {
+            fn bounds(&self, map: &DAffine3) -> Bounds {
                 match self {
-                    $(Surface::$kind(surface) => surface.bounds(),)*
+                    $(ShapeSurface::$kind(surface) => surface.bounds(map),)*
                 }
             }
 
             #[inline]
-            fn intersect(&self, ray: &Ray, tolerance: f64) -> Option<Meeting> {
+            fn intersect(&self, ray: &Ray, tolerance: &Tolerance) -> Option<Meeting> {
                 match self {
-                    $(Surface::$kind(surface) => surface.intersect(ray, tolerance),)*
+                    $(ShapeSurface::$kind(surface) => surface.intersect(ray, tolerance),)*
                 }
             }
 
             #[inline]
-            fn intersect_again(&self, ray: &Ray, from: Departure, tolerance: f64) -> Option<Meeting> {
+            fn intersect_again(&self, ray: &Ray, from: Departure, tolerance: &Tolerance) -> Option<Meeting> {
                 match self {
-                    $(Surface::$kind(surface) => surface.intersect_again(ray, from, tolerance),)*
+                    $(ShapeSurface::$kind(surface) => surface.intersect_again(ray, from, tolerance),)*
                 }
             }
 
             #[inline]
             fn project(&self, point: DVec3, primitive: PrimitiveId, direction: DVec3) -> FrontPoint {
                 match self {
-                    $(Surface::$kind(surface) => surface.project(point, primitive, direction),)*
+                    $(ShapeSurface::$kind(surface) => surface.project(point, primitive, direction),)*
                 }
             }
 
             fn tangent(&self, hit: &SurfaceHit) -> DVec3 {
                 match self {
-                    $(Surface::$kind(surface) => surface.tangent(hit),)*
+                    $(ShapeSurface::$kind(surface) => surface.tangent(hit),)*
                 }
             }
 
             fn coordinates(&self, hit: &SurfaceHit) -> [f64; 2] {
                 match self {
-                    $(Surface::$kind(surface) => surface.coordinates(hit),)*
+                    $(ShapeSurface::$kind(surface) => surface.coordinates(hit),)*
                 }
             }
         }

@@ -4,7 +4,7 @@ use illuminator::lang::builtins::{self, Form, Repetition};
 use illuminator::lang::keywords::{self, Keyword};
 use illuminator::lang::surface_terms::SurfaceTerm;
 use illuminator::lang::variables::{Predefined, Variable};
-use illuminator::scene::{LightKind, Shape, Syntax};
+use illuminator::scene::{LightKind, Shape, Syntax, Transform};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -80,6 +80,7 @@ fn scene() -> Value {
     let kinds = Shape::SYNTAX.iter().map(|kind| kind.keyword.word);
     let kinds = one_of(kinds.chain(LightKind::SYNTAX.iter().map(|kind| kind.keyword.word)));
     let clauses = Shape::SYNTAX.iter().flat_map(Syntax::words).chain(LightKind::SYNTAX.iter().flat_map(Syntax::words));
+    let clauses = clauses.chain(Transform::SYNTAX.iter().flat_map(Syntax::words));
     let clauses = one_of(clauses.map(|keyword| keyword.word).chain(words(&keywords::BODY_ATTRIBUTES)));
     let mut patterns = common();
     patterns.extend([

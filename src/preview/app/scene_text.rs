@@ -147,7 +147,8 @@ impl App {
 
     /// Adds a body where the camera looks, as high as a fifth of the picture.
     fn add_body(&mut self, keyword: &str) {
-        let Some(shape) = example(Shape::SYNTAX, keyword, |text| Some(scene_with(text, "")?.bodies.into_iter().next()?.shape))
+        let Some(shape) =
+            example(Shape::SYNTAX, keyword, |text| Some(scene_with(text, "")?.bodies.into_iter().next()?.form.shape))
         else {
             return;
         };

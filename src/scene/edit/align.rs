@@ -32,6 +32,15 @@ impl Decimals {
         }
     }
 
+    /// Of a factor or an angle: four digits.
+    pub(super) fn of_factors(precision: Precision, of: f64) -> Self {
+        match precision {
+            Precision::Exact => Self { count: None, keeps: false },
+            Precision::Decimals(_) if of == 0.0 => Self { count: Some(DIRECTION_DIGITS), keeps: true },
+            Precision::Decimals(_) => Self { count: Some(DIRECTION_DIGITS - of.abs().log10().floor() as i32), keeps: true },
+        }
+    }
+
     /// Of the numbers of a camera, counted in the order of its text: position, gaze, up, fov.
     pub(super) fn of_camera(precision: Precision, number: usize, camera: &Camera) -> Self {
         let Precision::Decimals(count) = precision else { return Self { count: None, keeps: false } };

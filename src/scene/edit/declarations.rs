@@ -7,7 +7,7 @@ use crate::lang::lines::{LineEnd, line_end, line_start};
 use crate::lang::source::Source;
 use crate::lang::token::{Mark, Token, TokenKind};
 use crate::scene::syntax::Syntax;
-use crate::scene::{LightKind, Scene, Shape};
+use crate::scene::{BodyId, LightKind, Scene, Shape, Transform};
 use std::ops::Range;
 
 /// The indentation of a declaration in a section that has no other.
@@ -75,6 +75,31 @@ impl<'s> SceneText<'s> {
         cursor.advance();
         (kind.parse)(&mut cursor).ok()?;
         Some(cursor.position())
+    }
+
+    /// The tokens of each transform of a body, from its keyword on.
+    pub(super) fn transforms(&self, body: BodyId) -> Option<Vec<Range<usize>>> {
+        let declared = SceneObject::Body(body);
+        let mut cursor = Cursor::new(self.source);
+        let start = self.value(declared)?.end;
+        while cursor.position() < start && !cursor.at_end() {
+            cursor.advance();
+        }
+        let mut found = Vec::new();
+        while !cursor.at_end() && !cursor.sees_mark(0, Mark::Semicolon) {
+            let (begin, word) = (cursor.position(), cursor.advance().kind);
+            let TokenKind::Word(word) = word else { continue };
+            if let Some(transform) = Transform::SYNTAX.iter().find(|syntax| syntax.keyword.word == word) {
+                (transform.parse)(&mut cursor).ok()?;
+                found.push(begin..cursor.position());
+            }
+        }
+        Some(found)
+    }
+
+    /// The byte behind a token.
+    pub(super) fn end_of(&self, token: usize) -> Option<usize> {
+        self.tokens.get(token).map(|token| token.span.range().end)
     }
 
     /// The tokens of the camera, from the head of its section to the end.

@@ -2,15 +2,17 @@
 //!
 //! [`edit`] turns a [`SceneChange`] into replacements of parts of the text. Where values change, only the numbers that
 //! are different are written again. Nothing here knows the form of a shape or a light: the text of a declaration is
-//! compared word by word with what `Display` prints (`align`). `declarations` finds where declarations begin and end.
+//! compared word by word with what `Display` prints (`align`). The transforms
+//! of a body are edited one by one (`forms`). `declarations` finds where declarations begin and end.
 
 mod align;
 mod declarations;
+mod forms;
 #[cfg(test)]
 mod tests;
 
 use crate::lang::source::Source;
-use crate::scene::{BodyId, Camera, LightId, LightKind, Scene, Shape};
+use crate::scene::{BodyForm, BodyId, Camera, LightId, LightKind, Scene, Shape};
 use align::{Decimals, realigned};
 use declarations::SceneText;
 use glam::DVec3;
@@ -30,8 +32,8 @@ pub enum SceneObject {
 pub enum SceneChange {
     /// Another camera.
     Camera(Camera),
-    /// Another shape of a body, of the same kind or of another one.
-    Shape(BodyId, Shape),
+    /// Another form of a body, with a shape of the same kind or of another one.
+    Form(BodyId, BodyForm),
     /// Another place, or another kind, of a light.
     Light(LightId, LightKind),
     /// A new body of this name, behind the others.
@@ -161,10 +163,7 @@ fn replacements(text: &SceneText, change: &SceneChange, precision: Precision) ->
             let decimals = |number: usize| Decimals::of_camera(precision, number, camera);
             Some(realigned(text, text.camera(), &scene.camera, camera, decimals))
         }
-        SceneChange::Shape(id, shape) => {
-            let old = &scene.bodies.get(id.index())?.shape;
-            Some(realigned(text, text.value(SceneObject::Body(*id))?, old, shape, lengths))
-        }
+        SceneChange::Form(id, form) => forms::replaced(text, *id, form, precision),
         SceneChange::Light(id, kind) => {
             let old = &scene.lights.get(id.index())?.kind;
             Some(realigned(text, text.value(SceneObject::Light(*id))?, old, kind, lengths))
@@ -180,9 +179,8 @@ fn replacements(text: &SceneText, change: &SceneChange, precision: Precision) ->
             let by = precision.round(*by);
             let mut inside = match original {
                 SceneObject::Body(id) => {
-                    let shape = &scene.body(*id).shape;
-                    let moved = shape.moved(by).unwrap_or_else(|| shape.clone());
-                    realigned(text, text.value(*original)?, shape, &moved, lengths)
+                    let form = &scene.body(*id).form;
+                    forms::replaced(text, *id, &form.moved(by).unwrap_or_else(|| form.clone()), precision)?
                 }
                 SceneObject::Light(id) => {
                     let kind = &scene.light(*id).kind;

@@ -1,6 +1,7 @@
 //! Edits of texts: what is changed, and what stays.
 
 use super::*;
+use crate::scene::{Syntax, Transform};
 use proptest::prelude::*;
 
 const CAMERA: &str = "camera; position <0, 1, 5>; gaze <0, 0, -1>; up <0, 1, 0>; fov 45;";
@@ -16,8 +17,8 @@ fn edited(text: &str, change: &SceneChange, precision: Precision) -> SceneEdit {
     done
 }
 
-fn sphere(text: &str, id: u32) -> Shape {
-    scene_of(text).body(BodyId(id)).shape.clone()
+fn form(text: &str, id: u32) -> BodyForm {
+    scene_of(text).body(BodyId(id)).form.clone()
 }
 
 #[test]
@@ -27,32 +28,70 @@ fn only_the_numbers_that_change_are_written_again() {
         + "lights; key: point, <1,2,  -3>;\n"
         + CAMERA;
     let by = DVec3::new(0.25, 0.0, 0.125);
-    let moved = sphere(&text, 0).moved(by).unwrap();
-    let done = edited(&text, &SceneChange::Shape(BodyId(0), moved), Precision::Decimals(2));
+    let moved = form(&text, 0).moved(by).unwrap();
+    let done = edited(&text, &SceneChange::Form(BodyId(0), moved), Precision::Decimals(2));
     assert_eq!(done.text, text.replace("-0.5 /*", "-0.25 /*").replace("1.250, 0>", "1.250, 0.12>"));
     let light = scene_of(&text).lights[0].kind.moved(DVec3::new(0.0, 0.0, 4.0)).unwrap();
     let done = edited(&text, &SceneChange::Light(LightId(0), light), Precision::Decimals(2));
     assert_eq!(done.text, text.replace("  -3>", "  1>"));
-    let larger = sphere(&text, 0).scaled(1.1).unwrap();
-    let done = edited(&text, &SceneChange::Shape(BodyId(0), larger), Precision::Decimals(2));
+    let larger = form(&text, 0).scaled(1.1).unwrap();
+    let done = edited(&text, &SceneChange::Form(BodyId(0), larger), Precision::Decimals(2));
     assert_eq!(done.text, text.replace("radius 1.25", "radius 1.38"), "1.375, to the decimals of the text");
+}
+
+#[test]
+fn transforms_are_changed_one_by_one_and_added_behind_the_last_one() {
+    let scene = |body: &str| format!("bodies;\n b: {body}; // end\nlights;\n{CAMERA}");
+    let moved = |body: &str, by: DVec3| {
+        let text = scene(body);
+        let change = SceneChange::Form(BodyId(0), form(&text, 0).moved(by).unwrap());
+        edited(&text, &change, Precision::Decimals(2)).text
+    };
+    let by = DVec3::new(0.25, 0.0, 0.125);
+    let ball = "sphere, center <0,0,0>, radius 1";
+    assert_eq!(
+        moved(&format!("{ball}, rotate <0, 1, 0> 12.3456 /* x */ , matte"), by),
+        scene(&format!("{ball}, rotate <0, 1, 0> 12.3456, translate <0.25, 0, 0.12> /* x */ , matte"))
+    );
+    assert_eq!(
+        moved(&format!("{ball}, opaque, scale .5, /* to the left */ translate <-1,0,0>, matte"), by),
+        scene(&format!("{ball}, opaque, scale .5, /* to the left */ translate <-0.75,0,0.12>, matte"))
+    );
+    assert_eq!(moved(&format!("{ball}, fit <1,1,1> 3"), by), scene(&format!("{ball}, fit <1.25,1,1.12> 3")));
+    let resized = |body: &str, by: f64| {
+        let text = scene(body);
+        let change = SceneChange::Form(BodyId(0), form(&text, 0).scaled(by).unwrap());
+        edited(&text, &change, Precision::Decimals(1)).text
+    };
+    assert_eq!(resized(&format!("{ball}, fit <1,1,1> 3, scale 2"), 1.5), scene(&format!("{ball}, fit <1,1,1> 4.5, scale 2")));
+    let grown = scene("sphere, center <0,0,0>, radius 1.5, scale <1,2,3>, matte");
+    assert_eq!(resized(&format!("{ball}, scale <1,2,3>, matte"), 1.5), grown);
+    // Others in their place.
+    let text = scene(&format!("{ball}, scale 1.23456, opaque, rotate <0,0,1> 30, translate <1,1,1>"));
+    let new = BodyForm { transforms: vec![Transform::Scale(2.0)], ..form(&text, 0) };
+    let done = edited(&text, &SceneChange::Form(BodyId(0), new), Precision::Exact);
+    assert_eq!(done.text, scene(&format!("{ball}, scale 2, opaque")));
+    let copy = SceneChange::Duplicate(SceneObject::Body(BodyId(0)), "c".to_owned(), DVec3::X);
+    let copied = edited(&text, &copy, Precision::Decimals(2)).text;
+    let line = format!(" c: {ball}, scale 1.23456, opaque, rotate <0,0,1> 30, translate <2,1,1>;\n");
+    assert!(copied.contains(&line), "{copied}");
 }
 
 #[test]
 fn numbers_keep_the_decimals_that_a_person_wrote() {
     let text = format!("bodies; b: rectangle, <0.125, 0, 0>, <0.125, 1, 0>, <1.125, 1, 0>; lights; {CAMERA}");
-    let moved = sphere(&text, 0).moved(Precision::Decimals(1).round(DVec3::new(0.12345, 0.0, 0.26))).unwrap();
-    let done = edited(&text, &SceneChange::Shape(BodyId(0), moved), Precision::Decimals(1));
+    let moved = form(&text, 0).moved(Precision::Decimals(1).round(DVec3::new(0.12345, 0.0, 0.26))).unwrap();
+    let done = edited(&text, &SceneChange::Form(BodyId(0), moved), Precision::Decimals(1));
     assert!(done.text.contains("<0.225, 0, 0.3>, <0.225, 1, 0.3>, <1.225, 1, 0.3>"), "{}", done.text);
     // Large scenes have large steps.
     let text = format!("bodies; b: sphere, center <1e6, 0, 0>, radius 25000; lights; {CAMERA}");
-    let moved = sphere(&text, 0).moved(DVec3::new(123_456.0, 7.0, -987_654.0)).unwrap();
-    let done = edited(&text, &SceneChange::Shape(BodyId(0), moved), Precision::for_size(2e6));
+    let moved = form(&text, 0).moved(DVec3::new(123_456.0, 7.0, -987_654.0)).unwrap();
+    let done = edited(&text, &SceneChange::Form(BodyId(0), moved), Precision::for_size(2e6));
     assert!(done.text.contains("center <1123000, 0, -988000>, radius 25000"), "{}", done.text);
     // A radius that would vanish is written exactly.
-    let small = sphere(&text, 0).scaled(1e-9).unwrap();
-    let done = edited(&text, &SceneChange::Shape(BodyId(0), small.clone()), Precision::for_size(2e6));
-    assert_eq!(done.scene.body(BodyId(0)).shape, small);
+    let small = form(&text, 0).scaled(1e-9).unwrap();
+    let done = edited(&text, &SceneChange::Form(BodyId(0), small.clone()), Precision::for_size(2e6));
+    assert_eq!(done.scene.body(BodyId(0)).form, small);
 }
 
 #[test]
@@ -76,7 +115,7 @@ fn the_camera_is_written_in_place_with_few_digits() {
 #[test]
 fn declarations_are_added_where_they_belong() {
     let ball = scene_of(&format!("bodies; b: sphere, center <0.12345, 0, 0>, radius 1; lights; {CAMERA}"));
-    let (shape, light) = (ball.body(BodyId(0)).shape.clone(), LightKind::SYNTAX[0].example);
+    let (shape, light) = (ball.body(BodyId(0)).form.shape.clone(), LightKind::SYNTAX[0].example);
     let light = scene_of(&format!("bodies; lights; l: {light}; {CAMERA}")).lights[0].kind.clone();
     let add = |text: &str| {
         let body = edited(text, &SceneChange::AddBody("new".to_owned(), shape.clone()), Precision::Decimals(2));
@@ -149,7 +188,7 @@ fn texts_with_errors_and_changes_that_would_make_some_are_refused() {
     }
     let text = format!("bodies; a: sphere, center <0,0,0>, radius 1; lights; {CAMERA}");
     assert_eq!(refused(&text, &SceneChange::Remove(SceneObject::Body(BodyId(1)))), EditRefusal::Missing);
-    let why = refused(&text, &SceneChange::AddBody("a".to_owned(), sphere(&text, 0)));
+    let why = refused(&text, &SceneChange::AddBody("a".to_owned(), form(&text, 0).shape));
     assert_eq!(why.to_string(), "the scene text would have an error: the name `a` is already taken");
 }
 
@@ -180,7 +219,9 @@ proptest! {
         by in (-1e3..1e3f64, -1e3..1e3f64, -1e3..1e3f64),
         turn in -3.0..3.0f64,
     ) {
-        let bodies: String = Shape::SYNTAX.iter().map(|row| format!("b_{}: {}, matte;", row.keyword.word, row.example)).collect();
+        let ends = ["", ", rotate <1,2,3> 40, translate <0,0.5,0>", ", fit <1,2,3> 4.25, opaque", ", scale 2, fit <0,0,0> 1"];
+        let body = |(row, end): (&Syntax<Shape>, &&str)| format!("b_{}: {}, matte{end};", row.keyword.word, row.example);
+        let bodies: String = Shape::SYNTAX.iter().zip(ends.iter().cycle()).map(body).collect();
         let lights: String = LightKind::SYNTAX.iter().map(|row| format!("l_{}: {};", row.keyword.word, row.example)).collect();
         let plain = format!("bodies; {bodies} lights; {lights} {CAMERA}");
         let tokens = crate::lang::lexer::tokenize(&Source::new("scene", plain.as_str())).tokens;
@@ -192,14 +233,14 @@ proptest! {
         let scene = scene_of(&text);
         let by = DVec3::from(by);
         let mut changes = vec![SceneChange::Camera(scene.camera.orbited(by, turn, turn).unwrap())];
-        changes.extend(scene.body_ids().map(|id| SceneChange::Shape(id, scene.body(id).shape.moved(by).unwrap())));
+        changes.extend(scene.body_ids().map(|id| SceneChange::Form(id, scene.body(id).form.moved(by).unwrap())));
         changes.extend(scene.light_ids().filter_map(|id| Some(SceneChange::Light(id, scene.light(id).kind.moved(by)?))));
         for change in changes {
             let done = edited(&text, &change, Precision::Exact);
             let mut wanted = scene.clone();
             match change.clone() {
                 SceneChange::Camera(camera) => wanted.camera = camera,
-                SceneChange::Shape(id, shape) => wanted.bodies[id.index()].shape = shape,
+                SceneChange::Form(id, form) => wanted.bodies[id.index()].form = form,
                 SceneChange::Light(id, kind) => wanted.lights[id.index()].kind = kind,
                 SceneChange::AddBody(..) | SceneChange::AddLight(..) | SceneChange::Duplicate(..) | SceneChange::Remove(_) => {}
             }
@@ -207,8 +248,8 @@ proptest! {
             prop_assert_eq!(gaps(&done.text), gaps(&text));
             // Rounded, it is no further away than the rounding.
             let rounded = edited(&text, &change, Precision::Decimals(3));
-            if let SceneChange::Shape(id, shape) = &change {
-                let far = rounded.scene.body(*id).shape.anchor().unwrap().distance(shape.anchor().unwrap());
+            if let SceneChange::Form(id, form) = &change {
+                let far = rounded.scene.body(*id).form.anchor().unwrap().distance(form.anchor().unwrap());
                 prop_assert!(far < 1e-3, "{}", far);
             }
         }

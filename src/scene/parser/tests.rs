@@ -215,6 +215,148 @@ fn bodies_without_an_inside_are_marked_where_they_collapse() {
 }
 
 #[test]
+fn transforms_follow_the_shape_in_any_number_and_order() {
+    let text = bodies(
+        "b: sphere, center <0,0,0>, radius 1, matte, scale 2, opaque, rotate <0, 2, 0> -30, scale <-1, 1, 0.5>,
+         translate <0, 1, 0>, fit <1,1,1> 3, scale 2;",
+    );
+    let (scene, warnings) = parse(&Source::new("scene", text)).unwrap();
+    assert!(warnings.is_empty());
+    let line = scene.to_string().lines().nth(1).unwrap().to_owned();
+    assert_snapshot!(line, @"b: sphere, center <0, 0, 0>, radius 1, scale 2, rotate <0, 2, 0> -30, scale <-1, 1, 0.5>, translate <0, 1, 0>, fit <1, 1, 1> 3, scale 2, opaque, matte;");
+}
+
+/// What is said of a transform.
+fn transform_errors(transform: &str) -> String {
+    errors(&bodies(&format!("b: sphere, center <0,0,0>, radius 1, {transform};")))
+}
+
+#[test]
+fn transforms_without_a_meaning_are_explained() {
+    let errors = transform_errors;
+    assert_snapshot!(errors("scale 0"), @r"
+    scene:2:44: error: the scale is 0
+        b: sphere, center <0,0,0>, radius 1, scale 0;
+                                                   ^ nothing would be left of the body
+        help: a flat body is a `rectangle`, a `disc` or a `triangle`; a scale below 0 mirrors
+    ");
+    assert_snapshot!(errors("scale <1, 0, 1>"), @r"
+    scene:2:44: error: the scale along y is 0
+        b: sphere, center <0,0,0>, radius 1, scale <1, 0, 1>;
+                                                   ^^^^^^^^^ the body would be flat
+        help: a flat body is a `rectangle`, a `disc` or a `triangle`; a scale below 0 mirrors
+    ");
+    assert_snapshot!(errors("scale 1, 2, 3"), @r"
+    scene:2:44: error: `scale` has one factor, or a vector of three
+        b: sphere, center <0,0,0>, radius 1, scale 1, 2, 3;
+                                                   ^^^^ more than one number
+        help: three factors are written `scale <x, y, z>`
+        help: it is written `scale NUMBER` or `scale <x, y, z>`: makes the body larger about the origin, or stretches it along the axes
+    ");
+}
+
+#[test]
+fn rotations_without_a_meaning_are_explained() {
+    let errors = transform_errors;
+    assert_snapshot!(errors("rotate <0,0,0> 30"), @r"
+    scene:2:45: error: the axis of the rotation is zero
+        b: sphere, center <0,0,0>, radius 1, rotate <0,0,0> 30;
+                                                    ^^^^^^^ this is no direction
+        help: to turn about the vertical axis, write `rotate <0, 1, 0> DEGREES`
+    ");
+    assert_snapshot!(errors("rotate <0,45,0>"), @r"
+    scene:2:45: error: expected the angle of the rotation, in degrees
+        b: sphere, center <0,0,0>, radius 1, rotate <0,45,0>;
+                                                    ^^^^^^^^ this is its axis
+        help: a rotation is written `rotate <0, 1, 0> 30`; if these are angles, write `rotate <0, 1, 0> 45`
+        help: it is written `rotate <x, y, z> DEGREES`: turns the body about this axis through the origin
+    ");
+    assert_snapshot!(errors("rotate 45 <0,1,0>"), @r"
+    scene:2:45: error: expected the axis of the rotation before its angle
+        b: sphere, center <0,0,0>, radius 1, rotate 45 <0,1,0>;
+                                                    ^^ the axis comes first
+        help: write `rotate <0, 1, 0> 45` to turn about the y axis
+        help: it is written `rotate <x, y, z> DEGREES`: turns the body about this axis through the origin
+    ");
+    assert_snapshot!(errors("rotate <0,1,0>, 45"), @r"
+    scene:2:52: error: no `,` stands after the axis of the rotation
+        b: sphere, center <0,0,0>, radius 1, rotate <0,1,0>, 45;
+                                                           ^ leave this out
+    ");
+}
+
+#[test]
+fn other_transforms_without_a_meaning_are_explained() {
+    let errors = transform_errors;
+    assert_snapshot!(errors("fit 2"), @r"
+    scene:2:42: error: expected where the middle of the body is to be, before its size
+        b: sphere, center <0,0,0>, radius 1, fit 2;
+                                                 ^ the place comes first
+        help: write `fit <0, 0, 0> 2`
+        help: it is written `fit <x, y, z> SIZE`: moves and scales the body so that the box around it is centred there and its largest side has this length
+    ");
+    assert_snapshot!(errors("translate 2"), @r"
+    scene:2:48: error: expected the way by which the body is moved, found the number 2
+        b: sphere, center <0,0,0>, radius 1, translate 2;
+                                                       ^ a vector belongs here
+        help: vectors are written `<x, y, z>`
+        help: it is written `translate <x, y, z>`: moves the body
+    ");
+    assert_snapshot!(errors("scale 1e20, scale 1e20"), @r"
+    scene:2:50: error: the transforms together make the body too large, or move it too far
+        b: sphere, center <0,0,0>, radius 1, scale 1e20, scale 1e20;
+                                                         ^^^^^^^^^^ with this one
+        help: leave transforms out, or give the body a size by `fit <x, y, z> SIZE`
+    ");
+    assert_snapshot!(errors("translation <0,1,0>"), @r"
+    scene:2:38: error: expected an attribute of the body, found `translation`
+        b: sphere, center <0,0,0>, radius 1, translation <0,1,0>;
+                                             ^^^^^^^^^^^ no attribute of this name
+        help: did you mean `translate`?
+        help: a body is moved by `translate <x, y, z>`
+    ");
+    assert_snapshot!(errors("scael 2"), @r"
+    scene:2:38: error: expected an attribute of the body, found `scael`
+        b: sphere, center <0,0,0>, radius 1, scael 2;
+                                             ^^^^^ no attribute of this name
+        help: did you mean `scale`?
+        help: the attributes are `refractive_index NUMBER`, `opaque` and `matte`; bodies are moved, turned and resized by `scale`, `rotate`, `translate` or `fit`
+    ");
+    let all = [
+        "scale <1e31,1,1>",
+        "scale 1e31",
+        "scale 1e-31",
+        "fit <0,0,0> 0",
+        "fit <0,0,0> -1",
+        "scale",
+        "rotate",
+        "translate <1,2>",
+        "scale 1e-20, rotate <0,1,0> 30, scale 1e-20",
+        "translate <1e30,0,0>, translate <1e30,0,0>",
+        "fit <0,0,0> 1 scale 2",
+        "rotate <0,1,0> 1e31",
+        "scale 1e20, fit <0,0,0> 1, scale 1e20, scale 0",
+    ];
+    let all: String =
+        all.iter().enumerate().map(|(at, text)| format!("b{at}: sphere, center <0,0,0>, radius 1, {text};\n")).collect();
+    assert_snapshot!(messages(&bodies(&all)), @r"
+    a component of the scale is too large
+    the scale is too large
+    the scale is too small
+    the length of the largest side must be greater than 0
+    the length of the largest side must be greater than 0
+    expected the scale, found `;`
+    expected the axis of the rotation, found `;`
+    the way by which the body is moved has only two components
+    the transforms together make the body too small
+    the transforms together make the body too large, or move it too far
+    expected `,` before `scale`
+    the angle of the rotation is too large
+    the scale is 0
+    ");
+}
+
+#[test]
 fn a_name_twice_points_to_the_first() {
     let text = format!("bodies;\nball: sphere, center <0,0,0>, radius 1;\nlights;\nball: point, <0,0,0>;\n{CAMERA}");
     assert_snapshot!(errors(&text), @r"
@@ -292,7 +434,8 @@ fn no_text_brings_the_parser_down() {
     let text = bodies(
         "b: sphere, center <-1, .5, 2.>, radius 1e-1, matte; r: rectangle, <0,0,0>, <0,1,0>, <1,1,0>;
         t: triangle, <0,0,0>, <0,1,0>, <1,1,0>; d: disc, center <0,0,0>, normal <0,1,0>, radius 1; x: box, <0,0,0>, <1,1,1>;
-        c: cylinder, <0,0,0>, <0,1,0>, radius 1; k: cone, <0,0,0>, <0,1,0>, radius 1;",
+        c: cylinder, <0,0,0>, <0,1,0>, radius 1; k: cone, <0,0,0>, <0,1,0>, radius 1;
+        v: sphere, center <0,0,0>, radius 1, scale 2, scale <-1, 2, 3>, rotate <0,1,0> -30, translate <0,1,0>, fit <0,1,0> 1;",
     );
     let words: Vec<&str> = text.split_inclusive([' ', ',', ';', '\n']).collect();
     for from in 0..words.len() {

@@ -1,16 +1,16 @@
 //! Boxes along the axes of the world.
 
 use super::chord::{Chord, ahead, slab, way_out};
-use super::{FrontPoint, Geometry};
+use super::{FrontPoint, Geometry, Tolerance};
 use crate::scene::shape;
 use crate::world::bounds::Bounds;
 use crate::world::hit::{Meeting, SurfaceHit};
 use crate::world::ray::{Departure, PrimitiveId, Ray, Side};
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 
 /// A box; its front is the outside. Its parts are its faces: those towards −x, +x, −y, +y, −z, +z.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::world) struct AxisBoxSurface {
+pub(super) struct AxisBoxSurface {
     bounds: Bounds,
 }
 
@@ -47,21 +47,26 @@ impl AxisBoxSurface {
 }
 
 impl Geometry for AxisBoxSurface {
-    fn bounds(&self) -> Bounds {
-        self.bounds
+    fn bounds(&self, map: &DAffine3) -> Bounds {
+        let Bounds { low, high } = self.bounds;
+        let corners = (0..8_u32).map(|corner| {
+            let upper = [0, 1, 2].map(|axis| corner >> axis & 1 == 1);
+            DVec3::select(upper.into(), high, low)
+        });
+        Bounds::of_points(corners.map(|corner| map.transform_point3(corner)))
     }
 
-    fn intersect(&self, ray: &Ray, tolerance: f64) -> Option<Meeting> {
+    fn intersect(&self, ray: &Ray, tolerance: &Tolerance) -> Option<Meeting> {
         let mut chord = Chord::LINE;
         for axis in 0..3 {
             let planes = self.planes(axis, ray.origin);
-            chord = chord.between(slab(planes, ray.direction[axis], faces(axis), tolerance)?);
+            chord = chord.between(slab(planes, ray.direction[axis], faces(axis), tolerance.across(DVec3::AXES[axis]))?);
         }
         chord.first()
     }
 
     /// A ray that leaves the box outwards never comes back; one that leaves a face inwards goes to another face.
-    fn intersect_again(&self, ray: &Ray, from: Departure, _: f64) -> Option<Meeting> {
+    fn intersect_again(&self, ray: &Ray, from: Departure, _: &Tolerance) -> Option<Meeting> {
         let face = |axis| ahead(self.planes(axis, ray.origin), ray.direction[axis], faces(axis), from.primitive);
         match from.side {
             Side::Front => None,

@@ -1,7 +1,7 @@
 //! The axes of bodies that are round about an axis: discs, cylinders, cones.
 
 use crate::world::bounds::Bounds;
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 use std::f64::consts::TAU;
 
 /// If the sine of the angle between an axis and the y axis is less than this, they count as parallel.
@@ -61,9 +61,11 @@ impl AxisFrame {
         across.try_normalize().map_or(self.quarter, |across| self.vector(across))
     }
 
-    /// The box around a circle about the axis.
-    pub(super) fn circle_bounds(&self, center: DVec3, radius: f64) -> Bounds {
-        let reach = radius * self.axis.map(|component| (1.0 - component * component).max(0.0).sqrt());
+    /// The box around a circle about the axis that is transformed by `map`.
+    pub(super) fn circle_bounds(&self, center: DVec3, radius: f64, map: &DAffine3) -> Bounds {
+        let [zero, quarter] = [self.zero, self.quarter].map(|across| map.transform_vector3(across));
+        let reach = radius * (zero * zero + quarter * quarter).map(f64::sqrt);
+        let center = map.transform_point3(center);
         Bounds { low: center - reach, high: center + reach }
     }
 }

@@ -53,7 +53,8 @@ impl Chord {
 /// passes beside.
 ///
 /// The line is given by its height: `planes` are the heights of the planes above the origin of the ray, the lower one
-/// first, and `slope` is how much the ray rises in one world unit. `parts` are those of the planes.
+/// first, and `slope` is how much the ray rises in one unit. `parts` are those of the planes, and `tolerance` is that
+/// across them.
 #[inline]
 pub(super) fn slab(planes: [f64; 2], slope: f64, parts: [PrimitiveId; 2], tolerance: f64) -> Option<[Passage; 2]> {
     let passage = |plane: usize, distance: f64| Passage {

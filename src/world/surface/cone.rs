@@ -2,19 +2,19 @@
 
 use super::axis_frame::AxisFrame;
 use super::chord::{Chord, Passage, ahead, slab, way_out};
-use super::{FrontPoint, Geometry};
+use super::{FrontPoint, Geometry, Tolerance};
 use crate::scene::shape;
 use crate::world::bounds::Bounds;
 use crate::world::hit::{Meeting, SurfaceHit};
 use crate::world::ray::{Departure, PrimitiveId, Ray, Side};
-use glam::{DVec2, DVec3};
+use glam::{DAffine3, DVec2, DVec3};
 
 const WALL: PrimitiveId = PrimitiveId(0);
 const BASE: PrimitiveId = PrimitiveId(1);
 
 /// A closed cone; its front is the outside. Its parts are its wall and its base.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::world) struct ConeSurface {
+pub(super) struct ConeSurface {
     base: DVec3,
     /// About the direction from the base to the apex.
     frame: AxisFrame,
@@ -79,25 +79,25 @@ impl ConeSurface {
 }
 
 impl Geometry for ConeSurface {
-    fn bounds(&self) -> Bounds {
-        let apex = self.base + self.height * self.frame.axis();
-        self.frame.circle_bounds(self.base, self.radius).union(Bounds { low: apex, high: apex })
+    fn bounds(&self, map: &DAffine3) -> Bounds {
+        let apex = map.transform_point3(self.base + self.height * self.frame.axis());
+        self.frame.circle_bounds(self.base, self.radius, map).union(Bounds { low: apex, high: apex })
     }
 
-    fn intersect(&self, ray: &Ray, tolerance: f64) -> Option<Meeting> {
+    fn intersect(&self, ray: &Ray, tolerance: &Tolerance) -> Option<Meeting> {
         let (origin, direction) = (self.place(ray.origin), self.frame.components(ray.direction));
         // As for cylinders: from the point of the ray nearest to the middle.
         let step = (0.5 * self.height * DVec3::Z - origin).dot(direction);
         let wall = self.within_wall(origin + step * direction, direction)?.map(|root| {
             let distance = root + step;
-            Passage { distance, part: WALL, at_origin: distance.abs() <= tolerance }
+            Passage { distance, part: WALL, at_origin: distance.abs() <= tolerance.along }
         });
-        let base = slab(Self::planes(origin), direction.z, [BASE; 2], tolerance)?;
+        let base = slab(Self::planes(origin), direction.z, [BASE; 2], tolerance.across(self.frame.axis()))?;
         Chord::LINE.between(wall).between(base).first()
     }
 
     /// A ray that leaves the cone outwards never comes back; one that leaves it inwards crosses it along a chord.
-    fn intersect_again(&self, ray: &Ray, from: Departure, _: f64) -> Option<Meeting> {
+    fn intersect_again(&self, ray: &Ray, from: Departure, _: &Tolerance) -> Option<Meeting> {
         if from.side == Side::Front {
             return None;
         }

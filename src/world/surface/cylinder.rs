@@ -2,12 +2,12 @@
 
 use super::axis_frame::AxisFrame;
 use super::chord::{Chord, Passage, ahead, slab, way_out};
-use super::{FrontPoint, Geometry};
+use super::{FrontPoint, Geometry, Tolerance};
 use crate::scene::shape;
 use crate::world::bounds::Bounds;
 use crate::world::hit::{Meeting, SurfaceHit};
 use crate::world::ray::{Departure, PrimitiveId, Ray, Side};
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 
 const WALL: PrimitiveId = PrimitiveId(0);
 const ENDS: [PrimitiveId; 2] = [PrimitiveId(1), PrimitiveId(2)];
@@ -16,7 +16,7 @@ const PARALLEL: f64 = 1e-30;
 
 /// A closed cylinder; its front is the outside. Its parts are its wall, its base and its top.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::world) struct CylinderSurface {
+pub(super) struct CylinderSurface {
     base: DVec3,
     /// About the direction from base to top.
     frame: AxisFrame,
@@ -65,27 +65,27 @@ impl CylinderSurface {
 }
 
 impl Geometry for CylinderSurface {
-    fn bounds(&self) -> Bounds {
+    fn bounds(&self, map: &DAffine3) -> Bounds {
         let top = self.base + self.height * self.frame.axis();
-        let ends = [self.base, top].map(|center| self.frame.circle_bounds(center, self.radius));
+        let ends = [self.base, top].map(|center| self.frame.circle_bounds(center, self.radius, map));
         ends[0].union(ends[1])
     }
 
-    fn intersect(&self, ray: &Ray, tolerance: f64) -> Option<Meeting> {
+    fn intersect(&self, ray: &Ray, tolerance: &Tolerance) -> Option<Meeting> {
         let (origin, direction) = (self.place(ray.origin), self.frame.components(ray.direction));
         // The roots are taken from the point of the ray nearest to the middle, where coordinates are small: far bodies
         // keep their shape.
         let step = (0.5 * self.height * DVec3::Z - origin).dot(direction);
         let wall = self.within_wall(origin + step * direction, direction)?.map(|root| {
             let distance = root + step;
-            Passage { distance, part: WALL, at_origin: distance.abs() <= tolerance }
+            Passage { distance, part: WALL, at_origin: distance.abs() <= tolerance.along }
         });
-        let ends = slab(self.planes(origin), direction.z, ENDS, tolerance)?;
+        let ends = slab(self.planes(origin), direction.z, ENDS, tolerance.across(self.frame.axis()))?;
         Chord::LINE.between(wall).between(ends).first()
     }
 
     /// A ray that leaves the cylinder outwards never comes back; one that leaves it inwards crosses it along a chord.
-    fn intersect_again(&self, ray: &Ray, from: Departure, _: f64) -> Option<Meeting> {
+    fn intersect_again(&self, ray: &Ray, from: Departure, _: &Tolerance) -> Option<Meeting> {
         if from.side == Side::Front {
             return None;
         }

@@ -1,16 +1,16 @@
 //! Discs.
 
 use super::axis_frame::AxisFrame;
-use super::{FrontPoint, Geometry};
+use super::{FrontPoint, Geometry, Tolerance};
 use crate::scene::shape;
 use crate::world::bounds::Bounds;
 use crate::world::hit::{Meeting, SurfaceHit};
 use crate::world::ray::{Departure, PrimitiveId, Ray};
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 
 /// A disc; its front is where its normal points.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::world) struct DiscSurface {
+pub(super) struct DiscSurface {
     center: DVec3,
     radius: f64,
     /// About the normal.
@@ -25,15 +25,15 @@ impl DiscSurface {
 }
 
 impl Geometry for DiscSurface {
-    fn bounds(&self) -> Bounds {
-        self.frame.circle_bounds(self.center, self.radius)
+    fn bounds(&self, map: &DAffine3) -> Bounds {
+        self.frame.circle_bounds(self.center, self.radius, map)
     }
 
-    fn intersect(&self, ray: &Ray, tolerance: f64) -> Option<Meeting> {
+    fn intersect(&self, ray: &Ray, tolerance: &Tolerance) -> Option<Meeting> {
         let normal = self.frame.axis();
         let height = (self.center - ray.origin).dot(normal);
         // As for rectangles: measured across the plane.
-        if height.abs() <= tolerance {
+        if height.abs() <= tolerance.across(normal) {
             return None;
         }
         let distance = height / ray.direction.dot(normal);
@@ -42,7 +42,7 @@ impl Geometry for DiscSurface {
     }
 
     /// A ray that leaves a plane never comes back.
-    fn intersect_again(&self, _: &Ray, _: Departure, _: f64) -> Option<Meeting> {
+    fn intersect_again(&self, _: &Ray, _: Departure, _: &Tolerance) -> Option<Meeting> {
         None
     }
 

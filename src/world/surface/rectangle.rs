@@ -1,15 +1,15 @@
 //! Rectangles.
 
-use super::{FrontPoint, Geometry};
+use super::{FrontPoint, Geometry, Tolerance};
 use crate::scene::shape;
 use crate::world::bounds::Bounds;
 use crate::world::hit::{Meeting, SurfaceHit};
 use crate::world::ray::{Departure, PrimitiveId, Ray};
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 
 /// A rectangle A, B, C and A + C − B; its front is the side from which the corners are clockwise.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::world) struct RectangleSurface {
+pub(super) struct RectangleSurface {
     /// The corner B.
     corner: DVec3,
     /// The front normal, of unit length.
@@ -18,7 +18,7 @@ pub(in crate::world) struct RectangleSurface {
     along: [DVec3; 2],
     /// The direction from A to B.
     tangent: DVec3,
-    bounds: Bounds,
+    corners: [DVec3; 4],
 }
 
 impl RectangleSurface {
@@ -28,23 +28,21 @@ impl RectangleSurface {
         let (first, second) = (a - b, c - b);
         let (across_second, across_first) = (second.cross(normal), first.cross(normal));
         let along = [across_second / across_second.dot(first), across_first / across_first.dot(second)];
-        let d = a + (c - b);
-        let bounds = Bounds { low: a.min(b).min(c).min(d), high: a.max(b).max(c).max(d) };
-        Self { corner: b, normal, along, tangent: (b - a).normalize(), bounds }
+        Self { corner: b, normal, along, tangent: (b - a).normalize(), corners: [a, b, c, a + (c - b)] }
     }
 }
 
 impl Geometry for RectangleSurface {
-    fn bounds(&self) -> Bounds {
-        self.bounds
+    fn bounds(&self, map: &DAffine3) -> Bounds {
+        Bounds::of_points(self.corners.into_iter().map(|corner| map.transform_point3(corner)))
     }
 
     #[inline]
-    fn intersect(&self, ray: &Ray, tolerance: f64) -> Option<Meeting> {
+    fn intersect(&self, ray: &Ray, tolerance: &Tolerance) -> Option<Meeting> {
         let height = (self.corner - ray.origin).dot(self.normal);
         // Measured across the plane, not along the ray: a ray that starts in a second, coincident rectangle is not let
         // in however flat it goes.
-        if height.abs() <= tolerance {
+        if height.abs() <= tolerance.across(self.normal) {
             return None;
         }
         let distance = height / ray.direction.dot(self.normal);
@@ -55,7 +53,7 @@ impl Geometry for RectangleSurface {
     }
 
     /// A ray that leaves a plane never comes back.
-    fn intersect_again(&self, _: &Ray, _: Departure, _: f64) -> Option<Meeting> {
+    fn intersect_again(&self, _: &Ray, _: Departure, _: &Tolerance) -> Option<Meeting> {
         None
     }
 
@@ -107,7 +105,7 @@ mod tests {
 
     #[test]
     fn rectangles_are_met_within_their_edges_only() {
-        let distance = |ray: &Ray| square().intersect(ray, 1e-9).map(|met| met.distance);
+        let distance = |ray: &Ray| square().intersect(ray, &Tolerance::plain(1e-9)).map(|met| met.distance);
         let down = |x, y| distance(&ray([x, y, 2.0], [0.0, 0.0, -1.0]));
         assert_eq!(down(0.5, 0.5), Some(2.0));
         assert_eq!(down(1.0, 0.0), Some(2.0));

@@ -1,12 +1,12 @@
 //! Spheres.
 
 use super::axis_frame::turns;
-use super::{FrontPoint, Geometry};
+use super::{FrontPoint, Geometry, Tolerance};
 use crate::scene::shape;
 use crate::world::bounds::Bounds;
 use crate::world::hit::{Meeting, SurfaceHit};
 use crate::world::ray::{Departure, PrimitiveId, Ray, Side};
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 use std::f64::consts::PI;
 
 /// Closer than this to a pole of a unit sphere, the direction along the parallel is noise.
@@ -14,7 +14,7 @@ const POLE: f64 = 1e-12;
 
 /// A sphere; its front is the outside.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::world) struct SphereSurface {
+pub(super) struct SphereSurface {
     center: DVec3,
     radius: f64,
 }
@@ -37,14 +37,18 @@ fn meeting(distance: f64) -> Meeting {
 }
 
 impl Geometry for SphereSurface {
-    fn bounds(&self) -> Bounds {
-        Bounds { low: self.center - DVec3::splat(self.radius), high: self.center + DVec3::splat(self.radius) }
+    fn bounds(&self, map: &DAffine3) -> Bounds {
+        // The extent of an ellipsoid along an axis is that of the sphere times the length of the row of the matrix.
+        let rows = map.matrix3.transpose();
+        let reach = self.radius * DVec3::new(rows.x_axis.length(), rows.y_axis.length(), rows.z_axis.length());
+        let center = map.transform_point3(self.center);
+        Bounds { low: center - reach, high: center + reach }
     }
 
     /// The quadratic is solved as in Haines, Günther, Akenine-Möller, "Precision Improvements for Ray/Sphere
     /// Intersection", Ray Tracing Gems (2019): small far spheres keep their shape, and neither root cancels.
     #[inline]
-    fn intersect(&self, ray: &Ray, tolerance: f64) -> Option<Meeting> {
+    fn intersect(&self, ray: &Ray, tolerance: &Tolerance) -> Option<Meeting> {
         let origin = ray.origin - self.center;
         let nearest = -origin.dot(ray.direction);
         let discriminant = self.radius * self.radius - (origin + nearest * ray.direction).length_squared();
@@ -59,11 +63,11 @@ impl Geometry for SphereSurface {
         let distance = origin.length();
         let smaller = (distance - self.radius) * (distance + self.radius) / larger;
         let (first, second) = if larger < smaller { (larger, smaller) } else { (smaller, larger) };
-        [first, second].into_iter().find(|&root| root > tolerance).map(meeting)
+        [first, second].into_iter().find(|&root| root > tolerance.along).map(meeting)
     }
 
     /// A ray that leaves the sphere outwards never comes back; one that leaves it inwards crosses it along a chord.
-    fn intersect_again(&self, ray: &Ray, from: Departure, _: f64) -> Option<Meeting> {
+    fn intersect_again(&self, ray: &Ray, from: Departure, _: &Tolerance) -> Option<Meeting> {
         match from.side {
             Side::Front => None,
             Side::Back => {
@@ -105,7 +109,7 @@ mod tests {
     }
 
     fn distance(sphere: &SphereSurface, ray: &Ray) -> Option<f64> {
-        sphere.intersect(ray, 0.0).map(|met| met.distance)
+        sphere.intersect(ray, &Tolerance::plain(0.0)).map(|met| met.distance)
     }
 
     /// The hit on the outside of the unit sphere at this point of it.
@@ -147,9 +151,9 @@ mod tests {
         let sphere = sphere(DVec3::ZERO, 1e-20);
         let inwards = ray([0.0, 0.0, 1e-20], [0.0, 0.6, -0.8]);
         let leaving = |side| Departure { body: BodyId(0), primitive: PrimitiveId::ONLY, side };
-        let chord = sphere.intersect_again(&inwards, leaving(Side::Back), 0.0).unwrap().distance;
+        let chord = sphere.intersect_again(&inwards, leaving(Side::Back), &Tolerance::plain(0.0)).unwrap().distance;
         assert!((chord / 1.6e-20 - 1.0).abs() < 1e-14);
-        assert_eq!(sphere.intersect_again(&inwards, leaving(Side::Front), 0.0), None);
+        assert_eq!(sphere.intersect_again(&inwards, leaving(Side::Front), &Tolerance::plain(0.0)), None);
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! What every surface promises, and closed bodies from outside and inside.
 
+mod transforms;
+
 use super::*;
 use crate::lang::source::Source;
 use crate::scene::{BodyId, Scene};
@@ -29,7 +31,8 @@ fn rays(bounds: &Bounds, count: u32) -> impl Iterator<Item = Ray> {
 #[test]
 fn every_kind_of_surface_keeps_the_promises() {
     let examples = Shape::SYNTAX.iter().map(|syntax| syntax.example.to_owned());
-    for shape in examples.chain(slanted(1e-3)).chain(slanted(1.0)).chain(slanted(1e4)) {
+    for shape in examples.chain([1e-3, 1.0, 1e4].into_iter().flat_map(|size| slanted(size).into_iter().chain(transformed(size))))
+    {
         let world = world(&shape);
         let surface = &world.surfaces[0];
         let bounds = surface.bounds();
@@ -101,6 +104,19 @@ fn slanted(size: f64) -> Vec<String> {
     let disc = format!("disc, center {}, normal <1, -2, 0.5>, radius {}", vector(0.1, 3.0, 2.0), 0.7 * size);
     let [a, b, c] = [vector(0.1, 0.2, 0.3), vector(1.3, 0.4, -0.2), vector(0.5, 1.7, 0.9)];
     closed(size).into_iter().map(|(body, _)| body).chain([disc, format!("triangle, {a}, {b}, {c}")]).collect()
+}
+
+/// Transformed bodies of every shape, in this size: stretched, turned and mirrored.
+fn transformed(size: f64) -> Vec<String> {
+    let kinds = Shape::SYNTAX.iter().enumerate();
+    let bodies = kinds.map(|(index, syntax)| {
+        let mirrored = if index % 2 == 0 { "-" } else { "" };
+        format!(
+            "{}, rotate <1, 2, -3> 40, scale <{mirrored}1.5, 0.3, 1>, rotate <0, 3, 1> -75, translate <0.2, -1, 0.4>, scale {size}",
+            syntax.example
+        )
+    });
+    bodies.collect()
 }
 
 /// A ray that enters a closed body is inside until it leaves, and then never comes back.

@@ -1,15 +1,15 @@
 //! Triangles.
 
-use super::{FrontPoint, Geometry};
+use super::{FrontPoint, Geometry, Tolerance};
 use crate::scene::shape;
 use crate::world::bounds::Bounds;
 use crate::world::hit::{Meeting, SurfaceHit};
 use crate::world::ray::{Departure, PrimitiveId, Ray};
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 
 /// A triangle; its front is the side from which the corners are clockwise.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(in crate::world) struct TriangleSurface {
+pub(super) struct TriangleSurface {
     corners: [DVec3; 3],
     /// The front normal, of unit length.
     normal: DVec3,
@@ -42,15 +42,14 @@ impl TriangleSurface {
 }
 
 impl Geometry for TriangleSurface {
-    fn bounds(&self) -> Bounds {
-        let [a, b, c] = self.corners;
-        Bounds { low: a.min(b).min(c), high: a.max(b).max(c) }
+    fn bounds(&self, map: &DAffine3) -> Bounds {
+        Bounds::of_points(self.corners.into_iter().map(|corner| map.transform_point3(corner)))
     }
 
-    fn intersect(&self, ray: &Ray, tolerance: f64) -> Option<Meeting> {
+    fn intersect(&self, ray: &Ray, tolerance: &Tolerance) -> Option<Meeting> {
         let height = (self.corners[1] - ray.origin).dot(self.normal);
         // As for rectangles: measured across the plane.
-        if height.abs() <= tolerance {
+        if height.abs() <= tolerance.across(self.normal) {
             return None;
         }
         let distance = height / ray.direction.dot(self.normal);
@@ -59,7 +58,7 @@ impl Geometry for TriangleSurface {
     }
 
     /// A ray that leaves a plane never comes back.
-    fn intersect_again(&self, _: &Ray, _: Departure, _: f64) -> Option<Meeting> {
+    fn intersect_again(&self, _: &Ray, _: Departure, _: &Tolerance) -> Option<Meeting> {
         None
     }
 

@@ -113,16 +113,16 @@ impl Gesture {
                 };
                 let by = self.precision().round(by);
                 match object {
-                    SceneObject::Body(id) => Some(SceneChange::Shape(id, self.scene().body(id).shape.moved(by)?)),
+                    SceneObject::Body(id) => Some(SceneChange::Form(id, self.scene().body(id).form.moved(by)?)),
                     SceneObject::Light(id) => Some(SceneChange::Light(id, self.scene().light(id).kind.moved(by)?)),
                 }
             }
             Motion::Resize(id) => {
-                let shape = &self.scene().body(id).shape;
-                let anchor = shape.anchor()?;
+                let form = &self.scene().body(id).form;
+                let anchor = form.anchor()?;
                 let depth = camera.depth_of(anchor);
                 let [before, after] = [from, to].map(|point| camera.point_at(point, depth).distance(anchor));
-                Some(SceneChange::Shape(id, shape.scaled(after / before)?))
+                Some(SceneChange::Form(id, form.scaled(after / before)?))
             }
         }
     }
@@ -144,7 +144,7 @@ impl Gesture {
         let mut scene = self.scene().clone();
         match self.change()? {
             SceneChange::Camera(camera) => scene.camera = camera,
-            SceneChange::Shape(id, shape) => scene.bodies.get_mut(id.index())?.shape = shape,
+            SceneChange::Form(id, form) => scene.bodies.get_mut(id.index())?.form = form,
             SceneChange::Light(id, kind) => scene.lights.get_mut(id.index())?.kind = kind,
             SceneChange::AddBody(..) | SceneChange::AddLight(..) | SceneChange::Duplicate(..) | SceneChange::Remove(_) => {
                 return None;
@@ -178,7 +178,7 @@ pub(in crate::preview::app) fn distance(world: &World) -> f64 {
     if let Some((_, point)) = seen_at(world, [0.0, 0.0]) {
         return camera.depth_of(point);
     }
-    let anchors = world.scene().body_ids().filter_map(|id| world.scene().body(id).shape.anchor());
+    let anchors = world.scene().body_ids().filter_map(|id| world.scene().body(id).form.anchor());
     let depths = anchors.map(|anchor| camera.depth_of(anchor)).filter(|depth| *depth > 0.0);
     depths.reduce(f64::min).unwrap_or(1.0)
 }
@@ -186,7 +186,7 @@ pub(in crate::preview::app) fn distance(world: &World) -> f64 {
 /// The point that stands for a body or light.
 pub(in crate::preview::app) fn anchor(scene: &Scene, object: SceneObject) -> Option<DVec3> {
     match object {
-        SceneObject::Body(id) => scene.bodies.get(id.index())?.shape.anchor(),
+        SceneObject::Body(id) => scene.bodies.get(id.index())?.form.anchor(),
         SceneObject::Light(id) => scene.lights.get(id.index())?.kind.anchor(),
     }
 }

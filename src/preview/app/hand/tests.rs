@@ -72,7 +72,7 @@ const NONE: Modifiers = Modifiers::NONE;
 fn a_drag_orbits_and_one_undo_brings_text_and_picture_back() {
     let mut harness = harness();
     let (first, written, before) = (settle(&mut harness), text(&harness), scene(&harness));
-    let ball = before.bodies[1].shape.anchor().expect("a centre");
+    let ball = before.bodies[1].form.anchor().expect("a centre");
     let from = at(&harness, ball);
     let view = harness.state().scene_view();
     let (body, seen) = super::gesture::seen_at(view.world, view.image_point(from)).expect("a point of the ball");
@@ -138,7 +138,7 @@ fn every_button_has_its_motion_and_escape_gives_up() {
 fn the_wheel_goes_closer_and_turns_that_follow_are_one_step() {
     let mut harness = harness();
     let (before, written) = (scene(&harness).camera, text(&harness));
-    let pearl = scene(&harness).bodies[2].shape.anchor().expect("a centre");
+    let pearl = scene(&harness).bodies[2].form.anchor().expect("a centre");
     let from = at(&harness, pearl);
     let view = harness.state().scene_view();
     let (_, pearl) = super::gesture::seen_at(view.world, view.image_point(from)).expect("a point of the pearl");
@@ -174,7 +174,7 @@ fn the_wheel_goes_closer_and_turns_that_follow_are_one_step() {
 fn the_selected_body_is_dragged_and_resized_by_its_handles() {
     let mut harness = harness();
     let before = scene(&harness);
-    let [ball, pearl] = [1, 2].map(|index| before.bodies[index].shape.clone());
+    let [ball, pearl] = [1, 2].map(|index| before.bodies[index].form.clone());
     let centre = at(&harness, pearl.anchor().expect("a centre"));
     harness.event(Event::PointerMoved(centre));
     harness.drag_at(centre);
@@ -185,30 +185,30 @@ fn the_selected_body_is_dragged_and_resized_by_its_handles() {
     // Beside the arrows, on the body itself.
     let grabbed = centre + vec2(-8.0, -8.0);
     drag(&mut harness, PointerButton::Primary, NONE, grabbed, vec2(-40.0, -20.0));
-    let moved = scene(&harness).bodies[2].shape.clone();
+    let moved = scene(&harness).bodies[2].form.clone();
     assert_eq!(moved.radius(), pearl.radius());
     assert!(at(&harness, moved.anchor().expect("a centre")).distance(centre + vec2(-40.0, -20.0)) < 10.0);
-    assert!(scene(&harness).bodies[1].shape == ball && scene(&harness).camera == before.camera);
+    assert!(scene(&harness).bodies[1].form == ball && scene(&harness).camera == before.camera);
     harness.state_mut().perform(Action::Undo);
-    assert_eq!(scene(&harness).bodies[2].shape, pearl);
+    assert_eq!(scene(&harness).bodies[2].form, pearl);
     // Along an axis, by the arrow and by the key.
     let arrows = harness.state().scene_view().arrows().expect("arrows");
     let (_, tip) = arrows.tips[1];
     drag(&mut harness, PointerButton::Primary, NONE, tip, vec2(25.0, -50.0));
-    let along = scene(&harness).bodies[2].shape.anchor().expect("a centre") - pearl.anchor().expect("a centre");
+    let along = scene(&harness).bodies[2].form.anchor().expect("a centre") - pearl.anchor().expect("a centre");
     assert!(along.x == 0.0 && along.z == 0.0 && along.y > 0.1, "{along}");
     harness.state_mut().perform(Action::Undo);
     harness.key_down(Key::Z);
     drag(&mut harness, PointerButton::Primary, NONE, grabbed, vec2(-40.0, -30.0));
     harness.key_up(Key::Z);
-    let along = scene(&harness).bodies[2].shape.anchor().expect("a centre") - pearl.anchor().expect("a centre");
+    let along = scene(&harness).bodies[2].form.anchor().expect("a centre") - pearl.anchor().expect("a centre");
     assert!(along.x == 0.0 && along.y == 0.0 && along.z != 0.0, "{along}");
     harness.state_mut().perform(Action::Undo);
     // The radius.
     harness.run_steps(2);
     let (_, handle) = harness.state().scene_view().radius_handle().expect("a handle");
     drag(&mut harness, PointerButton::Primary, NONE, handle, handle - centre);
-    let larger = scene(&harness).bodies[2].shape.clone();
+    let larger = scene(&harness).bodies[2].form.clone();
     assert!(larger.anchor() == pearl.anchor());
     let ratio = larger.radius().expect("a radius") / pearl.radius().expect("a radius");
     assert!((ratio - 2.0).abs() < 0.05, "{ratio}");
@@ -270,7 +270,7 @@ fn bodies_and_lights_are_added_copied_and_removed_with_their_values() {
     assert_eq!((scene(&harness).bodies.len(), scene(&harness).lights.len()), (6, 4));
     // What is new is in view, and not lost in a line.
     for body in scene(&harness).bodies.iter().skip(3) {
-        let seen = at(&harness, body.shape.anchor().expect("a centre"));
+        let seen = at(&harness, body.form.anchor().expect("a centre"));
         assert!(harness.state().scene_view().picture().contains(seen), "{}", body.name);
     }
     for _ in 0..4 {
@@ -313,7 +313,7 @@ fn views_from_sides_framing_and_reset_are_steps_of_their_own() {
     harness.state_mut().parameters.select(pearl);
     let framed = act(&mut harness, Key::F);
     assert_eq!(framed.gaze(), right.gaze());
-    let pearl = scene(&harness).bodies[2].shape.clone();
+    let pearl = scene(&harness).bodies[2].form.clone();
     let [x, y] = framed.project(pearl.anchor().expect("a centre")).expect("before the camera");
     assert!(x.abs() < 0.01 && y.abs() < 0.01 && framed.position().distance(before.position()) > 0.1);
     let reset = act(&mut harness, Key::Home);

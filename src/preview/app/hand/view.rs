@@ -143,8 +143,8 @@ impl SceneView<'_> {
     /// Where the handle of the selected body's radius is.
     pub(super) fn radius_handle(&self) -> Option<(BodyId, Pos2)> {
         let SceneObject::Body(id) = self.selected? else { return None };
-        let shape = &self.world.scene().bodies.get(id.index())?.shape;
-        let (anchor, radius) = (shape.anchor()?, shape.radius()?);
+        let form = &self.world.scene().bodies.get(id.index())?.form;
+        let (anchor, radius) = (form.anchor()?, form.radius()?);
         let [right, above, _] = self.camera().axes();
         let at = self.project(anchor + radius * (right - above).normalize())?;
         self.area.contains(at).then_some((id, at))
