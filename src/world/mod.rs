@@ -23,9 +23,11 @@ pub use emitter::{Emitter, EmitterId, LightSample};
 pub use hit::{Intersection, SurfaceHit};
 pub use ray::{Departure, PrimitiveId, Ray, Side};
 
+use crate::bvh::BodyTree;
 use crate::scene::{BodyId, LightId, Scene};
 use glam::DVec3;
 use hit::Meeting;
+use smallvec::SmallVec;
 use std::sync::Arc;
 use surface::Surface;
 
@@ -38,6 +40,8 @@ pub struct World {
     scene: Arc<Scene>,
     /// The surface of each body, by its id.
     surfaces: Vec<Surface>,
+    /// Finds the bodies that a ray may meet. Its boxes are those of the bodies, by their ids.
+    tree: BodyTree,
     /// The emitters by their ids, in the order of their lights.
     emitters: Vec<Emitter>,
     extent: f64,
@@ -50,9 +54,10 @@ impl World {
         let scene = scene.into();
         let surfaces: Vec<Surface> = scene.bodies.iter().map(|body| Surface::new(&body.form)).collect();
         let emitters = scene.light_ids().map(|light| Emitter::new(light, &scene.light(light).kind)).collect();
-        let bounds = surfaces.iter().map(Surface::bounds).reduce(Bounds::union);
-        let extent = bounds.map_or(0.0, |bounds| bounds.diagonal());
-        Self { scene, surfaces, emitters, extent, tolerance: TOLERANCE * extent }
+        let boxes: Vec<Bounds> = surfaces.iter().map(Surface::bounds).collect();
+        let tree = BodyTree::new(&Vec::from_iter(boxes.iter().map(|bounds| [bounds.low, bounds.high])));
+        let extent = boxes.into_iter().reduce(Bounds::union).map_or(0.0, |bounds| bounds.diagonal());
+        Self { scene, surfaces, tree, emitters, extent, tolerance: TOLERANCE * extent }
     }
 
     /// The same with one more emitter of the last light.
@@ -119,26 +124,37 @@ impl World {
     /// # Panics
     /// If the id is another scene's, and this one has fewer bodies.
     pub fn intersect(&self, ray: &Ray, body: BodyId) -> Option<Intersection> {
-        self.meet(ray, body, &self.surfaces[body.index()]).map(|met| Intersection::new(body, met))
+        self.meet(ray, body).map(|met| Intersection::new(body, met))
     }
 
     /// What the ray meets first; of several surfaces at equal distance the one declared first. `None` where the ray
     /// leaves the scene.
     pub fn nearest(&self, ray: &Ray) -> Option<Intersection> {
-        let mut nearest: Option<(BodyId, Meeting)> = None;
-        for (body, met) in self.meetings(ray) {
-            // Distances that are equal but for rounding are equal: otherwise coincident surfaces would show in patches.
-            if nearest.is_none_or(|(_, nearest)| met.distance < nearest.distance - self.tolerance) {
-                nearest = Some((body, met));
+        // Distances that are equal but for rounding are equal: otherwise coincident surfaces would show in patches.
+        let mut near: SmallVec<[(BodyId, Meeting); 4]> = SmallVec::new();
+        let mut end = f64::INFINITY;
+        self.tree.search(ray.origin, ray.direction, end, |index| {
+            let body = BodyId(index);
+            if let Some(met) = self.meet(ray, body).filter(|met| met.distance <= end) {
+                end = end.min(met.distance + self.tolerance);
+                near.retain(|(_, other)| other.distance <= end);
+                near.push((body, met));
             }
-        }
-        nearest.map(|(body, met)| Intersection::new(body, met))
+            end
+        });
+        let first = near.into_iter().min_by_key(|(body, _)| *body);
+        first.map(|(body, met)| Intersection::new(body, met))
     }
 
     /// Whether the ray meets anything before `distance` (in world units), see [`occluders`](Self::occluders).
     pub fn is_occluded(&self, ray: &Ray, distance: f64) -> bool {
         let end = distance - self.tolerance;
-        self.meetings(ray).any(|(_, met)| met.distance < end)
+        let mut is_occluded = false;
+        self.tree.search(ray.origin, ray.direction, end, |index| {
+            is_occluded = self.meet(ray, BodyId(index)).is_some_and(|met| met.distance < end);
+            if is_occluded { -1.0 } else { end }
+        });
+        is_occluded
     }
 
     /// Where the ray meets the bodies that it meets before `distance` (in world units), in the order of declaration.
@@ -152,15 +168,13 @@ impl World {
     /// Where the ray meets each body that it meets, in the order of declaration.
     #[inline]
     fn meetings(&self, ray: &Ray) -> impl Iterator<Item = (BodyId, Meeting)> {
-        self.surfaces.iter().enumerate().filter_map(move |(index, surface)| {
-            let body = BodyId(index as u32);
-            Some((body, self.meet(ray, body, surface)?))
-        })
+        self.scene.body_ids().filter_map(move |body| Some((body, self.meet(ray, body)?)))
     }
 
     /// Where the ray meets the surface of this body.
     #[inline]
-    fn meet(&self, ray: &Ray, body: BodyId, surface: &Surface) -> Option<Meeting> {
+    fn meet(&self, ray: &Ray, body: BodyId) -> Option<Meeting> {
+        let surface = &self.surfaces[body.index()];
         match ray.leaves {
             Some(departure) if departure.body == body => surface.intersect_again(ray, departure, self.tolerance),
             Some(_) | None => surface.intersect(ray, self.tolerance),
