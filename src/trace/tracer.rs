@@ -56,6 +56,7 @@ impl<'w> Tracer<'w> {
     }
 
     /// The surface that the ray hits first; `None` where it leaves the scene.
+    #[inline]
     pub fn hit(&self, ray: &Ray) -> Option<SurfaceHit> {
         self.world.nearest(ray).map(|intersection| self.world.surface_hit(ray, &intersection))
     }
@@ -68,6 +69,7 @@ impl<'w> Tracer<'w> {
     /// Whether the light of an emitter reaches the hit: always without shadow rays; with them, if the hit
     /// [faces](SurfaceHit::faces) it and no body, this one and transparent ones too, lies strictly between (thesis
     /// 3.2.1).
+    #[inline]
     pub fn reaches(&self, emitter: EmitterId, hit: &SurfaceHit) -> bool {
         if !self.view.shadows() {
             return true;

@@ -63,6 +63,7 @@ impl SurfaceHit {
     }
 
     /// Whether light from this direction falls on the side from which the ray came, by both normals.
+    #[inline]
     pub fn faces(&self, direction: DVec3) -> bool {
         self.geometric_normal.dot(direction) > 0.0 && self.shading_normal.dot(direction) > 0.0
     }
@@ -73,6 +74,7 @@ impl SurfaceHit {
     }
 
     /// The ray that leaves the surface here in this direction (of unit length) to this side.
+    #[inline]
     pub fn ray(&self, direction: DVec3, side: Side) -> Ray {
         let leaves = Departure { body: self.body, primitive: self.primitive, side };
         Ray { origin: self.point, direction, leaves: Some(leaves) }

@@ -129,6 +129,7 @@ impl World {
 
     /// What the ray meets first; of several surfaces at equal distance the one declared first. `None` where the ray
     /// leaves the scene.
+    #[inline]
     pub fn nearest(&self, ray: &Ray) -> Option<Intersection> {
         // Distances that are equal but for rounding are equal: otherwise coincident surfaces would show in patches.
         let mut near: SmallVec<[(BodyId, Meeting); 4]> = SmallVec::new();
@@ -147,6 +148,7 @@ impl World {
     }
 
     /// Whether the ray meets anything before `distance` (in world units), see [`occluders`](Self::occluders).
+    #[inline]
     pub fn is_occluded(&self, ray: &Ray, distance: f64) -> bool {
         let end = distance - self.tolerance;
         let mut is_occluded = false;
@@ -182,6 +184,7 @@ impl World {
     }
 
     /// The surface where the ray meets it. `at` belongs to this ray.
+    #[inline]
     pub fn surface_hit(&self, ray: &Ray, at: &Intersection) -> SurfaceHit {
         let front = self.surfaces[at.body.index()].project(ray.at(at.distance), at.primitive, ray.direction);
         let side = if front.geometric_normal.dot(ray.direction) <= 0.0 { Side::Front } else { Side::Back };
