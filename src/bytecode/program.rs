@@ -10,7 +10,7 @@ use crate::lang::surface_terms::SurfaceTerm;
 use crate::lang::types::Type;
 use crate::lang::variables::{Owner, Predefined, Variable};
 use crate::scene::LightId;
-use crate::trace::{Child, HitVariables, LightVariables, NodeLight, RayNode, Tree, variable};
+use crate::trace::{Child, CoordinatesUse, HitVariables, LightVariables, NodeLight, RayNode, Tree, variable};
 use crate::world::World;
 
 /// The inputs of instantiation: a formula on a scene.
@@ -28,6 +28,11 @@ pub struct Instantiation<'i> {
 pub const MAX_PROGRAM_BYTES: u64 = 1 << 30;
 
 impl Instantiation<'_> {
+    /// The variables of a hit.
+    fn variables(&self, node: &RayNode) -> HitVariables {
+        HitVariables::new(self.world, &node.hit, node.relative_index, CoordinatesUse::Read)
+    }
+
     /// The bytes of the machine's memory for the program of any pixel, with rays of at most this depth.
     pub fn memory_bytes(&self, depth: u32) -> u64 {
         // At each depth, a sum waits for the weight and the colour of a child. Terms add a weight and factors.
@@ -228,7 +233,7 @@ impl BytecodeBuilder<'_> {
     /// The weight of a child ray of a node: three numbers if the formula gives it, else one.
     fn weight(&mut self, weight: SurfaceTerm, node: &RayNode) {
         if let Some(code) = self.instantiation.code.surface(weight) {
-            let hit = HitVariables::new(self.instantiation.world, &node.hit, node.relative_index);
+            let hit = self.instantiation.variables(node);
             self.instance(code, node, None, &|symbol| hit.value(symbol).unwrap_or_default());
         } else if let Some(parameter) = weight_parameter(weight) {
             self.parameter(parameter, node.hit.body.index());
@@ -244,7 +249,7 @@ impl BytecodeBuilder<'_> {
     /// The contributions of the lights at a hit, and the terms without lights.
     fn local(&mut self, node: &RayNode) {
         let world = self.instantiation.world;
-        let hit = HitVariables::new(world, &node.hit, node.relative_index);
+        let hit = self.instantiation.variables(node);
         let mut count = 0;
         for NodeLight { emitter, visible } in &node.lights {
             let light = world.light_of(*emitter);

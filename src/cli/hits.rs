@@ -3,7 +3,7 @@
 //! There are four tables, and a little-endian file without a header for each column. `index.json`, which is written
 //! last, gives names, types and counts:
 //!
-//! - `hits`: pixel (row by row from the top left), body, path, and the variables of the hit;
+//! - `hits`: pixel (row by row from the top left), body, path, primitive, and the variables of the hit;
 //! - `records`: a hit and a light that reaches it, and the variables of both. If the formula reads `visible`, there is
 //!   a record for each hit and each light;
 //! - `misses`: rays that left the scene, by pixel and path;
@@ -19,7 +19,7 @@ use illuminator::engine::Task;
 use illuminator::files::{reason, replace_file};
 use illuminator::lang::types::Type;
 use illuminator::lang::variables::{Rate, Variable};
-use illuminator::trace::{Edge, HitVariables, Hits, LightVariables, NodeLight, Tile, Tracer, replay, variable};
+use illuminator::trace::{CoordinatesUse, Edge, HitVariables, Hits, LightVariables, NodeLight, Tile, Tracer, replay, variable};
 use illuminator::workspace::project::Project;
 use illuminator::world::SurfaceHit;
 use serde::Serialize;
@@ -113,6 +113,7 @@ fn meaning(table: &str, column: &str) -> Option<&'static str> {
             "the path by which the ray came; its weight is the product of kr and kt along it"
         }
         ("hits", "body") => "the body",
+        ("hits", "primitive") => "the part of the body's surface, counted from 0: a side of a box, a triangle of a mesh",
         ("records", "hit") => "the hit that the light reaches, or may reach: see `visible`",
         ("records", "light") => "the light",
         _ => return None,
@@ -181,7 +182,7 @@ impl Dump {
         let of = |rate| Variable::ALL.iter().copied().filter(|variable| variable.rate() == rate).collect::<Vec<_>>();
         let (of_hit, of_record) = (of(Rate::Hit), of(Rate::Record));
         Ok(Self {
-            hits: TableWriter::new(folder, "hits", &["pixel", "body", "path"], &of_hit)?,
+            hits: TableWriter::new(folder, "hits", &["pixel", "body", "path", "primitive"], &of_hit)?,
             records: TableWriter::new(folder, "records", &["hit", "light"], &of_record)?,
             misses: TableWriter::new(folder, "misses", &["pixel", "path"], &[])?,
             paths: TableWriter::new(folder, "paths", &["parent", "edge", "body"], &[])?,
@@ -247,9 +248,10 @@ impl Dump {
         pixel: u32,
         path: u32,
     ) -> io::Result<()> {
-        let own = HitVariables::new(tracer.world(), surface, tracer.relative_index(surface));
+        let index = tracer.relative_index(surface);
+        let own = HitVariables::new(tracer.world(), surface, index, CoordinatesUse::Read);
         let values = self.of_hit.iter().map(|symbol| (own.value(*symbol).unwrap_or_default(), symbol.ty()));
-        let row = self.hits.add(&[pixel, surface.body.0, path], values)?;
+        let row = self.hits.add(&[pixel, surface.body.0, path, surface.primitive.0], values)?;
         for NodeLight { emitter, visible } in lights {
             let lit = LightVariables::new(surface, &tracer.world().emitter(emitter).sample(surface), visible);
             let values = self.of_record.iter().map(|symbol| (variable(*symbol, &own, &lit), symbol.ty()));

@@ -40,12 +40,15 @@ fn of_variable(variable: Variable, slack: f64) -> Interval {
         | Variable::Mirrored
         | Variable::Halfway
         | Variable::Tangent
-        | Variable::Bitangent => Interval::new(-1.0 - slack, 1.0 + slack),
+        | Variable::Bitangent
+        | Variable::GeometricNormal => Interval::new(-1.0 - slack, 1.0 + slack),
         Variable::Alpha | Variable::Beta | Variable::Gamma => Interval::new(0.0, std::f64::consts::PI + slack),
         Variable::RelativeIndex => Interval::new(0.0, f64::INFINITY),
         Variable::TotalReflection => Interval::new(0.0, 1.0),
         Variable::Distance => Interval::new(0.0, f64::INFINITY),
         Variable::Visible => Interval::new(0.0, 1.0),
+        // Those of a mesh come from its file.
+        Variable::SurfaceU | Variable::SurfaceV => Interval::new(f32::MIN.into(), f32::MAX.into()),
         Variable::Point => Interval::new(f64::NEG_INFINITY, f64::INFINITY),
     }
 }

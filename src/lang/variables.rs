@@ -83,6 +83,9 @@ variables! {
     Halfway "H" Vector Record Added "normalize(L + V)";
     Tangent "T" Vector Hit Added "tangent: along the first edge of a rectangle or triangle, along the parallels of a round body";
     Bitangent "B" Vector Hit Added "second tangent, N x T";
+    GeometricNormal "Ng" Vector Hit Added "geometric normal, turned to the side the ray came from; N is the shading normal";
+    SurfaceU "u" Scalar Hit Added "first surface coordinate, 0..1; on a mesh from its file, else 0";
+    SurfaceV "v" Scalar Hit Added "second surface coordinate, 0..1; on a mesh from its file, else 0";
     Distance "dist" Scalar Record Added "distance from the hit to the light, world units";
     Visible "visible" Scalar Record Added "1 if no body lies between the hit and the light, else 0; a formula that reads it is evaluated at every light";
 }
@@ -97,16 +100,24 @@ impl Variable {
             | Variable::Mirrored
             | Variable::Halfway
             | Variable::Tangent
-            | Variable::Bitangent => true,
+            | Variable::Bitangent
+            | Variable::GeometricNormal => true,
             Variable::Alpha
             | Variable::Beta
             | Variable::Gamma
             | Variable::Point
+            | Variable::SurfaceU
+            | Variable::SurfaceV
             | Variable::Distance
             | Variable::Visible
             | Variable::RelativeIndex
             | Variable::TotalReflection => false,
         }
+    }
+
+    /// Whether it is a surface coordinate.
+    pub fn is_coordinate(self) -> bool {
+        matches!(self, Variable::SurfaceU | Variable::SurfaceV)
     }
 
     /// Whether it describes how rays cross the surface, and so is known to the weights of rays alone.

@@ -13,6 +13,9 @@ impl HitVariables {
             Variable::Point => self.point.to_array(),
             Variable::Tangent => self.tangent.to_array(),
             Variable::Bitangent => self.bitangent.to_array(),
+            Variable::GeometricNormal => self.geometric_normal.to_array(),
+            Variable::SurfaceU => [self.coordinates.x; 3],
+            Variable::SurfaceV => [self.coordinates.y; 3],
             Variable::RelativeIndex => [self.relative_index; 3],
             Variable::TotalReflection => [self.total_reflection; 3],
             Variable::ToLight
@@ -43,6 +46,9 @@ pub fn variable(variable: Variable, hit: &HitVariables, light: &LightVariables) 
         | Variable::Point
         | Variable::Tangent
         | Variable::Bitangent
+        | Variable::GeometricNormal
+        | Variable::SurfaceU
+        | Variable::SurfaceV
         | Variable::RelativeIndex
         | Variable::TotalReflection => hit.value(variable).unwrap_or_default(),
     }

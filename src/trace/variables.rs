@@ -1,8 +1,9 @@
 //! The variables that formulas read at a hit (thesis 9.2.3): computed in f64, passed on as f32.
 
+use crate::lang::variables::Variable;
 use crate::trace::tracer::refraction;
 use crate::world::{LightSample, SurfaceHit, World};
-use glam::{DVec3, Vec3};
+use glam::{DVec2, DVec3, Vec2, Vec3};
 
 /// The variables of a hit that are the same for every light. Directions are of unit length, angles in radians, 0..π.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -19,10 +20,31 @@ pub struct HitVariables {
     pub tangent: Vec3,
     /// `B`: the other tangent, N × T.
     pub bitangent: Vec3,
+    /// `Ng`: the geometric normal, turned to where the ray came from.
+    pub geometric_normal: Vec3,
+    /// `u` and `v`, see [`World::coordinates`](crate::world::World::coordinates), or 0 if they are not wanted.
+    pub coordinates: Vec2,
     /// `eta`: n₁/n₂, from the side of the ray to the other side, greater than 0.
     pub relative_index: f32,
     /// `total`: 1 beyond the critical angle, where there is no refracted ray, else 0.
     pub total_reflection: f32,
+}
+
+/// Whether the surface coordinates of hits are computed. That takes as long as all other variables, and few formulas
+/// read them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CoordinatesUse {
+    /// They are computed.
+    Read,
+    /// They are 0.
+    Unread,
+}
+
+impl CoordinatesUse {
+    /// Whether these variables need them.
+    pub fn by(variables: impl IntoIterator<Item = Variable>) -> Self {
+        if variables.into_iter().any(Variable::is_coordinate) { CoordinatesUse::Read } else { CoordinatesUse::Unread }
+    }
 }
 
 /// The variables of a hit that differ from light to light. Directions are of unit length, angles in radians, 0..π.
@@ -52,7 +74,7 @@ fn angle(a: DVec3, b: DVec3) -> f32 {
 impl HitVariables {
     /// The variables at a hit in that world. `relative_index` is n₁/n₂, see
     /// [`Tracer::relative_index`](crate::trace::Tracer::relative_index).
-    pub fn new(world: &World, hit: &SurfaceHit, relative_index: f64) -> Self {
+    pub fn new(world: &World, hit: &SurfaceHit, relative_index: f64, coordinates: CoordinatesUse) -> Self {
         let (normal, tangent) = (hit.shading_normal, world.tangent(hit));
         Self {
             normal: normal.as_vec3(),
@@ -61,6 +83,11 @@ impl HitVariables {
             gamma: angle(normal, hit.view),
             tangent: tangent.as_vec3(),
             bitangent: normal.cross(tangent).as_vec3(),
+            geometric_normal: hit.geometric_normal.as_vec3(),
+            coordinates: match coordinates {
+                CoordinatesUse::Read => DVec2::from(world.coordinates(hit)).as_vec2(),
+                CoordinatesUse::Unread => Vec2::ZERO,
+            },
             relative_index: relative_index as f32,
             total_reflection: f32::from(u8::from(refraction(normal.dot(hit.view), relative_index).is_none())),
         }
@@ -139,10 +166,10 @@ mod tests {
             "bodies; s: sphere, center <0,0,0>, radius 1; lights;
              camera; position <0,0,5>; gaze <0,0,-1>; up <0,1,0>; fov 45;",
         );
-        let outside = HitVariables::new(&world, &hit(Side::Front), 1.0);
+        let outside = HitVariables::new(&world, &hit(Side::Front), 1.0, CoordinatesUse::Read);
         assert_eq!((outside.tangent, outside.bitangent), (Vec3::X, Vec3::Y));
         assert!((outside.gamma - 0.8f32.acos()).abs() < 1e-6);
-        let inside = HitVariables::new(&world, &hit(Side::Back), 1.0);
+        let inside = HitVariables::new(&world, &hit(Side::Back), 1.0, CoordinatesUse::Unread);
         assert_eq!((inside.tangent, inside.bitangent), (Vec3::NEG_X, Vec3::NEG_Y));
     }
 }

@@ -125,6 +125,15 @@ fn hits_are_written_as_the_index_describes() {
     assert_eq!(pixels, (0..32 * 24).collect::<Vec<u32>>());
     let last = column("hits.pixel.u32").len() as u32;
     assert!(column("records.hit.u32").iter().all(|hit| *hit < last));
+    // Bodies are spheres and rectangles: one part each, coordinates from 0 to 1, and a geometric normal that is N.
+    assert!(column("hits.primitive.u32").iter().all(|primitive| *primitive == 0));
+    let real = |file: &str| column(file).into_iter().map(f32::from_bits).collect::<Vec<f32>>();
+    for file in ["hits.u.f32", "hits.v.f32"] {
+        let coordinates = real(file);
+        assert!(coordinates.iter().all(|share| (0.0..=1.0).contains(share)), "{file}");
+        assert!(coordinates.iter().any(|share| (0.3..0.7).contains(share)), "{file}");
+    }
+    assert_eq!(real("hits.Ng.f32"), real("hits.N.f32"));
     assert!(column("records.visible.f32").iter().all(|visible| f32::from_bits(*visible) == 1.0));
 }
 

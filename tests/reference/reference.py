@@ -648,8 +648,9 @@ BY_COMPONENTS = {name: [o for o in overloads if set(o[0]) == {'S'} and o[1] == '
                  if name not in ('neg', '+', '-', '*', '/', '<>')}
 
 VARIABLES = {'N': 'V', 'L': 'V', 'V': 'V', 'R': 'V', 'alpha': 'S', 'beta': 'S', 'gamma': 'S', 'point': 'V',
-             'H': 'V', 'T': 'V', 'B': 'V', 'dist': 'S', 'visible': 'S', 'eta': 'S', 'total': 'S'}
-DIRECTIONS = set('NLVRHTB')                      # of unit length
+             'H': 'V', 'T': 'V', 'B': 'V', 'dist': 'S', 'visible': 'S', 'eta': 'S', 'total': 'S',
+             'Ng': 'V', 'u': 'S', 'v': 'S'}
+DIRECTIONS = set('NLVRHTB') | {'Ng'}             # of unit length
 OF_LIGHTS = {'L', 'R', 'alpha', 'beta', 'H', 'dist', 'visible'}
 OF_REFRACTION = {'eta', 'total'}
 SURFACE = {'reflected': 'SV', 'refracted': 'SV', 'ambient': 'V', 'emission': 'V'}      # the terms that a formula may give for every hit, with their types
@@ -1090,6 +1091,10 @@ class Sphere(Body):
         t = cross((0.0, 1.0, 0.0), self.outward(a))
         return normalize(t) if length(t) > 1e-12 else (1.0, 0.0, 0.0)
 
+    def coordinates(self, a):                    # language 1.4 u v: longitude about +y, 0 towards +z, and angle from the south pole
+        x, y, z = self.outward(a)
+        return math.atan2(x, z) / (2 * math.pi) % 1.0, acos(-y) / math.pi
+
 
 class Rectangle(Body):
     def __init__(self, a, b, c):
@@ -1123,6 +1128,11 @@ class Rectangle(Body):
 
     def tangent(self, a):
         return normalize(vsub(self.b, self.a))
+
+    def coordinates(self, a):                    # language 1.4 u v: from A to B, from B to C
+        q = vsub(a, self.a)
+        ab, bc = vsub(self.b, self.a), vsub(self.c, self.b)
+        return dot(q, ab) / dot(ab, ab), dot(q, bc) / dot(bc, bc)
 
 
 class Light:
@@ -1245,6 +1255,7 @@ class Tracer:
         gamma = angle(N, V)
         T = body.tangent(A)
         B = cross(N, T)
+        u, v = body.coordinates(A)
         p = body.values
         total = (0.0, 0.0, 0.0)
         for light in self.scene.lights:
@@ -1258,11 +1269,11 @@ class Tracer:
                 continue                         # a zero factor: the term is exactly 0; a formula that reads visible has no visible_i
             R = vsub(vscale(N, 2 * dot(N, L)), L)
             H = normalize(vadd(L, V))
-            e = self.local(N, L, V, R, angle(N, L), angle(R, V), gamma, A, H, T, B, dist, float(visible), None, None, p, light.values, g)
+            e = self.local(N, L, V, R, angle(N, L), angle(R, V), gamma, A, H, T, B, dist, float(visible), None, None, N, u, v, p, light.values, g)
             total = vadd(total, vscale(e, ki))
         n12 = 1 / body.index if front else body.index
         beyond = 1 - n12 * n12 * (1 - dot(N, V) ** 2) < 0
-        own = {name: f(N, None, V, None, None, None, gamma, A, None, T, B, None, None, n12, float(beyond), p, None, g)
+        own = {name: f(N, None, V, None, None, None, gamma, A, None, T, B, None, None, n12, float(beyond), N, u, v, p, None, g)
                for name, f in self.surface.items()}
         if 'ambient' in own:                     # in place of ka Cd Ia
             total = vadd(total, own['ambient'])

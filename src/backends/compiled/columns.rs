@@ -17,7 +17,8 @@ use crate::lang::scalars::flush;
 use crate::lang::variables::Variable;
 use crate::plan::KernelPlan;
 use crate::trace::{
-    CHUNK_LINES, Group, HitVariables, Hits, LINE_HITS, LightVariables, Mismatch, ROUND_LINES, Tile, Tracer, replay, variable,
+    CHUNK_LINES, CoordinatesUse, Group, HitVariables, Hits, LINE_HITS, LightVariables, Mismatch, ROUND_LINES, Tile, Tracer,
+    replay, variable,
 };
 use crate::world::EmitterId;
 use rayon::prelude::*;
@@ -269,6 +270,7 @@ fn fill(
 pub(super) struct LeafColumns {
     hit_leaves: Vec<(Variable, usize)>,
     record_leaves: Vec<(Variable, usize)>,
+    coordinates: CoordinatesUse,
     /// A stream with a column for each hit leaf, for one chunk of hits. It stays in the L1 cache.
     hits: Vec<Line>,
     /// For each emitter, a stream with a column for each record leaf.
@@ -294,8 +296,9 @@ impl LeafColumns {
         };
         let (hit_leaves, record_leaves) =
             (variables(&compiled.plan.hits.streams[0]), variables(&compiled.plan.records.streams[0]));
+        let coordinates = CoordinatesUse::by(hit_leaves.iter().chain(&record_leaves).map(|(variable, _)| *variable));
         let hits = vec![Line::default(); CHUNK_LINES * hit_leaves.len()];
-        Self { hit_leaves, record_leaves, hits, records: Vec::new() }
+        Self { hit_leaves, record_leaves, coordinates, hits, records: Vec::new() }
     }
 
     /// Computes the variables of these hits for all lights of the group. Lanes after the last hit keep their old
@@ -305,10 +308,10 @@ impl LeafColumns {
         while self.records.len() < group.emitters.len() {
             self.records.push(vec![Line::default(); CHUNK_LINES * self.record_leaves.len()]);
         }
-        let first = hits.start;
+        let (first, coordinates) = (hits.start, self.coordinates);
         replay(tracer, tile, group, hits, |hit, _, surface| {
             let index = (hit - first) as usize;
-            let own = HitVariables::new(world, surface, tracer.relative_index(surface));
+            let own = HitVariables::new(world, surface, tracer.relative_index(surface), coordinates);
             let put = |stream: &mut [Line], columns: usize, column: usize, value: f32| {
                 stream[index / Line::RECORDS * columns + column].0[index % Line::RECORDS] = flush(value);
             };

@@ -21,7 +21,9 @@ use crate::lang::surface_terms::SurfaceTerm;
 use crate::lang::variables::Variable;
 use crate::plan::{Channels, SurfacePlan};
 use crate::scene::BodyId;
-use crate::trace::{Edge, HitVariables, Hits, LINE_HITS, Mismatch, Path, PathId, ROUND_LINES, Segment, Tile, Tracer, replay};
+use crate::trace::{
+    CoordinatesUse, Edge, HitVariables, Hits, LINE_HITS, Mismatch, Path, PathId, ROUND_LINES, Segment, Tile, Tracer, replay,
+};
 use rayon::prelude::*;
 use std::cell::Cell;
 use std::ops::Range;
@@ -213,12 +215,13 @@ impl SurfaceTile {
             Node::Constant(_) | Node::Parameter(..) | Node::Apply(..) => None,
         };
         let leaves: Vec<(Variable, usize)> = plan.hits.streams[0].iter().filter_map(leaf).collect();
+        let coordinates = CoordinatesUse::by(leaves.iter().map(|(variable, _)| *variable));
         let lines = self.lines + ROUND_LINES;
         let mut values = vec![Line::default(); lines * leaves.len()];
         for group in &tile.groups {
             replay(tracer, tile, group, group.hits.clone(), |hit, _, surface| {
                 let node = self.of_hit[hit as usize] as usize;
-                let own = HitVariables::new(tracer.world(), surface, tracer.relative_index(surface));
+                let own = HitVariables::new(tracer.world(), surface, tracer.relative_index(surface), coordinates);
                 for (column, (symbol, component)) in leaves.iter().enumerate() {
                     let value = own.value(*symbol).map_or(0.0, |value| value[*component]);
                     values[node / LINE_HITS * leaves.len() + column].0[node % LINE_HITS] = flush(value);

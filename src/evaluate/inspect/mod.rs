@@ -26,7 +26,7 @@ use crate::lang::scalars::{Floats, Scalars, flush};
 use crate::lang::surface_terms::SurfaceTerm;
 use crate::lang::variables::{Owner, Predefined, Variable};
 use crate::scene::{BodyId, LightId};
-use crate::trace::{Child, Edge, HitVariables, LightVariables, RayNode, Tracer, Tree, View, ray_tree, variable};
+use crate::trace::{Child, CoordinatesUse, Edge, HitVariables, LightVariables, RayNode, Tracer, Tree, View, ray_tree, variable};
 use crate::world::{EmitterId, Ray, Side, World};
 
 /// A formula on a scene, with the values of its parameters.
@@ -137,7 +137,7 @@ impl<'i> Inspector<'i> {
     fn hit(&self, tracer: &Tracer, node: &RayNode) -> InspectedHit {
         let surface = &node.hit;
         let body = self.world.scene().body(surface.body);
-        let variables = HitVariables::new(self.world, surface, node.relative_index);
+        let variables = HitVariables::new(self.world, surface, node.relative_index, CoordinatesUse::Read);
         let refracted = tracer.refracted(surface);
         let crossing = (!body.opaque).then(|| Crossing {
             entering: surface.side == Side::Front,

@@ -11,12 +11,14 @@ use crate::lang::foreign;
 use crate::lang::printer::{head, print_expression};
 use crate::lang::source::SourceSpan;
 use crate::lang::token::Mark;
-use std::collections::BTreeSet;
+use crate::lang::types::Origin;
+use crate::lang::variables::Variable;
+use std::collections::{BTreeSet, HashSet};
 use std::rc::Rc;
 
 /// Reports every name and every call of the file that has no meaning.
 pub(super) fn check(file: &FormulaFile, parameters: &[Parameter], names: &Names, diagnostics: &mut Diagnostics) {
-    let mut resolver = Resolver { file, parameters, names, diagnostics };
+    let mut resolver = Resolver { file, parameters, names, diagnostics, read: HashSet::new(), hidden: Vec::new() };
     for definition in &file.definitions {
         let arguments = definition.arguments.as_deref().unwrap_or_default();
         arguments.iter().for_each(|argument| resolver.hiding(argument, "argument"));
@@ -25,6 +27,8 @@ pub(super) fn check(file: &FormulaFile, parameters: &[Parameter], names: &Names,
     if let Some(result) = file.result {
         resolver.expression(result, Vec::new());
     }
+    let Resolver { read, hidden, diagnostics, .. } = resolver;
+    hidden.into_iter().filter(|(variable, _)| read.contains(variable)).for_each(|(_, warning)| diagnostics.push(warning));
 }
 
 struct Resolver<'r> {
@@ -32,10 +36,15 @@ struct Resolver<'r> {
     parameters: &'r [Parameter],
     names: &'r Names,
     diagnostics: &'r mut Diagnostics,
+    /// The variables that the formula reads.
+    read: HashSet<Variable>,
+    /// Warnings of variables that arguments and sums hide.
+    hidden: Vec<(Variable, Diagnostic)>,
 }
 
 impl<'r> Resolver<'r> {
-    /// Warns if a name of an argument or of a sum hides something that is in use outside.
+    /// Warns if a name of an argument or of a sum hides something that is in use outside. A variable that the thesis
+    /// does not have counts as in use if the formula reads it: its name may be older than the variable.
     fn hiding(&mut self, name: &Name, what: &str) {
         let Some(hidden @ (Meaning::Parameter(_) | Meaning::Macro(_) | Meaning::Variable(_))) = self.names.meaning(&name.text)
         else {
@@ -46,7 +55,16 @@ impl<'r> Resolver<'r> {
         if let Some(span) = self.names.given_at(&name.text) {
             warning = warning.at(span, "this is hidden");
         }
-        self.diagnostics.push(warning.help("choose another name if you need both"));
+        warning = warning.help("choose another name if you need both");
+        match hidden {
+            Meaning::Variable(variable) if variable.origin() == Origin::Added => self.hidden.push((variable, warning)),
+            Meaning::Variable(_)
+            | Meaning::Parameter(_)
+            | Meaning::Macro(_)
+            | Meaning::Function(_)
+            | Meaning::Builtin(_)
+            | Meaning::Repetition(_) => self.diagnostics.push(warning),
+        }
     }
 
     /// Checks an expression in which these names are known besides.
@@ -162,7 +180,10 @@ impl<'r> Resolver<'r> {
 
     fn name(&mut self, name: &str, span: SourceSpan) {
         match self.names.meaning(name) {
-            Some(Meaning::Macro(_) | Meaning::Variable(_) | Meaning::Builtin(Form::Constant(_))) => {}
+            Some(Meaning::Variable(variable)) => {
+                self.read.insert(variable);
+            }
+            Some(Meaning::Macro(_) | Meaning::Builtin(Form::Constant(_))) => {}
             Some(Meaning::Parameter(id)) => {
                 let parameter = &self.parameters[id.0 as usize];
                 if parameter.predefined.is_some_and(|predefined| !predefined.usable_in_formulas()) {

@@ -49,7 +49,9 @@ pub(super) fn surface_terms(
                 Diagnostic::error(format!("`{}` reads {what}, which belongs to a light", term.name()))
                     .at(span, "known for each light only")
                     .at(definition.name.span, "this is evaluated once at each hit")
-                    .help("it may read N V T B gamma point, parameters of bodies and global ones, and weights eta and total"),
+                    .help(
+                        "it may read N V T B Ng gamma point u v, parameters of bodies and global ones, and weights eta and total",
+                    ),
             );
             continue;
         }

@@ -72,6 +72,12 @@ fn names_of_old_formulas_stay_theirs() {
     assert_eq!(colour("sum = 2; product = 3; = <sum, product, sum*product>;"), [2.0, 3.0, 6.0]);
     assert_eq!(colour("sum(a, b) = a + b; = <sum(1, 2)>;"), [3.0; 3]);
     assert_eq!(said("formula; T = 1; = <T>;"), "");
+    // u, v and Ng are everybody's names.
+    assert_eq!(said("formula; u = N.L; v(Ng) = Ng*u; = <v(2)>;"), "");
+    assert_eq!(said("global; u: scalar; body_specific; v: scalar, default 2; formula; = <u*v>;"), "");
+    assert_eq!(said("formula; f(u) = 2*u; = <sum(v, 0, 3, f(v))>;"), "");
+    assert_eq!(said("formula; f(u) = 2*u; = <f(1 + u)>;"), "test:1:12: warning: the argument `u` hides a variable\n");
+    assert_eq!(colour("u = 2; v = u + 1; = <u, v, sum(u, 0, 3, u)>;"), [2.0, 3.0, 6.0]);
     assert_eq!(said("formula; mix = 1; = <mix>;"), "test:1:10: warning: `mix` hides a function of the language\n");
     let predefined = parsed("body_specific; predefined: scalar; formula; = <predefined>;");
     assert!(predefined.parameter_named("predefined").is_some());

@@ -75,12 +75,13 @@ fn quantity(name: &str) -> Option<&'static str> {
         "wi" | "omegai" | "omegain" | "win" => Some("the direction to the light is `L`"),
         "wo" | "omegao" | "omegaout" | "wout" | "incident" => Some("the direction to the viewer is `V`"),
         "wh" | "omegah" | "hvec" | "hv" => Some("the direction halfway between L and V is `H`"),
-        "ng" | "ngeom" | "geometricnormal" | "ns" | "shadingnormal" => Some("the surface normal is `N`"),
+        "ng" | "ngeom" | "geometricnormal" | "geomnormal" | "facenormal" => Some("the geometric normal is `Ng`"),
+        "ns" | "shadingnormal" => Some("the surface normal is `N`"),
         "dpdu" | "dpds" => Some("the tangent is `T`"),
         "dpdv" | "dpdt" => Some("the second tangent is `B`"),
         "pos" | "hitpoint" | "hitpos" | "hit" | "xyz" | "fragcoord" => Some("the hit in world coordinates is `point`"),
-        "u" | "v" | "uv" | "st" | "texcoord" | "texcoords" | "texcoord0" => {
-            Some("there are no surface coordinates; the hit in world coordinates is `point`")
+        "uv" | "st" | "texcoord" | "texcoords" | "texcoord0" | "texcoord1" | "surfacecoordinates" => {
+            Some("the surface coordinates are `u` and `v`")
         }
         "albedo" | "basecolor" | "diffusecolor" | "surfacecolor" | "objectcolor" | "bodycolor" | "materialcolor"
         | "basecolour" | "color" | "colour" | "rgb" | "diffusecolour" | "cs" => Some("the colour of the body is `Cd`"),

@@ -13,7 +13,7 @@ use illuminator::lang::scalars::{Floats, flush};
 use illuminator::lang::variables::Owner;
 use illuminator::picture::Frame;
 use illuminator::plan::{ContributionPlan, DragPlan, FormulaPlan, KernelPlan, Method, SliderPlan, moved_parameters};
-use illuminator::trace::{Group, HitVariables, Hits, LightVariables, Tile, Tracer, View, replay, variable};
+use illuminator::trace::{CoordinatesUse, Group, HitVariables, Hits, LightVariables, Tile, Tracer, View, replay, variable};
 use illuminator::world::World;
 use std::collections::{BTreeSet, HashMap};
 use std::sync::Arc;
@@ -68,7 +68,8 @@ impl GroupColumns {
         let mut hits = vec![Column::new(); hit_leaves.len()];
         let mut records = vec![vec![Column::new(); record_leaves.len()]; group.emitters.len()];
         replay(tracer, tile, group, group.hits.clone(), |hit, _, surface| {
-            let own = HitVariables::new(tracer.world(), surface, tracer.relative_index(surface));
+            let index = tracer.relative_index(surface);
+            let own = HitVariables::new(tracer.world(), surface, index, CoordinatesUse::Read);
             let leaf = |leaf: &NodeId| match graph.node(*leaf) {
                 Node::Variable(symbol, component) => (symbol, usize::from(component)),
                 Node::Constant(_) | Node::Parameter(..) | Node::Apply(..) => panic!("static values are of variables"),

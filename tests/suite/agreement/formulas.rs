@@ -39,7 +39,9 @@ pub(super) const SIZE: (u32, u32) = (15, 13);
 /// An operand as text. Everything that binds less tightly than a call is in parentheses.
 fn leaf(ty: Type) -> BoxedStrategy<String> {
     let variables = |ty: Type| -> Vec<String> {
-        let known = Variable::ALL.iter().filter(|variable| variable.ty() == ty && !variable.is_of_crossing());
+        // `v` is a parameter of these formulas.
+        let usable = |variable: &&Variable| !variable.is_of_crossing() && **variable != Variable::SurfaceV;
+        let known = Variable::ALL.iter().filter(usable).filter(|variable| variable.ty() == ty);
         known.map(|variable| variable.name().to_owned()).collect()
     };
     let number = prop_oneof![

@@ -70,6 +70,22 @@ fn glass_obeys_fresnel() {
 }
 
 #[test]
+fn places_on_surfaces_are_those_of_the_manual() {
+    // The camera looks along −z at the origin.
+    let at =
+        |body: &str, expected: [f64; 3]| near(pixel_of(body, "formula; emission = <u, v, 0>; = Cd;", 1, &["ka=0"]), expected);
+    at("r: rectangle, <-1,-3,0>, <-1,1,0>, <3,1,0>;", [0.75, 0.25, 0.0]);
+    at("t: triangle, <-1,-1,0>, <-1,1,0>, <3,1,0>;", [0.5, 0.25, 0.0]);
+    // From 2 above the middle of a sphere of radius 4, the ray meets it 30° north of the equator, at longitude 0.
+    at("s: sphere, center <0,-2,-3>, radius 4;", [0.0, 2.0 / 3.0, 0.0]);
+    at("d: disc, center <-3,0,0>, normal <0,0,1>, radius 4;", [0.0, 0.75, 0.0]);
+    let normals = |body: &str| pixel_of(body, "formula; emission = (Ng + <1>)/2; = Cd;", 1, &["ka=0"]);
+    near(normals("s: sphere, center <0,-2,-3>, radius 4;"), [0.5, 0.75, 0.5 + 0.75f64.sqrt() / 2.0]);
+    // Ng turns to the ray.
+    near(normals("r: rectangle, <-1,-3,0>, <3,-3,0>, <3,1,0>;"), [0.5, 0.5, 1.0]);
+}
+
+#[test]
 fn mirrors_are_coloured_and_zero_cuts_exactly() {
     near(pixel("formula; reflected = <0.5, 1, 0>; refracted = 0; = Cd;", 0.0, 2, &[]), [0.5, 0.5, 0.0]);
     near(pixel("formula; reflected = Cd*kr; = Cd;", 0.0, 2, &["plate.Cd=<0.2, 0.4, 0.8>", "plate.kt=0"]), [0.2, 0.2, 0.2]);
@@ -93,7 +109,7 @@ fn ambient_light_and_emission_need_no_light() {
 }
 
 /// Formulas whose terms of hits depend on variables, on parameters of bodies and on global ones.
-const TERMS: [&str; 9] = [
+const TERMS: [&str; 10] = [
     "reflected = kr*F; refracted = kt*(1-F);",
     "reflected = kr*Cd; refracted = kt*<1, 0.5, 0>;",
     "reflected = F;",
@@ -103,6 +119,7 @@ const TERMS: [&str; 9] = [
     "reflected = F*kr*v; refracted = (1-kr)*(1-F); ambient = <0.1>;",
     "reflected = kr^2*F; refracted = kt/2;",
     "emission = Cd*(gety(N) > 0.9); ambient = <0>;",
+    "reflected = kr*(fract(4*u) > 0.5); refracted = kt*u; emission = q*<u, 0, u*u>; ambient = ka*Ia*Cd*abs(Ng);",
 ];
 
 /// Formulas whose weights of rays are infinite, NaN or very large at some hits: the normal of the floor is <0, 1, 0>.

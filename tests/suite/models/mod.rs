@@ -84,6 +84,9 @@ impl Hit {
             Variable::Halfway => normalize([0, 1, 2].map(|axis| self.light[axis] + self.viewer[axis])),
             Variable::Tangent => tangent,
             Variable::Bitangent => cross(normal, tangent),
+            // The surface is flat, and no model reads its coordinates.
+            Variable::GeometricNormal => normal,
+            Variable::SurfaceU | Variable::SurfaceV => [0.0; 3],
             Variable::Point => self.point,
             Variable::Alpha => angle(normal, self.light),
             Variable::Beta => angle(mirrored(), self.viewer),
