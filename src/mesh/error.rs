@@ -132,9 +132,14 @@ fn write_hint(f: &mut fmt::Formatter<'_>, hint: Option<&str>) -> fmt::Result {
 #[derive(Debug)]
 pub(super) enum Fault {
     Cancelled,
-    Memory { needed: u64, allowed: u64 },
+    Memory {
+        needed: u64,
+        allowed: u64,
+    },
     File(Box<MeshFileError>),
     Content(Box<Mistake>),
+    /// In another file, which the file names.
+    Elsewhere(Box<MeshError>),
 }
 
 /// What is wrong in the contents of a file, with the range of its bytes if it is one place.
@@ -195,6 +200,7 @@ impl Fault {
             Fault::Cancelled => MeshError::Cancelled,
             Fault::Memory { needed, allowed } => MeshError::Memory { file: file.to_owned(), needed, allowed },
             Fault::File(error) => MeshError::File(*error),
+            Fault::Elsewhere(error) => *error,
             Fault::Content(mistake) => {
                 let Mistake { at, message, hint } = *mistake;
                 let place = at.map(|at| match places(at.start) {

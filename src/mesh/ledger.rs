@@ -18,6 +18,8 @@ pub struct Reading<'t> {
 pub(super) struct Ledger<'t> {
     reading: Reading<'t>,
     used: u64,
+    /// Whether no progress is told.
+    quiet: bool,
 }
 
 /// The capacity of a list with its first element.
@@ -27,7 +29,7 @@ const BLOCK: usize = 1 << 14;
 
 impl<'t> Ledger<'t> {
     pub(super) fn new(reading: &Reading<'t>) -> Self {
-        Self { reading: *reading, used: 0 }
+        Self { reading: *reading, used: 0, quiet: false }
     }
 
     /// Counts bytes that are about to be allocated.
@@ -69,13 +71,29 @@ impl<'t> Ledger<'t> {
 
     /// Tells the share that is done, and ends cancelled work.
     pub(super) fn tell(&self, share: f64) -> Result<(), Fault> {
-        (self.reading.progress)(share.clamp(0.0, 1.0));
+        if !self.quiet {
+            (self.reading.progress)(share.clamp(0.0, 1.0));
+        }
         self.check(0)
     }
 
     /// Tells how many of all parts of a file are read, and ends cancelled work.
     pub(super) fn tell_parsing(&self, done: usize, all: usize) -> Result<(), Fault> {
         self.tell(PARSING.0 + PARSING.1 * done as f64 / all.max(1) as f64)
+    }
+
+    /// Tells how many of all parts of a file are complete, and ends cancelled work.
+    pub(super) fn tell_completing(&self, done: usize, all: usize) -> Result<(), Fault> {
+        let before = PARSING.0 + PARSING.1;
+        self.tell(before + (1.0 - before) * done as f64 / all.max(1) as f64)
+    }
+
+    /// Does a part of the work without telling its progress.
+    pub(super) fn quietly<T>(&mut self, work: impl FnOnce(&mut Self) -> T) -> T {
+        let before = std::mem::replace(&mut self.quiet, true);
+        let result = work(self);
+        self.quiet = before;
+        result
     }
 
     /// As [`tell_parsing`](Self::tell_parsing) with bytes as parts, for one record of each block.

@@ -10,6 +10,7 @@
 mod error;
 mod gltf;
 mod ledger;
+mod model;
 mod normals;
 mod obj;
 mod ply;
@@ -23,14 +24,20 @@ mod weld;
 
 pub use error::{MeshError, MeshFileError, MeshMistake, MeshPlace};
 pub use ledger::Reading;
+pub use model::{
+    LightSource, MeshModel, ModelCamera, ModelLight, ModelLook, ModelMaterial, ModelPart, Omission, Omissions, PhongLook,
+    PhysicalLook,
+};
+pub use ply::write_ply;
 pub use triangle_mesh::{LARGEST_COORDINATE, MeshParts, MeshRepairs, TriangleMesh};
 
 use crate::files::{OpenError, Readable, open, reason};
 use error::{Fault, Places};
 use ledger::{Ledger, PARSING};
+use model::ModelContents;
 use std::fs::File;
 use std::io::{self, Read};
-use std::path::Path;
+use std::path::{Component, Path};
 
 /// The largest file that is read, in bytes.
 pub const LARGEST_FILE: u64 = 8 << 30;
@@ -44,16 +51,30 @@ pub struct MeshFormat {
     /// The suffixes of its files, in small letters.
     pub suffixes: &'static [&'static str],
     read: fn(&MeshFile, &mut Ledger) -> Result<MeshParts, Fault>,
+    /// How its parts are read, if its files have parts.
+    read_model: Option<fn(&MeshFile, &mut Ledger) -> Result<ModelContents, Fault>>,
     /// How the place of a byte is told.
     places: fn(&MeshFile, usize) -> Places,
 }
 
 /// The formats that are read.
 pub const FORMATS: [MeshFormat; 4] = [
-    MeshFormat { name: "OBJ", suffixes: &["obj"], read: obj::read, places: |_, _| Places::Lines },
-    MeshFormat { name: "PLY", suffixes: &["ply"], read: ply::read, places: ply::places },
-    MeshFormat { name: "STL", suffixes: &["stl"], read: stl::read, places: stl::places },
-    MeshFormat { name: "glTF", suffixes: &["gltf", "glb"], read: gltf::read, places: gltf::places },
+    MeshFormat {
+        name: "OBJ",
+        suffixes: &["obj"],
+        read: obj::read,
+        read_model: Some(obj::read_model),
+        places: |_, _| Places::Lines,
+    },
+    MeshFormat { name: "PLY", suffixes: &["ply"], read: ply::read, read_model: None, places: ply::places },
+    MeshFormat { name: "STL", suffixes: &["stl"], read: stl::read, read_model: None, places: stl::places },
+    MeshFormat {
+        name: "glTF",
+        suffixes: &["gltf", "glb"],
+        read: gltf::read,
+        read_model: Some(gltf::read_model),
+        places: gltf::places,
+    },
 ];
 
 impl MeshFormat {
@@ -67,9 +88,32 @@ impl MeshFormat {
     fn parse(&self, file: &MeshFile, ledger: &mut Ledger) -> Result<(TriangleMesh, MeshRepairs), MeshError> {
         let parts = (self.read)(file, ledger);
         let mesh = parts.and_then(|parts| TriangleMesh::complete(parts, ledger));
-        let name = file.path.display().to_string();
-        mesh.map_err(|fault| fault.in_file(&name, file.bytes, |at| (self.places)(file, at)))
+        self.located(file, mesh)
     }
+
+    /// Makes a model of the contents of a file.
+    fn parse_model(&self, file: &MeshFile, ledger: &mut Ledger) -> Result<MeshModel, MeshError> {
+        let Some(read) = self.read_model else {
+            let message = format!("`{}` has no parts: it is a {} file", file.path.display(), self.name);
+            return Err(MeshError::File(MeshFileError { message, hint: Some(with_parts()) }));
+        };
+        let contents = read(file, ledger);
+        let model = contents.and_then(|contents| contents.complete(ledger));
+        let model = model.and_then(|model| ledger.tell(1.0).map(|()| model));
+        self.located(file, model)
+    }
+
+    /// The outcome with the place of a fault.
+    fn located<T>(&self, file: &MeshFile, outcome: Result<T, Fault>) -> Result<T, MeshError> {
+        let name = file.path.display().to_string();
+        outcome.map_err(|fault| fault.in_file(&name, file.bytes, |at| (self.places)(file, at)))
+    }
+}
+
+/// Which files have parts, for messages.
+fn with_parts() -> String {
+    let suffixes = FORMATS.iter().filter(|format| format.read_model.is_some()).flat_map(|format| format.suffixes);
+    format!("files with parts have the suffix {}", Vec::from_iter(suffixes.map(|suffix| format!(".{suffix}"))).join(", "))
 }
 
 /// The contents of a file that is being read.
@@ -103,18 +147,43 @@ impl MeshFile<'_> {
 /// # Errors
 /// The file cannot be read, its contents are wrong, it needs more memory than there is, or the work was cancelled.
 pub fn read(path: &Path, reading: &Reading) -> Result<(TriangleMesh, MeshRepairs), MeshError> {
+    let hint = || {
+        let suffixes = FORMATS.iter().flat_map(|format| format.suffixes).map(|suffix| format!(".{suffix}"));
+        format!("meshes are files with the suffix {}", Vec::from_iter(suffixes).join(", "))
+    };
+    read_as(path, reading, MeshFormat::parse, hint)
+}
+
+/// Reads a file as parts with their materials, with its camera and lights. Files that it names are read too, but for
+/// those of textures.
+///
+/// # Errors
+/// As for [`read`]; or files of this format have no parts.
+pub fn read_model(path: &Path, reading: &Reading) -> Result<MeshModel, MeshError> {
+    read_as(path, reading, MeshFormat::parse_model, with_parts)
+}
+
+/// Reads a file by the format of its suffix. `hint` says which suffixes there are.
+fn read_as<T>(
+    path: &Path,
+    reading: &Reading,
+    parse: impl FnOnce(&MeshFormat, &MeshFile, &mut Ledger) -> Result<T, MeshError>,
+    hint: impl FnOnce() -> String,
+) -> Result<T, MeshError> {
     let name = path.display().to_string();
     let Some(format) = MeshFormat::of(path) else {
-        let suffixes = FORMATS.iter().flat_map(|format| format.suffixes).map(|suffix| format!(".{suffix}"));
-        let hint = format!("meshes are files with the suffix {}", Vec::from_iter(suffixes).join(", "));
-        return Err(MeshError::File(MeshFileError {
-            message: format!("`{name}` is not a mesh by its suffix"),
-            hint: Some(hint),
-        }));
+        let message = format!("`{name}` is not a mesh by its suffix");
+        return Err(MeshError::File(MeshFileError { message, hint: Some(hint()) }));
     };
     let mut ledger = Ledger::new(reading);
     let bytes = contents(path, &mut ledger).map_err(|fault| fault.in_file(&name, &[], |_| Places::Offsets))?;
-    format.parse(&MeshFile { path, bytes: &bytes }, &mut ledger)
+    parse(format, &MeshFile { path, bytes: &bytes }, &mut ledger)
+}
+
+/// Whether a name is that of a file beside another one, or in a folder reached from there.
+fn is_relative(name: &str) -> bool {
+    let is_step = |part: Component| matches!(part, Component::Normal(_) | Component::CurDir | Component::ParentDir);
+    !name.is_empty() && Path::new(name).components().all(is_step)
 }
 
 /// The contents of a regular file.

@@ -20,6 +20,15 @@ pub(super) fn parse(name: &str, bytes: impl AsRef<[u8]>) -> (TriangleMesh, MeshR
     parse_within(1 << 30, name, bytes.as_ref()).unwrap_or_else(|error| panic!("{error:#}"))
 }
 
+/// The model in a file that reads no other.
+pub(super) fn parse_model(name: &str, bytes: impl AsRef<[u8]>) -> MeshModel {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join(name);
+    std::fs::write(&path, bytes).unwrap();
+    let reading = Reading { memory: 1 << 30, progress: &|_| (), cancelled: &NEVER };
+    read_model(&path, &reading).unwrap_or_else(|error| panic!("{error:#}"))
+}
+
 /// The error of a file as it is shown, with its details, without its folder.
 pub(super) fn refused(name: &str, bytes: impl AsRef<[u8]>) -> String {
     let error = parse_within(1 << 30, name, bytes.as_ref()).unwrap_err();
@@ -42,6 +51,10 @@ const XY: [f64; 3] = [1.0, 1.0, 0.0];
 
 const SQUARE_OBJ: &str = "# a square\no square\nv 0 0 0\nv 1 0 0 1.0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvn 0 0 2\n\
     usemtl red\ns off\nf 1/1/1 2/2/1 3//1 -1/1/-1\n";
+
+/// Two objects of one group, with two materials. The faces of the first one are not together.
+pub(super) const SEVERAL_PARTS: &str = "g walls\no house\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 2\nvt 0.25 0.5\n\
+    usemtl red\nf 1//1 2//1 3//1\nusemtl blue\nf 1 2 3\nl 1 2\nusemtl red\nf 1//1 3//1 4//1\no roof\nf 1/1 2 4\n";
 
 #[test]
 fn obj_square_is_turned_and_complete() {
@@ -322,6 +335,7 @@ fn parts_are_checked() {
 static SAMPLES: LazyLock<Vec<(&'static str, Vec<u8>)>> = LazyLock::new(|| {
     let mut samples = vec![
         ("a.obj", SQUARE_OBJ.as_bytes().to_vec()),
+        ("a.obj", SEVERAL_PARTS.as_bytes().to_vec()),
         ("a.ply", ply("ascii", PLY_TEXT)),
         ("a.ply", ply("binary_little_endian", binary_records(false))),
         ("a.ply", ply("binary_big_endian", binary_records(true))),
@@ -339,16 +353,26 @@ fn survives(name: &str, bytes: &[u8]) {
     let reading = Reading { memory: 4 << 20, progress: &|_| (), cancelled: &NEVER };
     let format = MeshFormat::of(&path).unwrap();
     match format.parse(&MeshFile { path: &path, bytes }, &mut Ledger::new(&reading)) {
-        Ok((mesh, _)) => {
-            let count = mesh.positions().len();
-            assert!(!mesh.triangles().is_empty());
-            assert!(mesh.triangles().iter().flatten().all(|vertex| (*vertex as usize) < count));
-            assert!(mesh.positions().iter().all(|position| position.is_finite()));
-            assert!(mesh.normals().iter().all(|normal| (normal.length() - 1.0).abs() < 1e-5));
-            assert!([0, count].contains(&mesh.normals().len()) && [0, count].contains(&mesh.uvs().len()));
+        Ok((mesh, _)) => is_sound(&mesh),
+        Err(error) => assert!(!format!("{error:#}").is_empty()),
+    }
+    match format.parse_model(&MeshFile { path: &path, bytes }, &mut Ledger::new(&reading)) {
+        Ok(model) => {
+            model.parts.iter().for_each(|part| is_sound(&part.mesh));
+            let count = model.materials.len();
+            assert!(model.parts.iter().filter_map(|part| part.material).all(|material| material < count));
         }
         Err(error) => assert!(!format!("{error:#}").is_empty()),
     }
+}
+
+fn is_sound(mesh: &TriangleMesh) {
+    let count = mesh.positions().len();
+    assert!(!mesh.triangles().is_empty());
+    assert!(mesh.triangles().iter().flatten().all(|vertex| (*vertex as usize) < count));
+    assert!(mesh.positions().iter().all(|position| position.is_finite()));
+    assert!(mesh.normals().iter().all(|normal| (normal.length() - 1.0).abs() < 1e-5));
+    assert!([0, count].contains(&mesh.normals().len()) && [0, count].contains(&mesh.uvs().len()));
 }
 
 #[test]
@@ -374,8 +398,13 @@ const WRONG_NUMBERS: [[u8; 4]; 8] = [
 ];
 const DAMAGES: usize = 9;
 
+/// A way of damage, a place, and a byte.
+pub(super) fn damages() -> impl Strategy<Value = (usize, prop::sample::Index, u8)> {
+    (0..DAMAGES, any::<prop::sample::Index>(), any::<u8>())
+}
+
 /// Damages bytes in one of the ways, at a place. `byte` says how, and how much of them.
-fn damage(bytes: &mut Vec<u8>, way: usize, place: prop::sample::Index, byte: u8) {
+pub(super) fn damage(bytes: &mut Vec<u8>, way: usize, place: prop::sample::Index, byte: u8) {
     if bytes.is_empty() {
         return;
     }
@@ -412,7 +441,7 @@ proptest! {
 
     #[test]
     fn damaged_files_of_all_formats_are_survived(
-        damages in prop::collection::vec((0..DAMAGES, any::<prop::sample::Index>(), any::<u8>()), 1..6),
+        damages in prop::collection::vec(damages(), 1..6),
     ) {
         for (name, bytes) in SAMPLES.iter() {
             let mut bytes = bytes.clone();

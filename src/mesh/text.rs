@@ -95,6 +95,18 @@ impl<'t> TextCursor<'t> {
         Some(self.take_word())
     }
 
+    /// The rest of this line without the blanks around it. It may be empty.
+    pub(super) fn rest_of_line(&mut self) -> TextWord<'t> {
+        let start = self.at;
+        while self.text.get(self.at).is_some_and(|byte| !matches!(byte, b'\n' | b'\r')) {
+            self.at += 1;
+        }
+        let rest = &self.text[start..self.at];
+        let start = start + rest.len() - rest.trim_ascii_start().len();
+        let bytes = rest.trim_ascii();
+        TextWord { bytes, at: start..start + bytes.len() }
+    }
+
     /// Goes to the beginning of the next line.
     pub(super) fn skip_line(&mut self) {
         while self.text.get(self.at).is_some_and(|byte| !matches!(byte, b'\n' | b'\r')) {

@@ -4,6 +4,7 @@ use crate::mesh::error::{Fault, MeshError, Places};
 use crate::mesh::ledger::{Ledger, PARSING, Reading};
 use crate::mesh::normals::{angle_weighted, front_normal};
 use glam::{DVec3, Vec2, Vec3};
+use std::ops::Add;
 
 /// The largest coordinate of a vertex.
 pub const LARGEST_COORDINATE: f64 = 1e30;
@@ -46,6 +47,26 @@ pub struct MeshRepairs {
     pub missing_normals: u64,
     /// Surface coordinates that are infinite or not a number. They became 0.
     pub unusable_uvs: u64,
+}
+
+impl MeshParts {
+    /// Whether any triangle has an area.
+    pub(super) fn has_area(&self) -> bool {
+        let corner = |vertex: u32| self.positions.get(vertex as usize).copied().unwrap_or(DVec3::ZERO);
+        self.triangles.iter().any(|triangle| front_normal(triangle.map(corner)).is_some())
+    }
+}
+
+impl Add for MeshRepairs {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self {
+            degenerate_triangles: self.degenerate_triangles + other.degenerate_triangles,
+            missing_normals: self.missing_normals + other.missing_normals,
+            unusable_uvs: self.unusable_uvs + other.unusable_uvs,
+        }
+    }
 }
 
 impl TriangleMesh {

@@ -3,9 +3,9 @@
 use crate::mesh::error::{Fault, MeshFileError};
 use crate::mesh::gltf::document::GltfDocument;
 use crate::mesh::ledger::Ledger;
-use crate::mesh::{MeshFile, contents};
+use crate::mesh::{MeshFile, contents, is_relative};
 use std::borrow::Cow;
-use std::path::{Component, Path, PathBuf};
+use std::path::{Path, PathBuf};
 
 /// The JSON of a file, and the bytes behind it.
 pub(super) struct Container<'f> {
@@ -93,8 +93,7 @@ fn load(uri: &str, index: usize, path: &Path, ledger: &mut Ledger) -> Result<Vec
         return base64(text.as_bytes(), ledger)?.ok_or_else(|| wrong("has wrong base64"));
     }
     let relative = percent_decoded(uri).ok_or_else(|| wrong("is not UTF-8"))?;
-    let is_below = |part: Component| matches!(part, Component::Normal(_) | Component::CurDir | Component::ParentDir);
-    if uri.contains("://") || relative.is_empty() || !Path::new(&relative).components().all(is_below) {
+    if uri.contains("://") || !is_relative(&relative) {
         return Err(wrong("is not a relative path").help("only files beside the glTF file are read"));
     }
     let beside: PathBuf = path.parent().unwrap_or(Path::new("")).join(relative);
@@ -104,7 +103,7 @@ fn load(uri: &str, index: usize, path: &Path, ledger: &mut Ledger) -> Result<Vec
             hint: Some("a .gltf file needs the files beside it that it names".to_owned()),
         })),
         Fault::Content(_) => wrong("names an empty file"),
-        Fault::Cancelled | Fault::Memory { .. } => fault,
+        Fault::Cancelled | Fault::Memory { .. } | Fault::Elsewhere(_) => fault,
     })
 }
 

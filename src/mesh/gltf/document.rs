@@ -125,22 +125,30 @@ pub(super) struct GltfScene {
 impl GltfDocument {
     /// Reads the JSON, which begins at `start` in the file.
     pub(super) fn read(json: &[u8], start: usize, ledger: &mut Ledger) -> Result<Self, Fault> {
-        let count = |mark: u8| json.iter().filter(|byte| **byte == mark).count() as u64;
-        let values = count(b'{') * BYTES_PER_OBJECT + count(b',') * BYTES_PER_VALUE;
-        // Strings are copied.
-        ledger.charge(values + json.len() as u64)?;
-        let document: GltfDocument = serde_json::from_slice(json).map_err(|error| {
-            let at = start + offset(json, error.line(), error.column());
-            let text = error.to_string();
-            let message = text.split(" at line ").next().unwrap_or_default();
-            Fault::at(at..at + 1, format!("the JSON of the glTF file is wrong: {message}"))
-        })?;
+        charge_values(json, ledger)?;
+        let document: GltfDocument = serde_json::from_slice(json).map_err(|error| wrong_json(json, start, &error))?;
         match document.extensions_required.iter().find(|name| !HARMLESS.iter().any(|start| name.starts_with(start))) {
             Some(name) => Err(Fault::new(format!("it requires the extension `{name}`, which is not read"))
                 .help("export it without compression and without extensions of geometry")),
             None => Ok(document),
         }
     }
+}
+
+/// Counts the memory that the values of JSON take when they are stored.
+pub(super) fn charge_values(json: &[u8], ledger: &mut Ledger) -> Result<(), Fault> {
+    let count = |mark: u8| json.iter().filter(|byte| **byte == mark).count() as u64;
+    let values = count(b'{') * BYTES_PER_OBJECT + count(b',') * BYTES_PER_VALUE;
+    // Strings are copied.
+    ledger.charge(values + json.len() as u64)
+}
+
+/// The fault of JSON that begins at `start` in the file.
+pub(super) fn wrong_json(json: &[u8], start: usize, error: &serde_json::Error) -> Fault {
+    let at = start + offset(json, error.line(), error.column());
+    let text = error.to_string();
+    let message = text.split(" at line ").next().unwrap_or_default();
+    Fault::at(at..at + 1, format!("the JSON of the glTF file is wrong: {message}"))
 }
 
 /// The offset of a line and a column that count from 1.

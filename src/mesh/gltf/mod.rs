@@ -1,23 +1,29 @@
 //! glTF 2.0 files, as JSON or in a binary container (GLB).
 //!
-//! All meshes of the file's scene become one, with the transforms of their nodes. Materials, cameras, lights and
-//! animations are passed over; skins and morph targets are not applied.
+//! [`read`] makes one mesh of all meshes of the file's scene, with the transforms of their nodes. [`read_model`] keeps
+//! them apart, with materials, camera and lights. Animations are passed over; skins and morph targets are not applied.
 
 mod accessor;
 mod container;
 mod document;
+mod looks;
+mod nodes;
+mod scenery;
 #[cfg(test)]
 pub(super) mod tests;
 
 use crate::mesh::MeshFile;
 use crate::mesh::error::{Fault, Places};
 use crate::mesh::ledger::Ledger;
+use crate::mesh::model::{ModelContents, PartContents};
 use crate::mesh::triangle_mesh::{MeshParts, is_coordinate, wrong_coordinate};
 use crate::mesh::weld::index;
 use accessor::Accessors;
 use container::Container;
-use document::{GltfDocument, GltfNode, GltfPrimitive};
-use glam::{DMat3, DMat4, DQuat, DVec3, Vec2, Vec3};
+use document::{GltfDocument, GltfPrimitive};
+use glam::{DMat3, DMat4, DVec3, Vec2, Vec3};
+use looks::GltfLooks;
+use nodes::{PlacedNode, PrimitivePlace, for_each_node};
 
 /// Reads a file.
 pub(super) fn read(file: &MeshFile, ledger: &mut Ledger) -> Result<MeshParts, Fault> {
@@ -26,19 +32,8 @@ pub(super) fn read(file: &MeshFile, ledger: &mut Ledger) -> Result<MeshParts, Fa
     let buffers = container.buffers(&document, file.path, ledger)?;
     let accessors = Accessors { document: &document, buffers: &buffers };
     let mut parts = MeshParts::default();
-    let mut done = 0;
-    for_each_mesh(&document, |mesh, transform| {
-        let Some(found) = document.meshes.get(mesh) else {
-            return Err(Fault::new(format!("there is no meshes[{mesh}]: the file has {}", document.meshes.len())));
-        };
-        for (number, primitive) in found.primitives.iter().enumerate() {
-            ledger.tell_parsing(done, document.meshes.len())?;
-            add(primitive, &accessors, &transform, &mut parts, ledger)
-                .map_err(|fault| fault.within(&format!("meshes[{mesh}].primitives[{number}]")))?;
-        }
-        // A mesh may stand at several nodes.
-        done = (done + 1).min(document.meshes.len());
-        Ok(())
+    for_each_primitive(&document, ledger, |place, primitive, ledger| {
+        add(primitive, &accessors, &place.transform, &mut parts, ledger)
     })?;
     // Meshes without normals or surface coordinates may follow others.
     let count = parts.positions.len();
@@ -47,59 +42,55 @@ pub(super) fn read(file: &MeshFile, ledger: &mut Ledger) -> Result<MeshParts, Fa
     Ok(parts)
 }
 
+/// Reads a file as parts: the primitives of the mesh of each node.
+pub(super) fn read_model(file: &MeshFile, ledger: &mut Ledger) -> Result<ModelContents, Fault> {
+    let container = Container::split(file)?;
+    let document = GltfDocument::read(container.json, container.json_start, ledger)?;
+    let looks = GltfLooks::read(container.json, container.json_start, ledger)?;
+    let buffers = container.buffers(&document, file.path, ledger)?;
+    let accessors = Accessors { document: &document, buffers: &buffers };
+    let mut contents = scenery::read(&document, &looks)?;
+    for_each_primitive(&document, ledger, |place, primitive, ledger| {
+        let mut parts = MeshParts::default();
+        add(primitive, &accessors, &place.transform, &mut parts, ledger)?;
+        if parts.triangles.is_empty() {
+            contents.omissions.add(1, "part(s) of points or lines", "");
+            return Ok(());
+        }
+        let (name, material) = scenery::name_and_material(&looks, place, contents.materials.len())?;
+        // The names of nodes may be long, and stand at several primitives.
+        ledger.charge(name.len() as u64)?;
+        ledger.push(&mut contents.parts, PartContents { name, material, parts })
+    })?;
+    Ok(contents)
+}
+
 /// A container tells places by bytes.
 pub(super) fn places(file: &MeshFile, _: usize) -> Places {
     if container::is_binary(file.bytes) { Places::Offsets } else { Places::Lines }
 }
 
-/// Gives each mesh of the scene with the transform of its node.
-fn for_each_mesh(document: &GltfDocument, mut give: impl FnMut(usize, DMat4) -> Result<(), Fault>) -> Result<(), Fault> {
-    let nodes = &document.nodes;
-    if nodes.is_empty() && document.scenes.is_empty() {
-        return (0..document.meshes.len()).try_for_each(|mesh| give(mesh, DMat4::IDENTITY));
-    }
-    let roots: Vec<usize> = match document.scenes.get(document.scene.unwrap_or(0)) {
-        Some(scene) => scene.nodes.clone(),
-        None if document.scenes.is_empty() => {
-            let mut is_child = vec![false; nodes.len()];
-            for child in nodes.iter().flat_map(|node| &node.children) {
-                if let Some(place) = is_child.get_mut(*child) {
-                    *place = true;
-                }
-            }
-            (0..nodes.len()).filter(|node| !is_child[*node]).collect()
-        }
-        None => return Err(Fault::new(format!("the file has {} scenes, and `scene` names none of them", document.scenes.len()))),
-    };
-    let mut visited = vec![false; nodes.len()];
-    // In the order of the file.
-    let mut waiting: Vec<(usize, DMat4)> = roots.into_iter().rev().map(|node| (node, DMat4::IDENTITY)).collect();
-    while let Some((place, parent)) = waiting.pop() {
-        let Some(node) = nodes.get(place) else {
-            return Err(Fault::new(format!("there is no nodes[{place}]: the file has {}", nodes.len())));
+/// Gives the primitives of all meshes of the scene.
+fn for_each_primitive(
+    document: &GltfDocument,
+    ledger: &mut Ledger,
+    mut give: impl FnMut(&PrimitivePlace, &GltfPrimitive, &mut Ledger) -> Result<(), Fault>,
+) -> Result<(), Fault> {
+    let mut done = 0;
+    for_each_node(document, |PlacedNode { node, mesh, .. }| {
+        let Some((mesh, transform)) = mesh else { return Ok(()) };
+        let Some(found) = document.meshes.get(mesh) else {
+            return Err(Fault::new(format!("there is no meshes[{mesh}]: the file has {}", document.meshes.len())));
         };
-        if std::mem::replace(&mut visited[place], true) {
-            return Err(Fault::new(format!("nodes[{place}] stands twice in the tree of nodes")));
+        for (number, primitive) in found.primitives.iter().enumerate() {
+            ledger.tell_parsing(done, document.meshes.len())?;
+            let place = PrimitivePlace { node, mesh, number, transform };
+            give(&place, primitive, ledger).map_err(|fault| fault.within(&format!("meshes[{mesh}].primitives[{number}]")))?;
         }
-        let transform = parent * local_transform(node);
-        if let Some(mesh) = node.mesh {
-            // The joints of a skin move its mesh, not the node (glTF 2.0, chapter 3.7.3.3).
-            give(mesh, if node.skin.is_some() { DMat4::IDENTITY } else { transform })?;
-        }
-        waiting.extend(node.children.iter().rev().map(|child| (*child, transform)));
-    }
-    Ok(())
-}
-
-fn local_transform(node: &GltfNode) -> DMat4 {
-    if let Some(matrix) = &node.matrix {
-        return DMat4::from_cols_array(matrix);
-    }
-    let rotation = node.rotation.map_or(DQuat::IDENTITY, DQuat::from_array);
-    let rotation = if rotation.length_squared() > 0.0 { rotation.normalize() } else { DQuat::IDENTITY };
-    let scale = node.scale.map_or(DVec3::ONE, DVec3::from_array);
-    let translation = node.translation.map_or(DVec3::ZERO, DVec3::from_array);
-    DMat4::from_scale_rotation_translation(scale, rotation, translation)
+        // A mesh may stand at several nodes.
+        done = (done + 1).min(document.meshes.len());
+        Ok(())
+    })
 }
 
 /// Adds the triangles of a primitive; points and lines have none.

@@ -1,8 +1,9 @@
 //! Tests of glTF files.
 
-use crate::mesh::tests::{corners, parse, parse_within, refused};
-use crate::mesh::{MeshError, Reading, read};
-use glam::{Vec2, Vec3};
+use crate::mesh::model::{LightSource, ModelLook};
+use crate::mesh::tests::{corners, parse, parse_model, parse_within, refused};
+use crate::mesh::{MeshError, MeshModel, Reading, read, read_model};
+use glam::{DVec3, Vec2, Vec3};
 use std::sync::atomic::AtomicBool;
 
 const O: [f64; 3] = [0.0, 0.0, 0.0];
@@ -75,6 +76,7 @@ pub(in crate::mesh) fn samples() -> Vec<(&'static str, Vec<u8>)> {
         ("a.glb", glb(&document(""), &buffer())),
         ("a.gltf", sparse.into_bytes()),
         ("a.gltf", changed(&[MIRRORED]).into_bytes()),
+        ("a.gltf", furnished().into_bytes()),
     ]
 }
 
@@ -210,4 +212,126 @@ fn json_of_many_objects_is_counted_first() {
     let nodes = format!(r#"{{"nodes": [{}{{}}]}}"#, "{},".repeat(10_000));
     let error = parse_within(1 << 20, "a.gltf", nodes.as_bytes()).unwrap_err();
     assert!(matches!(error, MeshError::Memory { .. }), "{error}");
+}
+
+/// The square at two nodes, as two primitives of two materials, with two cameras and three lights.
+fn furnished() -> String {
+    let two = r#"[{"name": "pane", "primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "material": 1},
+        {"attributes": {"POSITION": 0, "COLOR_0": 0}, "indices": 1, "mode": 6, "targets": [{}]},
+        {"attributes": {"POSITION": 0}, "mode": 1}]}]"#;
+    let nodes = r#"[{"name": "left", "mesh": 0, "children": [1, 2, 3]},
+        {"name": "eye", "camera": 1, "translation": [0, 1, 5], "rotation": [0, 0.70710678118, 0, 0.70710678118]},
+        {"camera": 0}, {"mesh": 0, "translation": [9, 0, 0], "scale": [-1, 1, 1], "children": [4, 5, 6]},
+        {"extensions": {"KHR_lights_punctual": {"light": 0}}, "translation": [1, 2, 3]},
+        {"name": "sun", "extensions": {"KHR_lights_punctual": {"light": 1}}, "rotation": [-0.70710678118, 0, 0, 0.70710678118]},
+        {"extensions": {"KHR_lights_punctual": {"light": 2}}, "camera": 2}]"#;
+    let more = r#""extensionsUsed": ["KHR_lights_punctual", "KHR_materials_ior", "ODD_thing"], "textures": [{}, {}],
+        "animations": [{"channels": []}],
+        "extensions": {"KHR_lights_punctual": {"lights": [{"name": "lamp", "type": "point", "intensity": 50, "color": [1, 0.5, 0]},
+        {"type": "directional"}, {"type": "spot", "spot": {}}]}},
+        "cameras": [{"type": "orthographic", "orthographic": {}}, {"type": "perspective", "perspective": {"yfov": 0.5,
+        "aspectRatio": 1.5, "znear": 0.1}}, {"type": "perspective", "perspective": {"yfov": 1, "znear": 0.1}}],
+        "materials": [{}, {"name": "glass", "alphaMode": "BLEND", "emissiveFactor": [0, 1, 0], "pbrMetallicRoughness":
+        {"baseColorFactor": [0.1, 0.2, 0.3, 0.4], "metallicFactor": 0.25, "roughnessFactor": 0.75}, "extensions":
+        {"KHR_materials_ior": {"ior": 1.33}, "KHR_materials_transmission": {"transmissionFactor": 0.9},
+        "KHR_materials_clearcoat": {"clearcoatFactor": 0.5}}}], "scene": 0}"#;
+    let (mesh, node) = (r#"[{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}]"#, r#"[{"mesh": 0}]"#);
+    changed(&[(mesh, two), (node, nodes), (r#""scene": 0}"#, more)])
+}
+
+fn model() -> MeshModel {
+    parse_model("a.gltf", furnished())
+}
+
+#[test]
+fn each_primitive_at_each_node_is_a_part() {
+    let model = model();
+    let parts: Vec<_> = model.parts.iter().map(|part| (part.name.as_str(), part.material)).collect();
+    assert_eq!(parts, [("left", Some(1)), ("left", None), ("pane", Some(1)), ("pane", None)]);
+    assert_eq!(corners(&model.parts[0].mesh), [[O, XY, X], [O, Y, XY]]);
+    // Mirrored at x = 0 and moved by 9; the front stays the front.
+    let mirrored = [[[9., 0., 0.], [8., 0., 0.], [8., 1., 0.]], [[9., 0., 0.], [8., 1., 0.], [9., 1., 0.]]];
+    assert_eq!(corners(&model.parts[2].mesh), mirrored);
+    let left_out: Vec<String> = model.omissions.iter().map(ToString::to_string).collect();
+    let expected = [
+        "2 textures: colours are those of the materials, without them",
+        "1 material with a light of their own: it is not shown",
+        "1 animation",
+        "1 part with morph targets",
+        "1 part with colours of vertices",
+        "1 extension: `ODD_thing`",
+        "1 other camera: the first one is used",
+        "1 camera without perspective",
+        "2 parts of points or lines",
+    ];
+    assert_eq!(left_out, expected);
+}
+
+#[test]
+fn cameras_and_lights_stand_where_their_nodes_are() {
+    let model = model();
+    let near = |one: DVec3, other: [f64; 3]| assert!(one.abs_diff_eq(DVec3::from_array(other), 1e-9), "{one}");
+    let camera = model.camera.unwrap();
+    near(camera.position, [0., 1., 5.]);
+    // Turned to the left by a right angle.
+    near(camera.gaze, [-1., 0., 0.]);
+    near(camera.up, [0., 1., 0.]);
+    assert!((camera.fov - 28.64788975654116).abs() < 1e-12, "0.5 radians");
+    assert_eq!(camera.aspect, Some(1.5));
+    let [lamp, sun, spot] = &model.lights[..] else { panic!("{:?}", model.lights) };
+    assert_eq!((lamp.name.as_str(), lamp.color, lamp.intensity), ("lamp", [1.0, 0.5, 0.0], 50.0));
+    // In the mirrored node: 9 - 1.
+    assert_eq!(lamp.source, LightSource::Point(DVec3::new(8.0, 2.0, 3.0)));
+    let LightSource::Directional(down) = sun.source else { panic!("{sun:?}") };
+    near(down, [0., -1., 0.]);
+    assert_eq!((sun.name.as_str(), sun.intensity, sun.color), ("sun", 1.0, [1.0; 3]));
+    assert_eq!(spot.source, LightSource::Spot(DVec3::new(9.0, 0.0, 0.0)));
+}
+
+#[test]
+fn materials_are_as_the_file_says() {
+    let model = model();
+    let [ModelLook::Physical(default), ModelLook::Physical(glass)] = [0, 1].map(|place| &model.materials[place].look) else {
+        panic!("{:?}", model.materials)
+    };
+    assert_eq!((default.base, default.metallic, default.roughness, default.index), ([1.0; 3], 1.0, 1.0, 1.5));
+    assert_eq!((default.coverage, default.transmission, default.specular, default.coat), (1.0, 0.0, 1.0, 0.0));
+    assert_eq!((glass.base, glass.metallic, glass.roughness, glass.index), ([0.1, 0.2, 0.3], 0.25, 0.75, 1.33));
+    assert_eq!((glass.coverage, glass.transmission, glass.coat), (0.4, 0.9, 0.5));
+}
+
+#[test]
+fn mistakes_beside_the_triangles_are_told_and_do_not_hinder_the_mesh() {
+    let cases = [
+        (r#""material": 1"#, r#""material": 7"#, "meshes[0].primitives[0]: there is no materials[7]: the file has 2"),
+        (r#""camera": 1"#, r#""camera": 7"#, "nodes[1] has the camera 7: the file has 3"),
+        (r#"{"light": 0}"#, r#"{"light": 7}"#, "nodes[4] has the light 7: the file has 3"),
+        (r#""type": "spot""#, r#""type": "tube""#, "the JSON of the glTF file is wrong: unknown variant `tube`"),
+        (r#""metallicFactor": 0.25"#, r#""metallicFactor": "x""#, "the JSON of the glTF file is wrong: invalid type: string"),
+        (
+            r#""translation": [0, 1, 5]"#,
+            r#""scale": [0, 0, 0]"#,
+            "the transform of nodes[1] gives its camera no place or no direction",
+        ),
+    ];
+    for (from, to, expected) in cases {
+        let text = furnished();
+        assert!(text.contains(from), "{from}");
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.gltf");
+        std::fs::write(&path, text.replacen(from, to, 1)).unwrap();
+        let reading = Reading { memory: 1 << 20, progress: &|_| (), cancelled: &AtomicBool::new(false) };
+        let error = read_model(&path, &reading).unwrap_err().to_string();
+        assert!(error.contains(expected), "{error}\nexpected {expected}");
+        assert!(read(&path, &reading).is_ok());
+    }
+}
+
+#[test]
+fn deep_trees_of_nodes_are_walked() {
+    let count = 20_000;
+    let nodes: Vec<String> = (1..count).map(|child| format!(r#"{{"children": [{child}], "translation": [1, 0, 0]}}"#)).collect();
+    let nodes = format!(r#"[{}, {{"mesh": 0}}]"#, nodes.join(", "));
+    let model = parse_model("a.gltf", changed(&[(r#"[{"mesh": 0}]"#, &nodes)]));
+    assert_eq!(model.parts[0].mesh.bounding_box()[0].x, f64::from(count - 1));
 }

@@ -1,9 +1,11 @@
 //! PLY files (Polygon File Format, Turk 1994): a header that says what each record has, and records as text or binary.
 //!
 //! The elements `vertex`, `face` and `tristrips` are read, and all others are passed over.
+//! [`write_ply`] writes meshes.
 
 mod header;
 mod values;
+mod write;
 
 use crate::mesh::MeshFile;
 use crate::mesh::error::{Fault, Places};
@@ -13,6 +15,7 @@ use crate::mesh::triangle_mesh::{MeshParts, is_coordinate, wrong_coordinate};
 use glam::{DVec3, Vec2, Vec3};
 use header::{ElementHeader, Encoding, PlyHeader};
 use values::PlyValues;
+pub use write::write_ply;
 
 /// The names of a vertex's values: position, normal, and surface coordinates in the ways of different programs.
 const POSITION: [&str; 3] = ["x", "y", "z"];

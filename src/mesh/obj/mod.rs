@@ -1,15 +1,23 @@
 //! Wavefront OBJ files: texts with positions, texture coordinates, normals and polygons.
 //!
-//! All objects and groups become one mesh. Materials, lines, points and curves are passed over.
+//! [`read`] makes one mesh of all objects and groups. [`read_model`] keeps them apart by material. Lines, points and
+//! curves are passed over.
+
+mod mtl;
+mod parts;
+#[cfg(test)]
+mod tests;
 
 use crate::mesh::MeshFile;
 use crate::mesh::error::Fault;
 use crate::mesh::ledger::Ledger;
+use crate::mesh::model::ModelContents;
 use crate::mesh::polygon::triangulate;
 use crate::mesh::text::{TextCursor, TextWord};
 use crate::mesh::triangle_mesh::MeshParts;
 use crate::mesh::weld::index;
 use glam::{DVec3, Vec2, Vec3};
+use parts::ObjParts;
 
 /// Stands for no index.
 const NONE: u32 = u32::MAX;
@@ -41,17 +49,37 @@ struct ObjContents {
 /// Reads a file.
 pub(super) fn read(file: &MeshFile, ledger: &mut Ledger) -> Result<MeshParts, Fault> {
     let mut contents = ObjContents::default();
+    read_lines(file, ledger, |keyword, cursor, ledger| contents.read_line(keyword, cursor, ledger))?;
+    contents.into_parts(ledger)
+}
+
+/// Reads a file as parts: the faces of each object or group with one material.
+pub(super) fn read_model(file: &MeshFile, ledger: &mut Ledger) -> Result<ModelContents, Fault> {
+    let (mut contents, mut parts) = (ObjContents::default(), ObjParts::default());
+    read_lines(file, ledger, |keyword, cursor, ledger| {
+        parts.read_line(keyword, cursor.clone(), contents.triangles.len(), ledger)?;
+        contents.read_line(keyword, cursor, ledger)
+    })?;
+    parts.into_model(contents, file.path, ledger)
+}
+
+/// Gives the keyword of each line, and what is behind it.
+fn read_lines(
+    file: &MeshFile,
+    ledger: &mut Ledger,
+    mut give: impl FnMut(&TextWord, &mut TextCursor, &mut Ledger) -> Result<(), Fault>,
+) -> Result<(), Fault> {
     let mut cursor = TextCursor::new(file.bytes, file.text_start());
     let mut line = 0;
     while !cursor.is_at_end() {
         ledger.tell_record(line, cursor.offset(), file.bytes.len())?;
         if let Some(keyword) = cursor.word_in_line() {
-            contents.read_line(&keyword, &mut cursor, ledger)?;
+            give(&keyword, &mut cursor, ledger)?;
         }
         cursor.skip_line();
         line += 1;
     }
-    contents.into_parts(ledger)
+    Ok(())
 }
 
 impl ObjContents {
@@ -136,28 +164,49 @@ impl ObjContents {
         Ok(new)
     }
 
-    fn into_parts(self, ledger: &mut Ledger) -> Result<MeshParts, Fault> {
-        let ObjContents { positions, uvs, normals, first, vertices, triangles, .. } = self;
-        ledger.release(first);
-        let mut parts = MeshParts { triangles, ..MeshParts::default() };
+    fn into_parts(mut self, ledger: &mut Ledger) -> Result<MeshParts, Fault> {
+        ledger.release(std::mem::take(&mut self.first));
+        let mut parts = MeshParts { triangles: std::mem::take(&mut self.triangles), ..MeshParts::default() };
+        self.fill(&self.vertices, &mut parts, ledger)?;
+        self.release(ledger);
+        Ok(parts)
+    }
+
+    /// Adds positions, normals and surface coordinates of these vertices.
+    fn fill<'v>(
+        &self,
+        vertices: impl IntoIterator<Item = &'v ObjVertex, IntoIter: ExactSizeIterator + Clone>,
+        parts: &mut MeshParts,
+        ledger: &mut Ledger,
+    ) -> Result<(), Fault> {
+        let vertices = vertices.into_iter();
         let count = vertices.len();
         ledger.reserve(&mut parts.positions, count)?;
-        parts.positions.extend(vertices.iter().map(|vertex| positions[vertex.position as usize]));
-        ledger.release(positions);
-        if vertices.iter().any(|vertex| vertex.normal != NONE) {
+        parts.positions.extend(vertices.clone().map(|vertex| self.positions[vertex.position as usize]));
+        if vertices.clone().any(|vertex| vertex.normal != NONE) {
             ledger.reserve(&mut parts.normals, count)?;
-            let normal = |vertex: &ObjVertex| normals.get(vertex.normal as usize).copied().unwrap_or(Vec3::ZERO);
-            parts.normals.extend(vertices.iter().map(normal));
+            let normal = |vertex: &ObjVertex| self.normals.get(vertex.normal as usize).copied().unwrap_or(Vec3::ZERO);
+            parts.normals.extend(vertices.clone().map(normal));
         }
-        if vertices.iter().any(|vertex| vertex.uv != NONE) {
+        if vertices.clone().any(|vertex| vertex.uv != NONE) {
             ledger.reserve(&mut parts.uvs, count)?;
-            let uv = |vertex: &ObjVertex| uvs.get(vertex.uv as usize).copied().unwrap_or(Vec2::ZERO);
-            parts.uvs.extend(vertices.iter().map(uv));
+            let uv = |vertex: &ObjVertex| self.uvs.get(vertex.uv as usize).copied().unwrap_or(Vec2::ZERO);
+            parts.uvs.extend(vertices.map(uv));
         }
-        ledger.release(normals);
+        Ok(())
+    }
+
+    /// Frees everything.
+    fn release(self, ledger: &mut Ledger) {
+        let Self { positions, uvs, normals, first, vertices, triangles, corners, outline } = self;
+        ledger.release(positions);
         ledger.release(uvs);
+        ledger.release(normals);
+        ledger.release(first);
         ledger.release(vertices);
-        Ok(parts)
+        ledger.release(triangles);
+        ledger.release(corners);
+        ledger.release(outline);
     }
 }
 
