@@ -66,6 +66,8 @@ pub mod workspace;
 
 pub mod picture;
 
+pub mod import;
+
 pub mod assist;
 
 #[cfg(any(feature = "cli", feature = "window"))]

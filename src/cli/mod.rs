@@ -11,6 +11,7 @@ mod dump;
 mod engine;
 mod fmt;
 mod hits;
+mod import;
 mod input;
 mod list;
 mod lsp;
@@ -53,6 +54,8 @@ enum Command {
     Render(render::Options),
     /// Make pictures that differ in one or two values: a contact sheet, or numbered files
     Sweep(sweep::Options),
+    /// Make a scene of a file of another program: a body for each part, its camera, its lights, its colours
+    Import(import::Options),
     /// Check formulas, scenes, sessions and material libraries for mistakes
     Check(check::Options),
     /// Give formulas and scenes a regular layout: lines, spaces, columns
@@ -99,6 +102,7 @@ pub(crate) fn run() -> ExitCode {
         Command::Preview(options) => preview::run(&options),
         Command::Render(options) => render::run(&options),
         Command::Sweep(options) => sweep::run(&options),
+        Command::Import(options) => import::run(&options),
         Command::Check(options) => check::run(&options),
         Command::Fmt(options) => fmt::run(&options),
         Command::Lsp => lsp::run(),

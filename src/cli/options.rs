@@ -155,7 +155,7 @@ fn colour(text: &str) -> Result<ColourArgument, String> {
     }
 }
 
-fn memory(text: &str) -> Result<u64, String> {
+pub(super) fn memory(text: &str) -> Result<u64, String> {
     const UNITS: [(&str, u32); 13] = [
         ("tib", 40),
         ("gib", 30),

@@ -8,6 +8,7 @@ mod endings;
 mod files;
 mod fmt;
 mod habits;
+mod import;
 mod json;
 mod lsp;
 mod man;

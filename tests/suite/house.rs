@@ -13,7 +13,7 @@ use tokens::{Token, tokens, without_tests};
 
 /// Each room with the rooms that it may import. Data flows one way: text → AST → formula → plans → backends; scene →
 /// world → hits → evaluation → picture. The workspace and the window use all of this, and the program uses them.
-const ROOMS: [(&str, &[&str]); 20] = [
+const ROOMS: [(&str, &[&str]); 21] = [
     ("files", &[]),
     ("simd", &[]),
     ("lang", &[]),
@@ -32,6 +32,7 @@ const ROOMS: [(&str, &[&str]); 20] = [
     ("backends", &["lang", "formula", "scene", "world", "trace", "bytecode", "plan", "jit", "picture", "evaluate"]),
     ("engine", &["lang", "formula", "scene", "world", "trace", "picture", "evaluate", "backends"]),
     ("workspace", &["files", "lang", "formula", "scene", "trace", "engine", "picture"]),
+    ("import", &["files", "lang", "mesh", "scene", "trace", "picture", "workspace"]),
     ("assist", &["lang", "formula", "scene", "workspace"]),
     // Settings name a backend, and the transfer of new sessions.
     ("user_data", &["files", "lang", "trace", "picture", "backends", "workspace"]),

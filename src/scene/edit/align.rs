@@ -69,7 +69,7 @@ impl Decimals {
 }
 
 /// A number to this many decimals, or to tens, hundreds and so on below 0.
-pub(super) fn rounded(number: f64, decimals: i32) -> f64 {
+pub(crate) fn rounded(number: f64, decimals: i32) -> f64 {
     let result = match usize::try_from(decimals) {
         // Through decimal digits, so that no sum of powers of two makes 0.30000000000000004 of them.
         Ok(decimals) => format!("{number:.*}", decimals.min(60)).parse().unwrap_or(number),

@@ -13,6 +13,7 @@ mod tests;
 
 use crate::lang::source::Source;
 use crate::scene::{BodyForm, BodyId, Camera, LightId, LightKind, Scene, Shape};
+pub(crate) use align::rounded;
 use align::{Decimals, realigned};
 use declarations::SceneText;
 use glam::DVec3;

@@ -1,0 +1,130 @@
+//! `illuminator import`: makes a scene and a session of a file of another program.
+
+use crate::cli::options::memory;
+use crate::cli::output::check_folder;
+use crate::cli::progress::Progress;
+use crate::cli::report::{Failure, number, print, say_lines};
+use clap::Args;
+use illuminator::import::{ImportError, ImportPlan, ImportTarget, plan};
+use illuminator::lang::diagnostic::Diagnostic;
+use illuminator::lang::display_text::one_line;
+use illuminator::mesh::{MeshError, Omissions, Reading, read_model};
+use illuminator::trace::usable_memory;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+
+/// Options of `import`.
+#[derive(Args, Debug)]
+pub(super) struct Options {
+    /// File to import: .obj with its .mtl, .gltf or .glb
+    file: PathBuf,
+    /// Scene to write, NAME.scene; NAME.toml becomes its session, and NAME-meshes the folder of its meshes
+    #[arg(long = "output", short, value_name = "NAME.scene")]
+    output: PathBuf,
+    /// Replace files that are there
+    #[arg(long)]
+    force: bool,
+    /// Memory limit, in MiB or as in 2GiB [default: half of the free memory]
+    #[arg(long, value_name = "SIZE", value_parser = memory)]
+    memory: Option<u64>,
+}
+
+/// Imports the file.
+pub(super) fn run(options: &Options) -> Result<(), Failure> {
+    let target = ImportTarget::new(&options.output)?;
+    check_target(&target, options.force)?;
+    let name = options.file.display().to_string();
+    let model = {
+        let progress = Progress::new("reading");
+        let tell = |share: f64| progress.tell(share);
+        let memory = options.memory.unwrap_or_else(usable_memory);
+        let reading = Reading { memory, progress: &tell, cancelled: &AtomicBool::new(false) };
+        read_model(&options.file, &reading).map_err(refused)?
+    };
+    let file_name = options.file.file_name().unwrap_or_default().display().to_string();
+    let plan = plan(model, &file_name, &target)?;
+    {
+        let progress = Progress::new("writing meshes");
+        plan.write(&target, &|share| progress.tell(share))?;
+    }
+    list("simplified", &name, &plan.simplified);
+    list("left out", &name, &plan.left_out);
+    print(&summary(&plan, &target))
+}
+
+impl From<ImportError> for Failure {
+    fn from(error: ImportError) -> Self {
+        match error {
+            ImportError::Name { .. } => {
+                let diagnostic = Diagnostic::error(error.to_string());
+                Failure::CommandLine(diagnostic.help("write `-o NAME.scene`; NAME has no quotes and no line ends"))
+            }
+            ImportError::TooLarge | ImportError::Write { .. } => Failure::input(error.to_string()),
+        }
+    }
+}
+
+/// Checks that files can be written, and that none is replaced that should not be.
+fn check_target(target: &ImportTarget, force: bool) -> Result<(), Failure> {
+    let folder = target.scene().parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    check_folder(folder)?;
+    let existing = target.existing();
+    if force || existing.is_empty() {
+        return Ok(());
+    }
+    let names: Vec<String> = existing.iter().map(|path| format!("`{}`", path.display())).collect();
+    let error = Diagnostic::error(format!("there is already {}", names.join(", ")));
+    Err(Failure::CommandLine(error.help("`--force` replaces files; or choose another name")))
+}
+
+/// Reports why the file is not read.
+fn refused(error: MeshError) -> Failure {
+    match &error {
+        MeshError::Content(_) => {
+            // With the line and its mark.
+            say_lines(&format!("Error: {error:#}"));
+            Failure::Reported
+        }
+        MeshError::Memory { .. } => Failure::Input(Diagnostic::error(error.to_string()).help("`--memory SIZE` allows more")),
+        MeshError::File(_) | MeshError::Cancelled => {
+            Failure::Input(Diagnostic::error(error.to_string()).help_if(error.hint().map(str::to_owned)))
+        }
+    }
+}
+
+/// Lists what looks another way than in the file, or is not there.
+fn list(what: &str, name: &str, omissions: &Omissions) {
+    let mut text = format!("Note: {what} of `{}`:", one_line(name));
+    let before = text.len();
+    for omission in omissions.iter() {
+        text.push_str("\n  ");
+        text.push_str(&one_line(&omission.to_string()));
+    }
+    if text.len() > before {
+        say_lines(&text);
+    }
+}
+
+/// What was written.
+fn summary(plan: &ImportPlan, target: &ImportTarget) -> String {
+    let shown = |path: &Path| one_line(&path.display().to_string());
+    let triangles = plan.meshes.iter().map(|(_, mesh)| mesh.triangles().len()).sum();
+    let bodies = match plan.meshes.len() {
+        1 => "1 body".to_owned(),
+        count => format!("{count} bodies"),
+    };
+    let of_file = |is_own: bool| if is_own { "of the file" } else { "added" };
+    let (lights, is_own) = plan.lights;
+    format!(
+        "{}: {bodies}, {} {}, camera {}\n{}: session with the formula {}\n{}: {} of {}\n",
+        shown(target.scene()),
+        number(lights, "light"),
+        of_file(is_own),
+        of_file(plan.has_camera),
+        shown(&target.session()),
+        plan.session.formula,
+        shown(&target.meshes()),
+        if plan.meshes.len() == 1 { "1 mesh".to_owned() } else { format!("{} meshes", plan.meshes.len()) },
+        number(triangles, "triangle"),
+    )
+}

@@ -1,0 +1,144 @@
+//! Scenes from files of other programs: a body for each part of a file, its camera and lights, and a session with its
+//! colours.
+//!
+//! [`plan`] turns a [`MeshModel`] into texts and meshes, and [`ImportPlan::write`] writes them. What the languages of
+//! this program cannot say is left out or simplified, and listed.
+
+mod looks;
+mod names;
+mod target;
+#[cfg(test)]
+mod tests;
+mod view;
+
+pub use target::{ImportError, ImportTarget};
+
+use crate::lang::ast::Constant;
+use crate::lang::display_text::one_line;
+use crate::lang::format::formatted;
+use crate::lang::source::{Source, SourceSpan};
+use crate::mesh::{MeshModel, ModelLook, Omissions, TriangleMesh};
+use crate::picture::{Transfer, ViewTransform};
+use crate::scene::Camera;
+use crate::workspace::session::{NamedValue, OwnerName, PictureSettings};
+use crate::workspace::{Location, Session};
+use glam::DVec3;
+use looks::ImportedLook;
+use names::UniqueNames;
+use std::fmt::Write;
+use view::ImportedLight;
+
+/// What is to be written.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ImportPlan {
+    /// The text of the scene.
+    pub scene: String,
+    /// The session.
+    pub session: Session,
+    /// The meshes, by the names of their bodies.
+    pub meshes: Vec<(String, TriangleMesh)>,
+    /// The number of lights, and whether they are those of the file.
+    pub lights: (usize, bool),
+    /// Whether the camera is that of the file.
+    pub has_camera: bool,
+    /// What looks another way than in the file.
+    pub simplified: Omissions,
+    /// What the file has and the scene has not.
+    pub left_out: Omissions,
+}
+
+/// A body of the scene, without its triangles.
+struct ImportedBody {
+    name: String,
+    look: ImportedLook,
+}
+
+/// What to write for a model. `source` names its file.
+///
+/// # Errors
+/// The model is so large that no camera shows it.
+pub fn plan(model: MeshModel, source: &str, target: &ImportTarget) -> Result<ImportPlan, ImportError> {
+    let bounds = bounding_box(&model);
+    let (mut simplified, mut left_out) = (Omissions::default(), model.omissions.clone());
+    let mut names = UniqueNames::default();
+    let repairs = model.repairs;
+    left_out.add(repairs.degenerate_triangles, "triangle(s) without area", "");
+    simplified.add(repairs.missing_normals, "missing normal(s)", "the mean of the triangles around is used");
+    simplified.add(repairs.unusable_uvs, "wrong texture coordinate(s)", "0 is used");
+    let mut bodies = Vec::new();
+    let mut meshes = Vec::new();
+    for part in model.parts {
+        let material = part.material.and_then(|material| model.materials.get(material));
+        let material_name = material.map_or("", |material| material.name.as_str());
+        let name = names.take(&part.name, material_name, "part");
+        bodies.push(ImportedBody { name: name.clone(), look: ImportedLook::new(material.map(|material| &material.look)) });
+        meshes.push((name, part.mesh));
+    }
+    let (camera, size, has_camera) = view::camera(model.camera.as_ref(), bounds, &mut simplified)?;
+    let lights = view::lights(&model.lights, bounds, &camera, &mut names, &mut simplified);
+    let is_physical = model.materials.iter().any(|material| matches!(material.look, ModelLook::Physical(_)));
+    let formula = if is_physical { looks::PHYSICAL_FORMULA } else { looks::PHONG_FORMULA };
+    let session = Session {
+        formula: Location::Preset(formula.to_owned()),
+        scene: Location::File(target.scene().to_owned()),
+        picture: PictureSettings {
+            size,
+            view: ViewTransform { transfer: Transfer::Srgb, ..ViewTransform::default() },
+            ..PictureSettings::default()
+        },
+        values: values(&bodies, &lights),
+    };
+    let is_own = !model.lights.is_empty();
+    let scene = scene_text(source, &bodies, &lights, &camera, target);
+    Ok(ImportPlan { scene, session, meshes, lights: (lights.len(), is_own), has_camera, simplified, left_out })
+}
+
+/// The lowest and the highest coordinates of all parts.
+fn bounding_box(model: &MeshModel) -> [DVec3; 2] {
+    let start = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+    model
+        .parts
+        .iter()
+        .map(|part| part.mesh.bounding_box())
+        .fold(start, |[low, high], [other_low, other_high]| [low.min(other_low), high.max(other_high)])
+}
+
+/// All values for the session.
+fn values(bodies: &[ImportedBody], lights: &[ImportedLight]) -> Vec<NamedValue> {
+    let value = |owner: OwnerName, parameter: &str, value: Constant| NamedValue {
+        owner,
+        parameter: parameter.to_owned(),
+        value,
+        spans: [SourceSpan::default(); 2],
+    };
+    let of_bodies = bodies.iter().flat_map(|ImportedBody { name, look }| {
+        look.values.iter().map(move |(parameter, number)| value(OwnerName::Body(name.clone()), parameter, *number))
+    });
+    let of_lights = lights.iter().flat_map(|light| {
+        let owner = || OwnerName::Light(light.name.clone());
+        [value(owner(), "ki", Constant::Scalar(light.intensity)), value(owner(), "IL", Constant::Vector(light.color))]
+    });
+    of_bodies.chain(of_lights).collect()
+}
+
+/// The scene in the scene language.
+fn scene_text(source: &str, bodies: &[ImportedBody], lights: &[ImportedLight], camera: &Camera, target: &ImportTarget) -> String {
+    let mut text = format!("// Made from {} by `illuminator import`.\n\nbodies;\n", one_line(source));
+    for ImportedBody { name, look } in bodies {
+        let path = target.mesh_in_scene(name);
+        let _ = write!(text, " {name}: mesh, \"{path}\"");
+        if let Some(index) = look.refractive_index {
+            let _ = write!(text, ", refractive_index {index}");
+        }
+        for (_, word) in [(look.is_opaque, "opaque"), (look.is_matte, "matte")].into_iter().filter(|(is_so, _)| *is_so) {
+            let _ = write!(text, ", {word}");
+        }
+        text.push_str(";\n");
+    }
+    text.push_str("\nlights;\n");
+    for light in lights {
+        let _ = writeln!(text, " {}: {};", light.name, light.place);
+    }
+    let _ = write!(text, "\n{camera}");
+    formatted(&Source::new("scene", text.as_str())).unwrap_or(text)
+}

@@ -1,0 +1,264 @@
+//! Tests of what is made of models.
+
+use super::*;
+use crate::mesh::{
+    LightSource, MeshParts, MeshRepairs, ModelCamera, ModelLight, ModelMaterial, ModelPart, PhongLook, PhysicalLook, Reading,
+};
+use crate::scene::Scene;
+use crate::workspace::{FileKind, Values, presets};
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+const PHYSICAL: PhysicalLook = PhysicalLook {
+    base: [0.5, 0.25, 0.125],
+    coverage: 1.0,
+    metallic: 0.0,
+    roughness: 0.5,
+    specular: 1.0,
+    specular_color: [1.0; 3],
+    coat: 0.0,
+    coat_roughness: 0.0,
+    transmission: 0.0,
+    index: 1.5,
+};
+
+const PHONG: PhongLook = PhongLook {
+    diffuse: [0.5, 0.25, 0.125],
+    specular: [0.0; 3],
+    sharpness: 50.0,
+    index: None,
+    coverage: 1.0,
+    filter: [0.0; 3],
+    illumination: 2,
+};
+
+/// A triangle with its corners on the axes, this far from the origin.
+fn triangle(size: f64) -> TriangleMesh {
+    let parts =
+        MeshParts { positions: DVec3::AXES.map(|axis| size * axis).to_vec(), triangles: vec![[0, 1, 2]], ..MeshParts::default() };
+    let reading = Reading { memory: 1 << 20, progress: &|_| (), cancelled: &AtomicBool::new(false) };
+    TriangleMesh::new("triangle", parts, &reading).unwrap().0
+}
+
+/// A model of a triangle for each look.
+fn model(looks: &[ModelLook]) -> MeshModel {
+    let part =
+        |(material, _): (usize, &ModelLook)| ModelPart { name: "tri".to_owned(), material: Some(material), mesh: triangle(2.0) };
+    let material = |look: &ModelLook| ModelMaterial { name: String::new(), look: look.clone() };
+    MeshModel {
+        parts: looks.iter().enumerate().map(part).collect(),
+        materials: looks.iter().map(material).collect(),
+        camera: None,
+        lights: Vec::new(),
+        repairs: MeshRepairs::default(),
+        omissions: Omissions::default(),
+    }
+}
+
+fn planned(model: MeshModel) -> ImportPlan {
+    plan(model, "a.glb", &ImportTarget::new(Path::new("some/where.scene")).unwrap()).unwrap()
+}
+
+fn look(look: ModelLook) -> ImportedLook {
+    ImportedLook::new(Some(&look))
+}
+
+fn number(look: &ImportedLook, parameter: &str) -> Option<f32> {
+    look.values.iter().find(|(name, _)| *name == parameter).map(|(_, value)| match value {
+        Constant::Scalar(number) => *number,
+        Constant::Vector([red, ..]) => *red,
+    })
+}
+
+#[test]
+fn what_is_neither_mirror_nor_glass_sends_no_rays() {
+    let matte = look(ModelLook::Physical(PHYSICAL));
+    assert_eq!(matte.values, [("Cd", Constant::Vector([0.5, 0.25, 0.125])), ("specular_roughness", Constant::Scalar(0.5))]);
+    assert_eq!((matte.is_opaque, matte.is_matte, matte.refractive_index), (true, true, None));
+    let matte = look(ModelLook::Phong(PHONG));
+    let [kd, ks] = [1.0, 0.0].map(Constant::Scalar);
+    assert_eq!(matte.values, [("Cd", Constant::Vector([0.5, 0.25, 0.125])), ("kd", kd), ("ks", ks)]);
+    assert_eq!((matte.is_opaque, matte.is_matte), (true, true));
+    // A rough metal has no mirror image.
+    let metal = PhysicalLook { metallic: 1.0, roughness: 0.9, ..PHYSICAL };
+    assert!(look(ModelLook::Physical(metal)).is_matte, "0.5 · 0.1² is less than a hundredth");
+}
+
+#[test]
+fn metals_reflect_and_glass_refracts() {
+    let metal = look(ModelLook::Physical(PhysicalLook { metallic: 1.0, roughness: 0.5, ..PHYSICAL }));
+    // The brightest component of its colour, times the square of 1 - 0.5.
+    assert_eq!((number(&metal, "kr"), metal.is_opaque, metal.is_matte), (Some(0.125), true, false));
+    assert_eq!(number(&metal, "base_metalness"), Some(1.0));
+    let water = PhysicalLook { transmission: 1.0, roughness: 0.0, index: 1.33, ..PHYSICAL };
+    let water = look(ModelLook::Physical(water));
+    // ((1.33 - 1)/(1.33 + 1))² = 0.02006 of the light is reflected.
+    assert_eq!((number(&water, "kr"), number(&water, "kt")), (Some(0.0201), Some(0.9799)));
+    assert_eq!((number(&water, "base_weight"), number(&water, "specular_ior")), (Some(0.0), Some(1.33)));
+    assert_eq!((water.refractive_index, water.is_opaque, water.is_matte), (Some(1.33), false, false));
+    // What is blended is a veil, and bends no light.
+    let veil = look(ModelLook::Physical(PhysicalLook { coverage: 0.25, ..PHYSICAL }));
+    assert_eq!((number(&veil, "kt"), veil.refractive_index, veil.is_matte), (Some(0.75), Some(1.0), true));
+    let coated = look(ModelLook::Physical(PhysicalLook { coat: 0.5, coat_roughness: 0.2, index: 0.0, ..PHYSICAL }));
+    assert_eq!((number(&coated, "coat_weight"), number(&coated, "coat_roughness")), (Some(0.5), Some(0.2)));
+    assert_eq!(number(&coated, "specular_ior"), Some(1.0), "glTF writes 0 for no refraction");
+}
+
+#[test]
+fn models_of_illumination_say_what_reflects_and_refracts() {
+    let shiny = PhongLook { specular: [0.2, 0.4, 0.1], ..PHONG };
+    let highlight = look(ModelLook::Phong(shiny.clone()));
+    let found = ["kd", "ks", "Cs", "h"].map(|parameter| number(&highlight, parameter));
+    assert_eq!(found, [Some(0.6), Some(0.4), Some(0.5), Some(50.0)]);
+    assert!(highlight.is_matte, "2 has highlights only");
+    let mirror = look(ModelLook::Phong(PhongLook { illumination: 3, ..shiny.clone() }));
+    assert_eq!((number(&mirror, "kr"), mirror.is_opaque), (Some(0.4), true));
+    let glass = PhongLook { illumination: 7, filter: [1.0, 0.5, 0.5], index: Some(1.5), ..PHONG };
+    let glass = look(ModelLook::Phong(glass));
+    // ((1.5 - 1)/(1.5 + 1))² = 0.04.
+    assert_eq!((number(&glass, "kr"), number(&glass, "kt"), number(&glass, "kd")), (Some(0.04), Some(0.96), Some(0.04)));
+    assert_eq!(glass.refractive_index, Some(1.5));
+    let veil = look(ModelLook::Phong(PhongLook { coverage: 0.25, ..shiny.clone() }));
+    assert_eq!((number(&veil, "kt"), number(&veil, "kd"), veil.refractive_index), (Some(0.75), Some(0.25), Some(1.0)));
+    let ignored = look(ModelLook::Phong(PhongLook { filter: [1.0; 3], ..shiny }));
+    assert!(ignored.is_opaque, "2 lets no light pass but by d");
+}
+
+/// The warnings of the session of a plan, with spheres in place of its meshes.
+fn warnings(plan: &ImportPlan) -> Vec<String> {
+    let Location::Preset(formula) = &plan.session.formula else { panic!("{}", plan.session.formula) };
+    let formula = presets::text(FileKind::Formula, formula).unwrap();
+    let lines = plan.scene.lines().map(|line| match (line.find("mesh, \""), line.rfind('"')) {
+        (Some(start), Some(end)) => format!("{}sphere, center <0,0,0>, radius 1{}", &line[..start], &line[end + 1..]),
+        _ => line.to_owned(),
+    });
+    let scene = Scene::parse(&Source::new("scene", lines.collect::<Vec<_>>().join("\n"))).unwrap().0;
+    let formula = crate::formula::Formula::parse(&Source::new("formula", formula)).unwrap().0;
+    let mut values = Values::defaults(&formula, &scene);
+    let text = plan.session.to_toml(Path::new("some")).unwrap();
+    let session = Session::parse(&Source::new("session", text)).unwrap().0;
+    let (assignments, unused) = session.assignments(values.table());
+    let warnings = values.assign(&assignments);
+    unused.iter().map(|unused| format!("{unused:?}")).chain(warnings.iter().map(|warning| format!("{warning:?}"))).collect()
+}
+
+#[test]
+fn every_value_fits_the_formula() {
+    // Steps of a 97th avoid round numbers.
+    let share = |number: usize| (number % 98) as f64 / 97.0;
+    let physical = (0..300).map(|number| {
+        ModelLook::Physical(PhysicalLook {
+            metallic: share(number),
+            roughness: share(number * 3) / 2.0,
+            transmission: share(number * 5),
+            coverage: if number % 4 == 0 { share(number * 7) } else { 1.0 },
+            index: 5.0 * share(number),
+            coat: share(number * 2),
+            base: [1e300, -5.0, share(number)],
+            ..PHYSICAL
+        })
+    });
+    let phong = (0..300).map(|number| {
+        ModelLook::Phong(PhongLook {
+            specular: [share(number), share(number * 3), 2.0 * share(number * 5)],
+            sharpness: 2000.0 * share(number) - 10.0,
+            illumination: (number % 11) as u32,
+            filter: [share(number * 2); 3],
+            coverage: if number % 3 == 0 { share(number * 7) } else { 1.0 },
+            index: Some(3.0 * share(number) - 0.5),
+            ..PHONG
+        })
+    });
+    for looks in [physical.collect::<Vec<_>>(), phong.collect()] {
+        let plan = planned(model(&looks));
+        assert_eq!(plan.meshes.len(), 300);
+        assert_eq!(warnings(&plan), Vec::<String>::new());
+    }
+}
+
+#[test]
+fn a_scene_without_lights_and_camera_gets_some() {
+    let plan = planned(model(&[ModelLook::Physical(PHYSICAL), ModelLook::Phong(PHONG)]));
+    let expected = "// Made from a.glb by `illuminator import`.\n\nbodies;\n \
+        tri: mesh, \"where-meshes/tri.ply\", opaque, matte;\n tri_2: mesh, \"where-meshes/tri_2.ply\", opaque, matte;\n\nlights;\n key: ";
+    assert!(plan.scene.starts_with(expected), "{}", plan.scene);
+    assert_eq!((plan.lights, plan.has_camera), ((2, false), false));
+    assert_eq!(formatted(&Source::new("scene", plan.scene.as_str())).unwrap(), plan.scene);
+    let scene = plan.scene.replace("mesh, \"where-meshes/tri", "sphere, center <0,0,0>, radius 1; //");
+    let Scene { lights, camera, .. } = Scene::parse(&Source::new("scene", scene)).unwrap().0;
+    // The whole triangle is in the picture, and fills it well.
+    let aspect = 1280.0 / 720.0;
+    let seen = DVec3::AXES.map(|axis| camera.project(2.0 * axis).unwrap());
+    let largest = seen.iter().fold(0.0, |largest: f64, [x, y]| largest.max(x.abs() / aspect).max(y.abs()));
+    assert!(largest < 1.0 && largest > 0.4, "{seen:?}");
+    // The key light is up to the left of the camera, on its side.
+    let [right, up, forward] = camera.axes();
+    let crate::scene::LightKind::Point(key) = &lights[0].kind;
+    let from_middle = key.position() - DVec3::splat(1.0);
+    assert!(from_middle.dot(right) < 0.0 && from_middle.dot(up) > 0.0 && from_middle.dot(forward) < 0.0);
+}
+
+#[test]
+fn lights_are_compared_in_the_middle_of_the_bodies() {
+    // The middle is (1, 1, 1).
+    let light = |name: &str, source, intensity, color| ModelLight { name: name.to_owned(), source, color, intensity };
+    let lights = vec![
+        light("lamp", LightSource::Point(DVec3::new(1.0, 1.0, 11.0)), 1000.0, [1.0, 0.5, 0.0]),
+        light("tri", LightSource::Spot(DVec3::new(1.0, 21.0, 1.0)), 1000.0, [1.0; 3]),
+        light("", LightSource::Directional(DVec3::NEG_Y), 5.0, [2.0, 1.0, 1.0]),
+    ];
+    let camera =
+        ModelCamera { position: DVec3::new(0.0, 0.0, 5.0), gaze: DVec3::NEG_Z, up: DVec3::Y, fov: 40.0, aspect: Some(2.0) };
+    let plan = planned(MeshModel { lights, camera: Some(camera), ..model(&[ModelLook::Phong(PHONG)]) });
+    let value = |owner: &str, parameter: &str| {
+        let is_it = |value: &&NamedValue| value.owner == OwnerName::Light(owner.to_owned()) && value.parameter == parameter;
+        plan.session.values.iter().find(is_it).map(|value| value.value)
+    };
+    // 1000/10² = 10 lux, 1000/20² = 2.5 lux, and 2 · 5 = 10 lux.
+    let [lamp, spot, sun] = ["lamp", "tri_2", "light"].map(|name| value(name, "ki"));
+    assert_eq!([lamp, spot, sun], [1.0, 0.25, 1.0].map(|number| Some(Constant::Scalar(number))));
+    assert_eq!(value("lamp", "IL"), Some(Constant::Vector([1.0, 0.5, 0.0])));
+    assert_eq!(value("light", "IL"), Some(Constant::Vector([1.0, 0.5, 0.5])));
+    assert_eq!(plan.session.picture.size, [1440, 720]);
+    assert!(plan.scene.contains("light: point, <1, 2001, 1>;"), "1000 times 2 above the middle: {}", plan.scene);
+    assert!(plan.scene.contains(" position <0, 0, 5>;\n gaze <0, 0, -1>;\n"), "{}", plan.scene);
+    let simplified: Vec<String> = plan.simplified.iter().map(ToString::to_string).collect();
+    assert_eq!(simplified.len(), 3, "{simplified:?}");
+    assert_eq!(warnings(&plan), Vec::<String>::new());
+}
+
+#[test]
+fn models_of_any_size_have_a_camera() {
+    for size in [1e-25, 1e-3, 1e12, 1e25] {
+        let mut model = model(&[ModelLook::Phong(PHONG)]);
+        model.parts[0].mesh = triangle(size);
+        assert_eq!(warnings(&planned(model)), Vec::<String>::new());
+    }
+    let mut model = model(&[ModelLook::Phong(PHONG)]);
+    model.parts[0].mesh = triangle(1e30);
+    let target = ImportTarget::new(Path::new("a.scene")).unwrap();
+    assert!(matches!(plan(model, "a.obj", &target), Err(ImportError::TooLarge)));
+}
+
+#[test]
+fn names_that_scenes_cannot_write_are_refused() {
+    for name in ["a.txt", "a", "a.toml", ".scene", "a\"b.scene", "a\nb.scene"] {
+        assert!(ImportTarget::new(Path::new(name)).is_err(), "{name}");
+    }
+}
+
+#[test]
+fn a_failed_import_leaves_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let target = ImportTarget::new(&folder.path().join("a.scene")).unwrap();
+    let plan = planned(model(&[ModelLook::Phong(PHONG)]));
+    // A folder is where the session would be.
+    std::fs::create_dir(target.session()).unwrap();
+    let error = plan.write(&target, &|_| ()).unwrap_err();
+    assert!(error.to_string().ends_with("a.toml`: it is a folder, not a file"), "{error}");
+    assert_eq!(target.existing(), [target.session()]);
+    std::fs::remove_dir(target.session()).unwrap();
+    plan.write(&target, &|_| ()).unwrap();
+    assert_eq!(target.existing().len(), 3);
+    assert_eq!(std::fs::read_dir(target.meshes()).unwrap().count(), 1);
+}

@@ -1,0 +1,134 @@
+//! The camera and the lights of an imported scene.
+
+use crate::import::names::UniqueNames;
+use crate::import::target::ImportError;
+use crate::mesh::{LightSource, ModelCamera, ModelLight, Omissions};
+use crate::scene::edit::rounded;
+use crate::scene::light::PointLight;
+use crate::scene::{Camera, MAX_COORDINATE};
+use crate::trace::MAX_SIDE;
+use glam::DVec3;
+
+/// The height of pictures in pixels, and their width where the file does not say it.
+const HEIGHT: u32 = 720;
+const WIDTH: u32 = 1280;
+/// The direction from the middle of the bodies to the camera where the file has none: from the front, a little from
+/// the right and from above.
+const FROM: DVec3 = DVec3::new(0.45, 0.4, 1.0);
+const FOV: f64 = 35.0;
+/// How many digits the longest side of the box around the bodies has behind its first one.
+const DIGITS: i32 = 5;
+/// How far away directional lights stand, as a multiple of the longest side of the box around the bodies.
+const FAR: f64 = 1000.0;
+/// Lights for files without any: their names, their places (right, up, towards the camera, as multiples of the radius
+/// of the box around the bodies), and their intensities.
+const DEFAULT_LIGHTS: [(&str, [f64; 3], f32); 2] = [("key", [-1.5, 2.0, 2.0], 0.9), ("fill", [2.5, 0.5, 1.5], 0.3)];
+
+/// A light of the scene.
+pub(super) struct ImportedLight {
+    pub(super) name: String,
+    pub(super) place: PointLight,
+    pub(super) intensity: f32,
+    pub(super) color: [f32; 3],
+}
+
+/// The camera of the file, or one that shows the whole; the size of its picture; and whether it is that of the file.
+pub(super) fn camera(
+    given: Option<&ModelCamera>,
+    [low, high]: [DVec3; 2],
+    simplified: &mut Omissions,
+) -> Result<(Camera, [u32; 2], bool), ImportError> {
+    let size = given.and_then(|given| given.aspect).map_or([WIDTH, HEIGHT], |aspect| {
+        // The cast saturates.
+        let width = (f64::from(HEIGHT) * aspect).round() as u32;
+        [width.clamp(1, MAX_SIDE), HEIGHT]
+    });
+    let side = (high - low).max_element();
+    if let Some(ModelCamera { position, gaze, up, fov, .. }) = given {
+        let [gaze, up] = [gaze, up].map(|direction| tidy(*direction, 1.0));
+        match Camera::new(tidy(*position, side), gaze, up, rounded(*fov, DIGITS)) {
+            Ok(camera) => return Ok((camera, size, true)),
+            Err(error) => simplified.add(1, "camera(s) that cannot be used", &error.to_string()),
+        }
+    }
+    let aspect = f64::from(size[0]) / f64::from(size[1]);
+    let somewhere = Camera::new(low.midpoint(high) + FROM, -FROM, DVec3::Y, FOV).ok();
+    let framed = somewhere.and_then(|camera| camera.framing(low, high, aspect));
+    let framed = framed.and_then(|camera| Camera::new(tidy(camera.position(), side), camera.gaze(), camera.up(), FOV).ok());
+    framed.map(|camera| (camera, size, false)).ok_or(ImportError::TooLarge)
+}
+
+/// The lights of the file, or two that show it.
+pub(super) fn lights(
+    given: &[ModelLight],
+    [low, high]: [DVec3; 2],
+    camera: &Camera,
+    names: &mut UniqueNames,
+    simplified: &mut Omissions,
+) -> Vec<ImportedLight> {
+    let (middle, side) = (low.midpoint(high), (high - low).max_element());
+    if given.is_empty() {
+        let radius = (high - low).length() / 2.0;
+        let [right, up, forward] = camera.axes();
+        return DEFAULT_LIGHTS
+            .map(|(name, [across, above, towards], intensity)| ImportedLight {
+                name: names.take(name, "", "light"),
+                place: light_at(middle + radius * (across * right + above * up - towards * forward), side),
+                intensity,
+                color: [1.0; 3],
+            })
+            .into();
+    }
+    let mut lights = Vec::new();
+    let mut strongest: f64 = 0.0;
+    let mut strengths = Vec::new();
+    for light in given {
+        let tint = light.color.into_iter().fold(0.0, f64::max);
+        let lux = |place: DVec3| light.intensity / place.distance_squared(middle).max((side / 2.0).powi(2) * 1e-6);
+        let (place, strength) = match light.source {
+            LightSource::Point(place) => (place, lux(place)),
+            LightSource::Spot(place) => {
+                simplified.add(1, "spot light(s)", "it shines in all directions");
+                (place, lux(place))
+            }
+            LightSource::Directional(direction) => {
+                simplified.add(1, "directional light(s)", "it is a point far away");
+                (middle - FAR * side * direction, light.intensity)
+            }
+        };
+        // A colour above 1 is a stronger light.
+        let strength = strength * tint.max(1.0);
+        strongest = strongest.max(strength);
+        strengths.push(strength);
+        lights.push(ImportedLight {
+            name: names.take(&light.name, "", "light"),
+            place: light_at(place, side),
+            intensity: 0.0,
+            color: light.color.map(|component| four_digits(component / tint.max(1.0))),
+        });
+    }
+    for (light, strength) in lights.iter_mut().zip(strengths) {
+        light.intensity = if strongest > 0.0 { four_digits(strength / strongest) } else { 0.0 };
+    }
+    let note = "ki is 1 for the strongest in the middle of the bodies, and none gets weaker with the distance";
+    simplified.add(lights.len() as u64, "strength(s) of lights", note);
+    lights
+}
+
+/// A light at a place that a scene may name.
+fn light_at(place: DVec3, side: f64) -> PointLight {
+    let reach = DVec3::splat(MAX_COORDINATE);
+    PointLight::new(tidy(place, side).clamp(-reach, reach))
+}
+
+/// A place or a direction without digits that nobody sees, where the longest side of what is seen has this length.
+fn tidy(place: DVec3, side: f64) -> DVec3 {
+    let decimals = DIGITS - side.log10().floor() as i32;
+    DVec3::from_array(place.to_array().map(|coordinate| rounded(coordinate, decimals)))
+}
+
+/// A share to four digits behind the point.
+fn four_digits(share: f64) -> f32 {
+    const STEPS: f64 = 1e4;
+    ((share.clamp(0.0, 1.0) * STEPS).round() / STEPS) as f32
+}

@@ -1,0 +1,116 @@
+//! Importing files of other programs.
+
+use crate::messages::check;
+use crate::{folder, run, told, write};
+use illuminator::lang::source::Source;
+use illuminator::mesh::{Reading, read};
+use illuminator::workspace::{Location, Session};
+use std::fs;
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+/// Two walls and a pane of glass, with a file of materials.
+const HOUSE: &str = "mtllib house.mtl\no House.001\nv 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 0 2 -3\nv 0 0 -3\nusemtl Red brick\nf 1 2 3 4\n\
+    usemtl glass\nf 1 4 5 6\no lights\nusemtl Red brick\nf 2 1 6\nl 1 2\n";
+const MATERIALS: &str = "newmtl Red brick\nKd 0.6 0.2 0.1\nKs 0.05 0.05 0.05\nNs 20\nillum 2\nmap_Kd brick.png\n\
+    newmtl glass\nKd 0 0 0\nKs 1 1 1\nNs 900\nNi 1.5\nTf 1 1 1\nillum 7\n";
+
+/// A triangle of three positions, in base64, in a document with a camera and three lights.
+const TRIANGLE: &str = r#"{"asset": {"version": "2.0"}, "extensionsUsed": ["KHR_lights_punctual"],
+"extensions": {"KHR_lights_punctual": {"lights": [{"type": "spot", "name": "Lamp", "intensity": 90, "spot": {}},
+    {"type": "directional", "intensity": 5, "color": [1, 0.5, 0.25]}]}},
+"buffers": [{"byteLength": 36, "uri": "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}],
+"bufferViews": [{"buffer": 0, "byteLength": 36}],
+"accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
+"materials": [{"name": "gold", "pbrMetallicRoughness": {"baseColorFactor": [1, 0.75, 0.25, 1], "roughnessFactor": 0.2}}],
+"meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}],
+"cameras": [{"type": "perspective", "perspective": {"yfov": 0.7, "znear": 0.1, "aspectRatio": 1.5}}],
+"nodes": [{"name": "Sail", "mesh": 0, "scale": [2, 2, 2], "children": [1]}, {"camera": 0, "translation": [0, 0, 5]},
+    {"extensions": {"KHR_lights_punctual": {"light": 0}}, "translation": [0.5, 0.5, 3]},
+    {"name": "Sun", "extensions": {"KHR_lights_punctual": {"light": 1}}}],
+"scenes": [{"nodes": [0, 2, 3]}], "scene": 0}"#;
+
+fn written(folder: &Path, names: [&str; 2]) -> String {
+    let text = |name: &str| fs::read_to_string(folder.join(name)).expect("a file");
+    names.map(|name| format!("== {name}\n{}", text(name))).join("\n")
+}
+
+/// The corners of the triangles in a mesh.
+fn corners(path: &Path) -> Vec<[[f64; 3]; 3]> {
+    let reading = Reading { memory: 1 << 20, progress: &|_| (), cancelled: &AtomicBool::new(false) };
+    let (mesh, _) = read(path, &reading).expect("a mesh");
+    mesh.triangles().iter().map(|triangle| triangle.map(|vertex| mesh.positions()[vertex as usize].to_array())).collect()
+}
+
+#[test]
+fn an_obj_file_becomes_a_scene_and_a_session() {
+    let folder = folder();
+    write(&folder, "house.obj", HOUSE);
+    write(&folder, "house.mtl", MATERIALS);
+    let said = told(folder.path(), "import house.obj -o out.scene");
+    insta::assert_snapshot!("obj", format!("{said}\n{}", written(folder.path(), ["out.scene", "out.toml"])));
+    let pane = corners(&folder.path().join("out-meshes/House_001_glass.ply"));
+    // Clockwise, and the file has it counter-clockwise.
+    assert_eq!(pane, [[[0., 0., 0.], [0., 2., -3.], [0., 2., 0.]], [[0., 0., 0.], [0., 0., -3.], [0., 2., -3.]]]);
+    let names = fs::read_dir(folder.path().join("out-meshes")).expect("a folder").count();
+    assert_eq!(names, 3);
+}
+
+#[test]
+fn a_gltf_file_becomes_a_scene_and_a_session() {
+    let folder = folder();
+    write(&folder, "sail.gltf", TRIANGLE);
+    let said = told(folder.path(), "import sail.gltf -o sub/sail.scene");
+    insta::assert_snapshot!("gltf", format!("{said}\n{}", written(folder.path(), ["sub/sail.scene", "sub/sail.toml"])));
+    let sail = corners(&folder.path().join("sub/sail-meshes/Sail.ply"));
+    assert_eq!(sail, [[[0., 0., 0.], [0., 2., 0.], [2., 0., 0.]]]);
+    let session = fs::read_to_string(folder.path().join("sub/sail.toml")).expect("a session");
+    let session = Session::parse(&Source::new("sail.toml", session)).expect("a session without mistakes").0;
+    assert_eq!((session.scene, session.picture.size), (Location::File("sail.scene".into()), [1080, 720]));
+}
+
+#[test]
+fn what_cannot_be_imported_is_explained() {
+    let folder = folder();
+    write(&folder, "house.obj", HOUSE);
+    write(&folder, "house.mtl", &MATERIALS.replace("Ns 20", "Ns shiny"));
+    write(&folder, "cut.gltf", &TRIANGLE[..100]);
+    let packed = r#"{"extensionsRequired": ["KHR_draco_mesh_compression"], "asset""#;
+    write(&folder, "packed.gltf", &TRIANGLE.replacen(r#"{"asset""#, packed, 1));
+    write(&folder, "a.ply", "ply\n");
+    write(&folder, "points.obj", "v 0 0 0\nv 1 0 0\np 1 2\n");
+    check(
+        "import_mistakes",
+        &folder,
+        &[
+            "import house.obj",
+            "import house.obj -o out.toml",
+            "import house.obj -o none/out.scene",
+            "import house.obj -o out.scene",
+            "import none.obj -o out.scene",
+            "import a.ply -o out.scene",
+            "import session.toml -o out.scene",
+            "import cut.gltf -o out.scene",
+            "import packed.gltf -o out.scene",
+            "import points.obj -o out.scene",
+            "import house.obj -o out.scene --memory 1KiB",
+        ],
+    );
+    assert!(!folder.path().join("out-meshes").exists());
+}
+
+#[test]
+fn files_are_replaced_only_if_that_is_asked_for() {
+    let folder = folder();
+    write(&folder, "sail.gltf", TRIANGLE);
+    write(&folder, "sail.toml", "mine");
+    let refused = told(folder.path(), "import sail.gltf -o sail.scene");
+    assert!(refused.contains("there is already `sail.toml`") && refused.ends_with("exit status 2\n"), "{refused}");
+    assert_eq!(fs::read_to_string(folder.path().join("sail.toml")).expect("a file"), "mine");
+    assert!(run(folder.path(), "import sail.gltf -o sail.scene --force").status.success());
+    let other = folder.path().join("sail-meshes/other.ply");
+    fs::write(&other, "mine").expect("a file");
+    assert!(run(folder.path(), "import sail.gltf -o sail.scene --force").status.success());
+    assert_eq!(fs::read_to_string(&other).expect("a file"), "mine", "other files stay");
+    assert!(!run(folder.path(), "import sail.gltf -o sail.scene").status.success());
+}
