@@ -54,7 +54,7 @@ enum Command {
     Render(render::Options),
     /// Make pictures that differ in one or two values: a contact sheet, or numbered files
     Sweep(sweep::Options),
-    /// Make a scene of a file of another program: a body for each part, its camera, its lights, its colours
+    /// Make a scene and a session of a model from another program
     Import(import::Options),
     /// Check formulas, scenes, sessions and material libraries for mistakes
     Check(check::Options),
