@@ -81,8 +81,8 @@ impl Embree {
         threads: usize,
     ) -> Result<Self, libloading::Error> {
         let config = CString::new(format!("isa={isa},threads={threads}")).unwrap_or_default();
-        // SAFETY: The signatures are those of rtcore.h of Embree 4. Buffers have the sizes that Embree was told, and its
-        // own allocation is written within them. The handles are used while the library is loaded.
+        // SAFETY: The signatures are those of rtcore.h of Embree 4. Buffers have the sizes that Embree was told, and
+        // its own allocation is written within them. The handles are used while the library is loaded.
         unsafe {
             let library = Library::new(path)?;
             let new_device: unsafe extern "C" fn(*const c_char) -> Handle = *library.get(c"rtcNewDevice".to_bytes_with_nul())?;

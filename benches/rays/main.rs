@@ -67,7 +67,8 @@ fn generated(triangles: f64) -> TriangleMesh {
                 place.iter().zip([1.3, 0.7, 2.1]).map(|(number, shift)| (number + shift).sin()).product::<f64>() / frequency
             };
             let radius = 1.0 + 0.5 * [3.0, 7.0, 17.0, 41.0, 97.0].map(lump).iter().sum::<f64>();
-            parts.positions.push(at * radius);
+            // Rounded as in files, so that Embree gets the same mesh.
+            parts.positions.push((at * radius).as_vec3().as_dvec3());
         }
     }
     for row in 0..rows {

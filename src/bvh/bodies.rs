@@ -1,9 +1,9 @@
 //! The tree of the bodies of a scene.
 
 use crate::bvh::build::build;
-use crate::bvh::frame::{Frame, FrameRay};
+use crate::bvh::frame::{FrameRay, TreeFrame};
 use crate::bvh::lanes::Lanes;
-use crate::bvh::node::{Child, Node, padded};
+use crate::bvh::node::{TreeChild, TreeNode, padded};
 use crate::bvh::shear::Shear;
 use crate::bvh::traverse::{Leaves, Traversal};
 use glam::{DVec3, Vec3A};
@@ -12,8 +12,8 @@ use obvhs::aabb::Aabb;
 /// A tree over the boxes of bodies.
 #[derive(Debug)]
 pub struct BodyTree {
-    frame: Frame,
-    nodes: Vec<Node>,
+    frame: TreeFrame,
+    nodes: Vec<TreeNode>,
 }
 
 impl BodyTree {
@@ -21,7 +21,7 @@ impl BodyTree {
     pub fn new(boxes: &[[DVec3; 2]]) -> Self {
         let start = [DVec3::INFINITY, DVec3::NEG_INFINITY];
         let whole = boxes.iter().fold(start, |whole, other| [whole[0].min(other[0]), whole[1].max(other[1])]);
-        let frame = Frame::new(if boxes.is_empty() { [DVec3::ZERO; 2] } else { whole });
+        let frame = TreeFrame::new(if boxes.is_empty() { [DVec3::ZERO; 2] } else { whole });
         let in_frame = |[low, high]: &[DVec3; 2]| {
             let corner = |corner: DVec3| frame.point(corner).as_vec3().to_array();
             let [low, high] = padded([corner(*low), corner(*high)]);
@@ -38,22 +38,22 @@ impl BodyTree {
     /// Distances are in lengths of the direction, which may have any length but 0.
     #[inline]
     pub fn search(&self, origin: DVec3, direction: DVec3, limit: f64, visit: impl FnMut(u32) -> f64) {
-        if let Some(ray) = self.frame.ray(origin, direction, &Shear::new(origin, direction)) {
-            let mut search = Search { ray: &ray, visit };
-            Traversal { nodes: &self.nodes, ray: &ray, limit: ray.limit(limit), leaves: &mut search }.dispatch();
+        if let Some(ray) = self.frame.ray(self.frame.point(origin), direction, &Shear::new(origin, direction)) {
+            let mut search = BodySearch { ray: &ray, visit };
+            Traversal { nodes: &self.nodes, ray: &ray, limit: ray.limit(limit), leaves: &mut search }.dispatch(false);
         }
     }
 }
 
 /// The search of a ray among bodies.
-struct Search<'t, V> {
+struct BodySearch<'t, V> {
     ray: &'t FrameRay,
     visit: V,
 }
 
-impl<V: FnMut(u32) -> f64> Leaves for Search<'_, V> {
+impl<V: FnMut(u32) -> f64> Leaves for BodySearch<'_, V> {
     #[inline(always)]
-    fn visit<L: Lanes>(&mut self, _: L, leaf: Child, _: f32) -> f32 {
+    fn visit<L: Lanes>(&mut self, _: L, leaf: TreeChild, _: f32) -> f32 {
         let limit = (self.visit)(leaf.index() as u32);
         if limit < 0.0 { -1.0 } else { self.ray.limit(limit).max(0.0) }
     }

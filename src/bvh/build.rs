@@ -1,6 +1,6 @@
 //! Building: a binary tree by the library obvhs, then nodes with eight children.
 
-use crate::bvh::node::{Child, INDICES, LEAF_MOST, Node};
+use crate::bvh::node::{INDICES, LEAF_MOST, TreeChild, TreeNode};
 use crate::bvh::traverse::STACK;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
@@ -15,11 +15,11 @@ const REINSERTED: f32 = 0.02;
 /// [`STACK`] nodes.
 const DEEPEST: usize = 24;
 
-/// Builds the nodes over boxes, the root first. Leaves have up to `leaf_most` primitives; `leaf` is given the indices of
-/// their boxes, and returns the index of the leaf. Without boxes, the root is empty.
+/// Builds the nodes over boxes, the root first. Leaves have up to `leaf_most` primitives; `leaf` is given the indices
+/// of their boxes, and returns the index of the leaf. Without boxes, the root is empty.
 ///
 /// Boxes have an extent in all three directions.
-pub(super) fn build(boxes: &[Aabb], leaf_most: usize, leaf: impl FnMut(&[u32]) -> usize) -> Vec<Node> {
+pub(super) fn build(boxes: &[Aabb], leaf_most: usize, leaf: impl FnMut(&[u32]) -> usize) -> Vec<TreeNode> {
     let mut binary = PlocBuilder::with_capacity(boxes.len()).build(
         PlocSearchDistance::Minimum,
         boxes,
@@ -28,24 +28,24 @@ pub(super) fn build(boxes: &[Aabb], leaf_most: usize, leaf: impl FnMut(&[u32]) -
         0,
     );
     ReinsertionOptimizer::default().run(&mut binary, REINSERTED, None);
-    Widening::new(boxes, &binary, leaf_most, leaf).nodes()
+    TreeWidening::new(boxes, &binary, leaf_most, leaf).nodes()
 }
 
 // A node leaves up to seven behind, on the way down to the deepest and through a balanced subtree of 2^32 primitives.
 const _: () = assert!(7 * (DEEPEST + 1 + 11) <= STACK);
 
 /// Makes nodes with eight children from a binary tree.
-struct Widening<'t, L> {
+struct TreeWidening<'t, L> {
     boxes: &'t [Aabb],
     binary: &'t Bvh2,
     /// How many primitives are below each node of the binary tree.
     counts: Vec<u32>,
     leaf_most: u32,
     leaf: L,
-    nodes: Vec<Node>,
+    nodes: Vec<TreeNode>,
 }
 
-impl<'t, L: FnMut(&[u32]) -> usize> Widening<'t, L> {
+impl<'t, L: FnMut(&[u32]) -> usize> TreeWidening<'t, L> {
     fn new(boxes: &'t [Aabb], binary: &'t Bvh2, leaf_most: usize, leaf: L) -> Self {
         assert!(leaf_most <= LEAF_MOST);
         let mut counts = vec![0; binary.nodes.len()];
@@ -64,8 +64,8 @@ impl<'t, L: FnMut(&[u32]) -> usize> Widening<'t, L> {
         Self { boxes, binary, counts, leaf_most: leaf_most as u32, leaf, nodes: Vec::new() }
     }
 
-    fn nodes(mut self) -> Vec<Node> {
-        self.nodes.push(Node::EMPTY);
+    fn nodes(mut self) -> Vec<TreeNode> {
+        self.nodes.push(TreeNode::EMPTY);
         let mut open = Vec::new();
         if !self.binary.nodes.is_empty() {
             open.push((0, 0, 0));
@@ -78,14 +78,14 @@ impl<'t, L: FnMut(&[u32]) -> usize> Widening<'t, L> {
                     self.leaf(&primitives)
                 } else {
                     let node = self.nodes.len();
-                    self.nodes.push(Node::EMPTY);
+                    self.nodes.push(TreeNode::EMPTY);
                     if depth < DEEPEST {
                         open.push((node, child, depth + 1));
                     } else {
                         self.primitives(child, &mut primitives);
                         self.balanced(node, &primitives);
                     }
-                    Child::node(node)
+                    TreeChild::node(node)
                 };
                 let aabb = self.binary.nodes[child].aabb;
                 self.nodes[index].set(place, [aabb.min.to_array(), aabb.max.to_array()], made);
@@ -94,10 +94,10 @@ impl<'t, L: FnMut(&[u32]) -> usize> Widening<'t, L> {
         self.nodes
     }
 
-    fn leaf(&mut self, primitives: &[u32]) -> Child {
+    fn leaf(&mut self, primitives: &[u32]) -> TreeChild {
         let leaf = (self.leaf)(primitives);
         assert!(leaf < INDICES, "fewer leaves than primitives, of which there are fewer");
-        Child::leaf(leaf, primitives.len())
+        TreeChild::leaf(leaf, primitives.len())
     }
 
     /// Makes a node, which exists, of primitives in their order: each of its subtrees has about as many as the others.
@@ -110,9 +110,9 @@ impl<'t, L: FnMut(&[u32]) -> usize> Widening<'t, L> {
                     self.leaf(part)
                 } else {
                     let node = self.nodes.len();
-                    self.nodes.push(Node::EMPTY);
+                    self.nodes.push(TreeNode::EMPTY);
                     open.push((node, part));
-                    Child::node(node)
+                    TreeChild::node(node)
                 };
                 let whole = part.iter().fold(Aabb::empty(), |whole, primitive| whole.union(&self.boxes[*primitive as usize]));
                 self.nodes[index].set(place, [whole.min.to_array(), whole.max.to_array()], child);

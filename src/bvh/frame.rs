@@ -5,18 +5,22 @@ use glam::DVec3;
 
 /// By how much boxes are enlarged on each side, in the coordinates of the frame.
 ///
-/// Coordinates and directions are rounded to 24 bits. A point on a ray that is inside the frame is then off by less than
-/// a dozen units of the last place of 1, which are 6e-8 each.
+/// Coordinates and directions are rounded to 24 bits. A point on a ray that is inside the frame is then off by less
+/// than a dozen units of the last place of 1, which are 6e-8 each.
 pub(super) const PADDING: f32 = 2e-6;
+
+/// A frame keeps its origin, and so all bits of coordinates, if these are at most this many times half the size.
+const FARTHEST: f64 = 4.0;
 
 /// Coordinates in which the box of all that a tree holds is within −1..1.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Frame {
+pub(super) struct TreeFrame {
     center: DVec3,
-    /// Units of the frame in one unit outside.
+    /// Units of the frame in one unit outside: a power of two.
     scale: f64,
-    /// Half the size of the box in the coordinates of the frame, with padding.
-    half: DVec3,
+    /// The box of all, in the coordinates of the frame, with padding.
+    low: DVec3,
+    high: DVec3,
 }
 
 /// A ray in the coordinates of a frame. It starts where the original one enters the box of the frame, so its
@@ -32,14 +36,27 @@ pub(super) struct FrameRay {
     length: f64,
 }
 
-impl Frame {
+impl TreeFrame {
     /// The frame for this box: its lowest and its highest coordinates.
     pub(super) fn new([low, high]: [DVec3; 2]) -> Self {
         // Not the difference: of the largest numbers it would be infinite.
-        let (center, half) = (low.midpoint(high), 0.5 * high - 0.5 * low);
-        let reach = half.max_element();
-        let scale = if reach > 0.0 { 1.0 / reach } else { 1.0 };
-        Self { center, scale, half: half * scale + DVec3::splat(f64::from(PADDING)) }
+        let (middle, half) = (low.midpoint(high), (0.5 * high - 0.5 * low).max_element());
+        let farthest = low.abs().max(high.abs()).max_element();
+        let (center, reach) = if farthest <= FARTHEST * half { (DVec3::ZERO, farthest) } else { (middle, half) };
+        let scale = if reach > 0.0 { (-reach.log2().ceil()).exp2() } else { 1.0 };
+        let padding = DVec3::splat(f64::from(PADDING));
+        Self { center, scale, low: (low - center) * scale - padding, high: (high - center) * scale + padding }
+    }
+
+    /// Whether [`point`](Self::point) does not round.
+    pub(super) fn point_is_exact(&self) -> bool {
+        self.center == DVec3::ZERO
+    }
+
+    /// How long a unit of the frame is.
+    #[inline(always)]
+    pub(super) fn unit(&self) -> f64 {
+        1.0 / self.scale
     }
 
     /// A point in the coordinates of the frame.
@@ -49,16 +66,16 @@ impl Frame {
     }
 
     /// A ray in the coordinates of the frame; `None` if it passes beside the box of the frame. `shear` belongs to it.
+    /// The origin is in these coordinates already, and the direction is that of the ray outside.
     #[inline(always)]
     pub(super) fn ray(&self, origin: DVec3, direction: DVec3, shear: &Shear) -> Option<FrameRay> {
-        let origin = self.point(origin);
         let shortening = shear.factors[2].abs();
         let direction = direction * shortening;
         let inverse = direction.recip();
         let mut start = 0.0;
-        if origin.abs().cmpgt(self.half).any() {
+        if origin.cmplt(self.low).any() || origin.cmpgt(self.high).any() {
             // The largest distance of a near side, and the smallest one of a far side.
-            let (one, other) = ((-self.half - origin) * inverse, (self.half - origin) * inverse);
+            let (one, other) = ((self.low - origin) * inverse, (self.high - origin) * inverse);
             let (near, far) = (one.min(other).max_element(), one.max(other).min_element());
             // NaN, on a side and along it, is passed on to the tree.
             if near > far || far < 0.0 {

@@ -34,14 +34,14 @@ pub(super) trait Lanes: Copy {
 
 /// Loops over arrays, for any processor.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Portable;
+pub(super) struct PortableLanes;
 
 #[inline(always)]
 fn each(work: impl Fn(usize) -> f32) -> [f32; 8] {
     std::array::from_fn(work)
 }
 
-impl Lanes for Portable {
+impl Lanes for PortableLanes {
     type Numbers = [f32; 8];
 
     #[inline(always)]

@@ -5,16 +5,16 @@ use crate::bvh::frame::PADDING;
 /// Eight boxes with what is in them.
 #[derive(Debug, Clone, Copy)]
 #[repr(C, align(32))]
-pub(super) struct Node {
+pub(super) struct TreeNode {
     /// The lowest x, y and z, then the highest x, y and z of the children, in the coordinates of the frame.
     pub(super) planes: [[f32; 8]; 6],
-    pub(super) children: [Child; 8],
+    pub(super) children: [TreeChild; 8],
 }
 
 /// What a node has in one of its places: another node or a leaf.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(transparent)]
-pub(super) struct Child(pub(super) u32);
+pub(super) struct TreeChild(pub(super) u32);
 
 /// The most primitives in a leaf.
 pub(super) const LEAF_MOST: usize = 8;
@@ -24,7 +24,7 @@ const COUNT_SHIFT: u32 = 28;
 /// Indices of leaves and nodes are less than this.
 pub(super) const INDICES: usize = 1 << COUNT_SHIFT;
 
-impl Child {
+impl TreeChild {
     /// The node of that index.
     pub(super) fn node(index: usize) -> Self {
         Self(index as u32)
@@ -53,9 +53,9 @@ impl Child {
     }
 }
 
-impl Node {
+impl TreeNode {
     /// A node without children. No ray meets the boxes in its places.
-    pub(super) const EMPTY: Node = Node {
+    pub(super) const EMPTY: TreeNode = TreeNode {
         planes: [
             [f32::INFINITY; 8],
             [f32::INFINITY; 8],
@@ -64,11 +64,11 @@ impl Node {
             [f32::NEG_INFINITY; 8],
             [f32::NEG_INFINITY; 8],
         ],
-        children: [Child(LEAF); 8],
+        children: [TreeChild(LEAF); 8],
     };
 
     /// Puts a child into a place.
-    pub(super) fn set(&mut self, place: usize, [low, high]: [[f32; 3]; 2], child: Child) {
+    pub(super) fn set(&mut self, place: usize, [low, high]: [[f32; 3]; 2], child: TreeChild) {
         for axis in 0..3 {
             self.planes[axis][place] = low[axis];
             self.planes[axis + 3][place] = high[axis];

@@ -3,8 +3,8 @@
 use crate::bvh::frame::FrameRay;
 #[cfg(target_arch = "x86_64")]
 use crate::bvh::lanes::{Avx2, avx2, sse4};
-use crate::bvh::lanes::{Lanes, Portable};
-use crate::bvh::node::{Child, Node};
+use crate::bvh::lanes::{Lanes, PortableLanes};
+use crate::bvh::node::{TreeChild, TreeNode};
 use arrayvec::ArrayVec;
 
 /// The most nodes that a traversal keeps for later.
@@ -14,12 +14,12 @@ pub(super) const STACK: usize = 256;
 pub(super) trait Leaves {
     /// Tests what is in a leaf. Returns the distance beyond which nothing is of interest any more, in units of the
     /// frame; a negative one ends the traversal.
-    fn visit<L: Lanes>(&mut self, lanes: L, leaf: Child, limit: f32) -> f32;
+    fn visit<L: Lanes>(&mut self, lanes: L, leaf: TreeChild, limit: f32) -> f32;
 }
 
 /// Work that is compiled for the vectors of this processor.
 pub(super) struct Traversal<'t, V> {
-    pub(super) nodes: &'t [Node],
+    pub(super) nodes: &'t [TreeNode],
     pub(super) ray: &'t FrameRay,
     /// The distance in units of the frame beyond which nothing is of interest.
     pub(super) limit: f32,
@@ -27,17 +27,17 @@ pub(super) struct Traversal<'t, V> {
 }
 
 /// A child with the distance of its box. They compare by the distance, which is at least 0.
-type Entry = u64;
+type StackEntry = u64;
 
 #[inline(always)]
-fn entry(distance: f32, child: Child) -> Entry {
+fn entry(distance: f32, child: TreeChild) -> StackEntry {
     u64::from(distance.to_bits()) << 32 | u64::from(child.0)
 }
 
 impl<V: Leaves> Traversal<'_, V> {
-    /// Visits the leaves.
+    /// Visits the leaves, those of nearer boxes first if they are wanted `in_order`.
     #[inline(always)]
-    pub(super) fn run<L: Lanes>(self, lanes: L) {
+    pub(super) fn run<L: Lanes>(self, lanes: L, in_order: bool) {
         let Self { nodes, ray, mut limit, leaves } = self;
         let inverse = ray.inverse.map(|number| lanes.splat(number));
         let origin: [L::Numbers; 3] = std::array::from_fn(|axis| lanes.splat(ray.origin[axis] * ray.inverse[axis]));
@@ -45,8 +45,8 @@ impl<V: Leaves> Traversal<'_, V> {
         let near: [usize; 3] = std::array::from_fn(|axis| if ray.inverse[axis] < 0.0 { axis + 3 } else { axis });
         let far: [usize; 3] = std::array::from_fn(|axis| if ray.inverse[axis] < 0.0 { axis } else { axis + 3 });
         let zero = lanes.splat(0.0);
-        let mut stack: ArrayVec<Entry, STACK> = ArrayVec::new();
-        let mut next = Child::node(0);
+        let mut stack: ArrayVec<StackEntry, STACK> = ArrayVec::new();
+        let mut next = TreeChild::node(0);
         loop {
             if next.is_leaf() {
                 limit = leaves.visit(lanes, next, limit);
@@ -64,6 +64,15 @@ impl<V: Leaves> Traversal<'_, V> {
                     met &= met - 1;
                     if met == 0 {
                         next = node.children[first];
+                        continue;
+                    }
+                    if !in_order {
+                        next = node.children[first];
+                        while met != 0 {
+                            let place = met.trailing_zeros() as usize & 7;
+                            met &= met - 1;
+                            stack.push(u64::from(node.children[place].0));
+                        }
                         continue;
                     }
                     let enter = lanes.store(enter);
@@ -89,14 +98,14 @@ impl<V: Leaves> Traversal<'_, V> {
                         }
                         stack[at] = other;
                     }
-                    next = Child(nearest as u32);
+                    next = TreeChild(nearest as u32);
                     continue;
                 }
             }
             next = loop {
                 let Some(entry) = stack.pop() else { return };
                 if f32::from_bits((entry >> 32) as u32) <= limit {
-                    break Child(entry as u32);
+                    break TreeChild(entry as u32);
                 }
             };
         }
@@ -104,24 +113,25 @@ impl<V: Leaves> Traversal<'_, V> {
 }
 
 impl<V: Leaves> Traversal<'_, V> {
-    /// Visits the leaves with the widest vectors that this processor has and the limit of widths allows.
+    /// Visits the leaves with the widest vectors that this processor has and the limit of widths allows. A search for
+    /// `any` hit takes them in no order.
     #[inline(always)]
-    pub(super) fn dispatch(self) {
+    pub(super) fn dispatch(self, any: bool) {
         #[cfg(target_arch = "x86_64")]
         {
             if let Some(simd) = avx2() {
                 return simd.vectorize(
                     #[inline(always)]
-                    || self.run(Avx2(simd)),
+                    || self.run(Avx2(simd), !any),
                 );
             }
             if let Some(simd) = sse4() {
                 return simd.vectorize(
                     #[inline(always)]
-                    || self.run(Portable),
+                    || self.run(PortableLanes, !any),
                 );
             }
         }
-        self.run(Portable);
+        self.run(PortableLanes, !any);
     }
 }

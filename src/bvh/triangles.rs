@@ -1,9 +1,9 @@
 //! The tree of a mesh.
 
 use crate::bvh::build::build;
-use crate::bvh::frame::{Frame, FrameRay};
+use crate::bvh::frame::{FrameRay, TreeFrame};
 use crate::bvh::lanes::Lanes;
-use crate::bvh::node::{Child, LEAF_MOST, Node, padded};
+use crate::bvh::node::{LEAF_MOST, TreeChild, TreeNode, padded};
 use crate::bvh::shear::{Shear, TriangleHit};
 use crate::bvh::traverse::{Leaves, Traversal};
 use crate::mesh::TriangleMesh;
@@ -16,9 +16,11 @@ use std::sync::Arc;
 #[derive(Debug)]
 pub struct MeshTree {
     mesh: Arc<TriangleMesh>,
-    frame: Frame,
-    nodes: Vec<Node>,
+    frame: TreeFrame,
+    nodes: Vec<TreeNode>,
     leaves: Vec<Leaf>,
+    /// Whether the corners in the leaves are those of the mesh, and not rounded.
+    is_exact: bool,
 }
 
 /// Up to eight triangles.
@@ -31,14 +33,32 @@ struct Leaf {
     triangles: [u32; 8],
 }
 
+impl Leaf {
+    /// The corners of a triangle.
+    #[inline(always)]
+    fn corners(&self, place: usize) -> [DVec3; 3] {
+        let [a, b, c] = &self.corners;
+        [corner(a, place), corner(b, place), corner(c, place)]
+    }
+}
+
+#[inline(always)]
+fn corner(corner: &[[f32; 8]; 3], place: usize) -> DVec3 {
+    DVec3::new(f64::from(corner[0][place]), f64::from(corner[1][place]), f64::from(corner[2][place]))
+}
+
 /// By how much sheared corners may be off in the coordinates of the frame: sixteen units of the last place of 1.
 const ROUNDING: f32 = 1e-6;
 
 impl MeshTree {
     /// Builds the tree of a mesh, on all threads of the current rayon pool.
     pub fn new(mesh: Arc<TriangleMesh>) -> Self {
-        let frame = Frame::new(mesh.bounding_box());
+        let frame = TreeFrame::new(mesh.bounding_box());
         let corner = |vertex: u32| frame.point(mesh.positions()[vertex as usize]).as_vec3();
+        let is_exact = mesh.positions().par_iter().all(|position| {
+            let point = frame.point(*position);
+            frame.point_is_exact() && point.as_vec3().as_dvec3() == point
+        });
         let boxes: Vec<Aabb> = mesh
             .triangles()
             .par_iter()
@@ -66,7 +86,7 @@ impl MeshTree {
             Leaf { corners, triangles: *list }
         };
         let leaves = lists.par_iter().map(leaf).collect();
-        Self { mesh, frame, nodes, leaves }
+        Self { mesh, frame, nodes, leaves, is_exact }
     }
 
     /// The mesh.
@@ -118,11 +138,15 @@ impl MeshTree {
         any: bool,
         accept: impl Fn(&TriangleHit) -> bool,
     ) -> Option<TriangleHit> {
-        let shear = Shear::new(origin, direction);
-        let ray = self.frame.ray(origin, direction, &shear)?;
+        let start = self.frame.point(origin);
+        // Scaled by a power of two, exact tests have the same bits.
+        let shear = if self.is_exact { Shear::new(start, direction) } else { Shear::new(origin, direction) };
+        let ray = self.frame.ray(start, direction, &shear)?;
         let filter = Filter::new(&ray, &shear);
-        let mut search = Search { tree: self, ray: &ray, shear, filter, limit, nearest: None, any, accept };
-        Traversal { nodes: &self.nodes, ray: &ray, limit: ray.limit(limit), leaves: &mut search }.dispatch();
+        let unit = if self.is_exact { self.frame.unit() } else { 1.0 };
+        let mut search = MeshSearch { tree: self, ray: &ray, shear, filter, unit, limit, nearest: None, any, accept };
+        let traversal = Traversal { nodes: &self.nodes, ray: &ray, limit: ray.limit(limit), leaves: &mut search };
+        traversal.dispatch(any);
         search.nearest
     }
 }
@@ -182,11 +206,13 @@ fn size<L: Lanes>(lanes: L, corner: [L::Numbers; 2]) -> L::Numbers {
 }
 
 /// The search of a ray in a mesh.
-struct Search<'t, A> {
+struct MeshSearch<'t, A> {
     tree: &'t MeshTree,
     ray: &'t FrameRay,
     shear: Shear,
     filter: Filter,
+    /// The length of a unit of the exact tests.
+    unit: f64,
     limit: f64,
     nearest: Option<TriangleHit>,
     /// Whether any triangle ends the search.
@@ -194,15 +220,18 @@ struct Search<'t, A> {
     accept: A,
 }
 
-impl<A: Fn(&TriangleHit) -> bool> Leaves for Search<'_, A> {
+impl<A: Fn(&TriangleHit) -> bool> Leaves for MeshSearch<'_, A> {
     #[inline(always)]
-    fn visit<L: Lanes>(&mut self, lanes: L, leaf: Child, mut limit: f32) -> f32 {
+    fn visit<L: Lanes>(&mut self, lanes: L, leaf: TreeChild, mut limit: f32) -> f32 {
         let contents = &self.tree.leaves[leaf.index()];
         let mut candidates = self.filter.candidates(lanes, contents) & leaf.mask();
         while candidates != 0 {
-            let triangle = contents.triangles[candidates.trailing_zeros() as usize & 7];
+            let place = candidates.trailing_zeros() as usize & 7;
+            let triangle = contents.triangles[place];
             candidates &= candidates - 1;
-            let Some((distance, weights)) = self.shear.meet(self.tree.corners(triangle)) else { continue };
+            let corners = if self.tree.is_exact { contents.corners(place) } else { self.tree.corners(triangle) };
+            let Some((distance, weights)) = self.shear.meet(corners) else { continue };
+            let distance = distance * self.unit;
             let before = self.nearest.is_none_or(|nearest| distance < nearest.distance || triangle < nearest.triangle);
             if distance <= 0.0 || distance > self.limit || (distance == self.limit && self.nearest.is_none()) || !before {
                 continue;

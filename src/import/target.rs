@@ -94,8 +94,8 @@ impl ImportTarget {
 
 impl ImportPlan {
     /// Writes the meshes, the scene and the session, each file whole or not at all. `progress` is called with the share
-    /// that is done. Files that are there are replaced; others in the folder of meshes stay. If it fails, what is new is
-    /// removed again.
+    /// that is done. Files that are there are replaced; others in the folder of meshes stay. If it fails, what is new
+    /// is removed again.
     ///
     /// # Errors
     /// A file cannot be written.
