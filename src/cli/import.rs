@@ -59,6 +59,10 @@ impl From<ImportError> for Failure {
                 let diagnostic = Diagnostic::error(error.to_string());
                 Failure::CommandLine(diagnostic.help("write `-o NAME.scene`; NAME has no quotes and no line ends"))
             }
+            ImportError::TooManyParts(_) => {
+                let diagnostic = Diagnostic::error(error.to_string());
+                Failure::Input(diagnostic.help("join parts of one material in the program that made the file"))
+            }
             ImportError::TooLarge | ImportError::Write { .. } => Failure::input(error.to_string()),
         }
     }

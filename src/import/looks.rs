@@ -63,14 +63,12 @@ impl RayWeights {
 fn physical(look: &PhysicalLook) -> ImportedLook {
     let [metallic, roughness, coverage, transmission] =
         [look.metallic, look.roughness, look.coverage, look.transmission].map(|share| share.clamp(0.0, 1.0));
-    let (passes, index) = if coverage < 1.0 {
-        // It is a veil, which bends no light.
-        (1.0 - coverage, 1.0)
-    } else {
-        (transmission * (1.0 - metallic), at_least_one(look.index))
-    };
+    let index = at_least_one(look.index);
+    // What is blended is a veil. Neither it nor a thin pane bends light.
+    let is_veil = coverage < 1.0;
+    let passes = if is_veil { 1.0 - coverage } else { transmission * (1.0 - metallic) };
     let of_metal = metallic * brightest(look.base);
-    let of_glass = if passes > 0.0 { (1.0 - metallic) * reflectance(index) } else { 0.0 };
+    let of_glass = if passes > 0.0 && !is_veil { (1.0 - metallic) * reflectance(index) } else { 0.0 };
     let weights = RayWeights::new((of_metal + of_glass) * (1.0 - roughness).powi(2), passes);
     let mut values = vec![("Cd", color(look.base)), ("specular_roughness", scalar(roughness))];
     let mut put = |name: &'static str, value: f64, default: f64| {
@@ -85,14 +83,14 @@ fn physical(look: &PhysicalLook) -> ImportedLook {
     if look.coat > 0.0 {
         put("coat_roughness", look.coat_roughness, 0.1);
     }
-    let index_of_highlights = at_least_one(look.index).min(3.0);
+    let index_of_highlights = index.min(3.0);
     if index_of_highlights != 1.5 {
         values.push(("specular_ior", Constant::Scalar(((index_of_highlights * STEPS).round() / STEPS) as f32)));
     }
     if look.specular_color != [1.0; 3] {
         values.push(("specular_color", color(look.specular_color)));
     }
-    ImportedLook::with_rays(values, weights, index)
+    ImportedLook::with_rays(values, weights, if is_veil || look.is_thin { 1.0 } else { index })
 }
 
 /// A material of an MTL file. The sum of kd and ks is 1 at most, so the matte part gives way.

@@ -16,7 +16,7 @@ pub use target::{ImportError, ImportTarget};
 use crate::lang::ast::Constant;
 use crate::lang::display_text::one_line;
 use crate::lang::format::formatted;
-use crate::lang::source::{Source, SourceSpan};
+use crate::lang::source::{MAX_BYTES, Source, SourceSpan};
 use crate::mesh::{MeshModel, ModelLook, Omissions, TriangleMesh};
 use crate::picture::{Transfer, ViewTransform};
 use crate::scene::Camera;
@@ -26,6 +26,7 @@ use glam::DVec3;
 use looks::ImportedLook;
 use names::UniqueNames;
 use std::fmt::Write;
+use std::path::Path;
 use view::ImportedLight;
 
 /// What is to be written.
@@ -56,7 +57,7 @@ struct ImportedBody {
 /// What to write for a model. `source` names its file.
 ///
 /// # Errors
-/// The model is so large that no camera shows it.
+/// The model is so large that no camera shows it, or has more parts than a text can hold.
 pub fn plan(model: MeshModel, source: &str, target: &ImportTarget) -> Result<ImportPlan, ImportError> {
     let bounds = bounding_box(&model);
     let (mut simplified, mut left_out) = (Omissions::default(), model.omissions.clone());
@@ -90,6 +91,10 @@ pub fn plan(model: MeshModel, source: &str, target: &ImportTarget) -> Result<Imp
     };
     let is_own = !model.lights.is_empty();
     let scene = scene_text(source, &bodies, &lights, &camera, target);
+    let session_length = session.to_toml(target.scene().parent().unwrap_or(Path::new(""))).map_or(0, |text| text.len());
+    if scene.len().max(session_length) > MAX_BYTES {
+        return Err(ImportError::TooManyParts(meshes.len()));
+    }
     Ok(ImportPlan { scene, session, meshes, lights: (lights.len(), is_own), has_camera, simplified, left_out })
 }
 

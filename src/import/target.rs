@@ -2,6 +2,7 @@
 
 use crate::files::{reason, replace_file, replace_text};
 use crate::import::ImportPlan;
+use crate::lang::source::MAX_BYTES;
 use crate::mesh::write_ply;
 use std::fs;
 use std::io;
@@ -18,6 +19,9 @@ pub enum ImportError {
     /// The coordinates are too large for a camera.
     #[error("no camera shows the whole model: its coordinates are too large")]
     TooLarge,
+    /// The scene or the session would be too large to be read again.
+    #[error("it has {0} parts, and the text of the scene or of the session would have more than {MAX_BYTES} bytes")]
+    TooManyParts(usize),
     /// The scene cannot have this name.
     #[error("`{}` cannot be the name of the scene: {why}", path.display())]
     Name {
@@ -93,9 +97,9 @@ impl ImportTarget {
 }
 
 impl ImportPlan {
-    /// Writes the meshes, the scene and the session, each file whole or not at all. `progress` is called with the share
-    /// that is done. Files that are there are replaced; others in the folder of meshes stay. If it fails, what is new
-    /// is removed again.
+    /// Writes the meshes, the scene and the session, each file whole or not at all. `progress` is called with the
+    /// share that is done. Files that are there are replaced; others in the folder of meshes stay. If it fails, what is
+    /// new is removed again.
     ///
     /// # Errors
     /// A file cannot be written.

@@ -20,6 +20,7 @@ const PHYSICAL: PhysicalLook = PhysicalLook {
     coat_roughness: 0.0,
     transmission: 0.0,
     index: 1.5,
+    is_thin: false,
 };
 
 const PHONG: PhongLook = PhongLook {
@@ -96,6 +97,9 @@ fn metals_reflect_and_glass_refracts() {
     assert_eq!((number(&water, "kr"), number(&water, "kt")), (Some(0.0201), Some(0.9799)));
     assert_eq!((number(&water, "base_weight"), number(&water, "specular_ior")), (Some(0.0), Some(1.33)));
     assert_eq!((water.refractive_index, water.is_opaque, water.is_matte), (Some(1.33), false, false));
+    let pane = PhysicalLook { transmission: 1.0, roughness: 0.0, is_thin: true, ..PHYSICAL };
+    let pane = look(ModelLook::Physical(pane));
+    assert_eq!((number(&pane, "kr"), number(&pane, "kt"), pane.refractive_index), (Some(0.04), Some(0.96), Some(1.0)));
     // What is blended is a veil, and bends no light.
     let veil = look(ModelLook::Physical(PhysicalLook { coverage: 0.25, ..PHYSICAL }));
     assert_eq!((number(&veil, "kt"), veil.refractive_index, veil.is_matte), (Some(0.75), Some(1.0), true));
@@ -238,6 +242,14 @@ fn models_of_any_size_have_a_camera() {
     model.parts[0].mesh = triangle(1e30);
     let target = ImportTarget::new(Path::new("a.scene")).unwrap();
     assert!(matches!(plan(model, "a.obj", &target), Err(ImportError::TooLarge)));
+}
+
+#[test]
+fn more_bodies_than_a_text_can_hold_are_refused() {
+    let target = ImportTarget::new(&Path::new(&"long".repeat(50)).with_extension("scene")).unwrap();
+    let error = plan(model(&vec![ModelLook::Phong(PHONG); 20_000]), "a.obj", &target).err().map(|error| error.to_string());
+    let expected = "it has 20000 parts, and the text of the scene or of the session would have more than 4194304 bytes";
+    assert_eq!(error.as_deref(), Some(expected));
 }
 
 #[test]

@@ -88,11 +88,11 @@ pub(super) fn lights(
         let (place, strength) = match light.source {
             LightSource::Point(place) => (place, lux(place)),
             LightSource::Spot(place) => {
-                simplified.add(1, "spot light(s)", "it shines in all directions");
+                simplified.add(1, "spot light(s)", "light in all directions takes the place of a cone");
                 (place, lux(place))
             }
             LightSource::Directional(direction) => {
-                simplified.add(1, "directional light(s)", "it is a point far away");
+                simplified.add(1, "directional light(s)", "a point far away takes the place of a direction");
                 (middle - FAR * side * direction, light.intensity)
             }
         };

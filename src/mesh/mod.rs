@@ -44,6 +44,9 @@ pub const LARGEST_FILE: u64 = 8 << 30;
 /// Files are read in pieces of this many bytes. Between them the work can be cancelled.
 const PIECE: u64 = 8 << 20;
 
+/// Reads the parts of a file.
+type ModelReader = fn(&MeshFile, &mut Ledger) -> Result<ModelContents, Fault>;
+
 /// A format of mesh files.
 pub struct MeshFormat {
     /// Its name.
@@ -52,7 +55,7 @@ pub struct MeshFormat {
     pub suffixes: &'static [&'static str],
     read: fn(&MeshFile, &mut Ledger) -> Result<MeshParts, Fault>,
     /// How its parts are read, if its files have parts.
-    read_model: Option<fn(&MeshFile, &mut Ledger) -> Result<ModelContents, Fault>>,
+    read_model: Option<ModelReader>,
     /// How the place of a byte is told.
     places: fn(&MeshFile, usize) -> Places,
 }

@@ -74,6 +74,8 @@ pub struct PhysicalLook {
     pub transmission: f64,
     /// The index of refraction.
     pub index: f64,
+    /// Whether the surface is a thin pane, which bends no light.
+    pub is_thin: bool,
 }
 
 /// A material of an MTL file. All numbers are as the file has them, and may be out of range.

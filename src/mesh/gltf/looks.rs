@@ -152,6 +152,8 @@ struct MaterialExtensions {
     index: Option<MaterialIndex>,
     #[serde(rename = "KHR_materials_transmission")]
     transmission: MaterialTransmission,
+    #[serde(rename = "KHR_materials_volume")]
+    volume: MaterialVolume,
     #[serde(rename = "KHR_materials_specular")]
     specular: MaterialSpecular,
     #[serde(rename = "KHR_materials_clearcoat")]
@@ -168,6 +170,12 @@ struct MaterialIndex {
 #[serde(rename_all = "camelCase", default)]
 struct MaterialTransmission {
     transmission_factor: f64,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(rename_all = "camelCase", default)]
+struct MaterialVolume {
+    thickness_factor: f64,
 }
 
 #[derive(Deserialize)]
@@ -275,6 +283,8 @@ impl GltfMaterial {
             coat_roughness: self.extensions.coat.clearcoat_roughness_factor,
             transmission: self.extensions.transmission.transmission_factor,
             index: self.extensions.index.as_ref().map_or(usual_index(), |index| index.ior),
+            // By the letter, an index without a thickness bends no light either. Whoever gives one wants to see it.
+            is_thin: self.extensions.index.is_none() && self.extensions.volume.thickness_factor <= 0.0,
         }
     }
 }

@@ -298,6 +298,7 @@ fn materials_are_as_the_file_says() {
     assert_eq!((default.coverage, default.transmission, default.specular, default.coat), (1.0, 0.0, 1.0, 0.0));
     assert_eq!((glass.base, glass.metallic, glass.roughness, glass.index), ([0.1, 0.2, 0.3], 0.25, 0.75, 1.33));
     assert_eq!((glass.coverage, glass.transmission, glass.coat), (0.4, 0.9, 0.5));
+    assert!(default.is_thin && !glass.is_thin);
 }
 
 #[test]
