@@ -196,6 +196,8 @@ pub(super) struct ModelContents {
 pub(super) struct PartContents {
     pub(super) name: String,
     pub(super) material: Option<usize>,
+    /// Whether it gets normals if it has none.
+    pub(super) is_smooth: bool,
     pub(super) parts: MeshParts,
 }
 
@@ -205,7 +207,7 @@ impl ModelContents {
         let Self { parts: all, materials, camera, lights, mut omissions } = self;
         let (count, mut parts, mut repairs) = (all.len(), Vec::new(), MeshRepairs::default());
         ledger.reserve(&mut parts, count)?;
-        for (index, PartContents { name, material, parts: contents }) in all.into_iter().enumerate() {
+        for (index, PartContents { name, material, is_smooth, parts: contents }) in all.into_iter().enumerate() {
             ledger.tell_completing(index, count)?;
             if !contents.has_area() {
                 omissions.add(1, "part(s)", "its triangles have no area");
@@ -214,6 +216,7 @@ impl ModelContents {
             let (mesh, repaired) =
                 ledger.quietly(|ledger| TriangleMesh::complete(contents, ledger)).map_err(|fault| fault.within(&name))?;
             repairs = repairs + repaired;
+            let mesh = if is_smooth { mesh.smoothed(ledger)? } else { mesh };
             parts.push(ModelPart { name, material, mesh });
         }
         if parts.is_empty() {

@@ -127,10 +127,14 @@ impl TriangleMesh {
     ///
     /// # Errors
     /// The memory does not suffice. `name` stands in the message.
-    pub fn smooth(mut self, name: &str, reading: &Reading) -> Result<Self, MeshError> {
+    pub fn smooth(self, name: &str, reading: &Reading) -> Result<Self, MeshError> {
+        self.smoothed(&mut Ledger::new(reading)).map_err(|fault| fault.in_file(name, &[], |_| Places::Offsets))
+    }
+
+    /// The same mesh with a normal for each vertex, see [`smooth`](Self::smooth).
+    pub(super) fn smoothed(mut self, ledger: &mut Ledger) -> Result<Self, Fault> {
         if self.normals.is_empty() {
-            let computed = angle_weighted(&self.positions, &self.triangles, &mut Ledger::new(reading));
-            self.normals = computed.map_err(|fault| fault.in_file(name, &[], |_| Places::Offsets))?;
+            self.normals = angle_weighted(&self.positions, &self.triangles, ledger)?;
         }
         Ok(self)
     }

@@ -60,7 +60,7 @@ pub(super) fn read_model(file: &MeshFile, ledger: &mut Ledger) -> Result<ModelCo
         let (name, material) = scenery::name_and_material(&looks, place, contents.materials.len())?;
         // The names of nodes may be long, and stand at several primitives.
         ledger.charge(name.len() as u64)?;
-        ledger.push(&mut contents.parts, PartContents { name, material, parts })
+        ledger.push(&mut contents.parts, PartContents { name, material, is_smooth: false, parts })
     })?;
     Ok(contents)
 }

@@ -20,6 +20,7 @@ type PartKey = [Option<u32>; 3];
 struct ObjRun {
     first: usize,
     part: u32,
+    smoothing: Option<u32>,
 }
 
 /// Which triangles belong together.
@@ -30,6 +31,8 @@ pub(super) struct ObjParts {
     /// Files of materials, as named.
     libraries: Vec<String>,
     current: PartKey,
+    /// The name of the group of faces that are smooth together, if one is open.
+    smoothing: Option<u32>,
     parts: Vec<PartKey>,
     numbers: BTreeMap<PartKey, u32>,
     runs: Vec<ObjRun>,
@@ -59,6 +62,11 @@ impl ObjParts {
             b"o" => self.current[0] = self.name(&cursor.rest_of_line(), ledger)?,
             b"g" => self.current[1] = self.name(&cursor.rest_of_line(), ledger)?,
             b"usemtl" => self.current[2] = self.name(&cursor.rest_of_line(), ledger)?,
+            b"s" => {
+                let group = cursor.rest_of_line();
+                let is_off = group.is("off") || group.bytes == b"0";
+                self.smoothing = if is_off { None } else { self.name(&group, ledger)? };
+            }
             b"mtllib" => {
                 if let Some(name) = self.name(&cursor.rest_of_line(), ledger)? {
                     ledger.push(&mut self.libraries, self.names[name as usize].clone())?;
@@ -93,8 +101,8 @@ impl ObjParts {
 
     /// Begins a run at a face, unless it belongs to the same part as the face before.
     fn begin_run(&mut self, first: usize, ledger: &mut Ledger) -> Result<(), Fault> {
-        let before = self.runs.last().map(|run| run.part);
-        if before.is_some_and(|part| self.parts[part as usize] == self.current) {
+        let is_same = |run: &ObjRun| self.parts[run.part as usize] == self.current && run.smoothing == self.smoothing;
+        if self.runs.last().is_some_and(is_same) {
             return Ok(());
         }
         let part = match self.numbers.get(&self.current) {
@@ -107,7 +115,7 @@ impl ObjParts {
                 new
             }
         };
-        ledger.push(&mut self.runs, ObjRun { first, part })
+        ledger.push(&mut self.runs, ObjRun { first, part, smoothing: self.smoothing })
     }
 
     /// The model of what has been read. The path is that of the OBJ file.
@@ -145,7 +153,11 @@ impl ObjParts {
     ) -> Result<Vec<PartContents>, Fault> {
         let mut runs: Vec<Vec<std::ops::Range<usize>>> = vec![Vec::new(); self.parts.len()];
         let ends = self.runs.iter().skip(1).map(|run| run.first).chain([contents.triangles.len()]);
+        // A part is smooth if all its faces are in one group.
+        let mut smoothing: Vec<Option<Option<u32>>> = vec![None; self.parts.len()];
         for (run, end) in self.runs.iter().zip(ends) {
+            let group = smoothing[run.part as usize].get_or_insert(run.smoothing);
+            *group = group.filter(|group| Some(*group) == run.smoothing);
             ledger.push(&mut runs[run.part as usize], run.first..end)?;
         }
         // The place of each vertex in the part at hand.
@@ -154,7 +166,7 @@ impl ObjParts {
         places.resize(contents.vertices.len(), NONE);
         let mut used = Vec::new();
         let mut split = Vec::new();
-        for (key, runs) in self.parts.iter().zip(runs) {
+        for ((key, runs), smoothing) in self.parts.iter().zip(runs).zip(smoothing) {
             let mut parts = MeshParts::default();
             let count = runs.iter().map(std::ops::Range::len).sum();
             ledger.reserve(&mut parts.triangles, count)?;
@@ -173,7 +185,7 @@ impl ObjParts {
             contents.fill(used.iter().map(|vertex: &u32| &contents.vertices[*vertex as usize]), &mut parts, ledger)?;
             used.drain(..).for_each(|vertex| places[vertex as usize] = NONE);
             let material = key[2].and_then(|name| materials.get(&name).copied().flatten());
-            split.push(PartContents { name: self.part_name(key), material, parts });
+            split.push(PartContents { name: self.part_name(key), material, is_smooth: smoothing.flatten().is_some(), parts });
         }
         ledger.release(places);
         ledger.release(used);

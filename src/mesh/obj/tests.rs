@@ -51,6 +51,22 @@ fn faces_of_one_object_and_one_material_are_a_part() {
 }
 
 #[test]
+fn parts_of_one_smooth_group_get_normals() {
+    // Two triangles with an edge in common, at a right angle.
+    let positions = "v 0 0 0\nv 0 1 0\nv 1 0 0\nv 0 0 1\n";
+    let normals = |faces: &str| parse_model("a.obj", format!("{positions}{faces}")).parts[0].mesh.normals().to_vec();
+    let smooth = normals("s 1\nf 1 3 2\nf 1 2 4\n");
+    // On the edge, the mean of +z and +x; both triangles have the same angles there.
+    let half = 0.5_f32.sqrt();
+    assert!(smooth[0].abs_diff_eq(Vec3::new(half, 0.0, half), 1e-6), "{smooth:?}");
+    for flat in
+        ["f 1 3 2\nf 1 2 4\n", "s off\nf 1 3 2\nf 1 2 4\n", "s 1\nf 1 3 2\ns 2\nf 1 2 4\n", "s 1\nf 1 3 2\ns 0\nf 1 2 4\n"]
+    {
+        assert_eq!(normals(flat), [], "{flat}");
+    }
+}
+
+#[test]
 fn materials_are_read_as_written() {
     let model = with_materials(USING_MATERIALS, MATERIALS.as_bytes()).unwrap();
     assert_eq!(model.materials.iter().map(|material| material.name.as_str()).collect::<Vec<_>>(), ["Glass (blue)", "plain"]);
