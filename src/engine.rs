@@ -14,7 +14,7 @@ use crate::lang::source::Source;
 use crate::picture::Frame;
 use crate::scene::Scene;
 use crate::trace::{Budget, Hits, TraceError, View, trace, usable_memory};
-use crate::world::World;
+use crate::world::{Meshes, MissingMesh, World};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -40,20 +40,25 @@ pub struct Subject {
 }
 
 impl Subject {
-    /// A formula, a scene and a view. This builds the world of the scene.
-    pub fn new(formula: Formula, scene: Scene, view: View) -> Self {
-        Self { formula: Arc::new(formula), world: Arc::new(World::new(scene)), view }
-    }
-
-    /// A subject from texts.
+    /// A formula, a scene and a view. This builds the world of the scene, whose meshes must be among `meshes`.
     ///
     /// # Errors
-    /// All errors of both texts.
+    /// The scene names a mesh that is not among them.
+    pub fn new(formula: Formula, scene: Scene, meshes: &Meshes, view: View) -> Result<Self, MissingMesh> {
+        Ok(Self { formula: Arc::new(formula), world: Arc::new(World::new(scene, meshes)?), view })
+    }
+
+    /// A subject from texts. The scene has no meshes; [`MeshStore`](crate::workspace::MeshStore) reads those of others.
+    ///
+    /// # Errors
+    /// All errors of both texts, and that the scene names a mesh.
     pub fn parse(formula: &str, scene: &str, view: View) -> Result<Self, ParseError> {
         let (formula, scene) = (Source::new("formula", formula), Source::new("scene", scene));
         let failed = |errors: Diagnostics, source: &Source| ParseError(errors.located(source).to_string());
         match (Formula::parse(&formula), Scene::parse(&scene)) {
-            (Ok((formula, _)), Ok((scene, _))) => Ok(Self::new(formula, scene, view)),
+            (Ok((formula, _)), Ok((scene, _))) => {
+                Self::new(formula, scene, &Meshes::NONE, view).map_err(|missing| ParseError(missing.to_string()))
+            }
             (Err(errors), Ok(_)) => Err(failed(errors, &formula)),
             (Ok(_), Err(errors)) => Err(failed(errors, &scene)),
             (Err(first), Err(second)) => Err(ParseError(failed(first, &formula).0 + &failed(second, &scene).0)),
@@ -290,6 +295,7 @@ impl Engine {
         Ok(Budget {
             bytes: self.memory(),
             fixed_bytes: pairs.saturating_mul(per_pair),
+            mesh_bytes: subject.world.meshes().memory(),
             threads: rayon::current_num_threads() as u64,
             bytes_per_thread: self.backend.thread_bytes(&subject.formula, &subject.world, &subject.view)?,
             bytes_per_hit: per_hit,

@@ -120,7 +120,10 @@ impl Workload {
         let bodies = moved(&numbers, &all_indices(&formula, &scene, &["kd", "h"]), [1.0, 0.999]);
         let indices = indices_of(&formula, &scene, "floor", "kd");
         let slider = moved(&numbers, &indices, [1.0, 0.5]);
-        let (engine, subject) = (Engine::default().with_memory(u64::MAX), Subject::new(formula, scene, view));
+        let (engine, subject) = (
+            Engine::default().with_memory(u64::MAX),
+            Subject::new(formula, scene, &illuminator::world::Meshes::NONE, view).expect("no meshes"),
+        );
         let hits = engine.trace(&subject, &Task::UNWATCHED).expect("tracing that nobody cancels");
         let compiled = engine.prepare(&subject, &hits).expect("a formula that can be compiled");
         let mut dragged = Arc::clone(&compiled).drag(&indices, &slider[0], DRAG_BUDGET).expect("kernels for a slider");

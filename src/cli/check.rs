@@ -1,16 +1,20 @@
 //! `illuminator check`: reports what is wrong with files.
 
 use crate::cli::input::{Speaker, data_folder, read_of_kind};
+use crate::cli::progress::Progress;
 use crate::cli::protocol::reports::CheckedFiles;
 use crate::cli::report::{Failure, count, number, print, print_json};
 use clap::{Args, ValueEnum};
+use illuminator::engine::Task;
 use illuminator::formula::Formula;
 use illuminator::lang::diagnostic::Diagnostics;
 use illuminator::lang::display_text::one_line;
 use illuminator::lang::source::Source;
 use illuminator::scene::Scene;
-use illuminator::workspace::project::{Listener, OpenProjectError, Project, library_mistake};
-use illuminator::workspace::{FileKind, Library, Location, Session, presets};
+use illuminator::trace::usable_memory;
+use illuminator::workspace::project::{Listener, OpenProjectError, Project, library_mistake, parse_scene_with_meshes};
+use illuminator::workspace::{FileKind, Library, Location, MeshStore, Session, presets};
+use illuminator::world::Meshes;
 use std::ffi::OsString;
 use std::io::ErrorKind;
 use std::path::Path;
@@ -132,7 +136,7 @@ fn check(location: &Location, given: Option<FileKind>, thesis: bool, listener: &
     };
     Some(match kind {
         FileKind::Formula => CheckOutcome::of(kind, told(check_formula(location, &source, thesis), &source, listener)),
-        FileKind::Scene => CheckOutcome::of(kind, told(Scene::parse(&source), &source, listener)),
+        FileKind::Scene => CheckOutcome::of(kind, told(check_scene(location, &source), &source, listener)),
         FileKind::Session => check_session(location, &source, listener),
         FileKind::Material => CheckOutcome::of(kind, told(Library::parse(&source), &source, listener)),
     })
@@ -159,7 +163,14 @@ fn check_formula(location: &Location, source: &Source, thesis: bool) -> Result<(
     Ok((formula, diagnostics))
 }
 
-/// What is wrong with a text itself. The files that a session names are not looked at.
+/// Checks a scene and its meshes.
+fn check_scene(location: &Location, source: &Source) -> Result<((Scene, Meshes), Diagnostics), Diagnostics> {
+    let progress = Progress::new("reading meshes");
+    let tell = |share: f64| progress.tell(share);
+    parse_scene_with_meshes(source, location, &MeshStore::default(), usable_memory(), &Task::watched(&tell))
+}
+
+/// What is wrong with a text itself. The files that a session or a scene names are not looked at.
 pub(super) fn diagnostics_of(kind: FileKind, location: &Location, source: &Source) -> Diagnostics {
     fn found<T>(outcome: Result<(T, Diagnostics), Diagnostics>) -> Diagnostics {
         outcome.map_or_else(|errors| errors, |(_, warnings)| warnings)

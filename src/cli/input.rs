@@ -1,7 +1,9 @@
 //! Opens what the options name, and reports everything that is wrong with it.
 
 use crate::cli::options::{ColourArgument, InputOptions};
+use crate::cli::progress::Progress;
 use crate::cli::report::{Failure, explain, say, say_lines};
+use illuminator::engine::Task;
 use illuminator::files::Readable;
 use illuminator::lang::diagnostic::{Diagnostic, Diagnostics};
 use illuminator::lang::source::Source;
@@ -55,6 +57,8 @@ pub(super) fn load(options: &InputOptions) -> Result<Project, Failure> {
         (None, ..) => Some(Location::Preset(DEFAULT_SESSION.to_owned())),
         (Some(session), ..) => Some(Location::new(session)),
     };
+    let progress = Progress::new("reading meshes");
+    let tell = |share: f64| progress.tell(share);
     let request = Request {
         session: session.map(SessionText::At),
         formula,
@@ -65,6 +69,7 @@ pub(super) fn load(options: &InputOptions) -> Result<Project, Failure> {
         picture: Some(&|picture| change_picture(options, picture)),
         background: options.background.map(|ColourArgument(value)| value),
         memory: Some(options.machine.memory.unwrap_or_else(usable_memory)),
+        task: Some(Task::watched(&tell)),
         session_readable: Readable::RegularOrPipe,
         readable: Readable::RegularOrPipe,
         ..Request::default()

@@ -62,10 +62,12 @@ keywords! {
         "camera" "position, gaze, up and fov";
     }
     /// The attributes of bodies.
-    BODY_ATTRIBUTES [3] {
+    BODY_ATTRIBUTES [5] {
         "refractive_index" "the refractive index of the body: `refractive_index 1.5`";
         "opaque" "the body never refracts";
         "matte" "the body never reflects";
+        "flat" "the triangles of a mesh are shaded as flat pieces";
+        "smooth" "the normals of a mesh are interpolated, as they are anyway if its file has normals";
     }
     /// The clauses of the camera, in their order.
     CAMERA_CLAUSES [4] {

@@ -14,6 +14,14 @@ pub struct Reading<'t> {
     pub cancelled: &'t AtomicBool,
 }
 
+impl Reading<'static> {
+    /// Work that nobody watches or cancels, with a memory budget in bytes.
+    pub fn unwatched(memory: u64) -> Self {
+        static NEVER: AtomicBool = AtomicBool::new(false);
+        Self { memory, progress: &|_| (), cancelled: &NEVER }
+    }
+}
+
 /// Counts the memory of lists before it is allocated.
 pub(super) struct Ledger<'t> {
     reading: Reading<'t>,

@@ -150,11 +150,7 @@ impl MeshFile<'_> {
 /// # Errors
 /// The file cannot be read, its contents are wrong, it needs more memory than there is, or the work was cancelled.
 pub fn read(path: &Path, reading: &Reading) -> Result<(TriangleMesh, MeshRepairs), MeshError> {
-    let hint = || {
-        let suffixes = FORMATS.iter().flat_map(|format| format.suffixes).map(|suffix| format!(".{suffix}"));
-        format!("meshes are files with the suffix {}", Vec::from_iter(suffixes).join(", "))
-    };
-    read_as(path, reading, MeshFormat::parse, hint)
+    read_as(path, reading, MeshFormat::parse, of_meshes)
 }
 
 /// Reads a file as parts with their materials, with its camera and lights. Files that it names are read too, but for
@@ -174,10 +170,7 @@ fn read_as<T>(
     hint: impl FnOnce() -> String,
 ) -> Result<T, MeshError> {
     let name = path.display().to_string();
-    let Some(format) = MeshFormat::of(path) else {
-        let message = format!("`{name}` is not a mesh by its suffix");
-        return Err(MeshError::File(MeshFileError { message, hint: Some(hint()) }));
-    };
+    let format = format_of(path, hint)?;
     let mut ledger = Ledger::new(reading);
     let bytes = contents(path, &mut ledger).map_err(|fault| fault.in_file(&name, &[], |_| Places::Offsets))?;
     parse(format, &MeshFile { path, bytes: &bytes }, &mut ledger)
@@ -187,6 +180,29 @@ fn read_as<T>(
 fn is_relative(name: &str) -> bool {
     let is_step = |part: Component| matches!(part, Component::Normal(_) | Component::CurDir | Component::ParentDir);
     !name.is_empty() && Path::new(name).components().all(is_step)
+}
+
+/// The format of a file by its suffix. `hint` says which suffixes there are.
+fn format_of(path: &Path, hint: impl FnOnce() -> String) -> Result<&'static MeshFormat, MeshError> {
+    MeshFormat::of(path).ok_or_else(|| {
+        let message = format!("`{}` is not a mesh by its suffix", path.display());
+        MeshError::File(MeshFileError { message, hint: Some(hint()) })
+    })
+}
+
+/// The suffixes of meshes.
+fn of_meshes() -> String {
+    let suffixes = FORMATS.iter().flat_map(|format| format.suffixes).map(|suffix| format!(".{suffix}"));
+    format!("meshes are files with the suffix {}", Vec::from_iter(suffixes).join(", "))
+}
+
+/// The mesh of the contents of a file. The suffix of `path` tells the format, and messages name it. Only files that the
+/// contents name are read.
+///
+/// # Errors
+/// The contents are wrong, they need more memory than there is, or the work was cancelled.
+pub fn read_bytes(path: &Path, bytes: &[u8], reading: &Reading) -> Result<(TriangleMesh, MeshRepairs), MeshError> {
+    format_of(path, of_meshes)?.parse(&MeshFile { path, bytes }, &mut Ledger::new(reading))
 }
 
 /// The contents of a regular file.

@@ -66,6 +66,7 @@ use crate::user_data::folders::Folders;
 use crate::user_data::settings::{PanelSide, WindowSettings};
 use crate::workspace::FileKind;
 use crate::workspace::Location;
+use crate::workspace::MeshStore;
 use crate::workspace::presets::DEFAULT_SESSION;
 use crate::workspace::project::SessionMistakes;
 use confirmation::Confirmation;
@@ -170,22 +171,23 @@ impl App {
     pub fn new(session: Option<&Location>, folders: Option<&Folders>) -> Result<Self, OpeningErrors> {
         let (user_state, mut notices) = UserState::open(folders);
         let startup = &user_state.settings.startup;
+        let meshes = Arc::new(MeshStore::default());
         let (location, opened) = match session {
-            Some(location) => (location.clone(), OpenedSession::open(location, Readable::RegularOrPipe)?),
-            None => match OpenedSession::open(startup, Readable::Regular) {
+            Some(location) => (location.clone(), OpenedSession::open(location, Readable::RegularOrPipe, &meshes)?),
+            None => match OpenedSession::open(startup, Readable::Regular, &meshes) {
                 Ok(opened) => (startup.clone(), opened),
                 // The window must open even if the startup session is gone.
                 Err(errors) => {
                     let title = format!("The startup session {startup} was not opened; this is the built-in one");
                     notices.push(Notice::warning(Topic::Startup, title, errors.to_string()));
                     let built_in = Location::Preset(DEFAULT_SESSION.to_owned());
-                    let opened = OpenedSession::open(&built_in, Readable::Regular)?;
+                    let opened = OpenedSession::open(&built_in, Readable::Regular, &meshes)?;
                     (built_in, opened)
                 }
             },
         };
         let context: Arc<OnceLock<Context>> = Arc::default();
-        let workshop = Workshop::new(&opened.project, waker(&context)).map_err(no_thread)?;
+        let workshop = Workshop::new(&opened.project, meshes, waker(&context)).map_err(no_thread)?;
         let documents = session_mistakes::documents(&opened);
         let saved = SavedSession::of(&workshop, &documents);
         let mut app = Self {

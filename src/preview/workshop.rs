@@ -15,15 +15,16 @@ mod thumbnail;
 mod view_change;
 
 use crate::backends::{BackendChoice, DEFAULT};
-use crate::engine::{Engine, Subject};
+use crate::engine::{Engine, Subject, Task};
 use crate::formula::{Formula, ParameterId};
-use crate::lang::diagnostic::Diagnostics;
+use crate::lang::diagnostic::{Diagnostic, Diagnostics};
 use crate::lang::source::Source;
 use crate::preview::renderer::{Picture, RenderRequest, Renderer};
 use crate::scene::Scene;
-use crate::trace::{View, ViewError};
+use crate::trace::{View, ViewError, usable_memory};
 use crate::workspace::Location;
-use crate::workspace::project::{Project, view};
+use crate::workspace::MeshStore;
+use crate::workspace::project::{Project, parse_scene_with_meshes, view};
 use crate::workspace::session::PictureSettings;
 use crate::workspace::{Assignment, OwnerId, ParameterTable, Session, Values};
 use crate::world::World;
@@ -67,14 +68,17 @@ pub struct Workshop {
     moving: Option<MovingScene>,
     departed: DepartedValues,
     stand_ins: StandIns,
+    /// The meshes that were read.
+    meshes: Arc<MeshStore>,
 }
 
 impl Workshop {
-    /// Shows an open session. `wake` is called, from any thread, when there is something new to show.
+    /// Shows an open session, whose meshes were read by way of this store. `wake` is called, from any thread, when there
+    /// is something new to show.
     ///
     /// # Errors
     /// No thread can be started.
-    pub fn new(project: &Project, wake: impl Fn() + Send + Sync + 'static) -> io::Result<Self> {
+    pub fn new(project: &Project, meshes: Arc<MeshStore>, wake: impl Fn() + Send + Sync + 'static) -> io::Result<Self> {
         let mut workshop = Self {
             renderer: Renderer::new(wake)?,
             formula: Arc::clone(&project.subject.formula),
@@ -94,6 +98,7 @@ impl Workshop {
             moving: None,
             departed: DepartedValues::default(),
             stand_ins: StandIns::default(),
+            meshes,
         };
         workshop.request_picture();
         Ok(workshop)
@@ -121,6 +126,11 @@ impl Workshop {
         self.snapshots = [None, None];
         self.stand_ins.forget_values();
         self.request_picture();
+    }
+
+    /// The meshes that were read.
+    pub fn meshes(&self) -> &Arc<MeshStore> {
+        &self.meshes
     }
 
     /// The renderer.
@@ -259,19 +269,22 @@ impl Workshop {
         Ok(warnings)
     }
 
-    /// Applies a scene. Values are kept by owner and name, also of bodies and lights that an earlier scene of this
-    /// session had. Returns the warnings.
+    /// Applies a scene. `location` says from where its meshes are read. Values are kept by owner and name, also of
+    /// bodies and lights that an earlier scene of this session had. Returns the warnings.
     ///
     /// # Errors
     /// The errors of the text. Nothing is changed then.
-    pub fn apply_scene(&mut self, source: &Source) -> Result<Diagnostics, Diagnostics> {
-        let (scene, warnings) = Scene::parse(source)?;
-        let (mut values, _) = self.values.carry_over(&self.formula, &scene);
+    pub fn apply_scene(&mut self, source: &Source, location: &Location) -> Result<Diagnostics, Diagnostics> {
+        let memory = self.memory.unwrap_or_else(usable_memory);
+        let ((scene, meshes), warnings) = parse_scene_with_meshes(source, location, &self.meshes, memory, &Task::UNWATCHED)?;
+        // The meshes are those of this scene.
+        let world = World::new(scene, &meshes).map_err(|error| Diagnostic::error(error.to_string()))?;
+        let (mut values, _) = self.values.carry_over(&self.formula, world.scene());
         self.departed.note(&self.values, &values);
         let back = self.departed.of_new(&self.values, &values);
         values.assign(&back);
         self.stand_ins.place(&mut values);
-        self.world = Arc::new(World::new(scene));
+        self.world = Arc::new(world);
         self.replace_values(values);
         Ok(warnings)
     }
@@ -425,6 +438,7 @@ impl Workshop {
     pub fn set_memory(&mut self, memory: Option<u64>) {
         if memory != self.memory {
             self.memory = memory;
+            self.meshes.forget_refused();
             self.engines.clear();
             self.request_picture();
         }

@@ -14,9 +14,8 @@ pub(super) fn shape(word: &str) -> Option<&'static str> {
         "disk" | "circle" | "discs" => "a flat round piece is a `disc`",
         "tube" | "pipe" | "rod" | "capsule" | "cylinders" => "such a body is a `cylinder`, closed at both ends",
         "pyramid" | "cones" => "a round body with a point is a `cone`",
-        "mesh" | "obj" | "triangles" | "trianglemesh" | "model" | "file" => {
-            "there are no files of triangles; each `triangle` is a body of its own"
-        }
+        "meshes" | "obj" | "ply" | "stl" | "gltf" | "glb" | "triangles" | "trianglemesh" | "model" | "file" | "import"
+        | "load" => "triangles from a file are a `mesh`",
         _ => return None,
     })
 }

@@ -70,6 +70,17 @@ pub struct Body {
     pub opaque: bool,
     /// Never reflects: no reflected ray is traced from it.
     pub matte: bool,
+    /// How a mesh is shaded; `None` for other bodies, and where the file decides.
+    pub shading: Option<MeshShading>,
+}
+
+/// How the triangles of a mesh are shaded. Without it, those of files with normals are smooth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum MeshShading {
+    /// Each by its own normal.
+    Flat,
+    /// By normals that are interpolated between the corners.
+    Smooth,
 }
 
 /// A scene in right-handed world coordinates (thesis 9.3). It may have no bodies and no lights.

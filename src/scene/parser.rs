@@ -16,14 +16,15 @@ use crate::lang::token::{Mark, TokenKind};
 use crate::lang::variables::RESERVED;
 use crate::scene::body_form::CombinedTransform;
 use crate::scene::foreign;
-use crate::scene::syntax::Syntax;
+use crate::scene::shape::NamedMesh;
+use crate::scene::syntax::{Syntax, TextForm};
 use crate::scene::values::positive;
-use crate::scene::{Body, BodyForm, Camera, Light, LightKind, Scene, Shape, Transform};
+use crate::scene::{Body, BodyForm, Camera, Light, LightKind, MeshShading, Scene, Shape, Transform};
 use std::collections::HashMap;
 
 /// The sections in their order.
 const SECTIONS: [&str; 3] = keywords::words(&keywords::SCENE_SECTIONS);
-const ATTRIBUTES: [&str; 3] = keywords::words(&keywords::BODY_ATTRIBUTES);
+const ATTRIBUTES: [&str; 5] = keywords::words(&keywords::BODY_ATTRIBUTES);
 
 /// Parses a scene, see [`Scene::parse`].
 pub(super) fn parse(source: &Source) -> Result<(Scene, Diagnostics), Diagnostics> {
@@ -278,9 +279,9 @@ impl SceneParser {
         }
         self.cursor.expect(Mark::Semicolon, "after the body")?;
         if let Some(shape) = shape {
-            let Attributes { transforms, refractive_index, opaque, matte } = attributes;
+            let Attributes { transforms, refractive_index, opaque, matte, shading } = attributes;
             let form = BodyForm { shape, transforms };
-            self.bodies.push(Body { name: name.value, name_span: name.span, form, refractive_index, opaque, matte });
+            self.bodies.push(Body { name: name.value, name_span: name.span, form, refractive_index, opaque, matte, shading });
         }
         Ok(())
     }
@@ -327,7 +328,7 @@ impl SceneParser {
     fn attributes(&mut self, shape: &Syntax<Shape>) -> Result<Attributes, Reported> {
         let mut attributes = Attributes::default();
         let mut product = CombinedTransform::NONE;
-        let mut seen: [Option<SourceSpan>; 3] = [None; 3];
+        let mut seen: [Option<SourceSpan>; 5] = [None; 5];
         while self.cursor.accept(Mark::Comma) {
             let span = self.cursor.span();
             let word = self.cursor.word(0).unwrap_or_default().to_owned();
@@ -350,15 +351,35 @@ impl SceneParser {
                     attributes.refractive_index = positive(&mut self.cursor, "the refractive index")?;
                 }
                 1 => attributes.opaque = true,
-                _ => attributes.matte = true,
+                2 => attributes.matte = true,
+                3 => attributes.shading = Some(MeshShading::Flat),
+                _ => attributes.shading = Some(MeshShading::Smooth),
             }
         }
-        if let [Some(index), Some(opaque), _] = seen {
+        self.check_shading(shape, seen[3], seen[4]);
+        if let [Some(index), Some(opaque), ..] = seen {
             let diagnostic =
                 Diagnostic::warning("the refractive index of an opaque body has no effect").at(index, "this is not used");
             self.cursor.report(diagnostic.at(opaque, "because the body never refracts"));
         }
         Ok(attributes)
+    }
+
+    /// Reports where `flat` and `smooth` have no meaning.
+    fn check_shading(&mut self, shape: &Syntax<Shape>, flat: Option<SourceSpan>, smooth: Option<SourceSpan>) {
+        let word = shape.keyword.word;
+        for (place, attribute) in [(flat, "flat"), (smooth, "smooth")] {
+            if let Some(place) = place.filter(|_| word != NamedMesh::KEYWORD.word) {
+                let diagnostic = Diagnostic::error(format!("only a mesh can be `{attribute}`"));
+                let help = format!("a {word} has normals of its own; leave `{attribute}` out");
+                self.cursor.report(diagnostic.at(place, format!("this body is a {word}")).help(help));
+            }
+        }
+        if let (Some(flat), Some(smooth)) = (flat, smooth) {
+            let [first, second] = if flat.start < smooth.start { [flat, smooth] } else { [smooth, flat] };
+            let diagnostic = Diagnostic::error("a mesh is `flat` or `smooth`, not both").at(second, "this contradicts");
+            self.cursor.report(diagnostic.at(first, "this one").help("leave one of them out"));
+        }
     }
 
     /// Parses a transform of this kind, from its keyword on; `product` is what those before it do together. `None`
@@ -392,9 +413,11 @@ impl SceneParser {
             _ if let Some(hint) = foreign::property(word) => Some(hint.to_owned()),
             "" if self.cursor.sees_mark(0, Mark::Less) => Some(shape.form()),
             _ => {
-                let transforms = Transform::SYNTAX.iter().map(|syntax| syntax.keyword.word);
-                let attributes = "the attributes are `refractive_index NUMBER`, `opaque` and `matte`";
-                Some(format!("{attributes}; bodies are moved, turned and resized by {}", one_of(transforms)))
+                let attributes =
+                    "the attributes are `refractive_index NUMBER`, `opaque`, `matte`, and of meshes `flat` or `smooth`";
+                let transforms = one_of(Transform::SYNTAX.iter().map(|syntax| syntax.keyword.word));
+                let moved = format!("a body is moved, turned and resized by {transforms}");
+                return self.cursor.report(diagnostic.help(attributes).help(moved));
             }
         };
         self.cursor.report(diagnostic.help_if(form))
@@ -440,4 +463,5 @@ struct Attributes {
     refractive_index: Option<f64>,
     opaque: bool,
     matte: bool,
+    shading: Option<MeshShading>,
 }

@@ -2,7 +2,7 @@
 //! form that reads back exactly.
 
 use crate::scene::values::{SceneNumber, Vector};
-use crate::scene::{Camera, Light, Scene};
+use crate::scene::{Camera, Light, MeshShading, Scene};
 use std::fmt::{Display, Formatter, Result};
 
 impl Display for Scene {
@@ -13,7 +13,13 @@ impl Display for Scene {
             if let Some(index) = body.refractive_index {
                 write!(f, ", refractive_index {}", SceneNumber(index))?;
             }
-            let attributes = [(body.opaque, "opaque"), (body.matte, "matte")];
+            let (flat, smooth) = (Some(MeshShading::Flat), Some(MeshShading::Smooth));
+            let attributes = [
+                (body.shading == flat, "flat"),
+                (body.shading == smooth, "smooth"),
+                (body.opaque, "opaque"),
+                (body.matte, "matte"),
+            ];
             for (_, word) in attributes.into_iter().filter(|(set, _)| *set) {
                 write!(f, ", {word}")?;
             }

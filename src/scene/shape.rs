@@ -4,6 +4,7 @@ mod axis_box;
 mod cone;
 mod cylinder;
 mod disc;
+mod mesh;
 mod rectangle;
 mod sphere;
 mod triangle;
@@ -12,6 +13,7 @@ pub use axis_box::{AxisBox, AxisBoxError};
 pub use cone::{Cone, ConeError};
 pub use cylinder::{Cylinder, CylinderError};
 pub use disc::{Disc, DiscError};
+pub use mesh::NamedMesh;
 pub use rectangle::{Rectangle, RectangleError};
 pub use sphere::{Sphere, SphereError};
 pub use triangle::{Triangle, TriangleError};
@@ -35,5 +37,7 @@ declarations! {
         Cylinder(Cylinder),
         /// A closed cone.
         Cone(Cone),
+        /// A mesh from a file.
+        Mesh(NamedMesh),
     }
 }

@@ -28,6 +28,8 @@ pub struct Budget {
     pub bytes: u64,
     /// What will be kept regardless of the hits, in bytes.
     pub fixed_bytes: u64,
+    /// What the meshes of the scene take, in bytes.
+    pub mesh_bytes: u64,
     /// The number of threads.
     pub threads: u64,
     /// What each thread will take at most, in bytes.
@@ -48,6 +50,7 @@ impl Budget {
     pub const UNLIMITED: Budget = Budget {
         bytes: u64::MAX,
         fixed_bytes: 0,
+        mesh_bytes: 0,
         threads: 0,
         bytes_per_thread: 0,
         bytes_per_record: 0,
@@ -56,7 +59,7 @@ impl Budget {
         bytes_per_call: 0,
     };
 
-    /// Checks what does not depend on the hits: pixels, values of pairs, and threads.
+    /// Checks what does not depend on the hits: pixels, values of pairs, meshes, and threads.
     ///
     /// # Errors
     /// [`TraceError::Memory`] where it exceeds the budget.
@@ -81,7 +84,7 @@ impl Budget {
         self.check_bytes(needed, &hits.view)
     }
 
-    /// Checks what does not depend on the pixels: values of pairs, and threads.
+    /// Checks what does not depend on the pixels: values of pairs, meshes, and threads.
     pub(super) fn check_fixed(&self, view: &View) -> Result<(), TraceError> {
         self.check_bytes(self.pixels(0), view)
     }
@@ -91,8 +94,8 @@ impl Budget {
     }
 
     fn shortage(&self, needed: u64, pixels: u32) -> Shortage {
-        let Budget { bytes: budget, fixed_bytes: pairs, threads, bytes_per_thread, .. } = *self;
-        Shortage { needed, pairs, threads, bytes_per_thread, budget, pixels }
+        let Budget { bytes: budget, fixed_bytes: pairs, mesh_bytes: meshes, threads, bytes_per_thread, .. } = *self;
+        Shortage { needed, pairs, meshes, threads, bytes_per_thread, budget, pixels }
     }
 
     /// The bytes that hits and their records take beside the store.
@@ -100,11 +103,11 @@ impl Budget {
         hits.saturating_mul(self.bytes_per_hit).saturating_add(records.saturating_mul(self.bytes_per_record))
     }
 
-    /// The bytes that pixels and threads take, and what is kept regardless of the hits.
+    /// The bytes that pixels, threads and meshes take, and what is kept regardless of the hits.
     pub(super) fn pixels(&self, pixels: u32) -> u64 {
         let pixels = u64::from(pixels).saturating_mul(self.bytes_per_pixel);
         let threads = self.threads.saturating_mul(self.bytes_per_thread);
-        pixels.saturating_add(threads).saturating_add(self.fixed_bytes)
+        pixels.saturating_add(threads).saturating_add(self.fixed_bytes).saturating_add(self.mesh_bytes)
     }
 }
 

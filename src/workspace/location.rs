@@ -157,7 +157,7 @@ fn foreign(path: &Path) -> Option<(&'static str, &'static str)> {
     const PICTURES: [&str; 11] = ["png", "bmp", "exr", "jpg", "jpeg", "hdr", "tif", "tiff", "gif", "webp", "svg"];
     let suffix = path.extension()?.to_str()?.to_lowercase();
     if MESHES.contains(&suffix.as_str()) {
-        return Some(("a mesh", "meshes cannot be read; a scene is a text that describes spheres and rectangles"));
+        return Some(("a mesh", "a mesh is a body of a scene: `NAME: mesh, \"FILE\";`"));
     }
     PICTURES
         .contains(&suffix.as_str())

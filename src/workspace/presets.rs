@@ -168,6 +168,35 @@ const MATERIALS: &[Preset] = files!("material", "toml":
     "leaf" = "leaves, and paper",
 );
 
+/// A built-in mesh, which scenes name as `preset:NAME`.
+#[derive(Debug)]
+pub struct PresetMesh {
+    /// Its name, without `preset:`.
+    pub name: &'static str,
+    /// What it is: one line.
+    pub about: &'static str,
+    /// The name of its file, whose suffix tells the format.
+    pub file: &'static str,
+    /// The contents of its file.
+    pub bytes: &'static [u8],
+}
+
+macro_rules! meshes {
+    ($($name:literal . $suffix:literal = $about:literal),* $(,)?) => {
+        &[$(PresetMesh {
+            name: $name,
+            about: $about,
+            file: concat!($name, ".", $suffix),
+            bytes: include_bytes!(concat!("../../presets/mesh/", $name, ".", $suffix)),
+        },)*]
+    };
+}
+
+/// The built-in meshes.
+pub const MESHES: &[PresetMesh] = meshes!(
+    "gem"."obj" = "a round brilliant, its girdle of radius 1 around the y axis",
+);
+
 /// The built-in files of a kind, in the order of menus and lists.
 pub fn all(kind: FileKind) -> &'static [Preset] {
     match kind {
@@ -193,8 +222,10 @@ mod tests {
     use super::*;
     use crate::formula::Formula;
     use crate::lang::source::Source;
+    use crate::mesh::{MeshRepairs, Reading, read_bytes};
     use crate::scene::Scene;
     use crate::workspace::{Library, Session};
+    use std::path::Path;
 
     fn sources(kind: FileKind) -> impl Iterator<Item = Source> {
         names(kind).map(move |name| Source::new(name, text(kind, name).unwrap()))
@@ -216,5 +247,13 @@ mod tests {
             assert!(warnings.is_empty() && library.len() >= 4, "{}", source.name());
         }
         assert!(text(FileKind::Session, DEFAULT_SESSION).is_some());
+    }
+
+    #[test]
+    fn all_built_in_meshes_are_sound() {
+        for mesh in MESHES {
+            let (_, repairs) = read_bytes(Path::new(mesh.file), mesh.bytes, &Reading::unwatched(1 << 30)).expect(mesh.name);
+            assert_eq!(repairs, MeshRepairs::default(), "{}", mesh.name);
+        }
     }
 }

@@ -7,7 +7,7 @@
 mod library;
 mod partial;
 
-use crate::engine::Subject;
+use crate::engine::{Subject, Task};
 use crate::files::Readable;
 use crate::formula::Formula;
 use crate::formula::layout::Layout;
@@ -15,15 +15,17 @@ use crate::lang::diagnostic::{Diagnostic, Diagnostics};
 use crate::lang::memory_size::MemorySize;
 use crate::lang::source::Source;
 use crate::lang::variables::Predefined;
+use crate::mesh::Reading;
 use crate::scene::Scene;
-use crate::trace::{View, ViewError};
+use crate::trace::{View, ViewError, usable_memory};
 use crate::workspace::FileKind;
 use crate::workspace::assignment::Assignment;
 use crate::workspace::carried::CarriedValues;
 use crate::workspace::materials::{MaterialAssignment, Materials, SourceDiagnostics};
 use crate::workspace::session::{MissingTarget, PictureSettings, Session};
-use crate::workspace::{Location, kind_of};
+use crate::workspace::{Location, MeshLoadError, MeshStore, kind_of};
 use crate::workspace::{NamedAssignment, OwnerId, ParameterTable, ValueWarning, Values};
+use crate::world::Meshes;
 pub use library::library_mistake;
 use library::open_materials;
 pub use partial::{PartialProject, SessionMistakes, UnusableText};
@@ -113,6 +115,10 @@ pub struct Request<'r> {
     pub background: Option<[f32; 3]>,
     /// The memory that parameter values may take, in bytes.
     pub memory: Option<u64>,
+    /// Meshes that were read before, and that are kept.
+    pub meshes: Option<&'r MeshStore>,
+    /// Who watches the reading of meshes, and can cancel it.
+    pub task: Option<Task<'r>>,
     /// Which files the session may be read from.
     pub session_readable: Readable,
     /// Which files formula, scene and materials may be read from.
@@ -199,8 +205,9 @@ impl Project {
         let library = materials.as_ref().and_then(|materials| materials.location().file());
         let files = [session_file, formula_location.file(), scene_location.file(), library];
         let files = files.into_iter().flatten().map(Path::to_owned).collect();
-        let Read { formula_text, formula, scene_text, scene, .. } = read;
-        let subject = Subject::new(formula, scene, view);
+        let Read { formula_text, formula, scene_text, scene, meshes, .. } = read;
+        // The meshes are those of this scene.
+        let subject = Subject::new(formula, scene, &meshes, view).map_err(|error| Diagnostic::error(error.to_string()))?;
         Ok(Self { formula_location, formula_text, scene_location, scene_text, subject, values, given, picture, files })
     }
 
@@ -246,6 +253,7 @@ struct Read {
     formula: Formula,
     scene_text: Source,
     scene: Scene,
+    meshes: Meshes,
     /// Whether something stands in for the formula, and for the scene, because they have errors.
     stands_in: [bool; 2],
 }
@@ -258,11 +266,11 @@ impl Read {
         scene: &Location,
         listener: &mut dyn Listener,
     ) -> Result<Self, OpenProjectError> {
-        let formula = read_text(request, formula, FileKind::Formula, Formula::parse, listener);
-        let scene = read_text(request, scene, FileKind::Scene, Scene::parse, listener);
+        let formula = read_text(request, formula, FileKind::Formula, &Formula::parse, listener);
+        let scene = read_scene(request, scene, listener);
         match (formula, scene) {
-            (Ok((formula_text, formula)), Ok((scene_text, scene))) => {
-                Ok(Self { formula_text, formula, scene_text, scene, stands_in: [false; 2] })
+            (Ok((formula_text, formula)), Ok((scene_text, (scene, meshes)))) => {
+                Ok(Self { formula_text, formula, scene_text, scene, meshes, stands_in: [false; 2] })
             }
             (formula, scene) => {
                 let mut errors: Vec<OpenProjectError> =
@@ -279,12 +287,51 @@ impl Read {
     }
 }
 
+/// Reads and parses a scene, and reads its meshes.
+fn read_scene(
+    request: &Request,
+    location: &Location,
+    listener: &mut dyn Listener,
+) -> Result<(Source, (Scene, Meshes)), UnusableText> {
+    let own = MeshStore::default();
+    let (store, task) = (request.meshes.unwrap_or(&own), request.task.unwrap_or(Task::UNWATCHED));
+    let memory = request.memory.unwrap_or_else(usable_memory);
+    let parse = |source: &Source| parse_scene_with_meshes(source, location, store, memory, &task);
+    read_text(request, location, FileKind::Scene, &parse, listener)
+}
+
+/// Parses the text of a scene at a location, and reads its meshes, which may take this much memory in bytes.
+///
+/// # Errors
+/// All errors of the text; or those of the meshes, with the warnings. Work that was cancelled is an error too.
+pub fn parse_scene_with_meshes(
+    source: &Source,
+    location: &Location,
+    store: &MeshStore,
+    memory: u64,
+    task: &Task,
+) -> Result<((Scene, Meshes), Diagnostics), Diagnostics> {
+    let (scene, mut diagnostics) = Scene::parse(source)?;
+    let reading = Reading { memory, progress: task.progress, cancelled: task.cancelled };
+    let (meshes, found) = match store.load(&scene, location, &reading) {
+        Ok((meshes, warnings)) => (Some(meshes), warnings),
+        Err(MeshLoadError::Unusable(errors)) => (None, errors),
+        Err(MeshLoadError::Cancelled) => (None, Diagnostic::error("reading the meshes was cancelled").into()),
+    };
+    found.into_iter().for_each(|diagnostic| diagnostics.push(diagnostic));
+    diagnostics.sort();
+    match meshes {
+        Some(meshes) => Ok(((scene, meshes), diagnostics)),
+        None => Err(diagnostics),
+    }
+}
+
 /// Reads and parses the text of a formula or a scene. Its warnings are reported.
 fn read_text<T>(
     request: &Request,
     location: &Location,
     kind: FileKind,
-    parse: fn(&Source) -> Result<(T, Diagnostics), Diagnostics>,
+    parse: &dyn Fn(&Source) -> Result<(T, Diagnostics), Diagnostics>,
     listener: &mut dyn Listener,
 ) -> Result<(Source, T), UnusableText> {
     let unread = |reason: Diagnostic| {

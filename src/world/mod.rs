@@ -15,12 +15,14 @@
 mod bounds;
 mod emitter;
 mod hit;
+mod meshes;
 mod ray;
 mod surface;
 
 pub use bounds::Bounds;
 pub use emitter::{Emitter, EmitterId, LightSample};
 pub use hit::{Intersection, SurfaceHit};
+pub use meshes::{MeshKey, Meshes, MissingMesh};
 pub use ray::{Departure, PrimitiveId, Ray, Side};
 
 use crate::bvh::BodyTree;
@@ -44,20 +46,25 @@ pub struct World {
     tree: BodyTree,
     /// The emitters by their ids, in the order of their lights.
     emitters: Vec<Emitter>,
+    meshes: Meshes,
     extent: f64,
     tolerance: f64,
 }
 
 impl World {
-    /// Builds the world of a scene.
-    pub fn new(scene: impl Into<Arc<Scene>>) -> Self {
+    /// Builds the world of a scene, whose meshes must be among `meshes`.
+    ///
+    /// # Errors
+    /// The scene names a mesh that is not among them.
+    pub fn new(scene: impl Into<Arc<Scene>>, meshes: &Meshes) -> Result<Self, MissingMesh> {
         let scene = scene.into();
-        let surfaces: Vec<Surface> = scene.bodies.iter().map(|body| Surface::new(&body.form)).collect();
+        let surfaces = scene.bodies.iter().map(|body| Surface::new(body, meshes)).collect::<Result<Vec<_>, _>>()?;
         let emitters = scene.light_ids().map(|light| Emitter::new(light, &scene.light(light).kind)).collect();
         let boxes: Vec<Bounds> = surfaces.iter().map(Surface::bounds).collect();
         let tree = BodyTree::new(&Vec::from_iter(boxes.iter().map(|bounds| [bounds.low, bounds.high])));
         let extent = boxes.into_iter().reduce(Bounds::union).map_or(0.0, |bounds| bounds.diagonal());
-        Self { scene, surfaces, tree, emitters, extent, tolerance: TOLERANCE * extent }
+        let (meshes, tolerance) = (meshes.clone(), TOLERANCE * extent);
+        Ok(Self { scene, surfaces, tree, emitters, meshes, extent, tolerance })
     }
 
     /// The same with one more emitter of the last light.
@@ -71,6 +78,11 @@ impl World {
     /// The scene that it was built from: names, materials' constants, the camera.
     pub fn scene(&self) -> &Arc<Scene> {
         &self.scene
+    }
+
+    /// The meshes that it was built with.
+    pub fn meshes(&self) -> &Meshes {
+        &self.meshes
     }
 
     /// The diagonal of the bounding box of all bodies, in world units; 0 without bodies.
@@ -207,12 +219,13 @@ impl World {
     ///
     /// On a rectangle or triangle it is the direction from A to B. On a round body it is along the parallel: on a
     /// sphere normalize(<0,1,0> × outward normal), or <1,0,0> at the poles; on the axis of another body, the direction
-    /// for longitude 0. It does not depend on the side that was hit.
+    /// for longitude 0. On a mesh it is perpendicular to the shading normal: without surface coordinates, or where they
+    /// do not change, along the parallel as on a sphere. It does not depend on the side that was hit.
     pub fn tangent(&self, hit: &SurfaceHit) -> DVec3 {
         self.surfaces[hit.body.index()].tangent(hit)
     }
 
-    /// The surface coordinates (u, v) of a hit, each 0..1.
+    /// The surface coordinates (u, v) of a hit, each 0..1, but for meshes.
     ///
     /// - Rectangle, triangle: u grows from A to B and v from B to C; the point is A + u(B − A) + v(C − B).
     /// - Sphere: u is the longitude / 2π, from +z towards +x about the y axis (0 at the poles), and v is the angle from
@@ -221,6 +234,7 @@ impl World {
     ///   base to the top or apex of the others. Longitude 0 is the direction normalize(<0,1,0> × axis), or +z if the
     ///   axis is parallel to y. Seen from the tip of the axis, it grows counter-clockwise. On a wall, v is the height
     ///   above the base / the whole height; on discs, bases and tops it is the distance from the axis / the radius.
+    /// - Mesh: as its file has them, also beyond 0..1; 0 where it has none.
     /// - Box: on the sides, u grows to the right and v upwards, seen from outside with +y upwards. On the top and the
     ///   base, u grows with +x; v grows with −z on the top and with +z on the base.
     pub fn coordinates(&self, hit: &SurfaceHit) -> [f64; 2] {
@@ -237,7 +251,7 @@ mod tests {
         let text = format!(
             "bodies; {bodies} lights; sun: point, <1e9,0,0>; camera; position <9,9,9>; gaze <0,0,-1>; up <0,1,0>; fov 45;"
         );
-        World::new(Scene::parse(&Source::new("scene", text)).unwrap().0)
+        World::new(Scene::parse(&Source::new("scene", text)).unwrap().0, &Meshes::NONE).unwrap()
     }
 
     fn ray(origin: [f64; 3], direction: [f64; 3]) -> Ray {

@@ -9,6 +9,7 @@ mod chord;
 mod cone;
 mod cylinder;
 mod disc;
+mod mesh;
 mod placed;
 mod rectangle;
 mod sphere;
@@ -17,9 +18,10 @@ mod tests;
 mod tolerance;
 mod triangle;
 
-use crate::scene::Shape;
+use crate::scene::{Body, Shape};
 use crate::world::bounds::Bounds;
 use crate::world::hit::{Meeting, SurfaceHit};
+use crate::world::meshes::{Meshes, MissingMesh};
 use crate::world::ray::{Departure, PrimitiveId, Ray};
 use glam::{DAffine3, DVec3};
 
@@ -59,21 +61,26 @@ pub(super) struct FrontPoint {
 }
 
 /// Declares [`ShapeSurface`] from rows: the variant of [`Shape`] that a surface is built from, and the type of the
-/// surface.
+/// surface. Meshes are beside the rows: their triangles are not in the scene.
 macro_rules! surfaces {
     ($($kind:ident: $module:ident::$type:ident,)*) => {
         /// The surface of a shape.
         #[derive(Debug, Clone, PartialEq)]
         enum ShapeSurface {
             $($kind($module::$type),)*
+            Mesh(mesh::MeshSurface),
         }
 
         impl ShapeSurface {
-            /// The surface of a shape.
-            fn new(shape: &Shape) -> Self {
-                match shape {
+            /// The surface of the shape of a body.
+            fn new(body: &Body, meshes: &Meshes) -> Result<Self, MissingMesh> {
+                Ok(match &body.form.shape {
                     $(Shape::$kind(shape) => ShapeSurface::$kind($module::$type::new(shape)),)*
-                }
+                    Shape::Mesh(named) => {
+                        let (tree, smooth) = meshes.of_body(body, named.path())?;
+                        ShapeSurface::Mesh(mesh::MeshSurface::new(tree, smooth))
+                    }
+                })
             }
         }
 
@@ -81,6 +88,7 @@ macro_rules! surfaces {
             fn bounds(&self, map: &DAffine3) -> Bounds {
                 match self {
                     $(ShapeSurface::$kind(surface) => surface.bounds(map),)*
+                    ShapeSurface::Mesh(surface) => surface.bounds(map),
                 }
             }
 
@@ -88,6 +96,7 @@ macro_rules! surfaces {
             fn intersect(&self, ray: &Ray, tolerance: &Tolerance) -> Option<Meeting> {
                 match self {
                     $(ShapeSurface::$kind(surface) => surface.intersect(ray, tolerance),)*
+                    ShapeSurface::Mesh(surface) => surface.intersect(ray, tolerance),
                 }
             }
 
@@ -95,6 +104,7 @@ macro_rules! surfaces {
             fn intersect_again(&self, ray: &Ray, from: Departure, tolerance: &Tolerance) -> Option<Meeting> {
                 match self {
                     $(ShapeSurface::$kind(surface) => surface.intersect_again(ray, from, tolerance),)*
+                    ShapeSurface::Mesh(surface) => surface.intersect_again(ray, from, tolerance),
                 }
             }
 
@@ -102,18 +112,21 @@ macro_rules! surfaces {
             fn project(&self, point: DVec3, primitive: PrimitiveId, direction: DVec3) -> FrontPoint {
                 match self {
                     $(ShapeSurface::$kind(surface) => surface.project(point, primitive, direction),)*
+                    ShapeSurface::Mesh(surface) => surface.project(point, primitive, direction),
                 }
             }
 
             fn tangent(&self, hit: &SurfaceHit) -> DVec3 {
                 match self {
                     $(ShapeSurface::$kind(surface) => surface.tangent(hit),)*
+                    ShapeSurface::Mesh(surface) => surface.tangent(hit),
                 }
             }
 
             fn coordinates(&self, hit: &SurfaceHit) -> [f64; 2] {
                 match self {
                     $(ShapeSurface::$kind(surface) => surface.coordinates(hit),)*
+                    ShapeSurface::Mesh(surface) => surface.coordinates(hit),
                 }
             }
         }

@@ -31,7 +31,7 @@ const ROOMS: [(&str, &[&str]); 21] = [
     ("evaluate", &["lang", "formula", "scene", "world", "trace", "plan", "picture"]),
     ("backends", &["lang", "formula", "scene", "world", "trace", "bytecode", "plan", "jit", "picture", "evaluate"]),
     ("engine", &["lang", "formula", "scene", "world", "trace", "picture", "evaluate", "backends"]),
-    ("workspace", &["files", "lang", "formula", "scene", "trace", "engine", "picture"]),
+    ("workspace", &["files", "lang", "formula", "scene", "mesh", "bvh", "world", "trace", "engine", "picture"]),
     ("import", &["files", "lang", "mesh", "scene", "trace", "picture", "workspace"]),
     ("assist", &["lang", "formula", "scene", "workspace"]),
     // Settings name a backend, and the transfer of new sessions.

@@ -13,7 +13,6 @@ use illuminator::trace::View;
 use illuminator::workspace::Location;
 use illuminator::workspace::{FileKind, presets};
 use illuminator::workspace::{Session, Values};
-use illuminator::world::World;
 use std::sync::Arc;
 
 fn read(location: &Location, kind: FileKind) -> Source {
@@ -32,7 +31,7 @@ fn every_preset_adds_up_to_the_interpreters_pixel() {
         let (scene, _) = Scene::parse(&read(&session.scene, FileKind::Scene)).expect("a scene");
         let (given, _) = session.assignments(Values::defaults(&formula, &scene).table());
         let (values, _) = Values::new(&formula, &scene, &given);
-        let (formula, world) = (Arc::new(formula), Arc::new(World::new(scene)));
+        let (formula, world) = (Arc::new(formula), Arc::new(crate::world_of(scene)));
         let inspector = Inspector::new(&formula, &world, values.numbers());
         for (depth, shadows) in (1..=6).flat_map(|depth| [(depth, false), (depth, true)]) {
             let view = View::new(10, 5).and_then(|view| view.with_depth(depth)).expect("within range").with_shadows(shadows);

@@ -9,7 +9,6 @@ use illuminator::scene::Scene;
 use illuminator::trace::View;
 use illuminator::workspace::{FileKind, presets};
 use illuminator::workspace::{NamedAssignment, Values};
-use illuminator::world::World;
 use std::sync::Arc;
 
 fn source(kind: FileKind, name: &str) -> Source {
@@ -23,7 +22,7 @@ const SETTINGS: [&[&str]; 2] = [&[], &["*.kr=0.3", "*.kt=0.5", "*.ki=0.7", "back
 fn backends_agree_on_every_preset() {
     for scene_name in presets::names(FileKind::Scene) {
         let (scene, _) = Scene::parse(&source(FileKind::Scene, scene_name)).expect("a sound scene");
-        let world = Arc::new(World::new(scene));
+        let world = Arc::new(crate::world_of(scene));
         let view = View::new(96, 54).expect("a size in range");
         for formula_name in presets::names(FileKind::Formula) {
             let (formula, _) = Formula::parse(&source(FileKind::Formula, formula_name)).expect("a sound formula");

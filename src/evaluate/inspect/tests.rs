@@ -25,7 +25,12 @@ impl Bench {
             .flat_map(|text| text.parse::<NamedAssignment>().expect("a setting").resolve(values.table()).expect("known names"))
             .collect();
         assert_eq!(values.assign(&given), []);
-        Self { formula, world: World::new(scene), values, view: View::new(1, 1).expect("a size") }
+        Self {
+            formula,
+            world: World::new(scene, &crate::world::Meshes::NONE).expect("no meshes"),
+            values,
+            view: View::new(1, 1).expect("a size"),
+        }
     }
 
     fn inspector(&self) -> Inspector<'_> {

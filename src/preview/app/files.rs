@@ -296,7 +296,8 @@ impl App {
             let text = texts.iter().find(|text| text.kind == kind)?;
             Some(Source::new(format!("the draft of the {}", kind.noun()), text.text.as_str()))
         };
-        let open = |texts: &dyn Fn(FileKind) -> Option<Source>| OpenedSession::from_text(&source, Path::new("/"), texts);
+        let meshes = Arc::clone(self.workshop.meshes());
+        let open = |texts: &dyn Fn(FileKind) -> Option<Source>| OpenedSession::from_text(&source, Path::new("/"), texts, &meshes);
         // The texts in the files are used if they are better.
         let opened = open(&kept).map(|opened| match opened.mistakes.unusable.is_empty() {
             true => opened,
@@ -337,7 +338,7 @@ impl App {
     }
 
     fn open_session(&mut self, location: Location) {
-        match OpenedSession::open(&location, Readable::Regular) {
+        match OpenedSession::open(&location, Readable::Regular, self.workshop.meshes()) {
             Ok(opened) => {
                 self.log.add(format!("opened {location}"));
                 self.note_recent(FileKind::Session, &location);
@@ -394,7 +395,7 @@ impl App {
         let start = std::time::Instant::now();
         let applied = match tab {
             TextTab::Formula => self.workshop.apply_formula(&source),
-            TextTab::Scene => self.workshop.apply_scene(&source),
+            TextTab::Scene => self.workshop.apply_scene(&source, &document.place()),
         };
         let name = document.name();
         match applied {

@@ -8,7 +8,8 @@ use crate::preview::app::steps::OtherStep;
 use crate::preview::app::tab::TextTab;
 use crate::preview::app::{App, SceneAction};
 use crate::scene::edit::{EditRefusal, Precision, SceneChange, SceneObject, edit, unused_name};
-use crate::scene::{Camera, LightKind, Scene, Shape, Syntax};
+use crate::scene::{BodyForm, BodyId, Camera, LightKind, Scene, Shape, Syntax, Transform};
+use crate::world::{Meshes, World};
 
 impl App {
     /// Makes a change of the scene in its text, and applies it. If the text has errors, nothing changes.
@@ -62,7 +63,7 @@ impl App {
         let is_saved = !self.session_is_unsaved();
         let document = &mut self.documents.scene;
         document.check();
-        let applied = self.workshop.apply_scene(&document.source()).is_ok();
+        let applied = self.workshop.apply_scene(&document.source(), &document.place()).is_ok();
         if applied {
             document.note_applied(true);
             self.note_mended(is_saved);
@@ -154,15 +155,21 @@ impl App {
         };
         let (camera, distance) = (&self.workshop.scene().camera, self.view_distance());
         let size = 0.2 * distance * (camera.fov().to_radians() / 2.0).tan();
-        let bounds = scene_of(&shape).map(|scene| crate::world::World::new(scene).bounds(crate::scene::BodyId(0)));
+        let middle = pivot(self.workshop.world(), [0.0, 0.0], None) + size * camera.upright();
+        let precision = Precision::for_size(distance);
+        let name = unused_name(self.workshop.scene(), keyword);
+        if matches!(shape, Shape::Mesh(_)) {
+            let transforms = vec![Transform::Fit { center: precision.round(middle), size: 2.0 * size }];
+            self.add(SceneChange::AddBody(name.clone(), BodyForm { shape, transforms }), precision, &name, Owner::Body);
+            return;
+        }
+        let world = scene_of(&shape).and_then(|scene| World::new(scene, &Meshes::NONE).ok());
+        let bounds = world.map(|world| world.bounds(BodyId(0)));
         let wanted = bounds.and_then(|bounds| shape.scaled(2.0 * size / (bounds.high - bounds.low).max_element()));
         let shape = wanted.unwrap_or(shape);
         // On what is in the middle of the picture.
-        let at = pivot(self.workshop.world(), [0.0, 0.0], None) + size * camera.upright();
-        let precision = Precision::for_size(distance);
-        let Some(shape) = shape.anchor().and_then(|anchor| shape.moved(precision.round(at - anchor))) else { return };
-        let name = unused_name(self.workshop.scene(), keyword);
-        self.add(SceneChange::AddBody(name.clone(), shape), precision, &name, Owner::Body);
+        let Some(shape) = shape.anchor().and_then(|anchor| shape.moved(precision.round(middle - anchor))) else { return };
+        self.add(SceneChange::AddBody(name.clone(), shape.into()), precision, &name, Owner::Body);
     }
 
     /// Adds a light above the camera's left shoulder.

@@ -95,6 +95,11 @@ impl Document {
         self.location.as_ref()
     }
 
+    /// The location from which paths in the text start; the working directory for a text that was never saved.
+    pub fn place(&self) -> Location {
+        self.location.clone().unwrap_or_else(|| Location::new(""))
+    }
+
     /// The file that the text may replace without a question; `None` if there is none, or if its contents are not
     /// known.
     pub fn own_file(&self) -> Option<&Path> {

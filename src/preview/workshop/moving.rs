@@ -22,8 +22,11 @@ impl Workshop {
         let before = self.moving.take().map_or_else(|| Arc::clone(&self.world), |moving| moving.before);
         self.moving = Some(MovingScene { what: what.to_owned(), before });
         self.held = None;
-        self.world = Arc::new(World::new(scene));
-        self.request(true);
+        // It has the meshes of the scene before.
+        if let Ok(world) = World::new(scene, self.world.meshes()) {
+            self.world = Arc::new(world);
+            self.request(true);
+        }
     }
 
     /// What is being moved by hand, for the log.

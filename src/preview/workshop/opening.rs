@@ -5,6 +5,7 @@ use crate::lang::diagnostic::{Diagnostic, Diagnostics, Severity};
 use crate::lang::source::Source;
 use crate::workspace::FileKind;
 use crate::workspace::Location;
+use crate::workspace::MeshStore;
 use crate::workspace::materials::SourceDiagnostics;
 use crate::workspace::project::{Listener, OpenProjectError, PartialProject, Project, Request, SessionMistakes, SessionText};
 use std::fmt;
@@ -84,13 +85,13 @@ impl Listener for ReportCollector {
 
 impl OpenedSession {
     /// Opens what can be used of a session and its files. `readable` says which types of file the session itself may
-    /// be. The files that it names must be regular.
+    /// be. The files that it names must be regular. `meshes` keeps the meshes.
     ///
     /// # Errors
     /// The session itself cannot be read, or does not say what it is of.
-    pub fn open(location: &Location, readable: Readable) -> Result<OpenedSession, OpeningErrors> {
+    pub fn open(location: &Location, readable: Readable, meshes: &MeshStore) -> Result<OpenedSession, OpeningErrors> {
         let session = Some(SessionText::At(location.clone()));
-        Self::open_request(&Request { session, session_readable: readable, ..Request::default() })
+        Self::open_request(&Request { session, session_readable: readable, meshes: Some(meshes), ..Request::default() })
     }
 
     /// Opens a session from its text, in `folder`. `other` has texts to use instead of those of its formula and its
@@ -102,9 +103,10 @@ impl OpenedSession {
         source: &Source,
         folder: &Path,
         other: &dyn Fn(FileKind) -> Option<Source>,
+        meshes: &MeshStore,
     ) -> Result<OpenedSession, OpeningErrors> {
         let session = SessionText::Text(source.clone(), folder.to_owned());
-        Self::open_request(&Request { session: Some(session), texts: Some(other), ..Request::default() })
+        Self::open_request(&Request { session: Some(session), texts: Some(other), meshes: Some(meshes), ..Request::default() })
     }
 
     /// Opens what a request says.

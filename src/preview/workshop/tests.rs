@@ -6,10 +6,11 @@ use crate::lang::source::Source;
 use std::time::Duration;
 
 fn workshop() -> Workshop {
-    let mut opened = OpenedSession::open(&Location::Preset("studio".to_owned()), Readable::Regular).expect("a built-in session");
+    let mut opened = OpenedSession::open(&Location::Preset("studio".to_owned()), Readable::Regular, &MeshStore::default())
+        .expect("a built-in session");
     opened.project.picture.size = [64, 48];
     opened.project.picture.depth = 2;
-    Workshop::new(&opened.project, || {}).expect("threads")
+    Workshop::new(&opened.project, Arc::default(), || {}).expect("threads")
 }
 
 /// Waits until the picture is that of the values.
@@ -56,7 +57,7 @@ fn a_failed_apply_leaves_everything_as_it_was() {
     let values = workshop.values().clone();
     let errors = workshop.apply_formula(&Source::new("new", "formula; = IL*Cd*N.L;")).expect_err("a mistake");
     assert!(errors.has_errors() && settle(&mut workshop) == first && *workshop.values() == values);
-    workshop.apply_scene(&Source::new("new", "bodies; ball: sphere;")).expect_err("a mistake");
+    workshop.apply_scene(&Source::new("new", "bodies; ball: sphere;"), &Location::new("")).expect_err("a mistake");
     assert!(settle(&mut workshop) == first);
     // A good one keeps values by owner and name.
     let (owner, id) = slider(&workshop, "ball.Cd");
@@ -151,10 +152,12 @@ fn a_value_is_copied_to_all_bodies_and_a_session_holds_everything() {
     let path = folder.path().join("my.toml");
     let [formula, scene] = ["phong", "studio"].map(|name| Location::Preset(name.to_owned()));
     workshop.save_session(&path, formula, scene).expect("saved");
-    let opened = OpenedSession::open(&Location::File(path), Readable::Regular).expect("a session");
+    let opened = OpenedSession::open(&Location::File(path), Readable::Regular, &MeshStore::default()).expect("a session");
     assert_eq!(opened.project.values.numbers(), workshop.values().numbers());
     assert_eq!((opened.project.picture, opened.warnings), (workshop.settings(), Vec::new()));
-    let missing = OpenedSession::open(&Location::new("nowhere.toml"), Readable::Regular).expect_err("no such file").to_string();
+    let missing = OpenedSession::open(&Location::new("nowhere.toml"), Readable::Regular, &MeshStore::default())
+        .expect_err("no such file")
+        .to_string();
     assert!(missing.contains("nowhere.toml"), "{missing}");
     assert!(workshop.set_picture(PictureSettings { depth: 10, ..workshop.settings() }).is_err());
     settle(&mut workshop);
@@ -178,7 +181,7 @@ fn a_scene_is_moved_by_hand_and_put_back() {
     assert!(settle(&mut workshop) == first && workshop.moving().is_none() && Arc::ptr_eq(workshop.scene(), &start));
     // What is applied stays.
     workshop.show_moving("the camera", Scene::clone(&start));
-    workshop.apply_scene(&Source::new("scene", start.to_string())).expect("a scene");
+    workshop.apply_scene(&Source::new("scene", start.to_string()), &Location::new("")).expect("a scene");
     workshop.put_back();
     assert!(workshop.moving().is_none() && !Arc::ptr_eq(workshop.scene(), &start));
 }
@@ -190,7 +193,9 @@ fn a_body_that_comes_back_has_its_values_and_a_copy_those_of_the_original() {
     workshop.set(owner, colour, [0.25, 0.5, 0.75]);
     let text = workshop.scene().to_string();
     let line = text.lines().find(|line| line.starts_with("ball:")).expect("a line").to_owned();
-    let apply = |workshop: &mut Workshop, text: String| workshop.apply_scene(&Source::new("scene", text)).expect("a scene");
+    let apply = |workshop: &mut Workshop, text: String| {
+        workshop.apply_scene(&Source::new("scene", text), &Location::new("")).expect("a scene")
+    };
     apply(&mut workshop, text.replace(&line, ""));
     assert!(workshop.values().table().owners().named("ball").is_none());
     apply(&mut workshop, text.clone());

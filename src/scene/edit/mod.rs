@@ -12,7 +12,7 @@ mod forms;
 mod tests;
 
 use crate::lang::source::Source;
-use crate::scene::{BodyForm, BodyId, Camera, LightId, LightKind, Scene, Shape};
+use crate::scene::{BodyForm, BodyId, Camera, LightId, LightKind, Scene};
 pub(crate) use align::rounded;
 use align::{Decimals, realigned};
 use declarations::SceneText;
@@ -38,7 +38,7 @@ pub enum SceneChange {
     /// Another place, or another kind, of a light.
     Light(LightId, LightKind),
     /// A new body of this name, behind the others.
-    AddBody(String, Shape),
+    AddBody(String, BodyForm),
     /// A new light of this name, behind the others.
     AddLight(String, LightKind),
     /// A copy of a body or light under another name, moved by a vector in world units.
@@ -169,8 +169,8 @@ fn replacements(text: &SceneText, change: &SceneChange, precision: Precision) ->
             let old = &scene.lights.get(id.index())?.kind;
             Some(realigned(text, text.value(SceneObject::Light(*id))?, old, kind, lengths))
         }
-        SceneChange::AddBody(name, shape) => {
-            Some(vec![text.behind_bodies(&format!("{name}: {};", align::rounded_text(shape, precision)))])
+        SceneChange::AddBody(name, form) => {
+            Some(vec![text.behind_bodies(&format!("{name}: {};", align::rounded_text(form, precision)))])
         }
         SceneChange::AddLight(name, kind) => {
             Some(vec![text.behind_lights(&format!("{name}: {};", align::rounded_text(kind, precision)))])

@@ -1,7 +1,7 @@
 //! Edits of texts: what is changed, and what stays.
 
 use super::*;
-use crate::scene::{Syntax, Transform};
+use crate::scene::{Shape, Syntax, Transform};
 use proptest::prelude::*;
 
 const CAMERA: &str = "camera; position <0, 1, 5>; gaze <0, 0, -1>; up <0, 1, 0>; fov 45;";
@@ -115,10 +115,10 @@ fn the_camera_is_written_in_place_with_few_digits() {
 #[test]
 fn declarations_are_added_where_they_belong() {
     let ball = scene_of(&format!("bodies; b: sphere, center <0.12345, 0, 0>, radius 1; lights; {CAMERA}"));
-    let (shape, light) = (ball.body(BodyId(0)).form.shape.clone(), LightKind::SYNTAX[0].example);
+    let (form, light) = (ball.body(BodyId(0)).form.clone(), LightKind::SYNTAX[0].example);
     let light = scene_of(&format!("bodies; lights; l: {light}; {CAMERA}")).lights[0].kind.clone();
     let add = |text: &str| {
-        let body = edited(text, &SceneChange::AddBody("new".to_owned(), shape.clone()), Precision::Decimals(2));
+        let body = edited(text, &SceneChange::AddBody("new".to_owned(), form.clone()), Precision::Decimals(2));
         edited(&body.text, &SceneChange::AddLight("lamp".to_owned(), light.clone()), Precision::Decimals(2)).text
     };
     let (new, lamp) = ("new: sphere, center <0.12, 0, 0>, radius 1;", format!("lamp: {light};"));
@@ -188,7 +188,7 @@ fn texts_with_errors_and_changes_that_would_make_some_are_refused() {
     }
     let text = format!("bodies; a: sphere, center <0,0,0>, radius 1; lights; {CAMERA}");
     assert_eq!(refused(&text, &SceneChange::Remove(SceneObject::Body(BodyId(1)))), EditRefusal::Missing);
-    let why = refused(&text, &SceneChange::AddBody("a".to_owned(), form(&text, 0).shape));
+    let why = refused(&text, &SceneChange::AddBody("a".to_owned(), form(&text, 0)));
     assert_eq!(why.to_string(), "the scene text would have an error: the name `a` is already taken");
 }
 

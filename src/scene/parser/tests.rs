@@ -210,7 +210,7 @@ fn bodies_without_an_inside_are_marked_where_they_collapse() {
     a component of the apex is too large
     the cylinder has no height
     the radius must be greater than 0
-    expected `sphere`, `rectangle`, `triangle`, `disc`, `box`, `cylinder` or `cone`, found `disk`
+    expected `sphere`, `rectangle`, `triangle`, `disc`, `box`, `cylinder`, `cone` or `mesh`, found `disk`
     ");
 }
 
@@ -320,7 +320,8 @@ fn other_transforms_without_a_meaning_are_explained() {
         b: sphere, center <0,0,0>, radius 1, scael 2;
                                              ^^^^^ no attribute of this name
         help: did you mean `scale`?
-        help: the attributes are `refractive_index NUMBER`, `opaque` and `matte`; bodies are moved, turned and resized by `scale`, `rotate`, `translate` or `fit`
+        help: the attributes are `refractive_index NUMBER`, `opaque`, `matte`, and of meshes `flat` or `smooth`
+        help: a body is moved, turned and resized by `scale`, `rotate`, `translate` or `fit`
     ");
     let all = [
         "scale <1e31,1,1>",
@@ -354,6 +355,64 @@ fn other_transforms_without_a_meaning_are_explained() {
     the angle of the rotation is too large
     the scale is 0
     ");
+}
+
+#[test]
+fn meshes_are_named_by_their_files() {
+    let text =
+        bodies("a: mesh, \"my models/a \\ 1.obj\", smooth, scale 2, matte; b: mesh, \" preset:gem \", flat, fit <0,0,0> 1;");
+    let (scene, _) = parse(&Source::new("scene", text)).unwrap();
+    let lines: Vec<String> = scene.to_string().lines().skip(1).take(2).map(str::to_owned).collect();
+    assert_snapshot!(lines.join("\n"), @r#"
+    a: mesh, "my models/a \ 1.obj", scale 2, smooth, matte;
+    b: mesh, "preset:gem", fit <0, 0, 0> 1, flat;
+    "#);
+    let meshes: Vec<&Shape> = scene.bodies.iter().map(|body| &body.form.shape).collect();
+    assert!(matches!(meshes[1], Shape::Mesh(mesh) if mesh.path() == "preset:gem" && mesh.span().start > 60));
+}
+
+#[test]
+fn meshes_without_a_meaning_are_explained() {
+    let errors = |body: &str| errors(&bodies(&format!("b: {body};")));
+    assert_snapshot!(errors("mesh, cube.obj"), @r#"
+    scene:2:10: error: expected the file of the mesh, found `cube`
+        b: mesh, cube.obj;
+                 ^^^^ a path in quotation marks belongs here
+        help: write `mesh, "FILE.obj"`; the path is from the folder of the scene
+        help: a mesh is written `mesh, "FILE"`: triangles from an OBJ, PLY, STL or glTF file, whose path is from the scene file
+    "#);
+    assert_snapshot!(errors("mesh, \"\""), @r#"
+    scene:2:10: error: the mesh has no file
+        b: mesh, "";
+                 ^^ expected a path
+        help: write `mesh, "FILE.obj"`; the path is from the folder of the scene
+    "#);
+    assert_snapshot!(errors("mesh, \"a.obj"), @r#"
+    scene:2:10: error: a text in quotation marks is not closed
+        b: mesh, "a.obj;
+                 ^ it begins here
+        help: end it with `"` on the same line
+    "#);
+    assert_snapshot!(errors("sphere, center <0,0,0>, radius 1, smooth"), @r"
+    scene:2:38: error: only a mesh can be `smooth`
+        b: sphere, center <0,0,0>, radius 1, smooth;
+                                             ^^^^^^ this body is a sphere
+        help: a sphere has normals of its own; leave `smooth` out
+    ");
+    assert_snapshot!(errors("mesh, \"a.obj\", smooth, flat"), @r#"
+    scene:2:27: error: a mesh is `flat` or `smooth`, not both
+        b: mesh, "a.obj", smooth, flat;
+                                  ^^^^ this contradicts
+        2:19: this one
+        help: leave one of them out
+    "#);
+    assert_snapshot!(errors("obj, \"a.obj\""), @r#"
+    scene:2:4: error: expected `sphere`, `rectangle`, `triangle`, `disc`, `box`, `cylinder`, `cone` or `mesh`, found `obj`
+        b: obj, "a.obj";
+           ^^^ not a shape
+        help: triangles from a file are a `mesh`
+        help: for example `mesh, "preset:gem"`
+    "#);
 }
 
 #[test]

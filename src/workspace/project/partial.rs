@@ -7,10 +7,12 @@ use crate::lang::source::Source;
 use crate::scene::Scene;
 use crate::workspace::materials::SourceDiagnostics;
 use crate::workspace::project::{
-    Listener, OpenProjectError, OpenSession, Project, Read, Request, SessionText, locations, read_text, session_source,
+    Listener, OpenProjectError, OpenSession, Project, Read, Request, SessionText, locations, read_scene, read_text,
+    session_source,
 };
 use crate::workspace::session::{NamedValue, Session};
 use crate::workspace::{FileKind, Location};
+use crate::world::Meshes;
 
 /// Shows the bodies in their colours, by their predefined parameters alone.
 const PLAIN_FORMULA: &str = "formula; = IL*Cd*max(0, N.L);";
@@ -91,12 +93,13 @@ impl Project {
         };
         let [formula, scene] = locations(request, session.as_ref())?;
         let mut unusable = Vec::new();
-        let formula_read = read_text(request, &formula, FileKind::Formula, Formula::parse, listener);
-        let scene_read = read_text(request, &scene, FileKind::Scene, Scene::parse, listener);
+        let formula_read = read_text(request, &formula, FileKind::Formula, &Formula::parse, listener);
+        let scene_read = read_scene(request, &scene, listener);
         let stands_in = [formula_read.is_err(), scene_read.is_err()];
         let (formula_text, checked) = or_stand_in(formula_read, PLAIN_FORMULA, Formula::parse, &mut unusable)?;
-        let (scene_text, declared) = or_stand_in(scene_read, EMPTY_SCENE, Scene::parse, &mut unusable)?;
-        let read = Read { formula_text, formula: checked, scene_text, scene: declared, stands_in };
+        let empty = |source: &Source| Scene::parse(source).map(|(scene, warnings)| ((scene, Meshes::NONE), warnings));
+        let (scene_text, (declared, meshes)) = or_stand_in(scene_read, EMPTY_SCENE, empty, &mut unusable)?;
+        let read = Read { formula_text, formula: checked, scene_text, scene: declared, meshes, stands_in };
         let project = Self::assemble(request, read, [formula, scene], session.as_ref(), listener)?;
         let waiting = match &session {
             Some(open) if !unusable.is_empty() => {
@@ -134,7 +137,7 @@ fn read_session(
 fn or_stand_in<T>(
     read: Result<(Source, T), UnusableText>,
     stand_in: &str,
-    parse: fn(&Source) -> Result<(T, Diagnostics), Diagnostics>,
+    parse: impl Fn(&Source) -> Result<(T, Diagnostics), Diagnostics>,
     unusable: &mut Vec<UnusableText>,
 ) -> Result<(Source, T), OpenProjectError> {
     let text = match read {

@@ -7,9 +7,10 @@
 //! grows. The coordinates u and v are those of the shape.
 
 use super::{FrontPoint, Geometry, ShapeSurface, Tolerance};
-use crate::scene::{BodyForm, Transform};
+use crate::scene::{Body, Transform};
 use crate::world::bounds::Bounds;
 use crate::world::hit::{Meeting, SurfaceHit};
+use crate::world::meshes::{Meshes, MissingMesh};
 use crate::world::ray::{Departure, PrimitiveId, Ray};
 use glam::{DAffine3, DMat3, DVec3};
 
@@ -19,6 +20,7 @@ pub(in crate::world) struct Surface {
     shape: ShapeSurface,
     /// `None` where the coordinates of the shape are those of the world.
     place: Option<Place>,
+    bounds: Bounds,
 }
 
 /// How the coordinates of a shape become those of the world, and back.
@@ -84,16 +86,17 @@ fn to_world(surface: &ShapeSurface, transforms: &[Transform]) -> DAffine3 {
 }
 
 impl Surface {
-    /// The surface of a body of this form.
-    pub(in crate::world) fn new(form: &BodyForm) -> Self {
-        let shape = ShapeSurface::new(&form.shape);
-        let map = to_world(&shape, &form.transforms);
-        Self { shape, place: (map != DAffine3::IDENTITY).then(|| Place::new(map)) }
+    /// The surface of a body.
+    pub(in crate::world) fn new(body: &Body, meshes: &Meshes) -> Result<Self, MissingMesh> {
+        let shape = ShapeSurface::new(body, meshes)?;
+        let map = to_world(&shape, &body.form.transforms);
+        let bounds = shape.bounds(&map);
+        Ok(Self { shape, place: (map != DAffine3::IDENTITY).then(|| Place::new(map)), bounds })
     }
 
     /// The box around it.
     pub(in crate::world) fn bounds(&self) -> Bounds {
-        self.shape.bounds(&self.place.map_or(DAffine3::IDENTITY, |place| place.to_world))
+        self.bounds
     }
 
     /// Where a ray from elsewhere first meets the surface, at a distance greater than 0. Surfaces within `tolerance`

@@ -15,7 +15,7 @@ use illuminator::scene::Scene;
 use illuminator::trace::View;
 use illuminator::workspace::{FileKind, presets};
 use illuminator::workspace::{NamedAssignment, OwnerId, Session, Values};
-use illuminator::world::World;
+use illuminator::world::{Meshes, World};
 use std::sync::Arc;
 
 /// A backend under test, and the size of a picture that it draws in reasonable time. Fast backends get several tiles.
@@ -56,7 +56,8 @@ impl Model {
         let view = View::new(tested.size[0], tested.size[1]).expect("a size in range");
         let (given, _) = session.assignments(Values::defaults(&formula, &scene).table());
         let (values, _) = Values::new(&formula, &scene, &given);
-        let (engine, subject) = (Engine::new(Arc::clone(&tested.backend)), Subject::new(formula, scene, view));
+        let (engine, subject) =
+            (Engine::new(Arc::clone(&tested.backend)), Subject::new(formula, scene, &Meshes::NONE, view).expect("no meshes"));
         let hits = engine.trace(&subject, &Task::UNWATCHED).expect("small enough");
         let scattered = hits.tiles.iter().map(|tile| tile.copies).sum();
         let compiled = engine.prepare(&subject, &hits).expect("a formula of ordinary size");
@@ -258,7 +259,10 @@ fn scattered_hits_are_drawn_and_dragged_by(tested: &Tested) {
     model.set("*.kr=0.3");
     let (formula, _) = Formula::parse(&source(FileKind::Formula, "phong")).expect("a formula");
     let (parsed, _) = Scene::parse(&scene).expect("a scene");
-    let (world, view) = (Arc::new(World::new(parsed)), View::new(tested.size[0], tested.size[1]).expect("a size"));
+    let (world, view) = (
+        Arc::new(World::new(parsed, &Meshes::NONE).expect("no meshes")),
+        View::new(tested.size[0], tested.size[1]).expect("a size"),
+    );
     let interpreted = Interpreted::new(&Arc::new(formula), &world, view).expect("small enough");
     assert!(verify(&*model.compiled, &interpreted, model.values.numbers()).passes());
     for slider in ["floor.kd", "floor.h", "b4.kr", "l3.ki"] {

@@ -381,7 +381,9 @@ fn a_text_that_cannot_follow_is_not_touched_and_one_that_can_is_applied() {
     assert!(scene(&harness).camera.gaze() != before.camera.gaze() && harness.state().notices.is_empty());
     // Another session ends a gesture.
     press_and_move(&mut harness, PointerButton::Primary, NONE, centre, vec2(80.0, 0.0));
-    let opened = OpenedSession::open(&Location::Preset("glass".to_owned()), Readable::Regular).expect("a session");
+    let opened =
+        OpenedSession::open(&Location::Preset("glass".to_owned()), Readable::Regular, &crate::workspace::MeshStore::default())
+            .expect("a session");
     harness.state_mut().perform(Action::Confirmed(Box::new(Action::Open(
         crate::workspace::FileKind::Session,
         Location::Preset("glass".to_owned()),

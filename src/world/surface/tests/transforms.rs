@@ -7,13 +7,13 @@ fn ray(origin: [f64; 3], direction: [f64; 3]) -> Ray {
 }
 
 /// What a ray meets: side, distance, point, normals, tangent and coordinates.
-fn met(world: &World, ray: &Ray) -> Option<(SurfaceHit, DVec3, [f64; 2])> {
+pub(super) fn met(world: &World, ray: &Ray) -> Option<(SurfaceHit, DVec3, [f64; 2])> {
     let hit = world.surface_hit(ray, &world.nearest(ray)?);
     Some((hit, world.tangent(&hit), world.coordinates(&hit)))
 }
 
 /// Compares two bodies under rays, from outside and on through them.
-fn assert_same(one: &str, other: &str, coordinates: bool) {
+pub(super) fn assert_same(one: &str, other: &str, coordinates: bool) {
     let (worlds, names) = ([world(one), world(other)], format!("{one}\n{other}"));
     let [bounds, same] = worlds.each_ref().map(|world| world.bounds(BodyId(0)));
     let size = bounds.diagonal();
@@ -243,7 +243,7 @@ fn mirrored_bodies_keep_their_front() {
 fn the_tolerance_is_that_of_the_world_in_every_direction() {
     let scene = |bodies: &str| {
         let text = format!("bodies; {bodies} lights; camera; position <0,0,9>; gaze <0,0,-1>; up <0,1,0>; fov 45;");
-        World::new(Scene::parse(&Source::new("scene", text)).unwrap().0)
+        World::new(Scene::parse(&Source::new("scene", text)).unwrap().0, &Meshes::NONE).unwrap()
     };
     let (slab, lid) = (
         "slab: box, <-1,0,-1>, <1,1,1>, scale <100,1e-3,100>;",

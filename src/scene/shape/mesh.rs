@@ -1,0 +1,77 @@
+//! Meshes from files: `mesh, "FILE"`.
+
+use crate::lang::cursor::{Cursor, Reported};
+use crate::lang::diagnostic::Diagnostic;
+use crate::lang::keywords::Keyword;
+use crate::lang::source::SourceSpan;
+use crate::lang::token::{Mark, TokenKind};
+use crate::scene::movable::Movable;
+use crate::scene::syntax::TextForm;
+use glam::DVec3;
+use std::fmt::{Display, Formatter, Result as FmtResult};
+
+/// A mesh that a file holds. The scene only names it; see [`World::new`](crate::world::World::new) for its triangles.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct NamedMesh {
+    path: String,
+    span: SourceSpan,
+}
+
+impl NamedMesh {
+    /// The name as it stands in the scene: a path from the folder of the scene, or `preset:NAME`. It has no quotation
+    /// mark and no line end.
+    pub fn path(&self) -> &str {
+        &self.path
+    }
+
+    /// Where the name stands in the text, with its quotation marks.
+    pub fn span(&self) -> SourceSpan {
+        self.span
+    }
+}
+
+impl Movable for NamedMesh {
+    /// The origin of its coordinates.
+    fn anchor(&self) -> Option<DVec3> {
+        Some(DVec3::ZERO)
+    }
+
+    /// A mesh is where its file says. Transforms move it.
+    fn moved(&self, _: DVec3) -> Option<Self> {
+        None
+    }
+}
+
+impl TextForm for NamedMesh {
+    const KEYWORD: Keyword = Keyword {
+        word: "mesh",
+        doc: "`mesh, \"FILE\"`: triangles from an OBJ, PLY, STL or glTF file, whose path is from the scene file",
+    };
+    const CLAUSES: &'static [Keyword] = &[];
+    const EXAMPLE: &'static str = "mesh, \"preset:gem\"";
+
+    fn parse(cursor: &mut Cursor) -> Result<Option<Self>, Reported> {
+        cursor.expect(Mark::Comma, "after `mesh`")?;
+        cursor.pass_marks_after("mesh,", &[Mark::Equal]);
+        let span = cursor.span();
+        let TokenKind::Text(path) = cursor.kind(0) else {
+            let diagnostic = Diagnostic::error(format!("expected the file of the mesh, found {}", cursor.kind(0).describe()));
+            let diagnostic = diagnostic.at(span, "a path in quotation marks belongs here");
+            return Err(cursor.report(diagnostic.help("write `mesh, \"FILE.obj\"`; the path is from the folder of the scene")));
+        };
+        let path = path.trim().to_owned();
+        cursor.advance();
+        if path.is_empty() {
+            let diagnostic = Diagnostic::error("the mesh has no file").at(span, "expected a path");
+            cursor.report(diagnostic.help("write `mesh, \"FILE.obj\"`; the path is from the folder of the scene"));
+            return Ok(None);
+        }
+        Ok(Some(Self { path, span }))
+    }
+}
+
+impl Display for NamedMesh {
+    fn fmt(&self, f: &mut Formatter<'_>) -> FmtResult {
+        write!(f, "mesh, \"{}\"", self.path)
+    }
+}
