@@ -80,6 +80,7 @@ pub(super) fn all_lights_tile(tracer: &Tracer, tile: &Tile) -> Result<Tile, Mism
     let mut all = Tile {
         pixels: tile.pixels.clone(),
         paths: tile.paths.clone(),
+        primitives: Arc::clone(&tile.primitives),
         groups,
         copies: 0,
         spans,

@@ -3,6 +3,7 @@
 
 use crate::lang::variables::EvaluatedLights;
 use crate::trace::all_lights::needs_second_store;
+use crate::trace::primitives::PrimitiveTable;
 use crate::trace::tracer::Tracer;
 use crate::trace::visibility::VisibilityTable;
 use crate::trace::walk::{RayEnd, trace_pixel};
@@ -78,6 +79,7 @@ impl Budget {
             hits: counts.hits,
             records: counts.records,
             misses: counts.misses,
+            primitives: hits.tiles.iter().map(|tile| tile.primitives.bytes() as u64).sum(),
             second_store: 0,
         };
         let needed = found.with_lights(lights, &hits.world, &hits.view).bytes(self);
@@ -122,6 +124,8 @@ pub struct Estimate {
     pub misses: u64,
     /// Pixels of the picture.
     pub pixels: u32,
+    /// The bytes of the triangles of hits on meshes.
+    pub primitives: u64,
     /// The bytes of a second store of the hits, for formulas that are evaluated for all lights.
     pub second_store: u64,
 }
@@ -136,24 +140,28 @@ impl Estimate {
         let tracer = Tracer::new(world, view);
         let pixels = view.pixels();
         let samples = (pixels / PIXELS_PER_SAMPLE).clamp(MIN_SAMPLES, MAX_SAMPLES).min(pixels);
-        let add = |a: [u64; 3], b: [u64; 3]| [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
+        let add = |a: [u64; 4], b: [u64; 4]| std::array::from_fn(|count| a[count] + b[count]);
         let sampled = (0..samples)
             .into_par_iter()
             .map(|sample| {
                 if cancelled.load(Ordering::Relaxed) {
                     return Err(TraceError::Cancelled);
                 }
-                let mut counts = [0; 3];
+                let mut counts = [0; 4];
                 trace_pixel(&tracer, sampled_pixel(sample, view), &mut Vec::new(), |_: Option<()>, _, end| match end {
-                    RayEnd::Hit(hit) => counts = add(counts, [1, tracer.emitters(hit).count() as u64, 0]),
-                    RayEnd::Miss(_) => counts = add(counts, [0, 0, 1]),
+                    RayEnd::Hit(hit) => {
+                        let on_mesh = u64::from(world.is_searched(hit.body));
+                        counts = add(counts, [1, tracer.emitters(hit).count() as u64, 0, on_mesh]);
+                    }
+                    RayEnd::Miss(_) => counts = add(counts, [0, 0, 1, 0]),
                 });
                 Ok(counts)
             })
-            .try_reduce(|| [0; 3], |a, b| Ok(add(a, b)))?;
+            .try_reduce(|| [0; 4], |a, b| Ok(add(a, b)))?;
         let scale = |count: u64| count.saturating_mul(u64::from(pixels)).div_ceil(u64::from(samples));
-        let [hits, records, misses] = sampled.map(scale);
-        Ok(Self { hits, records, misses, pixels, second_store: 0 }.with_lights(lights, world, view))
+        let [hits, records, misses, on_meshes] = sampled.map(scale);
+        let primitives = on_meshes.saturating_mul(PrimitiveTable::BYTES_PER_HIT);
+        Ok(Self { hits, records, misses, pixels, primitives, second_store: 0 }.with_lights(lights, world, view))
     }
 
     /// The same hits for formulas that are evaluated for these lights. So far the records are those of the emitters
@@ -172,7 +180,7 @@ impl Estimate {
     /// The bytes that the store will take, with what `budget` adds to it.
     pub fn bytes(&self, budget: &Budget) -> u64 {
         let store = (self.hits.saturating_add(self.misses)).saturating_mul(STORE_BYTES_PER_HIT);
-        let stores = store.saturating_add(self.second_store);
+        let stores = store.saturating_add(self.second_store).saturating_add(self.primitives);
         stores.saturating_add(budget.columns(self.hits, self.records)).saturating_add(budget.pixels(self.pixels))
     }
 }

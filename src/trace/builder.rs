@@ -4,13 +4,15 @@
 //! sorted as it grows, and only the lists themselves are sorted at the end.
 
 use crate::scene::BodyId;
+use crate::trace::primitives::PrimitiveTable;
 use crate::trace::segment::{CHUNK_HITS, Segment};
 use crate::trace::store::{Group, Path, PathId, PathSets, Region, Span, Tile};
 use crate::trace::walk::Edge;
-use crate::world::EmitterId;
+use crate::world::{EmitterId, PrimitiveId};
 use foldhash::{HashMap, HashSet};
 use smallvec::SmallVec;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// About what a path, an emitter set or a list of pixels takes in the tables of the builder, hits aside, in bytes. A
 /// quarter of it remains in the store.
@@ -25,6 +27,8 @@ pub(super) struct TileBuilder {
     /// The pixels of the hits that came by a path and are reached by an emitter set.
     hits: HashMap<(PathId, u32), Vec<u16>>,
     misses: HashMap<PathId, Vec<u16>>,
+    /// The hits on meshes in the order of their pixels: the index of the path, the pixel and the triangle.
+    primitives: Vec<(usize, u16, PrimitiveId)>,
     /// The paths of the current pixel.
     pixel: Vec<PathId>,
     regions: Vec<Region>,
@@ -79,6 +83,11 @@ impl TileBuilder {
         self.hits.entry((path, set)).or_default().push(pixel);
     }
 
+    /// Keeps the triangle of a hit on a mesh by `path` in the tile's pixel `pixel`.
+    pub(super) fn primitive(&mut self, path: PathId, pixel: u16, primitive: PrimitiveId) {
+        self.primitives.push((path.index(), pixel, primitive));
+    }
+
     /// Adds a ray that left the scene by `path` in the tile's pixel `pixel`.
     pub(super) fn miss(&mut self, path: PathId, pixel: u16) {
         self.pixel.push(path);
@@ -104,12 +113,26 @@ impl TileBuilder {
         let misses = missed.iter().map(|(path, pixels)| all_missed.span(*path, pixels, 0)).collect();
         let mut miss_segments = all_missed.segments;
         let (mut paths, mut regions, mut path_sets) = (self.paths, self.regions, self.path_sets);
+        let primitives = Arc::new(PrimitiveTable::new(&self.primitives, paths.len()));
         paths.shrink_to_fit();
         miss_segments.shrink_to_fit();
         regions.shrink_to_fit();
         path_sets.paths.shrink_to_fit();
         path_sets.ends.shrink_to_fit();
-        Tile { pixels, paths, groups, copies, spans, segments, misses, miss_segments, regions, path_sets, visibility: None }
+        Tile {
+            pixels,
+            paths,
+            primitives,
+            groups,
+            copies,
+            spans,
+            segments,
+            misses,
+            miss_segments,
+            regions,
+            path_sets,
+            visibility: None,
+        }
     }
 }
 

@@ -15,6 +15,7 @@ mod budget;
 mod builder;
 mod lookup;
 mod memory;
+mod primitives;
 mod replay;
 mod segment;
 mod store;
@@ -29,6 +30,7 @@ mod walk;
 pub use budget::{Budget, Estimate};
 pub use lookup::variable;
 pub use memory::usable_memory;
+pub use primitives::PrimitiveTable;
 pub use replay::{Mismatch, replay, replay_misses};
 pub use segment::{CHUNK_HITS, CHUNK_LINES, LINE_HITS, ROUND_LINES, Segment, TILE_PIXELS, tile_pixels};
 pub use store::{Counts, Group, Hits, Path, PathId, PathSets, Region, Span, Tile};
@@ -204,7 +206,7 @@ fn trace_tile(
     let mut entries = 0;
     for batch in pixels.clone().step_by(PIXELS_PER_BATCH as usize) {
         let batch = batch..(batch + PIXELS_PER_BATCH).min(pixels.end);
-        let (mut hits, mut misses, mut records) = (0, 0, 0);
+        let (mut hits, mut misses, mut records, mut on_meshes) = (0, 0, 0, 0);
         for pixel in batch.clone() {
             // Tiles are small enough.
             let pixel_in_tile = (pixel - pixels.start) as u16;
@@ -214,6 +216,10 @@ fn trace_tile(
                     emitters.clear();
                     emitters.extend(tracer.emitters(hit));
                     builder.hit(path, &emitters, pixel_in_tile);
+                    if tracer.world().is_searched(hit.body) {
+                        builder.primitive(path, pixel_in_tile, hit.primitive);
+                        on_meshes += 1;
+                    }
                     hits += 1;
                     records += emitters.len() as u64;
                     path
@@ -230,7 +236,8 @@ fn trace_tile(
         // The tables are counted in full although little of them remains when the tile is finished: the sum must not
         // depend on which tiles are being traced at the same time.
         let grown = builder.entries() - std::mem::replace(&mut entries, builder.entries());
-        let store = (hits + misses) * size_of::<Segment>() as u64 + grown * BYTES_PER_ENTRY;
+        let primitives = on_meshes * PrimitiveTable::BYTES_PER_HIT;
+        let store = (hits + misses) * size_of::<Segment>() as u64 + grown * BYTES_PER_ENTRY + primitives;
         if second_store {
             let second = (hits + misses) * size_of::<Segment>() as u64 + VisibilityTable::bytes_for(hits, all_emitters);
             meter.add(hits, hits * all_emitters, store + second)?;

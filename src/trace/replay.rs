@@ -1,11 +1,12 @@
 //! Computes the rays of a pixel again, from the store alone.
 //!
-//! A stored hit has its pixel and its path, so the body at every step is known. Each step takes one intersection with a
-//! known body, and no search. The numbers are those of the tracing, bit for bit. So another formula gets its variables
-//! without tracing again (thesis 4.2.1), and a ray that left the scene gets its direction.
+//! A stored hit has its pixel and its path, so the body at every step is known, and on a mesh also the triangle. Each
+//! step takes one intersection with a known body or triangle, and no search. The numbers are those of the tracing, bit
+//! for bit. So another formula gets its variables without tracing again (thesis 4.2.1), and a ray that left the scene
+//! gets its direction.
 
 use crate::scene::BodyId;
-use crate::trace::store::{Group, Span, Tile};
+use crate::trace::store::{Group, PathId, Span, Tile};
 use crate::trace::tracer::Tracer;
 use crate::trace::walk::Edge;
 use crate::world::{Ray, SurfaceHit};
@@ -39,7 +40,9 @@ pub fn replay(
             let end = begin + pixels.len() as u32;
             for hit in begin.max(hits.start)..end.min(hits.end) {
                 let pixel = tile.pixels.start + pixels.start as u32 + (hit - begin);
-                let surface = last_ray(tracer, pixel, &steps).and_then(|ray| tracer.hit_on(&ray, group.body));
+                let in_tile = (pixels.start + (hit - begin) as usize) as u16;
+                let primitive = tile.primitives.get(span.path.index(), in_tile);
+                let surface = last_ray(tracer, tile, pixel, &steps).and_then(|ray| tracer.hit_on(&ray, group.body, primitive));
                 visit(hit, pixel, &surface.ok_or(Mismatch)?);
             }
             if end >= hits.end {
@@ -60,22 +63,24 @@ pub fn replay_misses(tracer: &Tracer, tile: &Tile, span: &Span, mut visit: impl 
     let steps = tile.steps(span.path);
     for pixel in tile.miss_segments_of(span).iter().flat_map(|segment| segment.pixels()) {
         let pixel = tile.pixels.start + pixel as u32;
-        visit(pixel, last_ray(tracer, pixel, &steps).ok_or(Mismatch)?.direction);
+        visit(pixel, last_ray(tracer, tile, pixel, &steps).ok_or(Mismatch)?.direction);
     }
     Ok(())
 }
 
 /// The last ray of a known path.
-fn last_ray(tracer: &Tracer, pixel: u32, steps: &[(Edge, Option<BodyId>)]) -> Option<Ray> {
-    let ((last, _), before) = steps.split_last()?;
+fn last_ray(tracer: &Tracer, tile: &Tile, pixel: u32, steps: &[(PathId, Edge, Option<BodyId>)]) -> Option<Ray> {
+    let ((_, last, _), before) = steps.split_last()?;
     let next_ray = |edge: Edge, hit: &Option<SurfaceHit>| match edge {
         Edge::Primary => Some(tracer.primary(pixel)),
         Edge::Reflected => tracer.reflected(hit.as_ref()?),
         Edge::Refracted => tracer.refracted(hit.as_ref()?),
     };
     let mut hit = None;
-    for (edge, body) in before {
-        hit = tracer.hit_on(&next_ray(*edge, &hit)?, (*body)?);
+    // Pixels of a tile fit sixteen bits.
+    let in_tile = (pixel - tile.pixels.start) as u16;
+    for (path, edge, body) in before {
+        hit = tracer.hit_on(&next_ray(*edge, &hit)?, (*body)?, tile.primitives.get(path.index(), in_tile));
     }
     next_ray(*last, &hit)
 }

@@ -18,6 +18,7 @@
 use crate::lang::variables::EvaluatedLights;
 use crate::scene::BodyId;
 use crate::trace::View;
+use crate::trace::primitives::PrimitiveTable;
 use crate::trace::segment::{Segment, TILE_PIXELS};
 use crate::trace::visibility::VisibilityTable;
 use crate::trace::walk::Edge;
@@ -125,6 +126,8 @@ pub struct Tile {
     pub pixels: Range<u32>,
     /// Every path that a ray of these pixels took, parents before children, in the order of their first rays.
     pub paths: Vec<Path>,
+    /// The triangles of hits on meshes. Both stores of a tile share them.
+    pub primitives: Arc<PrimitiveTable>,
     /// The groups, ordered by body, by emitters, and by whether they are scattered.
     pub groups: Vec<Group>,
     /// How many copies of hits there are: a hit that is scattered over n groups has n − 1.
@@ -147,11 +150,12 @@ pub struct Tile {
 }
 
 impl Tile {
-    /// The steps of a path from the camera on, one for each ray: the first is the primary ray. Each has the body that
-    /// the ray hits; `None`: it leaves the scene.
-    pub fn steps(&self, path: PathId) -> Vec<(Edge, Option<BodyId>)> {
-        let chain = std::iter::successors(self.paths.get(path.index()), |path| self.paths.get(path.parent?.index()));
-        let mut steps: Vec<_> = chain.map(|path| (path.edge, path.body)).collect();
+    /// The steps of a path from the camera on, one for each ray: the first is the primary ray. Each is the path up to
+    /// there, with how its last ray came to be and the body that this hits; `None`: it leaves the scene.
+    pub fn steps(&self, path: PathId) -> Vec<(PathId, Edge, Option<BodyId>)> {
+        let of = |id: PathId| Some((id, self.paths.get(id.index())?));
+        let chain = std::iter::successors(of(path), |(_, path)| of(path.parent?));
+        let mut steps: Vec<_> = chain.map(|(id, path)| (id, path.edge, path.body)).collect();
         steps.reverse();
         steps
     }
@@ -217,7 +221,9 @@ impl Tile {
         let sets = size_of_val(&*self.path_sets.paths) + size_of_val(&*self.path_sets.ends);
         let pixels = size_of_val(&*self.segments) + size_of_val(&*self.miss_segments) + size_of_val(&*self.regions) + sets;
         let visibility = self.visibility.as_ref().map_or(0, VisibilityTable::bytes);
-        (size_of::<Self>() + spilled.sum::<usize>() + lists + pixels + visibility) as u64
+        // The second store shares it.
+        let primitives = if self.visibility.is_none() { self.primitives.bytes() } else { 0 };
+        (size_of::<Self>() + spilled.sum::<usize>() + lists + pixels + visibility + primitives) as u64
     }
 }
 

@@ -2,10 +2,13 @@
 //! and neither scale nor threads matter.
 
 use super::*;
+use crate::bvh::MeshTree;
 use crate::lang::source::Source;
+use crate::mesh::{MeshParts, Reading, TriangleMesh};
 use crate::scene::light::PointLight;
 use crate::scene::{BodyId, Light, LightKind, Scene};
-use crate::world::{EmitterId, Meshes};
+use crate::world::{EmitterId, MeshKey, Meshes};
+use glam::DVec3;
 use std::collections::BTreeMap;
 use std::sync::Mutex;
 
@@ -53,6 +56,49 @@ pub(super) fn room(scale: f64) -> Arc<World> {
     ))
 }
 
+/// The same room with a block and a wedge of glass in it, which are meshes.
+pub(super) fn room_with_meshes() -> Arc<World> {
+    let mut scene = Scene::clone(room(1.0).scene());
+    let more = scene_of_meshes();
+    scene.bodies.extend(more.bodies.iter().cloned());
+    let corner = |at: u32| DVec3::new(f64::from(at & 1), f64::from(at >> 1 & 1), f64::from(at >> 2));
+    let cube = MeshParts {
+        positions: (0..8).map(corner).collect(),
+        triangles: vec![
+            [0, 2, 3],
+            [0, 3, 1],
+            [4, 5, 7],
+            [4, 7, 6],
+            [0, 1, 5],
+            [0, 5, 4],
+            [2, 6, 7],
+            [2, 7, 3],
+            [0, 4, 6],
+            [0, 6, 2],
+            [1, 3, 7],
+            [1, 7, 5],
+        ],
+        ..MeshParts::default()
+    };
+    let reading = Reading { memory: 1 << 20, progress: &|_| (), cancelled: &AtomicBool::new(false) };
+    let mut meshes = Meshes::NONE;
+    for body in &more.bodies {
+        let (mesh, _) = TriangleMesh::new("cube", cube.clone(), &reading).unwrap();
+        let mesh = mesh.smooth("cube", &reading).unwrap();
+        meshes.insert(MeshKey::of(body).unwrap(), Arc::new(MeshTree::new(Arc::new(mesh))));
+    }
+    Arc::new(World::new(scene, &meshes).unwrap())
+}
+
+fn scene_of_meshes() -> Scene {
+    scene(
+        "bodies;
+         block: mesh, \"cube.obj\", flat, scale <0.6, 0.9, 0.4>, rotate <1, 2, 3> 40, translate <0, 0.4, 1.8>, refractive_index 1.4;
+         wedge: mesh, \"cube.obj\", smooth, scale 0.7, rotate <0, 1, 0> 25, translate <1.4, 0.1, 1.2>;
+         lights; camera; position <0, 0, 9>; gaze <0, 0, -1>; up <0, 1, 0>; fov 50;",
+    )
+}
+
 /// The same room, with this many more lamps around it.
 pub(super) fn bright_room(lamps: u32) -> Arc<World> {
     let mut scene = Scene::clone(room(1.0).scene());
@@ -78,9 +124,9 @@ pub(super) fn traced(world: &Arc<World>, view: &View) -> Hits {
 }
 
 /// The ray of a tree at the end of a path.
-fn child_at(tree: &Tree, steps: &[(Edge, Option<BodyId>)]) -> Child {
+fn child_at(tree: &Tree, steps: &[(PathId, Edge, Option<BodyId>)]) -> Child {
     let mut at = tree.primary;
-    for (edge, _) in steps {
+    for (_, edge, _) in steps {
         at = match (edge, at) {
             (Edge::Primary, primary) => primary,
             (Edge::Reflected, Child::Hit(node)) => tree.nodes[node].reflected,
@@ -98,12 +144,13 @@ fn pixels_of(segments: &[Segment]) -> impl Iterator<Item = usize> {
 
 #[test]
 fn store_and_replay_are_what_the_trees_say_bit_for_bit() {
-    let (room, bright) = (room(1.0), bright_room(10));
+    let (room, bright, meshes) = (room(1.0), bright_room(10), room_with_meshes());
     for (world, view) in [
         (&room, view(160, 120, 5)),
         (&room, view(40, 30, 9).with_offset([0.1, 0.8])),
         (&room, view(40, 30, 4).with_shadows(false)),
         (&bright, view(80, 60, 5)),
+        (&meshes, view(80, 60, 6)),
     ] {
         let hits = traced(world, &view);
         let mut scattered: BTreeMap<(u32, usize), Vec<EmitterId>> = BTreeMap::new();

@@ -16,7 +16,7 @@ mod tests;
 use crate::lang::variables::EvaluatedLights;
 use crate::scene::BodyId;
 use crate::trace::View;
-use crate::world::{EmitterId, Intersection, LightSample, Ray, Side, SurfaceHit, World};
+use crate::world::{EmitterId, Intersection, LightSample, PrimitiveId, Ray, Side, SurfaceHit, World};
 
 /// An emitter for which a formula is evaluated at a hit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -61,9 +61,11 @@ impl<'w> Tracer<'w> {
         self.world.nearest(ray).map(|intersection| self.world.surface_hit(ray, &intersection))
     }
 
-    /// The surface of this body where the ray meets it, whatever else is in between.
-    pub fn hit_on(&self, ray: &Ray, body: BodyId) -> Option<SurfaceHit> {
-        self.world.intersect(ray, body).map(|intersection| self.world.surface_hit(ray, &intersection))
+    /// The surface of this body where the ray meets it, whatever else is in between. A body whose parts are
+    /// [searched](World::is_searched) is met in this part, if it is known.
+    pub fn hit_on(&self, ray: &Ray, body: BodyId, part: Option<PrimitiveId>) -> Option<SurfaceHit> {
+        let met = part.map_or_else(|| self.world.intersect(ray, body), |part| self.world.intersect_part(ray, body, part));
+        met.map(|intersection| self.world.surface_hit(ray, &intersection))
     }
 
     /// Whether the light of an emitter reaches the hit: always without shadow rays; with them, if the hit

@@ -139,6 +139,23 @@ impl World {
         self.meet(ray, body).map(|met| Intersection::new(body, met))
     }
 
+    /// Whether finding the part of this body that a ray meets takes a search, as on a mesh.
+    ///
+    /// # Panics
+    /// If the id is another scene's, and this one has fewer bodies.
+    #[inline]
+    pub fn is_searched(&self, body: BodyId) -> bool {
+        self.surfaces[body.index()].is_searched()
+    }
+
+    /// Where the line of the ray meets this part of a body that [is searched](Self::is_searched).
+    ///
+    /// # Panics
+    /// If the ids are another scene's, and this one has fewer bodies or parts.
+    pub fn intersect_part(&self, ray: &Ray, body: BodyId, part: PrimitiveId) -> Option<Intersection> {
+        self.surfaces[body.index()].intersect_part(ray, part).map(|met| Intersection::new(body, met))
+    }
+
     /// What the ray meets first; of several surfaces at equal distance the one declared first. `None` where the ray
     /// leaves the scene.
     #[inline]
@@ -165,7 +182,14 @@ impl World {
         let end = distance - self.tolerance;
         let mut is_occluded = false;
         self.tree.search(ray.origin, ray.direction, end, |index| {
-            is_occluded = self.meet(ray, BodyId(index)).is_some_and(|met| met.distance < end);
+            let body = BodyId(index);
+            is_occluded = match self.is_searched(body) {
+                true => {
+                    let from = ray.leaves.filter(|departure| departure.body == body);
+                    self.surfaces[body.index()].is_met_before(ray, from, self.tolerance, end)
+                }
+                false => self.meet(ray, body).is_some_and(|met| met.distance < end),
+            };
             if is_occluded { -1.0 } else { end }
         });
         is_occluded

@@ -41,6 +41,26 @@ trait Geometry {
     /// Where a ray that starts on this very surface meets it again. The root at the origin is left out analytically.
     fn intersect_again(&self, ray: &Ray, from: Departure, tolerance: &Tolerance) -> Option<Meeting>;
 
+    /// Whether finding the part that a ray meets takes a search.
+    fn is_searched(&self) -> bool {
+        false
+    }
+
+    /// Where the line of a ray meets this part of a surface that is searched.
+    fn intersect_part(&self, _: &Ray, _: PrimitiveId) -> Option<Meeting> {
+        None
+    }
+
+    /// Whether a ray meets the surface before `end`, at a distance greater than 0. `from` is where it starts on this
+    /// very surface, if it does.
+    fn is_met_before(&self, ray: &Ray, from: Option<Departure>, tolerance: &Tolerance, end: f64) -> bool {
+        let met = match from {
+            Some(from) => self.intersect_again(ray, from, tolerance),
+            None => self.intersect(ray, tolerance),
+        };
+        met.is_some_and(|met| met.distance < end)
+    }
+
     /// The point of the surface nearest to `point`, which is on it but for rounding, with its front normals.
     /// `direction`, that of the ray that found it, decides where rounding leaves nothing else to go by.
     fn project(&self, point: DVec3, primitive: PrimitiveId, direction: DVec3) -> FrontPoint;
@@ -105,6 +125,28 @@ macro_rules! surfaces {
                 match self {
                     $(ShapeSurface::$kind(surface) => surface.intersect_again(ray, from, tolerance),)*
                     ShapeSurface::Mesh(surface) => surface.intersect_again(ray, from, tolerance),
+                }
+            }
+
+            #[inline]
+            fn is_searched(&self) -> bool {
+                match self {
+                    $(ShapeSurface::$kind(surface) => surface.is_searched(),)*
+                    ShapeSurface::Mesh(surface) => surface.is_searched(),
+                }
+            }
+
+            fn intersect_part(&self, ray: &Ray, part: PrimitiveId) -> Option<Meeting> {
+                match self {
+                    $(ShapeSurface::$kind(surface) => surface.intersect_part(ray, part),)*
+                    ShapeSurface::Mesh(surface) => surface.intersect_part(ray, part),
+                }
+            }
+
+            fn is_met_before(&self, ray: &Ray, from: Option<Departure>, tolerance: &Tolerance, end: f64) -> bool {
+                match self {
+                    $(ShapeSurface::$kind(surface) => surface.is_met_before(ray, from, tolerance, end),)*
+                    ShapeSurface::Mesh(surface) => surface.is_met_before(ray, from, tolerance, end),
                 }
             }
 

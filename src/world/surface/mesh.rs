@@ -1,7 +1,7 @@
 //! Meshes.
 
 use super::{FrontPoint, Geometry, Tolerance};
-use crate::bvh::{MeshTree, TriangleHit};
+use crate::bvh::{MeshTree, TriangleHit, intersect_triangle};
 use crate::world::bounds::Bounds;
 use crate::world::hit::{Meeting, SurfaceHit};
 use crate::world::ray::{Departure, PrimitiveId, Ray, Side};
@@ -42,6 +42,26 @@ impl MeshSurface {
     /// The surface of a mesh, with normals that are interpolated if it is smooth.
     pub(super) fn new(tree: Arc<MeshTree>, smooth: bool) -> Self {
         Self { tree, smooth }
+    }
+
+    /// Whether a ray from elsewhere meets a triangle where its line does. As for rectangles, the tolerance is measured
+    /// across the plane.
+    fn is_met(&self, hit: &TriangleHit, ray: &Ray, tolerance: &Tolerance) -> bool {
+        let corners = self.tree.corners(hit.triangle);
+        let normal = normal_of(corners);
+        (corners[1] - ray.origin).dot(normal).abs() > tolerance.across(normal)
+    }
+
+    /// Whether a ray that starts on this mesh meets a triangle where its line does. Within the tolerance, triangles are
+    /// met only from the side on which the ray is, so that no ray comes through the edge of two triangles in one plane.
+    fn is_met_again(&self, hit: &TriangleHit, ray: &Ray, from: Departure, tolerance: &Tolerance) -> bool {
+        if hit.triangle == from.primitive.0 {
+            return false;
+        }
+        let corners = self.tree.corners(hit.triangle);
+        let normal = normal_of(corners);
+        let side = if normal.dot(ray.direction) <= 0.0 { Side::Front } else { Side::Back };
+        side == from.side || (corners[1] - ray.origin).dot(normal).abs() > tolerance.across(normal)
     }
 
     /// The shares of the corners of a triangle in a point of it, which add up to 1.
@@ -100,29 +120,32 @@ impl Geometry for MeshSurface {
     }
 
     fn intersect(&self, ray: &Ray, tolerance: &Tolerance) -> Option<Meeting> {
-        let is_met = |hit: &TriangleHit| {
-            let corners = self.tree.corners(hit.triangle);
-            let normal = normal_of(corners);
-            // As for rectangles: measured across the plane.
-            (corners[1] - ray.origin).dot(normal).abs() > tolerance.across(normal)
-        };
-        self.tree.nearest(ray.origin, ray.direction, f64::INFINITY, is_met).map(meeting)
+        let accept = |hit: &TriangleHit| self.is_met(hit, ray, tolerance);
+        self.tree.nearest(ray.origin, ray.direction, f64::INFINITY, accept).map(meeting)
     }
 
-    /// The triangle that the ray leaves is not met again. Others may be as near as they like, at an edge. Within the
-    /// tolerance they are met only from the side on which the ray is, so that no ray comes through the edge of two
-    /// triangles in one plane.
+    /// The triangle that the ray leaves is not met again. Others may be as near as they like, at an edge.
     fn intersect_again(&self, ray: &Ray, from: Departure, tolerance: &Tolerance) -> Option<Meeting> {
-        let is_met = |hit: &TriangleHit| {
-            if hit.triangle == from.primitive.0 {
-                return false;
+        let accept = |hit: &TriangleHit| self.is_met_again(hit, ray, from, tolerance);
+        self.tree.nearest(ray.origin, ray.direction, f64::INFINITY, accept).map(meeting)
+    }
+
+    fn is_searched(&self) -> bool {
+        true
+    }
+
+    fn intersect_part(&self, ray: &Ray, PrimitiveId(triangle): PrimitiveId) -> Option<Meeting> {
+        intersect_triangle(ray.origin, ray.direction, triangle, self.tree.corners(triangle)).map(meeting)
+    }
+
+    fn is_met_before(&self, ray: &Ray, from: Option<Departure>, tolerance: &Tolerance, end: f64) -> bool {
+        match from {
+            Some(from) => {
+                let accept = |hit: &TriangleHit| self.is_met_again(hit, ray, from, tolerance);
+                self.tree.any(ray.origin, ray.direction, end, accept)
             }
-            let corners = self.tree.corners(hit.triangle);
-            let normal = normal_of(corners);
-            let side = if normal.dot(ray.direction) <= 0.0 { Side::Front } else { Side::Back };
-            side == from.side || (corners[1] - ray.origin).dot(normal).abs() > tolerance.across(normal)
-        };
-        self.tree.nearest(ray.origin, ray.direction, f64::INFINITY, is_met).map(meeting)
+            None => self.tree.any(ray.origin, ray.direction, end, |hit| self.is_met(hit, ray, tolerance)),
+        }
     }
 
     fn project(&self, point: DVec3, PrimitiveId(triangle): PrimitiveId, direction: DVec3) -> FrontPoint {

@@ -126,6 +126,28 @@ impl Surface {
         }
     }
 
+    /// Whether finding the part that a ray meets takes a search.
+    #[inline]
+    pub(in crate::world) fn is_searched(&self) -> bool {
+        self.shape.is_searched()
+    }
+
+    /// Where the line of a ray meets this part of a surface that is searched.
+    pub(in crate::world) fn intersect_part(&self, ray: &Ray, part: PrimitiveId) -> Option<Meeting> {
+        let Some(place) = &self.place else { return self.shape.intersect_part(ray, part) };
+        let (ray, length) = place.ray(ray);
+        Some(Place::meeting(self.shape.intersect_part(&ray, part)?, length))
+    }
+
+    /// Whether a ray meets the surface before `end` (in world units). `from` is where it starts on this very surface,
+    /// if it does.
+    pub(in crate::world) fn is_met_before(&self, ray: &Ray, from: Option<Departure>, tolerance: f64, end: f64) -> bool {
+        let Some(place) = &self.place else { return self.shape.is_met_before(ray, from, &Tolerance::plain(tolerance), end) };
+        let (ray, length) = place.ray(ray);
+        let tolerance = Tolerance::placed(tolerance, length, &place.normals);
+        self.shape.is_met_before(&ray, from, &tolerance, end * length)
+    }
+
     /// The point of the surface nearest to `point`, which is on it but for rounding, see [`Geometry::project`].
     #[inline]
     pub(in crate::world) fn project(&self, point: DVec3, primitive: PrimitiveId, direction: DVec3) -> FrontPoint {
