@@ -36,6 +36,8 @@ pub mod files;
 
 pub mod simd;
 
+pub mod texture;
+
 pub mod lang;
 
 pub mod formula;

@@ -208,7 +208,7 @@ pub fn function(form: Form) -> Candidate {
     let name = form.spelling();
     let call = match form {
         Form::Function(_) | Form::Conditional => format!("{name}("),
-        Form::Constant(_) | Form::Prefix(_) | Form::Infix(_) | Form::UnitDot | Form::Vector => name.to_owned(),
+        Form::Constant(_) | Form::Prefix(_) | Form::Infix(_) | Form::UnitDot | Form::Texture | Form::Vector => name.to_owned(),
     };
     let class = if form == Form::Conditional { Class::Keyword } else { Class::Function };
     let doc = form.overloads().next().map_or("", |operation| operation.doc());

@@ -363,7 +363,9 @@ pub fn scene_words(section: TextSection) -> Vec<&'static Keyword> {
 pub fn signatures(form: Form) -> String {
     let written = |operation: Operation| match form {
         Form::Function(_) | Form::Conditional => format!("({})  {}", operation.operand_names().join(", "), operation.signature()),
-        Form::Constant(_) | Form::Prefix(_) | Form::Infix(_) | Form::UnitDot | Form::Vector => operation.signature(),
+        Form::Constant(_) | Form::Prefix(_) | Form::Infix(_) | Form::UnitDot | Form::Texture | Form::Vector => {
+            operation.signature()
+        }
     };
     form.overloads().map(written).collect::<Vec<_>>().join(";  ")
 }

@@ -187,7 +187,7 @@ fn leaf(formula: &Formula, id: TermId, constant: Option<[f32; 3]>) -> Option<Ins
     if let Some(value) = constant {
         return Some(match formula.ty(id) {
             Type::Vector => Instruction::VectorValue(value),
-            Type::Scalar | Type::Truth => Instruction::ScalarValue(value[0]),
+            Type::Scalar | Type::Truth | Type::Texture => Instruction::ScalarValue(value[0]),
         });
     }
     match formula.term(id) {

@@ -83,9 +83,9 @@ impl Instruction {
             Instruction::Operation(operation) => FIRST_OPERATION + operation as u8,
             Instruction::ByComponents(..) => BY_COMPONENTS,
             Instruction::Store(Type::Vector, _) => STORE_VECTOR,
-            Instruction::Store(Type::Scalar | Type::Truth, _) => STORE_SCALAR,
+            Instruction::Store(Type::Scalar | Type::Truth | Type::Texture, _) => STORE_SCALAR,
             Instruction::Load(Type::Vector, _) => LOAD_VECTOR,
-            Instruction::Load(Type::Scalar | Type::Truth, _) => LOAD_SCALAR,
+            Instruction::Load(Type::Scalar | Type::Truth | Type::Texture, _) => LOAD_SCALAR,
         }
     }
 

@@ -181,7 +181,7 @@ impl BytecodeBuilder<'_> {
     fn parameter(&mut self, predefined: Predefined, owner: usize) {
         let index = self.instantiation.equation.index(predefined, owner) as u32;
         self.emit(match predefined.ty() {
-            Type::Scalar | Type::Truth => Instruction::ScalarReference(index),
+            Type::Scalar | Type::Truth | Type::Texture => Instruction::ScalarReference(index),
             Type::Vector => Instruction::VectorReference(index),
         });
     }
@@ -318,7 +318,7 @@ impl BytecodeBuilder<'_> {
                 Instruction::Variable(symbol) => {
                     let value = value(symbol).map(flush);
                     match symbol.ty() {
-                        Type::Scalar | Type::Truth => Instruction::ScalarValue(value[0]),
+                        Type::Scalar | Type::Truth | Type::Texture => Instruction::ScalarValue(value[0]),
                         Type::Vector => Instruction::VectorValue(value),
                     }
                 }
@@ -330,7 +330,7 @@ impl BytecodeBuilder<'_> {
                     };
                     let index = (equation.layout.row(owner, owner_index) + slot as usize) as u32;
                     match ty {
-                        Type::Scalar | Type::Truth => Instruction::ScalarReference(index),
+                        Type::Scalar | Type::Truth | Type::Texture => Instruction::ScalarReference(index),
                         Type::Vector => Instruction::VectorReference(index),
                     }
                 }

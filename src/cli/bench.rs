@@ -108,7 +108,7 @@ fn sliders(values: &Values) -> Vec<Slider> {
     let (first, rest): (Vec<_>, Vec<_>) = movable.into_iter().partition(|(_, id)| asks(*id));
     let components = |id: ParameterId| match values.table().parameter(id).ty {
         Type::Vector => vec![None, Some(0), Some(1), Some(2)],
-        Type::Scalar | Type::Truth => vec![None],
+        Type::Scalar | Type::Truth | Type::Texture => vec![None],
     };
     let each = |(owner, id)| components(id).into_iter().map(move |component| Slider { owner, id, component });
     first.into_iter().chain(rest).flat_map(each).collect()

@@ -13,6 +13,7 @@ use illuminator::lang::source::Source;
 use illuminator::scene::Scene;
 use illuminator::trace::usable_memory;
 use illuminator::workspace::project::{Listener, OpenProjectError, Project, library_mistake, parse_scene_with_meshes};
+use illuminator::workspace::textures::read_defaults;
 use illuminator::workspace::{FileKind, Library, Location, MeshStore, Session, presets};
 use illuminator::world::Meshes;
 use std::ffi::OsString;
@@ -155,12 +156,13 @@ fn told<T>(outcome: Result<(T, Diagnostics), Diagnostics>, source: &Source, list
 /// Checks a formula, and whether what it names as its material library is one. A file need not exist yet.
 fn check_formula(location: &Location, source: &Source, thesis: bool) -> Result<(Formula, Diagnostics), Diagnostics> {
     let parse = if thesis { Formula::parse_as_thesis } else { Formula::parse };
-    let (formula, mut diagnostics) = parse(source)?;
+    let (mut formula, mut diagnostics) = parse(source)?;
+    read_defaults(&mut formula, location, &mut diagnostics);
     if let Some(mistake) = library_mistake(&formula, location, source, data_folder().as_deref()) {
         diagnostics.push(mistake);
         diagnostics.sort();
     }
-    Ok((formula, diagnostics))
+    if diagnostics.has_errors() { Err(diagnostics) } else { Ok((formula, diagnostics)) }
 }
 
 /// Checks a scene and its meshes.
@@ -195,8 +197,7 @@ fn check_session(location: &Location, source: &Source, listener: &mut dyn Listen
     };
     if let Location::File(path) = location {
         let folder = path.parent().unwrap_or(Path::new(""));
-        session.formula = session.formula.from_folder(folder);
-        session.scene = session.scene.from_folder(folder);
+        session = session.with_paths_from(Some(folder));
     }
     listener.diagnostics(&diagnostics, source);
     match Project::check_session(&session, source, listener) {

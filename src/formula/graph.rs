@@ -84,7 +84,7 @@ impl Graph {
                     }
                     operation.apply(&mut graph, &mut stack);
                     match operation.result() {
-                        Type::Scalar | Type::Truth => stack.pop::<1>().map(|node| [node; 3])[0],
+                        Type::Scalar | Type::Truth | Type::Texture => stack.pop::<1>().map(|node| [node; 3])[0],
                         Type::Vector => stack.pop::<3>(),
                     }
                 }
@@ -145,7 +145,7 @@ impl Graph {
 
     fn leaf(&mut self, ty: Type, node: impl Fn(u8) -> Node) -> [NodeId; 3] {
         match ty {
-            Type::Scalar | Type::Truth => [self.add(node(0)); 3],
+            Type::Scalar | Type::Truth | Type::Texture => [self.add(node(0)); 3],
             Type::Vector => [0, 1, 2].map(|component| self.add(node(component))),
         }
     }

@@ -22,6 +22,7 @@ pub mod written;
 use crate::formula::written::Written;
 use crate::lang::ast::Relation;
 use crate::lang::builtins::Operation;
+use crate::lang::source::SourceSpan;
 use crate::lang::surface_terms::SurfaceTerm;
 use crate::lang::types::Type;
 use crate::lang::variables::{Owner, Predefined, Variable};
@@ -37,7 +38,7 @@ pub struct Parameter {
     pub name: String,
     /// What it belongs to.
     pub owner: Owner,
-    /// Scalar or vector.
+    /// Scalar, vector or texture.
     pub ty: Type,
     /// Bounds of the value, or of each component. None: unbounded.
     pub range: Option<[f32; 2]>,
@@ -51,6 +52,9 @@ pub struct Parameter {
     pub switch: bool,
     /// The names of its values 0, 1, …, for a menu. Empty: it has no menu.
     pub choices: Vec<String>,
+    /// The image of a texture: the path of its default as written, and its place in the text. The number of a texture
+    /// that was read from it is the [`default`](Self::default).
+    pub image: Option<(String, SourceSpan)>,
     /// What the author's comment at the declaration says, as one line. It may hold any characters.
     pub doc: Option<String>,
     /// Which predefined parameter it is, if it is one.

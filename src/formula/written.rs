@@ -143,11 +143,22 @@ impl Formula {
             (Form::Infix(mark), [left, right]) => ExprKind::Infix(mark, SourceSpan::default(), [*left, *right]),
             (Form::Vector, parts) => ExprKind::Vector(parts.to_vec()),
             (Form::Conditional, [condition, then, other]) => ExprKind::Conditional([*condition, *then, *other]),
+            // The first operand is the parameter.
+            (Form::Texture, [texture, coordinates @ ..]) => {
+                let name = self.term(id).operands().first().map(|texture| self.term(*texture));
+                match name {
+                    Some(Term::Parameter(parameter)) => {
+                        let text = self.parameter(*parameter).name.clone();
+                        ExprKind::Call(Name { text, span: SourceSpan::default() }, coordinates.to_vec())
+                    }
+                    Some(_) | None => ExprKind::Call(Name { text: String::new(), span: SourceSpan::default() }, vec![*texture]),
+                }
+            }
             (Form::Constant(name), _) => ExprKind::Name(name.to_owned()),
             (Form::Function(name), _) => {
                 ExprKind::Call(Name { text: name.to_owned(), span: SourceSpan::default() }, operands.to_vec())
             }
-            (Form::Prefix(_) | Form::Infix(_) | Form::UnitDot | Form::Conditional, _) => ExprKind::Missing,
+            (Form::Prefix(_) | Form::Infix(_) | Form::UnitDot | Form::Texture | Form::Conditional, _) => ExprKind::Missing,
         }
     }
 }

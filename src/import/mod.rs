@@ -21,7 +21,7 @@ use crate::mesh::{MeshModel, ModelLook, Omissions, TriangleMesh};
 use crate::picture::{Transfer, ViewTransform};
 use crate::scene::Camera;
 use crate::workspace::session::{NamedValue, OwnerName, PictureSettings};
-use crate::workspace::{Location, Session};
+use crate::workspace::{GivenValue, Location, Session};
 use glam::DVec3;
 use looks::ImportedLook;
 use names::UniqueNames;
@@ -113,7 +113,7 @@ fn values(bodies: &[ImportedBody], lights: &[ImportedLight]) -> Vec<NamedValue> 
     let value = |owner: OwnerName, parameter: &str, value: Constant| NamedValue {
         owner,
         parameter: parameter.to_owned(),
-        value,
+        value: GivenValue::Constant(value),
         spans: [SourceSpan::default(); 2],
     };
     let of_bodies = bodies.iter().flat_map(|ImportedBody { name, look }| {

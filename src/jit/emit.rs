@@ -1,14 +1,49 @@
 //! The scalar primitives as instructions on four lanes at a time.
 
 use crate::jit::math::VectorMath;
-use crate::lang::scalars::Scalars;
+use crate::lang::scalars::{Primitive, Scalars};
 use cranelift_codegen::ir::condcodes::FloatCC;
 use cranelift_codegen::ir::types::{F32X4, I64};
 use cranelift_codegen::ir::{FuncRef, InstBuilder, MemFlagsData, StackSlot, Value};
 use cranelift_frontend::FunctionBuilder;
 
-/// How many operands the noise function takes. Its result is stored behind them.
-pub(super) const PERLIN_OPERANDS: u32 = 6;
+/// A function that kernels call, for four lanes at a time: table look-ups are not faster in vector code.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Callee {
+    /// Perlin's noise.
+    Noise,
+    /// A component of the colour of a texture.
+    Texture,
+}
+
+impl Callee {
+    /// All of them, in the order of their numbers.
+    pub(super) const ALL: [Callee; 2] = [Callee::Noise, Callee::Texture];
+    /// How many there are.
+    pub(super) const COUNT: usize = Self::ALL.len();
+
+    /// The function that computes a primitive, if one does.
+    pub(super) fn of(primitive: Primitive) -> Option<Callee> {
+        Self::ALL.into_iter().find(|callee| callee.primitive() == primitive)
+    }
+
+    /// The primitive that it computes.
+    pub(super) const fn primitive(self) -> Primitive {
+        match self {
+            Callee::Noise => Primitive::Perlin,
+            Callee::Texture => Primitive::Texture,
+        }
+    }
+
+    /// How many operands it takes. Its result is stored behind them.
+    pub(super) fn operands(self) -> u32 {
+        self.primitive().arity() as u32
+    }
+}
+
+/// The functions that a kernel calls, each with the stack slot of its operands and its result.
+pub(super) type Callees = [Option<(FuncRef, StackSlot)>; Callee::COUNT];
+
 /// Bytes of four lanes.
 pub(super) const LANES_BYTES: u32 = 16;
 
@@ -21,13 +56,28 @@ pub(super) struct NodeEmitter<'e, 'f> {
     pub(super) fma: bool,
     /// Whether the code is going to be widened to sixteen lanes.
     pub(super) sixteen: bool,
-    /// The noise function and the stack slot of its operands and result, if the kernel calls it.
-    pub(super) perlin: Option<(FuncRef, StackSlot)>,
+    /// The functions that the kernel calls.
+    pub(super) callees: Callees,
 }
 
 impl<'f> NodeEmitter<'_, 'f> {
     fn math(&mut self) -> VectorMath<'_, 'f> {
         VectorMath::new(self.builder, self.fma, self.sixteen)
+    }
+
+    /// Calls a function for four lanes.
+    fn call(&mut self, callee: Callee, operands: &[Value]) -> Value {
+        let Some((function, slot)) = self.callees[callee as usize] else {
+            // Not reached: the kernel writer looks for calls before it begins. NaN would be visible at once.
+            return self.constant(f32::NAN);
+        };
+        let base = self.builder.ins().stack_addr(I64, slot, 0);
+        let flags = MemFlagsData::trusted();
+        for (index, operand) in (0..).zip(operands) {
+            self.builder.ins().store(flags, *operand, base, index * LANES_BYTES as i32);
+        }
+        self.builder.ins().call(function, &[base]);
+        self.builder.ins().load(F32X4, flags, base, (callee.operands() * LANES_BYTES) as i32)
     }
 
     /// A truth value as a mask. One that comes from a constant or a column is still a number.
@@ -139,20 +189,12 @@ impl Scalars for NodeEmitter<'_, '_> {
         self.math().atan2(y, x)
     }
 
-    /// Noise consists of table look-ups, which are not faster in vector code. So a function is called, for four
-    /// points at a time.
     fn perlin(&mut self, x: Value, y: Value, z: Value, a: Value, b: Value, n: Value) -> Value {
-        let Some((function, slot)) = self.perlin else {
-            // Not reached: the kernel writer looks for noise before it begins. NaN would be visible at once.
-            return self.constant(f32::NAN);
-        };
-        let base = self.builder.ins().stack_addr(I64, slot, 0);
-        let flags = MemFlagsData::trusted();
-        for (index, operand) in (0..).zip([x, y, z, a, b, n]) {
-            self.builder.ins().store(flags, operand, base, index * LANES_BYTES as i32);
-        }
-        self.builder.ins().call(function, &[base]);
-        self.builder.ins().load(F32X4, flags, base, (PERLIN_OPERANDS * LANES_BYTES) as i32)
+        self.call(Callee::Noise, &[x, y, z, a, b, n])
+    }
+
+    fn texture(&mut self, t: Value, u: Value, v: Value, c: Value) -> Value {
+        self.call(Callee::Texture, &[t, u, v, c])
     }
 
     fn less(&mut self, x: Value, y: Value) -> Value {

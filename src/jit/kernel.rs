@@ -10,7 +10,7 @@
 //! [`writer`](super::writer) turns a part of some shape into instructions.
 
 use crate::formula::graph::{Graph, Node, NodeId};
-use crate::jit::emit::LANES_BYTES;
+use crate::jit::emit::{Callee, LANES_BYTES};
 use crate::jit::lanes::Line;
 use crate::jit::target::{Allocation, Target};
 use crate::jit::widen::Spills;
@@ -279,7 +279,10 @@ pub(super) fn allocation(schedule: &[NodeId], graph: &Graph) -> Allocation {
     if schedule.len().saturating_mul(most) > LARGEST_CAREFUL { Allocation::Quick } else { Allocation::Careful }
 }
 
-/// Whether a node calls the noise function.
-pub(super) fn calls_perlin(graph: &Graph, id: NodeId) -> bool {
-    matches!(graph.node(id), Node::Apply(Primitive::Perlin, _))
+/// The function that a node calls, if it calls one.
+pub(super) fn callee(graph: &Graph, id: NodeId) -> Option<Callee> {
+    match graph.node(id) {
+        Node::Apply(primitive, _) => Callee::of(primitive),
+        Node::Constant(_) | Node::Variable(..) | Node::Parameter(..) => None,
+    }
 }

@@ -9,7 +9,7 @@
 
 use crate::formula::graph::{Graph, Node, NodeId};
 use crate::jit::code_call::{Bases, KernelCall};
-use crate::jit::emit::{LANES_BYTES, NodeEmitter, PERLIN_OPERANDS};
+use crate::jit::emit::{Callee, Callees, LANES_BYTES, NodeEmitter};
 use crate::jit::kernel::{Addend, KernelPart, LINE_BYTES, LoopShape, Output};
 use crate::jit::lanes::{Line, Splat};
 use crate::lang::scalars::Scalars;
@@ -17,7 +17,7 @@ use crate::plan::STREAMS;
 use cranelift_codegen::ir::condcodes::IntCC;
 use cranelift_codegen::ir::types::{F32X4, I64};
 use cranelift_codegen::ir::{
-    AbiParam, FuncRef, Function, Inst, InstBuilder, MemFlagsData, Opcode, StackSlot, StackSlotData, StackSlotKind, Value,
+    AbiParam, FuncRef, Function, Inst, InstBuilder, MemFlagsData, Opcode, StackSlotData, StackSlotKind, Value,
 };
 use cranelift_codegen::isa::TargetIsa;
 use cranelift_frontend::{FunctionBuilder, FunctionBuilderContext};
@@ -28,15 +28,15 @@ pub(super) fn parameters() -> [AbiParam; 2] {
     [AbiParam::new(I64); 2]
 }
 
-/// Writes a part with this schedule into an empty function with the [`parameters`]. `perlin` is the noise function,
-/// if the part calls it.
+/// Writes a part with this schedule into an empty function with the [`parameters`]. `callees` are the
+/// functions that the part calls.
 pub(super) fn write(
     part: &KernelPart,
     schedule: &[NodeId],
     graph: &Graph,
     isa: &dyn TargetIsa,
     shape: LoopShape,
-    perlin: Option<FuncRef>,
+    callees: [Option<FuncRef>; Callee::COUNT],
     function: &mut Function,
 ) {
     let mut context = FunctionBuilderContext::new();
@@ -44,9 +44,10 @@ pub(super) fn write(
     let entry = builder.create_block();
     builder.append_block_params_for_function_params(entry);
     builder.switch_to_block(entry);
-    let perlin = perlin.map(|function| {
-        let size = (PERLIN_OPERANDS + 1) * LANES_BYTES;
-        (function, builder.create_sized_stack_slot(StackSlotData::new(StackSlotKind::ExplicitSlot, size, 4)))
+    let callees: Callees = Callee::ALL.map(|callee| {
+        let function = callees[callee as usize]?;
+        let size = (callee.operands() + 1) * LANES_BYTES;
+        Some((function, builder.create_sized_stack_slot(StackSlotData::new(StackSlotKind::ExplicitSlot, size, 4))))
     });
     let [call, bases] = std::array::from_fn(|index| builder.block_params(entry)[index]);
     let word = |builder: &mut FunctionBuilder, table: Value, offset: usize| {
@@ -69,7 +70,7 @@ pub(super) fn write(
     let shift = builder.ins().iconst(I64, i64::from(shape.round_bytes().trailing_zeros()));
     let end = builder.ins().ishl(rounds, shift);
     let mut writer =
-        Writer { part, graph, builder, shape, perlin, streams, uniforms, outputs, values: vec![Vec::new(); graph.len()] };
+        Writer { part, graph, builder, shape, callees, streams, uniforms, outputs, values: vec![Vec::new(); graph.len()] };
     writer.counted_loop(schedule, end);
     writer.builder.ins().return_(&[]);
     writer.builder.seal_all_blocks();
@@ -81,8 +82,7 @@ struct Writer<'w, 'f> {
     graph: &'w Graph,
     builder: FunctionBuilder<'f>,
     shape: LoopShape,
-    /// The noise function, and the stack slot of its operands.
-    perlin: Option<(FuncRef, StackSlot)>,
+    callees: Callees,
     streams: [Option<Value>; STREAMS],
     uniforms: Value,
     outputs: Vec<Value>,
@@ -137,7 +137,7 @@ impl Writer<'_, '_> {
             let before = self.last_instruction();
             let LoopShape { fma, blocks, .. } = self.shape;
             let mut emitter =
-                NodeEmitter { builder: &mut self.builder, fma, sixteen: blocks == Line::BLOCKS, perlin: self.perlin };
+                NodeEmitter { builder: &mut self.builder, fma, sixteen: blocks == Line::BLOCKS, callees: self.callees };
             computed.push(match node {
                 Node::Constant(bits) => emitter.constant(f32::from_bits(bits)),
                 Node::Apply(primitive, _) => {

@@ -122,6 +122,8 @@ pub struct ParameterAttributes {
     pub range: Option<([f32; 2], SourceSpan)>,
     /// `default …`
     pub default: Option<(Constant, SourceSpan)>,
+    /// `default "…"`: the path of the image of a texture, as written.
+    pub image: Option<(String, SourceSpan)>,
     /// `slider`
     pub slider: Option<SourceSpan>,
     /// `color`

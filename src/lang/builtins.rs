@@ -23,6 +23,8 @@ pub enum Form {
     Function(&'static str),
     /// A name without operands.
     Constant(&'static str),
+    /// `name(u, v)`, where the name is that of a texture parameter.
+    Texture,
     /// `<x, y, z>` or `<x>`.
     Vector,
     /// `if(condition, then, else)`.
@@ -148,6 +150,9 @@ macro_rules! type_of {
     };
     (B) => {
         Type::Truth
+    };
+    (T) => {
+        Type::Texture
     };
 }
 
@@ -280,6 +285,11 @@ operations! {
         // In this order NaN stays NaN.
         let raised = m.max(low, cosine);
         m.min(high, raised)
+    };
+    TextureColour Texture [texture: T, u: S, v: S] -> V Added
+        "colour of a texture parameter at (u, v), linear RGB; it repeats outside 0..1, and (0, 0) is the lower left corner", |m| {
+        let components = [0.0, 1.0, 2.0].map(|index| m.constant(index));
+        components.map(|component| m.texture(texture, u, v, component))
     };
     MakeVector Vector [x: S, y: S, z: S] -> V Thesis "the vector of three components", |m| { let _ = &m; [x, y, z] };
     Spread Vector [x: S] -> V Added "the vector of three equal components, the same as <x, x, x>", |m| { let _ = &m; [x; 3] };
@@ -523,7 +533,13 @@ impl Form {
     pub fn resolve_by_components(self, operands: &[Type]) -> Option<Operation> {
         let works = match self {
             Form::Function(_) | Form::Infix(Mark::Caret) => true,
-            Form::Prefix(_) | Form::Infix(_) | Form::UnitDot | Form::Constant(_) | Form::Vector | Form::Conditional => false,
+            Form::Prefix(_)
+            | Form::Infix(_)
+            | Form::UnitDot
+            | Form::Constant(_)
+            | Form::Texture
+            | Form::Vector
+            | Form::Conditional => false,
         };
         let numbers = operands.iter().all(|ty| matches!(ty, Type::Scalar | Type::Vector)) && operands.contains(&Type::Vector);
         let mut overloads = self.overloads().filter(|overload| overload.operands().len() == operands.len());
@@ -536,6 +552,7 @@ impl Form {
             Form::Prefix(mark) | Form::Infix(mark) => mark.spelling(),
             Form::Function(name) | Form::Constant(name) => name,
             Form::UnitDot => Mark::Dot.spelling(),
+            Form::Texture => "texture",
             Form::Vector => "<,,>",
             Form::Conditional => "if",
         }
@@ -551,7 +568,7 @@ impl Operation {
         }
         self.apply(&mut Floats, stack);
         match self.result() {
-            Type::Scalar | Type::Truth => [stack.pop::<1>()[0]; 3],
+            Type::Scalar | Type::Truth | Type::Texture => [stack.pop::<1>()[0]; 3],
             Type::Vector => stack.pop::<3>(),
         }
     }
@@ -586,7 +603,7 @@ impl Operation {
 pub fn named(name: &str) -> Option<Form> {
     Operation::ALL.iter().map(|operation| operation.form()).find(|form| match form {
         Form::Function(spelling) | Form::Constant(spelling) => *spelling == name,
-        Form::Prefix(_) | Form::Infix(_) | Form::UnitDot | Form::Vector | Form::Conditional => false,
+        Form::Prefix(_) | Form::Infix(_) | Form::UnitDot | Form::Texture | Form::Vector | Form::Conditional => false,
     })
 }
 
@@ -596,7 +613,7 @@ pub fn names() -> Vec<&'static str> {
         .iter()
         .filter_map(|operation| match operation.form() {
             Form::Function(name) | Form::Constant(name) => Some(name),
-            Form::Prefix(_) | Form::Infix(_) | Form::UnitDot | Form::Vector | Form::Conditional => None,
+            Form::Prefix(_) | Form::Infix(_) | Form::UnitDot | Form::Texture | Form::Vector | Form::Conditional => None,
         })
         .collect();
     names.dedup();
@@ -613,7 +630,7 @@ mod tests {
         operands.iter().for_each(|&operand| stack.push(operand));
         operation.apply(&mut Floats, &mut stack);
         match operation.result() {
-            Type::Scalar | Type::Truth => stack.pop::<1>().to_vec(),
+            Type::Scalar | Type::Truth | Type::Texture => stack.pop::<1>().to_vec(),
             Type::Vector => stack.pop::<3>().to_vec(),
         }
     }

@@ -25,6 +25,8 @@ const ANGLE_SLACK: f64 = 1e-6;
 impl Interval {
     /// Any value at all.
     pub const ANYTHING: Interval = Interval { low: f64::NEG_INFINITY, high: f64::INFINITY, nan: true, negative_zero: true };
+    /// Any number but infinity and NaN.
+    pub const FINITE: Interval = Interval { low: -(f32::MAX as f64), high: f32::MAX as f64, nan: false, negative_zero: true };
     /// A truth value: 0 or 1.
     pub const TRUTH: Interval = Interval { low: 0.0, high: 1.0, nan: false, negative_zero: false };
 

@@ -42,14 +42,15 @@ keywords! {
         "formula" "macros `NAME = expression;`, functions `NAME(x) = expression;`, and last the colour `= expression;`";
     }
     /// The types of declared parameters.
-    TYPES [2] {
+    TYPES [3] {
         "scalar" "one number";
         "vector" "three numbers: a direction, a point, a colour";
+        "texture" "an image: `NAME(u, v)` is its colour at the surface coordinates";
     }
     /// The attributes of declared parameters.
     PARAMETER_ATTRIBUTES [6] {
         "constraint" "bounds of the value, or of each component: `constraint 0..1`";
-        "default" "the initial value: `default 0.5`, `default <1, 0, 0>`";
+        "default" "the initial value: `default 0.5`, `default <1, 0, 0>`, `default \"wood.jpg\"` for a texture";
         "slider" "shows a slider";
         "color" "shows a colour picker";
         "switch" "0 or 1, with a check box";

@@ -20,6 +20,9 @@ enum DeclaredType {
     LeftOut(Type),
 }
 
+/// What stands behind the `:` of a declaration.
+const EXPECTED_TYPE: &str = "`scalar`, `vector` or `texture`";
+
 const ATTRIBUTES: [&str; 6] = keywords::words(&keywords::PARAMETER_ATTRIBUTES);
 
 impl FormulaParser<'_> {
@@ -60,7 +63,7 @@ impl FormulaParser<'_> {
             return Err(self.cursor.report(diagnostic.at(name.span, "an attribute").help(help)));
         }
         let colon = self.cursor.expect(Mark::Colon, "between the parameter's name and its type");
-        if colon.is_err() && !matches!(self.cursor.word(0), Some("scalar" | "vector")) {
+        if colon.is_err() && !matches!(self.cursor.word(0), Some("scalar" | "vector" | "texture")) {
             return Err(Reported);
         }
         let mut attributes = ParameterAttributes::default();
@@ -69,9 +72,9 @@ impl FormulaParser<'_> {
             list.push(self.plain_declaration(name.clone(), owner));
         }
         let (ty, outcome) = match ty? {
-            DeclaredType::Given(ty) => (ty, self.more_attributes(&name, Vec::new(), &mut attributes)),
+            DeclaredType::Given(ty) => (ty, self.more_attributes(&name, Some(ty), Vec::new(), &mut attributes)),
             // An attribute stands in its place, which has been reported.
-            DeclaredType::LeftOut(ty) => (ty, self.first_and_more_attributes(&name, &mut attributes)),
+            DeclaredType::LeftOut(ty) => (ty, self.first_and_more_attributes(&name, Some(ty), &mut attributes)),
         };
         let doc = self.doc(name.span);
         let others =
@@ -107,6 +110,7 @@ impl FormulaParser<'_> {
         let ty = match word.as_str() {
             "scalar" => Type::Scalar,
             "vector" => Type::Vector,
+            "texture" => Type::Texture,
             attribute if ATTRIBUTES.contains(&attribute) => {
                 if Predefined::named(&name.text).is_some() {
                     let diagnostic = Diagnostic::error(format!("`{}` is a predefined parameter", name.text))
@@ -114,20 +118,15 @@ impl FormulaParser<'_> {
                     return Err(self.cursor.report(diagnostic.help("put this line under `predefined;`")));
                 }
                 let (ty, ours) = if word == "color" { (Type::Vector, "vector") } else { (Type::Scalar, "scalar") };
-                let diagnostic = self.cursor.unexpected("`scalar` or `vector`");
+                let diagnostic = self.cursor.unexpected(EXPECTED_TYPE);
                 self.cursor.report(diagnostic.help(format!("write `{}: {ours}, {word}`", name.text)));
                 return Ok(DeclaredType::LeftOut(ty));
             }
             other => {
                 let Some((ty, ours)) = foreign::ty(other) else {
-                    if other == "texture" || other == "sampler2D" || other == "image" {
-                        let diagnostic = self.cursor.unexpected("`scalar` or `vector`");
-                        let help = "there are no pictures on bodies; patterns are made by `perlin(pt, a, b, n)` and `point`";
-                        return Err(self.cursor.report(diagnostic.help(help)));
-                    }
-                    return Err(self.cursor.unknown_word("`scalar` or `vector`", &keywords::words(&keywords::TYPES)));
+                    return Err(self.cursor.unknown_word(EXPECTED_TYPE, &keywords::words(&keywords::TYPES)));
                 };
-                let diagnostic = self.cursor.unexpected("`scalar` or `vector`").help(format!("write `{ours}`"));
+                let diagnostic = self.cursor.unexpected(EXPECTED_TYPE).help(format!("write `{ours}`"));
                 if *self.cursor.kind(1) == TokenKind::Unknown {
                     // `enum { A, B }`: the braces belong to the type.
                     let span = self.cursor.span().to(self.cursor.statement_end());
@@ -160,7 +159,7 @@ impl FormulaParser<'_> {
             self.cursor.help_since(reports, &format!("write `{}: default 0.5;`", name.text));
             return Err(reported);
         }
-        if let Some("scalar" | "vector") = self.cursor.word(0) {
+        if let Some("scalar" | "vector" | "texture") = self.cursor.word(0) {
             let diagnostic = Diagnostic::error("the type of a predefined parameter stays as it is")
                 .at(self.cursor.span(), "expected an attribute")
                 .help(format!("leave the type out: `{}: constraint 0..1, default 0.5;`", name.text));
@@ -169,28 +168,34 @@ impl FormulaParser<'_> {
             self.cursor.accept(Mark::Comma);
         }
         let mut attributes = ParameterAttributes::default();
-        let outcome = self.first_and_more_attributes(&name, &mut attributes);
+        let outcome = self.first_and_more_attributes(&name, None, &mut attributes);
         let doc = self.doc(name.span);
         list.push(PredefinedLine { name, attributes, doc });
         outcome
     }
 
-    /// Parses the attributes, each but the first after a comma, and the `;`.
-    fn first_and_more_attributes(&mut self, name: &Name, attributes: &mut ParameterAttributes) -> Result<(), Reported> {
+    /// Parses the attributes, each but the first after a comma, and the `;`. `declared` is the type that the line gives.
+    fn first_and_more_attributes(
+        &mut self,
+        name: &Name,
+        declared: Option<Type>,
+        attributes: &mut ParameterAttributes,
+    ) -> Result<(), Reported> {
         let mut seen = Vec::new();
-        self.counted_attribute(&mut seen, attributes)?;
-        self.more_attributes(name, seen, attributes)
+        self.counted_attribute(declared, &mut seen, attributes)?;
+        self.more_attributes(name, declared, seen, attributes)
     }
 
     /// Parses the attributes after those in `seen`, each after a comma, and the `;`.
     fn more_attributes(
         &mut self,
         name: &Name,
+        declared: Option<Type>,
         mut seen: Vec<(String, SourceSpan)>,
         attributes: &mut ParameterAttributes,
     ) -> Result<(), Reported> {
         while self.cursor.accept(Mark::Comma) {
-            self.counted_attribute(&mut seen, attributes)?;
+            self.counted_attribute(declared, &mut seen, attributes)?;
         }
         if self.cursor.word(0).is_some_and(|word| ATTRIBUTES.contains(&word)) {
             return Err(self.cursor.expected("`,` before the next attribute"));
@@ -207,6 +212,7 @@ impl FormulaParser<'_> {
     /// Parses an attribute, and reports one that is given twice.
     fn counted_attribute(
         &mut self,
+        declared: Option<Type>,
         seen: &mut Vec<(String, SourceSpan)>,
         attributes: &mut ParameterAttributes,
     ) -> Result<(), Reported> {
@@ -221,10 +227,16 @@ impl FormulaParser<'_> {
             );
         }
         seen.push((word.clone(), span));
-        self.attribute(&word, span, attributes)
+        self.attribute(&word, span, declared, attributes)
     }
 
-    fn attribute(&mut self, word: &str, span: SourceSpan, attributes: &mut ParameterAttributes) -> Result<(), Reported> {
+    fn attribute(
+        &mut self,
+        word: &str,
+        span: SourceSpan,
+        declared: Option<Type>,
+        attributes: &mut ParameterAttributes,
+    ) -> Result<(), Reported> {
         if !ATTRIBUTES.contains(&word) {
             let known = ATTRIBUTES.map(|attribute| format!("`{attribute}`"));
             let (last, others) = known.split_last().map_or((String::new(), String::new()), |(a, b)| (a.clone(), b.join(", ")));
@@ -258,6 +270,12 @@ impl FormulaParser<'_> {
             }
             "default" => {
                 self.cursor.pass_marks_after(word, &[Mark::Colon, Mark::Equal]);
+                if let (Some(Type::Texture), TokenKind::Text(path)) = (declared, self.cursor.kind(0)) {
+                    let path = path.clone();
+                    self.cursor.advance();
+                    attributes.image = Some((path, self.cursor.previous_span()));
+                    return Ok(());
+                }
                 let value = self.default_value(attributes.choices.as_ref().map(|(names, _)| names.as_slice()))?;
                 attributes.default = Some((value, span.to(self.cursor.previous_span())));
             }

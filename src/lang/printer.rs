@@ -129,16 +129,17 @@ pub fn head(definition: &Definition) -> String {
 
 /// The attributes of a parameter, each as text.
 fn attributes(attributes: &ParameterAttributes) -> Vec<String> {
-    let ParameterAttributes { range, default, slider, colour, switch, choices } = attributes;
+    let ParameterAttributes { range, default, image, slider, colour, switch, choices } = attributes;
     let range = range.map(|([low, high], _)| format!("constraint {low}..{high}"));
     let default = default.map(|(value, _)| match value {
         Constant::Scalar(value) => format!("default {value}"),
         Constant::Vector([x, y, z]) => format!("default <{x}, {y}, {z}>"),
     });
+    let image = image.as_ref().map(|(path, _)| format!("default \"{path}\""));
     let quoted = |names: &[String]| names.iter().map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", ");
     let choices = choices.as_ref().map(|(names, _)| format!("choices {}", quoted(names)));
     let flag = |given: Option<SourceSpan>, word: &str| given.map(|_| word.to_owned());
-    [range, default, flag(*slider, "slider"), flag(*colour, "color"), flag(*switch, "switch"), choices]
+    [range, default, image, flag(*slider, "slider"), flag(*colour, "color"), flag(*switch, "switch"), choices]
         .into_iter()
         .flatten()
         .collect()

@@ -108,7 +108,7 @@ fn operators() -> Vec<Row> {
         Form::Prefix(Mark::Not) => Some(Binding::Not),
         Form::Prefix(_) => Some(Binding::Unary),
         Form::Infix(mark) => Some(Binding::of_infix(mark)),
-        Form::UnitDot | Form::Function(_) | Form::Constant(_) | Form::Vector | Form::Conditional => None,
+        Form::UnitDot | Form::Function(_) | Form::Constant(_) | Form::Texture | Form::Vector | Form::Conditional => None,
     };
     let mut operators: Vec<(Binding, &Operation)> =
         Operation::ALL.iter().filter_map(|operation| Some((binding(&operation)?, operation))).collect();
@@ -119,7 +119,7 @@ fn operators() -> Vec<Row> {
 
 fn functions() -> Vec<Row> {
     let is_function = |operation: &&Operation| match operation.form() {
-        Form::Function(_) | Form::Constant(_) | Form::Vector | Form::Conditional => true,
+        Form::Function(_) | Form::Constant(_) | Form::Texture | Form::Vector | Form::Conditional => true,
         // It is in the table of operators, as the dot product.
         Form::Prefix(_) | Form::Infix(_) | Form::UnitDot => false,
     };
@@ -142,6 +142,8 @@ fn row(operation: Operation) -> Row {
         Form::UnitDot => names.join(&format!(" {} ", Mark::Dot.spelling())),
         Form::Function(name) => format!("{name}({})", names.join(", ")),
         Form::Constant(name) => name.to_owned(),
+        // The first operand is the parameter itself.
+        Form::Texture => format!("NAME({})", names[1..].join(", ")),
         Form::Vector => format!("<{}>", names.join(", ")),
         Form::Conditional => format!("if({})", names.join(", ")),
     };

@@ -10,6 +10,7 @@
 
 use crate::lang::interval::Interval;
 use crate::lang::noise;
+use crate::texture;
 
 macro_rules! yields_truth {
     (Number) => {
@@ -192,6 +193,9 @@ primitives! {
     Atan2 atan2(y, x) -> Number = y.atan2(x), cost 24, interval y.atan2(x);
     /// Perlin's noise summed over octaves at the point (x, y, z); see [`noise::perlin`].
     Perlin perlin(x, y, z, a, b, n) -> Number = noise::perlin([x, y, z], a, b, n), cost 1000, interval Interval::ANYTHING;
+    /// A component (0 is red) of the colour of texture number `t` at the surface coordinates (u, v), see
+    /// [`texture::component`].
+    Texture texture(t, u, v, c) -> Number = texture::component(t, u, v, c), cost 60, interval Interval::FINITE;
     /// Whether x < y.
     Less less(x, y) -> Truth = truth(x < y), cost 1, interval Interval::TRUTH;
     /// Whether x ≤ y.

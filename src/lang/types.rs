@@ -11,13 +11,15 @@ pub enum Type {
     Vector,
     /// The result of a comparison: a condition. Where a number is needed, it is 0 or 1.
     Truth,
+    /// An image, as the value of a parameter: the number of a texture. Expressions have none, but call it.
+    Texture,
 }
 
 impl Type {
     /// The number of scalars in a value of this type.
     pub const fn slots(self) -> usize {
         match self {
-            Type::Scalar | Type::Truth => 1,
+            Type::Scalar | Type::Truth | Type::Texture => 1,
             Type::Vector => 3,
         }
     }
@@ -28,6 +30,7 @@ impl Type {
             Type::Scalar => 'S',
             Type::Vector => 'V',
             Type::Truth => 'B',
+            Type::Texture => 'T',
         }
     }
 
@@ -37,6 +40,7 @@ impl Type {
             Type::Scalar => "a scalar",
             Type::Vector => "a vector",
             Type::Truth => "a comparison",
+            Type::Texture => "a texture",
         }
     }
 }
@@ -47,6 +51,7 @@ impl fmt::Display for Type {
             Type::Scalar => "scalar",
             Type::Vector => "vector",
             Type::Truth => "comparison",
+            Type::Texture => "texture",
         })
     }
 }

@@ -26,6 +26,7 @@ use crate::workspace::Location;
 use crate::workspace::MeshStore;
 use crate::workspace::project::{Project, parse_scene_with_meshes, view};
 use crate::workspace::session::PictureSettings;
+use crate::workspace::textures::{parse_formula, reloaded};
 use crate::workspace::{Assignment, OwnerId, ParameterTable, Session, Values};
 use crate::world::World;
 use departed::DepartedValues;
@@ -36,7 +37,7 @@ pub use opening::{OpenedSession, OpeningErrors};
 pub use snapshots::Snapshot;
 use stand_ins::StandIns;
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 pub use thumbnail::Thumbnail;
@@ -255,15 +256,19 @@ impl Workshop {
     }
 
     /// Applies a formula. Values are kept by owner and name, also of parameters that an earlier formula of this session
-    /// had. Returns the warnings.
+    /// had. Images are looked for in the folder of the formula. Returns the warnings.
     ///
     /// # Errors
     /// The errors of the text. Nothing is changed then.
-    pub fn apply_formula(&mut self, source: &Source) -> Result<Diagnostics, Diagnostics> {
-        let (formula, warnings) = Formula::parse(source)?;
+    pub fn apply_formula(&mut self, source: &Source, location: Option<&Location>) -> Result<Diagnostics, Diagnostics> {
+        let unsaved = Location::File(PathBuf::new());
+        let (formula, warnings) = parse_formula(source, location.unwrap_or(&unsaved))?;
         let (mut values, _) = self.values.carry_over(&formula, self.scene());
         self.stand_ins.note_gone(&self.values, &values);
         self.stand_ins.place(&mut values);
+        // Images may have been painted meanwhile.
+        let reloaded = reloaded(&values);
+        values.assign(&reloaded);
         self.formula = Arc::new(formula);
         self.replace_values(values);
         Ok(warnings)

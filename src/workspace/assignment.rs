@@ -5,11 +5,66 @@ use crate::formula::{Parameter, ParameterId};
 use crate::lang::ast::Constant;
 use crate::lang::diagnostic::{Diagnostic, nearest};
 use crate::lang::source::SourceSpan;
+use crate::lang::types::Type;
 use crate::lang::variables::Owner;
+use crate::texture;
+use crate::workspace::location::Location;
 use crate::workspace::owner::OwnerId;
 use crate::workspace::parameter_table::ParameterTable;
+use crate::workspace::textures;
+use std::ffi::OsStr;
 use std::fmt;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
+
+/// A value as a file gives it.
+#[derive(Debug, Clone, PartialEq)]
+pub enum GivenValue {
+    /// A number or a vector.
+    Constant(Constant),
+    /// The path of the image of a texture; empty for white.
+    Image(PathBuf),
+}
+
+impl GivenValue {
+    /// The value of a parameter of this type with these numbers.
+    pub(super) fn of(ty: Type, numbers: &[f32]) -> Self {
+        let number = numbers.first().copied().unwrap_or_default();
+        match (ty, numbers) {
+            (Type::Texture, _) => GivenValue::Image(texture::path_of(number).map(Path::to_owned).unwrap_or_default()),
+            (_, [x, y, z]) => GivenValue::Constant(Constant::Vector([*x, *y, *z])),
+            (_, _) => GivenValue::Constant(Constant::Scalar(number)),
+        }
+    }
+
+    /// The same value, with a relative path taken from `folder`.
+    #[must_use]
+    pub(super) fn from_folder(self, folder: &Path) -> Self {
+        match self {
+            GivenValue::Image(path) if !path.as_os_str().is_empty() => GivenValue::Image(folder.join(path)),
+            other @ (GivenValue::Image(_) | GivenValue::Constant(_)) => other,
+        }
+    }
+
+    /// The same value as a file in `folder` has it.
+    #[must_use]
+    pub(super) fn relative_to(self, folder: &Path) -> Self {
+        match self {
+            GivenValue::Image(path) if !path.as_os_str().is_empty() => {
+                GivenValue::Image(Location::File(path).relative_to(folder).into())
+            }
+            other @ (GivenValue::Image(_) | GivenValue::Constant(_)) => other,
+        }
+    }
+
+    /// Its type.
+    pub fn ty(&self) -> Type {
+        match self {
+            GivenValue::Constant(constant) => constant.ty(),
+            GivenValue::Image(_) => Type::Texture,
+        }
+    }
+}
 
 /// A value for a parameter of an owner.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,12 +81,12 @@ impl Assignment {
     /// Resolves a value that a file has for a parameter of an owner. `span` is the parameter's name in the file.
     ///
     /// # Errors
-    /// A warning: the formula has no such parameter, or it has the other type.
+    /// A warning: the formula has no such parameter, or it has another type. An error: an image cannot be read.
     pub(super) fn by_name(
         table: &ParameterTable,
         owner: OwnerId,
         name: &str,
-        value: Constant,
+        value: &GivenValue,
         span: SourceSpan,
     ) -> Result<Assignment, Diagnostic> {
         let known = table.parameter_named(name).filter(|id| table.parameter(*id).owner == owner.kind());
@@ -49,7 +104,14 @@ impl Assignment {
             return Err(Diagnostic::warning(message).at(span, format!("{} here", value.ty().with_article())));
         }
         let mut numbers = [0.0; 3];
-        value.components().iter().zip(&mut numbers).for_each(|(from, to)| *to = *from);
+        match value {
+            GivenValue::Constant(constant) => {
+                constant.components().iter().zip(&mut numbers).for_each(|(from, to)| *to = *from);
+            }
+            GivenValue::Image(path) => {
+                numbers[0] = textures::load(path).map_err(|error| error.at(span, format!("the image of `{name}`")))?;
+            }
+        }
         Ok(Assignment { owner, parameter, value: numbers })
     }
 }
@@ -119,6 +181,9 @@ pub enum NamedAssignmentError {
     /// A number of the value is beyond the largest one.
     #[error("`{0}` is too large: numbers go up to about {max:e}", max = f32::MAX)]
     TooLarge(String),
+    /// The image of a texture cannot be read.
+    #[error("{0}")]
+    Image(String),
     /// There is no body or light of this name.
     #[error("there is no body or light `{name}`{hint}")]
     Owner {
@@ -205,6 +270,11 @@ impl NamedAssignment {
                 name: name.clone(),
             });
         }
+        if parameter.ty == Type::Texture {
+            let value = [self.value.image(parameter)?, 0.0, 0.0];
+            let owners = owner.map_or_else(|| table.owners().of_kind(parameter.owner).collect(), |owner| vec![owner]);
+            return Ok(owners.into_iter().map(|owner| Assignment { owner, parameter: id, value }).collect());
+        }
         let value = self.value.constant(parameter)?;
         if value.ty() != parameter.ty {
             return Err(NamedAssignmentError::Type {
@@ -228,13 +298,22 @@ impl NamedAssignment {
     }
 }
 
+/// The word for a texture without an image, which is white.
+const NO_IMAGE: &str = "none";
+
 /// What can be written for any parameter.
 const CONSTANTS: &str = "a number, a vector `<x, y, z>` or a colour `#rrggbb`";
 
 /// Whether a text that is no number may be the name of a choice.
 pub(super) fn may_be_choice(text: &str) -> bool {
     let is_word_of_number = ["nan", "inf", "infinity"].iter().any(|word| text.eq_ignore_ascii_case(word));
-    text.starts_with(char::is_alphabetic) && !is_word_of_number
+    (text.starts_with(char::is_alphabetic) && !is_word_of_number) || may_be_path(text)
+}
+
+/// Whether a text may be the path of an image.
+fn may_be_path(text: &str) -> bool {
+    let suffix = Path::new(text).extension().and_then(OsStr::to_str).map(str::to_lowercase);
+    text.contains(['/', '\\']) || suffix.is_some_and(|suffix| textures::SUFFIXES.contains(&suffix.as_str()))
 }
 
 impl FromStr for WrittenValue {
@@ -252,6 +331,21 @@ impl FromStr for WrittenValue {
 }
 
 impl WrittenValue {
+    /// The number of the texture whose path this is, relative to the working directory. `none` is white.
+    pub(super) fn image(&self, parameter: &Parameter) -> Result<f32, NamedAssignmentError> {
+        match self {
+            WrittenValue::Choice(path) if path == NO_IMAGE => Ok(0.0),
+            WrittenValue::Choice(path) => {
+                textures::load(Path::new(path)).map_err(|error| NamedAssignmentError::Image(error.message().to_owned()))
+            }
+            WrittenValue::Constant(_) => Err(NamedAssignmentError::Type {
+                name: parameter.name.clone(),
+                expected: parameter.ty.with_article(),
+                hint: "give the path of an image, or `none`",
+            }),
+        }
+    }
+
     /// The value as a number or a vector. The number of a choice is its place in the list, from 0 on.
     pub(super) fn constant(&self, parameter: &Parameter) -> Result<Constant, NamedAssignmentError> {
         let given = match self {

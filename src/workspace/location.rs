@@ -186,7 +186,7 @@ fn similar_file(path: &Path, kind: Option<FileKind>) -> Option<String> {
 }
 
 /// The file in the same folder whose name is most like this one, if one is.
-fn near_file(path: &Path, name: &str) -> Option<PathBuf> {
+pub(super) fn near_file(path: &Path, name: &str) -> Option<PathBuf> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let entries = fs::read_dir(folder).ok()?;
     // Enough to find a typing mistake; a folder may hold millions of files.

@@ -11,12 +11,11 @@ mod overlay;
 mod read;
 mod save;
 
-use crate::lang::ast::Constant;
 use crate::lang::diagnostic::Diagnostics;
 use crate::lang::source::{Source, SourceSpan};
 use crate::lang::variables::Owner;
 use crate::scene::BodyId;
-use crate::workspace::assignment::{Assignment, hint};
+use crate::workspace::assignment::{Assignment, GivenValue, hint};
 use crate::workspace::owner::OwnerId;
 use crate::workspace::parameter_table::ParameterTable;
 use crate::workspace::spanned_toml::VERSION_KEY;
@@ -34,7 +33,7 @@ pub struct Property {
     /// The parameter.
     pub parameter: String,
     /// The value.
-    pub value: Constant,
+    pub value: GivenValue,
     /// Where the library's text names the parameter; empty if there is no text.
     pub span: SourceSpan,
 }
@@ -87,11 +86,11 @@ impl Material {
         let mut material = Material::new(name)?;
         let table = values.table();
         for id in table.parameters_of(Owner::Body) {
-            let value = match values.material_value(OwnerId::Body(body), id) {
-                [] => continue,
-                [x, y, z] => Constant::Vector([*x, *y, *z]),
-                [number, ..] => Constant::Scalar(*number),
-            };
+            let numbers = values.material_value(OwnerId::Body(body), id);
+            if numbers.is_empty() {
+                continue;
+            }
+            let value = GivenValue::of(table.parameter(id).ty, numbers);
             let parameter = table.parameter(id).name.clone();
             material.properties.push(Property { parameter, value, span: SourceSpan::default() });
         }
@@ -113,8 +112,14 @@ impl Material {
         let mut compared = self.properties.iter().filter_map(|property| known(property).map(|id| (id, property))).peekable();
         compared.peek().is_some()
             && compared.all(|(id, property)| {
-                let (has, wanted) = (values.material_value(owner, id), property.value.components());
-                has.is_empty() || has.len() == wanted.len() && has.iter().zip(wanted).all(near)
+                let has = values.material_value(owner, id);
+                match &property.value {
+                    GivenValue::Constant(wanted) => {
+                        let wanted = wanted.components();
+                        has.is_empty() || has.len() == wanted.len() && has.iter().zip(wanted).all(near)
+                    }
+                    image @ GivenValue::Image(_) => GivenValue::of(table.parameter(id).ty, has) == *image,
+                }
             })
     }
 
@@ -126,7 +131,7 @@ impl Material {
         let mut assignments = Vec::new();
         let mut warnings = Diagnostics::new();
         for Property { parameter, value, span } in &self.properties {
-            match Assignment::by_name(table, owner, parameter, *value, *span) {
+            match Assignment::by_name(table, owner, parameter, value, *span) {
                 // It is expected of a material that it has values which follow from others and have no effect on this
                 // body.
                 Ok(given) if is_idle(table, given) => {}
@@ -157,6 +162,14 @@ impl Library {
         read::parse(source)
     }
 
+    /// The library with other values.
+    fn with_values(mut self, change: impl Fn(GivenValue) -> GivenValue) -> Library {
+        for property in self.materials.iter_mut().flat_map(|material| &mut material.properties) {
+            property.value = change(property.value.clone());
+        }
+        self
+    }
+
     /// The library as text.
     ///
     /// # Errors
@@ -170,7 +183,8 @@ impl Library {
     /// # Errors
     /// The file is read-only or cannot be written. An existing file is then unchanged.
     pub fn save(&self, path: &Path) -> io::Result<()> {
-        save::save(self, path)
+        let folder = path.parent().unwrap_or(Path::new(""));
+        save::save(&self.clone().with_values(|value| value.relative_to(folder)), path)
     }
 
     /// The materials, in order.

@@ -16,11 +16,12 @@ pub mod project;
 mod recognise;
 pub mod session;
 pub(crate) mod spanned_toml;
+pub mod textures;
 pub mod values;
 pub mod variation;
 pub mod warning;
 
-pub use assignment::{Assignment, NamedAssignment};
+pub use assignment::{Assignment, GivenValue, NamedAssignment};
 pub use file_kind::FileKind;
 pub use location::{Location, read_source, unknown_preset};
 pub use materials::{Library, Material, Materials};

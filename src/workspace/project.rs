@@ -23,6 +23,7 @@ use crate::workspace::assignment::Assignment;
 use crate::workspace::carried::CarriedValues;
 use crate::workspace::materials::{MaterialAssignment, Materials, SourceDiagnostics};
 use crate::workspace::session::{MissingTarget, PictureSettings, Session};
+use crate::workspace::textures::parse_formula;
 use crate::workspace::{Location, MeshLoadError, MeshStore, kind_of};
 use crate::workspace::{NamedAssignment, OwnerId, ParameterTable, ValueWarning, Values};
 use crate::world::Meshes;
@@ -226,7 +227,7 @@ impl Project {
         let read = Read::both(&request, &session.formula, &session.scene, listener)?;
         let open = OpenSession { session: session.clone(), source: source.clone() };
         let table = ParameterTable::new(&read.formula, &read.scene);
-        let (given, leftovers) = open.values(&table, &[], [false; 2], listener);
+        let (given, leftovers) = open.values(&table, &[], [false; 2], listener)?;
         let (_, warnings) = Values::new(&read.formula, &read.scene, &given);
         let count = leftovers + warnings.len();
         warnings.iter().for_each(|warning| listener.message(Diagnostic::warning(warning.to_string())));
@@ -266,7 +267,7 @@ impl Read {
         scene: &Location,
         listener: &mut dyn Listener,
     ) -> Result<Self, OpenProjectError> {
-        let formula = read_text(request, formula, FileKind::Formula, &Formula::parse, listener);
+        let formula = read_text(request, formula, FileKind::Formula, &parse_formula, listener);
         let scene = read_scene(request, scene, listener);
         match (formula, scene) {
             (Ok((formula_text, formula)), Ok((scene_text, (scene, meshes)))) => {
@@ -296,7 +297,7 @@ fn read_scene(
     let own = MeshStore::default();
     let (store, task) = (request.meshes.unwrap_or(&own), request.task.unwrap_or(Task::UNWATCHED));
     let memory = request.memory.unwrap_or_else(usable_memory);
-    let parse = |source: &Source| parse_scene_with_meshes(source, location, store, memory, &task);
+    let parse = |source: &Source, location: &Location| parse_scene_with_meshes(source, location, store, memory, &task);
     read_text(request, location, FileKind::Scene, &parse, listener)
 }
 
@@ -331,7 +332,7 @@ fn read_text<T>(
     request: &Request,
     location: &Location,
     kind: FileKind,
-    parse: &dyn Fn(&Source) -> Result<(T, Diagnostics), Diagnostics>,
+    parse: &dyn Fn(&Source, &Location) -> Result<(T, Diagnostics), Diagnostics>,
     listener: &mut dyn Listener,
 ) -> Result<(Source, T), UnusableText> {
     let unread = |reason: Diagnostic| {
@@ -351,7 +352,7 @@ fn read_text<T>(
         let diagnostic = Diagnostic::error(format!("`{location}` looks like a {}, not a {}", found.noun(), kind.noun()));
         return Err(unread(diagnostic.help(hint)));
     }
-    match parse(&source) {
+    match parse(&source, location) {
         Ok((parsed, warnings)) => {
             listener.diagnostics(&warnings, &source);
             Ok((source, parsed))
@@ -397,14 +398,14 @@ impl OpenSession {
 
     /// The values of the session for owners and parameters that exist, but not those that others override, and the
     /// number of warnings about values that do not fit. There are no warnings about parameters and owners that are
-    /// missing because the formula or the scene is `replaced`.
+    /// missing because the formula or the scene is `replaced`. An image that cannot be read is an error.
     fn values(
         &self,
         table: &ParameterTable,
         overriding: &[Assignment],
         replaced: [bool; 2],
         listener: &mut dyn Listener,
-    ) -> (Vec<Assignment>, usize) {
+    ) -> Result<(Vec<Assignment>, usize), OpenProjectError> {
         let (mut assignments, leftovers) = self.session.assignments(table);
         let is_overridden = |owner: Option<OwnerId>, name: &str| {
             let names = |given: &&Assignment| table.parameter(given.parameter).name == name;
@@ -423,7 +424,7 @@ impl OpenSession {
             }
         }
         listener.diagnostics(&warnings, &self.source);
-        (assignments, warnings.len())
+        if warnings.has_errors() { Err(OpenProjectError::Reported) } else { Ok((assignments, warnings.len())) }
     }
 }
 
@@ -478,7 +479,10 @@ fn given_values(
     set.extend(set_values(request.set, &table, listener)?);
     let given = [request.formula.is_some(), request.scene.is_some()];
     let is_other = [0, 1].map(|index: usize| given[index] || read.stands_in[index]);
-    let kept = session.map_or_else(Vec::new, |open| open.values(&table, &set, is_other, listener).0);
+    let kept = match session {
+        Some(open) => open.values(&table, &set, is_other, listener)?.0,
+        None => Vec::new(),
+    };
     if let Some(open) = session.filter(|_| given.contains(&true)) {
         let mut carried = CarriedValues::of_session(&open.session, &table, given);
         carried.kept.retain(|name| kept.iter().any(|kept| table.parameter(kept.parameter).name == *name));

@@ -6,13 +6,12 @@ mod read;
 mod save;
 
 use crate::files::replace_text;
-use crate::lang::ast::Constant;
 use crate::lang::diagnostic::{Diagnostic, Diagnostics, nearest};
 use crate::lang::source::{Source, SourceSpan};
 use crate::lang::variables::Owner;
 use crate::picture::ViewTransform;
 use crate::workspace::Location;
-use crate::workspace::assignment::Assignment;
+use crate::workspace::assignment::{Assignment, GivenValue};
 use crate::workspace::owner::OwnerId;
 use crate::workspace::parameter_table::ParameterTable;
 use crate::workspace::values::Values;
@@ -86,7 +85,7 @@ pub struct NamedValue {
     /// The parameter.
     pub parameter: String,
     /// The value.
-    pub value: Constant,
+    pub value: GivenValue,
     /// Where the session's text names owner and parameter; empty if there is no text.
     pub spans: [SourceSpan; 2],
 }
@@ -108,9 +107,11 @@ impl Session {
 
     /// The session with relative paths taken from `folder`, if there is one.
     #[must_use]
-    pub(super) fn with_paths_from(self, folder: Option<&Path>) -> Session {
+    pub fn with_paths_from(self, folder: Option<&Path>) -> Session {
         let Some(folder) = folder else { return self };
-        Session { formula: self.formula.from_folder(folder), scene: self.scene.from_folder(folder), ..self }
+        let (formula, scene) = (self.formula.from_folder(folder), self.scene.from_folder(folder));
+        let placed = |value: NamedValue| NamedValue { value: value.value.from_folder(folder), ..value };
+        Session { formula, scene, values: self.values.into_iter().map(placed).collect(), ..self }
     }
 
     /// The session as the text of a file in `folder`. Paths become relative to the folder.
@@ -142,10 +143,7 @@ impl Session {
                     OwnerId::Light(_) => OwnerName::Light(name),
                 },
                 parameter: table.parameter(id).name.clone(),
-                value: match numbers {
-                    [x, y, z] => Constant::Vector([*x, *y, *z]),
-                    numbers => Constant::Scalar(numbers.first().copied().unwrap_or_default()),
-                },
+                value: GivenValue::of(table.parameter(id).ty, numbers),
                 spans: [SourceSpan::default(); 2],
             }
         });
@@ -178,7 +176,7 @@ impl NamedValue {
     pub fn assignment(&self, table: &ParameterTable) -> Result<Assignment, UnusedValue> {
         let unused = |missing, owner, warning| UnusedValue { missing, owner, parameter: self.parameter.clone(), warning };
         let owner = self.owner.find(table).ok_or_else(|| unused(MissingTarget::Owner, None, no_owner(self, table)))?;
-        Assignment::by_name(table, owner, &self.parameter, self.value, self.spans[1])
+        Assignment::by_name(table, owner, &self.parameter, &self.value, self.spans[1])
             .map_err(|warning| unused(MissingTarget::Parameter, Some(owner), warning))
     }
 }

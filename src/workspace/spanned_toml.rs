@@ -3,8 +3,10 @@
 use crate::lang::ast::Constant;
 use crate::lang::diagnostic::{Diagnostic, Diagnostics, nearest};
 use crate::lang::source::{Source, SourceSpan};
+use crate::workspace::assignment::GivenValue;
 use serde::Serialize;
 use std::ops::Range;
+use std::path::PathBuf;
 use toml::Spanned;
 use toml::de::{DeInteger, DeTable, DeValue};
 
@@ -20,6 +22,16 @@ pub(crate) const VERSION_KEY: &str = "version";
 pub(crate) enum TomlNumber {
     Scalar(f32),
     Vector([f32; 3]),
+    Text(String),
+}
+
+impl From<&GivenValue> for TomlNumber {
+    fn from(value: &GivenValue) -> Self {
+        match value {
+            GivenValue::Constant(constant) => (*constant).into(),
+            GivenValue::Image(path) => TomlNumber::Text(path.display().to_string()),
+        }
+    }
 }
 
 impl From<Constant> for TomlNumber {
@@ -185,6 +197,14 @@ impl<'t> Value<'t> {
             return Err(self.mismatch("a number, or three as `[x, y, z]`"));
         }
         Ok(Constant::Scalar(self.number()? as f32))
+    }
+
+    /// The value of a parameter: a number, a list of three, or a text, the path of an image.
+    pub(crate) fn given(self) -> Result<GivenValue, Diagnostic> {
+        match self.value.as_str() {
+            Some(path) => Ok(GivenValue::Image(PathBuf::from(path))),
+            None => self.constant().map(GivenValue::Constant),
+        }
     }
 
     /// The value as a table.

@@ -111,7 +111,7 @@ impl Values {
         let value = value.map(|number| parameter.clamp(number).0);
         let moves: Vec<(ParameterId, Vec<f32>)> = match parameter.ty {
             Type::Vector => vec![(id, value.to_vec())],
-            Type::Scalar | Type::Truth => {
+            Type::Scalar | Type::Truth | Type::Texture => {
                 let moves = self.table.system(owner.kind()).move_one(id, value[0], |other| self.settled(owner, other));
                 moves.into_iter().map(|(id, value)| (id, vec![value])).collect()
             }

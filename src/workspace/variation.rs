@@ -46,6 +46,9 @@ const ALL_CHOICES: &str = "all";
 /// What is wrong with a variation.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum VariationError {
+    /// The parameter is a texture, which has no numbers.
+    #[error("`{0}` is a texture, which cannot be varied; make a picture of each image: `render --set OWNER.{0}=IMAGE`")]
+    Texture(String),
     /// It has no `=`, or nothing in front of it.
     #[error(
         "`{0}` is not of the form OWNER.PARAMETER=A..B:N; write for example `ball.kd=0..1:5`, `ka=0..0.5:3` or `*.kd=0..1:5`"
@@ -177,6 +180,9 @@ impl Variation {
         let (owner, parameter, component) = self.names(table);
         let component = component.map(|word| component_named(word, parameter)).transpose()?;
         let known = table.parameter_named(parameter).map(|id| table.parameter(id));
+        if let Some(texture) = known.filter(|known| known.ty == Type::Texture) {
+            return Err(VariationError::Texture(texture.name.clone()));
+        }
         let given = match &self.values {
             WrittenSteps::Range { ends, .. } => ends.to_vec(),
             WrittenSteps::List(text) => known.map_or_else(|| Ok(Vec::new()), |known| listed(text, known))?,
@@ -196,6 +202,7 @@ impl Variation {
             NamedAssignmentError::Type { name, .. } if component.is_some() => VariationError::Scalar(name),
             NamedAssignmentError::Form(_)
             | NamedAssignmentError::TooLarge(_)
+            | NamedAssignmentError::Image(_)
             | NamedAssignmentError::Value { .. }
             | NamedAssignmentError::Owner { .. }
             | NamedAssignmentError::Parameter { .. }

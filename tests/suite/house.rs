@@ -13,10 +13,11 @@ use tokens::{Token, tokens, without_tests};
 
 /// Each room with the rooms that it may import. Data flows one way: text → AST → formula → plans → backends; scene →
 /// world → hits → evaluation → picture. The workspace and the window use all of this, and the program uses them.
-const ROOMS: [(&str, &[&str]); 21] = [
+const ROOMS: [(&str, &[&str]); 22] = [
     ("files", &[]),
     ("simd", &[]),
-    ("lang", &[]),
+    ("texture", &[]),
+    ("lang", &["texture"]),
     ("formula", &["lang"]),
     ("scene", &["lang"]),
     ("mesh", &["files", "lang"]),
@@ -27,11 +28,11 @@ const ROOMS: [(&str, &[&str]); 21] = [
     ("bytecode", &["lang", "formula", "scene", "world", "trace"]),
     ("plan", &["lang", "formula"]),
     // Machine code knows the layout of hits, and how components become bytes.
-    ("jit", &["simd", "lang", "formula", "plan", "trace", "picture"]),
+    ("jit", &["simd", "texture", "lang", "formula", "plan", "trace", "picture"]),
     ("evaluate", &["lang", "formula", "scene", "world", "trace", "plan", "picture"]),
     ("backends", &["lang", "formula", "scene", "world", "trace", "bytecode", "plan", "jit", "picture", "evaluate"]),
     ("engine", &["lang", "formula", "scene", "world", "trace", "picture", "evaluate", "backends"]),
-    ("workspace", &["files", "lang", "formula", "scene", "mesh", "bvh", "world", "trace", "engine", "picture"]),
+    ("workspace", &["files", "texture", "lang", "formula", "scene", "mesh", "bvh", "world", "trace", "engine", "picture"]),
     ("import", &["files", "lang", "mesh", "scene", "trace", "picture", "workspace"]),
     ("assist", &["lang", "formula", "scene", "workspace"]),
     // Settings name a backend, and the transfer of new sessions.
@@ -40,6 +41,7 @@ const ROOMS: [(&str, &[&str]); 21] = [
         "preview",
         &[
             "files",
+            "texture",
             "lang",
             "formula",
             "scene",

@@ -49,7 +49,7 @@ impl Quantity {
     /// A quantity of this type. A scalar is the first component.
     pub(super) fn new(ty: Type, value: [f32; 3]) -> Self {
         match ty {
-            Type::Scalar | Type::Truth => Quantity::Scalar(value[0]),
+            Type::Scalar | Type::Truth | Type::Texture => Quantity::Scalar(value[0]),
             Type::Vector => Quantity::Vector(value),
         }
     }

@@ -11,7 +11,7 @@ use crate::formula::check::leaves::leaves;
 use crate::formula::check::names::{Meaning, Names, RepetitionCall};
 use crate::formula::check::terms::{Settled, Terms};
 use crate::formula::written::{Written, WrittenBody, WrittenCall};
-use crate::formula::{Parameter, Term, TermId};
+use crate::formula::{Parameter, ParameterId, Term, TermId};
 use crate::lang::ast::{ExprId, ExprKind, FormulaFile, Name};
 use crate::lang::builtins::{Form, Operation, Repetition};
 use crate::lang::diagnostic::{Diagnostic, Diagnostics};
@@ -299,6 +299,8 @@ impl<'c> Checker<'c> {
             Meaning::Parameter(id) => {
                 let parameter = &self.parameters[id.0 as usize];
                 let usable = parameter.predefined.is_none_or(|predefined| predefined.usable_in_formulas());
+                // A texture alone has been reported.
+                let usable = usable && parameter.ty != Type::Texture;
                 usable.then(|| self.terms.add(Term::Parameter(id), parameter.ty))
             }
             Meaning::Builtin(form @ Form::Constant(_)) => {
@@ -313,12 +315,32 @@ impl<'c> Checker<'c> {
         match self.names.callee(&callee.text) {
             Some(Meaning::Builtin(form @ Form::Function(_))) => CheckStep::Done(self.operation(form, id, arguments, callee.span)),
             Some(Meaning::Function(index)) => self.call_function(index, callee, arguments),
+            Some(Meaning::Parameter(texture)) => CheckStep::Done(self.texture(texture, id, arguments, callee.span)),
             Some(Meaning::Repetition(_)) => match self.names.repetition(self.file, id) {
                 Some(repetition) => self.begin_repetition(id, repetition),
                 None => CheckStep::Done(None),
             },
             _ => CheckStep::Done(None),
         }
+    }
+
+    /// The colour of a texture at two coordinates.
+    fn texture(&mut self, texture: ParameterId, id: ExprId, coordinates: &[ExprId], span: SourceSpan) -> Option<Settled> {
+        let ty = self.parameters[texture.0 as usize].ty;
+        let settled: Option<Vec<Settled>> = coordinates.iter().map(|coordinate| self.settled[coordinate.0 as usize]).collect();
+        // Another number of coordinates has been reported, and so has a call of what is no texture.
+        let settled = settled.filter(|settled| settled.len() == 2 && ty == Type::Texture)?;
+        let settled: Vec<Settled> = settled.into_iter().map(|value| self.terms.as_value(value)).collect();
+        let types: Vec<Type> = std::iter::once(ty).chain(settled.iter().map(|(_, ty)| *ty)).collect();
+        let Some(operation) = Form::Texture.resolve(&types) else {
+            if self.reported.insert(id) {
+                self.report_mismatch(Form::Texture, id, coordinates, &types, span);
+            }
+            return None;
+        };
+        let (parameter, _) = self.terms.add(Term::Parameter(texture), ty);
+        let operands = std::iter::once(parameter).chain(settled.iter().map(|(term, _)| *term)).collect();
+        Some(self.terms.add(Term::Apply(operation, operands), operation.result()))
     }
 
     fn call_function(&mut self, index: usize, callee: &'c Name, arguments: &[ExprId]) -> CheckStep<'c> {
@@ -440,7 +462,13 @@ impl<'c> Checker<'c> {
             let condition = match form {
                 Form::Infix(Mark::AndAnd | Mark::OrOr) | Form::Prefix(Mark::Not) => true,
                 Form::Conditional => index == 0,
-                Form::Infix(_) | Form::Prefix(_) | Form::UnitDot | Form::Function(_) | Form::Constant(_) | Form::Vector => false,
+                Form::Infix(_)
+                | Form::Prefix(_)
+                | Form::UnitDot
+                | Form::Function(_)
+                | Form::Constant(_)
+                | Form::Texture
+                | Form::Vector => false,
             };
             *value = if condition { self.terms.as_condition(*value) } else { self.terms.as_value(*value) };
         }

@@ -57,6 +57,7 @@ fn parameter(term: &Name, parameters: &[Parameter], names: &Names, diagnostics: 
     };
     let parameter = &parameters[id.0 as usize];
     let problem = match (parameter.ty, parameter.range) {
+        (Type::Texture, _) => "it is a texture".to_owned(),
         (Type::Vector | Type::Truth, _) => "it is a vector".to_owned(),
         (Type::Scalar, None) => "it has no `constraint`".to_owned(),
         (Type::Scalar, Some([low, high])) if low != 0.0 || high != 1.0 => format!("its range is {low}..{high}"),

@@ -30,6 +30,12 @@ impl Checker<'_> {
                     .at(whole(&operands[wrong]), "expected a scalar")
                     .help("take one component of it with getx, gety or getz")
             }
+            Form::Texture => {
+                let wrong = types.iter().skip(1).position(|ty| *ty != Type::Scalar).unwrap_or(0);
+                Diagnostic::error(format!("a coordinate of a texture is {}", types[wrong + 1].with_article()))
+                    .at(whole(&operands[wrong]), "expected a scalar")
+                    .help("the surface coordinates of a hit are `u` and `v`")
+            }
             Form::Prefix(_) | Form::Infix(_) | Form::UnitDot | Form::Function(_) | Form::Constant(_) => {
                 let listed: Vec<&str> = types.iter().map(|ty| ty.with_article()).collect();
                 let mut diagnostic = Diagnostic::error(format!("`{spelling}` does not take {}", listed.join(" and ")))
@@ -53,7 +59,7 @@ impl Checker<'_> {
             Form::Function(name) => {
                 form.overloads().map(|op| in_words(op, |types| format!("{name}({})", types.join(", ")))).collect()
             }
-            Form::UnitDot | Form::Constant(_) | Form::Vector | Form::Conditional => Vec::new(),
+            Form::UnitDot | Form::Constant(_) | Form::Texture | Form::Vector | Form::Conditional => Vec::new(),
         };
         let mixed = types.contains(&Type::Scalar) && types.contains(&Type::Vector);
         if mixed
@@ -106,6 +112,7 @@ fn in_words(operation: Operation, write: impl Fn(&[&str]) -> String) -> String {
         Type::Scalar => "scalar",
         Type::Vector => "vector",
         Type::Truth => "comparison",
+        Type::Texture => "texture",
     };
     let types: Vec<&str> = operation.operands().iter().map(|ty| word(*ty)).collect();
     format!("{} → {}", write(&types), word(operation.result()))

@@ -35,6 +35,7 @@ pub(super) fn parameters(file: &FormulaFile, diagnostics: &mut Diagnostics) -> V
             colour: predefined.ty() == Type::Vector,
             switch: false,
             choices: Vec::new(),
+            image: None,
             doc: None,
             predefined: Some(predefined),
             slot: next_slot(predefined.owner(), predefined.ty()),
@@ -55,6 +56,7 @@ pub(super) fn parameters(file: &FormulaFile, diagnostics: &mut Diagnostics) -> V
             colour: declaration.attributes.colour.is_some(),
             switch: false,
             choices: Vec::new(),
+            image: declaration.attributes.image.clone(),
             doc: declaration.doc.clone(),
             predefined: None,
             slot: next_slot(declaration.owner, declaration.ty),
@@ -122,6 +124,10 @@ struct AttributeReader<'d> {
 impl AttributeReader<'_> {
     /// Sets range, default, switch and choices.
     fn apply(&self, parameter: &mut Parameter, diagnostics: &mut Diagnostics) {
+        if parameter.ty == Type::Texture {
+            self.check_texture(parameter, diagnostics);
+            return;
+        }
         self.widgets(parameter, diagnostics);
         parameter.range = match parameter.choices.len() {
             _ if parameter.switch => Some([0.0, 1.0]),
@@ -129,6 +135,35 @@ impl AttributeReader<'_> {
             count => Some([0.0, (count - 1) as f32]),
         };
         parameter.default = self.default(parameter, diagnostics);
+    }
+
+    /// Reports attributes that textures do not have.
+    fn check_texture(&self, parameter: &mut Parameter, diagnostics: &mut Diagnostics) {
+        let ParameterAttributes { range, default, image, slider, colour, switch, choices } = self.attributes;
+        let (name, form) = (&parameter.name, format!("write `{}: texture, default \"image.png\";`", parameter.name));
+        let given = [
+            (range.map(|(_, span)| span), "constraint"),
+            (*slider, "slider"),
+            (*colour, "color"),
+            (*switch, "switch"),
+            (choices.as_ref().map(|(_, span)| *span), "choices"),
+        ];
+        for (span, word) in given.into_iter().filter_map(|(span, word)| Some((span?, word))) {
+            let error = Diagnostic::error(format!("`{name}` is a texture, and `{word}` is for numbers"));
+            diagnostics.push(error.at(span, "expected `default` alone").help(&form));
+        }
+        if let Some((_, span)) = default {
+            let error = Diagnostic::error(format!("the default of `{name}` is the path of an image"));
+            diagnostics.push(error.at(*span, "expected a text in quotation marks").help(&form));
+        }
+        if let Some((path, span)) = image
+            && path.trim().is_empty()
+        {
+            let error = Diagnostic::error("the path is empty").at(*span, "expected the path of an image");
+            diagnostics.push(error.help(format!("without a default, `{name}: texture;`, it is white")));
+        }
+        parameter.slider = false;
+        parameter.colour = false;
     }
 
     /// Sets switch and choices, and reports what does not fit the type.

@@ -11,7 +11,7 @@ use crate::lang::foreign;
 use crate::lang::printer::{head, print_expression};
 use crate::lang::source::SourceSpan;
 use crate::lang::token::Mark;
-use crate::lang::types::Origin;
+use crate::lang::types::{Origin, Type};
 use crate::lang::variables::Variable;
 use std::collections::{BTreeSet, HashSet};
 use std::rc::Rc;
@@ -186,6 +186,13 @@ impl<'r> Resolver<'r> {
             Some(Meaning::Macro(_) | Meaning::Builtin(Form::Constant(_))) => {}
             Some(Meaning::Parameter(id)) => {
                 let parameter = &self.parameters[id.0 as usize];
+                if parameter.ty == Type::Texture {
+                    self.diagnostics.push(
+                        Diagnostic::error(format!("`{name}` is a texture and needs coordinates"))
+                            .at(span, "expected `(` behind it")
+                            .help(format!("write `{name}(u, v)`: its colour at the surface coordinates of the hit")),
+                    );
+                }
                 if parameter.predefined.is_some_and(|predefined| !predefined.usable_in_formulas()) {
                     self.diagnostics.push(
                         Diagnostic::error(format!("`{name}` cannot be used in formulas"))
@@ -237,6 +244,15 @@ impl<'r> Resolver<'r> {
                 }
             }
             Some(Meaning::Repetition(repetition)) => self.repetition(repetition, callee, arguments),
+            Some(Meaning::Parameter(id)) if self.parameters[id.0 as usize].ty == Type::Texture => {
+                if arguments.len() != 2 {
+                    self.diagnostics.push(
+                        Diagnostic::error(format!("the texture `{name}` takes 2 coordinates, not {}", arguments.len()))
+                            .at(callee.span, format!("{} given", arguments.len()))
+                            .help(format!("write `{name}(u, v)`: its colour at the surface coordinates of the hit")),
+                    );
+                }
+            }
             // What it stands for has been reported; it may be a function.
             Some(Meaning::Macro(index)) if self.file.expr(self.file.definitions[index].body).kind == ExprKind::Missing => {}
             Some(other) => {

@@ -102,7 +102,7 @@ impl Terms {
         let (number, scalar) = self.number(value);
         match ty {
             Type::Vector => self.add(Term::Apply(Operation::Spread, vec![number]), Type::Vector),
-            Type::Scalar | Type::Truth => (number, scalar),
+            Type::Scalar | Type::Truth | Type::Texture => (number, scalar),
         }
     }
 

@@ -2,8 +2,9 @@
 
 use crate::formula::graph::Graph;
 use crate::jit::call::memory::CodeMemory;
-use crate::jit::call::processor::{CodeCall, perform, perlin_lanes};
+use crate::jit::call::processor::{CodeCall, address_of, perform};
 use crate::jit::code_call::{Bases, KernelCall, OUTPUTS};
+use crate::jit::emit::Callee;
 use crate::jit::kernel::{self, KernelPart, KernelSpec, LoopShape};
 use crate::jit::lanes::{Line, Splat, Streams};
 use crate::jit::target::{CompileError, Listing, Target, target};
@@ -19,6 +20,7 @@ use cranelift_codegen::isa::{CallConv, TargetIsa};
 use cranelift_jit::{JITBuilder, JITModule};
 use cranelift_module::{FuncId, Linkage, Module, ModuleError, ModuleReloc};
 use smallvec::SmallVec;
+use std::collections::HashSet;
 use std::sync::Arc;
 
 /// The type of every kernel function. [`writer`] explains the parameters.
@@ -43,12 +45,17 @@ pub(in crate::jit) fn generate(
     let target = target(width)?;
     let failed = |error: ModuleError| CompileError::Generator(error.to_string());
     let mut builder = JITBuilder::with_isa(target.isa.clone(), cranelift_module::default_libcall_names());
-    builder.symbol("perlin", perlin_lanes as *const u8);
+    for callee in Callee::ALL {
+        builder.symbol(callee.primitive().name(), address_of(callee));
+    }
     let mut memory = CodeMemory::new(builder);
     let module = &mut *memory.0;
-    let mut noise_signature = Signature::new(CallConv::SystemV);
-    noise_signature.params.push(AbiParam::new(I64));
-    let noise = module.declare_function("perlin", Linkage::Import, &noise_signature).map_err(failed)?;
+    let mut callee_signature = Signature::new(CallConv::SystemV);
+    callee_signature.params.push(AbiParam::new(I64));
+    let mut callees: Vec<FuncId> = Vec::new();
+    for callee in Callee::ALL {
+        callees.push(module.declare_function(callee.primitive().name(), Linkage::Import, &callee_signature).map_err(failed)?);
+    }
     let mut defined: Vec<Vec<(FuncId, LoopShape)>> = Vec::with_capacity(specs.len());
     for (index, spec) in specs.iter().enumerate() {
         let mut functions = Vec::new();
@@ -57,7 +64,7 @@ pub(in crate::jit) fn generate(
             signature.params.extend(writer::parameters());
             let name = format!("{}{index}_{}", spec.plan.name, part.outputs.start);
             let id = module.declare_function(&name, Linkage::Local, &signature).map_err(failed)?;
-            let function = KernelFunction { target: &target, part, graph, id, signature, noise };
+            let function = KernelFunction { target: &target, part, graph, id, signature, callees: &callees };
             functions.push((id, function.define(module, listing.as_deref_mut())?));
         }
         defined.push(functions);
@@ -90,8 +97,8 @@ struct KernelFunction<'d> {
     graph: &'d Graph,
     id: FuncId,
     signature: Signature,
-    /// The function that it calls for noise.
-    noise: FuncId,
+    /// The functions that it may call, by their numbers.
+    callees: &'d [FuncId],
 }
 
 impl KernelFunction<'_> {
@@ -104,15 +111,18 @@ impl KernelFunction<'_> {
         }
         for shape in part.shapes(graph, target) {
             let schedule = part.schedule(graph, shape).ok_or_else(|| self.unread())?;
-            let noisy = schedule.iter().any(|id| kernel::calls_perlin(graph, *id));
-            if shape.blocks > 1 && noisy {
+            let called: HashSet<usize> =
+                schedule.iter().filter_map(|id| kernel::callee(graph, *id)).map(|callee| callee as usize).collect();
+            if shape.blocks > 1 && !called.is_empty() {
                 continue;
             }
             let mut context = Context::new();
             context.func.signature = self.signature.clone();
-            let callee = noisy.then(|| module.declare_func_in_func(self.noise, &mut context.func));
+            let callees = std::array::from_fn(|index| {
+                called.contains(&index).then(|| module.declare_func_in_func(self.callees[index], &mut context.func))
+            });
             let isa = target.isa(kernel::allocation(&schedule, graph));
-            writer::write(part, &schedule, graph, isa, shape, callee, &mut context.func);
+            writer::write(part, &schedule, graph, isa, shape, callees, &mut context.func);
             context.set_disasm(listing.is_some());
             let clif = listing.is_some().then(|| context.func.display().to_string());
             let Some(assembler) = self.compile(module, &mut context, isa, shape, listing.is_some())? else { continue };

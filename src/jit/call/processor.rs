@@ -2,10 +2,11 @@
 //! kernel calls Rust code, and prefetching.
 
 use crate::jit::code_call::{Bases, KernelCall};
-use crate::jit::emit::PERLIN_OPERANDS;
+use crate::jit::emit::Callee;
 use crate::jit::lanes::Line;
 use crate::lang::noise;
 use crate::lang::scalars::flush;
+use crate::texture;
 
 /// A call of compiled code: the operands, and the address of the code. For code that adds to pixels, the operands are
 /// the bytes of an [`AddCall`].
@@ -99,12 +100,38 @@ pub(super) unsafe fn perform(calls: &[CodeCall], bases: &Bases) {
     }
 }
 
-/// The function that kernels call for noise. `lanes` points to six operands of four lanes, followed by room for
-/// the result.
+/// The address of a function that kernels call. It is passed the address of operands of four lanes each, followed by
+/// room for the result.
+pub(super) fn address_of(callee: Callee) -> *const u8 {
+    match callee {
+        Callee::Noise => noise_lanes as *const u8,
+        Callee::Texture => texture_lanes as *const u8,
+    }
+}
+
+/// Noise, see [`address_of`].
 ///
 /// # Safety
-/// `lanes` points to room for seven times four numbers, of which the first six times four are there.
-pub(super) unsafe extern "C" fn perlin_lanes(lanes: *mut f32) {
+/// That of [`lanes`] for six operands.
+unsafe extern "C" fn noise_lanes(numbers: *mut f32) {
+    // SAFETY: passed on.
+    unsafe { lanes(numbers, |[x, y, z, a, b, n]: [f32; 6]| noise::perlin([x, y, z], a, b, n)) }
+}
+
+/// A component of the colour of a texture, see [`address_of`].
+///
+/// # Safety
+/// That of [`lanes`] for four operands.
+unsafe extern "C" fn texture_lanes(numbers: *mut f32) {
+    // SAFETY: passed on.
+    unsafe { lanes(numbers, |[t, u, v, c]: [f32; 4]| texture::component(t, u, v, c)) }
+}
+
+/// Computes a function of `OPERANDS` numbers in four lanes.
+///
+/// # Safety
+/// `lanes` points to room for `OPERANDS + 1` times four numbers, of which the operands are there.
+unsafe fn lanes<const OPERANDS: usize>(lanes: *mut f32, function: impl Fn([f32; OPERANDS]) -> f32) {
     let mut saved = KERNEL_MODE;
     // SAFETY: reads and writes nothing but MXCSR or FPCR, and `saved`. Rust's floating point needs the default state.
     unsafe {
@@ -114,13 +141,11 @@ pub(super) unsafe extern "C" fn perlin_lanes(lanes: *mut f32) {
         std::arch::asm!("mrs {saved}, fpcr", "msr fpcr, {rust}", saved = out(reg) saved, rust = in(reg) RUST_MODE, options(nostack));
     }
     const WIDTH: usize = Line::RECORDS / Line::BLOCKS;
-    const OPERANDS: usize = PERLIN_OPERANDS as usize;
     for lane in 0..WIDTH {
         // SAFETY: kernels pass the address of a stack slot of `OPERANDS + 1` times `WIDTH` floats whose operands they
         // have written.
-        let [x, y, z, a, b, n] =
-            std::array::from_fn::<f32, OPERANDS, _>(|index| unsafe { lanes.add(index * WIDTH + lane).read() });
-        let value = flush(noise::perlin([x, y, z], a, b, n));
+        let operands = std::array::from_fn(|index| unsafe { lanes.add(index * WIDTH + lane).read() });
+        let value = flush(function(operands));
         // SAFETY: as above; the room for the result is behind the operands.
         unsafe { lanes.add(OPERANDS * WIDTH + lane).write(value) };
     }

@@ -394,7 +394,7 @@ impl App {
         let source = document.source();
         let start = std::time::Instant::now();
         let applied = match tab {
-            TextTab::Formula => self.workshop.apply_formula(&source),
+            TextTab::Formula => self.workshop.apply_formula(&source, document.location()),
             TextTab::Scene => self.workshop.apply_scene(&source, &document.place()),
         };
         let name = document.name();

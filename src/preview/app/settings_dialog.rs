@@ -258,7 +258,7 @@ fn default_values_ui(ui: &mut Ui, settings: &mut Settings) {
                             }
                         });
                     }
-                    Type::Scalar | Type::Truth => {
+                    Type::Scalar | Type::Truth | Type::Texture => {
                         ui.add(Slider::new(&mut value[0], 0.0..=1.0).show_value(false));
                         component_ui(ui, NUMBER_WIDTH, &mut value[0]);
                     }

@@ -72,7 +72,7 @@ impl RowContext<'_> {
         let signs = Signs { lock: lock.as_deref(), limit };
         let edit = ui.push_id((owner, id), |ui| match parameter.ty {
             Type::Vector => self.vector_ui(ui, parameter, value, (owner, &signs)),
-            Type::Scalar | Type::Truth => {
+            Type::Scalar | Type::Truth | Type::Texture => {
                 let mut edit = None;
                 row(ui, |ui| {
                     edit = self.name_ui(ui, parameter, owner, signs.lock);
@@ -309,7 +309,7 @@ fn tooltip(parameter: &Parameter, lock: Option<&str>) -> String {
         None => {
             let default = match parameter.ty {
                 Type::Vector => format!("<{}>", parameter.default.map(|number| number.to_string()).join(", ")),
-                Type::Scalar | Type::Truth => parameter.default[0].to_string(),
+                Type::Scalar | Type::Truth | Type::Texture => parameter.default[0].to_string(),
             };
             text.push_str(&format!("\nDouble-click: the default of the formula, {default}. Right-click: more."));
         }

@@ -55,14 +55,14 @@ fn a_failed_apply_leaves_everything_as_it_was() {
     let mut workshop = workshop();
     let first = settle(&mut workshop);
     let values = workshop.values().clone();
-    let errors = workshop.apply_formula(&Source::new("new", "formula; = IL*Cd*N.L;")).expect_err("a mistake");
+    let errors = workshop.apply_formula(&Source::new("new", "formula; = IL*Cd*N.L;"), None).expect_err("a mistake");
     assert!(errors.has_errors() && settle(&mut workshop) == first && *workshop.values() == values);
     workshop.apply_scene(&Source::new("new", "bodies; ball: sphere;"), &Location::new("")).expect_err("a mistake");
     assert!(settle(&mut workshop) == first);
     // A good one keeps values by owner and name.
     let (owner, id) = slider(&workshop, "ball.Cd");
     let colour = workshop.values().get(owner, id).to_vec();
-    workshop.apply_formula(&Source::new("new", "formula; = IL*Cd*max(0, N.L);")).expect("no mistake");
+    workshop.apply_formula(&Source::new("new", "formula; = IL*Cd*max(0, N.L);"), None).expect("no mistake");
     assert!(settle(&mut workshop) != first);
     let (owner, id) = slider(&workshop, "ball.Cd");
     assert_eq!(workshop.values().get(owner, id), colour);
@@ -74,7 +74,7 @@ fn changes_are_undone_across_formulas_by_owner_and_name() {
     let (owner, colour) = slider(&workshop, "ball.Cd");
     let before = workshop.values().get(owner, colour).to_vec();
     workshop.set(owner, colour, [0.25, 0.5, 0.75]);
-    workshop.apply_formula(&Source::new("new", "formula; = IL*Cd*max(0, N.L);")).expect("no mistake");
+    workshop.apply_formula(&Source::new("new", "formula; = IL*Cd*max(0, N.L);"), None).expect("no mistake");
     let (owner, colour) = slider(&workshop, "ball.Cd");
     assert_eq!(workshop.values().get(owner, colour), [0.25, 0.5, 0.75]);
     assert!(workshop.undo());
@@ -96,7 +96,7 @@ fn snapshots_bring_values_and_formulas_back() {
     workshop.set(owner, id, [0.0; 3]);
     let second = settle(&mut workshop);
     workshop.take_snapshot(1);
-    workshop.apply_formula(&Source::new("new", "formula; = IL*Cd*max(0, N.L);")).expect("no mistake");
+    workshop.apply_formula(&Source::new("new", "formula; = IL*Cd*max(0, N.L);"), None).expect("no mistake");
     settle(&mut workshop);
     workshop.restore_snapshot(0);
     assert!(settle(&mut workshop) == first);

@@ -165,7 +165,11 @@ impl Layer {
         if !path.try_exists().unwrap_or(true) {
             return Ok((Self::empty(&path.display().to_string()), Diagnostics::new()));
         }
-        Self::parse(read_source(path, Some(FileKind::Material), readable).map_err(SourceDiagnostics::without_text)?)
+        let source = read_source(path, Some(FileKind::Material), readable).map_err(SourceDiagnostics::without_text)?;
+        let (layer, warnings) = Self::parse(source)?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let library = layer.library.with_values(|value| value.from_folder(folder));
+        Ok((Self { library, ..layer }, warnings))
     }
 }
 

@@ -46,7 +46,7 @@ fn material(entry: &TomlEntry, diagnostics: &mut Diagnostics) -> Option<Material
         }
     };
     for TomlEntry { key, key_span, value } in entries(table) {
-        match value.constant() {
+        match value.given() {
             Ok(value) => material.properties.push(Property { parameter: key.to_owned(), value, span: key_span }),
             Err(diagnostic) => diagnostics.push(diagnostic),
         }

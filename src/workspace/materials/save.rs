@@ -27,7 +27,7 @@ impl Serialize for LibraryFile<'_> {
 
 impl Serialize for MaterialTable<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_map(self.0.properties.iter().map(|property| (&property.parameter, TomlNumber::from(property.value))))
+        serializer.collect_map(self.0.properties.iter().map(|property| (&property.parameter, TomlNumber::from(&property.value))))
     }
 }
 

@@ -11,6 +11,7 @@ use crate::workspace::project::{
     session_source,
 };
 use crate::workspace::session::{NamedValue, Session};
+use crate::workspace::textures::parse_formula;
 use crate::workspace::{FileKind, Location};
 use crate::world::Meshes;
 
@@ -93,7 +94,7 @@ impl Project {
         };
         let [formula, scene] = locations(request, session.as_ref())?;
         let mut unusable = Vec::new();
-        let formula_read = read_text(request, &formula, FileKind::Formula, &Formula::parse, listener);
+        let formula_read = read_text(request, &formula, FileKind::Formula, &parse_formula, listener);
         let scene_read = read_scene(request, &scene, listener);
         let stands_in = [formula_read.is_err(), scene_read.is_err()];
         let (formula_text, checked) = or_stand_in(formula_read, PLAIN_FORMULA, Formula::parse, &mut unusable)?;

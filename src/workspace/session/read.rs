@@ -158,9 +158,9 @@ impl SessionReader {
     fn values(&mut self, owner: &OwnerName, owner_span: SourceSpan, value: Value) {
         let Some(table) = self.report_error(value.table()) else { return };
         for TomlEntry { key, key_span, value } in entries(table) {
-            if let Some(constant) = self.report_error(value.constant()) {
+            if let Some(given) = self.report_error(value.given()) {
                 let spans = [owner_span, key_span];
-                self.values.push(NamedValue { owner: owner.clone(), parameter: key.to_owned(), value: constant, spans });
+                self.values.push(NamedValue { owner: owner.clone(), parameter: key.to_owned(), value: given, spans });
             }
         }
     }

@@ -55,7 +55,7 @@ pub(super) fn to_toml(session: &Session, folder: &Path) -> Result<String, toml::
             OwnerName::Body(name) => file.bodies.entry(name).or_default(),
             OwnerName::Light(name) => file.lights.entry(name).or_default(),
         };
-        group.insert(&value.parameter, value.value.into());
+        group.insert(&value.parameter, (&value.value.clone().relative_to(folder)).into());
     }
     toml::to_string(&file)
 }

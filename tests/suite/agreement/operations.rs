@@ -208,7 +208,7 @@ fn reference(operation: Operation, case: &[f32]) -> Vec<f32> {
     }
     operation.apply(&mut Floats, &mut stack);
     match operation.result() {
-        Type::Scalar | Type::Truth => stack.pop::<1>().to_vec(),
+        Type::Scalar | Type::Truth | Type::Texture => stack.pop::<1>().to_vec(),
         Type::Vector => stack.pop::<3>().to_vec(),
     }
 }

@@ -1,0 +1,229 @@
+//! Images on bodies: their texels, and the colour at surface coordinates. How files become textures is not known here.
+//!
+//! A texture parameter has one number, the *number of a texture*. 0 is white. So a formula's values stay numbers, and
+//! another image is another number: nothing is compiled or traced again. Textures are kept until the program ends,
+//! because numbers of them may be anywhere: in values, snapshots and steps of undo.
+
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, OnceLock, PoisonError};
+
+/// The largest width and height of a texture, in texels.
+pub const MAX_TEXTURE_SIDE: u32 = 16_384;
+
+/// The most textures that a run of the program can have.
+const MOST: usize = 4096;
+
+/// The most memory that all textures together may take, in bytes.
+pub const MAX_TEXTURE_BYTES: u64 = 4 << 30;
+
+/// An image as linear colours.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Texture {
+    width: u32,
+    height: u32,
+    /// Row by row from the bottom, each from the left.
+    texels: Vec<[f32; 3]>,
+}
+
+impl Texture {
+    /// Bytes of a texel.
+    pub const BYTES_PER_TEXEL: u64 = size_of::<[f32; 3]>() as u64;
+
+    /// A texture of these linear colours, row by row from the bottom. Numbers that are not finite become 0. `None` if a
+    /// side is 0 or larger than [`MAX_TEXTURE_SIDE`], or the number of texels is another.
+    pub fn new(width: u32, height: u32, mut texels: Vec<[f32; 3]>) -> Option<Self> {
+        let sides = 1..=MAX_TEXTURE_SIDE;
+        let fits =
+            sides.contains(&width) && sides.contains(&height) && texels.len() as u64 == u64::from(width) * u64::from(height);
+        for component in texels.as_flattened_mut() {
+            if !component.is_finite() {
+                *component = 0.0;
+            }
+        }
+        fits.then_some(Self { width, height, texels })
+    }
+
+    /// Width and height in texels.
+    pub fn size(&self) -> [u32; 2] {
+        [self.width, self.height]
+    }
+
+    /// The texel at column `x` from the left and row `y` from the bottom; white outside.
+    pub fn texel(&self, x: u32, y: u32) -> [f32; 3] {
+        self.texels.get(y as usize * self.width as usize + x as usize).copied().unwrap_or([1.0; 3])
+    }
+
+    /// The colour at surface coordinates: (0, 0) is the lower left corner and (1, 1) the upper right one; the image
+    /// repeats outside. Between the middles of texels, colours are interpolated. Coordinates that are not finite count
+    /// as 0.
+    pub fn colour(&self, u: f32, v: f32) -> [f32; 3] {
+        let (column, row) = (Span::of(u, self.width), Span::of(v, self.height));
+        let in_row = |y: u32| {
+            let [left, right] = [self.texel(column.first, y), self.texel(column.second, y)];
+            mixed(left, right, column.share)
+        };
+        mixed(in_row(row.first), in_row(row.second), row.share)
+    }
+}
+
+/// `a` and `b`, mixed: `share` of `b`.
+fn mixed(a: [f32; 3], b: [f32; 3], share: f32) -> [f32; 3] {
+    std::array::from_fn(|component| a[component] * (1.0 - share) + b[component] * share)
+}
+
+/// Two neighbouring columns or rows, and the share of the second.
+struct Span {
+    first: u32,
+    second: u32,
+    share: f32,
+}
+
+impl Span {
+    /// The middles of texels around a coordinate, for this many texels.
+    fn of(coordinate: f32, count: u32) -> Self {
+        let within = if coordinate.is_finite() { coordinate - coordinate.floor() } else { 0.0 };
+        // From -0.5 to `count - 0.5`: the last texel is beside the first.
+        let place = within * count as f32 - 0.5;
+        let whole = place.floor();
+        let first = if whole < 0.0 { count - 1 } else { (whole as u32).min(count - 1) };
+        let second = if first + 1 == count { 0 } else { first + 1 };
+        Self { first, second, share: place - whole }
+    }
+}
+
+/// A texture with the file that it was read from.
+#[derive(Debug)]
+struct Known {
+    path: PathBuf,
+    texture: Texture,
+}
+
+/// The textures by their numbers. There is none of number 0.
+static KNOWN: [OnceLock<Known>; MOST] = [const { OnceLock::new() }; MOST];
+
+/// How many numbers are in use, 0 included, and how many bytes their textures take.
+static TAKEN: Mutex<(usize, u64)> = Mutex::new((1, 0));
+
+/// Why there is no room for a texture.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum NoRoom {
+    /// There are too many.
+    #[error("there are more than {MOST} textures")]
+    Number,
+    /// They take too much memory.
+    #[error("all textures together take more than {} GiB of memory", MAX_TEXTURE_BYTES >> 30)]
+    Memory,
+}
+
+/// Whether a texture of this many texels has room beside those that are there.
+///
+/// # Errors
+/// There are too many textures, or they would take too much memory.
+pub fn check_room(texels: u64) -> Result<(), NoRoom> {
+    let (numbers, bytes) = *TAKEN.lock().unwrap_or_else(PoisonError::into_inner);
+    let more = texels.saturating_mul(Texture::BYTES_PER_TEXEL);
+    if numbers >= MOST {
+        Err(NoRoom::Number)
+    } else if bytes.saturating_add(more) > MAX_TEXTURE_BYTES {
+        Err(NoRoom::Memory)
+    } else {
+        Ok(())
+    }
+}
+
+/// Keeps a texture that was read from a file, and gives it a number greater than 0.
+///
+/// # Errors
+/// There are too many textures, or they would take too much memory.
+pub fn keep(path: PathBuf, texture: Texture) -> Result<f32, NoRoom> {
+    let texels = texture.texels.len() as u64;
+    check_room(texels)?;
+    let mut taken = TAKEN.lock().unwrap_or_else(PoisonError::into_inner);
+    let number = taken.0;
+    let place = KNOWN.get(number).ok_or(NoRoom::Number)?;
+    place.get_or_init(|| Known { path, texture });
+    *taken = (number + 1, taken.1.saturating_add(texels * Texture::BYTES_PER_TEXEL));
+    Ok(number as f32)
+}
+
+fn known(number: f32) -> Option<&'static Known> {
+    // NaN and negative numbers become 0.
+    KNOWN.get(number.round() as usize)?.get()
+}
+
+/// The texture of a number; `None` for white and for numbers that no texture has.
+pub fn numbered(number: f32) -> Option<&'static Texture> {
+    known(number).map(|known| &known.texture)
+}
+
+/// The file that the texture of a number was read from; `None` for white.
+pub fn path_of(number: f32) -> Option<&'static Path> {
+    known(number).map(|known| known.path.as_path())
+}
+
+/// A component (0 is red) of the colour of the texture with a number, at surface coordinates.
+pub fn component<T: Into<f64> + From<f32>>(number: T, u: T, v: T, component: T) -> T {
+    let [number, u, v, component] = [number, u, v, component].map(|value| value.into() as f32);
+    let index = (component.round() as usize).min(2);
+    numbered(number).map_or(1.0, |texture| texture.colour(u, v)[index]).into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two by two: below black and red, above green and blue.
+    fn four() -> Texture {
+        Texture::new(2, 2, vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]).expect("four texels")
+    }
+
+    #[test]
+    fn the_middles_of_texels_have_their_colours() {
+        let texture = four();
+        for (u, v, expected) in [
+            (0.25, 0.25, [0.0; 3]),
+            (0.75, 0.25, [1.0, 0.0, 0.0]),
+            (0.25, 0.75, [0.0, 1.0, 0.0]),
+            (0.75, 0.75, [0.0, 0.0, 1.0]),
+            (-0.25, 0.25, [1.0, 0.0, 0.0]),
+            (3.25, -7.25, [0.0, 1.0, 0.0]),
+        ] {
+            assert_eq!(texture.colour(u, v), expected, "{u} {v}");
+        }
+    }
+
+    #[test]
+    fn colours_between_are_interpolated_across_the_edges_too() {
+        let texture = four();
+        assert_eq!(texture.colour(0.5, 0.25), [0.5, 0.0, 0.0]);
+        assert_eq!(texture.colour(0.5, 0.5), [0.25; 3]);
+        // The corners of the image touch its four neighbours.
+        for (u, v) in [(0.0, 0.0), (1.0, 0.0), (-5.0, 2.0), (f32::NAN, f32::INFINITY), (-1e-9, 1e-20)] {
+            assert_eq!(texture.colour(u, v), [0.25; 3], "{u} {v}");
+        }
+        assert_eq!(texture.colour(0.0, 0.25), [0.5, 0.0, 0.0]);
+    }
+
+    #[test]
+    fn textures_have_sides_and_finite_texels() {
+        assert_eq!(Texture::new(0, 1, Vec::new()), None);
+        assert_eq!(Texture::new(1, 1, Vec::new()), None);
+        assert_eq!(Texture::new(MAX_TEXTURE_SIDE + 1, 1, vec![[0.0; 3]; MAX_TEXTURE_SIDE as usize + 1]), None);
+        let texture = Texture::new(1, 1, vec![[f32::NAN, f32::INFINITY, 2.0]]).expect("a texel");
+        assert_eq!(texture.colour(0.3, 0.9), [0.0, 0.0, 2.0]);
+    }
+
+    #[test]
+    fn numbers_lead_to_textures() {
+        let number = keep(PathBuf::from("four.png"), four()).expect("room");
+        assert!(number > 0.0);
+        assert_eq!(path_of(number), Some(Path::new("four.png")));
+        assert_eq!(component(number, 0.75, 0.25, 0.0_f32), 1.0);
+        assert_eq!(component(f64::from(number), 0.75, 0.25, 1.0_f64), 0.0);
+        for number in [0.0, -1.0, f32::NAN, f32::INFINITY, 4095.0, 1e30] {
+            assert_eq!((numbered(number), path_of(number)), (None, None));
+            assert_eq!(component(number, 0.1, 0.1, 0.0), 1.0);
+        }
+        assert_eq!(check_room(1 << 40), Err(NoRoom::Memory));
+    }
+}

@@ -1,0 +1,145 @@
+//! Images in files as textures: PNG and JPEG hold sRGB, OpenEXR and Radiance HDR linear numbers.
+//!
+//! A file is read once, until it changes. What cannot be read is an error that names it. Transparency, colour profiles
+//! and the orientation of photographs are left out.
+
+use crate::files::{OpenError, Readable, open, reason};
+use crate::formula::Formula;
+use crate::lang::colour;
+use crate::lang::diagnostic::{Diagnostic, Diagnostics};
+use crate::lang::source::Source;
+use crate::lang::types::Type;
+use crate::texture::{self, MAX_TEXTURE_SIDE, Texture};
+use crate::workspace::assignment::Assignment;
+use crate::workspace::location::{Location, near_file};
+use crate::workspace::values::Values;
+use image::{ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
+use std::collections::HashMap;
+use std::io::{self, BufReader, ErrorKind};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+use std::time::SystemTime;
+
+/// The suffixes of images that textures are read from.
+pub const SUFFIXES: [&str; 5] = ["png", "jpg", "jpeg", "exr", "hdr"];
+
+/// What a file was when it was read: path, time of the last change, and size in bytes.
+type FileState = (PathBuf, Option<SystemTime>, u64);
+
+/// The numbers of the textures that were read.
+static READ: Mutex<Option<HashMap<FileState, f32>>> = Mutex::new(None);
+
+/// The number of the texture in a file. The empty path is that of white, 0.
+///
+/// # Errors
+/// The file cannot be read, is no image of a known format, is damaged or too large, or there is no room for it.
+pub fn load(path: &Path) -> Result<f32, Diagnostic> {
+    if path.as_os_str().is_empty() {
+        return Ok(0.0);
+    }
+    let failed = |why: &str| Diagnostic::error(format!("cannot read the image `{}`: {why}", path.display()));
+    let unread = |error: &io::Error| {
+        let missing = error.kind() == ErrorKind::NotFound;
+        let name = path.file_name().and_then(|name| name.to_str());
+        let near = name.filter(|_| missing).and_then(|name| near_file(path, name));
+        failed(&reason(error)).help_if(near.map(|near| format!("did you mean `{}`?", near.display())))
+    };
+    let (file, metadata) = open(path, Readable::Regular).map_err(|error| match error {
+        OpenError::Irregular(found) => failed(&format!("it is {found}, not a file")),
+        OpenError::Io(error) => unread(&error),
+    })?;
+    let state: FileState = (path.to_owned(), metadata.modified().ok(), metadata.len());
+    let mut read = READ.lock().unwrap_or_else(PoisonError::into_inner);
+    let read = read.get_or_insert_default();
+    if let Some(number) = read.get(&state) {
+        return Ok(*number);
+    }
+    let texture = decode(file).map_err(|why| {
+        failed(&why).help(format!("textures are images of the formats PNG, JPEG, OpenEXR and HDR ({})", SUFFIXES.join(", ")))
+    })?;
+    let number = texture::keep(path.to_owned(), texture).map_err(|error| failed(&error.to_string()))?;
+    read.insert(state, number);
+    Ok(number)
+}
+
+/// The texture of an image, or why there is none.
+fn decode(file: std::fs::File) -> Result<Texture, String> {
+    let damaged = |error: ImageError| match error {
+        ImageError::IoError(error) if error.kind() == ErrorKind::UnexpectedEof => "the file ends too early".to_owned(),
+        ImageError::IoError(error) => reason(&error),
+        ImageError::Limits(_) => format!("it is too large: at most {MAX_TEXTURE_SIDE} texels a side"),
+        error => format!("it is damaged, or of an unusual kind ({error})"),
+    };
+    let mut reader = ImageReader::new(BufReader::new(file)).with_guessed_format().map_err(|error| reason(&error))?;
+    let is_linear = match reader.format() {
+        Some(ImageFormat::Png | ImageFormat::Jpeg) => false,
+        Some(ImageFormat::OpenExr | ImageFormat::Hdr) => true,
+        Some(_) | None => return Err("it is no image of a known format".to_owned()),
+    };
+    let mut limits = Limits::default();
+    limits.max_image_width = Some(MAX_TEXTURE_SIDE);
+    limits.max_image_height = Some(MAX_TEXTURE_SIDE);
+    limits.max_alloc = Some(texture::MAX_TEXTURE_BYTES);
+    reader.limits(limits);
+    let decoder = reader.into_decoder().map_err(damaged)?;
+    let (width, height) = decoder.dimensions();
+    if width > MAX_TEXTURE_SIDE || height > MAX_TEXTURE_SIDE {
+        return Err(format!("it has {width}×{height} texels: at most {MAX_TEXTURE_SIDE} a side"));
+    }
+    // While it is decoded, there are the numbers of the file and those of the texture.
+    texture::check_room(2 * u64::from(width) * u64::from(height)).map_err(|error| error.to_string())?;
+    let image = image::DynamicImage::from_decoder(decoder).map_err(damaged)?.into_rgb32f();
+    let row = 3 * width as usize;
+    let mut texels: Vec<[f32; 3]> = Vec::with_capacity(width as usize * height as usize);
+    for row in image.as_raw().chunks_exact(row.max(1)).rev() {
+        texels.extend(row.as_chunks::<3>().0);
+    }
+    if !is_linear {
+        texels.iter_mut().for_each(|texel| *texel = texel.map(linear));
+    }
+    Texture::new(width, height, texels).ok_or_else(|| format!("it has {width}×{height} texels"))
+}
+
+/// The linear intensity of a component of sRGB.
+fn linear(component: f32) -> f32 {
+    colour::linear_from_srgb(f64::from(component)) as f32
+}
+
+/// Parses the formula at a location, and reads the images that are defaults of its textures. Their paths are relative to
+/// the folder of the formula.
+///
+/// # Errors
+/// Those of [`Formula::parse`], and an error for each image that cannot be read.
+pub fn parse_formula(source: &Source, location: &Location) -> Result<(Formula, Diagnostics), Diagnostics> {
+    let (mut formula, mut diagnostics) = Formula::parse(source)?;
+    read_defaults(&mut formula, location, &mut diagnostics);
+    if diagnostics.has_errors() { Err(diagnostics) } else { Ok((formula, diagnostics)) }
+}
+
+/// Reads the images that are defaults of a formula's textures, and reports those that cannot be read.
+pub fn read_defaults(formula: &mut Formula, location: &Location, diagnostics: &mut Diagnostics) {
+    let folder = location.file().and_then(Path::parent).unwrap_or(Path::new("")).to_owned();
+    for parameter in formula.parameters.iter_mut().filter(|parameter| parameter.ty == Type::Texture) {
+        let Some((path, span)) = &parameter.image else { continue };
+        match load(&folder.join(path.trim())) {
+            Ok(number) => parameter.default[0] = number,
+            Err(error) => diagnostics.push(error.at(*span, "named here")),
+        }
+    }
+    diagnostics.sort();
+}
+
+/// The textures of values whose files have changed since they were read. A file that cannot be read now is left out.
+pub fn reloaded(values: &Values) -> Vec<Assignment> {
+    let mut found = Vec::new();
+    for (owner, parameter, numbers) in values.iter() {
+        let number = numbers.first().copied().unwrap_or_default();
+        let is_texture = values.table().parameter(parameter).ty == Type::Texture;
+        let Some(path) = texture::path_of(number).filter(|_| is_texture) else { continue };
+        match load(path) {
+            Ok(new) if new != number => found.push(Assignment { owner, parameter, value: [new, 0.0, 0.0] }),
+            Ok(_) | Err(_) => {}
+        }
+    }
+    found
+}
