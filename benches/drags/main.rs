@@ -132,7 +132,7 @@ fn measure(case: &Case) -> Vec<Ratio> {
     for (owner, id) in all.filter(|(owner, id)| project.values.lock_of(*owner, *id).is_none()) {
         let components = match project.values.table().parameter(id).ty {
             Type::Vector => &[None, Some(0)][..],
-            Type::Scalar | Type::Truth => &[None],
+            Type::Scalar | Type::Truth | Type::Texture => &[None],
         };
         found.extend(components.iter().filter_map(|component| ratio(&project, &evaluator, owner, id, *component)));
     }

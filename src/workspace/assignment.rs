@@ -57,6 +57,14 @@ impl GivenValue {
         }
     }
 
+    /// The number or the vector; `None` for an image.
+    pub fn constant(&self) -> Option<Constant> {
+        match self {
+            GivenValue::Constant(constant) => Some(*constant),
+            GivenValue::Image(_) => None,
+        }
+    }
+
     /// Its type.
     pub fn ty(&self) -> Type {
         match self {

@@ -143,3 +143,6 @@ pub fn reloaded(values: &Values) -> Vec<Assignment> {
     }
     found
 }
+
+#[cfg(test)]
+mod tests;

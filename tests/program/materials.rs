@@ -27,7 +27,7 @@ fn settings(library: &str, material: &str, body: &str) -> String {
     let (library, _) = Library::parse(&Source::new(library, text)).expect("a sound library");
     let properties = &library.get(material).expect("a built-in material").properties;
     let set = properties.iter().map(|property| {
-        let numbers: Vec<String> = property.value.components().iter().map(f32::to_string).collect();
+        let numbers: Vec<String> = property.value.constant().expect("numbers").components().iter().map(f32::to_string).collect();
         let value = if numbers.len() == 1 { numbers.concat() } else { format!("<{}>", numbers.join(",")) };
         format!("--set {body}.{}={value}", property.parameter)
     });

@@ -7,7 +7,7 @@ use illuminator::lang::source::{Source, SourceSpan};
 use illuminator::scene::{BodyId, Scene};
 use illuminator::workspace::Location;
 use illuminator::workspace::materials::{LibraryLocation, Property};
-use illuminator::workspace::{FileKind, presets};
+use illuminator::workspace::{FileKind, GivenValue, presets};
 use illuminator::workspace::{Library, Material, Materials, Values};
 use proptest::prelude::*;
 use std::collections::BTreeSet;
@@ -49,7 +49,9 @@ fn every_built_in_material_fits_its_formula() {
                 let mut named: Vec<_> = material
                     .properties
                     .iter()
-                    .map(|property| (property.parameter.clone(), property.value.components().to_vec()))
+                    .map(|property| {
+                        (property.parameter.clone(), property.value.constant().expect("numbers").components().to_vec())
+                    })
                     .collect();
                 named.sort_by(|one, other| one.0.cmp(&other.0));
                 named
@@ -157,7 +159,8 @@ fn material() -> impl Strategy<Value = Material> {
     let name = prop_oneof!["[a-z]{1,2}", any::<String>()];
     (name, values).prop_filter_map("no name", |(name, values)| {
         let mut material = Material::new(name).ok()?;
-        let property = |(parameter, value)| Property { parameter, value, span: SourceSpan::default() };
+        let property =
+            |(parameter, value)| Property { parameter, value: GivenValue::Constant(value), span: SourceSpan::default() };
         material.properties = values.into_iter().map(property).collect();
         Some(material)
     })
@@ -167,7 +170,9 @@ fn material() -> impl Strategy<Value = Material> {
 fn bits(library: &Library) -> Vec<(&str, &str, Vec<u32>)> {
     let numbers = |value: &Constant| value.components().iter().map(|number| number.to_bits()).collect();
     let values = library.iter().flat_map(|material| material.properties.iter().map(move |property| (material.name(), property)));
-    values.map(|(name, property)| (name, property.parameter.as_str(), numbers(&property.value))).collect()
+    values
+        .map(|(name, property)| (name, property.parameter.as_str(), numbers(&property.value.constant().expect("numbers"))))
+        .collect()
 }
 
 proptest! {

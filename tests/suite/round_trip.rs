@@ -61,9 +61,10 @@ fn bare(mut file: FormulaFile) -> FormulaFile {
 
 fn bare_attributes(attributes: &mut ParameterAttributes) {
     let nowhere = SourceSpan::default();
-    let ParameterAttributes { range, default, slider, colour, switch, choices } = attributes;
+    let ParameterAttributes { range, default, image, slider, colour, switch, choices } = attributes;
     range.iter_mut().for_each(|(_, span)| *span = nowhere);
     default.iter_mut().for_each(|(_, span)| *span = nowhere);
+    image.iter_mut().for_each(|(_, span)| *span = nowhere);
     choices.iter_mut().for_each(|(_, span)| *span = nowhere);
     [slider, colour, switch].into_iter().flatten().for_each(|span| *span = nowhere);
 }

@@ -7,6 +7,7 @@ use proptest::prelude::*;
 fn scalar(name: &str, default: f32) -> Parameter {
     Parameter {
         switch: false,
+        image: None,
         choices: Vec::new(),
         name: name.to_owned(),
         owner: Owner::Body,

@@ -3,6 +3,7 @@
 use super::*;
 use crate::files::Readable;
 use crate::formula::Formula;
+use crate::lang::ast::Constant;
 use crate::lang::diagnostic::Diagnostic;
 use crate::scene::Scene;
 use crate::workspace::Location;
@@ -63,17 +64,23 @@ fn give(values: &mut Values, material: &Material, body: u32) -> Vec<String> {
     [warnings, taken].concat()
 }
 
+fn scalar(number: f32) -> GivenValue {
+    GivenValue::Constant(Constant::Scalar(number))
+}
+
+fn vector(numbers: [f32; 3]) -> GivenValue {
+    GivenValue::Constant(Constant::Vector(numbers))
+}
+
 #[test]
 fn a_library_is_read_in_its_order() {
     let (library, warnings) = Library::parse(&source(TEXT)).unwrap();
     assert!(warnings.is_empty());
     assert_eq!(names(&library), ["gold", "red plastic", "aluminium"]);
     let gold = library.get("gold").unwrap();
-    let properties: Vec<_> = gold.properties.iter().map(|property| (property.parameter.as_str(), property.value)).collect();
-    assert_eq!(
-        properties,
-        [("Cd", Constant::Vector([1.0, 0.8, 0.3])), ("kr", Constant::Scalar(0.25)), ("kd", Constant::Scalar(0.5))]
-    );
+    let properties: Vec<_> =
+        gold.properties.iter().map(|property| (property.parameter.as_str(), property.value.clone())).collect();
+    assert_eq!(properties, [("Cd", vector([1.0, 0.8, 0.3])), ("kr", scalar(0.25)), ("kd", scalar(0.5))]);
     assert_eq!(library.get("silver"), None);
     assert!(Library::parse(&source("\u{feff}version = 1\r\n")).unwrap().0.is_empty());
 }
@@ -128,7 +135,7 @@ fn names_are_such_that_a_library_can_hold_them() {
 #[test]
 fn what_is_saved_is_read_back() {
     let mut first = library(TEXT);
-    let value = Constant::Vector([0.1, f32::MIN_POSITIVE, -3.402_823_5e38]);
+    let value = vector([0.1, f32::MIN_POSITIVE, -3.402_823_5e38]);
     first.materials[1].properties.push(Property { parameter: "odd name".to_owned(), value, span: SourceSpan::default() });
     let text = first.to_toml().unwrap();
     assert!(text.starts_with("version = 1\n\n[gold]\nCd = [1.0, 0.8, 0.3]\nkr = 0.25\n"), "{text}");

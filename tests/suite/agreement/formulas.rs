@@ -63,13 +63,14 @@ fn leaf(ty: Type) -> BoxedStrategy<String> {
         ]
         .boxed(),
         Type::Truth => select(vec!["(p < q)", "(alpha >= beta)", "(g != 0)"]).prop_map(str::to_owned).boxed(),
+        Type::Texture => Just("wood".to_owned()).boxed(),
     }
 }
 
 /// A random expression of a type, from the table of operations.
 pub(super) fn expression(ty: Type, depth: u32, macros: bool) -> BoxedStrategy<String> {
     let leaves = leaf(ty).prop_filter("macros do not use macros here", move |text| macros || !text.starts_with('M')).boxed();
-    if depth == 0 {
+    if depth == 0 || ty == Type::Texture {
         return leaves;
     }
     let operations: Vec<Operation> = Operation::ALL.iter().copied().filter(|operation| operation.result() == ty).collect();
@@ -82,6 +83,7 @@ pub(super) fn expression(ty: Type, depth: u32, macros: bool) -> BoxedStrategy<St
             Form::UnitDot => format!("({} . {})", operands[0], operands[1]),
             Form::Function(name) => format!("{name}({})", operands.join(", ")),
             Form::Constant(name) => name.to_owned(),
+            Form::Texture => format!("{}({}, {})", operands[0], operands[1], operands[2]),
             Form::Vector => format!("<{}>", operands.join(", ")),
             Form::Conditional => format!("if({})", operands.join(", ")),
         })
@@ -131,7 +133,7 @@ impl Case {
     /// A formula of two macros and a result. Some of its parameters have bounds.
     pub(super) fn new([scalar, vector, result]: [&str; 3], numbers: &[f32]) -> Result<Self, TestCaseError> {
         let text = format!(
-            "global; g: scalar, constraint -1..50; body_specific; p: scalar; q: scalar, constraint 0..1; v: vector; \
+            "global; g: scalar, constraint -1..50; body_specific; p: scalar; q: scalar, constraint 0..1; v: vector; wood: texture; \
              light_specific; l: scalar; formula; MS = {scalar}; MV = {vector}; = {result};"
         );
         Self::of(text, numbers, &backends())
@@ -139,6 +141,8 @@ impl Case {
 
     /// A formula on the scene by these backends.
     pub(super) fn of(text: String, numbers: &[f32], backends: &[Arc<dyn Backend>]) -> Result<Self, TestCaseError> {
+        // Numbers from 0.5 to 1.5 are then those of a texture.
+        assert_eq!(crate::agreement::textures::number(), 1.0);
         let source = Source::new("random", text.clone());
         let (formula, _) = Formula::parse(&source).map_err(|errors| TestCaseError::fail(errors.located(&source).to_string()))?;
         let (scene, _) = Scene::parse(&Source::new("scene", SCENE)).map_err(|_| TestCaseError::fail("the scene is right"))?;

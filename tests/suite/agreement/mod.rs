@@ -13,6 +13,7 @@ mod formulas;
 mod operations;
 mod sessions;
 mod surface;
+mod textures;
 mod visible;
 
 use columns::ColumnsBackend;

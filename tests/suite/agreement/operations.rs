@@ -90,6 +90,7 @@ pub(super) fn formula_of(operation: Operation, from: Operands) -> (Formula, usiz
             Type::Vector => format!("<{}, {}, {}>", scalar(), scalar(), scalar()),
             // A truth value is true if its number is not 0.
             Type::Truth => format!("({} != 0)", scalar()),
+            Type::Texture => panic!("textures are parameters"),
         });
     }
     let call = match operation.form() {
@@ -99,6 +100,7 @@ pub(super) fn formula_of(operation: Operation, from: Operands) -> (Formula, usiz
         Form::UnitDot => format!("({}) . ({})", operands[0], operands[1]),
         Form::Function(name) => format!("{name}({})", operands.join(", ")),
         Form::Constant(name) => name.to_owned(),
+        Form::Texture => panic!("textures are parameters"),
         Form::Vector => format!("<{}>", operands.join(", ")),
         Form::Conditional => format!("if({})", operands.join(", ")),
     };
@@ -106,6 +108,7 @@ pub(super) fn formula_of(operation: Operation, from: Operands) -> (Formula, usiz
         Type::Scalar => format!("<{call}, 0, 0>"),
         Type::Vector => call,
         Type::Truth => format!("<if({call}, 1, 0), 0, 0>"),
+        Type::Texture => panic!("no operation yields a texture"),
     };
     let text = format!("{declarations}formula;\n= {result};\n");
     let source = Source::new("operation", text.clone());
@@ -246,8 +249,10 @@ fn every_operation_agrees_on_columns() {
 
 fn disagreements_are_none(from: Operands) {
     let mut failures = Vec::new();
-    // Operands of the dot product of directions must have unit length. Random formulas cover it.
-    for operation in Operation::ALL.iter().filter(|operation| operation.form() != Form::UnitDot) {
+    // Operands of the dot product of directions must have unit length, and a texture is a parameter. Random formulas
+    // cover both.
+    let has_free_operands = |operation: &&Operation| !matches!(operation.form(), Form::UnitDot | Form::Texture);
+    for operation in Operation::ALL.iter().filter(has_free_operands) {
         if operation.operands().is_empty() && from == Operands::Columns {
             continue;
         }

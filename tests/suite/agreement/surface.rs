@@ -211,7 +211,7 @@ fn random_terms_of_hits_agree() {
     let outcome = runner(150).run(&strategy, |(reflected, refracted, [ambient, emission], result, numbers)| {
         let text = format!(
             "global; g: scalar, constraint -1..50; \
-             body_specific; p: scalar; q: scalar, constraint 0..1; v: vector; model: scalar, choices \"A\", \"B\", \"C\"; \
+             body_specific; p: scalar; q: scalar, constraint 0..1; v: vector; wood: texture; model: scalar, choices \"A\", \"B\", \"C\"; \
              light_specific; l: scalar; \
              formula; SCALED(x, n) = sum(i, 0, n, x*product(k, 1, i, q)/(i + 1)); \
              reflected = if(model == 0, SCALED({reflected}, 2), <total>); refracted = (1 - total)*{refracted}; \
