@@ -8,7 +8,7 @@ use clap::Args;
 use illuminator::import::{ImportError, ImportPlan, ImportTarget, plan};
 use illuminator::lang::diagnostic::Diagnostic;
 use illuminator::lang::display_text::one_line;
-use illuminator::mesh::{MeshError, Omissions, Reading, read_model};
+use illuminator::mesh::{MeshError, MeshFormat, Omissions, Reading, read_model};
 use illuminator::trace::usable_memory;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -39,7 +39,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         let tell = |share: f64| progress.tell(share);
         let memory = options.memory.unwrap_or_else(usable_memory);
         let reading = Reading { memory, progress: &tell, cancelled: &AtomicBool::new(false) };
-        read_model(&options.file, &reading).map_err(refused)?
+        read_model(&options.file, &reading).map_err(|error| refused(&error, &options.file))?
     };
     let file_name = options.file.file_name().unwrap_or_default().display().to_string();
     let plan = plan(model, &file_name, &target)?;
@@ -57,7 +57,7 @@ impl From<ImportError> for Failure {
         match error {
             ImportError::Name { .. } => {
                 let diagnostic = Diagnostic::error(error.to_string());
-                Failure::CommandLine(diagnostic.help("write `-o NAME.scene`; NAME has no quotes and no line ends"))
+                Failure::CommandLine(diagnostic.help("write `-o NAME.scene`; NAME has no quotation mark, no line end, and no blank at its beginning"))
             }
             ImportError::TooManyParts(_) => {
                 let diagnostic = Diagnostic::error(error.to_string());
@@ -82,14 +82,18 @@ fn check_target(target: &ImportTarget, force: bool) -> Result<(), Failure> {
 }
 
 /// Reports why the file is not read.
-fn refused(error: MeshError) -> Failure {
-    match &error {
+fn refused(error: &MeshError, file: &Path) -> Failure {
+    match error {
         MeshError::Content(_) => {
             // With the line and its mark.
             say_lines(&format!("Error: {error:#}"));
             Failure::Reported
         }
         MeshError::Memory { .. } => Failure::Input(Diagnostic::error(error.to_string()).help("`--memory SIZE` allows more")),
+        MeshError::File(_) if MeshFormat::of(file).is_some_and(|format| !format.has_parts()) => {
+            let diagnostic = Diagnostic::error(error.to_string());
+            Failure::Input(diagnostic.help("a scene can name it as it is: `NAME: mesh, \"FILE\";`"))
+        }
         MeshError::File(_) | MeshError::Cancelled => {
             Failure::Input(Diagnostic::error(error.to_string()).help_if(error.hint().map(str::to_owned)))
         }

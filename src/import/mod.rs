@@ -19,13 +19,13 @@ use crate::lang::format::formatted;
 use crate::lang::source::{MAX_BYTES, Source, SourceSpan};
 use crate::mesh::{MeshModel, ModelLook, Omissions, TriangleMesh};
 use crate::picture::{Transfer, ViewTransform};
-use crate::scene::Camera;
+use crate::scene::shape::NamedMesh;
+use crate::scene::{Body, Scene, Shape};
 use crate::workspace::session::{NamedValue, OwnerName, PictureSettings};
 use crate::workspace::{GivenValue, Location, Session};
 use glam::DVec3;
 use looks::ImportedLook;
 use names::UniqueNames;
-use std::fmt::Write;
 use std::path::Path;
 use view::ImportedLight;
 
@@ -54,6 +54,22 @@ struct ImportedBody {
     look: ImportedLook,
 }
 
+impl ImportedBody {
+    /// The body in the scene; `None` if the scene cannot write the name of its mesh.
+    fn in_scene(self, target: &ImportTarget) -> Option<Body> {
+        let mesh = NamedMesh::new(target.mesh_in_scene(&self.name))?;
+        Some(Body {
+            name: self.name,
+            name_span: SourceSpan::default(),
+            form: Shape::Mesh(mesh).into(),
+            refractive_index: self.look.refractive_index,
+            opaque: self.look.is_opaque,
+            matte: self.look.is_matte,
+            shading: None,
+        })
+    }
+}
+
 /// What to write for a model. `source` names its file.
 ///
 /// # Errors
@@ -61,6 +77,7 @@ struct ImportedBody {
 pub fn plan(model: MeshModel, source: &str, target: &ImportTarget) -> Result<ImportPlan, ImportError> {
     let bounds = bounding_box(&model);
     let (mut simplified, mut left_out) = (Omissions::default(), model.omissions.clone());
+    let (camera, size, has_camera) = view::camera(model.camera.as_ref(), &model.parts, bounds, &mut simplified)?;
     let mut names = UniqueNames::default();
     let repairs = model.repairs;
     left_out.add(repairs.degenerate_triangles, "triangle(s) without area", "");
@@ -75,7 +92,6 @@ pub fn plan(model: MeshModel, source: &str, target: &ImportTarget) -> Result<Imp
         bodies.push(ImportedBody { name: name.clone(), look: ImportedLook::new(material.map(|material| &material.look)) });
         meshes.push((name, part.mesh));
     }
-    let (camera, size, has_camera) = view::camera(model.camera.as_ref(), bounds, &mut simplified)?;
     let lights = view::lights(&model.lights, bounds, &camera, &mut names, &mut simplified);
     let is_physical = model.materials.iter().any(|material| matches!(material.look, ModelLook::Physical(_)));
     let formula = if is_physical { looks::PHYSICAL_FORMULA } else { looks::PHONG_FORMULA };
@@ -89,13 +105,16 @@ pub fn plan(model: MeshModel, source: &str, target: &ImportTarget) -> Result<Imp
         },
         values: values(&bodies, &lights),
     };
-    let is_own = !model.lights.is_empty();
-    let scene = scene_text(source, &bodies, &lights, &camera, target);
+    let bodies = bodies.into_iter().map(|body| body.in_scene(target)).collect::<Option<Vec<_>>>();
+    let bodies = bodies.ok_or_else(|| target.refused("scenes cannot write the names of its meshes"))?;
+    let (count, is_own) = (lights.len(), !model.lights.is_empty());
+    let lights = lights.into_iter().map(ImportedLight::in_scene).collect();
+    let scene = scene_text(source, &Scene { bodies, lights, camera });
     let session_length = session.to_toml(target.scene().parent().unwrap_or(Path::new(""))).map_or(0, |text| text.len());
     if scene.len().max(session_length) > MAX_BYTES {
         return Err(ImportError::TooManyParts(meshes.len()));
     }
-    Ok(ImportPlan { scene, session, meshes, lights: (lights.len(), is_own), has_camera, simplified, left_out })
+    Ok(ImportPlan { scene, session, meshes, lights: (count, is_own), has_camera, simplified, left_out })
 }
 
 /// The lowest and the highest coordinates of all parts.
@@ -107,6 +126,9 @@ fn bounding_box(model: &MeshModel) -> [DVec3; 2] {
         .map(|part| part.mesh.bounding_box())
         .fold(start, |[low, high], [other_low, other_high]| [low.min(other_low), high.max(other_high)])
 }
+
+/// The background, in linear RGB: parts in the shade stand out from it.
+const BACKGROUND: [f32; 3] = [0.1, 0.11, 0.13];
 
 /// All values for the session.
 fn values(bodies: &[ImportedBody], lights: &[ImportedLight]) -> Vec<NamedValue> {
@@ -123,27 +145,12 @@ fn values(bodies: &[ImportedBody], lights: &[ImportedLight]) -> Vec<NamedValue> 
         let owner = || OwnerName::Light(light.name.clone());
         [value(owner(), "ki", Constant::Scalar(light.intensity)), value(owner(), "IL", Constant::Vector(light.color))]
     });
-    of_bodies.chain(of_lights).collect()
+    let background = value(OwnerName::Global, "background", Constant::Vector(BACKGROUND));
+    std::iter::once(background).chain(of_bodies).chain(of_lights).collect()
 }
 
 /// The scene in the scene language.
-fn scene_text(source: &str, bodies: &[ImportedBody], lights: &[ImportedLight], camera: &Camera, target: &ImportTarget) -> String {
-    let mut text = format!("// Made from {} by `illuminator import`.\n\nbodies;\n", one_line(source));
-    for ImportedBody { name, look } in bodies {
-        let path = target.mesh_in_scene(name);
-        let _ = write!(text, " {name}: mesh, \"{path}\"");
-        if let Some(index) = look.refractive_index {
-            let _ = write!(text, ", refractive_index {index}");
-        }
-        for (_, word) in [(look.is_opaque, "opaque"), (look.is_matte, "matte")].into_iter().filter(|(is_so, _)| *is_so) {
-            let _ = write!(text, ", {word}");
-        }
-        text.push_str(";\n");
-    }
-    text.push_str("\nlights;\n");
-    for light in lights {
-        let _ = writeln!(text, " {}: {};", light.name, light.place);
-    }
-    let _ = write!(text, "\n{camera}");
+fn scene_text(source: &str, scene: &Scene) -> String {
+    let text = format!("// Made from {} by `illuminator import`.\n\n{scene}", one_line(source));
     formatted(&Source::new("scene", text.as_str())).unwrap_or(text)
 }

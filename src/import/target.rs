@@ -4,6 +4,7 @@ use crate::files::{reason, replace_file, replace_text};
 use crate::import::ImportPlan;
 use crate::lang::source::MAX_BYTES;
 use crate::mesh::write_ply;
+use crate::workspace::PRESET;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -52,17 +53,22 @@ impl ImportTarget {
     /// The target whose scene has this path.
     ///
     /// # Errors
-    /// The suffix is not `.scene`, or the scene could not name its meshes.
+    /// The suffix is not `.scene`, or the name is that of a built-in file.
     pub fn new(scene: &Path) -> Result<Self, ImportError> {
         let refused = |why| ImportError::Name { path: scene.to_owned(), why };
         if scene.extension().is_none_or(|suffix| suffix != SCENE) {
             return Err(refused("its suffix is not `.scene`"));
         }
         let stem = scene.file_stem().and_then(|stem| stem.to_str()).ok_or_else(|| refused("it is not UTF-8"))?;
-        if stem.chars().any(|character| character == '"' || character.is_control()) {
-            return Err(refused("scenes cannot write the names of its meshes"));
+        if stem.starts_with(PRESET) {
+            return Err(refused("that is how built-in files are named"));
         }
         Ok(Self { scene: scene.to_owned(), stem: stem.to_owned() })
+    }
+
+    /// The error that the scene cannot have its name.
+    pub(super) fn refused(&self, why: &'static str) -> ImportError {
+        ImportError::Name { path: self.scene.clone(), why }
     }
 
     /// The path of the scene.

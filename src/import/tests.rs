@@ -132,11 +132,7 @@ fn models_of_illumination_say_what_reflects_and_refracts() {
 fn warnings(plan: &ImportPlan) -> Vec<String> {
     let Location::Preset(formula) = &plan.session.formula else { panic!("{}", plan.session.formula) };
     let formula = presets::text(FileKind::Formula, formula).unwrap();
-    let lines = plan.scene.lines().map(|line| match (line.find("mesh, \""), line.rfind('"')) {
-        (Some(start), Some(end)) => format!("{}sphere, center <0,0,0>, radius 1{}", &line[..start], &line[end + 1..]),
-        _ => line.to_owned(),
-    });
-    let scene = Scene::parse(&Source::new("scene", lines.collect::<Vec<_>>().join("\n"))).unwrap().0;
+    let scene = Scene::parse(&Source::new("scene", plan.scene.as_str())).unwrap().0;
     let formula = crate::formula::Formula::parse(&Source::new("formula", formula)).unwrap().0;
     let mut values = Values::defaults(&formula, &scene);
     let text = plan.session.to_toml(Path::new("some")).unwrap();
@@ -183,13 +179,12 @@ fn every_value_fits_the_formula() {
 #[test]
 fn a_scene_without_lights_and_camera_gets_some() {
     let plan = planned(model(&[ModelLook::Physical(PHYSICAL), ModelLook::Phong(PHONG)]));
-    let expected = "// Made from a.glb by `illuminator import`.\n\nbodies;\n \
-        tri: mesh, \"where-meshes/tri.ply\", opaque, matte;\n tri_2: mesh, \"where-meshes/tri_2.ply\", opaque, matte;\n\nlights;\n key: ";
+    let expected = "// Made from a.glb by `illuminator import`.\n\nbodies;\n\
+        tri: mesh, \"where-meshes/tri.ply\", opaque, matte;\ntri_2: mesh, \"where-meshes/tri_2.ply\", opaque, matte;\nlights;\nkey: ";
     assert!(plan.scene.starts_with(expected), "{}", plan.scene);
     assert_eq!((plan.lights, plan.has_camera), ((2, false), false));
     assert_eq!(formatted(&Source::new("scene", plan.scene.as_str())).unwrap(), plan.scene);
-    let scene = plan.scene.replace("mesh, \"where-meshes/tri", "sphere, center <0,0,0>, radius 1; //");
-    let Scene { lights, camera, .. } = Scene::parse(&Source::new("scene", scene)).unwrap().0;
+    let Scene { lights, camera, .. } = Scene::parse(&Source::new("scene", plan.scene)).unwrap().0;
     // The whole triangle is in the picture, and fills it well.
     let aspect = 1280.0 / 720.0;
     let seen = DVec3::AXES.map(|axis| camera.project(2.0 * axis).unwrap());
@@ -225,7 +220,7 @@ fn lights_are_compared_in_the_middle_of_the_bodies() {
     assert_eq!(value("light", "IL"), Some(GivenValue::Constant(Constant::Vector([1.0, 0.5, 0.5]))));
     assert_eq!(plan.session.picture.size, [1440, 720]);
     assert!(plan.scene.contains("light: point, <1, 2001, 1>;"), "1000 times 2 above the middle: {}", plan.scene);
-    assert!(plan.scene.contains(" position <0, 0, 5>;\n gaze <0, 0, -1>;\n"), "{}", plan.scene);
+    assert!(plan.scene.contains("position <0, 0, 5>;\ngaze <0, 0, -1>;\n"), "{}", plan.scene);
     let simplified: Vec<String> = plan.simplified.iter().map(ToString::to_string).collect();
     assert_eq!(simplified.len(), 3, "{simplified:?}");
     assert_eq!(warnings(&plan), Vec::<String>::new());
@@ -254,8 +249,13 @@ fn more_bodies_than_a_text_can_hold_are_refused() {
 
 #[test]
 fn names_that_scenes_cannot_write_are_refused() {
-    for name in ["a.txt", "a", "a.toml", ".scene", "a\"b.scene", "a\nb.scene"] {
+    for name in ["a.txt", "a", "a.toml", ".scene", "preset:a.scene"] {
         assert!(ImportTarget::new(Path::new(name)).is_err(), "{name}");
+    }
+    for name in ["a\"b.scene", "a\nb.scene", " a.scene"] {
+        let target = ImportTarget::new(Path::new(name)).unwrap();
+        let outcome = plan(model(&[ModelLook::Phong(PHONG)]), "a.obj", &target);
+        assert!(matches!(outcome, Err(ImportError::Name { .. })), "{name}");
     }
 }
 

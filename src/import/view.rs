@@ -2,10 +2,11 @@
 
 use crate::import::names::UniqueNames;
 use crate::import::target::ImportError;
-use crate::mesh::{LightSource, ModelCamera, ModelLight, Omissions};
+use crate::lang::source::SourceSpan;
+use crate::mesh::{LightSource, ModelCamera, ModelLight, ModelPart, Omissions};
 use crate::scene::edit::rounded;
 use crate::scene::light::PointLight;
-use crate::scene::{Camera, MAX_COORDINATE};
+use crate::scene::{Camera, Light, LightKind, MAX_COORDINATE};
 use crate::trace::MAX_SIDE;
 use glam::DVec3;
 
@@ -32,9 +33,17 @@ pub(super) struct ImportedLight {
     pub(super) color: [f32; 3],
 }
 
+impl ImportedLight {
+    /// The light in the scene.
+    pub(super) fn in_scene(self) -> Light {
+        Light { name: self.name, name_span: SourceSpan::default(), kind: LightKind::Point(self.place) }
+    }
+}
+
 /// The camera of the file, or one that shows the whole; the size of its picture; and whether it is that of the file.
 pub(super) fn camera(
     given: Option<&ModelCamera>,
+    parts: &[ModelPart],
     [low, high]: [DVec3; 2],
     simplified: &mut Omissions,
 ) -> Result<(Camera, [u32; 2], bool), ImportError> {
@@ -53,7 +62,8 @@ pub(super) fn camera(
     }
     let aspect = f64::from(size[0]) / f64::from(size[1]);
     let somewhere = Camera::new(low.midpoint(high) + FROM, -FROM, DVec3::Y, FOV).ok();
-    let framed = somewhere.and_then(|camera| camera.framing(low, high, aspect));
+    let points = parts.iter().flat_map(|part| part.mesh.positions()).copied();
+    let framed = somewhere.and_then(|camera| camera.framing_all(points, aspect));
     let framed = framed.and_then(|camera| Camera::new(tidy(camera.position(), side), camera.gaze(), camera.up(), FOV).ok());
     framed.map(|camera| (camera, size, false)).ok_or(ImportError::TooLarge)
 }

@@ -81,6 +81,11 @@ pub const FORMATS: [MeshFormat; 4] = [
 ];
 
 impl MeshFormat {
+    /// Whether [`read_model`] reads its files.
+    pub fn has_parts(&self) -> bool {
+        self.read_model.is_some()
+    }
+
     /// The format of a file by its suffix.
     pub fn of(path: &Path) -> Option<&'static MeshFormat> {
         let suffix = path.extension()?.to_str()?.to_lowercase();
@@ -115,7 +120,7 @@ impl MeshFormat {
 
 /// Which files have parts, for messages.
 fn with_parts() -> String {
-    let suffixes = FORMATS.iter().filter(|format| format.read_model.is_some()).flat_map(|format| format.suffixes);
+    let suffixes = FORMATS.iter().filter(|format| format.has_parts()).flat_map(|format| format.suffixes);
     format!("files with parts have the suffix {}", Vec::from_iter(suffixes.map(|suffix| format!(".{suffix}"))).join(", "))
 }
 

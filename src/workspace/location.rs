@@ -12,7 +12,7 @@ use std::io::{self, ErrorKind, Read};
 use std::path::{Component, Path, PathBuf};
 
 /// The prefix of the names of built-in files.
-const PRESET: &str = "preset:";
+pub(crate) const PRESET: &str = "preset:";
 
 /// Where a text is: in a file, or built in.
 #[derive(Debug, Clone, PartialEq, Eq)]

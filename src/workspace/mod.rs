@@ -23,6 +23,7 @@ pub mod warning;
 
 pub use assignment::{Assignment, GivenValue, NamedAssignment};
 pub use file_kind::FileKind;
+pub(crate) use location::PRESET;
 pub use location::{Location, read_source, unknown_preset};
 pub use materials::{Library, Material, Materials};
 pub use mesh_store::{MeshLoadError, MeshStore};

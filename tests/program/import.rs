@@ -54,6 +54,15 @@ fn an_obj_file_becomes_a_scene_and_a_session() {
     assert_eq!(pane, [[[0., 0., 0.], [0., 2., -3.], [0., 2., 0.]], [[0., 0., 0.], [0., 0., -3.], [0., 2., -3.]]]);
     let names = fs::read_dir(folder.path().join("out-meshes")).expect("a folder").count();
     assert_eq!(names, 3);
+    assert_eq!(
+        told(folder.path(), "check out.scene out.toml").lines().filter(|line| line.ends_with("0 errors, 0 warnings")).count(),
+        2
+    );
+    // The wall is red, what is around it is not, and nothing is amiss.
+    assert_eq!(told(folder.path(), "render out.toml --size 64x36 -o out.exr"), "exit status 0\n");
+    let picture = image::open(folder.path().join("out.exr")).expect("a picture").to_rgb32f();
+    let red = picture.pixels().filter(|pixel| pixel[0] > 2.0 * pixel[2]).count();
+    assert!((100..1500).contains(&red), "{red} of {} pixels", 64 * 36);
 }
 
 #[test]
@@ -67,6 +76,11 @@ fn a_gltf_file_becomes_a_scene_and_a_session() {
     let session = fs::read_to_string(folder.path().join("sub/sail.toml")).expect("a session");
     let session = Session::parse(&Source::new("sail.toml", session)).expect("a session without mistakes").0;
     assert_eq!((session.scene, session.picture.size), (Location::File("sail.scene".into()), [1080, 720]));
+    assert_eq!(told(folder.path(), "render sub/sail.toml --size 60x40 -o sail.exr"), "exit status 0\n");
+    let picture = image::open(folder.path().join("sail.exr")).expect("a picture").to_rgb32f();
+    // The sail has a side of 2, and the picture is 2 · 10 · tan(0.35 rad) = 7.3 high: (40/7.3)² · 2 pixels.
+    let sail = picture.pixels().filter(|pixel| pixel.0 != picture.get_pixel(0, 0).0).count();
+    assert!((50..70).contains(&sail), "{sail}");
 }
 
 #[test]

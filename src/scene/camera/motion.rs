@@ -135,6 +135,28 @@ impl Camera {
         let distance = distances.fold(0.0, f64::max);
         self.at(middle - distance * axes[2])
     }
+
+    /// Moves so that all of these points are in the picture, as large as it allows. The gaze stays the same. `aspect`
+    /// is the picture's width divided by its height.
+    pub fn framing_all(&self, points: impl IntoIterator<Item = DVec3>, aspect: f64) -> Option<Camera> {
+        let axes = self.axes();
+        let above = FILLED * (self.fov().to_radians() / 2.0).tan();
+        let slopes = [above * aspect, above];
+        // The planes through the camera and the edges of the picture must have all points between them. Across and
+        // above, on either side: how far out such a plane is, at the depth of the origin.
+        let mut reach = [[f64::NEG_INFINITY; 2]; 2];
+        for point in points {
+            let ahead = point.dot(axes[2]);
+            for (axis, sides) in reach.iter_mut().enumerate() {
+                let across = point.dot(axes[axis]);
+                sides[0] = sides[0].max(across - slopes[axis] * ahead);
+                sides[1] = sides[1].max(-across - slopes[axis] * ahead);
+            }
+        }
+        let distances = [0, 1].map(|axis| (reach[axis][0] + reach[axis][1]) / (2.0 * slopes[axis]));
+        let [across, above] = reach.map(|[one, other]| (one - other) / 2.0);
+        self.at(across * axes[0] + above * axes[1] - distances[0].max(distances[1]) * axes[2])
+    }
 }
 
 #[cfg(test)]
@@ -236,6 +258,27 @@ mod tests {
         }
         // A point has no size, but the camera goes to it.
         assert!(near(camera().framing(low, low, 1.0).unwrap().position(), low));
+    }
+
+    #[test]
+    fn framed_points_touch_the_frame_and_stay_within() {
+        let aspect = 16.0 / 9.0;
+        for points in [[1.0, 2.0, 3.0], [1e-6, 2e-6, 9e-6], [4.0, 1e4, 2.0]] {
+            let points = DVec3::AXES.into_iter().zip(points).map(|(axis, length)| length * axis + DVec3::new(5.0, -7.0, 2.0));
+            let points = Vec::from_iter(points);
+            let framed = camera().framing_all(points.iter().copied(), aspect).unwrap();
+            let seen = points.iter().map(|point| framed.project(*point).unwrap()).map(|[x, y]| [x / aspect, y]);
+            let reach = |list: &mut dyn Iterator<Item = f64>| {
+                list.fold([f64::MAX, f64::MIN], |[low, high], at| [low.min(at), high.max(at)])
+            };
+            let seen = Vec::from_iter(seen);
+            let ranges = [0, 1].map(|axis| reach(&mut seen.iter().map(|place| place[axis])));
+            assert!(ranges.iter().flatten().all(|place| place.abs() < FILLED + 1e-9), "{ranges:?}");
+            // Both edges across or both above and below.
+            let touches = |[low, high]: [f64; 2]| (high - FILLED).abs() < 1e-6 && (low + FILLED).abs() < 1e-6;
+            assert!(ranges.into_iter().any(touches), "{ranges:?}");
+        }
+        assert_eq!(camera().framing_all([], aspect), None);
     }
 
     proptest! {

@@ -18,6 +18,14 @@ pub struct NamedMesh {
 }
 
 impl NamedMesh {
+    /// A mesh of this name; `None` if a scene cannot write the name: it is empty, has blanks around it, a quotation
+    /// mark or a line end.
+    pub fn new(path: impl Into<String>) -> Option<Self> {
+        let path: String = path.into();
+        let is_sound = !path.is_empty() && path.trim() == path && !path.contains(['"', '\n', '\r']);
+        is_sound.then(|| Self { path, span: SourceSpan::default() })
+    }
+
     /// The name as it stands in the scene: a path from the folder of the scene, or `preset:NAME`. It has no quotation
     /// mark and no line end.
     pub fn path(&self) -> &str {
