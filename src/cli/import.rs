@@ -57,7 +57,10 @@ impl From<ImportError> for Failure {
         match error {
             ImportError::Name { .. } => {
                 let diagnostic = Diagnostic::error(error.to_string());
-                Failure::CommandLine(diagnostic.help("write `-o NAME.scene`; NAME has no quotation mark, no line end, and no blank at its beginning"))
+                Failure::CommandLine(
+                    diagnostic
+                        .help("write `-o NAME.scene`; NAME has no quotation mark, no line end, and no blank at its beginning"),
+                )
             }
             ImportError::TooManyParts(_) => {
                 let diagnostic = Diagnostic::error(error.to_string());

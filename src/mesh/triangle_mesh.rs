@@ -16,7 +16,7 @@ pub struct MeshParts {
     pub positions: Vec<DVec3>,
     /// None, or a normal for each vertex. It may have any length; 0 stands for none.
     pub normals: Vec<Vec3>,
-    /// None, or surface coordinates for each vertex.
+    /// None, or surface coordinates for each vertex, with v upwards.
     pub uvs: Vec<Vec2>,
     /// Three vertices for each triangle, as indices of positions.
     pub triangles: Vec<[u32; 3]>,
@@ -149,7 +149,7 @@ impl TriangleMesh {
         &self.normals
     }
 
-    /// The surface coordinates of the vertices as the file has them; empty if it has none.
+    /// The surface coordinates of the vertices, with v upwards; empty if the file has none.
     pub fn uvs(&self) -> &[Vec2] {
         &self.uvs
     }

@@ -137,7 +137,8 @@ fn add(
         same_count(accessors, uv, count)?;
         extend(&mut parts.uvs, first + count, Vec2::ZERO, ledger)?;
         accessors.each(uv, |number, uv: [f64; 2]| {
-            parts.uvs[first + number] = Vec2::from_array(uv.map(|number| number as f32));
+            // In glTF files v goes down from the upper edge of the image (glTF 2.0, chapter 3.8.1).
+            parts.uvs[first + number] = Vec2::new(uv[0] as f32, (1.0 - uv[1]) as f32);
             Ok(())
         })?;
     }
