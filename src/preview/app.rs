@@ -25,6 +25,7 @@ mod log;
 mod materials;
 mod menu;
 mod menu_entries;
+mod mesh_loading;
 mod modal;
 mod notices;
 mod number_field;
@@ -79,6 +80,7 @@ use inspector::InspectorPanel;
 use jobs::{JobResult, Jobs};
 use log::Log;
 use materials::MaterialRow;
+use mesh_loading::MeshLoading;
 use notices::{Notice, Notices, Topic};
 use pane::PicturePane;
 use panel_sizes::remember;
@@ -130,6 +132,7 @@ pub struct App {
     focus_ring: FocusRing,
     thumbnails: Thumbnails,
     jobs: Jobs,
+    mesh_loading: MeshLoading,
     settings_dialog: SettingsDialog,
     inspector: InspectorPanel,
     materials: MaterialRow,
@@ -212,6 +215,7 @@ impl App {
             focus_ring: FocusRing::default(),
             thumbnails: Thumbnails::default(),
             jobs: Jobs::new(waker(&context)),
+            mesh_loading: MeshLoading::default(),
             settings_dialog: SettingsDialog::default(),
             inspector: InspectorPanel::default(),
             materials: MaterialRow::default(),
@@ -256,6 +260,7 @@ impl App {
         let size = ui.ctx().content_rect().size() * self.scale;
         self.user_state.settings.window.size = [size.x, size.y].map(|side| side.round() as u32);
         self.take_news();
+        self.follow_meshes(ui);
         let typing = std::mem::take(&mut self.typing) || ui.ctx().text_edit_focused();
         // While a dialog waits for an answer, shortcuts do nothing.
         let waits = self.dialogs.files.is_open() || ui.memory(|memory| memory.top_modal_layer().is_some());

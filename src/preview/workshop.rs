@@ -129,6 +129,11 @@ impl Workshop {
         self.request_picture();
     }
 
+    /// The memory that a picture may take, in bytes; `None` for half of what is free.
+    pub fn memory(&self) -> Option<u64> {
+        self.memory
+    }
+
     /// The meshes that were read.
     pub fn meshes(&self) -> &Arc<MeshStore> {
         &self.meshes

@@ -6,6 +6,7 @@
 
 mod library;
 mod partial;
+mod scene;
 
 use crate::engine::{Subject, Task};
 use crate::files::Readable;
@@ -15,7 +16,6 @@ use crate::lang::diagnostic::{Diagnostic, Diagnostics};
 use crate::lang::memory_size::MemorySize;
 use crate::lang::source::Source;
 use crate::lang::variables::Predefined;
-use crate::mesh::Reading;
 use crate::scene::Scene;
 use crate::trace::{View, ViewError, usable_memory};
 use crate::workspace::FileKind;
@@ -24,12 +24,13 @@ use crate::workspace::carried::CarriedValues;
 use crate::workspace::materials::{MaterialAssignment, Materials, SourceDiagnostics};
 use crate::workspace::session::{MissingTarget, PictureSettings, Session};
 use crate::workspace::textures::parse_formula;
-use crate::workspace::{Location, MeshLoadError, MeshStore, kind_of};
+use crate::workspace::{Location, MeshStore, kind_of};
 use crate::workspace::{NamedAssignment, OwnerId, ParameterTable, ValueWarning, Values};
 use crate::world::Meshes;
 pub use library::library_mistake;
 use library::open_materials;
 pub use partial::{PartialProject, SessionMistakes, UnusableText};
+pub use scene::{parse_scene_with_meshes, scene_of_session};
 use std::path::{Path, PathBuf};
 
 /// Bytes that each parameter value needs while it is read, checked and stored.
@@ -301,38 +302,15 @@ fn read_scene(
     read_text(request, location, FileKind::Scene, &parse, listener)
 }
 
-/// Parses the text of a scene at a location, and reads its meshes, which may take this much memory in bytes.
-///
-/// # Errors
-/// All errors of the text; or those of the meshes, with the warnings. Work that was cancelled is an error too.
-pub fn parse_scene_with_meshes(
-    source: &Source,
-    location: &Location,
-    store: &MeshStore,
-    memory: u64,
-    task: &Task,
-) -> Result<((Scene, Meshes), Diagnostics), Diagnostics> {
-    let (scene, mut diagnostics) = Scene::parse(source)?;
-    let reading = Reading { memory, progress: task.progress, cancelled: task.cancelled };
-    let (meshes, found) = match store.load(&scene, location, &reading) {
-        Ok((meshes, warnings)) => (Some(meshes), warnings),
-        Err(MeshLoadError::Unusable(errors)) => (None, errors),
-        Err(MeshLoadError::Cancelled) => (None, Diagnostic::error("reading the meshes was cancelled").into()),
-    };
-    found.into_iter().for_each(|diagnostic| diagnostics.push(diagnostic));
-    diagnostics.sort();
-    match meshes {
-        Some(meshes) => Ok(((scene, meshes), diagnostics)),
-        None => Err(diagnostics),
-    }
-}
+/// What parses a text at a location: the result with the warnings, or all errors.
+type Parse<'p, T> = dyn Fn(&Source, &Location) -> Result<(T, Diagnostics), Diagnostics> + 'p;
 
 /// Reads and parses the text of a formula or a scene. Its warnings are reported.
 fn read_text<T>(
     request: &Request,
     location: &Location,
     kind: FileKind,
-    parse: &dyn Fn(&Source, &Location) -> Result<(T, Diagnostics), Diagnostics>,
+    parse: &Parse<T>,
     listener: &mut dyn Listener,
 ) -> Result<(Source, T), UnusableText> {
     let unread = |reason: Diagnostic| {

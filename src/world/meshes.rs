@@ -65,6 +65,11 @@ impl Meshes {
         self.meshes.push(GivenMesh { key, tree });
     }
 
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.meshes.is_empty()
+    }
+
     /// The mesh of that key.
     pub fn get(&self, key: &MeshKey) -> Option<&Arc<MeshTree>> {
         self.meshes.iter().find(|given| given.key == *key).map(|given| &given.tree)

@@ -45,6 +45,7 @@ const ROOMS: [(&str, &[&str]); 22] = [
             "lang",
             "formula",
             "scene",
+            "mesh",
             "world",
             "trace",
             "plan",

@@ -3,6 +3,7 @@
 use crate::files::Readable;
 use crate::lang::source::Source;
 use crate::preview::app::action::{PanelId, PictureOverlay};
+use crate::preview::app::mesh_loading::AfterReading;
 use crate::preview::app::notices::{Notice, Topic};
 use crate::preview::app::saving::SaveStep;
 use crate::preview::app::session_mistakes::documents;
@@ -337,7 +338,10 @@ impl App {
         }
     }
 
-    fn open_session(&mut self, location: Location) {
+    pub(super) fn open_session(&mut self, location: Location) {
+        if self.reads_meshes_of_session(&location) {
+            return;
+        }
         match OpenedSession::open(&location, Readable::Regular, self.workshop.meshes()) {
             Ok(opened) => {
                 self.log.add(format!("opened {location}"));
@@ -387,7 +391,10 @@ impl App {
     }
 
     /// Applies a text. If it has errors, they are marked, and nothing else changes.
-    fn apply(&mut self, tab: TextTab) {
+    pub(super) fn apply(&mut self, tab: TextTab) {
+        if tab == TextTab::Scene && self.reads_meshes_of_text(AfterReading::Apply) {
+            return;
+        }
         let (before, is_saved) = (self.workshop.values().table().clone(), !self.session_is_unsaved());
         let document = &mut self.documents[tab];
         document.check();
@@ -399,7 +406,8 @@ impl App {
         };
         let name = document.name();
         match applied {
-            Ok(_) => {
+            Ok(warnings) => {
+                document.set_diagnostics(warnings);
                 document.note_applied(true);
                 self.log.add(format!("{name}: read in {}", super::log::milliseconds(start.elapsed())));
                 let carried = CarriedValues::between(&before, self.workshop.values());
@@ -420,7 +428,10 @@ impl App {
 
     /// Applies a text that has just been opened. A scene without a session gets a first look: colours for bodies that
     /// the open session does not know, and an exposure by the first picture.
-    fn apply_opened(&mut self, tab: TextTab) {
+    pub(super) fn apply_opened(&mut self, tab: TextTab) {
+        if tab == TextTab::Scene && self.reads_meshes_of_text(AfterReading::ApplyOpened) {
+            return;
+        }
         let known: Vec<String> = self.workshop.scene().bodies.iter().map(|body| body.name.clone()).collect();
         self.apply(tab);
         if tab == TextTab::Scene && self.documents[tab].counts()[0] == 0 {

@@ -63,7 +63,9 @@ impl App {
         let is_saved = !self.session_is_unsaved();
         let document = &mut self.documents.scene;
         document.check();
-        let applied = self.workshop.apply_scene(&document.source(), &document.place()).is_ok();
+        let warnings = self.workshop.apply_scene(&document.source(), &document.place());
+        let applied = warnings.is_ok();
+        document.set_diagnostics(warnings.unwrap_or_else(|errors| errors));
         if applied {
             document.note_applied(true);
             self.note_mended(is_saved);

@@ -29,6 +29,13 @@ pub(super) fn documents(OpenedSession { project, mistakes, .. }: &OpenedSession)
             }
             Some(_) | None => Document::opened(kind, location.clone(), text),
         };
+        // Files that a text names are not looked at where it is checked.
+        if let Some(UnusableText { is_read: true, found, .. }) = unusable
+            && document.counts()[0] == 0
+            && document.text() == text
+        {
+            document.set_diagnostics(found.diagnostics.clone());
+        }
         document.note_applied(unusable.is_none());
         document
     };

@@ -14,6 +14,7 @@ mod focus;
 mod layout;
 mod light;
 mod menus;
+mod meshes;
 mod mistakes;
 mod picture;
 mod rows;
