@@ -51,7 +51,7 @@ pub(super) struct MeshLoading {
 
 impl MeshLoading {
     /// Starts to read the meshes of a scene, in place of what is being read. Whether a thread does it.
-    fn start(&mut self, scene: Scene, place: Location, store: Arc<MeshStore>, then: AfterReading, app: Reader) -> bool {
+    fn start(&mut self, scene: Scene, place: Location, store: Arc<MeshStore>, then: AfterReading, app: MeshReader) -> bool {
         self.cancel();
         let work = MeshesInWork { progress: Arc::default(), cancelled: Arc::default(), done: Arc::default(), then };
         let (progress, cancelled, done) = (Arc::clone(&work.progress), Arc::clone(&work.cancelled), Arc::clone(&work.done));
@@ -98,7 +98,7 @@ impl Drop for MeshLoading {
 }
 
 /// What the thread needs of the window.
-struct Reader {
+struct MeshReader {
     /// The memory for meshes, in bytes.
     memory: u64,
     wake: Box<dyn Fn() + Send + Sync>,
@@ -112,7 +112,7 @@ impl App {
             return false;
         }
         let memory = self.workshop.memory().unwrap_or_else(usable_memory);
-        let reader = Reader { memory, wake: Box::new(super::waker(&self.context)) };
+        let reader = MeshReader { memory, wake: Box::new(super::waker(&self.context)) };
         self.mesh_loading.start(scene, place, store, then, reader)
     }
 
@@ -148,7 +148,7 @@ impl App {
             let document = &self.documents[TextTab::Scene];
             let follows = document.is_applied() && self.mesh_loading.work.is_none() && self.workshop.moving().is_none();
             if follows && self.workshop.meshes().has_changed(self.workshop.scene(), &document.place()) {
-                self.log.add("a mesh has changed".to_owned());
+                self.log.add("a mesh has changed");
                 self.apply(TextTab::Scene);
             }
         }
