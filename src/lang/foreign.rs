@@ -24,6 +24,9 @@ pub fn ty(word: &str) -> Option<(Type, &'static str)> {
         "int" | "integer" | "Int" => Some((Type::Scalar, "scalar")),
         "bool" | "boolean" | "Bool" | "toggle" | "checkbox" => Some((Type::Scalar, "scalar, switch")),
         "enum" | "choice" | "menu" | "string" => Some((Type::Scalar, "scalar, choices \"one\", \"other\"")),
+        "image" | "sampler2D" | "sampler" | "Texture" | "texture2D" | "Texture2D" | "Image" | "bitmap" => {
+            Some((Type::Texture, "texture"))
+        }
         _ if SCALARS.contains(&word) => Some((Type::Scalar, "scalar")),
         "color" | "colour" | "rgb" | "RGB" | "Color" => Some((Type::Vector, "vector, color")),
         _ => VECTORS.contains(&word).then_some((Type::Vector, "vector")),
@@ -229,7 +232,7 @@ fn function_of_values(name: &str) -> Option<&'static str> {
         "faceforward" => "`if(N.V < 0, -N, N)`; `N` is already turned to the side the ray came from",
         "luminance" | "lum" | "gray" | "grey" => "`dot(c, <0.2126, 0.7152, 0.0722>)`",
         "texture" | "tex2D" | "texture2D" | "texture2d" | "sample" => {
-            "without a picture: patterns are made by `perlin(pt, a, b, n)` and `point`"
+            "`wood(u, v)`, after a declaration `wood: texture, default \"wood.jpg\";` under `body_specific;`"
         }
         "linearstep" => "`clamp((x - a)/(b - a), 0, 1)`",
         "comp" | "component" => "`getx(v)`, `gety(v)`, `getz(v)`",

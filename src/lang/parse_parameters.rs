@@ -174,7 +174,8 @@ impl FormulaParser<'_> {
         outcome
     }
 
-    /// Parses the attributes, each but the first after a comma, and the `;`. `declared` is the type that the line gives.
+    /// Parses the attributes, each but the first after a comma, and the `;`. `declared` is the type that the line
+    /// gives.
     fn first_and_more_attributes(
         &mut self,
         name: &Name,
@@ -276,6 +277,10 @@ impl FormulaParser<'_> {
                     attributes.image = Some((path, self.cursor.previous_span()));
                     return Ok(());
                 }
+                if declared == Some(Type::Texture) && self.cursor.word(0).is_some() {
+                    let diagnostic = self.cursor.unexpected("the path of an image in quotation marks");
+                    return Err(self.cursor.report(diagnostic.help("write `default \"image.png\"`")));
+                }
                 let value = self.default_value(attributes.choices.as_ref().map(|(names, _)| names.as_slice()))?;
                 attributes.default = Some((value, span.to(self.cursor.previous_span())));
             }
@@ -335,7 +340,9 @@ impl FormulaParser<'_> {
         }
         if let TokenKind::Text(text) = self.cursor.kind(0) {
             let place = choices.and_then(|names| names.iter().position(|name| name == text));
+            let is_image = text.contains('.') && choices.is_none();
             let help = match place {
+                _ if is_image => format!("images are defaults of textures: `: texture, default \"{text}\";`"),
                 Some(place) => format!("write `default {place}`: choices are numbered 0, 1, … in their order"),
                 None => "a default is a number: choices are numbered 0, 1, … in their order".to_owned(),
             };

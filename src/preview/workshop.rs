@@ -26,7 +26,7 @@ use crate::workspace::Location;
 use crate::workspace::MeshStore;
 use crate::workspace::project::{Project, parse_scene_with_meshes, view};
 use crate::workspace::session::PictureSettings;
-use crate::workspace::textures::{parse_formula, reloaded};
+use crate::workspace::textures::parse_formula;
 use crate::workspace::{Assignment, OwnerId, ParameterTable, Session, Values};
 use crate::world::World;
 use departed::DepartedValues;
@@ -272,8 +272,8 @@ impl Workshop {
         self.stand_ins.note_gone(&self.values, &values);
         self.stand_ins.place(&mut values);
         // Images may have been painted meanwhile.
-        let reloaded = reloaded(&values);
-        values.assign(&reloaded);
+        let changed_images = values.changed_images();
+        values.assign(&changed_images);
         self.formula = Arc::new(formula);
         self.replace_values(values);
         Ok(warnings)

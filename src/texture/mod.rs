@@ -18,14 +18,14 @@ pub const MAX_TEXTURE_BYTES: u64 = 4 << 30;
 
 /// An image as linear colours.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Texture {
+pub struct TextureImage {
     width: u32,
     height: u32,
     /// Row by row from the bottom, each from the left.
     texels: Vec<[f32; 3]>,
 }
 
-impl Texture {
+impl TextureImage {
     /// Bytes of a texel.
     pub const BYTES_PER_TEXEL: u64 = size_of::<[f32; 3]>() as u64;
 
@@ -57,7 +57,7 @@ impl Texture {
     /// repeats outside. Between the middles of texels, colours are interpolated. Coordinates that are not finite count
     /// as 0.
     pub fn colour(&self, u: f32, v: f32) -> [f32; 3] {
-        let (column, row) = (Span::of(u, self.width), Span::of(v, self.height));
+        let (column, row) = (Neighbours::of(u, self.width), Neighbours::of(v, self.height));
         let in_row = |y: u32| {
             let [left, right] = [self.texel(column.first, y), self.texel(column.second, y)];
             mixed(left, right, column.share)
@@ -72,13 +72,13 @@ fn mixed(a: [f32; 3], b: [f32; 3], share: f32) -> [f32; 3] {
 }
 
 /// Two neighbouring columns or rows, and the share of the second.
-struct Span {
+struct Neighbours {
     first: u32,
     second: u32,
     share: f32,
 }
 
-impl Span {
+impl Neighbours {
     /// The middles of texels around a coordinate, for this many texels.
     fn of(coordinate: f32, count: u32) -> Self {
         let within = if coordinate.is_finite() { coordinate - coordinate.floor() } else { 0.0 };
@@ -95,7 +95,7 @@ impl Span {
 #[derive(Debug)]
 struct Known {
     path: PathBuf,
-    texture: Texture,
+    texture: TextureImage,
 }
 
 /// The textures by their numbers. There is none of number 0.
@@ -124,7 +124,7 @@ pub enum NoRoom {
 /// There are too many textures, or they would take too much memory.
 pub fn check_room(texels: u64) -> Result<(), NoRoom> {
     let (numbers, bytes) = *TAKEN.lock().unwrap_or_else(PoisonError::into_inner);
-    let more = texels.saturating_mul(Texture::BYTES_PER_TEXEL);
+    let more = texels.saturating_mul(TextureImage::BYTES_PER_TEXEL);
     if numbers >= MOST {
         Err(NoRoom::Number)
     } else if bytes.saturating_add(more) > MAX_TEXTURE_BYTES {
@@ -138,14 +138,14 @@ pub fn check_room(texels: u64) -> Result<(), NoRoom> {
 ///
 /// # Errors
 /// There are too many textures, or they would take too much memory.
-pub fn keep(path: PathBuf, texture: Texture) -> Result<f32, NoRoom> {
+pub fn keep(path: PathBuf, texture: TextureImage) -> Result<f32, NoRoom> {
     let texels = texture.texels.len() as u64;
     check_room(texels)?;
     let mut taken = TAKEN.lock().unwrap_or_else(PoisonError::into_inner);
     let number = taken.0;
     let place = KNOWN.get(number).ok_or(NoRoom::Number)?;
     place.get_or_init(|| Known { path, texture });
-    *taken = (number + 1, taken.1.saturating_add(texels * Texture::BYTES_PER_TEXEL));
+    *taken = (number + 1, taken.1.saturating_add(texels * TextureImage::BYTES_PER_TEXEL));
     Ok(number as f32)
 }
 
@@ -155,7 +155,7 @@ fn known(number: f32) -> Option<&'static Known> {
 }
 
 /// The texture of a number; `None` for white and for numbers that no texture has.
-pub fn numbered(number: f32) -> Option<&'static Texture> {
+pub fn numbered(number: f32) -> Option<&'static TextureImage> {
     known(number).map(|known| &known.texture)
 }
 
@@ -176,8 +176,8 @@ mod tests {
     use super::*;
 
     /// Two by two: below black and red, above green and blue.
-    fn four() -> Texture {
-        Texture::new(2, 2, vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]).expect("four texels")
+    fn four() -> TextureImage {
+        TextureImage::new(2, 2, vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]).expect("four texels")
     }
 
     #[test]
@@ -209,10 +209,10 @@ mod tests {
 
     #[test]
     fn textures_have_sides_and_finite_texels() {
-        assert_eq!(Texture::new(0, 1, Vec::new()), None);
-        assert_eq!(Texture::new(1, 1, Vec::new()), None);
-        assert_eq!(Texture::new(MAX_TEXTURE_SIDE + 1, 1, vec![[0.0; 3]; MAX_TEXTURE_SIDE as usize + 1]), None);
-        let texture = Texture::new(1, 1, vec![[f32::NAN, f32::INFINITY, 2.0]]).expect("a texel");
+        assert_eq!(TextureImage::new(0, 1, Vec::new()), None);
+        assert_eq!(TextureImage::new(1, 1, Vec::new()), None);
+        assert_eq!(TextureImage::new(MAX_TEXTURE_SIDE + 1, 1, vec![[0.0; 3]; MAX_TEXTURE_SIDE as usize + 1]), None);
+        let texture = TextureImage::new(1, 1, vec![[f32::NAN, f32::INFINITY, 2.0]]).expect("a texel");
         assert_eq!(texture.colour(0.3, 0.9), [0.0, 0.0, 2.0]);
     }
 

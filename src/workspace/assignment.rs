@@ -19,21 +19,21 @@ use std::str::FromStr;
 
 /// A value as a file gives it.
 #[derive(Debug, Clone, PartialEq)]
-pub enum GivenValue {
+pub enum FileValue {
     /// A number or a vector.
     Constant(Constant),
     /// The path of the image of a texture; empty for white.
     Image(PathBuf),
 }
 
-impl GivenValue {
+impl FileValue {
     /// The value of a parameter of this type with these numbers.
     pub(super) fn of(ty: Type, numbers: &[f32]) -> Self {
         let number = numbers.first().copied().unwrap_or_default();
         match (ty, numbers) {
-            (Type::Texture, _) => GivenValue::Image(texture::path_of(number).map(Path::to_owned).unwrap_or_default()),
-            (_, [x, y, z]) => GivenValue::Constant(Constant::Vector([*x, *y, *z])),
-            (_, _) => GivenValue::Constant(Constant::Scalar(number)),
+            (Type::Texture, _) => FileValue::Image(texture::path_of(number).map(Path::to_owned).unwrap_or_default()),
+            (_, [x, y, z]) => FileValue::Constant(Constant::Vector([*x, *y, *z])),
+            (_, _) => FileValue::Constant(Constant::Scalar(number)),
         }
     }
 
@@ -41,8 +41,8 @@ impl GivenValue {
     #[must_use]
     pub(super) fn from_folder(self, folder: &Path) -> Self {
         match self {
-            GivenValue::Image(path) if !path.as_os_str().is_empty() => GivenValue::Image(folder.join(path)),
-            other @ (GivenValue::Image(_) | GivenValue::Constant(_)) => other,
+            FileValue::Image(path) if !path.as_os_str().is_empty() => FileValue::Image(folder.join(path)),
+            other @ (FileValue::Image(_) | FileValue::Constant(_)) => other,
         }
     }
 
@@ -50,26 +50,26 @@ impl GivenValue {
     #[must_use]
     pub(super) fn relative_to(self, folder: &Path) -> Self {
         match self {
-            GivenValue::Image(path) if !path.as_os_str().is_empty() => {
-                GivenValue::Image(Location::File(path).relative_to(folder).into())
+            FileValue::Image(path) if !path.as_os_str().is_empty() => {
+                FileValue::Image(Location::File(path).relative_to(folder).into())
             }
-            other @ (GivenValue::Image(_) | GivenValue::Constant(_)) => other,
+            other @ (FileValue::Image(_) | FileValue::Constant(_)) => other,
         }
     }
 
     /// The number or the vector; `None` for an image.
     pub fn constant(&self) -> Option<Constant> {
         match self {
-            GivenValue::Constant(constant) => Some(*constant),
-            GivenValue::Image(_) => None,
+            FileValue::Constant(constant) => Some(*constant),
+            FileValue::Image(_) => None,
         }
     }
 
     /// Its type.
     pub fn ty(&self) -> Type {
         match self {
-            GivenValue::Constant(constant) => constant.ty(),
-            GivenValue::Image(_) => Type::Texture,
+            FileValue::Constant(constant) => constant.ty(),
+            FileValue::Image(_) => Type::Texture,
         }
     }
 }
@@ -94,7 +94,7 @@ impl Assignment {
         table: &ParameterTable,
         owner: OwnerId,
         name: &str,
-        value: &GivenValue,
+        value: &FileValue,
         span: SourceSpan,
     ) -> Result<Assignment, Diagnostic> {
         let known = table.parameter_named(name).filter(|id| table.parameter(*id).owner == owner.kind());
@@ -113,10 +113,10 @@ impl Assignment {
         }
         let mut numbers = [0.0; 3];
         match value {
-            GivenValue::Constant(constant) => {
+            FileValue::Constant(constant) => {
                 constant.components().iter().zip(&mut numbers).for_each(|(from, to)| *to = *from);
             }
-            GivenValue::Image(path) => {
+            FileValue::Image(path) => {
                 numbers[0] = textures::load(path).map_err(|error| error.at(span, format!("the image of `{name}`")))?;
             }
         }
@@ -344,7 +344,11 @@ impl WrittenValue {
         match self {
             WrittenValue::Choice(path) if path == NO_IMAGE => Ok(0.0),
             WrittenValue::Choice(path) => {
-                textures::load(Path::new(path)).map_err(|error| NamedAssignmentError::Image(error.message().to_owned()))
+                let told = |error: Diagnostic| {
+                    let parts = std::iter::once(error.message()).chain(error.hints().iter().map(String::as_str));
+                    NamedAssignmentError::Image(parts.collect::<Vec<_>>().join("; "))
+                };
+                textures::load(Path::new(path)).map_err(told)
             }
             WrittenValue::Constant(_) => Err(NamedAssignmentError::Type {
                 name: parameter.name.clone(),

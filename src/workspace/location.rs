@@ -159,9 +159,10 @@ fn foreign(path: &Path) -> Option<(&'static str, &'static str)> {
     if MESHES.contains(&suffix.as_str()) {
         return Some(("a mesh", "a mesh is a body of a scene: `NAME: mesh, \"FILE\";`"));
     }
-    PICTURES
-        .contains(&suffix.as_str())
-        .then_some(("a picture", "formulas, scenes, sessions and material libraries are texts; pictures are only written"))
+    PICTURES.contains(&suffix.as_str()).then_some((
+        "a picture",
+        "formulas, scenes, sessions and material libraries are texts; a formula names images as textures",
+    ))
 }
 
 /// A hint at the file or built-in file that the user may have meant by a path that does not exist.

@@ -15,7 +15,7 @@ use crate::lang::diagnostic::Diagnostics;
 use crate::lang::source::{Source, SourceSpan};
 use crate::lang::variables::Owner;
 use crate::scene::BodyId;
-use crate::workspace::assignment::{Assignment, GivenValue, hint};
+use crate::workspace::assignment::{Assignment, FileValue, hint};
 use crate::workspace::owner::OwnerId;
 use crate::workspace::parameter_table::ParameterTable;
 use crate::workspace::spanned_toml::VERSION_KEY;
@@ -33,7 +33,7 @@ pub struct Property {
     /// The parameter.
     pub parameter: String,
     /// The value.
-    pub value: GivenValue,
+    pub value: FileValue,
     /// Where the library's text names the parameter; empty if there is no text.
     pub span: SourceSpan,
 }
@@ -90,7 +90,7 @@ impl Material {
             if numbers.is_empty() {
                 continue;
             }
-            let value = GivenValue::of(table.parameter(id).ty, numbers);
+            let value = FileValue::of(table.parameter(id).ty, numbers);
             let parameter = table.parameter(id).name.clone();
             material.properties.push(Property { parameter, value, span: SourceSpan::default() });
         }
@@ -114,11 +114,11 @@ impl Material {
             && compared.all(|(id, property)| {
                 let has = values.material_value(owner, id);
                 match &property.value {
-                    GivenValue::Constant(wanted) => {
+                    FileValue::Constant(wanted) => {
                         let wanted = wanted.components();
                         has.is_empty() || has.len() == wanted.len() && has.iter().zip(wanted).all(near)
                     }
-                    image @ GivenValue::Image(_) => GivenValue::of(table.parameter(id).ty, has) == *image,
+                    image @ FileValue::Image(_) => FileValue::of(table.parameter(id).ty, has) == *image,
                 }
             })
     }
@@ -163,7 +163,7 @@ impl Library {
     }
 
     /// The library with other values.
-    fn with_values(mut self, change: impl Fn(GivenValue) -> GivenValue) -> Library {
+    fn with_values(mut self, change: impl Fn(FileValue) -> FileValue) -> Library {
         for property in self.materials.iter_mut().flat_map(|material| &mut material.properties) {
             property.value = change(property.value.clone());
         }

@@ -21,7 +21,7 @@ pub mod values;
 pub mod variation;
 pub mod warning;
 
-pub use assignment::{Assignment, GivenValue, NamedAssignment};
+pub use assignment::{Assignment, FileValue, NamedAssignment};
 pub use file_kind::FileKind;
 pub(crate) use location::PRESET;
 pub use location::{Location, read_source, unknown_preset};

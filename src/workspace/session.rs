@@ -11,7 +11,7 @@ use crate::lang::source::{Source, SourceSpan};
 use crate::lang::variables::Owner;
 use crate::picture::ViewTransform;
 use crate::workspace::Location;
-use crate::workspace::assignment::{Assignment, GivenValue};
+use crate::workspace::assignment::{Assignment, FileValue};
 use crate::workspace::owner::OwnerId;
 use crate::workspace::parameter_table::ParameterTable;
 use crate::workspace::values::Values;
@@ -85,7 +85,7 @@ pub struct NamedValue {
     /// The parameter.
     pub parameter: String,
     /// The value.
-    pub value: GivenValue,
+    pub value: FileValue,
     /// Where the session's text names owner and parameter; empty if there is no text.
     pub spans: [SourceSpan; 2],
 }
@@ -143,7 +143,7 @@ impl Session {
                     OwnerId::Light(_) => OwnerName::Light(name),
                 },
                 parameter: table.parameter(id).name.clone(),
-                value: GivenValue::of(table.parameter(id).ty, numbers),
+                value: FileValue::of(table.parameter(id).ty, numbers),
                 spans: [SourceSpan::default(); 2],
             }
         });

@@ -3,7 +3,7 @@
 use crate::lang::ast::Constant;
 use crate::lang::diagnostic::{Diagnostic, Diagnostics, nearest};
 use crate::lang::source::{Source, SourceSpan};
-use crate::workspace::assignment::GivenValue;
+use crate::workspace::assignment::FileValue;
 use serde::Serialize;
 use std::ops::Range;
 use std::path::PathBuf;
@@ -25,11 +25,11 @@ pub(crate) enum TomlNumber {
     Text(String),
 }
 
-impl From<&GivenValue> for TomlNumber {
-    fn from(value: &GivenValue) -> Self {
+impl From<&FileValue> for TomlNumber {
+    fn from(value: &FileValue) -> Self {
         match value {
-            GivenValue::Constant(constant) => (*constant).into(),
-            GivenValue::Image(path) => TomlNumber::Text(path.display().to_string()),
+            FileValue::Constant(constant) => (*constant).into(),
+            FileValue::Image(path) => TomlNumber::Text(path.display().to_string()),
         }
     }
 }
@@ -200,10 +200,10 @@ impl<'t> Value<'t> {
     }
 
     /// The value of a parameter: a number, a list of three, or a text, the path of an image.
-    pub(crate) fn given(self) -> Result<GivenValue, Diagnostic> {
+    pub(crate) fn given(self) -> Result<FileValue, Diagnostic> {
         match self.value.as_str() {
-            Some(path) => Ok(GivenValue::Image(PathBuf::from(path))),
-            None => self.constant().map(GivenValue::Constant),
+            Some(path) => Ok(FileValue::Image(PathBuf::from(path))),
+            None => self.constant().map(FileValue::Constant),
         }
     }
 

@@ -9,10 +9,8 @@ use crate::lang::colour;
 use crate::lang::diagnostic::{Diagnostic, Diagnostics};
 use crate::lang::source::Source;
 use crate::lang::types::Type;
-use crate::texture::{self, MAX_TEXTURE_SIDE, Texture};
-use crate::workspace::assignment::Assignment;
+use crate::texture::{self, MAX_TEXTURE_SIDE, TextureImage};
 use crate::workspace::location::{Location, near_file};
-use crate::workspace::values::Values;
 use image::{ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
 use std::collections::HashMap;
 use std::io::{self, BufReader, ErrorKind};
@@ -63,7 +61,7 @@ pub fn load(path: &Path) -> Result<f32, Diagnostic> {
 }
 
 /// The texture of an image, or why there is none.
-fn decode(file: std::fs::File) -> Result<Texture, String> {
+fn decode(file: std::fs::File) -> Result<TextureImage, String> {
     let damaged = |error: ImageError| match error {
         ImageError::IoError(error) if error.kind() == ErrorKind::UnexpectedEof => "the file ends too early".to_owned(),
         ImageError::IoError(error) => reason(&error),
@@ -97,7 +95,7 @@ fn decode(file: std::fs::File) -> Result<Texture, String> {
     if !is_linear {
         texels.iter_mut().for_each(|texel| *texel = texel.map(linear));
     }
-    Texture::new(width, height, texels).ok_or_else(|| format!("it has {width}×{height} texels"))
+    TextureImage::new(width, height, texels).ok_or_else(|| format!("it has {width}×{height} texels"))
 }
 
 /// The linear intensity of a component of sRGB.
@@ -105,8 +103,8 @@ fn linear(component: f32) -> f32 {
     colour::linear_from_srgb(f64::from(component)) as f32
 }
 
-/// Parses the formula at a location, and reads the images that are defaults of its textures. Their paths are relative to
-/// the folder of the formula.
+/// Parses the formula at a location, and reads the images that are defaults of its textures. Their paths are relative
+/// to the folder of the formula.
 ///
 /// # Errors
 /// Those of [`Formula::parse`], and an error for each image that cannot be read.
@@ -127,21 +125,6 @@ pub fn read_defaults(formula: &mut Formula, location: &Location, diagnostics: &m
         }
     }
     diagnostics.sort();
-}
-
-/// The textures of values whose files have changed since they were read. A file that cannot be read now is left out.
-pub fn reloaded(values: &Values) -> Vec<Assignment> {
-    let mut found = Vec::new();
-    for (owner, parameter, numbers) in values.iter() {
-        let number = numbers.first().copied().unwrap_or_default();
-        let is_texture = values.table().parameter(parameter).ty == Type::Texture;
-        let Some(path) = texture::path_of(number).filter(|_| is_texture) else { continue };
-        match load(path) {
-            Ok(new) if new != number => found.push(Assignment { owner, parameter, value: [new, 0.0, 0.0] }),
-            Ok(_) | Err(_) => {}
-        }
-    }
-    found
 }
 
 #[cfg(test)]

@@ -10,9 +10,11 @@ use crate::formula::{Formula, ParameterId};
 use crate::lang::types::Type;
 use crate::lang::variables::Owner;
 use crate::scene::{BodyId, LightId, Scene};
+use crate::texture;
 use crate::workspace::assignment::Assignment;
 use crate::workspace::owner::OwnerId;
 use crate::workspace::parameter_table::ParameterTable;
+use crate::workspace::textures;
 use crate::workspace::warning::{Cause, ValueWarning};
 use settle::AssignmentMode;
 use std::sync::Arc;
@@ -175,6 +177,21 @@ impl Values {
             Some(indices) if bound => &self.settled[indices],
             _ => self.get(body, id),
         }
+    }
+
+    /// The textures whose files have changed since they were read. A file that cannot be read now is left out.
+    pub fn changed_images(&self) -> Vec<Assignment> {
+        let mut found = Vec::new();
+        for (owner, parameter, numbers) in self.iter() {
+            let number = numbers.first().copied().unwrap_or_default();
+            let is_texture = self.table.parameter(parameter).ty == Type::Texture;
+            let Some(path) = texture::path_of(number).filter(|_| is_texture) else { continue };
+            match textures::load(path) {
+                Ok(new) if new != number => found.push(Assignment { owner, parameter, value: [new, 0.0, 0.0] }),
+                Ok(_) | Err(_) => {}
+            }
+        }
+        found
     }
 
     /// The settled value of a scalar; 0 if the owner has no such parameter.

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-fn render(folder: &Path, arguments: &str, output: &str) -> image::DynamicImage {
+pub(crate) fn render(folder: &Path, arguments: &str, output: &str) -> image::DynamicImage {
     let done = run(folder, &format!("render {arguments} -o {output}"));
     assert!(done.status.success(), "{arguments}: {}", String::from_utf8_lossy(&done.stderr));
     image::open(folder.join(output)).expect("a picture")

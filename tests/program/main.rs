@@ -23,6 +23,7 @@ mod pipe;
 mod rays;
 mod sweep;
 mod terminal;
+mod textures;
 
 use std::fs;
 use std::path::Path;

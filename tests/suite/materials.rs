@@ -7,7 +7,7 @@ use illuminator::lang::source::{Source, SourceSpan};
 use illuminator::scene::{BodyId, Scene};
 use illuminator::workspace::Location;
 use illuminator::workspace::materials::{LibraryLocation, Property};
-use illuminator::workspace::{FileKind, GivenValue, presets};
+use illuminator::workspace::{FileKind, FileValue, presets};
 use illuminator::workspace::{Library, Material, Materials, Values};
 use proptest::prelude::*;
 use std::collections::BTreeSet;
@@ -160,7 +160,7 @@ fn material() -> impl Strategy<Value = Material> {
     (name, values).prop_filter_map("no name", |(name, values)| {
         let mut material = Material::new(name).ok()?;
         let property =
-            |(parameter, value)| Property { parameter, value: GivenValue::Constant(value), span: SourceSpan::default() };
+            |(parameter, value)| Property { parameter, value: FileValue::Constant(value), span: SourceSpan::default() };
         material.properties = values.into_iter().map(property).collect();
         Some(material)
     })

@@ -64,12 +64,12 @@ fn give(values: &mut Values, material: &Material, body: u32) -> Vec<String> {
     [warnings, taken].concat()
 }
 
-fn scalar(number: f32) -> GivenValue {
-    GivenValue::Constant(Constant::Scalar(number))
+fn scalar(number: f32) -> FileValue {
+    FileValue::Constant(Constant::Scalar(number))
 }
 
-fn vector(numbers: [f32; 3]) -> GivenValue {
-    GivenValue::Constant(Constant::Vector(numbers))
+fn vector(numbers: [f32; 3]) -> FileValue {
+    FileValue::Constant(Constant::Vector(numbers))
 }
 
 #[test]

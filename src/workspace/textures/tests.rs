@@ -3,11 +3,11 @@
 use super::*;
 use crate::scene::Scene;
 use crate::workspace::project::{Listener, OpenProjectError, Project, Request, SessionText};
-use crate::workspace::{GivenValue, Session, Values};
+use crate::workspace::{FileValue, Session, Values};
 use image::{ExtendedColorType, ImageEncoder, Rgb, Rgb32FImage, RgbImage};
 use std::fs;
 
-fn texture(path: &Path) -> &'static Texture {
+fn texture(path: &Path) -> &'static TextureImage {
     let number = load(path).unwrap_or_else(|error| panic!("{}", error.message()));
     texture::numbered(number).expect("a texture")
 }
@@ -216,7 +216,7 @@ fn materials_name_images_relative_to_their_library() {
     let values = Values::defaults(&formula, &scene);
     let body = crate::scene::BodyId(0);
     let material = crate::workspace::Material::of_body("oak", &values, body).expect("a name");
-    let image = GivenValue::Image(folder.join("four.png"));
+    let image = FileValue::Image(folder.join("four.png"));
     assert!(material.properties.iter().any(|property| property.parameter == "wood" && property.value == image));
     let mut library = crate::workspace::Library::default();
     library.put(material.clone());

@@ -1,13 +1,13 @@
 //! Textures by every backend, against bilinear interpolation in double precision that is written here.
 
+use crate::agreement::compiled;
 use crate::agreement::drags::VIEWS;
 use crate::agreement::formulas::{Case, check};
-use crate::agreement::{backends, compiled};
 use illuminator::backends::interpreter::Interpreted;
 use illuminator::engine::{Engine, Subject, Task};
 use illuminator::evaluate::Evaluator;
 use illuminator::lang::types::Type;
-use illuminator::texture::{Texture, keep};
+use illuminator::texture::{TextureImage, keep};
 use illuminator::trace::View;
 use illuminator::workspace::{Assignment, Values};
 use std::path::PathBuf;
@@ -27,7 +27,7 @@ pub(super) fn number() -> f32 {
     static NUMBER: OnceLock<f32> = OnceLock::new();
     *NUMBER.get_or_init(|| {
         let texels = (0..HEIGHT).flat_map(|y| (0..WIDTH).map(move |x| texel(x, y))).collect();
-        let texture = Texture::new(WIDTH, HEIGHT, texels).expect("texels");
+        let texture = TextureImage::new(WIDTH, HEIGHT, texels).expect("texels");
         keep(PathBuf::from("five-by-three.png"), texture).expect("room")
     })
 }
@@ -126,11 +126,10 @@ fn drags_and_views_agree_with_the_interpreter() {
         formula; reflected = kr*wood(u, 4*q); refracted = kt*0.5; emission = q*wood(3*u, getx(point));
         ambient = ka*Ia*Cd*wood(getx(N), gety(N)); = IL*Cd*wood(g*u, alpha)*slide(p, beta)*max(0, N.L);";
     let numbers = [0.31, 0.77, 0.55, 0.93, 0.12, 0.68, 0.41, 0.86, 0.23, 0.6, 0.97];
-    let case = Case::of(text.to_owned(), &numbers, &backends()).unwrap_or_else(|error| panic!("{error}"));
+    let case = Case::of(text.to_owned(), &numbers, &compiled()).unwrap_or_else(|error| panic!("{error}"));
     check(&case).unwrap_or_else(|error| panic!("{error}"));
-    let cells = case.evaluators.len();
     for index in 0..case.layout.len() {
-        for evaluator in &case.evaluators[..cells] {
+        for evaluator in &case.evaluators {
             crate::agreement::drags::drag(&case, evaluator, &[index], &[0.2, 0.9, 0.0, 1.0], VIEWS[1])
                 .unwrap_or_else(|error| panic!("{index}: {error}"));
         }
