@@ -22,7 +22,7 @@ use crate::picture::{Transfer, ViewTransform};
 use crate::scene::shape::NamedMesh;
 use crate::scene::{Body, Scene, Shape};
 use crate::workspace::session::{NamedValue, OwnerName, PictureSettings};
-use crate::workspace::{GivenValue, Location, Session};
+use crate::workspace::{FileValue, Location, Session};
 use glam::DVec3;
 use looks::ImportedLook;
 use names::UniqueNames;
@@ -135,7 +135,7 @@ fn values(bodies: &[ImportedBody], lights: &[ImportedLight]) -> Vec<NamedValue> 
     let value = |owner: OwnerName, parameter: &str, value: Constant| NamedValue {
         owner,
         parameter: parameter.to_owned(),
-        value: GivenValue::Constant(value),
+        value: FileValue::Constant(value),
         spans: [SourceSpan::default(); 2],
     };
     let of_bodies = bodies.iter().flat_map(|ImportedBody { name, look }| {

@@ -215,9 +215,9 @@ fn lights_are_compared_in_the_middle_of_the_bodies() {
     };
     // 1000/10² = 10 lux, 1000/20² = 2.5 lux, and 2 · 5 = 10 lux.
     let [lamp, spot, sun] = ["lamp", "tri_2", "light"].map(|name| value(name, "ki"));
-    assert_eq!([lamp, spot, sun], [1.0, 0.25, 1.0].map(|number| Some(GivenValue::Constant(Constant::Scalar(number)))));
-    assert_eq!(value("lamp", "IL"), Some(GivenValue::Constant(Constant::Vector([1.0, 0.5, 0.0]))));
-    assert_eq!(value("light", "IL"), Some(GivenValue::Constant(Constant::Vector([1.0, 0.5, 0.5]))));
+    assert_eq!([lamp, spot, sun], [1.0, 0.25, 1.0].map(|number| Some(FileValue::Constant(Constant::Scalar(number)))));
+    assert_eq!(value("lamp", "IL"), Some(FileValue::Constant(Constant::Vector([1.0, 0.5, 0.0]))));
+    assert_eq!(value("light", "IL"), Some(FileValue::Constant(Constant::Vector([1.0, 0.5, 0.5]))));
     assert_eq!(plan.session.picture.size, [1440, 720]);
     assert!(plan.scene.contains("light: point, <1, 2001, 1>;"), "1000 times 2 above the middle: {}", plan.scene);
     assert!(plan.scene.contains("position <0, 0, 5>;\ngaze <0, 0, -1>;\n"), "{}", plan.scene);

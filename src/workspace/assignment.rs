@@ -51,7 +51,10 @@ impl FileValue {
     pub(super) fn relative_to(self, folder: &Path) -> Self {
         match self {
             FileValue::Image(path) if !path.as_os_str().is_empty() => {
-                FileValue::Image(Location::File(path).relative_to(folder).into())
+                let path = Location::File(path).relative_to(folder);
+                // A word alone is no path in a table.
+                let is_word = !path.contains(['.', '/', '\\']);
+                FileValue::Image(PathBuf::from(if is_word { format!("./{path}") } else { path }))
             }
             other @ (FileValue::Image(_) | FileValue::Constant(_)) => other,
         }

@@ -202,8 +202,9 @@ impl<'t> Value<'t> {
     /// The value of a parameter: a number, a list of three, or a text, the path of an image.
     pub(crate) fn given(self) -> Result<FileValue, Diagnostic> {
         match self.value.as_str() {
-            Some(path) => Ok(FileValue::Image(PathBuf::from(path))),
-            None => self.constant().map(FileValue::Constant),
+            Some(path) if path.is_empty() || path.contains(['.', '/', '\\']) => Ok(FileValue::Image(PathBuf::from(path))),
+            // A word alone is no path.
+            Some(_) | None => self.constant().map(FileValue::Constant),
         }
     }
 

@@ -200,6 +200,12 @@ fn sessions_name_images_relative_to_themselves() {
     assert!(told.len() == 1 && told[0].contains("images/none.png`: there is no such file"), "{told:?}");
     // A number is no image, and an image no number: warnings, as for other types.
     assert!(open(folder, &format!("{head}[bodies.ball]\nwood = 3\nkr = \"a.png\"\n")).is_ok());
+    // A name without a suffix stays the path of an image.
+    fs::copy(folder.join("models/four.png"), folder.join("four")).expect("a file");
+    let project = open(folder, &format!("{head}[bodies.ball]\nwood = \"./four\"\n")).expect("a session");
+    let saved = Session { values: Session::name_values(&project.values), ..saved };
+    let text = saved.to_toml(folder).expect("a text");
+    assert_eq!(paths(&open(folder, &text).expect("a session").values)[1], Some(folder.join("./four")), "{text}");
     fs::remove_file(folder.join("models/four.png")).expect("removed");
     let (_, told) = open(folder, head).expect_err("no such file");
     assert!(told.len() == 1 && told[0].contains("models/four.png`"), "{told:?}");
