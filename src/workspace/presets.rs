@@ -195,6 +195,11 @@ macro_rules! meshes {
 /// The built-in meshes.
 pub const MESHES: &[PresetMesh] = meshes!(
     "gem"."obj" = "a round brilliant, its girdle of radius 1 around the y axis",
+    "shaderball-ball"."ply" = "the shell of the shader ball, of radius 1, with a round opening",
+    "shaderball-core"."ply" = "the ball inside the shell",
+    "shaderball-ring"."ply" = "the fluted ring around the neck of the base",
+    "shaderball-base"."ply" = "the base of the shader ball, which stands on y = 0",
+    "backdrop"."ply" = "a floor that bends up to a wall behind the shader ball",
 );
 
 /// The built-in files of a kind, in the order of menus and lists.

@@ -10,6 +10,7 @@ mod models;
 mod presets;
 mod reference;
 mod round_trip;
+mod shaderball;
 
 use illuminator::mesh::Reading;
 use illuminator::scene::Scene;
