@@ -39,7 +39,7 @@ impl FileValue {
 
     /// The same value, with a relative path taken from `folder`.
     #[must_use]
-    pub(super) fn from_folder(self, folder: &Path) -> Self {
+    pub(super) fn taken_from(self, folder: &Path) -> Self {
         match self {
             FileValue::Image(path) if !path.as_os_str().is_empty() => FileValue::Image(folder.join(path)),
             other @ (FileValue::Image(_) | FileValue::Constant(_)) => other,

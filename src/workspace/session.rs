@@ -110,7 +110,7 @@ impl Session {
     pub fn with_paths_from(self, folder: Option<&Path>) -> Session {
         let Some(folder) = folder else { return self };
         let (formula, scene) = (self.formula.from_folder(folder), self.scene.from_folder(folder));
-        let placed = |value: NamedValue| NamedValue { value: value.value.from_folder(folder), ..value };
+        let placed = |value: NamedValue| NamedValue { value: value.value.taken_from(folder), ..value };
         Session { formula, scene, values: self.values.into_iter().map(placed).collect(), ..self }
     }
 

@@ -66,7 +66,9 @@ fn decode(file: std::fs::File) -> Result<TextureImage, String> {
         ImageError::IoError(error) if error.kind() == ErrorKind::UnexpectedEof => "the file ends too early".to_owned(),
         ImageError::IoError(error) => reason(&error),
         ImageError::Limits(_) => format!("it is too large: at most {MAX_TEXTURE_SIDE} texels a side"),
-        error => format!("it is damaged, or of an unusual kind ({error})"),
+        error @ (ImageError::Decoding(_) | ImageError::Encoding(_) | ImageError::Parameter(_) | ImageError::Unsupported(_)) => {
+            format!("it is damaged, or of an unusual kind ({error})")
+        }
     };
     let mut reader = ImageReader::new(BufReader::new(file)).with_guessed_format().map_err(|error| reason(&error))?;
     let is_linear = match reader.format() {

@@ -168,7 +168,7 @@ impl Layer {
         let source = read_source(path, Some(FileKind::Material), readable).map_err(SourceDiagnostics::without_text)?;
         let (layer, warnings) = Self::parse(source)?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        let library = layer.library.with_values(|value| value.from_folder(folder));
+        let library = layer.library.with_values(|value| value.taken_from(folder));
         Ok((Self { library, ..layer }, warnings))
     }
 }
