@@ -400,4 +400,20 @@ mod tests {
         let outcome = Engine::default().pictures(&subject, &sets, 1, &Task::UNWATCHED, |_, _, _| Err(failed()));
         assert_eq!(outcome.unwrap_err().to_string(), "full");
     }
+
+    #[test]
+    fn meshes_count_in_the_memory_of_a_picture() {
+        let text = "bodies; stone: mesh, \"preset:gem\"; lights; key: point, <4,6,5>;
+            camera; position <0,1,6>; gaze <0,-0.15,-1>; up <0,1,0>; fov 40;";
+        let (scene, _) = Scene::parse(&Source::new("scene", text)).unwrap();
+        let (formula, _) = Formula::parse(&Source::new("formula", "formula; = IL*Cd;")).unwrap();
+        let reading = crate::mesh::Reading::unwatched(1 << 20);
+        let place = crate::workspace::Location::new("");
+        let (meshes, _) = crate::workspace::MeshStore::default().load(&scene, &place, &reading).unwrap();
+        let subject = Subject::new(formula, scene, &meshes, View::new(24, 16).unwrap()).unwrap();
+        let trace = |bytes: u64| Engine::default().with_memory(bytes).trace(&subject, &Task::UNWATCHED);
+        let error = trace(meshes.memory() - 1).unwrap_err();
+        assert!(error.is_memory() && error.to_string().starts_with("the meshes of the scene take"), "{error}");
+        assert!(trace(1 << 30).is_ok());
+    }
 }

@@ -44,6 +44,40 @@ fn options_override_sessions() {
 }
 
 #[test]
+fn meshes_are_read_beside_their_scene_and_look_like_what_they_stand_for() {
+    let folder = folder();
+    let cube = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n\
+        f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 3 4 8 7\nf 2 3 7 6\nf 1 5 8 4\n";
+    fs::create_dir_all(folder.path().join("sub/models")).expect("a folder");
+    write(&folder, "sub/models/cube.obj", cube);
+    let scene = |body: &str| {
+        format!(
+            "bodies; c: {body}, rotate <0,1,0> 30, refractive_index 1.4; f: rectangle, <-3,-0.1,-3>, <3,-0.1,-3>, <3,-0.1,3>;
+             lights; key: point, <3,4,5>; camera; position <0.3,2,5>; gaze <0,-0.3,-1>; up <0,1,0>; fov 30;"
+        )
+    };
+    write(&folder, "sub/mesh.scene", &scene("mesh, \"models/cube.obj\", fit <0,0.5,0> 1"));
+    write(&folder, "box.scene", &scene("box, <-0.5,0,-0.5>, <0.5,1,0.5>"));
+    let set = "--set c.kt=0.6 --set c.kr=0.2 --set f.Cd=<0.2,0.6,0.9> --size 96x72 -f preset:lambert";
+    let mesh = render(folder.path(), &format!("-s sub/mesh.scene {set}"), "mesh.exr").into_rgb32f();
+    let cube = render(folder.path(), &format!("-s box.scene {set}"), "box.exr").into_rgb32f();
+    let off = mesh.iter().zip(cube.iter()).filter(|(one, other)| (*one - *other).abs() > 1e-3).count();
+    assert!(off <= 6, "{off} components of 20736 differ");
+    // The same by the interpreter.
+    assert!(run(folder.path(), &format!("verify -s sub/mesh.scene {set}")).status.success());
+    let checked = run(folder.path(), "check sub/mesh.scene");
+    assert!(checked.status.success() && checked.stderr.is_empty());
+    fs::remove_file(folder.path().join("sub/models/cube.obj")).expect("a file");
+    let missing = run(folder.path(), &format!("render -s sub/mesh.scene {set} -o none.png"));
+    assert!(
+        missing.status.code() == Some(1)
+            && String::from_utf8_lossy(&missing.stderr).contains("cannot read the mesh `sub/models/cube.obj`")
+    );
+    let small = run(folder.path(), &format!("render -s box.scene {set} --memory 1K -o none.png"));
+    assert_eq!(small.status.code(), Some(1));
+}
+
+#[test]
 fn threads_and_runs_give_the_same_bytes() {
     let folder = folder();
     let bytes = |threads: u32| {
