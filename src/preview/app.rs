@@ -17,6 +17,7 @@ mod focus_ring;
 mod gallery;
 mod hand;
 mod histogram;
+mod image_rows;
 mod inspector;
 mod jobs;
 mod key_groups;
@@ -294,6 +295,7 @@ impl App {
                 self.parameters.ui(ui, &mut self.workshop, &mut self.materials, shared);
             });
             actions.append(&mut self.materials.take_actions());
+            actions.append(&mut self.parameters.take_actions());
         }
         if !narrow {
             remember(ui.ctx(), named("texts"), PanelSide::Texts, &mut sizes);

@@ -9,6 +9,7 @@ use crate::scene::BodyId;
 use crate::user_data::settings::{Settings, ThemeSetting};
 use crate::workspace::FileKind;
 use crate::workspace::Location;
+use crate::workspace::OwnerId;
 use crate::workspace::materials::{LibraryLocation, Material};
 use egui::{Key, KeyboardShortcut, Modifiers, Ui};
 use std::path::PathBuf;
@@ -24,6 +25,11 @@ pub enum Action {
     ShowOpenDialog(FileKind),
     /// Open a file of this kind.
     Open(FileKind, Location),
+    /// Show the dialog that chooses the image of the texture of this name of an owner.
+    ShowImageDialog(OwnerId, String),
+    /// Give the texture of this name of an owner the image in this file. While the dialog was open, the formula may have
+    /// changed.
+    SetImage(OwnerId, String, PathBuf),
     /// Save the text in view.
     Save,
     /// Show the dialog that saves something of this kind.

@@ -6,15 +6,18 @@ use crate::preview::app::Action;
 use crate::preview::app::question::Question;
 use crate::workspace::FileKind;
 use crate::workspace::Location;
+use crate::workspace::OwnerId;
+use crate::workspace::textures::SUFFIXES;
 use egui::layers::ShapeIdx;
 use egui::{Align2, Context, Id, Key, LayerId, Memory, Order, Shape, TextFormat};
 use egui_file_dialog::{DialogState, FileDialog};
 use std::path::{Path, PathBuf};
 
 /// What a file dialog is for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 enum Purpose {
     Open(FileKind),
+    Image(OwnerId, String),
     Save(Option<FileKind>),
 }
 
@@ -26,6 +29,9 @@ pub(super) struct FileDialogs {
     focused: (Option<Id>, bool),
     last_folder: Option<PathBuf>,
 }
+
+/// The name of the filter for images.
+const IMAGES: &str = "Images";
 
 /// The format that is suggested for pictures.
 const PICTURE: Format = Format::Png;
@@ -64,6 +70,14 @@ impl FileDialogs {
         let mut dialog = dialog.add_file_filter_extensions(&name, vec![kind.suffix()]).default_file_filter(&name);
         dialog.pick_file();
         self.shown = Some((dialog, Purpose::Open(kind)));
+    }
+
+    /// Shows the dialog that chooses the image of a texture of an owner. `near` is as for [`open`](Self::open).
+    pub(super) fn choose_image(&mut self, owner: OwnerId, parameter: String, near: Option<&Path>) {
+        let dialog = dialog("Choose an image", self.last_folder.as_deref().or(near));
+        let mut dialog = dialog.add_file_filter_extensions(IMAGES, SUFFIXES.to_vec()).default_file_filter(IMAGES);
+        dialog.pick_file();
+        self.shown = Some((dialog, Purpose::Image(owner, parameter)));
     }
 
     /// Shows the dialog that saves something of this kind, or the picture, with a suggested path.
@@ -112,7 +126,7 @@ impl FileDialogs {
             self.focused = (context.memory(Memory::focused), false);
         }
         legible(context, dialog.get_window_id());
-        let (purpose, picked) = (*purpose, dialog.take_picked());
+        let (purpose, picked) = (purpose.clone(), dialog.take_picked());
         let Some(path) = picked else {
             if *dialog.state() != DialogState::Open {
                 self.shown = None;
@@ -124,6 +138,7 @@ impl FileDialogs {
         self.last_folder = path.parent().map(Path::to_owned);
         match purpose {
             Purpose::Open(kind) => actions.push(Action::Open(kind, Location::File(path))),
+            Purpose::Image(owner, parameter) => actions.push(Action::SetImage(owner, parameter, path)),
             Purpose::Save(kind) if path.extension().is_some() => actions.push(Action::SaveTo(kind, path)),
             Purpose::Save(kind) => {
                 let suffix = kind.map_or(PICTURE.suffix(), FileKind::suffix);

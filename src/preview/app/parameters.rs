@@ -3,6 +3,7 @@
 use crate::formula::ParameterId;
 use crate::lang::variables::{Owner, Predefined};
 use crate::picture::Transfer;
+use crate::preview::app::Action;
 use crate::preview::app::colours::{paint_swatch, shown_colour};
 use crate::preview::app::materials::MaterialRow;
 use crate::preview::app::panel_sizes::remember;
@@ -23,11 +24,20 @@ pub(super) struct ParameterPanel {
     hidden: bool,
     /// A value that could not be set as wanted, and why.
     limited: Option<(OwnerId, ParameterId, String)>,
+    /// What the user wants that the panel cannot do.
+    actions: Vec<Action>,
 }
 
 impl Default for ParameterPanel {
     fn default() -> Self {
-        Self { selected: OwnerId::Global, ambient: false, search: String::new(), hidden: false, limited: None }
+        Self {
+            selected: OwnerId::Global,
+            ambient: false,
+            search: String::new(),
+            hidden: false,
+            limited: None,
+            actions: Vec::new(),
+        }
     }
 }
 
@@ -48,6 +58,11 @@ impl ParameterPanel {
         self.ambient = false;
         self.search.clear();
         self.hidden = true;
+    }
+
+    /// The actions that the user wants.
+    pub(super) fn take_actions(&mut self) -> Vec<Action> {
+        std::mem::take(&mut self.actions)
     }
 
     /// The selected owner.
@@ -138,6 +153,10 @@ impl ParameterPanel {
                     workshop.release();
                 }
                 ValueEdit::Copy => workshop.copy_to_all(owner, id),
+                ValueEdit::ChooseImage => {
+                    let name = workshop.values().table().parameter(id).name.clone();
+                    self.actions.push(Action::ShowImageDialog(owner, name));
+                }
             }
         }
     }

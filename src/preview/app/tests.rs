@@ -11,6 +11,7 @@ use std::time::Duration;
 mod comparing;
 mod drafts;
 mod focus;
+mod images;
 mod layout;
 mod light;
 mod menus;

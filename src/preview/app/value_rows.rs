@@ -6,6 +6,7 @@ use crate::lang::types::Type;
 use crate::lang::variables::Owner;
 use crate::picture::Transfer;
 use crate::preview::app::colours::{hex_ui, picker_ui, swatch_button};
+use crate::preview::app::image_rows::{image_cells, image_name};
 use crate::preview::app::number_field::{EditPhase, NUMBER_WIDTH, number_ui, phase};
 use crate::workspace::{OwnerId, Values};
 use egui::{
@@ -23,6 +24,8 @@ pub(super) enum ValueEdit {
     Release([f32; 3]),
     /// Gives it to all owners of the same kind.
     Copy,
+    /// Wants to choose the image of a texture.
+    ChooseImage,
 }
 
 /// The space between two columns, in points.
@@ -72,7 +75,17 @@ impl RowContext<'_> {
         let signs = Signs { lock: lock.as_deref(), limit };
         let edit = ui.push_id((owner, id), |ui| match parameter.ty {
             Type::Vector => self.vector_ui(ui, parameter, value, (owner, &signs)),
-            Type::Scalar | Type::Truth | Type::Texture => {
+            Type::Texture => {
+                let mut edit = None;
+                row(ui, |ui| {
+                    edit = self.name_ui(ui, parameter, owner, signs.lock);
+                    space(ui, MARK);
+                    let width = self.columns.slider + GAP + NUMBER_WIDTH;
+                    edit = image_cells(ui, parameter, value[0], width).or(edit.take());
+                });
+                edit
+            }
+            Type::Scalar | Type::Truth => {
                 let mut edit = None;
                 row(ui, |ui| {
                     edit = self.name_ui(ui, parameter, owner, signs.lock);
@@ -309,7 +322,8 @@ fn tooltip(parameter: &Parameter, lock: Option<&str>) -> String {
         None => {
             let default = match parameter.ty {
                 Type::Vector => format!("<{}>", parameter.default.map(|number| number.to_string()).join(", ")),
-                Type::Scalar | Type::Truth | Type::Texture => parameter.default[0].to_string(),
+                Type::Texture => image_name(parameter.default[0]).unwrap_or_else(|| "white".to_owned()),
+                Type::Scalar | Type::Truth => parameter.default[0].to_string(),
             };
             text.push_str(&format!("\nDouble-click: the default of the formula, {default}. Right-click: more."));
         }
