@@ -57,18 +57,24 @@ impl TextureImage {
     /// repeats outside. Between the middles of texels, colours are interpolated. Coordinates that are not finite count
     /// as 0.
     pub fn colour(&self, u: f32, v: f32) -> [f32; 3] {
+        [0, 1, 2].map(|index| self.component(u, v, index))
+    }
+
+    /// A component of the [`colour`](Self::colour): 0 is red, 1 green, and 2 and more blue.
+    pub fn component(&self, u: f32, v: f32, index: usize) -> f32 {
         let (column, row) = (Neighbours::of(u, self.width), Neighbours::of(v, self.height));
+        let index = index.min(2);
         let in_row = |y: u32| {
             let [left, right] = [self.texel(column.first, y), self.texel(column.second, y)];
-            mixed(left, right, column.share)
+            mixed(left[index], right[index], column.share)
         };
         mixed(in_row(row.first), in_row(row.second), row.share)
     }
 }
 
 /// `a` and `b`, mixed: `share` of `b`.
-fn mixed(a: [f32; 3], b: [f32; 3], share: f32) -> [f32; 3] {
-    std::array::from_fn(|component| a[component] * (1.0 - share) + b[component] * share)
+fn mixed(a: f32, b: f32, share: f32) -> f32 {
+    a * (1.0 - share) + b * share
 }
 
 /// Two neighbouring columns or rows, and the share of the second.
@@ -151,7 +157,7 @@ pub fn keep(path: PathBuf, texture: TextureImage) -> Result<f32, NoRoom> {
 
 fn known(number: f32) -> Option<&'static Known> {
     // NaN and negative numbers become 0.
-    KNOWN.get(number.round() as usize)?.get()
+    KNOWN.get((number + 0.5) as usize)?.get()
 }
 
 /// The texture of a number; `None` for white and for numbers that no texture has.
@@ -167,8 +173,7 @@ pub fn path_of(number: f32) -> Option<&'static Path> {
 /// A component (0 is red) of the colour of the texture with a number, at surface coordinates.
 pub fn component<T: Into<f64> + From<f32>>(number: T, u: T, v: T, component: T) -> T {
     let [number, u, v, component] = [number, u, v, component].map(|value| value.into() as f32);
-    let index = (component.round() as usize).min(2);
-    numbered(number).map_or(1.0, |texture| texture.colour(u, v)[index]).into()
+    numbered(number).map_or(1.0, |texture| texture.component(u, v, (component + 0.5) as usize)).into()
 }
 
 #[cfg(test)]
