@@ -27,8 +27,8 @@ pub enum Action {
     Open(FileKind, Location),
     /// Show the dialog that chooses the image of the texture of this name of an owner.
     ShowImageDialog(OwnerId, String),
-    /// Give the texture of this name of an owner the image in this file. While the dialog was open, the formula may have
-    /// changed.
+    /// Give the texture of this name of an owner the image in this file, if there is one. While the dialog was open,
+    /// the formula may have changed.
     SetImage(OwnerId, String, PathBuf),
     /// Save the text in view.
     Save,

@@ -3,9 +3,16 @@
 use crate::formula::Parameter;
 use crate::lang::display_text::one_line;
 use crate::picture::Transfer;
-use crate::preview::app::value_rows::ValueEdit;
 use crate::texture;
 use egui::{Color32, ColorImage, Id, Image, Sense, TextureHandle, TextureOptions, Ui, Vec2, vec2};
+
+/// What the user did with an image.
+pub(super) enum ImageEdit {
+    /// Wants to choose another one.
+    Choose,
+    /// Wants none.
+    Clear,
+}
 
 /// The side of the image in a row, in points, and in texels.
 const SIDE: f32 = 18.0;
@@ -17,7 +24,7 @@ pub(super) fn image_name(number: f32) -> Option<String> {
 }
 
 /// Draws the cells behind the name of a texture parameter.
-pub(super) fn image_cells(ui: &mut Ui, parameter: &Parameter, number: f32, width: f32) -> Option<ValueEdit> {
+pub(super) fn image_cells(ui: &mut Ui, parameter: &Parameter, number: f32, width: f32) -> Option<ImageEdit> {
     let mut edit = None;
     let path = texture::path_of(number).map(|path| one_line(&path.display().to_string()));
     match thumbnail(ui, number) {
@@ -37,10 +44,10 @@ pub(super) fn image_cells(ui: &mut Ui, parameter: &Parameter, number: f32, width
     let button = ui.add(egui::Button::new(name).truncate().min_size(vec2(size.x, 0.0)));
     let hint = path.clone().unwrap_or_else(|| format!("{} is white", one_line(&parameter.name)));
     if button.on_hover_text(hint).clicked() {
-        edit = Some(ValueEdit::ChooseImage);
+        edit = Some(ImageEdit::Choose);
     }
     if path.is_some() && ui.small_button("×").on_hover_text("No image: white").clicked() {
-        edit = Some(ValueEdit::Set([0.0; 3]));
+        edit = Some(ImageEdit::Clear);
     }
     edit
 }

@@ -6,7 +6,7 @@ use crate::lang::types::Type;
 use crate::lang::variables::Owner;
 use crate::picture::Transfer;
 use crate::preview::app::colours::{hex_ui, picker_ui, swatch_button};
-use crate::preview::app::image_rows::{image_cells, image_name};
+use crate::preview::app::image_rows::{ImageEdit, image_cells, image_name};
 use crate::preview::app::number_field::{EditPhase, NUMBER_WIDTH, number_ui, phase};
 use crate::workspace::{OwnerId, Values};
 use egui::{
@@ -81,7 +81,11 @@ impl RowContext<'_> {
                     edit = self.name_ui(ui, parameter, owner, signs.lock);
                     space(ui, MARK);
                     let width = self.columns.slider + GAP + NUMBER_WIDTH;
-                    edit = image_cells(ui, parameter, value[0], width).or(edit.take());
+                    let chosen = image_cells(ui, parameter, value[0], width).map(|chosen| match chosen {
+                        ImageEdit::Choose => ValueEdit::ChooseImage,
+                        ImageEdit::Clear => ValueEdit::Set([0.0; 3]),
+                    });
+                    edit = chosen.or(edit.take());
                 });
                 edit
             }
