@@ -88,6 +88,7 @@ const SCENES: &[Preset] = files!("scene", "scene":
     "heads" = "two rows of five balls on a shelf, for hair and cloth",
     "edges" = "three balls lit from both sides and from behind",
     "twig" = "nine leaves on a twig against the light",
+    "shaderball" = "a shell with an opening, a core, a ring and a base, for one material",
 );
 const SESSIONS: &[Preset] = files!("session", "toml":
     "default" = "the crystals with Phong's model: what opens if nothing is named",
@@ -129,6 +130,8 @@ const SESSIONS: &[Preset] = files!("session", "toml":
     "charlie-sheen" = "sheen from thin to wide, and five cloths",
     "velvet" = "balls of velvet, lit along their edges",
     "leaf" = "leaves of spring and autumn against the sun",
+    "shaderball" = "red lacquer and gold on the shader ball, by Fresnel's law",
+    "shaderball-glass" = "the shader ball of glass, by Fresnel's law",
 );
 const MATERIALS: &[Preset] = files!("material", "toml":
     "phong" = "materials for Phong's model",
