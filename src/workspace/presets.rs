@@ -68,6 +68,7 @@ const FORMULAS: &[Preset] = files!("formula", "formula":
 );
 const SCENES: &[Preset] = files!("scene", "scene":
     "studio" = "two balls under three lights, for a new formula",
+    "shaderball" = "a shell with an opening, a core, a ring and a base, for one material",
     "glass" = "glass before a wall, and a mirror",
     "highlights" = "fifteen balls of plastic, copper and steel, to compare highlights",
     "sunset" = "water, silver, glass and a soap bubble at sunset",
@@ -88,10 +89,11 @@ const SCENES: &[Preset] = files!("scene", "scene":
     "heads" = "two rows of five balls on a shelf, for hair and cloth",
     "edges" = "three balls lit from both sides and from behind",
     "twig" = "nine leaves on a twig against the light",
-    "shaderball" = "a shell with an opening, a core, a ring and a base, for one material",
 );
 const SESSIONS: &[Preset] = files!("session", "toml":
     "default" = "the crystals with Phong's model: what opens if nothing is named",
+    "shaderball" = "red lacquer and gold on the shader ball, by Fresnel's law",
+    "shaderball-glass" = "the shader ball of glass, by Fresnel's law",
     "studio" = "two balls in a studio, with Phong's model",
     "glass" = "glass and a mirror, with Phong's model",
     "highlights" = "plastic, copper and steel, with Strauss's model",
@@ -130,8 +132,6 @@ const SESSIONS: &[Preset] = files!("session", "toml":
     "charlie-sheen" = "sheen from thin to wide, and five cloths",
     "velvet" = "balls of velvet, lit along their edges",
     "leaf" = "leaves of spring and autumn against the sun",
-    "shaderball" = "red lacquer and gold on the shader ball, by Fresnel's law",
-    "shaderball-glass" = "the shader ball of glass, by Fresnel's law",
 );
 const MATERIALS: &[Preset] = files!("material", "toml":
     "phong" = "materials for Phong's model",
