@@ -306,7 +306,7 @@ mod tests {
     #[test]
     fn every_place_has_its_words() {
         assert_eq!(in_formula("glo|"), ["global"]);
-        assert_eq!(in_formula("global; a: |"), ["scalar", "vector"]);
+        assert_eq!(in_formula("global; a: |"), ["scalar", "vector", "texture"]);
         assert_eq!(in_formula("global; a: scalar, d|"), ["default"]);
         assert_eq!(in_formula("global; a: scalar, default 1|"), [""; 0]);
         assert_eq!(in_formula("global; a: scalar; invariants; a+k|")[..2], ["kr", "kt"]);
