@@ -7,6 +7,7 @@
 use glam::DVec3;
 use libloading::Library;
 use std::ffi::{CStr, CString, c_char, c_void};
+use std::mem::ManuallyDrop;
 use std::path::Path;
 use std::ptr;
 
@@ -61,8 +62,8 @@ pub(crate) struct Embree {
     scene: Handle,
     intersect: Cast,
     occluded: Cast,
-    // Dropped last: the functions are in it.
-    _library: Library,
+    // Never unloaded: its threads go on to the end of the program.
+    _library: ManuallyDrop<Library>,
 }
 
 const TRIANGLES: u32 = 0;
@@ -111,7 +112,7 @@ impl Embree {
             commit(scene);
             let intersect: Cast = *library.get(name(c"rtcIntersect1"))?;
             let occluded: Cast = *library.get(name(c"rtcOccluded1"))?;
-            Ok(Self { scene, intersect, occluded, _library: library })
+            Ok(Self { scene, intersect, occluded, _library: ManuallyDrop::new(library) })
         }
     }
 

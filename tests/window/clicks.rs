@@ -7,7 +7,7 @@ use std::collections::HashSet;
 fn a_click_in_the_gallery_opens_a_session() {
     let screen = Screen::new("");
     // The picture of the card of `glass`, once it is made: it has many colours.
-    let card = ([700, 240], [60, 40]);
+    let card = ([330, 350], [60, 40]);
     wait("the gallery", || {
         let pixels = screen.pixels(card.0, card.1);
         pixels.chunks_exact(3).collect::<HashSet<&[u8]>>().len() > 100
