@@ -5,7 +5,7 @@
 //!                                                                              └ leaves: exact tests in f64
 //! ```
 //!
-//! 1. Trees work in a [frame](frame::TreeFrame) of their own, in which everything lies within −1..1, in f32 and eight
+//! 1. Trees work in a frame of their own, in which everything lies within −1..1, in f32 and eight
 //!    children at a time. Their boxes are a little larger than what they hold, so rounding never hides anything.
 //! 2. What a ray meets is decided in f64 by the leaves: a [`MeshTree`] has triangles, a [`BodyTree`] asks its caller
 //!    about bodies. So a result depends neither on the tree nor on the width of the processor's vectors.
