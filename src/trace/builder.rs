@@ -14,19 +14,25 @@ use smallvec::SmallVec;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// About what a path, an emitter set or a list of pixels takes in the tables of the builder, hits aside, in bytes. A
-/// quarter of it remains in the store.
-pub(super) const BYTES_PER_ENTRY: u64 = 64;
+/// About what a path, an emitter set or a list of pixels takes in the tables of the builder, hits aside, in bytes. An
+/// eighth of it remains in the store.
+pub(super) const BYTES_PER_ENTRY: u64 = 128;
 
 /// The hits of a tile so far.
 #[derive(Default)]
 pub(super) struct TileBuilder {
     paths: Vec<Path>,
     path_ids: HashMap<Path, PathId>,
-    emitter_sets: HashMap<Vec<EmitterId>, u32>,
+    /// What came last after the camera.
+    first: LatestPaths,
+    /// What came last after and by each path.
+    latest: Vec<Latest>,
+    emitter_sets: Vec<Vec<EmitterId>>,
+    emitter_set_ids: HashMap<Vec<EmitterId>, u32>,
     /// The pixels of the hits that came by a path and are reached by an emitter set.
-    hits: HashMap<(PathId, u32), Vec<u16>>,
-    misses: HashMap<PathId, Vec<u16>>,
+    hits: Vec<((PathId, u32), Vec<u16>)>,
+    hit_indices: HashMap<(PathId, u32), usize>,
+    misses: Vec<(PathId, Vec<u16>)>,
     /// The hits on meshes in the order of their pixels: the index of the path, the pixel and the triangle.
     primitives: Vec<(usize, u16, PrimitiveId)>,
     /// The paths of the current pixel.
@@ -36,9 +42,29 @@ pub(super) struct TileBuilder {
     path_set_ids: HashMap<Vec<PathId>, u16>,
 }
 
+/// For each edge, where a ray went last: the body that it hit, if any, and the path.
+type LatestPaths = [Option<(Option<BodyId>, PathId)>; 3];
+
+/// What was last on a path. Rays of neighbouring pixels mostly go the same way, so tables are seldom looked up.
+#[derive(Clone, Copy, Default)]
+struct Latest {
+    next: LatestPaths,
+    /// The emitter set, and the index of the list in `hits`.
+    hit: Option<(u32, usize)>,
+    /// The index of the list in `misses`.
+    miss: Option<usize>,
+}
+
 impl TileBuilder {
     /// Ends a pixel, after all its rays.
     pub(super) fn finish_pixel(&mut self) {
+        if let Some(last) = self.regions.last_mut()
+            && self.path_sets.get(last.set) == self.pixel
+        {
+            last.pixels += 1;
+            self.pixel.clear();
+            return;
+        }
         let set = match self.path_set_ids.get(&self.pixel) {
             Some(set) => *set,
             None => {
@@ -51,36 +77,55 @@ impl TileBuilder {
             }
         };
         self.pixel.clear();
-        match self.regions.last_mut() {
-            Some(region) if region.set == set => region.pixels += 1,
-            _ => self.regions.push(Region { pixels: 1, set }),
-        }
+        self.regions.push(Region { pixels: 1, set });
     }
 
     /// The path that continues `parent` along `edge` to `body`, or out of the scene.
     pub(super) fn path(&mut self, parent: Option<PathId>, edge: Edge, body: Option<BodyId>) -> PathId {
+        let latest = parent.map_or(self.first, |parent| self.latest[parent.index()].next)[edge as usize];
+        if let Some((last, id)) = latest
+            && last == body
+        {
+            return id;
+        }
         let path = Path { parent, edge, body };
-        *self.path_ids.entry(path).or_insert_with(|| {
+        let id = *self.path_ids.entry(path).or_insert_with(|| {
             // A tile has at most 2¹⁴ pixels with 2⁹ hits and as many misses each.
             let id = PathId(self.paths.len() as u32);
             self.paths.push(path);
+            self.latest.push(Latest::default());
             id
-        })
+        });
+        let latest = parent.map_or(&mut self.first, |parent| &mut self.latest[parent.index()].next);
+        latest[edge as usize] = Some((body, id));
+        id
     }
 
     /// Adds a hit by `path` in the tile's pixel `pixel`; `emitters` reach it.
     pub(super) fn hit(&mut self, path: PathId, emitters: &[EmitterId], pixel: u16) {
-        let set = match self.emitter_sets.get(emitters) {
-            Some(set) => *set,
-            None => {
-                // There are no more of them than hits.
-                let set = self.emitter_sets.len() as u32;
-                self.emitter_sets.insert(emitters.to_vec(), set);
-                set
-            }
-        };
         self.pixel.push(path);
-        self.hits.entry((path, set)).or_default().push(pixel);
+        let latest = self.latest[path.index()].hit.filter(|(set, _)| self.emitter_sets[*set as usize] == emitters);
+        let (set, list) = latest.unwrap_or_else(|| {
+            let set = self.emitter_set(emitters);
+            let list = *self.hit_indices.entry((path, set)).or_insert_with(|| {
+                self.hits.push(((path, set), Vec::new()));
+                self.hits.len() - 1
+            });
+            (set, list)
+        });
+        self.latest[path.index()].hit = Some((set, list));
+        self.hits[list].1.push(pixel);
+    }
+
+    fn emitter_set(&mut self, emitters: &[EmitterId]) -> u32 {
+        if let Some(set) = self.emitter_set_ids.get(emitters) {
+            return *set;
+        }
+        // There are no more of them than hits.
+        let set = self.emitter_sets.len() as u32;
+        self.emitter_sets.push(emitters.to_vec());
+        self.emitter_set_ids.insert(emitters.to_vec(), set);
+        set
     }
 
     /// Keeps the triangle of a hit on a mesh by `path` in the tile's pixel `pixel`.
@@ -91,7 +136,11 @@ impl TileBuilder {
     /// Adds a ray that left the scene by `path` in the tile's pixel `pixel`.
     pub(super) fn miss(&mut self, path: PathId, pixel: u16) {
         self.pixel.push(path);
-        self.misses.entry(path).or_default().push(pixel);
+        let list = *self.latest[path.index()].miss.get_or_insert_with(|| {
+            self.misses.push((path, Vec::new()));
+            self.misses.len() - 1
+        });
+        self.misses[list].1.push(pixel);
     }
 
     /// How many entries the tables have, hits aside.
@@ -103,11 +152,9 @@ impl TileBuilder {
 
     /// The finished tile.
     pub(super) fn tile(self, pixels: Range<u32>) -> Tile {
-        let mut sets: Vec<(Vec<EmitterId>, u32)> = self.emitter_sets.into_iter().collect();
-        sets.sort_unstable_by_key(|(_, set)| *set);
-        let (lists, copies) = hit_lists(self.hits, &sets, &self.paths);
+        let (lists, copies) = hit_lists(self.hits, &self.emitter_sets, &self.paths);
         let (groups, spans, segments) = grouped(&lists);
-        let mut missed: Vec<(PathId, Vec<u16>)> = self.misses.into_iter().collect();
+        let mut missed = self.misses;
         missed.sort_unstable_by_key(|(path, _)| *path);
         let mut all_missed = Pixels::default();
         let misses = missed.iter().map(|(path, pixels)| all_missed.span(*path, pixels, 0)).collect();
@@ -195,9 +242,9 @@ const MIN_REDUCTION: usize = 4;
 
 /// The hits by what groups and spans share, in the order of these; and how many copies there are of hits that are in
 /// several groups.
-fn hit_lists(hits: HashMap<(PathId, u32), Vec<u16>>, sets: &[(Vec<EmitterId>, u32)], paths: &[Path]) -> (Vec<HitList>, u32) {
+fn hit_lists(hits: Vec<((PathId, u32), Vec<u16>)>, sets: &[Vec<EmitterId>], paths: &[Path]) -> (Vec<HitList>, u32) {
     let body_of = |path: PathId| paths.get(path.index()).and_then(|path| path.body);
-    let emitters_of = |set: u32| sets.get(set as usize).map_or(&[][..], |(emitters, _)| emitters);
+    let emitters_of = |set: u32| sets.get(set as usize).map_or(&[][..], Vec::as_slice);
     let mut sizes: HashMap<(BodyId, u32), usize> = HashMap::default();
     for ((path, set), pixels) in &hits {
         if let Some(body) = body_of(*path) {

@@ -202,7 +202,7 @@ fn trace_tile(
 ) -> Result<(Tile, Option<Tile>), TraceError> {
     let all_emitters = tracer.world().emitter_ids().count() as u64;
     let mut builder = TileBuilder::default();
-    let (mut stack, mut emitters) = (Vec::new(), Vec::new());
+    let (mut stack, mut emitters, mut occluders) = (Vec::new(), Vec::new(), Vec::new());
     let mut entries = 0;
     for batch in pixels.clone().step_by(PIXELS_PER_BATCH as usize) {
         let batch = batch..(batch + PIXELS_PER_BATCH).min(pixels.end);
@@ -214,7 +214,7 @@ fn trace_tile(
                 RayEnd::Hit(hit) => {
                     let path = builder.path(parent, edge, Some(hit.body));
                     emitters.clear();
-                    emitters.extend(tracer.emitters(hit));
+                    tracer.add_emitters(hit, &mut occluders, &mut emitters);
                     builder.hit(path, &emitters, pixel_in_tile);
                     if tracer.world().is_searched(hit.body) {
                         builder.primitive(path, pixel_in_tile, hit.primitive);

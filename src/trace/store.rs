@@ -108,6 +108,13 @@ impl PathSets {
         starts.zip(&self.ends).map(|(start, end)| &self.paths[start as usize..*end as usize])
     }
 
+    /// The list of this number, which exists.
+    pub(super) fn get(&self, set: u16) -> &[PathId] {
+        let set = usize::from(set);
+        let start = set.checked_sub(1).map_or(0, |before| self.ends[before]);
+        &self.paths[start as usize..self.ends[set] as usize]
+    }
+
     /// How many lists there are.
     pub fn len(&self) -> usize {
         self.ends.len()

@@ -80,6 +80,29 @@ impl<'w> Tracer<'w> {
         hit.faces(sample.direction) && !self.world.is_occluded(&hit.ray(sample.direction, hit.side), sample.distance)
     }
 
+    /// Adds the emitters that reach the hit to `reaching`, in the order of their lights. `last` has a body for each
+    /// emitter that hid it last, as neighbouring hits are mostly hidden by the same body.
+    pub(super) fn add_emitters(&self, hit: &SurfaceHit, last: &mut Vec<Option<BodyId>>, reaching: &mut Vec<EmitterId>) {
+        for emitter in self.world.emitter_ids() {
+            if last.len() <= emitter.index() {
+                last.push(None);
+            }
+            let last = &mut last[emitter.index()];
+            let sample = self.world.emitter(emitter).sample(hit);
+            let reaches = !self.view.shadows() || {
+                hit.faces(sample.direction) && {
+                    let ray = hit.ray(sample.direction, hit.side);
+                    let occluder = self.world.an_occluder(&ray, sample.distance, *last);
+                    *last = occluder.or(*last);
+                    occluder.is_none()
+                }
+            };
+            if reaches {
+                reaching.push(emitter);
+            }
+        }
+    }
+
     /// The emitters that reach the hit, in the order of their lights.
     pub fn emitters(&self, hit: &SurfaceHit) -> impl Iterator<Item = EmitterId> {
         self.world.emitter_ids().filter(move |emitter| self.reaches(*emitter, hit))

@@ -179,20 +179,34 @@ impl World {
     /// Whether the ray meets anything before `distance` (in world units), see [`occluders`](Self::occluders).
     #[inline]
     pub fn is_occluded(&self, ray: &Ray, distance: f64) -> bool {
+        self.an_occluder(ray, distance, None).is_some()
+    }
+
+    /// A body that the ray meets before `distance` (in world units), see [`occluders`](Self::occluders). `likely` is
+    /// tested first, unless it takes a search.
+    #[inline]
+    pub fn an_occluder(&self, ray: &Ray, distance: f64, likely: Option<BodyId>) -> Option<BodyId> {
         let end = distance - self.tolerance;
-        let mut is_occluded = false;
+        if let Some(body) = likely
+            && !self.is_searched(body)
+            && self.meet(ray, body).is_some_and(|met| met.distance < end)
+        {
+            return likely;
+        }
+        let mut occluder = None;
         self.tree.search(ray.origin, ray.direction, end, |index| {
             let body = BodyId(index);
-            is_occluded = match self.is_searched(body) {
+            let is_met = match self.is_searched(body) {
                 true => {
                     let from = ray.leaves.filter(|departure| departure.body == body);
                     self.surfaces[body.index()].is_met_before(ray, from, self.tolerance, end)
                 }
                 false => self.meet(ray, body).is_some_and(|met| met.distance < end),
             };
-            if is_occluded { -1.0 } else { end }
+            occluder = is_met.then_some(body);
+            if is_met { -1.0 } else { end }
         });
-        is_occluded
+        occluder
     }
 
     /// Where the ray meets the bodies that it meets before `distance` (in world units), in the order of declaration.
