@@ -4,7 +4,7 @@
 //! ```text
 //! cargo bench --bench rays                                  # generated meshes of 7e4, 1e6 and 1e7 triangles
 //! cargo bench --bench rays -- 70000 bunny.ply               # of this many triangles; of a file
-//! EMBREE=…/libembree4.so.4 cargo bench --bench rays         # beside Embree on the same rays (robust mode, rtcIntersect1)
+//! EMBREE=…/libembree4.so.4 cargo bench --bench rays         # beside Embree on the same rays, in its robust mode
 //! EMBREE_ISA=avx2                                           # the instruction set that Embree may use (the default)
 //! ILLUMINATOR_LANES=4                                       # without AVX2
 //! ```

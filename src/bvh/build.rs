@@ -20,6 +20,12 @@ const DEEPEST: usize = 24;
 ///
 /// Boxes have an extent in all three directions.
 pub(super) fn build(boxes: &[Aabb], leaf_most: usize, leaf: impl FnMut(&[u32]) -> usize) -> Vec<TreeNode> {
+    let binary = binary(boxes);
+    TreeWidening::new(boxes, &binary, leaf_most, leaf).nodes(DEEPEST)
+}
+
+/// The binary tree over boxes.
+fn binary(boxes: &[Aabb]) -> Bvh2 {
     let mut binary = PlocBuilder::with_capacity(boxes.len()).build(
         PlocSearchDistance::Minimum,
         boxes,
@@ -28,7 +34,7 @@ pub(super) fn build(boxes: &[Aabb], leaf_most: usize, leaf: impl FnMut(&[u32]) -
         0,
     );
     ReinsertionOptimizer::default().run(&mut binary, REINSERTED, None);
-    TreeWidening::new(boxes, &binary, leaf_most, leaf).nodes()
+    binary
 }
 
 // A node leaves up to seven behind, on the way down to the deepest and through a balanced subtree of 2^32 primitives.
@@ -64,7 +70,8 @@ impl<'t, L: FnMut(&[u32]) -> usize> TreeWidening<'t, L> {
         Self { boxes, binary, counts, leaf_most: leaf_most as u32, leaf, nodes: Vec::new() }
     }
 
-    fn nodes(mut self) -> Vec<TreeNode> {
+    /// The nodes. Below the depth `deepest`, subtrees are balanced.
+    fn nodes(mut self, deepest: usize) -> Vec<TreeNode> {
         self.nodes.push(TreeNode::EMPTY);
         let mut open = Vec::new();
         if !self.binary.nodes.is_empty() {
@@ -79,7 +86,7 @@ impl<'t, L: FnMut(&[u32]) -> usize> TreeWidening<'t, L> {
                 } else {
                     let node = self.nodes.len();
                     self.nodes.push(TreeNode::EMPTY);
-                    if depth < DEEPEST {
+                    if depth < deepest {
                         open.push((node, child, depth + 1));
                     } else {
                         self.primitives(child, &mut primitives);
@@ -149,6 +156,52 @@ impl<'t, L: FnMut(&[u32]) -> usize> TreeWidening<'t, L> {
                 list.extend_from_slice(&self.binary.primitive_indices[first..first + node.prim_count as usize]);
             } else {
                 stack.extend([first + 1, first]);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The boxes in a subtree, each within the box of its node.
+    fn contents(nodes: &[TreeNode], leaves: &[Vec<u32>], boxes: &[Aabb], node: usize) -> Vec<u32> {
+        let node = &nodes[node];
+        let mut all = Vec::new();
+        for (place, child) in node.children.iter().enumerate().filter(|(place, _)| node.planes[0][*place].is_finite()) {
+            let own = match child.is_leaf() {
+                true => leaves[child.index()].clone(),
+                false => contents(nodes, leaves, boxes, child.index()),
+            };
+            for primitive in &own {
+                let (low, high) = (boxes[*primitive as usize].min.to_array(), boxes[*primitive as usize].max.to_array());
+                for axis in 0..3 {
+                    assert!(node.planes[axis][place] <= low[axis] && node.planes[axis + 3][place] >= high[axis]);
+                }
+            }
+            all.extend(own);
+        }
+        all
+    }
+
+    #[test]
+    fn every_box_is_in_one_leaf_at_any_depth() {
+        let place = |index: u32, step: u32| ((index * step) % 1009) as f32 / 1009.0;
+        for count in [0, 1, 2, 7, 8, 9, 64, 1000] {
+            let low = |index: u32| [place(index, 7), place(index, 101), place(index, 503)].into();
+            let boxes: Vec<Aabb> = (0..count).map(low).map(|low| Aabb::new(low, low + 0.01)).collect();
+            for (leaf_most, deepest) in [(1, DEEPEST), (8, DEEPEST), (8, 0), (1, 0), (1, 1)] {
+                let (binary, mut leaves) = (binary(&boxes), Vec::new());
+                let leaf = |boxes: &[u32]| {
+                    assert!((1..=leaf_most).contains(&boxes.len()));
+                    leaves.push(boxes.to_vec());
+                    leaves.len() - 1
+                };
+                let nodes = TreeWidening::new(&boxes, &binary, leaf_most, leaf).nodes(deepest);
+                let mut all = contents(&nodes, &leaves, &boxes, 0);
+                all.sort_unstable();
+                assert_eq!(all, (0..count).collect::<Vec<_>>(), "{leaf_most} {deepest}");
             }
         }
     }

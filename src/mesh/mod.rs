@@ -201,8 +201,8 @@ fn of_meshes() -> String {
     format!("meshes are files with the suffix {}", Vec::from_iter(suffixes).join(", "))
 }
 
-/// The mesh of the contents of a file. The suffix of `path` tells the format, and messages name it. Only files that the
-/// contents name are read.
+/// Makes a mesh of the contents of a file. The suffix of `path` gives the format, and messages name the path. Only
+/// other files that the contents refer to are read from the disk.
 ///
 /// # Errors
 /// The contents are wrong, they need more memory than there is, or the work was cancelled.

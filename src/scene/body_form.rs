@@ -94,7 +94,7 @@ impl BodyForm {
         let mut form = self.clone();
         match form.transforms.last_mut() {
             // A mesh is where its file says.
-            None if matches!(form.shape, Shape::Mesh(_)) => form.transforms.push(Transform::Translate(by)),
+            None if form.shape.mesh().is_some() => form.transforms.push(Transform::Translate(by)),
             None => form.shape = form.shape.moved(by)?,
             Some(Transform::Translate(place) | Transform::Fit { center: place, .. }) => *place += by,
             Some(Transform::Scale(_) | Transform::Stretch(_) | Transform::Rotate { .. }) => {

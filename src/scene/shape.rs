@@ -41,3 +41,19 @@ declarations! {
         Mesh(NamedMesh),
     }
 }
+
+impl Shape {
+    /// The mesh; `None` for other shapes.
+    pub fn mesh(&self) -> Option<&NamedMesh> {
+        match self {
+            Shape::Mesh(mesh) => Some(mesh),
+            Shape::Sphere(_)
+            | Shape::Rectangle(_)
+            | Shape::Triangle(_)
+            | Shape::Disc(_)
+            | Shape::Box(_)
+            | Shape::Cylinder(_)
+            | Shape::Cone(_) => None,
+        }
+    }
+}

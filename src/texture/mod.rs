@@ -104,7 +104,7 @@ struct Known {
     texture: TextureImage,
 }
 
-/// The textures by their numbers. There is none of number 0.
+/// The textures by their numbers. Number 0 stands for white and has none.
 static KNOWN: [OnceLock<Known>; MOST] = [const { OnceLock::new() }; MOST];
 
 /// The number of the first texture. Unit tests apply all operations to small numbers, which stay those of no texture.

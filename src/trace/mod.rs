@@ -202,7 +202,8 @@ fn trace_tile(
 ) -> Result<(Tile, Option<Tile>), TraceError> {
     let all_emitters = tracer.world().emitter_ids().count() as u64;
     let mut builder = TileBuilder::default();
-    let (mut stack, mut emitters, mut occluders) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut stack, mut emitters) = (Vec::new(), Vec::new());
+    let mut occluders = vec![None; all_emitters as usize];
     let mut entries = 0;
     for batch in pixels.clone().step_by(PIXELS_PER_BATCH as usize) {
         let batch = batch..(batch + PIXELS_PER_BATCH).min(pixels.end);

@@ -73,34 +73,29 @@ impl<'w> Tracer<'w> {
     /// 3.2.1).
     #[inline]
     pub fn reaches(&self, emitter: EmitterId, hit: &SurfaceHit) -> bool {
+        self.reaches_past(emitter, hit, &mut None)
+    }
+
+    /// The same, where `last` is a body that may hide the emitter. It becomes the body that does.
+    #[inline]
+    fn reaches_past(&self, emitter: EmitterId, hit: &SurfaceHit, last: &mut Option<BodyId>) -> bool {
         if !self.view.shadows() {
             return true;
         }
-        let sample = self.world.emitter(emitter).sample(hit);
-        hit.faces(sample.direction) && !self.world.is_occluded(&hit.ray(sample.direction, hit.side), sample.distance)
+        let LightSample { direction, distance } = self.world.emitter(emitter).sample(hit);
+        if !hit.faces(direction) {
+            return false;
+        }
+        let occluder = self.world.an_occluder(&hit.ray(direction, hit.side), distance, *last);
+        *last = occluder.or(*last);
+        occluder.is_none()
     }
 
-    /// Adds the emitters that reach the hit to `reaching`, in the order of their lights. `last` has a body for each
-    /// emitter that hid it last, as neighbouring hits are mostly hidden by the same body.
-    pub(super) fn add_emitters(&self, hit: &SurfaceHit, last: &mut Vec<Option<BodyId>>, reaching: &mut Vec<EmitterId>) {
-        for emitter in self.world.emitter_ids() {
-            if last.len() <= emitter.index() {
-                last.push(None);
-            }
-            let last = &mut last[emitter.index()];
-            let sample = self.world.emitter(emitter).sample(hit);
-            let reaches = !self.view.shadows() || {
-                hit.faces(sample.direction) && {
-                    let ray = hit.ray(sample.direction, hit.side);
-                    let occluder = self.world.an_occluder(&ray, sample.distance, *last);
-                    *last = occluder.or(*last);
-                    occluder.is_none()
-                }
-            };
-            if reaches {
-                reaching.push(emitter);
-            }
-        }
+    /// Adds the emitters that reach the hit to `reaching`, in the order of their lights. `last` has the body that hid
+    /// each emitter last, because neighbouring hits are mostly hidden by the same body.
+    pub(super) fn add_emitters(&self, hit: &SurfaceHit, last: &mut [Option<BodyId>], reaching: &mut Vec<EmitterId>) {
+        let emitters = self.world.emitter_ids().zip(last);
+        reaching.extend(emitters.filter_map(|(emitter, last)| self.reaches_past(emitter, hit, last).then_some(emitter)));
     }
 
     /// The emitters that reach the hit, in the order of their lights.

@@ -7,7 +7,8 @@
 use crate::bvh::MeshTree;
 use crate::lang::diagnostic::{Diagnostic, Diagnostics, nearest};
 use crate::mesh::{MeshError, MeshPlace, MeshRepairs, Reading, TriangleMesh, read, read_bytes};
-use crate::scene::{Body, Scene, Shape};
+use crate::scene::shape::NamedMesh;
+use crate::scene::{Body, Scene};
 use crate::workspace::Location;
 use crate::workspace::presets::{MESHES, PresetMesh};
 use crate::world::Meshes;
@@ -74,7 +75,8 @@ impl MeshStore {
     /// let text = "bodies; stone: mesh, \"preset:gem\", fit <0,0,0> 2; lights; key: point, <3,4,5>;
     ///     camera; position <0,0,5>; gaze <0,0,-1>; up <0,1,0>; fov 40;";
     /// let (scene, _) = Scene::parse(&Source::new("gem.scene", text)).map_err(|errors| errors.len()).unwrap();
-    /// let (meshes, _) = MeshStore::default().load(&scene, &Location::new("gem.scene"), &Reading::unwatched(1 << 30)).unwrap();
+    /// let (store, place) = (MeshStore::default(), Location::new("gem.scene"));
+    /// let (meshes, _) = store.load(&scene, &place, &Reading::unwatched(1 << 30)).unwrap();
     /// let (formula, _) = Formula::parse(&Source::new("lambert", "formula; = IL*Cd*max(0, N.L);")).unwrap();
     /// let subject = Subject::new(formula, scene, &meshes, View::new(64, 48)?)?;
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -246,16 +248,8 @@ fn find(name: &str, scene_location: &Location) -> Result<Found, Diagnostic> {
 
 /// A diagnostic at the name of a mesh in the text of the scene.
 fn at_name(diagnostic: Diagnostic, body: &Body, mark: &str) -> Diagnostic {
-    match &body.form.shape {
-        Shape::Mesh(named) => diagnostic.at(named.span(), mark),
-        Shape::Sphere(_)
-        | Shape::Rectangle(_)
-        | Shape::Triangle(_)
-        | Shape::Disc(_)
-        | Shape::Box(_)
-        | Shape::Cylinder(_)
-        | Shape::Cone(_) => diagnostic.at(body.name_span, mark),
-    }
+    let span = body.form.shape.mesh().map_or(body.name_span, NamedMesh::span);
+    diagnostic.at(span, mark)
 }
 
 /// What is wrong with a mesh. The file has a place of its own, which the message names.

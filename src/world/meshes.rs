@@ -2,7 +2,7 @@
 
 use crate::bvh::MeshTree;
 use crate::mesh::TriangleMesh;
-use crate::scene::{Body, MeshShading, Scene, Shape};
+use crate::scene::{Body, MeshShading, Scene};
 use std::sync::Arc;
 
 /// Meshes by the names that scenes have for them. A copy is cheap: it shares the triangles.
@@ -29,19 +29,8 @@ pub struct MeshKey {
 impl MeshKey {
     /// The mesh that a body needs; `None` if it is no mesh.
     pub fn of(body: &Body) -> Option<Self> {
-        match &body.form.shape {
-            Shape::Mesh(mesh) => {
-                let needs_normals = body.shading == Some(MeshShading::Smooth);
-                Some(Self { path: mesh.path().to_owned(), needs_normals })
-            }
-            Shape::Sphere(_)
-            | Shape::Rectangle(_)
-            | Shape::Triangle(_)
-            | Shape::Disc(_)
-            | Shape::Box(_)
-            | Shape::Cylinder(_)
-            | Shape::Cone(_) => None,
-        }
+        let mesh = body.form.shape.mesh()?;
+        Some(Self { path: mesh.path().to_owned(), needs_normals: body.shading == Some(MeshShading::Smooth) })
     }
 }
 

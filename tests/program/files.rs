@@ -171,6 +171,27 @@ fn hits_are_written_as_the_index_describes() {
     assert!(column("records.visible.f32").iter().all(|visible| f32::from_bits(*visible) == 1.0));
 }
 
+/// Rays are tested by vectors of several widths, and hit the same.
+#[test]
+fn hits_on_meshes_do_not_depend_on_the_width_of_vectors() {
+    let folder = folder();
+    let written = |lanes: &str| {
+        let mut program = Command::new(env!("CARGO_BIN_EXE_illuminator"));
+        program.env("ILLUMINATOR_LANES", lanes).current_dir(folder.path());
+        let arguments = ["dump", "preset:shaderball-glass", "--size", "64x36", "--stage", "hits", "-o", lanes];
+        assert!(program.args(arguments).status().expect("the program").success());
+        let columns = fs::read_dir(folder.path().join(lanes)).expect("a folder").map(|file| file.expect("a file").path());
+        let mut columns: Vec<_> =
+            columns.map(|path| (path.file_name().map(ToOwned::to_owned), fs::read(&path).expect("a column"))).collect();
+        columns.sort();
+        columns
+    };
+    let wide = written("16");
+    assert!(wide.len() > 5);
+    assert!(wide == written("8"));
+    assert!(wide == written("4"));
+}
+
 #[test]
 fn hits_have_a_record_for_each_light_if_the_formula_reads_visible() {
     let folder = folder();

@@ -160,7 +160,7 @@ impl App {
         let middle = pivot(self.workshop.world(), [0.0, 0.0], None) + size * camera.upright();
         let precision = Precision::for_size(distance);
         let name = unused_name(self.workshop.scene(), keyword);
-        if matches!(shape, Shape::Mesh(_)) {
+        if shape.mesh().is_some() {
             let transforms = vec![Transform::Fit { center: precision.round(middle), size: 2.0 * size }];
             self.add(SceneChange::AddBody(name.clone(), BodyForm { shape, transforms }), precision, &name, Owner::Body);
             return;

@@ -3,7 +3,8 @@
 use glam::{DVec2, DVec3, dvec2, dvec3};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-/// The distance of a support loop from the end of a rounded corner. Such loops keep the normals of flat parts straight.
+/// The distance of an additional loop of vertices from the end of a rounded corner. Such loops keep normals on flat
+/// parts perpendicular to them.
 const SUPPORT: f64 = 0.012;
 /// Corners rounded by less have larger facets.
 const SMALL: f64 = 0.015;
