@@ -185,29 +185,36 @@ impl Engine {
     }
 
     /// Prepares a formula for hits. They may have been traced for another formula. If the formula is the first one to
-    /// read `visible`, the shadow rays that it needs are traced now.
+    /// read `visible`, the shadow rays that it needs are traced now. `parameters` are the numbers of the first picture,
+    /// or none: see [`Backend::prepare`].
     ///
     /// # Errors
     /// The backend does not support the formula, the hits belong to another scene or view, or what the formula needs
     /// beyond the hits takes more memory than the budget.
-    pub fn prepare(&self, subject: &Subject, hits: &Arc<Hits>) -> Result<Arc<dyn Evaluator>, EngineError> {
+    pub fn prepare(&self, subject: &Subject, hits: &Arc<Hits>, parameters: &[f32]) -> Result<Arc<dyn Evaluator>, EngineError> {
         let lights = subject.formula.evaluated_lights();
         if self.backend.reads_hits() && !hits.serves(lights) {
             self.budget(subject, 0)?.check_hits(hits, lights)?;
         }
-        Ok(self.backend.prepare(&subject.formula, hits)?)
+        Ok(self.backend.prepare(&subject.formula, hits, parameters)?)
     }
 
-    /// Compiles, traces and prepares.
+    /// Compiles, traces and prepares. `parameters` are the numbers of the first picture, or none.
     ///
     /// # Errors
     /// One of these steps failed.
-    pub fn evaluator(&self, subject: &Subject, task: &Task) -> Result<Arc<dyn Evaluator>, EngineError> {
-        self.evaluator_beside(subject, 0, task)
+    pub fn evaluator(&self, subject: &Subject, parameters: &[f32], task: &Task) -> Result<Arc<dyn Evaluator>, EngineError> {
+        self.evaluator_beside(subject, parameters, 0, task)
     }
 
     /// Compiles, traces and prepares. There is memory for this many linear pictures besides.
-    fn evaluator_beside(&self, subject: &Subject, pictures: u64, task: &Task) -> Result<Arc<dyn Evaluator>, EngineError> {
+    fn evaluator_beside(
+        &self,
+        subject: &Subject,
+        parameters: &[f32],
+        pictures: u64,
+        task: &Task,
+    ) -> Result<Arc<dyn Evaluator>, EngineError> {
         let hits = match self.backend.reads_hits() {
             true => self.trace_beside(subject, pictures, task)?,
             false => {
@@ -215,7 +222,7 @@ impl Engine {
                 Arc::new(Hits::untraced(&subject.world, subject.view))
             }
         };
-        self.prepare(subject, &hits)
+        self.prepare(subject, &hits, parameters)
     }
 
     /// The picture of these parameter numbers, in the order of the [`Layout`](crate::formula::layout::Layout): the
@@ -264,7 +271,8 @@ impl Engine {
             let tell = |share: f64| (task.progress)((f64::from(sample) + share) / f64::from(count));
             let frames = parameters.len() as f64;
             let traced = |share: f64| tell(share * TRACING / (TRACING + frames));
-            let evaluator = self.evaluator_beside(&subject, kept, &Task { progress: &traced, ..*task })?;
+            let first = parameters.first().copied().unwrap_or_default();
+            let evaluator = self.evaluator_beside(&subject, first, kept, &Task { progress: &traced, ..*task })?;
             for (index, parameters) in parameters.iter().enumerate() {
                 if task.cancelled.load(Ordering::Relaxed) {
                     return Err(EngineError::from(TraceError::Cancelled).into());
@@ -331,9 +339,14 @@ mod tests {
             self.backend.thread_bytes(formula, world, view)
         }
 
-        fn prepare(&self, formula: &Arc<Formula>, hits: &Arc<Hits>) -> Result<Arc<dyn Evaluator>, EvaluateError> {
+        fn prepare(
+            &self,
+            formula: &Arc<Formula>,
+            hits: &Arc<Hits>,
+            parameters: &[f32],
+        ) -> Result<Arc<dyn Evaluator>, EvaluateError> {
             self.prepared.lock().unwrap().push(Arc::clone(hits));
-            self.backend.prepare(formula, hits)
+            self.backend.prepare(formula, hits, parameters)
         }
     }
 

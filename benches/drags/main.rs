@@ -126,7 +126,7 @@ fn measure(case: &Case) -> Vec<Ratio> {
     };
     let project = Project::open(&request, &mut Silent).expect("a sound session");
     let engine = Engine::new(DEFAULT.make()).with_memory(u64::MAX);
-    let evaluator = engine.evaluator(&project.subject, &Task::UNWATCHED).expect("tracing that nobody cancels");
+    let evaluator = engine.evaluator(&project.subject, &[], &Task::UNWATCHED).expect("tracing that nobody cancels");
     let mut found = Vec::new();
     let all = project.values.iter().map(|(owner, id, _)| (owner, id));
     for (owner, id) in all.filter(|(owner, id)| project.values.lock_of(*owner, *id).is_none()) {

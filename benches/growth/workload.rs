@@ -125,7 +125,7 @@ impl Workload {
             Subject::new(formula, scene, &illuminator::world::Meshes::NONE, view).expect("no meshes"),
         );
         let hits = engine.trace(&subject, &Task::UNWATCHED).expect("tracing that nobody cancels");
-        let compiled = engine.prepare(&subject, &hits).expect("a formula that can be compiled");
+        let compiled = engine.prepare(&subject, &hits, &[]).expect("a formula that can be compiled");
         let mut dragged = Arc::clone(&compiled).drag(&indices, &slider[0], DRAG_BUDGET).expect("kernels for a slider");
         while !dragged.prepare() {}
         // The first frame draws everything.

@@ -116,7 +116,7 @@ impl Script {
     /// The reference interpreter.
     pub(crate) fn interpreter(&self) -> Arc<dyn Evaluator> {
         let engine = Engine::new(REFERENCE.make()).with_memory(u64::MAX);
-        engine.evaluator(&self.subject, &Task::UNWATCHED).expect("a formula with bytecode")
+        engine.evaluator(&self.subject, &[], &Task::UNWATCHED).expect("a formula with bytecode")
     }
 
     /// Two arrays of parameter numbers. They differ in every number of a body that the peers change.
@@ -173,7 +173,7 @@ pub(crate) struct Stage {
 
 impl Stage {
     pub(crate) fn new(script: Script, hits: &Arc<Hits>) -> Self {
-        let compiled = script.compile().prepare(&script.subject, hits).expect("hits of this scene");
+        let compiled = script.compile().prepare(&script.subject, hits, &[]).expect("hits of this scene");
         Self { script, compiled }
     }
 

@@ -56,7 +56,7 @@ impl Backend for Interpreter {
         Ok(2 * (BATCH_BYTES as u64 + program) + memory + largest_tree(world, view.depth()) * node as u64)
     }
 
-    fn prepare(&self, formula: &Arc<Formula>, hits: &Arc<Hits>) -> Result<Arc<dyn Evaluator>, EvaluateError> {
+    fn prepare(&self, formula: &Arc<Formula>, hits: &Arc<Hits>, _: &[f32]) -> Result<Arc<dyn Evaluator>, EvaluateError> {
         Ok(Arc::new(Interpreted::new(formula, &hits.world, hits.view)?))
     }
 }

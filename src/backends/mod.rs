@@ -102,7 +102,7 @@ mod tests {
                 values.assign(&setting.parse::<NamedAssignment>().unwrap().resolve(values.table()).unwrap());
             }
             let subject = Subject { formula: Arc::clone(&formula), world: Arc::new(world), view };
-            let evaluator = Engine::new(choice.make()).evaluator(&subject, &Task::UNWATCHED).unwrap();
+            let evaluator = Engine::new(choice.make()).evaluator(&subject, &[], &Task::UNWATCHED).unwrap();
             evaluator.frame(values.numbers()).linear
         };
         for choice in CHOICES {

@@ -147,7 +147,7 @@ fn measure(options: &Options, input: &Project, sliders: &[Slider]) -> Result<Rep
     let traces = options.runs.min(MOST_TRACES);
     let (trace_ms, hits) = time(traces, || engine.trace(subject, &Task::UNWATCHED).map_err(engine::failed))?;
     progress.tell(0.2);
-    let evaluator = engine.prepare(subject, &hits).map_err(engine::failed)?;
+    let evaluator = engine.prepare(subject, &hits, input.values.numbers()).map_err(engine::failed)?;
     let mut framebuffer = Framebuffer::black(view.width(), view.height(), Transfer::Linear);
     let numbers = input.values.numbers();
     let jit_ms = median(options.runs, |_| {
@@ -193,7 +193,7 @@ fn interpreted(
     framebuffer: &mut Framebuffer,
 ) -> Result<(f64, u64), Failure> {
     let engine: Engine = engine::engine(&REFERENCE, &options.input.machine);
-    let evaluator = engine.evaluator(subject, &Task::UNWATCHED).map_err(engine::failed)?;
+    let evaluator = engine.evaluator(subject, numbers, &Task::UNWATCHED).map_err(engine::failed)?;
     let mut bytes = 0;
     let ms = median(options.runs, |_| {
         let drawn = evaluator.draw(numbers, framebuffer);

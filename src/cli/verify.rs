@@ -25,7 +25,7 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
         let progress = Progress::new("tracing");
         let tell = |share: f64| progress.tell(share);
         let engine = engine::engine(&DEFAULT, machine);
-        let compiled = engine.evaluator(&input.subject, &Task::watched(&tell)).map_err(engine::failed)?;
+        let compiled = engine.evaluator(&input.subject, input.values.numbers(), &Task::watched(&tell)).map_err(engine::failed)?;
         warn_of_picture(&input, &compiled.frame(input.values.numbers()), input.picture.view);
         Ok::<_, Failure>(verify(&*compiled, &engine::interpreter(&input.subject)?, input.values.numbers()))
     })??;

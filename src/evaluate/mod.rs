@@ -74,11 +74,13 @@ pub trait Backend: Send + Sync {
     /// The backend does not support the formula.
     fn thread_bytes(&self, formula: &Arc<Formula>, world: &World, view: &View) -> Result<u64, EvaluateError>;
 
-    /// Prepares a formula for a traced scene, on all threads of the current pool.
+    /// Prepares a formula for a traced scene, on all threads of the current pool. `parameters` are the numbers of the
+    /// first picture: its textures are looked up now. Numbers that are missing count as 0. The first picture with other
+    /// textures takes longer.
     ///
     /// # Errors
     /// The backend does not support the formula, or the hits do not belong to the scene.
-    fn prepare(&self, formula: &Arc<Formula>, hits: &Arc<Hits>) -> Result<Arc<dyn Evaluator>, EvaluateError>;
+    fn prepare(&self, formula: &Arc<Formula>, hits: &Arc<Hits>, parameters: &[f32]) -> Result<Arc<dyn Evaluator>, EvaluateError>;
 }
 
 /// A formula for a scene and a view, ready to make pictures of parameter numbers.

@@ -263,6 +263,23 @@ mod tests {
     }
 
     #[test]
+    fn textures_at_static_coordinates_are_looked_up_once() {
+        let declared = "body_specific; wood: texture; s: scalar; light_specific; slide: texture; formula;";
+        let counts = |text: &str| {
+            let Frontier { hits, records, uniforms } = bindings(&format!("{declared} {text}")).frontier;
+            (hits.len(), records.len(), uniforms.len())
+        };
+        // Red, green and blue of the texture.
+        assert_eq!(counts("= wood(u, 3*v)*(N.L);"), (0, 3, 1), "the cosine is multiplied in");
+        assert_eq!(counts("= s*wood(u, 3*v);"), (3, 0, 2));
+        // That of a light differs from light to light.
+        assert_eq!(counts("= s*slide(u, v);"), (0, 3, 2));
+        // The coordinates move with a slider: u, v, the number of the texture, s, and ki.
+        assert_eq!(counts("= wood(s*u, v);"), (2, 0, 3));
+        assert_eq!(counts("= wood(s, 0.5)*alpha;").0, 0, "one colour for a body");
+    }
+
+    #[test]
     fn uniform_parts_are_computed_outside_the_loop() {
         let uniform = bindings("body_specific; s: scalar; formula; = Cd*(1 - s^3)*(N.L);");
         // The three components of Cd·(1 − s³), and ki.

@@ -3,9 +3,21 @@
 //! Each node of the graph is constant, *static* (made of variables alone: known once traced, for a hit or for a lit
 //! record), *uniform* (made of parameters alone: known once a frame, for a body and a light), or *dynamic* (made of
 //! both).
+//!
+//! The colour of a texture at static coordinates is static too, though it depends on which texture the owner has. No
+//! slider chooses another texture. So it is looked up once for each hit, and again when a texture is replaced.
 
 use crate::formula::graph::{Graph, Node, NodeId};
-use crate::lang::variables::Rate;
+use crate::lang::scalars::Primitive;
+use crate::lang::variables::{Owner, Rate};
+
+/// What a parameter of an owner is the same for.
+fn rate_of(owner: Owner) -> Rate {
+    match owner {
+        Owner::Global | Owner::Body => Rate::Hit,
+        Owner::Light => Rate::Record,
+    }
+}
 
 /// When a value is known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -27,9 +39,20 @@ impl BindingTime {
             Node::Constant(_) => BindingTime::Constant,
             Node::Variable(variable, _) => BindingTime::Static(variable.rate()),
             Node::Parameter(..) => BindingTime::Uniform,
-            node @ Node::Apply(..) => {
-                let times = node.operands().iter().map(|operand| known[operand.0 as usize]);
-                times.fold(BindingTime::Constant, BindingTime::join)
+            node @ Node::Apply(primitive, _) => {
+                let joined = |operands: &[NodeId]| {
+                    let times = operands.iter().map(|operand| known[operand.0 as usize]);
+                    times.fold(BindingTime::Constant, BindingTime::join)
+                };
+                match (primitive, node.operands()) {
+                    (Primitive::Texture, [number, coordinates @ ..]) => match (graph.node(*number), joined(coordinates)) {
+                        (Node::Parameter(texture, _), BindingTime::Static(rate)) => {
+                            BindingTime::Static(rate.max(rate_of(graph.owner(texture))))
+                        }
+                        (_, time) => time.join(known[number.0 as usize]),
+                    },
+                    (_, operands) => joined(operands),
+                }
             }
         }
     }

@@ -7,8 +7,9 @@ use crate::formula::{Formula, ParameterId, Term, TermId};
 use crate::lang::builtins::Stack;
 use crate::lang::scalars::{Floats, Primitive, Recorder, flush};
 use crate::lang::types::Type;
-use crate::lang::variables::Variable;
+use crate::lang::variables::{Owner, Variable};
 use std::collections::{BTreeSet, HashMap};
+use std::sync::Arc;
 
 /// A node, as an index into a [`Graph`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -56,6 +57,8 @@ pub struct Graph {
     nodes: Vec<Node>,
     index: HashMap<Node, NodeId>,
     result: [NodeId; 3],
+    /// The owner of each parameter of the formula.
+    owners: Arc<[Owner]>,
 }
 
 impl Graph {
@@ -68,7 +71,7 @@ impl Graph {
 
     /// A graph of these expressions of a formula, and their nodes. A scalar has the same node three times.
     pub fn of(formula: &Formula, roots: &[TermId]) -> (Self, Vec<[NodeId; 3]>) {
-        let mut graph = Graph::empty();
+        let mut graph = Graph::for_parameters_of(formula);
         // The nodes of each term. A scalar has the same node three times.
         let mut built: Vec<[NodeId; 3]> = Vec::with_capacity(formula.terms.len());
         let mut stack = Stack::new(16, NodeId(0));
@@ -104,9 +107,19 @@ impl Graph {
         (graph, results)
     }
 
-    /// A graph without nodes.
-    pub(crate) fn empty() -> Self {
-        Graph { nodes: Vec::new(), index: HashMap::new(), result: [NodeId(0); 3] }
+    /// A graph without nodes, for nodes of this formula.
+    pub(super) fn for_parameters_of(formula: &Formula) -> Self {
+        Self::empty(formula.parameters.iter().map(|parameter| parameter.owner).collect())
+    }
+
+    /// A graph without nodes, for parameters of these owners.
+    pub(crate) fn empty(owners: Arc<[Owner]>) -> Self {
+        Graph { nodes: Vec::new(), index: HashMap::new(), result: [NodeId(0); 3], owners }
+    }
+
+    /// What has a value of its own of a parameter.
+    pub(super) fn owner(&self, parameter: ParameterId) -> Owner {
+        self.owners.get(parameter.0 as usize).copied().unwrap_or(Owner::Light)
     }
 
     /// The index of a node. It is added without change if it is new. Its operands are nodes of this graph.
@@ -129,7 +142,7 @@ impl Graph {
     /// The graph of the nodes that `roots` need, in the same order, and the roots in it. The first three become its
     /// result.
     pub(super) fn reachable(&self, roots: &[NodeId]) -> (Graph, Vec<NodeId>) {
-        let mut graph = Graph::empty();
+        let mut graph = Graph::empty(Arc::clone(&self.owners));
         let mut new_ids = vec![NodeId(0); self.len()];
         for (index, _) in self.needed(roots).iter().enumerate().filter(|(_, needed)| **needed) {
             let node = match self.nodes[index] {

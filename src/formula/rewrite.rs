@@ -87,7 +87,13 @@ struct Rewriter<'f> {
 
 impl<'f> Rewriter<'f> {
     fn new(formula: &'f Formula) -> Self {
-        Self { graph: Graph::empty(), binding_times: Vec::new(), intervals: Vec::new(), exact_intervals: Vec::new(), formula }
+        Self {
+            graph: Graph::for_parameters_of(formula),
+            binding_times: Vec::new(),
+            intervals: Vec::new(),
+            exact_intervals: Vec::new(),
+            formula,
+        }
     }
 
     fn leaf(&mut self, node: Node) -> NodeId {

@@ -26,7 +26,7 @@ pub struct ParameterSlot {
     pub slot: usize,
 }
 
-/// The parameter numbers that a kernel of uniform values reads, in the order of its columns.
+/// The parameter numbers that a kernel reads from its first stream, in the order of the columns.
 pub fn parameter_slots(plan: &KernelPlan, graph: &Graph, parameters: &[Parameter]) -> Vec<ParameterSlot> {
     let slot = |leaf: &NodeId| match graph.node(*leaf) {
         Node::Parameter(id, component) => {
@@ -35,7 +35,6 @@ pub fn parameter_slots(plan: &KernelPlan, graph: &Graph, parameters: &[Parameter
         }
         Node::Constant(_) | Node::Variable(..) | Node::Apply(..) => None,
     };
-    // Uniform values are computed from parameters alone.
     plan.streams[0].iter().filter_map(slot).collect()
 }
 

@@ -77,6 +77,19 @@ fn mixed(a: f32, b: f32, share: f32) -> f32 {
     a * (1.0 - share) + b * share
 }
 
+/// What a number exceeds the next smaller whole number by; 0 if it is not finite. Faster than `floor`, which is a call
+/// on processors without SSE4.1.
+fn fraction(x: f32) -> f32 {
+    /// From here on, all numbers are whole.
+    const WHOLE: f32 = 8_388_608.0;
+    if x.abs() < WHOLE {
+        let towards_zero = x as i32 as f32;
+        x - if towards_zero > x { towards_zero - 1.0 } else { towards_zero }
+    } else {
+        0.0
+    }
+}
+
 /// Two neighbouring columns or rows, and the share of the second.
 struct Neighbours {
     first: u32,
@@ -87,10 +100,9 @@ struct Neighbours {
 impl Neighbours {
     /// The middles of texels around a coordinate, for this many texels.
     fn of(coordinate: f32, count: u32) -> Self {
-        let within = if coordinate.is_finite() { coordinate - coordinate.floor() } else { 0.0 };
         // From -0.5 to `count - 0.5`: the last texel is beside the first.
-        let place = within * count as f32 - 0.5;
-        let whole = place.floor();
+        let place = fraction(coordinate) * count as f32 - 0.5;
+        let whole = if place < 0.0 { -1.0 } else { place as u32 as f32 };
         let first = if whole < 0.0 { count - 1 } else { (whole as u32).min(count - 1) };
         let second = if first + 1 == count { 0 } else { first + 1 };
         Self { first, second, share: place - whole }
@@ -210,6 +222,15 @@ mod tests {
             assert_eq!(texture.colour(u, v), [0.25; 3], "{u} {v}");
         }
         assert_eq!(texture.colour(0.0, 0.25), [0.5, 0.0, 0.0]);
+    }
+
+    #[test]
+    fn fractions_are_those_of_floor() {
+        let some = (0..4000).map(|n| (n as f32 - 2000.0) * 0.37 * 1.01_f32.powi(n % 700));
+        for x in some.chain([0.0, -0.0, 1.0, -1.0, -1e-9, 8_388_607.5, -8_388_607.5, 8_388_608.0, -1e30, f32::MIN_POSITIVE]) {
+            assert_eq!(fraction(x), x - x.floor(), "{x}");
+        }
+        assert_eq!([f32::NAN, f32::INFINITY, f32::NEG_INFINITY].map(fraction), [0.0; 3]);
     }
 
     #[test]

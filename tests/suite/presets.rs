@@ -28,7 +28,7 @@ fn backends_agree_on_every_preset() {
             let (formula, _) = Formula::parse(&source(FileKind::Formula, formula_name)).expect("a sound formula");
             let formula = Arc::new(formula);
             let subject = Subject { formula: Arc::clone(&formula), world: Arc::clone(&world), view };
-            let compiled = Engine::default().evaluator(&subject, &Task::UNWATCHED).expect("compiled code takes the presets");
+            let compiled = Engine::default().evaluator(&subject, &[], &Task::UNWATCHED).expect("compiled code takes the presets");
             let interpreted = Interpreted::new(&formula, &world, view).expect("the interpreter takes the presets");
             for settings in SETTINGS {
                 let mut values = Values::defaults(&formula, world.scene());

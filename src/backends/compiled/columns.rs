@@ -9,12 +9,12 @@ mod packing;
 
 pub(super) use packing::{Packing, Reader};
 
+use crate::backends::compiled::leaves::{Leaf, StaticTextures};
 use crate::backends::compiled::memory::StreamMemory;
 use crate::backends::compiled::source::ContributionSource;
-use crate::formula::graph::{Node, NodeId};
+use crate::formula::Formula;
 use crate::jit::{CompiledFormula, Line, PREFETCH_DISTANCE, Splat, Streams};
 use crate::lang::scalars::flush;
-use crate::lang::variables::Variable;
 use crate::plan::KernelPlan;
 use crate::trace::{
     CHUNK_LINES, CoordinatesUse, Group, HitVariables, Hits, LINE_HITS, LightVariables, Mismatch, ROUND_LINES, Tile, Tracer,
@@ -108,8 +108,13 @@ impl Chunk {
 }
 
 impl Columns {
-    /// Computes the static values of all tiles.
-    pub(super) fn of_tiles(compiled: &CompiledFormula, hits: &Hits) -> Result<Vec<Self>, Mismatch> {
+    /// Computes the static values of all tiles, with these textures.
+    pub(super) fn of_tiles(
+        compiled: &CompiledFormula,
+        formula: &Formula,
+        textures: &StaticTextures,
+        hits: &Hits,
+    ) -> Result<Vec<Self>, Mismatch> {
         let tracer = Tracer::new(&hits.world, &hits.view);
         let frontier = &compiled.plan.bindings.frontier;
         // Groups that no light reaches are not evaluated.
@@ -127,7 +132,7 @@ impl Columns {
             rest = behind;
         }
         hits.tiles.par_iter().zip(&arrangements).zip(parts).try_for_each(|((tile, arrangement), lines)| {
-            let mut leaves = LeafColumns::new(compiled);
+            let mut leaves = LeafColumns::new(compiled, formula, textures);
             (0..tile.groups.len()).try_for_each(|index| fill(compiled, &tracer, tile, arrangement, index, lines, &mut leaves))
         })?;
         let memory = Arc::new(memory);
@@ -241,7 +246,7 @@ fn fill(
     arrangement: &Arrangement,
     index: usize,
     memory: &mut [Line],
-    leaves: &mut LeafColumns,
+    leaves: &mut LeafColumns<'_>,
 ) -> Result<(), Mismatch> {
     let (group, own) = (&tile.groups[index], &arrangement.groups[index]);
     let columns = arrangement.columns_of(own);
@@ -266,10 +271,11 @@ fn fill(
     Ok(())
 }
 
-/// The variables that static kernels read, for up to one chunk of hits.
-pub(super) struct LeafColumns {
-    hit_leaves: Vec<(Variable, usize)>,
-    record_leaves: Vec<(Variable, usize)>,
+/// What static kernels read, for up to one chunk of hits.
+pub(super) struct LeafColumns<'t> {
+    hit_leaves: Vec<Leaf>,
+    record_leaves: Vec<Leaf>,
+    textures: &'t StaticTextures,
     coordinates: CoordinatesUse,
     /// A stream with a column for each hit leaf, for one chunk of hits. It stays in the L1 cache.
     hits: Vec<Line>,
@@ -277,7 +283,7 @@ pub(super) struct LeafColumns {
     records: Vec<Vec<Line>>,
 }
 
-impl LeafColumns {
+impl<'t> LeafColumns<'t> {
     /// The memory that they take for a group with this many emitters, in bytes.
     pub(super) fn bytes(compiled: &CompiledFormula, emitters: usize) -> usize {
         let leaves = |plan: &KernelPlan| plan.streams[0].len();
@@ -285,23 +291,15 @@ impl LeafColumns {
         columns * CHUNK_LINES * size_of::<Line>()
     }
 
-    fn new(compiled: &CompiledFormula) -> Self {
-        let variables = |leaves: &[NodeId]| -> Vec<(Variable, usize)> {
-            let variable = |leaf: &NodeId| match compiled.plan.bindings.graph.node(*leaf) {
-                Node::Variable(variable, component) => Some((variable, usize::from(component))),
-                Node::Constant(_) | Node::Parameter(..) | Node::Apply(..) => None,
-            };
-            // Static values are computed from variables alone.
-            leaves.iter().filter_map(variable).collect()
-        };
-        let (hit_leaves, record_leaves) =
-            (variables(&compiled.plan.hits.streams[0]), variables(&compiled.plan.records.streams[0]));
-        let coordinates = CoordinatesUse::by(hit_leaves.iter().chain(&record_leaves).map(|(variable, _)| *variable));
+    fn new(compiled: &CompiledFormula, formula: &Formula, textures: &'t StaticTextures) -> Self {
+        let leaves = |plan: &KernelPlan| Leaf::of(plan, &compiled.plan.bindings.graph, &formula.parameters);
+        let (hit_leaves, record_leaves) = (leaves(&compiled.plan.hits), leaves(&compiled.plan.records));
+        let coordinates = CoordinatesUse::by(hit_leaves.iter().chain(&record_leaves).filter_map(Leaf::variable));
         let hits = vec![Line::default(); CHUNK_LINES * hit_leaves.len()];
-        Self { hit_leaves, record_leaves, coordinates, hits, records: Vec::new() }
+        Self { hit_leaves, record_leaves, textures, coordinates, hits, records: Vec::new() }
     }
 
-    /// Computes the variables of these hits for all lights of the group. Lanes after the last hit keep their old
+    /// Computes the leaves of these hits for all lights of the group. Lanes after the last hit keep their old
     /// values. Kernels read them, but the results are not used.
     fn gather(&mut self, tracer: &Tracer, tile: &Tile, group: &Group, hits: Range<u32>) -> Result<(), Mismatch> {
         let world = tracer.world();
@@ -318,12 +316,17 @@ impl LeafColumns {
             for (emitter, stream) in group.emitters.iter().zip(&mut self.records) {
                 let sample = world.emitter(*emitter).sample(surface);
                 let record = LightVariables::new(surface, &sample, tile.is_visible(hit, *emitter));
-                for (column, (symbol, component)) in self.record_leaves.iter().enumerate() {
-                    put(stream, self.record_leaves.len(), column, variable(*symbol, &own, &record)[*component]);
+                let light = world.light_of(*emitter);
+                for (column, leaf) in self.record_leaves.iter().enumerate() {
+                    let value = match *leaf {
+                        Leaf::Variable(symbol, component) => variable(symbol, &own, &record)[component],
+                        Leaf::Texture(slot) => self.textures.number(slot, group.body, Some(light)),
+                    };
+                    put(stream, self.record_leaves.len(), column, value);
                 }
             }
-            for (column, (symbol, component)) in self.hit_leaves.iter().enumerate() {
-                let value = own.value(*symbol).map_or(0.0, |value| value[*component]);
+            for (column, leaf) in self.hit_leaves.iter().enumerate() {
+                let value = self.textures.at_hit(*leaf, &own, group.body);
                 put(&mut self.hits, self.hit_leaves.len(), column, value);
             }
         })

@@ -7,12 +7,14 @@
 mod chosen;
 mod columns;
 mod drag;
+mod leaves;
 mod memory;
 mod pass;
 mod planes;
 mod program;
 mod source;
 mod surface;
+mod textured;
 mod tile;
 
 use crate::evaluate::weights::{PathMonomials, Weight, path_weights};
@@ -30,12 +32,14 @@ use crate::world::World;
 use chosen::{Chosen, ChosenVariant};
 use columns::{Columns, LeafColumns};
 use drag::CompiledDrag;
+use leaves::StaticTextures;
 use pass::{Pass, PassColumns};
 use program::TileProgram;
 use rayon::prelude::*;
 use source::ContributionSource;
 use std::sync::{Arc, Mutex, PoisonError};
 use surface::{SurfacePass, SurfaceTile, parameter_weights};
+use textured::Textured;
 use tile::{Accumulate, TileScratch};
 
 /// The name of the backend.
@@ -87,9 +91,13 @@ impl Backend for Jit {
         Ok((TileScratch::BYTES + leaves) as u64)
     }
 
-    fn prepare(&self, formula: &Arc<Formula>, hits: &Arc<Hits>) -> Result<Arc<dyn Evaluator>, EvaluateError> {
-        let compiled = self.kernels.compiled(formula)?;
-        Ok(Arc::new(Compiled::new(compiled, formula, hits)?))
+    fn prepare(&self, formula: &Arc<Formula>, hits: &Arc<Hits>, parameters: &[f32]) -> Result<Arc<dyn Evaluator>, EvaluateError> {
+        let kernels = self.kernels.compiled(formula)?;
+        let compiled = Compiled::new(Arc::clone(&kernels), formula, hits, parameters)?;
+        match compiled.textures.is_empty() {
+            true => Ok(Arc::new(compiled)),
+            false => Ok(Arc::new(Textured::new(kernels, formula, hits, compiled))),
+        }
     }
 }
 
@@ -102,6 +110,8 @@ pub struct Compiled {
     surface: Vec<SurfaceTile>,
     /// The parameter numbers that the uniform kernel of the surface reads.
     surface_leaves: Vec<ParameterSlot>,
+    /// The textures that static values were looked up in. Pictures have the same.
+    textures: StaticTextures,
     equation: Equation,
     parameters: Vec<Parameter>,
     /// The parameter numbers that the uniform kernel reads.
@@ -115,23 +125,27 @@ pub struct Compiled {
 }
 
 impl Compiled {
-    /// Computes the static values of all records, on all threads of the current pool.
+    /// Computes the static values of all records, on all threads of the current pool, with the textures among these
+    /// parameter numbers.
     ///
     /// # Errors
     /// The tiles of `hits` are not those of its world and view.
-    pub fn new(compiled: Arc<CompiledFormula>, formula: &Formula, hits: &Arc<Hits>) -> Result<Self, Mismatch> {
+    fn new(compiled: Arc<CompiledFormula>, formula: &Formula, hits: &Arc<Hits>, parameters: &[f32]) -> Result<Self, Mismatch> {
         let hits = hits.for_lights(formula.evaluated_lights())?;
         let scene = hits.world.scene();
-        let columns = Columns::of_tiles(&compiled, &hits)?;
+        let equation = Equation::new(formula, scene.bodies.len(), scene.lights.len());
+        let textures = StaticTextures::new(&compiled.plan, formula, equation.layout, parameters);
+        let columns = Columns::of_tiles(&compiled, formula, &textures, &hits)?;
         let leaves = compiled.plan.contribution.leaves(&compiled.plan.bindings.graph, &formula.parameters);
-        let surface = SurfaceTile::of_tiles(&compiled, &hits)?;
+        let surface = SurfaceTile::of_tiles(&compiled, formula, &textures, &hits)?;
         let of_surface = |plan: &SurfacePlan| plan.outputs.leaves(&plan.bindings.graph, &formula.parameters);
         let surface_leaves = compiled.plan.surface.as_ref().map(of_surface).unwrap_or_default();
         Ok(Self {
             surface,
             surface_leaves,
             columns,
-            equation: Equation::new(formula, scene.bodies.len(), scene.lights.len()),
+            textures,
+            equation,
             parameters: formula.parameters.clone(),
             leaves,
             programs: hits.tiles.iter().map(|_| Mutex::default()).collect(),

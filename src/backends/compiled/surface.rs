@@ -10,15 +10,15 @@
 //! behind a red and a green mirror gives NaN if its colour is infinite. In a tile with such weights, the terms of each
 //! node are collected, and added up along the paths at the end.
 
+use crate::backends::compiled::leaves::{Leaf, StaticTextures};
 use crate::backends::compiled::memory::StreamMemory;
 use crate::evaluate::weights::Weight;
+use crate::formula::Formula;
 use crate::formula::equation::{Equation, weighed_by, weight_parameter};
-use crate::formula::graph::Node;
 use crate::jit::compile::CompiledSurface;
 use crate::jit::{CompiledFormula, Line, Splat, Sums};
 use crate::lang::scalars::{Floats, Scalars, flush};
 use crate::lang::surface_terms::SurfaceTerm;
-use crate::lang::variables::Variable;
 use crate::plan::{Channels, SurfacePlan};
 use crate::scene::BodyId;
 use crate::trace::{
@@ -144,14 +144,26 @@ impl SurfaceTile {
     pub(super) const BYTES_PER_HIT: usize =
         size_of::<u16>() + 2 * size_of::<u32>() + size_of::<[f64; 3]>() + 12 * size_of::<f32>();
 
-    /// The nodes of all tiles, with their static values.
-    pub(super) fn of_tiles(formula: &CompiledFormula, hits: &Hits) -> Result<Vec<Self>, Mismatch> {
-        let (Some(plan), Some(compiled)) = (&formula.plan.surface, &formula.surface) else { return Ok(Vec::new()) };
+    /// The nodes of all tiles, with their static values, and these textures.
+    pub(super) fn of_tiles(
+        compiled: &CompiledFormula,
+        formula: &Formula,
+        textures: &StaticTextures,
+        hits: &Hits,
+    ) -> Result<Vec<Self>, Mismatch> {
+        let (Some(plan), Some(compiled)) = (&compiled.plan.surface, &compiled.surface) else { return Ok(Vec::new()) };
         let tracer = Tracer::new(&hits.world, &hits.view);
-        hits.tiles.par_iter().map(|tile| Self::new(plan, compiled, &tracer, tile)).collect()
+        let leaves = Leaf::of(&plan.hits, &plan.bindings.graph, &formula.parameters);
+        let of_tile = |tile: &Tile| {
+            let mut made = Self::new(tile);
+            made.fill(compiled, &leaves, textures, &tracer, tile)?;
+            Ok(made)
+        };
+        hits.tiles.par_iter().map(of_tile).collect()
     }
 
-    fn new(plan: &SurfacePlan, compiled: &CompiledSurface, tracer: &Tracer, tile: &Tile) -> Result<Self, Mismatch> {
+    /// The nodes of a tile, without values.
+    fn new(tile: &Tile) -> Self {
         let pixels = pixels_of_paths(tile);
         // Nodes on one body are neighbours, from whole lines on.
         let mut order: Vec<PathId> = (0..tile.paths.len() as u32).map(PathId).collect();
@@ -196,8 +208,7 @@ impl SurfaceTile {
                 made.of_hit[hit as usize] = made.node(span.path, pixel as u16);
             }
         }
-        made.fill(plan, compiled, tracer, tile)?;
-        Ok(made)
+        made
     }
 
     /// The node of a path in a pixel of the tile.
@@ -208,22 +219,23 @@ impl SurfaceTile {
     }
 
     /// Computes the static values of the nodes on bodies.
-    fn fill(&mut self, plan: &SurfacePlan, compiled: &CompiledSurface, tracer: &Tracer, tile: &Tile) -> Result<(), Mismatch> {
-        let graph = &plan.bindings.graph;
-        let leaf = |node: &_| match graph.node(*node) {
-            Node::Variable(variable, component) => Some((variable, usize::from(component))),
-            Node::Constant(_) | Node::Parameter(..) | Node::Apply(..) => None,
-        };
-        let leaves: Vec<(Variable, usize)> = plan.hits.streams[0].iter().filter_map(leaf).collect();
-        let coordinates = CoordinatesUse::by(leaves.iter().map(|(variable, _)| *variable));
+    fn fill(
+        &mut self,
+        compiled: &CompiledSurface,
+        leaves: &[Leaf],
+        textures: &StaticTextures,
+        tracer: &Tracer,
+        tile: &Tile,
+    ) -> Result<(), Mismatch> {
+        let coordinates = CoordinatesUse::by(leaves.iter().filter_map(Leaf::variable));
         let lines = self.lines + ROUND_LINES;
         let mut values = vec![Line::default(); lines * leaves.len()];
         for group in &tile.groups {
             replay(tracer, tile, group, group.hits.clone(), |hit, _, surface| {
                 let node = self.of_hit[hit as usize] as usize;
                 let own = HitVariables::new(tracer.world(), surface, tracer.relative_index(surface), coordinates);
-                for (column, (symbol, component)) in leaves.iter().enumerate() {
-                    let value = own.value(*symbol).map_or(0.0, |value| value[*component]);
+                for (column, leaf) in leaves.iter().enumerate() {
+                    let value = textures.at_hit(*leaf, &own, group.body);
                     values[node / LINE_HITS * leaves.len() + column].0[node % LINE_HITS] = flush(value);
                 }
             })?;

@@ -2,7 +2,8 @@
 
 use crate::evaluate::inspect::figures::Quantity;
 use crate::formula::written::WrittenBody;
-use crate::formula::{Formula, TermId};
+use crate::formula::{Formula, Term, TermId};
+use crate::texture;
 use std::collections::{HashSet, VecDeque};
 
 /// The formula with its numbers.
@@ -12,10 +13,11 @@ pub struct Instance {
     pub lines: Vec<InstanceLine>,
 }
 
-/// A macro, the result of the formula, or the call of a function, with its numbers.
+/// A macro, the result of the formula, the call of a function, or a colour of a texture, with its numbers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct InstanceLine {
-    /// The name of the macro, or the call with its numbers: `F(0.25)`; `None`: the result.
+    /// The name of the macro, or the call with its numbers: `F(0.25)`, `wood(0.85, 0.6) in oak.png`; `None`: the
+    /// result.
     pub name: Option<String>,
     /// The expression as in the formula, without parentheses that change nothing: `kd*IL*Cd*max(0, N.L)`.
     pub written: String,
@@ -24,8 +26,8 @@ pub struct InstanceLine {
     pub numbers: String,
     /// Its value. It is rounded in the same way when it is written.
     pub value: Quantity,
-    /// The calls of functions in it, and those in the bodies of these functions. A call is in the first line that needs
-    /// it alone.
+    /// The calls of functions and textures in it, and those in the bodies of these functions. A call is in the first
+    /// line that needs it alone.
     pub calls: Vec<InstanceLine>,
     /// How many more calls there are in it. They are left out because an instance has at most
     /// [`MOST_CALLS`](Instance::MOST_CALLS).
@@ -38,7 +40,7 @@ impl Instance {
 
     /// The formula with these values of its terms, scalars three times.
     pub(super) fn new(formula: &Formula, values: &[[f32; 3]]) -> Self {
-        let mut writer = InstanceWriter { formula, values, seen: HashSet::new(), calls: 0 };
+        let mut writer = InstanceWriter { formula, values, seen: HashSet::new(), looked_up: HashSet::new(), calls: 0 };
         let lines = formula.written.lines().map(|(name, body)| writer.line_with_calls(name.map(str::to_owned), body)).collect();
         Self { lines }
     }
@@ -49,6 +51,8 @@ struct InstanceWriter<'w> {
     values: &'w [[f32; 3]],
     /// The calls that have been met.
     seen: HashSet<u32>,
+    /// The colours of textures that have been met, by their names.
+    looked_up: HashSet<String>,
     /// How many of them have been written.
     calls: usize,
 }
@@ -71,18 +75,52 @@ impl InstanceWriter<'_> {
     /// The same with its calls, the outer ones first.
     fn line_with_calls(&mut self, name: Option<String>, body: &WrittenBody) -> InstanceLine {
         let mut line = self.line(name, body);
+        self.add_lookups(&mut line, body);
         let mut waiting: VecDeque<u32> = body.calls.iter().copied().collect();
         while let Some(index) = waiting.pop_front() {
             let Some((function, call)) = self.formula.written.call(index).filter(|_| self.seen.insert(index)) else { continue };
             waiting.extend(&call.body.calls);
-            if self.calls == Instance::MOST_CALLS {
-                line.calls_left_out += 1;
-                continue;
+            if self.has_room(&mut line) {
+                let name = format!("{function}({})", self.texts(&call.arguments));
+                line.calls.push(self.line(Some(name), &call.body));
             }
-            self.calls += 1;
-            let arguments: Vec<String> = call.arguments.iter().map(|term| self.quantity(*term).to_string()).collect();
-            line.calls.push(self.line(Some(format!("{function}({})", arguments.join(", "))), &call.body));
+            self.add_lookups(&mut line, &call.body);
         }
         line
+    }
+
+    /// Adds the colours of textures in a body.
+    fn add_lookups(&mut self, line: &mut InstanceLine, body: &WrittenBody) {
+        for term in &body.lookups {
+            let [texture, coordinates @ ..] = self.formula.term(*term).operands() else { continue };
+            let Term::Parameter(parameter) = self.formula.term(*texture) else { continue };
+            let call = format!("{}({})", self.formula.parameter(*parameter).name, self.texts(coordinates));
+            let file = texture::path_of(self.values[texture.0 as usize][0]).and_then(|path| path.file_name());
+            let name = match file {
+                Some(file) => format!("{call} in {}", file.display()),
+                None => call,
+            };
+            if !self.looked_up.insert(name.clone()) || !self.has_room(line) {
+                continue;
+            }
+            let value = self.quantity(*term);
+            let (written, numbers) = (value.to_string(), value.to_string());
+            line.calls.push(InstanceLine { name: Some(name), written, numbers, value, calls: Vec::new(), calls_left_out: 0 });
+        }
+    }
+
+    /// Counts a call of a line. `false` if the instance has too many: then it is left out.
+    fn has_room(&mut self, line: &mut InstanceLine) -> bool {
+        let has_room = self.calls < Instance::MOST_CALLS;
+        match has_room {
+            true => self.calls += 1,
+            false => line.calls_left_out += 1,
+        }
+        has_room
+    }
+
+    fn texts(&self, terms: &[TermId]) -> String {
+        let texts: Vec<String> = terms.iter().map(|term| self.quantity(*term).to_string()).collect();
+        texts.join(", ")
     }
 }

@@ -3,7 +3,9 @@
 use super::*;
 use crate::lang::source::Source;
 use crate::scene::Scene;
-use crate::workspace::{NamedAssignment, Values};
+use crate::texture::{self, TextureImage};
+use crate::workspace::{Assignment, NamedAssignment, Values};
+use std::path::PathBuf;
 
 /// A formula on a scene with values, looked into at the one pixel of a picture.
 struct Bench {
@@ -325,4 +327,36 @@ fn the_origin_of_nan_in_functions_is_short_too() {
     let origin = bench.inspector().nan_origin(&bench.inspect()).expect("NaN");
     let texts = (origin.typed_in.as_deref(), origin.written.as_str(), origin.numbers.as_str());
     assert_eq!(texts, (Some("f50"), "sqrt(x - 1)", "sqrt(-0.2)"));
+}
+
+#[test]
+fn colours_of_textures_are_shown_with_their_files() {
+    let scene = "bodies; wall: rectangle, <-1,-1,0>, <-1,1,0>, <3,1,0>; lights; key: point, <0,0,9>;
+        camera; position <0,0,5>; gaze <0,0,-1>; up <0,1,0>; fov 30;";
+    let formula = "body_specific; wood: texture; sky: texture; formula; F(x) = wood(x, 0)*sky(x, x); emission = wood(v, u);
+        = IL*F(u) + wood(v, u);";
+    let mut bench = Bench::new(formula, scene, &[]);
+    // Red at the left and blue at the right, of one row.
+    let image = TextureImage::new(2, 1, vec![[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]).expect("two texels");
+    let number = texture::keep(PathBuf::from("images/flag.png"), image).expect("room");
+    let (owner, parameter, _) = bench.values.iter().find(|(_, id, _)| bench.formula.parameter(*id).name == "wood").expect("it");
+    bench.values.assign(&[Assignment { owner, parameter, value: [number, 0.0, 0.0] }]);
+    let inspection = bench.inspect();
+    let End::Hit(hit) = &inspection.rays[0].end else { panic!("a hit") };
+    let instance = bench.inspector().instance(hit, LightId(0)).expect("a light");
+    // The hit is at u = 1/2, half of both texels, and v = 1/4, the middle of the first.
+    let lookups: Vec<(String, String)> = instance
+        .lines
+        .iter()
+        .flat_map(|line| line.calls.iter().map(|call| (call.name.clone().unwrap_or_default(), call.value.to_string())))
+        .collect();
+    let expected = [
+        ("wood(0.25, 0.5) in flag.png", "<1, 0, 0>"),
+        ("F(0.5)", "<0.5, 0, 0.5>"),
+        ("wood(0.5, 0) in flag.png", "<0.5, 0, 0.5>"),
+        ("sky(0.5, 0.5)", "<1, 1, 1>"),
+    ];
+    assert_eq!(lookups, expected.map(|(name, value)| (name.to_owned(), value.to_owned())));
+    let text = bench.inspector().text(&inspection);
+    assert!(text.contains("      wood(0.25, 0.5) in flag.png = <1, 0, 0>\n"), "{text}");
 }

@@ -19,6 +19,7 @@ use crate::lang::source::{Source, SourceSpan};
 use crate::lang::token::Mark;
 use crate::lang::types::Type;
 use std::collections::{HashMap, HashSet};
+use std::hash::Hash;
 use std::rc::Rc;
 
 /// A function and the values of its arguments.
@@ -141,6 +142,8 @@ struct CheckFrame<'c> {
     locals: Vec<(&'c str, Option<Settled>)>,
     /// The calls in it and in its sums, by their indices in `written_calls`.
     calls: Vec<u32>,
+    /// What is looked up in textures in it and in its sums.
+    lookups: Vec<TermId>,
     purpose: FramePurpose<'c>,
 }
 
@@ -152,6 +155,12 @@ enum FramePurpose<'c> {
     Call { key: CallKey, callee: SourceSpan },
     /// It is a term of a sum or a product: that for `index`. `total` has the terms before.
     Repetition { call: RepetitionCall<'c>, index: i32, last: i32, total: Option<Settled> },
+}
+
+/// The items in the order in which they come first.
+fn once_each<T: Copy + Eq + Hash>(items: &[T]) -> Vec<T> {
+    let mut seen = HashSet::new();
+    items.iter().copied().filter(|item| seen.insert(*item)).collect()
 }
 
 /// The next step for an expression.
@@ -196,11 +205,12 @@ impl<'c> Checker<'c> {
             let value = self.settled[frame.root.0 as usize];
             let value = value.map(|value| self.terms.as_value(value));
             match frame.purpose {
-                FramePurpose::Root => return value.map(|value| (value, self.body(frame.root, value, frame.calls))),
-                FramePurpose::Call { key, .. } => {
+                FramePurpose::Root => return value.map(|value| (value, self.body(&frame, value))),
+                FramePurpose::Call { ref key, .. } => {
+                    let key = key.clone();
                     let arguments = frame.locals.iter().filter_map(|(_, value)| value.map(|(term, _)| term)).collect();
                     let known = value.map(|value| {
-                        let body = self.body(frame.root, value, frame.calls);
+                        let body = self.body(&frame, value);
                         self.written_calls.push(WrittenCall { definition: key.0, arguments, body });
                         (value, self.written_calls.len() as u32 - 1)
                     });
@@ -211,6 +221,7 @@ impl<'c> Checker<'c> {
                 FramePurpose::Repetition { call, index, last, total } => {
                     if let Some(around) = self.frames.last_mut() {
                         around.calls.extend(frame.calls);
+                        around.lookups.extend(frame.lookups);
                     }
                     self.repeat(call, index, last, total, value);
                 }
@@ -220,8 +231,8 @@ impl<'c> Checker<'c> {
     }
 
     /// How the expressions of a frame that is done are written.
-    fn body(&mut self, root: ExprId, value: Settled, mut calls: Vec<u32>) -> WrittenBody {
-        let (file, names) = (self.file, self.names);
+    fn body(&mut self, frame: &CheckFrame, value: Settled) -> WrittenBody {
+        let (file, names, root) = (self.file, self.names, frame.root);
         let places = self.leaves.entry(root).or_insert_with(|| leaves(file, names, root).into());
         let settled = |id: ExprId| self.settled[id.0 as usize].map(|(term, _)| term);
         let is_leaf = |id: &ExprId| match file.expr(*id).kind.infix() {
@@ -232,9 +243,8 @@ impl<'c> Checker<'c> {
             None => true,
         };
         let leaves = places.iter().filter(|id| is_leaf(id)).filter_map(|id| Some((*id, settled(*id)?))).collect();
-        let mut seen = HashSet::new();
-        calls.retain(|call| seen.insert(*call));
-        WrittenBody { root, value: value.0, leaves, calls }
+        let (calls, lookups) = (once_each(&frame.calls), once_each(&frame.lookups));
+        WrittenBody { root, value: value.0, leaves, calls, lookups }
     }
 
     /// Notes a call in the innermost frame.
@@ -263,7 +273,7 @@ impl<'c> Checker<'c> {
     fn frame(&mut self, root: ExprId, locals: Vec<(&'c str, Option<Settled>)>, purpose: FramePurpose<'c>) -> CheckFrame<'c> {
         let (file, names) = (self.file, self.names);
         let list = self.lists.entry(root).or_insert_with(|| reachable(file, names, root).into());
-        CheckFrame { root, list: Rc::clone(list), done: 0, locals, calls: Vec::new(), purpose }
+        CheckFrame { root, list: Rc::clone(list), done: 0, locals, calls: Vec::new(), lookups: Vec::new(), purpose }
     }
 
     fn step(&mut self, id: ExprId) -> CheckStep<'c> {
@@ -340,7 +350,11 @@ impl<'c> Checker<'c> {
         };
         let (parameter, _) = self.terms.add(Term::Parameter(texture), ty);
         let operands = std::iter::once(parameter).chain(settled.iter().map(|(term, _)| *term)).collect();
-        Some(self.terms.add(Term::Apply(operation, operands), operation.result()))
+        let colour = self.terms.add(Term::Apply(operation, operands), operation.result());
+        if let Some(frame) = self.frames.last_mut() {
+            frame.lookups.push(colour.0);
+        }
+        Some(colour)
     }
 
     fn call_function(&mut self, index: usize, callee: &'c Name, arguments: &[ExprId]) -> CheckStep<'c> {

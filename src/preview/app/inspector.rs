@@ -248,7 +248,12 @@ fn light_ui(ui: &mut Ui, workshop: &Workshop, hit: &InspectedHit, light: &Inspec
 /// Draws a macro, the result or a call behind this indentation.
 fn line_ui(ui: &mut Ui, line: &InstanceLine, indent: &str) {
     let name = line.name.as_deref().unwrap_or("");
+    let value = line.value.to_string();
     ui.monospace(format!("{indent}{name} = {}", line.written));
+    if line.written == value {
+        // The colour of a texture has no expression.
+        return;
+    }
     ui.monospace(RichText::new(format!("{indent}   = {}", line.numbers)).weak());
-    ui.monospace(format!("{indent}   = {}", line.value));
+    ui.monospace(format!("{indent}   = {value}"));
 }

@@ -129,7 +129,7 @@ impl DrawingWorker {
     ) -> Result<Picture, EngineError> {
         self.compile(request, tell)?;
         let prepare_start = Instant::now();
-        let (ready, is_new) = self.evaluator(request, hits)?;
+        let (ready, is_new) = self.evaluator(request, hits, numbers)?;
         let [width, height] = [hits.view.width(), hits.view.height()];
         let mut framebuffer = self.framebuffer_for(request, hits);
         let frame_start = Instant::now();
@@ -228,11 +228,12 @@ impl DrawingWorker {
         Ok(())
     }
 
-    /// The evaluator of these hits, and whether it is new.
+    /// The evaluator of these hits, and whether it is new. The next picture is that of these numbers.
     fn evaluator(
         &mut self,
         RenderRequest { subject, engine, .. }: &RenderRequest,
         hits: &Arc<Hits>,
+        numbers: &[f32],
     ) -> Result<(Arc<dyn Evaluator>, bool), EngineError> {
         if let Some((of, ready)) = &self.ready
             && Arc::ptr_eq(of, hits)
@@ -243,7 +244,7 @@ impl DrawingWorker {
         self.held = None;
         self.ready = None;
         self.linear = None;
-        let made = engine.prepare(subject, hits)?;
+        let made = engine.prepare(subject, hits, numbers)?;
         self.ready = Some((Arc::clone(hits), Arc::clone(&made)));
         Ok((made, true))
     }

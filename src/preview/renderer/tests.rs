@@ -46,7 +46,7 @@ fn wait_for(renderer: &Renderer, values: u64) -> Picture {
 
 /// The picture as it is drawn without any thread.
 fn expected(RenderRequest { subject, engine, transform, .. }: &RenderRequest, values: &Values) -> Vec<u32> {
-    let evaluator = engine.evaluator(subject, &Task::UNWATCHED).expect("a formula of ordinary size");
+    let evaluator = engine.evaluator(subject, &[], &Task::UNWATCHED).expect("a formula of ordinary size");
     let mut framebuffer = Framebuffer::black(subject.view.width(), subject.view.height(), *transform);
     evaluator.draw(values.numbers(), &mut framebuffer);
     framebuffer.pixels

@@ -32,8 +32,8 @@ impl PictureExport {
 
     fn frame(&self) -> Result<Frame, EngineError> {
         let evaluator = match &self.hits {
-            Some(hits) => self.engine.prepare(&self.subject, hits)?,
-            None => self.engine.evaluator(&self.subject, &Task::UNWATCHED)?,
+            Some(hits) => self.engine.prepare(&self.subject, hits, &self.numbers)?,
+            None => self.engine.evaluator(&self.subject, &self.numbers, &Task::UNWATCHED)?,
         };
         Ok(evaluator.frame(&self.numbers))
     }

@@ -72,7 +72,7 @@ fn every_pair_takes_its_own_branches() {
     let changes: [(&str, usize, f32); 5] =
         [("model", 9, 2.0), ("level", 0, 0.9), ("kind", 1, 0.0), ("model", 9, 0.0), ("level", 0, 0.1)];
     for backend in backends() {
-        let evaluator = Engine::new(backend).evaluator(&subject, &Task::UNWATCHED).expect("small enough");
+        let evaluator = Engine::new(backend).evaluator(&subject, &[], &Task::UNWATCHED).expect("small enough");
         let mut numbers = numbers.clone();
         for (name, owner, value) in changes {
             let found = verify(&*evaluator, &interpreted, &numbers);
@@ -84,7 +84,7 @@ fn every_pair_takes_its_own_branches() {
     // A light that is off adds nothing, and what it would choose does not matter.
     numbers[index(&subject, "ki", 0)] = 0.0;
     for backend in compiled() {
-        let evaluator = Engine::new(backend).evaluator(&subject, &Task::UNWATCHED).expect("small enough");
+        let evaluator = Engine::new(backend).evaluator(&subject, &[], &Task::UNWATCHED).expect("small enough");
         for kind in [1.0, 2.0, 0.0] {
             numbers[index(&subject, "kind", 0)] = kind;
             assert!(verify(&*evaluator, &interpreted, &numbers).passes());
@@ -102,7 +102,7 @@ fn more_choices_than_variants_are_right_too() {
     let (subject, numbers) = subject(&formula, |name, owner| bit(name).map(|bit| (owner >> bit & 1) as f32));
     let interpreted = Interpreted::new(&subject.formula, &subject.world, subject.view).expect("small enough");
     for backend in compiled() {
-        let evaluator = Engine::new(backend).evaluator(&subject, &Task::UNWATCHED).expect("small enough");
+        let evaluator = Engine::new(backend).evaluator(&subject, &[], &Task::UNWATCHED).expect("small enough");
         let found = verify(&*evaluator, &interpreted, &numbers);
         assert!(found.passes() && found.excused == 0, "{found:?}");
         // Other choices than before, so that other variants are kept.
@@ -134,7 +134,7 @@ fn formulas_that_choose_are_dragged() {
     for backend in compiled() {
         let engine = Engine::new(backend);
         // Two, because an evaluator keeps what it chose last.
-        let evaluators = [(); 2].map(|()| engine.evaluator(&subject, &Task::UNWATCHED).expect("small enough"));
+        let evaluators = [(); 2].map(|()| engine.evaluator(&subject, &[], &Task::UNWATCHED).expect("small enough"));
         for (name, owner, values) in moves {
             check(&evaluators, &subject, index(&subject, name, owner), &start, values);
         }

@@ -8,9 +8,9 @@ use illuminator::evaluate::weights::{PathMonomials, Powers, Weight, path_weights
 use illuminator::evaluate::{Backend, Drag, Drawn, EvaluateError, Evaluator, Footprint, Framebuffer};
 use illuminator::formula::equation::{Equation, Site};
 use illuminator::formula::graph::{Graph, Node, NodeId};
-use illuminator::formula::{Formula, Parameter};
+use illuminator::formula::{Formula, Parameter, ParameterId};
 use illuminator::lang::scalars::{Floats, flush};
-use illuminator::lang::variables::Owner;
+use illuminator::lang::variables::{Owner, Variable};
 use illuminator::picture::Frame;
 use illuminator::plan::{ContributionPlan, DragPlan, FormulaPlan, KernelPlan, Method, SliderPlan, moved_parameters};
 use illuminator::trace::{CoordinatesUse, Group, HitVariables, Hits, LightVariables, Tile, Tracer, View, replay, variable};
@@ -38,20 +38,23 @@ impl Backend for ColumnsBackend {
     }
 
     /// What a formula gives at every hit is not in this backend.
-    fn prepare(&self, formula: &Arc<Formula>, hits: &Arc<Hits>) -> Result<Arc<dyn Evaluator>, EvaluateError> {
+    fn prepare(&self, formula: &Arc<Formula>, hits: &Arc<Hits>, _: &[f32]) -> Result<Arc<dyn Evaluator>, EvaluateError> {
         if !formula.surface.is_empty() {
             return Err(EvaluateError::Backend("this backend has no weights of rays".to_owned()));
         }
         let plan = FormulaPlan::new(formula);
         let hits = hits.for_lights(formula.evaluated_lights())?;
         let (tracer, scene) = (Tracer::new(&hits.world, &hits.view), hits.world.scene());
+        let is_parameter = |leaf: NodeId| matches!(plan.bindings.graph.node(leaf), Node::Parameter(..));
+        let reads_textures = plan.hits.inputs().chain(plan.records.inputs()).any(is_parameter);
         let columns = |tile: &Tile| {
-            tile.groups.iter().map(|group| GroupColumns::new(&plan, &tracer, tile, group)).collect::<Result<_, _>>()
+            let of_group = |group| GroupColumns::new(&plan, &tracer, tile, group, &|_, _, _| 0.0);
+            tile.groups.iter().map(of_group).collect::<Result<_, _>>()
         };
         let tiles = hits.tiles.iter().map(columns).collect::<Result<_, _>>()?;
         let equation = Equation::new(formula, scene.bodies.len(), scene.lights.len());
         let parameters = formula.parameters.clone();
-        Ok(Arc::new(ColumnsEvaluator { plan, equation, parameters, hits, tiles }))
+        Ok(Arc::new(ColumnsEvaluator { plan, equation, parameters, hits, tiles, reads_textures }))
     }
 }
 
@@ -62,7 +65,14 @@ struct GroupColumns {
 }
 
 impl GroupColumns {
-    fn new(plan: &FormulaPlan, tracer: &Tracer, tile: &Tile, group: &Group) -> Result<Self, EvaluateError> {
+    /// `texture` gives the number of a texture for a body and a light.
+    fn new(
+        plan: &FormulaPlan,
+        tracer: &Tracer,
+        tile: &Tile,
+        group: &Group,
+        texture: &dyn Fn(ParameterId, usize, usize) -> f32,
+    ) -> Result<Self, EvaluateError> {
         let (graph, count) = (&plan.bindings.graph, group.hits.len());
         let [hit_leaves, record_leaves] = [&plan.hits, &plan.records].map(|plan| &plan.streams[0]);
         let mut hits = vec![Column::new(); hit_leaves.len()];
@@ -70,18 +80,20 @@ impl GroupColumns {
         replay(tracer, tile, group, group.hits.clone(), |hit, _, surface| {
             let index = tracer.relative_index(surface);
             let own = HitVariables::new(tracer.world(), surface, index, CoordinatesUse::Read);
-            let leaf = |leaf: &NodeId| match graph.node(*leaf) {
-                Node::Variable(symbol, component) => (symbol, usize::from(component)),
-                Node::Constant(_) | Node::Parameter(..) | Node::Apply(..) => panic!("static values are of variables"),
+            let leaf = |leaf: &NodeId, light: usize, value: &dyn Fn(Variable) -> [f32; 3]| match graph.node(*leaf) {
+                Node::Variable(symbol, component) => flush(value(symbol)[usize::from(component)]),
+                Node::Parameter(id, _) => texture(id, group.body.index(), light),
+                Node::Constant(_) | Node::Apply(..) => panic!("a leaf"),
             };
-            for (column, (symbol, component)) in hits.iter_mut().zip(hit_leaves.iter().map(leaf)) {
-                column.push(flush(own.value(symbol).expect("a variable of hits")[component]));
+            for (column, node) in hits.iter_mut().zip(hit_leaves) {
+                column.push(leaf(node, usize::MAX, &|symbol| own.value(symbol).expect("a variable of hits")));
             }
             for (emitter, columns) in group.emitters.iter().zip(&mut records) {
                 let sample = tracer.world().emitter(*emitter).sample(surface);
                 let lit = LightVariables::new(surface, &sample, tile.is_visible(hit, *emitter));
-                for (column, (symbol, component)) in columns.iter_mut().zip(record_leaves.iter().map(leaf)) {
-                    column.push(flush(variable(symbol, &own, &lit)[component]));
+                let light = tracer.world().light_of(*emitter).index();
+                for (column, node) in columns.iter_mut().zip(record_leaves) {
+                    column.push(leaf(node, light, &|symbol| variable(symbol, &own, &lit)));
                 }
             }
         })?;
@@ -139,7 +151,10 @@ struct ColumnsEvaluator {
     equation: Equation,
     parameters: Vec<Parameter>,
     hits: Arc<Hits>,
+    /// With white textures.
     tiles: Vec<Vec<GroupColumns>>,
+    /// Whether static values are looked up in textures.
+    reads_textures: bool,
 }
 
 impl ColumnsEvaluator {
@@ -167,7 +182,17 @@ impl ColumnsEvaluator {
         indices: [usize; 3],
     ) -> Vec<Column> {
         let [tile, group, emitter] = indices;
-        let (columns, of) = (&self.tiles[tile][group], &self.hits.tiles[tile].groups[group]);
+        let of = &self.hits.tiles[tile].groups[group];
+        let with_textures = self.reads_textures.then(|| {
+            let tracer = Tracer::new(&self.hits.world, &self.hits.view);
+            let texture = |id: ParameterId, body: usize, light: usize| {
+                let parameter = &self.parameters[id.0 as usize];
+                let owner = [0, body, light][parameter.owner as usize];
+                flush(parameters[self.equation.layout.index(parameter, owner)])
+            };
+            GroupColumns::new(&self.plan, &tracer, &self.hits.tiles[tile], of, &texture).expect("hits of the scene")
+        });
+        let columns = with_textures.as_ref().unwrap_or(&self.tiles[tile][group]);
         let light = self.hits.world.light_of(of.emitters[emitter]);
         let uniforms = self.uniforms(plan, graph, parameters, of.body.index(), light.index());
         run(&plan.records, graph, [&columns.hits, &columns.records[emitter], drag_columns], &uniforms, of.hits.len())

@@ -150,7 +150,7 @@ impl Case {
         let view = View::new(SIZE.0, SIZE.1).and_then(|view| view.with_depth(4)).map_err(|error| failed(&error))?;
         let subject = Subject::new(formula, scene, &illuminator::world::Meshes::NONE, view).expect("no meshes");
         let evaluator = |backend: &Arc<dyn Backend>| {
-            Engine::new(Arc::clone(backend)).evaluator(&subject, &Task::UNWATCHED).map_err(|error| failed(&error))
+            Engine::new(Arc::clone(backend)).evaluator(&subject, &[], &Task::UNWATCHED).map_err(|error| failed(&error))
         };
         let evaluators = backends.iter().map(evaluator).collect::<Result<_, _>>()?;
         let Subject { formula, world, .. } = subject;

@@ -60,7 +60,7 @@ impl Model {
             (Engine::new(Arc::clone(&tested.backend)), Subject::new(formula, scene, &Meshes::NONE, view).expect("no meshes"));
         let hits = engine.trace(&subject, &Task::UNWATCHED).expect("small enough");
         let scattered = hits.tiles.iter().map(|tile| tile.copies).sum();
-        let compiled = engine.prepare(&subject, &hits).expect("a formula of ordinary size");
+        let compiled = engine.prepare(&subject, &hits, &[]).expect("a formula of ordinary size");
         Self { size: tested.size, compiled, values, scattered }
     }
 

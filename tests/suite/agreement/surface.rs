@@ -40,7 +40,7 @@ fn pixel_of(bodies: &str, formula: &str, depth: u32, settings: &[&str]) -> Vec<[
     assert_eq!(values.assign(&given), []);
     let interpreted = Interpreted::new(&subject.formula, &subject.world, view).expect("small enough");
     let frame = |backend| {
-        let evaluator = Engine::new(backend).evaluator(&subject, &Task::UNWATCHED).expect("a picture");
+        let evaluator = Engine::new(backend).evaluator(&subject, &[], &Task::UNWATCHED).expect("a picture");
         evaluator.frame(values.numbers()).linear[0]
     };
     compiled().into_iter().map(frame).chain([interpreted.frame(values.numbers()).linear[0]]).collect()

@@ -1,17 +1,17 @@
 //! Textures by every backend, against bilinear interpolation in double precision that is written here.
 
 use crate::agreement::compiled;
-use crate::agreement::drags::VIEWS;
-use crate::agreement::formulas::{Case, check};
+use crate::agreement::drags::{VIEWS, wrong};
+use crate::agreement::formulas::{Case, SIZE, check};
 use illuminator::backends::interpreter::Interpreted;
 use illuminator::engine::{Engine, Subject, Task};
-use illuminator::evaluate::Evaluator;
+use illuminator::evaluate::{Evaluator, Framebuffer};
 use illuminator::lang::types::Type;
 use illuminator::texture::{TextureImage, keep};
 use illuminator::trace::View;
 use illuminator::workspace::{Assignment, Values};
 use std::path::PathBuf;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 const WIDTH: u32 = 5;
 const HEIGHT: u32 = 3;
@@ -77,7 +77,7 @@ fn pixel(formula: &str) -> Vec<[f32; 3]> {
     values.assign(&[Assignment { owner: illuminator::workspace::OwnerId::Global, parameter: background, value: [1.0; 3] }]);
     let interpreted = Interpreted::new(&subject.formula, &subject.world, view).expect("small enough");
     let frame = |backend| {
-        let evaluator = Engine::new(backend).evaluator(&subject, &Task::UNWATCHED).expect("a picture");
+        let evaluator = Engine::new(backend).evaluator(&subject, &[], &Task::UNWATCHED).expect("a picture");
         evaluator.frame(values.numbers()).linear[0]
     };
     compiled().into_iter().map(frame).chain([interpreted.frame(values.numbers()).linear[0]]).collect()
@@ -133,5 +133,37 @@ fn drags_and_views_agree_with_the_interpreter() {
             crate::agreement::drags::drag(&case, evaluator, &[index], &[0.2, 0.9, 0.0, 1.0], VIEWS[1])
                 .unwrap_or_else(|error| panic!("{index}: {error}"));
         }
+    }
+}
+
+/// What lies in columns or images is looked up again, and a replaced texture can come back.
+#[test]
+fn textures_are_replaced_while_a_slider_is_held() {
+    let text = "body_specific; p: scalar; q: scalar, constraint 0..1; wood: texture; light_specific; slide: texture;
+        formula; emission = q*wood(3*u, v); = IL*Cd*wood(u, v)*slide(u, beta)*max(0, N.L)^p + p*wood(p*u, v);";
+    let numbers = [0.31, 0.77, 0.55, 0.93, 0.12, 0.68, 0.41, 0.86, 0.23, 0.6, 0.97];
+    let mut case = Case::of(text.to_owned(), &numbers, &compiled()[..1]).unwrap_or_else(|error| panic!("{error}"));
+    let index = |name: &str, owner: usize| {
+        let id = case.formula.parameter_named(name).expect("a parameter");
+        case.layout.index(case.formula.parameter(id), owner)
+    };
+    let (wood, slide, held) = (index("wood", 0), index("slide", 0), [index("p", 0), index("q", 0)]);
+    let evaluator = &case.evaluators[0];
+    for moved in held {
+        let mut drag = Arc::clone(evaluator).drag(&[moved], &case.memory, usize::MAX).expect("a drag");
+        let mut shown = Framebuffer::black(SIZE.0, SIZE.1, VIEWS[1]);
+        let mut pictures = Vec::new();
+        for (step, [on_body, in_light]) in [[1.0, 1.0], [0.0, 1.0], [0.0, 0.0], [1.0, 0.0], [1.0, 1.0]].into_iter().enumerate() {
+            (case.memory[wood], case.memory[slide]) = (number() * on_body, number() * in_light);
+            for value in [0.2, 0.9] {
+                case.memory[moved] = value;
+                drag.frame(&case.memory, &mut shown);
+                while !drag.prepare() {}
+                // By another evaluator, of the bytecode.
+                assert_eq!(wrong(&shown, &case.interpreted.frame(&case.memory)), 0, "step {step}, {value}");
+            }
+            pictures.push(shown.pixels.clone());
+        }
+        assert!(pictures[0] == pictures[4] && (1..4).all(|step| pictures[step] != pictures[step - 1]), "textures are seen");
     }
 }

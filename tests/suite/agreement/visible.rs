@@ -39,7 +39,7 @@ fn pixel(formula: &str, lights: &str, target: [f64; 3], shadows: bool, settings:
     let given: Vec<_> = settings.flat_map(|setting| setting.resolve(values.table()).expect("known names")).collect();
     assert_eq!(values.assign(&given), []);
     let interpreted = Interpreted::new(&subject.formula, &subject.world, view).expect("small enough");
-    let engine = |backend| Engine::new(backend).evaluator(&subject, &Task::UNWATCHED).expect("a picture");
+    let engine = |backend| Engine::new(backend).evaluator(&subject, &[], &Task::UNWATCHED).expect("a picture");
     let compiled = backends().into_iter().map(|backend| engine(backend).frame(values.numbers()).linear[0]);
     compiled.chain([interpreted.frame(values.numbers()).linear[0]]).collect()
 }
@@ -115,7 +115,7 @@ fn bits(backend: &Arc<dyn Backend>, formula: &str, traced_for: &str) -> Vec<u32>
     let subject =
         Subject { formula: Subject::parse(formula, crystals.text(), view).expect("sound texts").formula, ..other.clone() };
     let hits = engine.trace(&other, &Task::UNWATCHED).expect("small enough");
-    let evaluator = engine.prepare(&subject, &hits).expect("a formula of ordinary size");
+    let evaluator = engine.prepare(&subject, &hits, &[]).expect("a formula of ordinary size");
     let values = Values::defaults(&subject.formula, subject.world.scene());
     evaluator.frame(values.numbers()).linear.iter().flatten().map(|component| component.to_bits()).collect()
 }
@@ -185,7 +185,7 @@ fn backends_agree_where_many_lights_cast_many_shadows() {
         let engine = Engine::new(backend);
         let hits = engine.trace(&subject, &Task::UNWATCHED).expect("small enough");
         assert!(hits.tiles.iter().any(|tile| tile.copies > 0), "there are scattered hits");
-        let evaluator = engine.prepare(&subject, &hits).expect("a formula of ordinary size");
+        let evaluator = engine.prepare(&subject, &hits, &[]).expect("a formula of ordinary size");
         let found = verify(&*evaluator, &interpreted, values.numbers());
         assert!(found.passes() && found.excused == 0, "{found:?}");
     }

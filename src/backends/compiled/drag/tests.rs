@@ -33,7 +33,7 @@ fn session() -> (Arc<Compiled>, Values) {
     let (given, _) = session.assignments(Values::defaults(&formula, world.scene()).table());
     let (values, _) = Values::new(&formula, world.scene(), &given);
     let compiled = Arc::new(CompiledFormula::new(&formula).expect("a formula of ordinary size"));
-    (Arc::new(Compiled::new(compiled, &formula, &hits).expect("hits of the scene")), values)
+    (Arc::new(Compiled::new(compiled, &formula, &hits, values.numbers()).expect("hits of the scene")), values)
 }
 
 /// One body that fills the picture, under one light: no part of the picture is spared by a slider of the body.
@@ -50,7 +50,7 @@ fn on_wall(formula: &str) -> (Arc<Compiled>, Values) {
     let hits = Arc::new(trace(&world, &view, lights, &Budget::UNLIMITED, &|_| {}, &unstopped).expect("small enough"));
     let values = Values::defaults(&formula, world.scene());
     let compiled = Arc::new(CompiledFormula::new(&formula).expect("a formula of ordinary size"));
-    (Arc::new(Compiled::new(compiled, &formula, &hits).expect("hits of the scene")), values)
+    (Arc::new(Compiled::new(compiled, &formula, &hits, values.numbers()).expect("hits of the scene")), values)
 }
 
 /// The indices of the numbers that a slider moves.

@@ -65,7 +65,7 @@ fn kernels_of_all_widths_compute_the_same() {
 /// The number of lanes of a kernel that computes a primitive, compiled for this width, and its results for operands
 /// from columns, one case in each lane.
 fn results(primitive: Primitive, cases: &[Vec<f32>], width: Width, sink: Sink) -> (usize, Vec<f32>) {
-    let mut graph = Graph::empty();
+    let mut graph = Graph::empty([].into());
     let leaf = |index: usize| {
         let variable = [Variable::Normal, Variable::ToViewer][index / 3];
         Node::Variable(variable, (index % 3) as u8)
@@ -193,7 +193,7 @@ fn built_in_formulas_have_kernels_of_one_part() {
 #[test]
 fn kernels_with_very_many_values_alive_are_allocated_quickly() {
     const COUNT: usize = 800;
-    let mut graph = Graph::empty();
+    let mut graph = Graph::empty([].into());
     let leaf = graph.insert(Node::Variable(Variable::Normal, 0));
     let mut value = |n: usize| {
         let factor = graph.record_constant(0.01 * n as f32);
