@@ -28,7 +28,9 @@ impl BodyTree {
             Aabb::new(Vec3A::from_array(low), Vec3A::from_array(high))
         };
         let boxes: Vec<Aabb> = boxes.iter().map(in_frame).collect();
-        Self { frame, nodes: build(&boxes, 1, |boxes| boxes[0] as usize) }
+        // Nothing stops it.
+        let nodes = build(&boxes, 1, |boxes| boxes[0] as usize, &|_| true).unwrap_or_default();
+        Self { frame, nodes }
     }
 
     /// Passes the numbers of the boxes that a ray meets before `limit` to `visit`, nearest box first as far as the tree

@@ -14,18 +14,29 @@ const REINSERTED: f32 = 0.02;
 /// Deeper subtrees of the binary tree are replaced by balanced ones, so that a traversal never has to keep more than
 /// [`STACK`] nodes.
 const DEEPEST: usize = 24;
+/// About the shares of the time after which boxes are clustered, and after which the binary tree is done.
+const CLUSTERED: f64 = 0.4;
+const BINARY: f64 = 0.6;
+/// The progress is told once for this many nodes.
+const NODES_TOLD: usize = 1 << 10;
 
 /// Builds the nodes over boxes, the root first. Leaves have up to `leaf_most` primitives; `leaf` is given the indices
 /// of their boxes, and returns the index of the leaf. Without boxes, the root is empty.
 ///
-/// Boxes have an extent in all three directions.
-pub(super) fn build(boxes: &[Aabb], leaf_most: usize, leaf: impl FnMut(&[u32]) -> usize) -> Vec<TreeNode> {
-    let binary = binary(boxes);
-    TreeWidening::new(boxes, &binary, leaf_most, leaf).nodes(DEEPEST)
+/// Boxes have an extent in all three directions. `go_on` is told the share that is done, 0..=1, from time to time. If it
+/// returns `false`, the result is `None`. The library is not interrupted.
+pub(super) fn build(
+    boxes: &[Aabb],
+    leaf_most: usize,
+    leaf: impl FnMut(&[u32]) -> usize,
+    go_on: &dyn Fn(f64) -> bool,
+) -> Option<Vec<TreeNode>> {
+    let binary = binary(boxes, go_on)?;
+    TreeWidening::new(boxes, &binary, leaf_most, leaf).nodes(DEEPEST, go_on)
 }
 
 /// The binary tree over boxes.
-fn binary(boxes: &[Aabb]) -> Bvh2 {
+fn binary(boxes: &[Aabb], go_on: &dyn Fn(f64) -> bool) -> Option<Bvh2> {
     let mut binary = PlocBuilder::with_capacity(boxes.len()).build(
         PlocSearchDistance::Minimum,
         boxes,
@@ -33,8 +44,11 @@ fn binary(boxes: &[Aabb]) -> Bvh2 {
         SortPrecision::U64,
         0,
     );
+    if !go_on(CLUSTERED) {
+        return None;
+    }
     ReinsertionOptimizer::default().run(&mut binary, REINSERTED, None);
-    binary
+    go_on(BINARY).then_some(binary)
 }
 
 // A node leaves up to seven behind, on the way down to the deepest and through a balanced subtree of 2^32 primitives.
@@ -70,17 +84,24 @@ impl<'t, L: FnMut(&[u32]) -> usize> TreeWidening<'t, L> {
         Self { boxes, binary, counts, leaf_most: leaf_most as u32, leaf, nodes: Vec::new() }
     }
 
-    /// The nodes. Below the depth `deepest`, subtrees are balanced.
-    fn nodes(mut self, deepest: usize) -> Vec<TreeNode> {
+    /// The nodes. Below the depth `deepest`, subtrees are balanced. `None` if `go_on` returns `false`.
+    fn nodes(mut self, deepest: usize, go_on: &dyn Fn(f64) -> bool) -> Option<Vec<TreeNode>> {
         self.nodes.push(TreeNode::EMPTY);
+        let all = self.counts.first().map_or(1.0, |count| f64::from(*count).max(1.0));
+        let (mut steps, mut placed) = (0, 0);
         let mut open = Vec::new();
         if !self.binary.nodes.is_empty() {
             open.push((0, 0, 0));
         }
         let mut primitives = Vec::new();
         while let Some((index, binary, depth)) = open.pop() {
+            steps += 1;
+            if steps % NODES_TOLD == 0 && !go_on(BINARY + (1.0 - BINARY) * f64::from(placed) / all) {
+                return None;
+            }
             for (place, child) in self.children(binary).into_iter().enumerate() {
                 let made = if self.counts[child] <= self.leaf_most {
+                    placed += self.counts[child];
                     self.primitives(child, &mut primitives);
                     self.leaf(&primitives)
                 } else {
@@ -98,7 +119,7 @@ impl<'t, L: FnMut(&[u32]) -> usize> TreeWidening<'t, L> {
                 self.nodes[index].set(place, [aabb.min.to_array(), aabb.max.to_array()], made);
             }
         }
-        self.nodes
+        Some(self.nodes)
     }
 
     fn leaf(&mut self, primitives: &[u32]) -> TreeChild {
@@ -192,13 +213,13 @@ mod tests {
             let low = |index: u32| [place(index, 7), place(index, 101), place(index, 503)].into();
             let boxes: Vec<Aabb> = (0..count).map(low).map(|low| Aabb::new(low, low + 0.01)).collect();
             for (leaf_most, deepest) in [(1, DEEPEST), (8, DEEPEST), (8, 0), (1, 0), (1, 1)] {
-                let (binary, mut leaves) = (binary(&boxes), Vec::new());
+                let (binary, mut leaves) = (binary(&boxes, &|_| true).unwrap(), Vec::new());
                 let leaf = |boxes: &[u32]| {
                     assert!((1..=leaf_most).contains(&boxes.len()));
                     leaves.push(boxes.to_vec());
                     leaves.len() - 1
                 };
-                let nodes = TreeWidening::new(&boxes, &binary, leaf_most, leaf).nodes(deepest);
+                let nodes = TreeWidening::new(&boxes, &binary, leaf_most, leaf).nodes(deepest, &|_| true).unwrap();
                 let mut all = contents(&nodes, &leaves, &boxes, 0);
                 all.sort_unstable();
                 assert_eq!(all, (0..count).collect::<Vec<_>>(), "{leaf_most} {deepest}");

@@ -9,7 +9,7 @@ fn tree(positions: Vec<DVec3>, triangles: Vec<[u32; 3]>) -> MeshTree {
     let cancelled = AtomicBool::new(false);
     let reading = Reading { memory: 1 << 30, progress: &|_| (), cancelled: &cancelled };
     let parts = MeshParts { positions, triangles, ..MeshParts::default() };
-    MeshTree::new(Arc::new(TriangleMesh::new("test", parts, &reading).unwrap().0))
+    MeshTree::new(Arc::new(TriangleMesh::new("test", parts, &reading).unwrap().0), &|_| true).unwrap()
 }
 
 /// What a ray meets first, by testing every triangle.
@@ -22,6 +22,41 @@ fn by_all(tree: &MeshTree, origin: DVec3, direction: DVec3) -> Option<TriangleHi
 
 fn vector(reach: f64) -> impl Strategy<Value = DVec3> {
     prop::array::uniform3(-reach..reach).prop_map(DVec3::from)
+}
+
+/// A hilly square of 2·n² triangles.
+fn hills(n: u32) -> Arc<TriangleMesh> {
+    let places = (0..=n).flat_map(|y| (0..=n).map(move |x| [x, y].map(f64::from)));
+    let positions = places.map(|[x, y]| DVec3::new(x, y, 3.0 * (0.4 * x).sin() * (0.3 * y).cos())).collect();
+    let corner = |x: u32, y: u32| y * (n + 1) + x;
+    let squares =
+        (0..n).flat_map(|y| (0..n).map(move |x| [corner(x, y), corner(x + 1, y), corner(x, y + 1), corner(x + 1, y + 1)]));
+    let triangles = squares.flat_map(|[a, b, c, d]| [[a, b, c], [b, d, c]]).collect();
+    let parts = MeshParts { positions, triangles, ..MeshParts::default() };
+    Arc::new(TriangleMesh::new("hills", parts, &Reading::unwatched(1 << 30)).unwrap().0)
+}
+
+#[test]
+fn building_tells_its_progress_and_can_be_ended() {
+    let mesh = hills(250);
+    let told = std::cell::RefCell::new(Vec::new());
+    let tell = |share: f64| {
+        told.borrow_mut().push(share);
+        true
+    };
+    assert!(MeshTree::new(Arc::clone(&mesh), &tell).is_some());
+    let told = told.into_inner();
+    assert!(told.len() >= 4 && told.is_sorted() && told.last() == Some(&1.0), "{told:?}");
+    // It can be ended each time.
+    for end in 0..told.len() {
+        let calls = std::cell::Cell::new(0);
+        let stop = |_: f64| {
+            calls.set(calls.get() + 1);
+            calls.get() <= end
+        };
+        assert!(MeshTree::new(Arc::clone(&mesh), &stop).is_none(), "{end}");
+        assert_eq!(calls.get(), end + 1, "nothing more is done");
+    }
 }
 
 proptest! {

@@ -51,8 +51,10 @@ fn corner(corner: &[[f32; 8]; 3], place: usize) -> DVec3 {
 const ROUNDING: f32 = 1e-6;
 
 impl MeshTree {
-    /// Builds the tree of a mesh, on all threads of the current rayon pool.
-    pub fn new(mesh: Arc<TriangleMesh>) -> Self {
+    /// Builds the tree of a mesh, on all threads of the current rayon pool. `go_on` is told the share that is done,
+    /// 0..=1, from time to time. If it returns `false`, building ends, within about a third of the time that it takes,
+    /// and there is no tree.
+    pub fn new(mesh: Arc<TriangleMesh>, go_on: &dyn Fn(f64) -> bool) -> Option<Self> {
         let frame = TreeFrame::new(mesh.bounding_box());
         let corner = |vertex: u32| frame.point(mesh.positions()[vertex as usize]).as_vec3();
         let is_exact = mesh.positions().par_iter().all(|position| {
@@ -70,11 +72,12 @@ impl MeshTree {
             })
             .collect();
         let mut lists: Vec<[u32; 8]> = Vec::with_capacity(boxes.len() / 3);
-        let nodes = build(&boxes, LEAF_MOST, |triangles| {
+        let list = |triangles: &[u32]| {
             // Places that are left over repeat the first triangle. They are masked.
             lists.push(std::array::from_fn(|place| *triangles.get(place).unwrap_or(&triangles[0])));
             lists.len() - 1
-        });
+        };
+        let nodes = build(&boxes, LEAF_MOST, list, &|share| go_on(0.1 + 0.8 * share))?;
         drop(boxes);
         let leaf = |list: &[u32; 8]| {
             let mut corners = [[[0.0; 8]; 3]; 3];
@@ -86,7 +89,7 @@ impl MeshTree {
             Leaf { corners, triangles: *list }
         };
         let leaves = lists.par_iter().map(leaf).collect();
-        Self { mesh, frame, nodes, leaves, is_exact }
+        go_on(1.0).then_some(Self { mesh, frame, nodes, leaves, is_exact })
     }
 
     /// The mesh.

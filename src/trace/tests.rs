@@ -85,7 +85,7 @@ pub(super) fn room_with_meshes() -> Arc<World> {
     for body in &more.bodies {
         let (mesh, _) = TriangleMesh::new("cube", cube.clone(), &reading).unwrap();
         let mesh = mesh.smooth("cube", &reading).unwrap();
-        meshes.insert(MeshKey::of(body).unwrap(), Arc::new(MeshTree::new(Arc::new(mesh))));
+        meshes.insert(MeshKey::of(body).unwrap(), Arc::new(MeshTree::new(Arc::new(mesh), &|_| true).unwrap()));
     }
     Arc::new(World::new(scene, &meshes).unwrap())
 }

@@ -188,14 +188,16 @@ impl MeshStore {
         let has_own = outcome.as_ref().is_ok_and(|(mesh, _)| !mesh.normals().is_empty());
         let outcome = outcome.and_then(|(mesh, repairs)| {
             let mesh = if needs_normals { mesh.smooth(&name, &part)? } else { mesh };
-            if reading.cancelled.load(Ordering::Relaxed) {
-                return Err(MeshError::Cancelled);
-            }
             let needed = mesh.memory().saturating_add(TREE_BYTES.saturating_mul(mesh.triangles().len() as u64));
             if needed > reading.memory {
                 return Err(MeshError::Memory { file: name, needed, allowed: reading.memory });
             }
-            Ok((Arc::new(MeshTree::new(Arc::new(mesh))), repairs))
+            let go_on = |share: f64| {
+                (reading.progress)(READING + (1.0 - READING) * share);
+                !reading.cancelled.load(Ordering::Relaxed)
+            };
+            let tree = MeshTree::new(Arc::new(mesh), &go_on).ok_or(MeshError::Cancelled)?;
+            Ok((Arc::new(tree), repairs))
         });
         (reading.progress)(1.0);
         let kept = KeptMesh { stamp, needs_normals: needs_normals && !has_own, outcome };
@@ -431,6 +433,11 @@ mod tests {
         let store = MeshStore::default();
         let cancelled = AtomicBool::new(true);
         let reading = Reading { cancelled: &cancelled, ..Reading::unwatched(1 << 20) };
+        assert_eq!(store.load(&scene(bodies), &place, &reading).map(drop), Err(MeshLoadError::Cancelled));
+        // While the tree is built, too.
+        let cancelled = AtomicBool::new(false);
+        let cancel = |share: f64| cancelled.store(share > READING, Ordering::Relaxed);
+        let reading = Reading { cancelled: &cancelled, progress: &cancel, ..Reading::unwatched(1 << 20) };
         assert_eq!(store.load(&scene(bodies), &place, &reading).map(drop), Err(MeshLoadError::Cancelled));
         assert!(store.has_changed(&scene(bodies), &place), "a cancelled file is tried again");
         let Err(MeshLoadError::Unusable(errors)) = store.load(&scene(bodies), &place, &Reading::unwatched(100)) else { panic!() };

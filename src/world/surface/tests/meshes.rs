@@ -63,7 +63,7 @@ pub(super) fn meshes_of(scene: &Scene) -> Meshes {
         let reading = Reading::unwatched(1 << 30);
         let (mesh, _) = read_bytes(Path::new("test.obj"), text_of(&key.path).as_bytes(), &reading).unwrap();
         let mesh = if key.needs_normals { mesh.smooth("test.obj", &reading).unwrap() } else { mesh };
-        meshes.insert(key, std::sync::Arc::new(crate::bvh::MeshTree::new(mesh.into())));
+        meshes.insert(key, std::sync::Arc::new(crate::bvh::MeshTree::new(mesh.into(), &|_| true).unwrap()));
     }
     meshes
 }
