@@ -52,7 +52,7 @@ const ROUNDING: f32 = 1e-6;
 
 impl MeshTree {
     /// Builds the tree of a mesh, on all threads of the current rayon pool. `go_on` is told the share that is done,
-    /// 0..=1, from time to time. If it returns `false`, building ends, within about a third of the time that it takes,
+    /// 0..=1, from time to time. If it returns `false`, building ends, within about half of the time that it takes,
     /// and there is no tree.
     pub fn new(mesh: Arc<TriangleMesh>, go_on: &dyn Fn(f64) -> bool) -> Option<Self> {
         let frame = TreeFrame::new(mesh.bounding_box());
