@@ -5,6 +5,7 @@
 //! Where rays meet bodies is computed in [`crate::world`]. How bodies look is up to the formula.
 
 mod body_form;
+mod body_motion;
 mod camera;
 pub mod edit;
 mod foreign;

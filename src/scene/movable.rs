@@ -18,8 +18,20 @@ pub(super) trait Movable: Sized {
         None
     }
 
+    /// The same, larger by a factor along each axis of the scene, with the anchor where it is. `None` if that is
+    /// another kind of thing, or none.
+    fn stretched(&self, by: DVec3) -> Option<Self> {
+        let _ = by;
+        None
+    }
+
     /// Its radius in world units, if it has one.
     fn radius(&self) -> Option<f64> {
+        None
+    }
+
+    /// The normal of what is flat. A factor along it changes nothing.
+    fn flat_normal(&self) -> Option<DVec3> {
         None
     }
 }

@@ -102,6 +102,21 @@ macro_rules! declarations {
                 }
             }
 
+            /// The same, larger by a factor along each axis of the scene, with the anchor where it is; `None` if that
+            /// is no longer of this kind.
+            pub fn stretched(&self, by: glam::DVec3) -> Option<Self> {
+                match self {
+                    $($name::$kind(value) => $crate::scene::movable::Movable::stretched(value, by).map($name::$kind),)*
+                }
+            }
+
+            /// The normal of what is flat, along which a factor changes nothing.
+            pub fn flat_normal(&self) -> Option<glam::DVec3> {
+                match self {
+                    $($name::$kind(value) => $crate::scene::movable::Movable::flat_normal(value),)*
+                }
+            }
+
             /// Its radius in world units, if it has one.
             pub fn radius(&self) -> Option<f64> {
                 match self {

@@ -82,13 +82,16 @@ pub(crate) fn rounded(number: f64, decimals: i32) -> f64 {
     if result == 0.0 { 0.0 } else { result }
 }
 
-/// What `Display` prints of a value, with every number rounded.
-pub(super) fn rounded_text(value: &impl Display, precision: Precision) -> String {
+/// What `Display` prints of a value, with every number rounded. `decimals` says how, by its index among the numbers.
+pub(super) fn rounded_text(value: &impl Display, decimals: impl Fn(usize) -> Decimals) -> String {
     let source = Source::new("value", value.to_string());
-    let decimals = Decimals::of_lengths(precision);
-    let replaced = words(&tokenize(&source).tokens).into_iter().filter_map(|(word, span)| {
-        let Word::Number(number) = word else { return None };
-        Some(TextReplacement { range: span.range(), text: SceneNumber(decimals.write(number, None)).to_string() })
+    let numbers = words(&tokenize(&source).tokens).into_iter().filter_map(|(word, span)| match word {
+        Word::Number(number) => Some((number, span)),
+        Word::Other(_) => None,
+    });
+    let replaced = numbers.enumerate().map(|(index, (number, span))| {
+        let text = SceneNumber(decimals(index).write(number, None)).to_string();
+        TextReplacement { range: span.range(), text }
     });
     super::applied(source.text(), &replaced.collect::<Vec<_>>())
 }
@@ -139,7 +142,7 @@ pub(super) fn realigned<T: Display>(
         && written.iter().zip(&wanted).all(|(one, other)| alike(one, other));
     if !aligned {
         let Some(((_, first), (_, last))) = written.first().zip(written.last()) else { return Vec::new() };
-        return vec![TextReplacement { range: first.to(*last).range(), text: new.to_string() }];
+        return vec![TextReplacement { range: first.to(*last).range(), text: rounded_text(new, decimals) }];
     }
     let mut replaced = Vec::new();
     let mut index = 0;

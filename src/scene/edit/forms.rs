@@ -21,24 +21,103 @@ pub(super) fn replaced(text: &SceneText, body: BodyId, new: &BodyForm, precision
     let old = &text.scene().bodies.get(body.index())?.form;
     let value = text.value(SceneObject::Body(body))?;
     let steps = text.transforms(body)?;
-    let behind_shape = text.end_of(value.end.checked_sub(1)?)?;
-    let mut replaced = realigned(text, value, &old.shape, &new.shape, |_| Decimals::of_lengths(precision));
-    let common = old.transforms.len().min(new.transforms.len());
-    for ((step, old), new) in steps.iter().zip(&old.transforms).zip(&new.transforms) {
-        let decimals = decimals(precision, new);
-        replaced.extend(realigned(text, step.clone(), old, new, |_| decimals));
+    let behind = |step: Option<usize>| match step {
+        Some(step) => text.end_of(steps.get(step)?.end.checked_sub(1)?),
+        None => text.end_of(value.end.checked_sub(1)?),
+    };
+    let mut replaced = realigned(text, value.clone(), &old.shape, &new.shape, |_| Decimals::of_lengths(precision));
+    // The step of the text behind which others are added.
+    let mut last = None;
+    let mut added = String::new();
+    let add = |added: &mut String, last: Option<usize>, replaced: &mut Vec<TextReplacement>| {
+        if !added.is_empty() {
+            let at = behind(last)?;
+            replaced.push(TextReplacement { range: at..at, text: std::mem::take(added) });
+        }
+        Some(())
+    };
+    for pair in paired(&old.transforms, &new.transforms) {
+        match pair {
+            Pair::Both(step, transform) => {
+                add(&mut added, last, &mut replaced)?;
+                let (old, new) = (old.transforms.get(step)?, new.transforms.get(transform)?);
+                let decimals = decimals(precision, new);
+                replaced.extend(realigned(text, steps.get(step)?.clone(), old, new, |_| decimals));
+                last = Some(step);
+            }
+            // With the comma before it.
+            Pair::Old(step) => {
+                add(&mut added, last, &mut replaced)?;
+                let start = text.end_of(steps.get(step)?.start.checked_sub(2)?)?;
+                replaced.push(TextReplacement { range: start..behind(Some(step))?, text: String::new() });
+                last = Some(step);
+            }
+            Pair::New(transform) => {
+                let transform = new.transforms.get(transform)?;
+                let decimals = decimals(precision, transform);
+                added.push_str(&format!(", {}", rounded_text(transform, |_| decimals)));
+            }
+        }
     }
-    // Transforms less: with the comma before each.
-    for step in steps.iter().skip(common) {
-        let start = text.end_of(step.start.checked_sub(2)?)?;
-        replaced.push(TextReplacement { range: start..text.end_of(step.end.checked_sub(1)?)?, text: String::new() });
-    }
-    // Transforms more, behind the last one.
-    let more: String =
-        new.transforms.iter().skip(common).map(|transform| format!(", {}", rounded_text(transform, precision))).collect();
-    if !more.is_empty() {
-        let last = steps.last().map_or(Some(behind_shape), |last| text.end_of(last.end.checked_sub(1)?))?;
-        replaced.push(TextReplacement { range: last..last, text: more });
-    }
+    add(&mut added, last, &mut replaced)?;
     Some(replaced)
+}
+
+/// A form as a body that is added has it, with rounded numbers.
+pub(super) fn rounded_form(form: &BodyForm, precision: Precision) -> String {
+    let mut text = rounded_text(&form.shape, |_| Decimals::of_lengths(precision));
+    for transform in &form.transforms {
+        let decimals = decimals(precision, transform);
+        text.push_str(&format!(", {}", rounded_text(transform, |_| decimals)));
+    }
+    text
+}
+
+/// What becomes of transforms: indices into the old and the new ones.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Pair {
+    Both(usize, usize),
+    Old(usize),
+    New(usize),
+}
+
+/// How well a transform can be written in the place of another one.
+fn likeness(old: &Transform, new: &Transform) -> usize {
+    use Transform::{Fit, Rotate, Scale, Stretch, Translate};
+    let is_same_kind = match (old, new) {
+        (Scale(_) | Stretch(_), Scale(_) | Stretch(_))
+        | (Rotate { .. }, Rotate { .. })
+        | (Translate(_), Translate(_))
+        | (Fit { .. }, Fit { .. }) => true,
+        (Scale(_) | Stretch(_) | Rotate { .. } | Translate(_) | Fit { .. }, _) => false,
+    };
+    usize::from(is_same_kind) + usize::from(old == new)
+}
+
+/// Which of the new transforms are old ones, changed or not, in their order: those that are most alike.
+fn paired(old: &[Transform], new: &[Transform]) -> Vec<Pair> {
+    // best[i][j]: how alike the rests of both are, from i and j on.
+    let mut best = vec![vec![0; new.len() + 1]; old.len() + 1];
+    for i in (0..old.len()).rev() {
+        for j in (0..new.len()).rev() {
+            let like = likeness(&old[i], &new[j]);
+            let both = if like > 0 { like + best[i + 1][j + 1] } else { 0 };
+            best[i][j] = both.max(best[i + 1][j]).max(best[i][j + 1]);
+        }
+    }
+    let (mut i, mut j, mut pairs) = (0, 0, Vec::new());
+    while i < old.len() || j < new.len() {
+        let like = if i < old.len() && j < new.len() { likeness(&old[i], &new[j]) } else { 0 };
+        if like > 0 && best[i][j] == like + best[i + 1][j + 1] {
+            pairs.push(Pair::Both(i, j));
+            (i, j) = (i + 1, j + 1);
+        } else if j < new.len() && (i == old.len() || best[i][j] == best[i][j + 1]) {
+            pairs.push(Pair::New(j));
+            j += 1;
+        } else {
+            pairs.push(Pair::Old(i));
+            i += 1;
+        }
+    }
+    pairs
 }

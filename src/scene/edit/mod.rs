@@ -170,10 +170,10 @@ fn replacements(text: &SceneText, change: &SceneChange, precision: Precision) ->
             Some(realigned(text, text.value(SceneObject::Light(*id))?, old, kind, lengths))
         }
         SceneChange::AddBody(name, form) => {
-            Some(vec![text.behind_bodies(&format!("{name}: {};", align::rounded_text(form, precision)))])
+            Some(vec![text.behind_bodies(&format!("{name}: {};", forms::rounded_form(form, precision)))])
         }
         SceneChange::AddLight(name, kind) => {
-            Some(vec![text.behind_lights(&format!("{name}: {};", align::rounded_text(kind, precision)))])
+            Some(vec![text.behind_lights(&format!("{name}: {};", align::rounded_text(kind, lengths)))])
         }
         SceneChange::Duplicate(original, name, by) => {
             let range = text.declaration(*original)?;

@@ -192,6 +192,41 @@ fn texts_with_errors_and_changes_that_would_make_some_are_refused() {
     assert_eq!(why.to_string(), "the scene text would have an error: the name `a` is already taken");
 }
 
+#[test]
+fn turns_and_factors_are_written_where_they_belong_with_few_digits() {
+    let scene = |body: &str| format!("bodies;\n b: {body}; // end\nlights;\n{CAMERA}");
+    let changed = |body: &str, change: &dyn Fn(BodyForm) -> Option<BodyForm>| {
+        let text = scene(body);
+        let change = SceneChange::Form(BodyId(0), change(form(&text, 0)).unwrap());
+        edited(&text, &change, Precision::Decimals(2)).text
+    };
+    let turned = |body: &str, degrees: f64| changed(body, &|form| form.turned(DVec3::Y, degrees));
+    let square = "box, <2,0,-1>, <4,2,1>, opaque";
+    let once = "box, <-1,-1,-1>, <1,1,1>, rotate <0, 1, 0> 30.1, translate <3, 1, 0>, opaque";
+    assert_eq!(turned(square, 30.1), scene(once));
+    let commented = once.replace("30.1", "30.1 /* not yet */");
+    assert_eq!(turned(&commented, 14.9), scene(&commented.replace("30.1", "45")));
+    assert_eq!(turned(once, -30.1), scene(&once.replace(", rotate <0, 1, 0> 30.1", "")));
+    let round = "cylinder, <3,0,0>, <3,2,0>, radius 1";
+    let oval = changed(round, &|form| form.stretched(DVec3::new(1.0, 1.0, 1.37)));
+    assert_eq!(oval, scene("cylinder, <0,-1,0>, <0,1,0>, radius 1, scale <1, 1, 1.37>, translate <3, 1, 0>"));
+    // In front of what turns the body, and again in the same place.
+    let in_front = changed(&commented.replace("box", "cylinder").replace(", rotate", ", radius 1, rotate"), &|form| {
+        form.stretched(DVec3::new(2.0, 1.0, 1.0))
+    });
+    let wanted = commented.replace("box", "cylinder").replace(", rotate", ", radius 1, scale <2, 1, 1>, rotate");
+    assert_eq!(in_front, scene(&wanted));
+    let gem = "mesh, \"preset:gem\", /* as large as */ fit <0,1,0> 2, smooth";
+    let stretched = changed(gem, &|form| form.stretched(DVec3::new(1.0, 3.0, 1.0)));
+    let wanted = "mesh, \"preset:gem\", /* as large as */ fit <0,0,0> 2, scale <1, 3, 1>, translate <0, 1, 0>, smooth";
+    assert_eq!(stretched, scene(wanted));
+    // Axes and factors keep four digits in scenes of any size.
+    let text = scene(square);
+    let far = form(&text, 0).turned(DVec3::new(1.0, 2.0, 2.0) / 3.0, 12.3).unwrap();
+    let done = edited(&text, &SceneChange::Form(BodyId(0), far), Precision::Decimals(-1));
+    assert!(done.text.contains("rotate <0.3333, 0.6667, 0.6667> 12.3"), "{}", done.text);
+}
+
 /// White space and comments between words.
 fn gap() -> impl Strategy<Value = &'static str> {
     prop_oneof![Just(" "), Just("\n"), Just("\r\n\t"), Just(" /* ; , < */ "), Just(" // x; y\n"), Just("\r")]

@@ -71,6 +71,12 @@ impl Movable for AxisBox {
         let [one, other] = self.corners.map(|corner| middle + by * (corner - middle));
         Self::new(one, other).ok()
     }
+
+    fn stretched(&self, by: DVec3) -> Option<Self> {
+        let middle = self.middle();
+        let [one, other] = self.corners.map(|corner| middle + by * (corner - middle));
+        Self::new(one, other).ok()
+    }
 }
 
 impl TextForm for AxisBox {

@@ -83,6 +83,10 @@ impl Movable for Disc {
     fn radius(&self) -> Option<f64> {
         Some(self.radius)
     }
+
+    fn flat_normal(&self) -> Option<DVec3> {
+        Some(self.normal)
+    }
 }
 
 impl TextForm for Disc {

@@ -87,6 +87,22 @@ impl Movable for Rectangle {
         let [a, b, c] = self.corners.map(|corner| middle + by * (corner - middle));
         Self::new(a, b, c).ok()
     }
+
+    /// A rectangle whose edges are along axes stays one.
+    fn stretched(&self, by: DVec3) -> Option<Self> {
+        let [a, b, c] = self.corners;
+        let is_along_axis = |edge: DVec3| edge.to_array().iter().filter(|part| **part != 0.0).count() == 1;
+        if !(is_along_axis(b - a) && is_along_axis(c - b)) {
+            return None;
+        }
+        let middle = a.midpoint(c);
+        let [a, b, c] = self.corners.map(|corner| middle + by * (corner - middle));
+        Self::new(a, b, c).ok()
+    }
+
+    fn flat_normal(&self) -> Option<DVec3> {
+        Some(self.normal)
+    }
 }
 
 impl TextForm for Rectangle {

@@ -95,6 +95,16 @@ impl Movable for Triangle {
         let [a, b, c] = self.corners.map(|corner| middle + by * (corner - middle));
         Self::new(a, b, c).ok()
     }
+
+    fn stretched(&self, by: DVec3) -> Option<Self> {
+        let middle = self.middle();
+        let [a, b, c] = self.corners.map(|corner| middle + by * (corner - middle));
+        Self::new(a, b, c).ok()
+    }
+
+    fn flat_normal(&self) -> Option<DVec3> {
+        Some(self.normal)
+    }
 }
 
 impl TextForm for Triangle {
