@@ -52,7 +52,7 @@ mod value_rows;
 mod view_controls;
 
 pub use action::Action;
-pub use scene_actions::SceneAction;
+pub use scene_actions::{HandleTool, SceneAction};
 
 use crate::backends::BackendChoice;
 use crate::evaluate::review::PictureFinding;

@@ -5,14 +5,16 @@
 //! When a gesture ends, the text of the scene follows (`scene_text`).
 
 pub(super) mod gesture;
+mod handles;
 mod keys;
 mod markers;
 mod outline;
 #[cfg(test)]
 mod tests;
+mod tool_row;
 pub(super) mod view;
 
-use crate::preview::app::{Action, App, scene_menu};
+use crate::preview::app::{Action, App, HandleTool, scene_menu};
 use crate::scene::edit::SceneObject;
 use crate::workspace::OwnerId;
 use crate::world::World;
@@ -47,6 +49,8 @@ pub(super) struct Hand {
     gesture: Option<(Gesture, GestureEnd)>,
     /// Whether markers are shown.
     pub(super) markers: bool,
+    /// What the handles of a body do.
+    tool: HandleTool,
     /// What is selected, and when it was.
     selected: (Option<SceneObject>, f64),
     /// What was just added: it is marked until the pointer comes over the picture, or a value is moved.
@@ -63,7 +67,26 @@ struct CachedOutline {
 
 impl Default for Hand {
     fn default() -> Self {
-        Self { gesture: None, markers: true, selected: (None, f64::NEG_INFINITY), added: None, outline: CachedOutline::default() }
+        Self {
+            gesture: None,
+            markers: true,
+            tool: HandleTool::default(),
+            selected: (None, f64::NEG_INFINITY),
+            added: None,
+            outline: CachedOutline::default(),
+        }
+    }
+}
+
+impl Hand {
+    /// What the handles of a body do.
+    pub(super) fn tool(&self) -> HandleTool {
+        self.tool
+    }
+
+    /// Uses other handles, which are shown.
+    pub(super) fn use_tool(&mut self, tool: HandleTool) {
+        (self.tool, self.markers) = (tool, true);
     }
 }
 
@@ -99,23 +122,44 @@ pub(super) fn owner_of(object: SceneObject) -> OwnerId {
     }
 }
 
-/// What a button does with these modifiers. `grip` is what is under the pointer.
+/// What a button does with these modifiers. `grip` is what is under the pointer. On a handle, Ctrl snaps.
 fn motion_of(button: PointerButton, modifiers: Modifiers, grip: Option<Grip>) -> Option<Motion> {
+    let on_handle = grip.is_some_and(Grip::is_handle) && !modifiers.shift && !modifiers.alt;
     match button {
         PointerButton::Primary if modifiers.ctrl && modifiers.shift => Some(Motion::FieldOfView),
-        PointerButton::Primary if modifiers.ctrl => Some(Motion::Dolly),
+        PointerButton::Primary if modifiers.ctrl && !on_handle => Some(Motion::Dolly),
         PointerButton::Primary if modifiers.shift => Some(Motion::Pan),
         PointerButton::Primary if modifiers.alt => Some(Motion::Orbit),
-        PointerButton::Primary => Some(match grip {
-            Some(Grip::Object(object)) => Motion::Move(object, None),
-            Some(Grip::Arrow(object, axis)) => Motion::Move(object, Some(axis)),
-            Some(Grip::Radius(id)) => Motion::Resize(id),
-            None => Motion::Orbit,
-        }),
+        PointerButton::Primary => Some(grip.map_or(Motion::Orbit, motion_by)),
         PointerButton::Middle => Some(Motion::Pan),
         PointerButton::Secondary if modifiers.ctrl || modifiers.shift => Some(Motion::FieldOfView),
         PointerButton::Secondary => Some(Motion::Dolly),
         PointerButton::Extra1 | PointerButton::Extra2 => None,
+    }
+}
+
+/// What is moved by something that is taken hold of.
+fn motion_by(grip: Grip) -> Motion {
+    match grip {
+        Grip::Object(object) => Motion::Move(object, None),
+        Grip::Arrow(object, axis) => Motion::Move(object, Some(axis)),
+        Grip::Radius(id) => Motion::Resize(id),
+        Grip::Ring(id, axis) => Motion::Turn(id, axis),
+        Grip::Factor(id, axis) => Motion::Stretch(id, axis),
+        Grip::Middle(id) => Motion::Grow(id),
+    }
+}
+
+/// What is held while a gesture lasts; `None` if it leads the camera.
+fn grip_of(motion: Motion) -> Option<Grip> {
+    match motion {
+        Motion::Move(object, None) => Some(Grip::Object(object)),
+        Motion::Move(object, Some(axis)) => Some(Grip::Arrow(object, axis)),
+        Motion::Resize(id) => Some(Grip::Radius(id)),
+        Motion::Turn(id, axis) => Some(Grip::Ring(id, axis)),
+        Motion::Stretch(id, axis) => Some(Grip::Factor(id, axis)),
+        Motion::Grow(id) => Some(Grip::Middle(id)),
+        Motion::Orbit | Motion::Pan | Motion::Dolly | Motion::FieldOfView => None,
     }
 }
 
@@ -159,6 +203,7 @@ impl App {
             self.begin_by_keys(ui, response);
         }
         self.show_hand(ui, response, grip);
+        self.tool_row(ui, actions);
         if response.clicked()
             && let Some(Grip::Object(object @ SceneObject::Light(_))) = grip
         {
@@ -170,7 +215,7 @@ impl App {
             let body = seen_at(self.workshop.world(), self.scene_view().image_point(at)).map(|(body, _)| SceneObject::Body(body));
             let object = match grip {
                 Some(Grip::Object(object)) => Some(object),
-                Some(Grip::Arrow(..) | Grip::Radius(_)) | None => body,
+                Some(Grip::Arrow(..) | Grip::Radius(_) | Grip::Ring(..) | Grip::Factor(..) | Grip::Middle(_)) | None => body,
             };
             self.parameters.select(object.map_or(OwnerId::Global, owner_of));
         }
@@ -184,6 +229,7 @@ impl App {
             placement: self.pane.placement(&self.workshop),
             area: self.pane.area(),
             selected: self.selected_object(),
+            tool: self.hand.tool,
             outline: &self.hand.outline.outline,
         }
     }
@@ -192,8 +238,7 @@ impl App {
     fn show_hand(&self, ui: &Ui, response: &Response, grip: Option<Grip>) {
         let held = self.hand.gesture.as_ref().map(|(gesture, _)| gesture.motion);
         let cursor = match held {
-            Some(Motion::Move(..) | Motion::Resize(_)) => Some(CursorIcon::Move),
-            Some(_) => Some(CursorIcon::Grabbing),
+            Some(motion) => Some(if grip_of(motion).is_some() { CursorIcon::Move } else { CursorIcon::Grabbing }),
             None => grip.map(|_| CursorIcon::Move),
         };
         if let Some(cursor) = cursor.filter(|_| response.hovered() || held.is_some()) {
@@ -202,15 +247,10 @@ impl App {
         let left = self.hand.selected.1 + SHOWN_AFTER_SELECTION - ui.input(|input| input.time);
         let just_added = self.hand.added.is_some();
         if self.hand.markers && (response.contains_pointer() || held.is_some() || just_added || left > 0.0) {
-            let grip = match held {
-                Some(Motion::Move(object, None)) => Some(Grip::Object(object)),
-                Some(Motion::Move(object, Some(axis))) => Some(Grip::Arrow(object, axis)),
-                Some(Motion::Resize(id)) => Some(Grip::Radius(id)),
-                Some(_) => None,
-                None => grip,
-            };
+            let grip = held.map_or(grip, grip_of);
             let view = self.scene_view();
-            markers::draw(&ui.painter_at(view.area), &view, grip);
+            let gesture = self.hand.gesture.as_ref().map(|(gesture, _)| gesture);
+            markers::draw(&ui.painter_at(view.area), &view, grip, gesture);
             if left > 0.0 {
                 ui.ctx().request_repaint_after(std::time::Duration::from_secs_f64(left));
             }
@@ -225,7 +265,7 @@ impl App {
         if let (Some(button), Some(at)) = (started, origin.or(response.interact_pointer_pos())) {
             let grip = self.scene_view().grip_at(at, self.hand.markers);
             if let Some(motion) = motion_of(button, modifiers, grip) {
-                let held = grip.filter(|_| matches!(motion, Motion::Move(..) | Motion::Resize(_)));
+                let held = grip.filter(|_| grip_of(motion).is_some());
                 self.begin_gesture(motion, at, held, GestureEnd::Release(button));
                 self.go_on(ui);
             }
@@ -257,6 +297,8 @@ impl App {
             start: Arc::clone(view.world),
             pivot,
             travel: Travel { from, to: from, amount: [0.0; 2] },
+            reach: handles::RING * view.reach_at(pivot),
+            snaps: false,
         };
         if let Motion::Move(object, _) = motion {
             self.parameters.select(owner_of(object));
@@ -279,7 +321,14 @@ impl App {
         *end = GestureEnd::Pause(now + PAUSE);
         match motion {
             Motion::Pan => gesture.travel.to = [0, 1].map(|axis| gesture.travel.to[axis] + amount[axis]),
-            Motion::Orbit | Motion::Dolly | Motion::FieldOfView | Motion::Move(..) | Motion::Resize(_) => {
+            Motion::Orbit
+            | Motion::Dolly
+            | Motion::FieldOfView
+            | Motion::Move(..)
+            | Motion::Resize(_)
+            | Motion::Turn(..)
+            | Motion::Stretch(..)
+            | Motion::Grow(_) => {
                 gesture.travel.amount = [0, 1].map(|axis| gesture.travel.amount[axis] + amount[axis]);
             }
         }
@@ -297,26 +346,31 @@ impl App {
         let to = pointer.latest_pos().map(|at| (at, self.scene_view().image_point(at)));
         let from = pointer.press_origin();
         let area = self.pane.area();
-        let axis = axis_key(ui);
+        let (axis, snaps) = (axis_key(ui), ui.input(|input| input.modifiers.ctrl));
         let Some((gesture, end)) = &mut self.hand.gesture else { return };
         let ended = match *end {
             GestureEnd::Release(button) => !pointer.button_down(button),
             GestureEnd::Pause(until) => now >= until,
         };
         if let (GestureEnd::Release(_), Some((at, to)), Some(from)) = (*end, to, from) {
-            let before = (gesture.travel, gesture.motion);
+            let before = (gesture.travel, gesture.motion, gesture.snaps);
             let moved = at - from;
             let turn = moved * TURN / area.size().min_elem().max(1.0);
             gesture.travel.to = to;
+            gesture.snaps = snaps && grip_of(gesture.motion).is_some();
             gesture.travel.amount = match gesture.motion {
                 Motion::Dolly | Motion::FieldOfView => [0.0, f64::from(moved.y / FACTOR_POINTS)],
-                Motion::Orbit | Motion::Pan | Motion::Move(..) | Motion::Resize(_) => [-f64::from(turn.x), f64::from(turn.y)],
+                // To the right or upwards.
+                Motion::Grow(_) => [0.0, f64::from((moved.x - moved.y) / FACTOR_POINTS)],
+                Motion::Orbit | Motion::Pan | Motion::Move(..) | Motion::Resize(_) | Motion::Turn(..) | Motion::Stretch(..) => {
+                    [-f64::from(turn.x), f64::from(turn.y)]
+                }
             };
             gesture.motion = match (gesture.begun, axis) {
                 (Motion::Move(object, _), Some(axis)) => Motion::Move(object, Some(axis)),
                 (begun, _) => begun,
             };
-            if (gesture.travel, gesture.motion) != before {
+            if (gesture.travel, gesture.motion, gesture.snaps) != before {
                 self.show_gesture();
             }
         } else if let GestureEnd::Pause(until) = *end {

@@ -25,6 +25,34 @@ pub enum SceneAction {
     Remove,
     /// Show or hide the markers in the picture.
     ToggleMarkers,
+    /// Let the handles of the selected body do this.
+    Handles(HandleTool),
+}
+
+/// What the handles over the picture do with the selected body.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum HandleTool {
+    /// Arrows move it.
+    #[default]
+    Move,
+    /// Rings turn it.
+    Rotate,
+    /// Handles along its own axes scale it.
+    Scale,
+}
+
+impl HandleTool {
+    /// Every tool, in the order of the keys.
+    pub const ALL: [HandleTool; 3] = [HandleTool::Move, HandleTool::Rotate, HandleTool::Scale];
+
+    /// The name in menus.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            HandleTool::Move => "Move",
+            HandleTool::Rotate => "Rotate",
+            HandleTool::Scale => "Scale",
+        }
+    }
 }
 
 /// The name of a side in menus.
@@ -57,10 +85,16 @@ pub(super) fn scene_shortcuts() -> Vec<Shortcut<SceneAction>> {
         (plain(Key::Home), SceneAction::ResetCamera, "Put the camera where the saved text has it"),
     ];
     camera.extend(sides.map(|(key, side)| (plain(key), SceneAction::View(side), about(side))));
-    let scene = vec![
+    let handles = |tool| match tool {
+        HandleTool::Move => (plain(Key::W), SceneAction::Handles(tool), "Handles that move the selected body"),
+        HandleTool::Rotate => (plain(Key::E), SceneAction::Handles(tool), "Handles that rotate it"),
+        HandleTool::Scale => (plain(Key::R), SceneAction::Handles(tool), "Handles that scale it"),
+    };
+    let mut scene: Vec<_> = HandleTool::ALL.map(handles).into();
+    scene.extend([
         (KeyboardShortcut::new(Modifiers::COMMAND, Key::D), SceneAction::Duplicate, "Duplicate the selected body or light"),
         (plain(Key::Delete), SceneAction::Remove, "Remove the selected body or light"),
         (plain(Key::M), SceneAction::ToggleMarkers, "Show or hide the markers in the picture"),
-    ];
+    ]);
     Shortcut::all_of(KeyGroup::Camera, camera).chain(Shortcut::all_of(KeyGroup::Scene, scene)).collect()
 }

@@ -2,7 +2,7 @@
 
 use crate::lang::display_text::one_line;
 use crate::preview::app::menu_entries::{check_entry, entry_if};
-use crate::preview::app::scene_actions::{SceneAction, side_name};
+use crate::preview::app::scene_actions::{HandleTool, SceneAction, side_name};
 use crate::preview::app::{Action, App};
 use crate::scene::{LightKind, Shape, ViewSide};
 use egui::Ui;
@@ -37,6 +37,14 @@ pub(super) fn entries(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
     });
     act(ui, true, "Reset camera", SceneAction::ResetCamera, actions);
     ui.separator();
+    ui.menu_button("Handles", |ui| {
+        for tool in HandleTool::ALL {
+            let action = Action::Scene(SceneAction::Handles(tool));
+            if check_entry(ui, app.hand.tool() == tool, tool.name(), action, actions) {
+                ui.close();
+            }
+        }
+    });
     let markers = Action::Scene(SceneAction::ToggleMarkers);
     if check_entry(ui, app.hand.markers, "Markers in the picture", markers, actions) {
         ui.close();

@@ -108,9 +108,23 @@ impl App {
     /// Performs an action on the scene.
     pub(super) fn perform_on_scene(&mut self, action: &SceneAction) {
         self.end_gesture();
-        if *action == SceneAction::ToggleMarkers {
-            self.hand.markers = !self.hand.markers;
-            return;
+        match action {
+            SceneAction::ToggleMarkers => {
+                self.hand.markers = !self.hand.markers;
+                return;
+            }
+            SceneAction::Handles(tool) => {
+                self.hand.use_tool(*tool);
+                return;
+            }
+            SceneAction::Frame
+            | SceneAction::FrameAll
+            | SceneAction::View(_)
+            | SceneAction::ResetCamera
+            | SceneAction::AddBody(_)
+            | SceneAction::AddLight(_)
+            | SceneAction::Duplicate
+            | SceneAction::Remove => {}
         }
         if !self.scene_text_can_follow() {
             return;
@@ -132,7 +146,7 @@ impl App {
             SceneAction::Remove => {
                 selected.into_iter().for_each(|object| self.change_scene(&SceneChange::Remove(object), Precision::Exact));
             }
-            SceneAction::ToggleMarkers => {}
+            SceneAction::ToggleMarkers | SceneAction::Handles(_) => {}
         }
     }
 

@@ -2,7 +2,7 @@
 //!
 //! The scene of a gesture is always computed from the scene at its start, so it does not depend on the number of steps.
 
-use crate::scene::edit::{Precision, SceneChange, SceneObject};
+use crate::scene::edit::{Precision, SceneChange, SceneObject, rounded};
 use crate::scene::{BodyId, Camera, Scene, ViewSide};
 use crate::world::{Ray, World};
 use glam::DVec3;
@@ -23,7 +23,27 @@ pub(in crate::preview::app) enum Motion {
     Move(SceneObject, Option<SceneAxis>),
     /// The radius of a body.
     Resize(BodyId),
+    /// A body, about an axis of the scene through its anchor.
+    Turn(BodyId, SceneAxis),
+    /// A body, larger along one of its own axes.
+    Stretch(BodyId, SceneAxis),
+    /// A body, larger in all directions.
+    Grow(BodyId),
 }
+
+/// Angles that snap are multiples of this, in degrees.
+const SNAPPED_ANGLE: f64 = 15.0;
+/// Factors that snap are multiples of this.
+const SNAPPED_FACTOR: f64 = 0.1;
+/// Places that snap have this many digits less.
+const SNAPPED_DIGITS: i32 = 2;
+/// The digits of a factor.
+const FACTOR_DIGITS: i32 = 3;
+/// The least factor of one gesture: the body is not turned inside out.
+const LEAST_FACTOR: f64 = 0.01;
+/// A ring is turned in its plane if the cosine between its axis and the view is at least this. Otherwise it is seen
+/// from its edge, and turned along it.
+const FACING: f64 = 0.2;
 
 /// An axis of the scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -36,13 +56,18 @@ pub(in crate::preview::app) enum SceneAxis {
 impl SceneAxis {
     pub(in crate::preview::app) const ALL: [SceneAxis; 3] = [SceneAxis::X, SceneAxis::Y, SceneAxis::Z];
 
+    /// Its place among the axes.
+    pub(in crate::preview::app) fn index(self) -> usize {
+        match self {
+            SceneAxis::X => 0,
+            SceneAxis::Y => 1,
+            SceneAxis::Z => 2,
+        }
+    }
+
     /// Its direction, of unit length.
     pub(in crate::preview::app) fn direction(self) -> DVec3 {
-        match self {
-            SceneAxis::X => DVec3::X,
-            SceneAxis::Y => DVec3::Y,
-            SceneAxis::Z => DVec3::Z,
-        }
+        DVec3::AXES[self.index()]
     }
 
     pub(in crate::preview::app) fn name(self) -> &'static str {
@@ -75,6 +100,20 @@ pub(in crate::preview::app) struct Gesture {
     /// The point that the gesture is about: it was under the pointer at the start.
     pub(in crate::preview::app) pivot: DVec3,
     pub(in crate::preview::app) travel: Travel,
+    /// The length of the handles, in world units.
+    pub(in crate::preview::app) reach: f64,
+    /// Whether only round angles, factors and steps count.
+    pub(in crate::preview::app) snaps: bool,
+}
+
+/// What a turn has swept: from where, about which axis, and by how many degrees.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::preview::app) struct Sweep {
+    pub(in crate::preview::app) center: DVec3,
+    pub(in crate::preview::app) axis: DVec3,
+    /// A direction of unit length, at a right angle to the axis.
+    pub(in crate::preview::app) start: DVec3,
+    pub(in crate::preview::app) degrees: f64,
 }
 
 impl Gesture {
@@ -86,7 +125,11 @@ impl Gesture {
     pub(in crate::preview::app) fn what(&self) -> String {
         match self.motion {
             Motion::Orbit | Motion::Pan | Motion::Dolly | Motion::FieldOfView => "the camera".to_owned(),
-            Motion::Move(SceneObject::Body(id), _) | Motion::Resize(id) => self.scene().body(id).name.clone(),
+            Motion::Move(SceneObject::Body(id), _)
+            | Motion::Resize(id)
+            | Motion::Turn(id, _)
+            | Motion::Stretch(id, _)
+            | Motion::Grow(id) => self.scene().body(id).name.clone(),
             Motion::Move(SceneObject::Light(id), _) => self.scene().light(id).name.clone(),
         }
     }
@@ -106,24 +149,111 @@ impl Gesture {
             Motion::Pan => led(camera.panned(depth, from, to)),
             Motion::Dolly => led(camera.dollied(self.pivot, climb.exp())),
             Motion::FieldOfView => led(camera.widened(climb.exp())),
-            Motion::Move(object, axis) => {
-                let by = match axis {
-                    None => camera.point_at(to, depth) - camera.point_at(from, depth),
-                    Some(axis) => self.along(axis.direction(), to)? - self.along(axis.direction(), from)?,
-                };
-                let by = self.precision().round(by);
+            Motion::Move(object, _) => {
+                let by = self.way()?;
                 match object {
                     SceneObject::Body(id) => Some(SceneChange::Form(id, self.scene().body(id).form.moved(by)?)),
                     SceneObject::Light(id) => Some(SceneChange::Light(id, self.scene().light(id).kind.moved(by)?)),
                 }
             }
+            Motion::Resize(id) | Motion::Grow(id) => {
+                Some(SceneChange::Form(id, self.scene().body(id).form.scaled(self.factor()?)?))
+            }
+            Motion::Stretch(id, axis) => {
+                let mut factors = DVec3::ONE;
+                factors[axis.index()] = self.factor()?;
+                Some(SceneChange::Form(id, self.scene().body(id).form.stretched(factors)?))
+            }
+            Motion::Turn(id, _) => {
+                let Sweep { axis, degrees, .. } = self.sweep()?;
+                Some(SceneChange::Form(id, self.scene().body(id).form.turned(axis, degrees)?))
+            }
+        }
+    }
+
+    /// The way by which something is moved.
+    fn way(&self) -> Option<DVec3> {
+        let (Motion::Move(_, axis), Travel { from, to, .. }) = (self.motion, self.travel) else { return None };
+        let camera = &self.scene().camera;
+        let depth = camera.depth_of(self.pivot);
+        let by = match axis {
+            None => camera.point_at(to, depth) - camera.point_at(from, depth),
+            Some(axis) => self.along(axis.direction(), to)? - self.along(axis.direction(), from)?,
+        };
+        let precision = match self.precision() {
+            Precision::Decimals(decimals) if self.snaps => Precision::Decimals(decimals - SNAPPED_DIGITS),
+            other => other,
+        };
+        Some(precision.round(by))
+    }
+
+    /// The factor by which a body is scaled.
+    pub(in crate::preview::app) fn factor(&self) -> Option<f64> {
+        let Travel { from, to, amount } = self.travel;
+        let factor = match self.motion {
             Motion::Resize(id) => {
-                let form = &self.scene().body(id).form;
-                let anchor = form.anchor()?;
+                let (camera, anchor) = (&self.scene().camera, self.scene().body(id).form.anchor()?);
                 let depth = camera.depth_of(anchor);
                 let [before, after] = [from, to].map(|point| camera.point_at(point, depth).distance(anchor));
-                Some(SceneChange::Form(id, form.scaled(after / before)?))
+                after / before
             }
+            Motion::Stretch(id, axis) => {
+                let direction = self.scene().body(id).form.axes()[axis.index()];
+                let [before, after] = [from, to].map(|point| Some((self.along(direction, point)? - self.pivot).dot(direction)));
+                (after? / before?).max(LEAST_FACTOR)
+            }
+            Motion::Grow(_) => amount[1].exp(),
+            Motion::Orbit | Motion::Pan | Motion::Dolly | Motion::FieldOfView | Motion::Move(..) | Motion::Turn(..) => {
+                return None;
+            }
+        };
+        if self.snaps {
+            return Some(rounded((factor / SNAPPED_FACTOR).round().max(1.0) * SNAPPED_FACTOR, 1));
+        }
+        let digits = FACTOR_DIGITS - 1 - factor.log10().floor() as i32;
+        (factor.is_finite() && factor > 0.0).then(|| rounded(factor, digits))
+    }
+
+    /// How far a body is turned, if it is.
+    pub(in crate::preview::app) fn sweep(&self) -> Option<Sweep> {
+        let (Motion::Turn(_, axis), camera, center) = (self.motion, &self.scene().camera, self.pivot) else { return None };
+        let axis = axis.direction();
+        let view = (center - camera.position()).normalize();
+        let Travel { from, to, .. } = self.travel;
+        let (start, angle) = if view.dot(axis).abs() >= FACING {
+            let [start, end] = [from, to].map(|point| self.on_ring(axis, point));
+            let (start, end) = (start?, end?);
+            (start.try_normalize()?, axis.dot(start.cross(end)).atan2(start.dot(end)))
+        } else {
+            // What is nearest goes along the edge.
+            let (edge, depth) = (view.cross(axis).normalize(), camera.depth_of(center));
+            let way = camera.point_at(to, depth) - camera.point_at(from, depth);
+            (edge.cross(axis), way.dot(edge) / self.reach)
+        };
+        let degrees = angle.to_degrees();
+        let degrees = if self.snaps { (degrees / SNAPPED_ANGLE).round() * SNAPPED_ANGLE } else { rounded(degrees, 1) };
+        Some(Sweep { center, axis, start, degrees })
+    }
+
+    /// Where a point of the image plane is seen in the plane of a ring, from its centre.
+    fn on_ring(&self, axis: DVec3, [x, y]: [f64; 2]) -> Option<DVec3> {
+        let camera = &self.scene().camera;
+        let (ray, offset) = (camera.direction(x, y), self.pivot - camera.position());
+        let distance = offset.dot(axis) / ray.dot(axis);
+        (distance.is_finite() && distance > 0.0).then(|| distance * ray - offset)
+    }
+
+    /// How far the gesture has gone, in a few words to be shown beside the pointer.
+    pub(in crate::preview::app) fn words(&self) -> Option<String> {
+        match self.motion {
+            Motion::Turn(..) => Some(format!("{}°", self.sweep()?.degrees).replace('-', "−")),
+            Motion::Resize(_) | Motion::Stretch(..) | Motion::Grow(_) => Some(format!("× {}", self.factor()?)),
+            Motion::Move(_, Some(axis)) => {
+                let way = self.way()?[axis.index()];
+                let sign = if way < 0.0 { "−" } else { "+" };
+                Some(format!("{} {sign}{}", axis.name(), way.abs()))
+            }
+            Motion::Move(_, None) | Motion::Orbit | Motion::Pan | Motion::Dolly | Motion::FieldOfView => None,
         }
     }
 

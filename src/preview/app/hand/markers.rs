@@ -1,9 +1,10 @@
 //! Draws markers over the picture: lights, the outline of the selected body, and its handles.
 
-use super::gesture::SceneAxis;
+use super::gesture::{Gesture, Motion, SceneAxis, Sweep};
+use super::handles::{RING, Ring};
 use super::view::{Arrows, Grip, LightMarker, SceneView};
 use crate::scene::edit::SceneObject;
-use egui::{Align2, Color32, FontId, Painter, Pos2, Shape, Stroke, Vec2, pos2};
+use egui::{Align2, Color32, FontId, Painter, Pos2, Shape, Stroke, Vec2};
 
 /// The colour of what is selected, which is seen on any picture with the dark line under it.
 const SELECTED: Color32 = Color32::from_rgb(255, 166, 43);
@@ -29,8 +30,8 @@ fn line(painter: &Painter, ends: [Pos2; 2], width: f32, colour: Color32) {
     painter.line_segment(ends, Stroke::new(width, colour));
 }
 
-/// Draws all markers. `hovered` is what the pointer could take hold of, or holds.
-pub(super) fn draw(painter: &Painter, view: &SceneView<'_>, hovered: Option<Grip>) {
+/// Draws all markers. `hovered` is what the pointer could take hold of, or holds. A gesture says how far it has gone.
+pub(super) fn draw(painter: &Painter, view: &SceneView<'_>, hovered: Option<Grip>, gesture: Option<&Gesture>) {
     draw_outline(painter, view);
     for marker in view.light_markers() {
         let is_selected = view.selected == Some(marker.light);
@@ -48,7 +49,12 @@ pub(super) fn draw(painter: &Painter, view: &SceneView<'_>, hovered: Option<Grip
             },
         );
     }
-    draw_handles(painter, view, hovered);
+    draw_arrows(painter, view, hovered);
+    draw_rings(painter, view, hovered, gesture);
+    draw_factors(painter, view, hovered, gesture);
+    if let Some((text, at)) = gesture.and_then(Gesture::words).zip(view.place_for_words()) {
+        words(painter, at, Align2::CENTER_CENTER, &text, HOVERED);
+    }
 }
 
 fn draw_outline(painter: &Painter, view: &SceneView<'_>) {
@@ -96,7 +102,7 @@ fn words(painter: &Painter, at: Pos2, align: Align2, text: &str, colour: Color32
     painter.galley(place.min, galley, colour);
 }
 
-fn draw_handles(painter: &Painter, view: &SceneView<'_>, hovered: Option<Grip>) {
+fn draw_arrows(painter: &Painter, view: &SceneView<'_>, hovered: Option<Grip>) {
     if let Some(Arrows { object, origin, tips }) = view.arrows() {
         for (axis, tip) in tips {
             let towards = (tip - origin).normalized();
@@ -117,9 +123,80 @@ fn draw_handles(painter: &Painter, view: &SceneView<'_>, hovered: Option<Grip>) 
         }
     }
     if let Some((id, at)) = view.radius_handle() {
-        let colour = if hovered == Some(Grip::Radius(id)) { HOVERED } else { SELECTED };
-        let square = egui::Rect::from_center_size(pos2(at.x, at.y), Vec2::splat(9.0));
-        painter.rect_filled(square.expand(1.5), 2.0, UNDER);
-        painter.rect_filled(square, 1.0, colour);
+        square(painter, at, if hovered == Some(Grip::Radius(id)) { HOVERED } else { SELECTED });
     }
+}
+
+fn square(painter: &Painter, at: Pos2, colour: Color32) {
+    let square = egui::Rect::from_center_size(at, Vec2::splat(9.0));
+    painter.rect_filled(square.expand(1.5), 2.0, UNDER);
+    painter.rect_filled(square, 1.0, colour);
+}
+
+/// Draws the rings. What is behind the body's middle is thin. While one is turned, the others are not shown.
+fn draw_rings(painter: &Painter, view: &SceneView<'_>, hovered: Option<Grip>, gesture: Option<&Gesture>) {
+    let Some((id, rings)) = view.rings() else { return };
+    let turned = match gesture.map(|gesture| gesture.motion) {
+        Some(Motion::Turn(_, axis)) => Some(axis),
+        Some(_) | None => None,
+    };
+    if let Some(sweep) = gesture.and_then(Gesture::sweep) {
+        draw_sweep(painter, view, &sweep, turned.map_or(SELECTED, axis_colour));
+    }
+    let shown = || rings.iter().filter(|ring| turned.is_none_or(|axis| axis == ring.axis));
+    let draw = |ring: &Ring, front: bool, stroke: Stroke| {
+        let pieces = ring.pieces.iter().filter(|(_, is_front)| *is_front == front);
+        painter.extend(pieces.map(|(ends, _)| Shape::line_segment(*ends, stroke)));
+    };
+    for ring in shown() {
+        draw(ring, false, Stroke::new(1.0, axis_colour(ring.axis).gamma_multiply(0.45)));
+    }
+    for ring in shown() {
+        draw(ring, true, Stroke::new(4.0, UNDER));
+    }
+    for ring in shown() {
+        let is_hovered = hovered == Some(Grip::Ring(id, ring.axis));
+        draw(ring, true, Stroke::new(2.0, if is_hovered && turned.is_none() { HOVERED } else { axis_colour(ring.axis) }));
+    }
+    if let Some(origin) = view.origin() {
+        painter.circle(origin, 4.0, SELECTED, Stroke::new(1.5, UNDER));
+    }
+}
+
+/// Draws what a turn has swept: a sector between two lines.
+fn draw_sweep(painter: &Painter, view: &SceneView<'_>, sweep: &Sweep, colour: Color32) {
+    /// The most degrees of a piece.
+    const PIECE: f64 = 5.0;
+    let radius = RING * view.reach_at(sweep.center);
+    let Some(center) = view.project(sweep.center) else { return };
+    let pieces = (sweep.degrees.abs() / PIECE).ceil().max(1.0) as u32;
+    let across = sweep.axis.cross(sweep.start);
+    let rim = (0..=pieces).filter_map(|piece| {
+        let (sine, cosine) = (sweep.degrees.to_radians() * f64::from(piece) / f64::from(pieces)).sin_cos();
+        view.project(sweep.center + radius * (cosine * sweep.start + sine * across))
+    });
+    let rim: Vec<Pos2> = rim.collect();
+    for piece in rim.windows(2) {
+        let triangle = vec![center, piece[0], piece[1]];
+        painter.add(Shape::convex_polygon(triangle, colour.gamma_multiply(0.35), Stroke::NONE));
+    }
+    for end in rim.first().into_iter().chain(rim.last()) {
+        line(painter, [center, *end], 1.5, HOVERED);
+    }
+}
+
+/// Draws the handles that scale. One that is held goes with the pointer.
+fn draw_factors(painter: &Painter, view: &SceneView<'_>, hovered: Option<Grip>, gesture: Option<&Gesture>) {
+    let Some((id, origin, tips)) = view.factor_handles() else { return };
+    for (axis, tip) in tips {
+        let is_held = gesture.is_some_and(|gesture| gesture.motion == Motion::Stretch(id, axis));
+        let factor = gesture.filter(|_| is_held).and_then(Gesture::factor).unwrap_or(1.0) as f32;
+        let towards = (tip - origin).normalized();
+        let tip = origin + factor.clamp(0.3, 20.0) * (tip - origin);
+        let colour = if hovered == Some(Grip::Factor(id, axis)) { HOVERED } else { axis_colour(axis) };
+        line(painter, [origin + 8.0 * towards, tip], 2.0, colour);
+        square(painter, tip, colour);
+        words(painter, tip + 17.0 * towards, Align2::CENTER_CENTER, axis.name(), colour);
+    }
+    square(painter, origin, if hovered == Some(Grip::Middle(id)) { HOVERED } else { SELECTED });
 }

@@ -2,6 +2,7 @@
 
 use super::gesture::{SceneAxis, anchor, distance, seen_at};
 use super::outline::Outline;
+use crate::preview::app::HandleTool;
 use crate::preview::app::pane::Placement;
 use crate::scene::edit::SceneObject;
 use crate::scene::{BodyId, Camera};
@@ -11,13 +12,13 @@ use glam::DVec3;
 use std::sync::Arc;
 
 /// How close the pointer must be to a handle or a marker, in points.
-const REACH: f32 = 9.0;
+pub(super) const REACH: f32 = 9.0;
 /// The length of the arrows along the axes, in points.
 pub(super) const ARROW: f32 = 54.0;
 /// Where an arrow can be taken hold of, as parts of its length: the middle belongs to the thing itself.
 const ARROW_GRIP: [f32; 2] = [0.3, 1.15];
 /// An arrow that leads into the picture is too short to be taken hold of, in points.
-const SHORTEST_ARROW: f32 = 14.0;
+pub(super) const SHORTEST_ARROW: f32 = 14.0;
 /// How far markers of lights outside the picture are from its edge, in points.
 const INSET: f32 = 16.0;
 
@@ -30,6 +31,22 @@ pub(in crate::preview::app) enum Grip {
     Arrow(SceneObject, SceneAxis),
     /// The handle of a body's radius.
     Radius(BodyId),
+    /// A ring, to turn a body about an axis of the scene.
+    Ring(BodyId, SceneAxis),
+    /// A handle along an own axis of a body, to stretch it.
+    Factor(BodyId, SceneAxis),
+    /// The square in the middle of a body, to scale it as a whole.
+    Middle(BodyId),
+}
+
+impl Grip {
+    /// Whether it is a handle, and not the thing itself.
+    pub(super) fn is_handle(self) -> bool {
+        match self {
+            Grip::Object(_) => false,
+            Grip::Arrow(..) | Grip::Radius(_) | Grip::Ring(..) | Grip::Factor(..) | Grip::Middle(_) => true,
+        }
+    }
 }
 
 /// A marker of a light.
@@ -58,6 +75,8 @@ pub(in crate::preview::app) struct SceneView<'w> {
     /// The pane.
     pub(in crate::preview::app) area: Rect,
     pub(in crate::preview::app) selected: Option<SceneObject>,
+    /// What the handles of a body do.
+    pub(in crate::preview::app) tool: HandleTool,
     /// The outline of the selected body.
     pub(in crate::preview::app) outline: &'w Outline,
 }
@@ -127,22 +146,29 @@ impl SceneView<'_> {
         self.project(anchor).filter(|at| self.picture().contains(*at))
     }
 
-    /// The arrows of the selected thing, from its origin.
-    pub(super) fn arrows(&self) -> Option<Arrows> {
-        let (object, origin) = (self.selected?, self.origin()?);
-        let anchor = anchor(self.world.scene(), object)?;
-        // The world length that is as long as an arrow, parallel to the picture.
-        let depth = self.camera().depth_of(anchor);
+    /// The length in the world that is as long as an arrow at a point, parallel to the picture.
+    pub(in crate::preview::app) fn reach_at(&self, point: DVec3) -> f64 {
+        let depth = self.camera().depth_of(point);
         let height = self.placement.position_of([0.0, self.size()[1]]).y - self.placement.position_of([0.0, 0.0]).y;
         let half = (self.camera().fov().to_radians() / 2.0).tan();
-        let length = 2.0 * depth * half * f64::from(ARROW / height.max(1.0));
+        2.0 * depth * half * f64::from(ARROW / height.max(1.0))
+    }
+
+    /// The arrows of the selected thing, from its origin. Lights have no other handles.
+    pub(super) fn arrows(&self) -> Option<Arrows> {
+        let (object, origin) = (self.selected?, self.origin()?);
+        if self.tool != HandleTool::Move && matches!(object, SceneObject::Body(_)) {
+            return None;
+        }
+        let anchor = anchor(self.world.scene(), object)?;
+        let length = self.reach_at(anchor);
         let tips = SceneAxis::ALL.map(|axis| (axis, self.project(anchor + length * axis.direction()).unwrap_or(origin)));
         Some(Arrows { object, origin, tips })
     }
 
     /// Where the handle of the selected body's radius is.
     pub(super) fn radius_handle(&self) -> Option<(BodyId, Pos2)> {
-        let SceneObject::Body(id) = self.selected? else { return None };
+        let SceneObject::Body(id) = self.selected.filter(|_| self.tool == HandleTool::Move)? else { return None };
         let form = &self.world.scene().bodies.get(id.index())?.form;
         let (anchor, radius) = (form.anchor()?, form.radius()?);
         let [right, above, _] = self.camera().axes();
@@ -166,6 +192,9 @@ impl SceneView<'_> {
                     return Some(Grip::Object(object));
                 }
             }
+            if let Some(grip) = self.body_handle_at(at) {
+                return Some(grip);
+            }
             if let Some(marker) = self.light_markers().into_iter().find(|marker| near(marker.at)) {
                 return Some(Grip::Object(marker.light));
             }
@@ -179,8 +208,13 @@ impl SceneView<'_> {
     /// The point of the scene that is taken hold of.
     pub(in crate::preview::app) fn held_point(&self, grip: Grip, at: Pos2) -> DVec3 {
         let from = self.image_point(at);
-        let (Grip::Object(object) | Grip::Arrow(object, _)) = grip else {
-            return self.camera().point_at(from, distance(self.world));
+        let object = match grip {
+            Grip::Object(object) | Grip::Arrow(object, _) => object,
+            // Turned and scaled about its anchor.
+            Grip::Ring(id, _) | Grip::Factor(id, _) | Grip::Middle(id) | Grip::Radius(id) => {
+                let anchor = anchor(self.world.scene(), SceneObject::Body(id));
+                return anchor.unwrap_or_else(|| self.camera().point_at(from, distance(self.world)));
+            }
         };
         let anchor = anchor(self.world.scene(), object);
         match (anchor, object) {
@@ -198,7 +232,7 @@ impl SceneView<'_> {
 }
 
 /// Whether a position is on the arrow from an origin to a tip.
-fn is_on_arrow(at: Pos2, origin: Pos2, tip: Pos2) -> bool {
+pub(super) fn is_on_arrow(at: Pos2, origin: Pos2, tip: Pos2) -> bool {
     let (arrow, from) = (tip - origin, at - origin);
     let length = arrow.length();
     if length < SHORTEST_ARROW {
