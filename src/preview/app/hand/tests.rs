@@ -1,5 +1,7 @@
 //! The scene under the mouse, without a window.
 
+mod handles;
+
 use crate::files::Readable;
 use crate::preview::app::tests::settle;
 use crate::preview::app::{Action, App, SceneAction};
