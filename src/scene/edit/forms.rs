@@ -38,7 +38,7 @@ pub(super) fn replaced(text: &SceneText, body: BodyId, new: &BodyForm, precision
     };
     for pair in paired(&old.transforms, &new.transforms) {
         match pair {
-            Pair::Both(step, transform) => {
+            Pairing::Both(step, transform) => {
                 add(&mut added, last, &mut replaced)?;
                 let (old, new) = (old.transforms.get(step)?, new.transforms.get(transform)?);
                 let decimals = decimals(precision, new);
@@ -46,13 +46,13 @@ pub(super) fn replaced(text: &SceneText, body: BodyId, new: &BodyForm, precision
                 last = Some(step);
             }
             // With the comma before it.
-            Pair::Old(step) => {
+            Pairing::Old(step) => {
                 add(&mut added, last, &mut replaced)?;
                 let start = text.end_of(steps.get(step)?.start.checked_sub(2)?)?;
                 replaced.push(TextReplacement { range: start..behind(Some(step))?, text: String::new() });
                 last = Some(step);
             }
-            Pair::New(transform) => {
+            Pairing::New(transform) => {
                 let transform = new.transforms.get(transform)?;
                 let decimals = decimals(precision, transform);
                 added.push_str(&format!(", {}", rounded_text(transform, |_| decimals)));
@@ -75,7 +75,7 @@ pub(super) fn rounded_form(form: &BodyForm, precision: Precision) -> String {
 
 /// What becomes of transforms: indices into the old and the new ones.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Pair {
+enum Pairing {
     Both(usize, usize),
     Old(usize),
     New(usize),
@@ -95,7 +95,7 @@ fn likeness(old: &Transform, new: &Transform) -> usize {
 }
 
 /// Which of the new transforms are old ones, changed or not, in their order: those that are most alike.
-fn paired(old: &[Transform], new: &[Transform]) -> Vec<Pair> {
+fn paired(old: &[Transform], new: &[Transform]) -> Vec<Pairing> {
     // best[i][j]: how alike the rests of both are, from i and j on.
     let mut best = vec![vec![0; new.len() + 1]; old.len() + 1];
     for i in (0..old.len()).rev() {
@@ -109,13 +109,13 @@ fn paired(old: &[Transform], new: &[Transform]) -> Vec<Pair> {
     while i < old.len() || j < new.len() {
         let like = if i < old.len() && j < new.len() { likeness(&old[i], &new[j]) } else { 0 };
         if like > 0 && best[i][j] == like + best[i + 1][j + 1] {
-            pairs.push(Pair::Both(i, j));
+            pairs.push(Pairing::Both(i, j));
             (i, j) = (i + 1, j + 1);
         } else if j < new.len() && (i == old.len() || best[i][j] == best[i][j + 1]) {
-            pairs.push(Pair::New(j));
+            pairs.push(Pairing::New(j));
             j += 1;
         } else {
-            pairs.push(Pair::Old(i));
+            pairs.push(Pairing::Old(i));
             i += 1;
         }
     }
