@@ -1,10 +1,7 @@
 //! Names of bodies and lights from names of other programs, which may be any text.
 
-use crate::lang::variables::RESERVED;
+use crate::scene::naming::{as_identifier, words};
 use std::collections::{BTreeMap, BTreeSet};
-
-/// The longest name that is made, in characters, but for a number at its end.
-const LONGEST: usize = 48;
 
 /// Names that are taken. Capitals and small letters count as the same, because names of bodies become names of files.
 #[derive(Default)]
@@ -40,26 +37,6 @@ impl UniqueNames {
     }
 }
 
-/// The letters, digits and `_` of a name; what is between them becomes one `_`.
-fn words(name: &str) -> String {
-    let is_kept = |character: char| character.is_ascii_alphanumeric();
-    let words = name.split(|character| !is_kept(character)).filter(|word| !word.is_empty());
-    let joined = words.collect::<Vec<_>>().join("_");
-    // It is ASCII.
-    joined[..joined.len().min(LONGEST)].trim_end_matches('_').to_owned()
-}
-
-/// A name that the languages allow.
-fn as_identifier(name: &str, fallback: &str) -> String {
-    if name.starts_with(|first: char| first.is_ascii_digit()) {
-        format!("{fallback}_{name}")
-    } else if RESERVED.contains(&name) {
-        format!("{name}_{fallback}")
-    } else {
-        name.to_owned()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -77,7 +54,7 @@ mod tests {
         assert_eq!(take("7 wheels", ""), "part_7_wheels");
         assert_eq!(take("lights", ""), "lights_part");
         assert_eq!(take("a\"; b\n", "../x"), "a_b");
-        assert_eq!(take(&"long".repeat(100), "").len(), LONGEST);
+        assert_eq!(take(&"long".repeat(100), "").len(), crate::scene::naming::LONGEST);
         assert_eq!(take("_hidden_", ""), "hidden");
     }
 

@@ -11,6 +11,7 @@ mod colours;
 mod comparison;
 mod confirmation;
 mod dialogs;
+mod drops;
 mod file_dialogs;
 mod files;
 mod focus_ring;
@@ -26,6 +27,7 @@ mod log;
 mod materials;
 mod menu;
 mod menu_entries;
+mod mesh_adding;
 mod mesh_loading;
 mod modal;
 mod notices;
@@ -52,7 +54,7 @@ mod value_rows;
 mod view_controls;
 
 pub use action::Action;
-pub use scene_actions::{HandleTool, SceneAction};
+pub use scene_actions::{HandleTool, MeshSpot, SceneAction};
 
 use crate::backends::BackendChoice;
 use crate::evaluate::review::PictureFinding;
@@ -73,6 +75,7 @@ use crate::workspace::presets::DEFAULT_SESSION;
 use crate::workspace::project::SessionMistakes;
 use confirmation::Confirmation;
 use dialogs::Dialogs;
+use drops::DroppedFiles;
 use egui::{CentralPanel, Context, Frame, Id, Panel, Ui};
 use focus_ring::FocusRing;
 use gallery::Gallery;
@@ -134,6 +137,7 @@ pub struct App {
     thumbnails: Thumbnails,
     jobs: Jobs,
     mesh_loading: MeshLoading,
+    dropped: DroppedFiles,
     settings_dialog: SettingsDialog,
     inspector: InspectorPanel,
     materials: MaterialRow,
@@ -217,6 +221,7 @@ impl App {
             thumbnails: Thumbnails::default(),
             jobs: Jobs::new(waker(&context)),
             mesh_loading: MeshLoading::default(),
+            dropped: DroppedFiles::default(),
             settings_dialog: SettingsDialog::default(),
             inspector: InspectorPanel::default(),
             materials: MaterialRow::default(),
@@ -266,6 +271,7 @@ impl App {
         // While a dialog waits for an answer, shortcuts do nothing.
         let waits = self.dialogs.files.is_open() || ui.memory(|memory| memory.top_modal_layer().is_some());
         let mut actions = if waits { Vec::new() } else { action::pressed(ui, typing) };
+        self.follow_drops(ui, waits, &mut actions);
         Panel::top("menu").show(ui, |ui| menu::bar(self, ui, &mut actions));
         if !self.notices.is_empty() {
             Panel::top("notices").show(ui, |ui| self.notices.ui(ui));
@@ -327,6 +333,7 @@ impl App {
         if let Some(settings) = self.settings_dialog.ui(ui.ctx()) {
             actions.push(Action::SaveSettings(Box::new(settings)));
         }
+        self.show_hovered_files(ui);
         self.focus_ring.ui(ui.ctx());
         for action in actions {
             self.perform(action);

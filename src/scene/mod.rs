@@ -11,6 +11,7 @@ pub mod edit;
 mod foreign;
 pub mod light;
 mod movable;
+pub(crate) mod naming;
 mod parser;
 mod print;
 pub mod shape;

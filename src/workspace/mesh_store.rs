@@ -240,6 +240,7 @@ fn find(name: &str, scene_location: &Location) -> Result<Found, Diagnostic> {
         });
     }
     match scene_location {
+        _ if Path::new(name).is_absolute() => Ok(Found::File(PathBuf::from(name))),
         Location::File(scene) => Ok(Found::File(scene.parent().unwrap_or(Path::new("")).join(name))),
         Location::Preset(_) => {
             let diagnostic = Diagnostic::error("a built-in scene has no folder from which a mesh could be read");

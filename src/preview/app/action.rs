@@ -3,7 +3,7 @@
 use crate::backends::BackendChoice;
 use crate::preview::app::key_groups::{KeyGroup, Shortcut};
 use crate::preview::app::pane::Zoom;
-use crate::preview::app::scene_actions::{SceneAction, scene_shortcuts};
+use crate::preview::app::scene_actions::{MeshSpot, SceneAction, scene_shortcuts};
 use crate::preview::editor::EditorCommand;
 use crate::scene::BodyId;
 use crate::user_data::settings::{Settings, ThemeSetting};
@@ -30,6 +30,10 @@ pub enum Action {
     /// Give the texture of this name of an owner the image in this file, if there is one. While the dialog was open,
     /// the formula may have changed.
     SetImage(OwnerId, String, PathBuf),
+    /// Show the dialog that chooses a mesh to be added to the scene.
+    ShowMeshDialog,
+    /// Add the mesh in a file to the scene.
+    AddMesh(PathBuf, MeshSpot),
     /// Save the text in view.
     Save,
     /// Show the dialog that saves something of this kind.

@@ -55,6 +55,12 @@ impl Dialogs {
         self.questions.back().map(Question::text).or(self.messages.back().map(|(_, text)| text.as_str()))
     }
 
+    /// Whether one of them waits for an answer, also if it is not in view yet.
+    pub(super) fn are_waiting(&self) -> bool {
+        let unread = !self.messages.is_empty() || !self.questions.is_empty() || !self.offered_drafts.is_empty();
+        unread || self.shortcuts || self.files.is_open()
+    }
+
     /// Draws all open dialogs.
     pub(super) fn ui(&mut self, context: &Context, actions: &mut Vec<Action>) {
         if let Some(question) = self.files.ui(context, actions) {

@@ -1,9 +1,11 @@
 //! The dialogs for files: which files they list, and which name and folder they suggest.
 
 use crate::lang::display_text::one_line;
+use crate::mesh::FORMATS;
 use crate::picture::Format;
 use crate::preview::app::Action;
 use crate::preview::app::question::Question;
+use crate::preview::app::scene_actions::MeshSpot;
 use crate::workspace::FileKind;
 use crate::workspace::Location;
 use crate::workspace::OwnerId;
@@ -18,6 +20,7 @@ use std::path::{Path, PathBuf};
 enum Purpose {
     Open(FileKind),
     Image(OwnerId, String),
+    Mesh,
     Save(Option<FileKind>),
 }
 
@@ -32,6 +35,9 @@ pub(super) struct FileDialogs {
 
 /// The name of the filter for images.
 const IMAGES: &str = "Images";
+
+/// The name of the filter for meshes.
+const MESHES: &str = "Meshes";
 
 /// The format that is suggested for pictures.
 const PICTURE: Format = Format::Png;
@@ -78,6 +84,15 @@ impl FileDialogs {
         let mut dialog = dialog.add_file_filter_extensions(IMAGES, SUFFIXES.to_vec()).default_file_filter(IMAGES);
         dialog.pick_file();
         self.shown = Some((dialog, Purpose::Image(owner, parameter)));
+    }
+
+    /// Shows the dialog that chooses a mesh. `near` is as for [`open`](Self::open).
+    pub(super) fn choose_mesh(&mut self, near: Option<&Path>) {
+        let dialog = dialog("Add a mesh", self.last_folder.as_deref().or(near));
+        let suffixes: Vec<&str> = FORMATS.iter().flat_map(|format| format.suffixes.iter().copied()).collect();
+        let mut dialog = dialog.add_file_filter_extensions(MESHES, suffixes).default_file_filter(MESHES);
+        dialog.pick_file();
+        self.shown = Some((dialog, Purpose::Mesh));
     }
 
     /// Shows the dialog that saves something of this kind, or the picture, with a suggested path.
@@ -139,6 +154,7 @@ impl FileDialogs {
         match purpose {
             Purpose::Open(kind) => actions.push(Action::Open(kind, Location::File(path))),
             Purpose::Image(owner, parameter) => actions.push(Action::SetImage(owner, parameter, path)),
+            Purpose::Mesh => actions.push(Action::AddMesh(path, MeshSpot::MIDDLE)),
             Purpose::Save(kind) if path.extension().is_some() => actions.push(Action::SaveTo(kind, path)),
             Purpose::Save(kind) => {
                 let suffix = kind.map_or(PICTURE.suffix(), FileKind::suffix);

@@ -6,11 +6,13 @@
 
 use crate::mesh::Reading;
 use crate::preview::app::App;
+use crate::preview::app::scene_actions::MeshSpot;
 use crate::preview::app::tab::TextTab;
 use crate::scene::Scene;
 use crate::trace::usable_memory;
 use crate::workspace::{Location, MeshStore};
 use egui::Ui;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::time::Duration;
@@ -31,6 +33,8 @@ pub(super) enum AfterReading {
     ApplyOpened,
     /// A session is opened.
     Open(Location),
+    /// The mesh in a file is added to the scene.
+    AddMesh(PathBuf, MeshSpot),
 }
 
 /// Meshes that are being read.
@@ -106,7 +110,7 @@ struct MeshReader {
 
 impl App {
     /// Whether large meshes of a scene must be read first. Then that is begun, and `then` follows.
-    fn reads_first(&mut self, scene: Scene, place: Location, then: AfterReading) -> bool {
+    pub(super) fn reads_first(&mut self, scene: Scene, place: Location, then: AfterReading) -> bool {
         let store = Arc::clone(self.workshop.meshes());
         if store.bytes_to_read(&scene, &place) <= AT_ONCE {
             return false;
@@ -137,6 +141,7 @@ impl App {
             Some(AfterReading::Apply) => self.apply(TextTab::Scene),
             Some(AfterReading::ApplyOpened) => self.apply_opened(TextTab::Scene),
             Some(AfterReading::Open(location)) => self.open_session(location),
+            Some(AfterReading::AddMesh(path, place)) => self.add_mesh(&path, place),
             None => {}
         }
         if self.workshop.world().meshes().is_empty() {

@@ -29,6 +29,20 @@ pub enum SceneAction {
     Handles(HandleTool),
 }
 
+/// Where a mesh that is added stands.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MeshSpot {
+    /// The point of the image plane that shows where it stands.
+    pub at: [f64; 2],
+    /// How many places it is to the right of there, because others are added with it.
+    pub rank: u32,
+}
+
+impl MeshSpot {
+    /// In the middle of the picture.
+    pub(super) const MIDDLE: MeshSpot = MeshSpot { at: [0.0; 2], rank: 0 };
+}
+
 /// What the handles over the picture do with the selected body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum HandleTool {

@@ -1,11 +1,14 @@
 //! The menu of the scene: what can be done with the selected body or light, what can be added, and views.
 
 use crate::lang::display_text::one_line;
-use crate::preview::app::menu_entries::{check_entry, entry_if};
+use crate::preview::app::menu_entries::{check_entry, entry, entry_if};
 use crate::preview::app::scene_actions::{HandleTool, SceneAction, side_name};
 use crate::preview::app::{Action, App};
 use crate::scene::{LightKind, Shape, ViewSide};
 use egui::Ui;
+
+/// The keyword of meshes, whose files are chosen in a dialog.
+const MESH: &str = "mesh";
 
 /// The menu of the scene, also for a right click into the picture.
 pub(super) fn entries(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
@@ -19,9 +22,12 @@ pub(super) fn entries(ui: &mut Ui, app: &App, actions: &mut Vec<Action>) {
     act(ui, selected.is_some(), &format!("Remove {name}"), SceneAction::Remove, actions);
     ui.separator();
     ui.menu_button("Add body", |ui| {
-        for shape in Shape::SYNTAX {
+        for shape in Shape::SYNTAX.iter().filter(|shape| shape.keyword.word != MESH) {
             act(ui, true, &capitalised(shape.keyword.word), SceneAction::AddBody(shape.keyword.word), actions);
         }
+        ui.separator();
+        entry(ui, "Mesh…", Action::ShowMeshDialog, actions);
+        act(ui, true, "Gem", SceneAction::AddBody(MESH), actions);
     });
     ui.menu_button("Add light", |ui| {
         for kind in LightKind::SYNTAX {

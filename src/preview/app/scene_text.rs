@@ -9,7 +9,7 @@ use crate::preview::app::tab::TextTab;
 use crate::preview::app::{App, SceneAction};
 use crate::scene::edit::{EditRefusal, Precision, SceneChange, SceneObject, edit, unused_name};
 use crate::scene::{BodyForm, BodyId, Camera, LightKind, Scene, Shape, Syntax, Transform};
-use crate::world::{Meshes, World};
+use crate::world::{Bounds, Meshes, World};
 
 impl App {
     /// Makes a change of the scene in its text, and applies it. If the text has errors, nothing changes.
@@ -162,7 +162,7 @@ impl App {
         distance(self.workshop.world())
     }
 
-    /// Adds a body where the camera looks, as high as a fifth of the picture.
+    /// Adds a body where the camera looks, as high as a fifth of the picture. It stands on what is seen there.
     fn add_body(&mut self, keyword: &str) {
         let Some(shape) =
             example(Shape::SYNTAX, keyword, |text| Some(scene_with(text, "")?.bodies.into_iter().next()?.form.shape))
@@ -171,20 +171,24 @@ impl App {
         };
         let (camera, distance) = (&self.workshop.scene().camera, self.view_distance());
         let size = 0.2 * distance * (camera.fov().to_radians() / 2.0).tan();
-        let middle = pivot(self.workshop.world(), [0.0, 0.0], None) + size * camera.upright();
+        let (place, upright) = (pivot(self.workshop.world(), [0.0, 0.0], None), camera.upright());
         let precision = Precision::for_size(distance);
         let name = unused_name(self.workshop.scene(), keyword);
         if shape.mesh().is_some() {
-            let transforms = vec![Transform::Fit { center: precision.round(middle), size: 2.0 * size }];
+            let transforms = vec![Transform::Fit { center: precision.round(place + size * upright), size: 2.0 * size }];
             self.add(SceneChange::AddBody(name.clone(), BodyForm { shape, transforms }), precision, &name, Owner::Body);
             return;
         }
-        let world = scene_of(&shape).and_then(|scene| World::new(scene, &Meshes::NONE).ok());
-        let bounds = world.map(|world| world.bounds(BodyId(0)));
-        let wanted = bounds.and_then(|bounds| shape.scaled(2.0 * size / (bounds.high - bounds.low).max_element()));
-        let shape = wanted.unwrap_or(shape);
-        // On what is in the middle of the picture.
-        let Some(shape) = shape.anchor().and_then(|anchor| shape.moved(precision.round(middle - anchor))) else { return };
+        let Some(bounds) = bounds_of(&shape) else { return };
+        let scale = 2.0 * size / (bounds.high - bounds.low).max_element();
+        let Some((shape, anchor)) = shape.scaled(scale).and_then(|shape| shape.anchor().map(|anchor| (shape, anchor))) else {
+            return;
+        };
+        let half = 0.5 * scale * (bounds.high - bounds.low).dot(upright.abs());
+        // What lies flat is raised, or it would lie in the floor.
+        let height = if half < 0.2 * size { size } else { half };
+        let middle = anchor + scale * (bounds.low.midpoint(bounds.high) - anchor);
+        let Some(shape) = shape.moved(precision.round(place + height * upright - middle)) else { return };
         self.add(SceneChange::AddBody(name.clone(), shape.into()), precision, &name, Owner::Body);
     }
 
@@ -205,7 +209,7 @@ impl App {
     }
 
     /// Adds something, with default values, and selects it.
-    fn add(&mut self, change: SceneChange, precision: Precision, name: &str, kind: Owner) {
+    pub(super) fn add(&mut self, change: SceneChange, precision: Precision, name: &str, kind: Owner) {
         self.workshop.forget_values(kind, name);
         self.change_scene(&change, precision);
         self.select_named(name);
@@ -285,7 +289,8 @@ fn scene_with(body: &str, light: &str) -> Option<Scene> {
     Scene::parse(&crate::lang::source::Source::new("example", text)).ok().map(|(scene, _)| scene)
 }
 
-/// A scene with a body of this shape.
-fn scene_of(shape: &Shape) -> Option<Scene> {
-    scene_with(&shape.to_string(), "")
+/// The box around a shape that is no mesh.
+fn bounds_of(shape: &Shape) -> Option<Bounds> {
+    let world = World::new(scene_with(&shape.to_string(), "")?, &Meshes::NONE).ok()?;
+    Some(world.bounds(BodyId(0)))
 }

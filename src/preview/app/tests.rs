@@ -10,6 +10,7 @@ use std::time::Duration;
 
 mod comparing;
 mod drafts;
+mod drops;
 mod focus;
 mod images;
 mod layout;

@@ -13,8 +13,8 @@ use glam::DVec3;
 pub(super) const RING: f64 = 1.25;
 /// The number of pieces of a ring.
 const PIECES: usize = 72;
-/// How far behind its centre a ring is still in front, as a part of its radius. A ring that faces the camera is in front
-/// everywhere.
+/// How far behind its centre a ring is still in front, as a part of its radius. A ring that faces the camera is in
+/// front everywhere.
 const BEHIND: f64 = 0.3;
 
 /// A ring on the screen.

@@ -103,13 +103,13 @@ impl SceneView<'_> {
     }
 
     /// Where a point of the scene is on the screen; `None` behind the camera.
-    pub(super) fn project(&self, point: DVec3) -> Option<Pos2> {
+    pub(in crate::preview::app) fn project(&self, point: DVec3) -> Option<Pos2> {
         let at = self.position(self.camera().project(point)?);
         (at.x.abs() < 1e6 && at.y.abs() < 1e6).then_some(at)
     }
 
     /// The part of the pane that the picture covers.
-    pub(super) fn picture(&self) -> Rect {
+    pub(in crate::preview::app) fn picture(&self) -> Rect {
         let [width, height] = self.size();
         let corners = [self.placement.position_of([0.0; 2]), self.placement.position_of([width, height])];
         Rect::from_two_pos(corners[0], corners[1]).intersect(self.area)
