@@ -11,6 +11,7 @@ mod cursor;
 mod display;
 mod event_loop;
 mod exit;
+mod file_drops;
 mod input_queue;
 mod keys;
 mod polled;

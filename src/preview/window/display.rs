@@ -4,6 +4,7 @@
 //! input window over it, as large as windows can be, which gets the clicks. It does not ask for keys, so they go on to
 //! minifb's window.
 
+use super::file_drops::{FileDrops, FilesInput};
 use super::rows::RowBuffer;
 use super::shared::{DrawTarget, SharedPixels};
 use crate::preview::paint::PixelRect;
@@ -30,6 +31,8 @@ pub(super) enum LoopEvent {
     Exposed,
     /// The window became visible, or invisible.
     Mapped(bool),
+    /// Files are dragged over the window, or dropped on it.
+    Files(FilesInput),
     /// An event that minifb will handle.
     Other,
     /// A frame is wanted at this time. `own` says that the last frame itself asked for it.
@@ -69,7 +72,12 @@ impl Display {
     pub(super) fn open(window: u32, sender: Sender<LoopEvent>) -> Option<Self> {
         let display = Self::connect(window).ok().flatten()?;
         let (connection, input_window) = (Arc::clone(&display.connection), display.input_window);
-        std::thread::Builder::new().name("display".into()).spawn(move || listen(&connection, input_window, &sender)).ok()?;
+        // Without it, files cannot be dropped. Everything else goes on.
+        let drops = FileDrops::new(&connection, window, input_window).ok();
+        std::thread::Builder::new()
+            .name("display".into())
+            .spawn(move || listen(&connection, input_window, drops, &sender))
+            .ok()?;
         Some(display)
     }
 
@@ -148,9 +156,13 @@ impl Drop for Display {
 }
 
 /// Forwards events until the input window is destroyed, or the receiver is gone.
-fn listen(connection: &RustConnection, input_window: u32, sender: &Sender<LoopEvent>) {
+fn listen(connection: &RustConnection, input_window: u32, mut drops: Option<FileDrops>, sender: &Sender<LoopEvent>) {
     while let Ok(event) = connection.wait_for_event() {
         if matches!(&event, Event::DestroyNotify(gone) if gone.window == input_window) {
+            return;
+        }
+        let files = drops.as_mut().map(|drops| drops.handle(connection, &event)).unwrap_or_default();
+        if files.into_iter().any(|files| sender.send(LoopEvent::Files(files)).is_err()) {
             return;
         }
         if loop_event(&event, input_window).is_some_and(|event| sender.send(event).is_err()) {

@@ -7,13 +7,14 @@
 use super::clipboard::Clipboard;
 use super::display::{self, Display, LoopEvent, PointerInput};
 use super::exit::WindowExit;
+use super::file_drops::{DroppedPath, FilesInput};
 use super::input_queue::InputQueue;
 use super::keys::{KeyInput, KeyQueue, Keyboard};
 use super::polled::PolledPointer;
 use super::{cursor, printable};
 use crate::preview::paint::{PaintInput, Painter, PixelRect};
 use crate::preview::{FrameTimes, WindowApp};
-use egui::{Event, FullOutput, OutputCommand, RawInput, ViewportCommand, ViewportId};
+use egui::{DroppedFileHandle, Event, FullOutput, HoveredFile, OutputCommand, RawInput, ViewportCommand, ViewportId};
 use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
@@ -46,6 +47,9 @@ pub(super) struct EventLoop {
     keyboard: Keyboard,
     clipboard: Clipboard,
     input_queue: InputQueue,
+    /// Files that are dragged over the window, and those that were dropped since the last frame.
+    hovered_files: Vec<HoveredFile>,
+    dropped_files: Vec<DroppedFileHandle>,
     context: egui::Context,
     painter: Painter,
     title: String,
@@ -107,6 +111,8 @@ impl EventLoop {
             keyboard: Keyboard::default(),
             clipboard: Clipboard::default(),
             input_queue: InputQueue::default(),
+            hovered_files: Vec::new(),
+            dropped_files: Vec::new(),
             context,
             painter: Painter::new(),
             title,
@@ -214,6 +220,7 @@ impl EventLoop {
                     let at = if own { at.max(self.last_frame + MIN_REPAINT_INTERVAL) } else { at };
                     self.repaint_at = self.repaint_at.into_iter().chain([at]).min();
                 }
+                LoopEvent::Files(files) => self.files(files, scale),
                 LoopEvent::Key | LoopEvent::Other | LoopEvent::Close | LoopEvent::Broken => {}
             }
         }
@@ -251,6 +258,30 @@ impl EventLoop {
             },
         };
         self.input_queue.push(event, at);
+    }
+
+    /// Notes what is dragged over the window. A frame follows.
+    fn files(&mut self, files: FilesInput, scale: f32) {
+        match files {
+            FilesInput::Moved([x, y]) => {
+                self.input_queue.push(Event::PointerMoved(egui::pos2(x, y) / scale), Instant::now());
+            }
+            FilesInput::Hovered(paths) => {
+                let file = |path| HoveredFile { path: Some(path), ..HoveredFile::default() };
+                // Files of unknown names are files too.
+                self.hovered_files =
+                    if paths.is_empty() { vec![HoveredFile::default()] } else { paths.into_iter().map(file).collect() };
+            }
+            FilesInput::Left => {
+                self.hovered_files.clear();
+                self.input_queue.push(Event::PointerGone, Instant::now());
+            }
+            FilesInput::Dropped(paths) => {
+                self.hovered_files.clear();
+                self.dropped_files.extend(paths.into_iter().map(DroppedPath::handle));
+            }
+        }
+        self.repaint_at = Some(Instant::now());
     }
 
     /// Updates size and focus, for which minifb gives no events.
@@ -333,7 +364,7 @@ impl EventLoop {
         !closes && !app.wants_close()
     }
 
-    fn input(&self, events: Vec<Event>, scale: f32) -> RawInput {
+    fn input(&mut self, events: Vec<Event>, scale: f32) -> RawInput {
         let size = egui::vec2(self.size[0] as f32, self.size[1] as f32) / (scale * self.context.zoom_factor());
         let mut input = RawInput {
             screen_rect: Some(egui::Rect::from_min_size(egui::Pos2::ZERO, size)),
@@ -341,6 +372,8 @@ impl EventLoop {
             time: Some(self.started.elapsed().as_secs_f64()),
             events,
             focused: self.focused,
+            hovered_files: self.hovered_files.clone(),
+            dropped_files: std::mem::take(&mut self.dropped_files),
             ..RawInput::default()
         };
         if let Some(viewport) = input.viewports.get_mut(&ViewportId::ROOT) {
