@@ -181,8 +181,8 @@ impl App {
         let startup = &user_state.settings.startup;
         let meshes = Arc::new(MeshStore::default());
         let (location, opened) = match session {
-            Some(location) => (location.clone(), OpenedSession::open(location, Readable::RegularOrPipe, &meshes)?),
-            None => match OpenedSession::open(startup, Readable::Regular, &meshes) {
+            Some(location) => (location.clone(), mesh_loading::open_at_start(location, Readable::RegularOrPipe, &meshes)?),
+            None => match mesh_loading::open_at_start(startup, Readable::Regular, &meshes) {
                 Ok(opened) => (startup.clone(), opened),
                 // The window must open even if the startup session is gone.
                 Err(errors) => {
@@ -244,6 +244,7 @@ impl App {
             app.notify_of_session(&location, &opened.warnings);
         }
         app.note_mistakes(opened.mistakes);
+        app.read_meshes_of_start();
         if app.user_state.has_important_drafts() {
             app.dialogs.offer_drafts(app.user_state.draft_names());
         }

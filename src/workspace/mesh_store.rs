@@ -178,6 +178,9 @@ impl MeshStore {
         if let Some(kept) = self.kept(&stamp, needs_normals) {
             return kept;
         }
+        if reading.cancelled.load(Ordering::Relaxed) {
+            return KeptMesh { stamp, needs_normals, outcome: Err(MeshError::Cancelled) };
+        }
         let tell = |share: f64| (reading.progress)(READING * share);
         let part = Reading { progress: &tell, ..*reading };
         let (name, outcome) = match found {

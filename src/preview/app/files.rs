@@ -298,6 +298,8 @@ impl App {
 
     /// Shows another session with its texts. Nothing that was done before can be undone.
     fn show_session(&mut self, opened: OpenedSession, location: Option<Location>) {
+        // What is being read is for the session before.
+        self.mesh_loading.cancel();
         self.workshop.open(&opened.project);
         self.documents = documents(&opened);
         self.steps = OtherSteps::default();

@@ -4,12 +4,15 @@
 //! What was read is in the store of meshes. So the action that needs it is performed again afterwards, and finds it
 //! there, or what is wrong with it.
 
+use crate::files::Readable;
 use crate::mesh::Reading;
 use crate::preview::app::App;
 use crate::preview::app::scene_actions::MeshSpot;
 use crate::preview::app::tab::TextTab;
+use crate::preview::workshop::{OpenedSession, OpeningErrors};
 use crate::scene::Scene;
 use crate::trace::usable_memory;
+use crate::workspace::project::{UnusableText, scene_of_session};
 use crate::workspace::{Location, MeshStore};
 use egui::Ui;
 use std::path::PathBuf;
@@ -101,6 +104,19 @@ impl Drop for MeshLoading {
     }
 }
 
+/// Opens the session of the start. If its scene has large meshes, they are not read yet: the window opens first.
+///
+/// # Errors
+/// As for [`OpenedSession::open`].
+pub(super) fn open_at_start(location: &Location, readable: Readable, meshes: &MeshStore) -> Result<OpenedSession, OpeningErrors> {
+    let scene = scene_of_session(location);
+    if scene.is_some_and(|(scene, place)| meshes.bytes_to_read(&scene, &place) > AT_ONCE) {
+        OpenedSession::open_before_meshes(location, readable, meshes)
+    } else {
+        OpenedSession::open(location, readable, meshes)
+    }
+}
+
 /// What the thread needs of the window.
 struct MeshReader {
     /// The memory for meshes, in bytes.
@@ -120,6 +136,14 @@ impl App {
         self.mesh_loading.start(scene, place, store, then, reader)
     }
 
+    /// Begins to read the meshes of the session of the start, if they were left out.
+    pub(super) fn read_meshes_of_start(&mut self) {
+        if self.mistakes.unusable.iter().any(UnusableText::waits_for_meshes) && !self.reads_meshes_of_text(AfterReading::Apply) {
+            // There is no thread for it, or the files have changed since.
+            self.apply(TextTab::Scene);
+        }
+    }
+
     /// Whether large meshes of the text of the scene must be read before it is applied. That is begun.
     pub(super) fn reads_meshes_of_text(&mut self, then: AfterReading) -> bool {
         self.mesh_loading.cancel();
@@ -131,7 +155,7 @@ impl App {
     /// Whether large meshes of a session must be read before it is opened. That is begun.
     pub(super) fn reads_meshes_of_session(&mut self, location: &Location) -> bool {
         self.mesh_loading.cancel();
-        let found = crate::workspace::project::scene_of_session(location);
+        let found = scene_of_session(location);
         found.is_some_and(|(scene, place)| self.reads_first(scene, place, AfterReading::Open(location.clone())))
     }
 

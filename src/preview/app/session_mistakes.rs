@@ -61,12 +61,13 @@ impl App {
     /// Shows what is wrong with the texts of the session, as long as it is.
     pub(super) fn notify_of_mistakes(&mut self) {
         self.mistakes.unusable.retain(|text| self.workshop.stands_in(text.kind));
-        if self.mistakes.is_empty() {
+        let mut mistaken = self.mistakes.unusable.iter().filter(|text| !text.waits_for_meshes()).peekable();
+        if mistaken.peek().is_none() && self.mistakes.session_errors.is_none() {
             self.notices.clear(Topic::Mistakes);
             return;
         }
         let has_scene = !self.workshop.stands_in(FileKind::Scene);
-        let mut lines: Vec<String> = self.mistakes.unusable.iter().map(|text| described(text, has_scene)).collect();
+        let mut lines: Vec<String> = mistaken.map(|text| described(text, has_scene)).collect();
         if let Some(waiting) = self.waiting_names() {
             lines.push(format!("The values of {waiting} are kept for that."));
         }
@@ -110,7 +111,12 @@ impl App {
     pub(super) fn note_on_picture(&self) -> Option<PaneNote> {
         let unusable = |kind: FileKind| self.mistakes.unusable.iter().find(|text| text.kind == kind);
         if let Some(scene) = unusable(FileKind::Scene).filter(|text| self.workshop.stands_in(text.kind)) {
-            return Some(PaneNote { text: format!("There is no picture: {}", fault(scene)), is_central: true });
+            let text = match (scene.waits_for_meshes(), self.mesh_loading.progress()) {
+                (true, Some(share)) => format!("Reading the meshes of {}: {:.0} %", scene.location, 100.0 * share),
+                (true, None) => format!("There is no picture: the meshes of {} are not read", scene.location),
+                (false, _) => format!("There is no picture: {}", fault(scene)),
+            };
+            return Some(PaneNote { text, is_central: true });
         }
         if let Some(formula) = unusable(FileKind::Formula).filter(|text| self.workshop.stands_in(text.kind)) {
             let text = format!("The scene with a plain matte formula: {}", fault(formula));

@@ -1,5 +1,6 @@
 //! Opens a session in the workshop, and collects everything that is reported.
 
+use crate::engine::Task;
 use crate::files::Readable;
 use crate::lang::diagnostic::{Diagnostic, Diagnostics, Severity};
 use crate::lang::source::Source;
@@ -10,6 +11,7 @@ use crate::workspace::materials::SourceDiagnostics;
 use crate::workspace::project::{Listener, OpenProjectError, PartialProject, Project, Request, SessionMistakes, SessionText};
 use std::fmt;
 use std::path::Path;
+use std::sync::atomic::AtomicBool;
 
 /// An open session, and what is to be said about it.
 #[derive(Debug)]
@@ -92,6 +94,22 @@ impl OpenedSession {
     pub fn open(location: &Location, readable: Readable, meshes: &MeshStore) -> Result<OpenedSession, OpeningErrors> {
         let session = Some(SessionText::At(location.clone()));
         Self::open_request(&Request { session, session_readable: readable, meshes: Some(meshes), ..Request::default() })
+    }
+
+    /// Opens a session without the meshes of its scene, which are to be read afterwards. Until then an empty scene
+    /// stands in for it, a text without errors.
+    ///
+    /// # Errors
+    /// As for [`open`](Self::open).
+    pub fn open_before_meshes(location: &Location, readable: Readable, meshes: &MeshStore) -> Result<Self, OpeningErrors> {
+        let session = Some(SessionText::At(location.clone()));
+        let cancelled = AtomicBool::new(true);
+        let task = Some(Task { cancelled: &cancelled, ..Task::UNWATCHED });
+        let request = Request { session, session_readable: readable, meshes: Some(meshes), task, ..Request::default() };
+        let mut opened = Self::open_request(&request)?;
+        let scenes = opened.mistakes.unusable.iter_mut().filter(|text| text.kind == FileKind::Scene && text.is_read);
+        scenes.for_each(|text| text.found.diagnostics = Diagnostics::default());
+        Ok(opened)
     }
 
     /// Opens a session from its text, in `folder`. `other` has texts to use instead of those of its formula and its

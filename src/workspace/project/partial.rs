@@ -40,6 +40,11 @@ impl UnusableText {
         self.found.diagnostics.iter().filter(|one| one.severity() == Severity::Error).count()
     }
 
+    /// Whether it is a scene without errors, whose meshes are not read yet.
+    pub fn waits_for_meshes(&self) -> bool {
+        self.is_read && self.kind == FileKind::Scene && self.errors() == 0
+    }
+
     /// The error for somebody who needs the text. Errors with a place in it go to the listener.
     pub(super) fn report(self, listener: &mut dyn Listener) -> OpenProjectError {
         if self.is_read {

@@ -111,3 +111,44 @@ fn a_mesh_is_added_and_moved_by_hand() {
     let [before, after] = [&world, harness.state().workshop.world()].map(|world| world.bounds(id).low);
     assert!((after - before).abs_diff_eq(glam::DVec3::X, 1e-9), "{before} {after}");
 }
+
+#[test]
+fn the_window_is_open_before_the_meshes_of_its_session_are_read() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let [mesh, scene, session] = ["grid.obj", "grid.scene", "grid.toml"].map(|name| folder.path().join(name));
+    grid(&mesh, 260);
+    fs::write(&scene, format!("bodies; sheet: mesh, \"grid.obj\", fit <0,0,0> 3;\n{CAMERA}")).expect("a file");
+    let values = "[bodies.sheet]\nkd = 0.25\n[lights.key]\nki = 0.75\n";
+    fs::write(&session, format!("version = 1\nformula = \"preset:phong\"\nscene = \"grid.scene\"\nsize = [48, 32]\n{values}"))
+        .expect("a file");
+    let location = Location::File(session.clone());
+    let app = App::new(Some(&location), None).expect("a session");
+    assert!(app.workshop.scene().bodies.is_empty() && app.mesh_loading.progress().is_some(), "nothing is read yet");
+    let builder = Harness::builder().with_size(egui::vec2(1100.0, 700.0));
+    let mut harness = builder.build_ui_state(|ui, app: &mut App| app.draw(ui), app);
+    let context = harness.ctx.clone();
+    harness.state_mut().started(&context);
+    let state = harness.state();
+    assert!(state.documents.scene.text().contains("grid.obj") && state.documents.scene.counts() == [0, 0]);
+    assert!(state.notices.is_empty() && !state.is_unsaved() && state.session == Some(location.clone()));
+    if state.mesh_loading.progress().is_some() {
+        let note = state.note_on_picture().expect("a note").text;
+        assert!(note.starts_with("Reading the meshes of ") && note.contains("grid.scene: "), "{note}");
+    }
+    until("the mesh is read", &mut harness, |app| app.workshop.scene().bodies.len() == 1);
+    let state = harness.state();
+    assert_eq!((triangles(&harness), state.note_on_picture(), state.is_unsaved()), (2 * 260 * 260, None, false));
+    let table = state.workshop.values().table();
+    let value = |owner: &str, name: &str| {
+        let (owner, id) = (table.owners().named(owner).expect("an owner"), table.parameter_named(name).expect("a parameter"));
+        state.workshop.values().get(owner, id)[0]
+    };
+    assert_eq!([value("sheet", "kd"), value("key", "ki")], [0.25, 0.75], "values have waited");
+    assert!(state.workshop.can_undo_and_redo() == [false, false] && state.undo_and_redo_names()[0].is_none());
+    // A mesh that cannot be used is marked, as it is elsewhere.
+    fs::write(&mesh, fs::read_to_string(&mesh).expect("a file") + "f 1 2 99999999\n").expect("a file");
+    let app = App::new(Some(&location), None).expect("a session");
+    let mut harness = Harness::builder().build_ui_state(|ui, app: &mut App| app.draw(ui), app);
+    until("a mistake is marked", &mut harness, |app| app.documents.scene.counts()[0] == 1);
+    assert!(harness.state().workshop.scene().bodies.is_empty());
+}
