@@ -113,6 +113,9 @@ impl App {
         if let Some(scene) = unusable(FileKind::Scene).filter(|text| self.workshop.stands_in(text.kind)) {
             let text = match (scene.waits_for_meshes(), self.mesh_loading.progress()) {
                 (true, Some(share)) => format!("Reading the meshes of {}: {:.0} %", scene.location, 100.0 * share),
+                (true, None) if self.documents.scene.counts()[0] > 0 => {
+                    format!("There is no picture: the scene {} has a mistake", scene.location)
+                }
                 (true, None) => format!("There is no picture: the meshes of {} are not read", scene.location),
                 (false, _) => format!("There is no picture: {}", fault(scene)),
             };
