@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Reference renderer for the languages of the manual (the oracle).  Plain Python 3.11, standard library only, IEEE double throughout.
+"""Reference renderer for the languages of the manual (the oracle).  Plain Python 3.11, IEEE double throughout.
+Standard library only, but for scenes with meshes (mesh.py) and formulas with textures (images.py).
 
 Written from the description of the languages alone; simple rather than fast.  "language x.y" in the comments cites what is followed
 in docs/manual/src: 1 language.md (1.1 text and grammar, 1.2 operators and functions, 1.3 variables and parameters), 2 scenes.md, 3 pictures.md.
@@ -10,6 +11,7 @@ Parts:  1 arithmetic (total: nothing raises)   2 lexer   3 formula parser   4 ty
 """
 import argparse, bisect, math, multiprocessing, os, re, struct, sys
 from fractions import Fraction
+import images
 
 NAN, INF = math.nan, math.inf
 
@@ -320,7 +322,7 @@ def lex(text, name):
 
 class Parser:
     def __init__(self, text, name):
-        self.tokens, self.at = lex(text, name), 0
+        self.tokens, self.at, self.file = lex(text, name), 0, name
 
     def peek(self, *kinds):
         return self.tokens[self.at].kind in kinds
@@ -381,6 +383,8 @@ class Param:
         self.whole = False                       # switch, choices
 
     def clamp(self, v):
+        if self.type == 'T':                     # a texture
+            return v
         one = lambda x: min(max(float(math.floor(x + 0.5)) if self.whole else x, self.lo), self.hi)
         return one(v) if self.type == 'S' else tuple(map(one, v))
 
@@ -457,7 +461,7 @@ class FormulaParser(Parser):
         t = self.name()
         self.new_name(f, t)
         self.need(':')
-        type = 'S' if self.need_word('scalar', 'vector').text == 'scalar' else 'V'
+        type = {'scalar': 'S', 'vector': 'V', 'texture': 'T'}[self.need_word('scalar', 'vector', 'texture').text]
         f.params[t.text] = self.attributes(t, Param(t.text, owner, type, -INF, INF, None))
 
     def predefined(self, f):
@@ -482,6 +486,8 @@ class FormulaParser(Parser):
                 p.lo = self.snum(); self.need('..'); p.hi = self.snum()
                 if p.lo > p.hi:
                     raise Wrong('%s: empty range' % a.where)
+            elif a.text == 'default' and p.type == 'T':                # the path is relative to the formula file
+                default = images.Texture(os.path.join(os.path.dirname(self.file), self.need('string').value))
             elif a.text == 'default':
                 is_vector = self.peek('<')
                 default = self.const_vector() if is_vector else self.snum()
@@ -501,7 +507,9 @@ class FormulaParser(Parser):
         if p.whole and ('constraint' in seen or {'switch', 'choices'} <= seen):
             raise Wrong('%s: %s has two ranges' % (t.where, t.text))
         self.need(';')
-        if default is None:                      # the value nearest 0 in the range
+        if p.type == 'T':                        # a texture without default is white
+            p.default = default or images.white
+        elif default is None:                    # the value nearest 0 in the range
             p.default = p.clamp(0.0 if p.type == 'S' else (0.0, 0.0, 0.0))
         else:
             p.default = p.clamp(default)
@@ -702,6 +710,11 @@ class Code:
         name = e[2]
         if name in f.functions:
             return self.call(name, where, [self.gen(a, local) for a in e[3]])
+        if name in f.params and f.params[name].type == 'T' and name not in local:
+            texture, args = self.name(name, where, local), [self.gen(a, local) for a in e[3]]
+            if [a.type for a in args] != ['S', 'S']:
+                raise Wrong('%s: a texture takes two scalars' % where)
+            return self.emit('V', '%s(%s, %s)' % (texture.atom, args[0].atom, args[1].atom), (texture, *args))
         if name in local or name in f.macros or name in f.params:
             raise Wrong('%s: %r is not a function' % (where, name))       # [CHOICE 3] a redefined [+] function name
         if name in ('sum', 'product'):
@@ -1023,14 +1036,14 @@ def assign_values(formula, scene, settings, background):
         left, eq, right = s.partition('=')
         owner, dot_, name = left.strip().rpartition('.')
         owner, name = owner.strip(), name.strip()
-        value, found = parse_value(right), False
+        value, found = images.white if right == 'none' else parse_value(right), False
         for kind, owner_name, o in owners:
             if (owner == '*' and kind != 'global') or (owner == owner_name and bool(dot_) == (kind != 'global')):
                 p = formula.params.get(name)
                 if p is None or p.owner != kind:
                     continue
                 found = True
-                if isinstance(value, tuple) != (p.type == 'V'):
+                if p.type != ('T' if callable(value) else 'V' if isinstance(value, tuple) else 'S'):
                     raise Wrong('--set %s: wrong type' % s)
                 o.values[name] = p.clamp(value)
                 if o.values[name] != value:
@@ -1054,8 +1067,19 @@ def assign_values(formula, scene, settings, background):
 # 6  Scene (language 2)
 # =====================================================================================================================
 class Body:
+    """hit() and at() are what rays ask for; a mesh (mesh.py) has its own.  The part of a hit is the triangle of a mesh."""
     index = None
     opaque = matte = False
+
+    def hit(self, o, d, part, eps):
+        """-> (distance > eps, part) of the first intersection, or None.  part: where on this body the ray starts, or None."""
+        t = self.meet(o, d, part is not None, eps)
+        return None if t is None else (t, ())
+
+    def at(self, a, part):
+        """-> geometric and shading normal on the outside, T, u, v"""
+        n = self.outward(a)
+        return (n, n, self.tangent(a), *self.coordinates(a))
 
 
 class Sphere(Body):
@@ -1159,9 +1183,12 @@ def parse_scene(text, name, default_index):
     p.need_word('bodies'); p.need(';')
     while p.peek('ident') and not p.word('lights'):
         n = new_name()
-        t = p.need_word('sphere', 'rectangle')
+        t = p.need_word('sphere', 'rectangle', 'mesh')
         p.need(',')
-        if t.text == 'sphere':
+        if t.text == 'mesh':                     # the path is relative to the scene file
+            path = os.path.join(os.path.dirname(name), p.need('string').value)
+            transforms, smooth = [], None
+        elif t.text == 'sphere':
             p.need_word('center'); center = p.const_vector(); p.need(',')
             p.need_word('radius'); radius = p.snum()
             if radius <= 0:
@@ -1171,15 +1198,28 @@ def parse_scene(text, name, default_index):
             c1 = p.const_vector(); p.need(',')
             c2 = p.const_vector(); p.need(',')
             b = Rectangle(c1, c2, p.const_vector())
+        attributes = {}
         while p.accept(','):
-            a = p.need_word('refractive_index', 'opaque', 'matte')
+            of_meshes = ('flat', 'smooth', 'scale', 'rotate', 'translate', 'fit') if t.text == 'mesh' else ()
+            a = p.need_word('refractive_index', 'opaque', 'matte', *of_meshes)
             if a.text == 'refractive_index':
-                b.index = p.snum()
-                if b.index <= 0:
+                attributes['index'] = p.snum()
+                if attributes['index'] <= 0:
                     raise Wrong('%s: the refractive index must be positive' % a.where)
+            elif a.text in ('opaque', 'matte'):
+                attributes[a.text] = True
+            elif a.text in ('flat', 'smooth'):
+                smooth = a.text == 'smooth'
+            elif a.text == 'scale' and not p.peek('<'):
+                transforms.append((a.text, p.snum()))
             else:
-                setattr(b, a.text, True)
+                transforms.append((a.text, p.const_vector()) + ((p.snum(),) if a.text in ('rotate', 'fit') else ()))
         p.need(';')
+        if t.text == 'mesh':
+            import mesh                          # needs trimesh, numpy and embreex
+            b = mesh.Mesh(path, transforms, smooth)
+        for key, value in attributes.items():
+            setattr(b, key, value)
         b.name = n
         if b.index is None:
             b.index = default_index
@@ -1224,38 +1264,39 @@ class Tracer:
         self.eps = 1e-9 * scene.extent
 
     def first_hit(self, o, d, start):
-        best, best_t = None, INF
+        best, best_t, best_part = None, INF, None
         for b in self.scene.bodies:
-            t = b.meet(o, d, b is start, self.eps)
-            if t is not None and t < best_t:     # strict: at equal distance the first declared
-                best, best_t = b, t
-        return best, best_t
+            hit = b.hit(o, d, start[1] if b is start[0] else None, self.eps)
+            if hit is not None and hit[0] < best_t:                    # strict: at equal distance the first declared
+                best, best_t, best_part = b, *hit
+        return best, best_t, best_part
 
-    def visible(self, a, body, L, dist):
+    def visible(self, a, start, L, dist):
         if not self.shadows:
             return True
         for b in self.scene.bodies:              # transparent ones and this one, too
-            t = b.meet(a, L, b is body, self.eps)
-            if t is not None and t < dist - self.eps:
+            hit = b.hit(a, L, start[1] if b is start[0] else None, self.eps)
+            if hit is not None and hit[0] < dist - self.eps:
                 return False
         return True
 
     def color(self, o, d, start, depth):
-        """Equation (2) for the ray from o in unit direction d, leaving the surface of body `start` (or None)."""
+        """Equation (2) for the ray from o in unit direction d, leaving the surface `start`: body and part (None, None: the camera)."""
         g = self.scene.values
-        body, t = self.first_hit(o, d, start)
+        body, t, part = self.first_hit(o, d, start)
         if body is None:
             return g['background']
         A = vadd(o, vscale(d, t))
-        outward = body.outward(A)
+        outward, shading, T, u, v = body.at(A, part)
         front = dot(d, outward) < 0
-        N = outward if front else vneg(outward)  # turned to the side the ray came from
         V = vneg(d)
+        Ng = outward if front else vneg(outward)                       # turned to the side the ray came from
+        N = shading if front else vneg(shading)
+        if dot(N, V) < 0:                        # interpolated, and looks away: turned until it just does not  [CHOICE 35]
+            N = normalize(vsub(N, vscale(V, dot(N, V))))
         angle = lambda x, y: acos(max(min(dot(x, y), 1.0), -1.0))      # NaN stays NaN: Python's min/max keep the first
         gamma = angle(N, V)
-        T = body.tangent(A)
         B = cross(N, T)
-        u, v = body.coordinates(A)
         p = body.values
         total = (0.0, 0.0, 0.0)
         for light in self.scene.lights:
@@ -1263,17 +1304,17 @@ class Tracer:
             to_light = vsub(light.position, A)
             dist = length(to_light)
             L = vover(to_light, dist)
-            visible = self.visible(A, body, L, dist)
-            reached = visible and (not self.shadows or dot(N, L) > 0)
+            visible = self.visible(A, (body, part), L, dist)
+            reached = visible and (not self.shadows or dot(N, L) > 0 and dot(Ng, L) > 0)               # language 2.1: both see the light
             if ki == 0 or not (reached or self.all_lights):
                 continue                         # a zero factor: the term is exactly 0; a formula that reads visible has no visible_i
             R = vsub(vscale(N, 2 * dot(N, L)), L)
             H = normalize(vadd(L, V))
-            e = self.local(N, L, V, R, angle(N, L), angle(R, V), gamma, A, H, T, B, dist, float(visible), None, None, N, u, v, p, light.values, g)
+            e = self.local(N, L, V, R, angle(N, L), angle(R, V), gamma, A, H, T, B, dist, float(visible), None, None, Ng, u, v, p, light.values, g)
             total = vadd(total, vscale(e, ki))
         n12 = 1 / body.index if front else body.index
         beyond = 1 - n12 * n12 * (1 - dot(N, V) ** 2) < 0
-        own = {name: f(N, None, V, None, None, None, gamma, A, None, T, B, None, None, n12, float(beyond), N, u, v, p, None, g)
+        own = {name: f(N, None, V, None, None, None, gamma, A, None, T, B, None, None, n12, float(beyond), Ng, u, v, p, None, g)
                for name, f in self.surface.items()}
         if 'ambient' in own:                     # in place of ka Cd Ia
             total = vadd(total, own['ambient'])
@@ -1285,11 +1326,11 @@ class Tracer:
             weight = own.get('reflected', (p['kr'],) * 3)
             if any(w != 0 for w in weight) and not body.matte:
                 r = normalize(vsub(vscale(N, 2 * dot(N, V)), V))
-                total = vadd(total, vmul(self.color(A, r, body, depth + 1), weight))
+                total = vadd(total, vmul(self.color(A, r, (body, part), depth + 1), weight))
             weight = own.get('refracted', (p['kt'],) * 3)
             if any(w != 0 for w in weight) and not body.opaque and not beyond:
                 r = self.refracted(N, V, n12)
-                total = vadd(total, vmul(self.color(A, r, body, depth + 1), weight))
+                total = vadd(total, vmul(self.color(A, r, (body, part), depth + 1), weight))
         return total
 
     @staticmethod
@@ -1319,7 +1360,7 @@ def render_row(job):
         for j in range(samples):                 # regular grid: centres of n x n subpixels
             for i in range(samples):
                 d = primary(tracer.scene, x + (i + 0.5) / samples + dx, y + (j + 0.5) / samples + dy, width, height)
-                total = vadd(total, tracer.color(tracer.scene.eye, d, None, 1))
+                total = vadd(total, tracer.color(tracer.scene.eye, d, (None, None), 1))
         c = vover(total, samples * samples)
         return tuple(0.0 if v != v else v for v in c)                  # [CHOICE 8] NaN -> 0 after the average
 

@@ -22,7 +22,7 @@ def make(formula, scene, **k):
 
 
 def shoot(t, o, d):
-    return t.color(o, normalize(d), None, 1)
+    return t.color(o, normalize(d), (None, None), 1)
 
 
 CAM = 'camera; position <0,0,9>; gaze <0,0,-1>; up <0,1,0>; fov 40;'
