@@ -69,6 +69,7 @@ const FORMULAS: &[Preset] = files!("formula", "formula":
 const SCENES: &[Preset] = files!("scene", "scene":
     "studio" = "two balls under three lights, for a new formula",
     "shaderball" = "a shell with an opening, a core, a ring and a base, for one material",
+    "showcase" = "the shader ball, a cut stone, mirrors and matte balls before a fan of colours",
     "glass" = "glass before a wall, and a mirror",
     "highlights" = "fifteen balls of plastic, copper and steel, to compare highlights",
     "sunset" = "water, silver, glass and a soap bubble at sunset",
@@ -91,7 +92,7 @@ const SCENES: &[Preset] = files!("scene", "scene":
     "twig" = "nine leaves on a twig against the light",
 );
 const SESSIONS: &[Preset] = files!("session", "toml":
-    "default" = "the crystals with Phong's model: what opens if nothing is named",
+    "default" = "a shader ball of glass, with Phong's model: what opens if nothing is named",
     "shaderball" = "red lacquer and gold on the shader ball, by Fresnel's law",
     "shaderball-glass" = "the shader ball of glass, by Fresnel's law",
     "studio" = "two balls in a studio, with Phong's model",

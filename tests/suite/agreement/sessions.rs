@@ -35,7 +35,7 @@ fn source(kind: FileKind, name: &str) -> Source {
     Source::new(name, presets::text(kind, name).expect("a built-in file"))
 }
 
-/// A formula on the scene of the default session, with its values.
+/// A formula on the crystals, with the values of their session.
 pub(super) struct Model {
     size: [u32; 2],
     compiled: Arc<dyn Evaluator>,
@@ -50,7 +50,7 @@ impl Model {
     }
 
     pub(super) fn on(tested: &Tested, scene: &Source, formula: &Source) -> Self {
-        let (session, _) = Session::parse(&source(FileKind::Session, presets::DEFAULT_SESSION)).expect("a session");
+        let (session, _) = Session::parse(&source(FileKind::Session, "crystals")).expect("a session");
         let (formula, _) = Formula::parse(formula).expect("a formula");
         let (scene, _) = Scene::parse(scene).expect("a scene");
         let view = View::new(tested.size[0], tested.size[1]).expect("a size in range");

@@ -12,16 +12,16 @@ use crate::workspace::{Session, Values};
 use crate::world::{Meshes, World};
 use std::sync::atomic::AtomicBool;
 
-/// Some sliders of the default session: some are drawn by images, others need a kernel.
+/// Some sliders of the crystals: some are drawn by images, others need a kernel.
 const SLIDERS: [&str; 9] = ["floor.kd", "floor.Cd", "floor.kr", "globe.kt", "globe.h", "gold.ks", "key.ki", "key.IL", "ka"];
 
 fn source(kind: FileKind, name: &str) -> Source {
     Source::new(name, presets::text(kind, name).expect("a built-in file"))
 }
 
-/// The default session in a size of several tiles.
+/// The crystals with Phong's model, in a size of several tiles.
 fn session() -> (Arc<Compiled>, Values) {
-    let (session, _) = Session::parse(&source(FileKind::Session, presets::DEFAULT_SESSION)).expect("a session");
+    let (session, _) = Session::parse(&source(FileKind::Session, "crystals")).expect("a session");
     let (formula, _) = Formula::parse(&source(FileKind::Formula, "phong")).expect("a formula");
     let (scene, _) = Scene::parse(&source(FileKind::Scene, "crystals")).expect("a scene");
     let view = View::new(256, 144).expect("a size in range");
