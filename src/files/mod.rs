@@ -4,11 +4,13 @@
 
 mod open;
 mod replace;
+mod stamp;
 
 use std::io::{self, ErrorKind};
 
 pub use open::{FileType, OpenError, Readable, open, open_regular};
 pub use replace::{UNFINISHED_PREFIX, follow_links, remove_unfinished, replace_file, replace_text};
+pub use stamp::FileStamp;
 
 /// What the system says about an error, without its number.
 pub fn reason(error: &io::Error) -> String {

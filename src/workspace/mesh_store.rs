@@ -5,6 +5,7 @@
 //! again if it has changed, and only then. Of a glTF file, the files that it names are not watched.
 
 use crate::bvh::MeshTree;
+use crate::files::FileStamp;
 use crate::lang::diagnostic::{Diagnostic, Diagnostics, nearest};
 use crate::mesh::{MeshError, MeshPlace, MeshRepairs, Reading, TriangleMesh, read, read_bytes};
 use crate::scene::shape::NamedMesh;
@@ -15,7 +16,6 @@ use crate::world::Meshes;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::SystemTime;
 
 /// The prefix of the names of built-in meshes.
 const PRESET: &str = "preset:";
@@ -33,20 +33,16 @@ pub struct MeshStore {
 /// What was read of a file.
 #[derive(Debug, Clone)]
 struct KeptMesh {
-    stamp: FileStamp,
+    origin: MeshOrigin,
     needs_normals: bool,
     outcome: Result<(Arc<MeshTree>, MeshRepairs), MeshError>,
 }
 
 /// Where a mesh comes from, and which contents the file has.
 #[derive(Debug, Clone, PartialEq)]
-enum FileStamp {
+enum MeshOrigin {
     BuiltIn(&'static str),
-    File {
-        path: PathBuf,
-        length: u64,
-        modified: Option<SystemTime>,
-    },
+    File(FileStamp),
     /// There is no such file, or it cannot be looked at.
     Missing(PathBuf),
 }
@@ -110,12 +106,12 @@ impl MeshStore {
                             warnings(repairs, tree.mesh()).for_each(|warning| found.push(at_name(warning, body, "in this mesh")));
                         }
                         Err(error) => {
-                            let missing = matches!(kept.stamp, FileStamp::Missing(_)) && !Path::new(&key.path).is_absolute();
+                            let missing = matches!(kept.origin, MeshOrigin::Missing(_)) && !Path::new(&key.path).is_absolute();
                             let hint = missing.then(|| "a relative path starts from the folder of the scene".to_owned());
                             found.push(mistake(error, body).help_if(hint));
                         }
                     }
-                    used.push(kept.stamp);
+                    used.push(kept.origin);
                 }
                 Err(diagnostic) => found.push(at_name(diagnostic, body, "this mesh")),
             }
@@ -130,10 +126,10 @@ impl MeshStore {
     pub fn bytes_to_read(&self, scene: &Scene, scene_location: &Location) -> u64 {
         let needed = Meshes::NONE.missing(scene);
         let bytes = needed.iter().map(|(_, key)| match find(&key.path, scene_location) {
-            Ok(Found::File(path)) => match FileStamp::of(&path) {
-                stamp if self.kept(&stamp, key.needs_normals).is_some() => 0,
-                FileStamp::File { length, .. } => length,
-                FileStamp::BuiltIn(_) | FileStamp::Missing(_) => 0,
+            Ok(Found::File(path)) => match MeshOrigin::of(&path) {
+                origin if self.kept(&origin, key.needs_normals).is_some() => 0,
+                MeshOrigin::File(stamp) => stamp.length(),
+                MeshOrigin::BuiltIn(_) | MeshOrigin::Missing(_) => 0,
             },
             Ok(Found::BuiltIn(_)) | Err(_) => 0,
         });
@@ -144,7 +140,7 @@ impl MeshStore {
     pub fn has_changed(&self, scene: &Scene, scene_location: &Location) -> bool {
         let needed = Meshes::NONE.missing(scene);
         needed.iter().any(|(_, key)| match find(&key.path, scene_location) {
-            Ok(Found::File(path)) => self.kept(&FileStamp::of(&path), key.needs_normals).is_none(),
+            Ok(Found::File(path)) => self.kept(&MeshOrigin::of(&path), key.needs_normals).is_none(),
             Ok(Found::BuiltIn(_)) | Err(_) => false,
         })
     }
@@ -159,11 +155,11 @@ impl MeshStore {
     }
 
     /// What is kept of a file that serves a body that needs normals, or does not.
-    fn kept(&self, stamp: &FileStamp, needs_normals: bool) -> Option<KeptMesh> {
+    fn kept(&self, origin: &MeshOrigin, needs_normals: bool) -> Option<KeptMesh> {
         let serves = |kept: &&KeptMesh| {
             // A mesh with normals of its own is the same for both.
             let same = kept.needs_normals == needs_normals;
-            kept.stamp == *stamp
+            kept.origin == *origin
                 && (same || !kept.needs_normals && kept.outcome.as_ref().is_ok_and(|(tree, _)| has_normals(tree)))
         };
         self.lock().iter().find(serves).cloned()
@@ -171,15 +167,15 @@ impl MeshStore {
 
     /// Reads a mesh, unless it is kept.
     fn of_file(&self, found: &Found, needs_normals: bool, reading: &Reading) -> KeptMesh {
-        let stamp = match found {
-            Found::BuiltIn(preset) => FileStamp::BuiltIn(preset.name),
-            Found::File(path) => FileStamp::of(path),
+        let origin = match found {
+            Found::BuiltIn(preset) => MeshOrigin::BuiltIn(preset.name),
+            Found::File(path) => MeshOrigin::of(path),
         };
-        if let Some(kept) = self.kept(&stamp, needs_normals) {
+        if let Some(kept) = self.kept(&origin, needs_normals) {
             return kept;
         }
         if reading.cancelled.load(Ordering::Relaxed) {
-            return KeptMesh { stamp, needs_normals, outcome: Err(MeshError::Cancelled) };
+            return KeptMesh { origin, needs_normals, outcome: Err(MeshError::Cancelled) };
         }
         let tell = |share: f64| (reading.progress)(READING * share);
         let part = Reading { progress: &tell, ..*reading };
@@ -203,7 +199,7 @@ impl MeshStore {
             Ok((Arc::new(tree), repairs))
         });
         (reading.progress)(1.0);
-        let kept = KeptMesh { stamp, needs_normals: needs_normals && !has_own, outcome };
+        let kept = KeptMesh { origin, needs_normals: needs_normals && !has_own, outcome };
         if !matches!(kept.outcome, Err(MeshError::Cancelled)) {
             self.lock().push(kept.clone());
         }
@@ -211,9 +207,9 @@ impl MeshStore {
     }
 
     /// Forgets what neither this scene nor anybody else uses.
-    fn forget_others(&self, used: &[FileStamp]) {
+    fn forget_others(&self, used: &[MeshOrigin]) {
         let in_use = |kept: &KeptMesh| kept.outcome.as_ref().is_ok_and(|(tree, _)| Arc::strong_count(tree) > 1);
-        self.lock().retain(|kept| used.contains(&kept.stamp) || in_use(kept));
+        self.lock().retain(|kept| used.contains(&kept.origin) || in_use(kept));
     }
 }
 
@@ -221,12 +217,9 @@ fn has_normals(tree: &MeshTree) -> bool {
     !tree.mesh().normals().is_empty()
 }
 
-impl FileStamp {
+impl MeshOrigin {
     fn of(path: &Path) -> Self {
-        match (path.canonicalize(), path.metadata()) {
-            (Ok(path), Ok(metadata)) => FileStamp::File { path, length: metadata.len(), modified: metadata.modified().ok() },
-            _ => FileStamp::Missing(path.to_owned()),
-        }
+        FileStamp::of(path).map_or_else(|| MeshOrigin::Missing(path.to_owned()), MeshOrigin::File)
     }
 }
 

@@ -3,7 +3,7 @@
 //! A file is read once, until it changes. What cannot be read is an error that names it. Transparency, colour profiles
 //! and the orientation of photographs are left out.
 
-use crate::files::{OpenError, Readable, open, reason};
+use crate::files::{FileStamp, OpenError, Readable, open, reason};
 use crate::formula::Formula;
 use crate::lang::colour;
 use crate::lang::diagnostic::{Diagnostic, Diagnostics};
@@ -14,18 +14,14 @@ use crate::workspace::location::{Location, near_file};
 use image::{ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
 use std::collections::HashMap;
 use std::io::{self, BufReader, ErrorKind};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::{Mutex, PoisonError};
-use std::time::SystemTime;
 
 /// The suffixes of images that textures are read from.
 pub const SUFFIXES: [&str; 5] = ["png", "jpg", "jpeg", "exr", "hdr"];
 
-/// What a file was when it was read: path, time of the last change, and size in bytes.
-type FileState = (PathBuf, Option<SystemTime>, u64);
-
 /// The numbers of the textures that were read.
-static READ: Mutex<Option<HashMap<FileState, f32>>> = Mutex::new(None);
+static READ: Mutex<Option<HashMap<FileStamp, f32>>> = Mutex::new(None);
 
 /// The number of the texture in a file. The empty path is that of white, 0.
 ///
@@ -46,17 +42,17 @@ pub fn load(path: &Path) -> Result<f32, Diagnostic> {
         OpenError::Irregular(found) => failed(&format!("it is {found}, not a file")),
         OpenError::Io(error) => unread(&error),
     })?;
-    let state: FileState = (path.to_owned(), metadata.modified().ok(), metadata.len());
+    let stamp = FileStamp::new(path, &metadata);
     let mut read = READ.lock().unwrap_or_else(PoisonError::into_inner);
     let read = read.get_or_insert_default();
-    if let Some(number) = read.get(&state) {
+    if let Some(number) = read.get(&stamp) {
         return Ok(*number);
     }
     let texture = decode(file).map_err(|why| {
         failed(&why).help(format!("textures are images of the formats PNG, JPEG, OpenEXR and HDR ({})", SUFFIXES.join(", ")))
     })?;
     let number = texture::keep(path.to_owned(), texture).map_err(|error| failed(&error.to_string()))?;
-    read.insert(state, number);
+    read.insert(stamp, number);
     Ok(number)
 }
 

@@ -1,27 +1,28 @@
 //! What a thumbnail is of.
 
+use crate::files::FileStamp;
 use crate::workspace::{FileKind, Location};
 use std::path::PathBuf;
-use std::time::SystemTime;
 
 /// What a thumbnail is of. A file that was changed has another one.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct ThumbnailKey {
     kind: FileKind,
     location: Location,
-    changed: Option<SystemTime>,
+    /// The file as it was. Built-in ones have none.
+    stamp: Option<FileStamp>,
 }
 
 impl ThumbnailKey {
     /// The thumbnail of a file as it is now. This asks the file system, so call it when a list opens.
     pub(super) fn new(kind: FileKind, location: Location) -> Self {
-        let changed = location.file().and_then(|path| std::fs::metadata(path).and_then(|data| data.modified()).ok());
-        Self { kind, location, changed }
+        let stamp = location.file().and_then(FileStamp::of);
+        Self { kind, location, stamp }
     }
 
     /// The thumbnail of a built-in file.
     pub(super) fn preset(kind: FileKind, name: &str) -> Self {
-        Self { kind, location: Location::Preset(name.to_owned()), changed: None }
+        Self { kind, location: Location::Preset(name.to_owned()), stamp: None }
     }
 
     /// The thumbnail of a file of the user.

@@ -6,6 +6,7 @@ use crate::workspace::project::{Listener, OpenProjectError, Project, Request, Se
 use crate::workspace::{FileValue, Session, Values};
 use image::{ExtendedColorType, ImageEncoder, Rgb, Rgb32FImage, RgbImage};
 use std::fs;
+use std::path::PathBuf;
 
 fn texture(path: &Path) -> &'static TextureImage {
     let number = load(path).unwrap_or_else(|error| panic!("{}", error.message()));
