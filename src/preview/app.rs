@@ -402,6 +402,7 @@ impl App {
             JobResult::Done(text) => self.confirm(text),
             JobResult::ThumbnailMade(key, image) => self.thumbnails.keep(self.context.get(), *key, image),
             JobResult::PictureNotSaved(error) => self.tell_not_saved(&error, Action::ShowSavePictureDialog),
+            JobResult::ImageRead(image) => self.set_image(*image),
             JobResult::DraftsWritten(Ok(())) => {
                 if self.notices.clear(Topic::Drafts) {
                     self.log.add("unsaved work is kept again");

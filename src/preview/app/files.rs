@@ -2,7 +2,6 @@
 
 use crate::files::Readable;
 use crate::lang::source::Source;
-use crate::lang::types::Type;
 use crate::preview::app::action::{PanelId, PictureOverlay};
 use crate::preview::app::mesh_loading::AfterReading;
 use crate::preview::app::notices::{Notice, Topic};
@@ -18,10 +17,8 @@ use crate::user_data::drafts::Draft;
 use crate::user_data::settings::{Settings, WindowSettings};
 use crate::workspace::FileKind;
 use crate::workspace::Location;
-use crate::workspace::OwnerId;
 use crate::workspace::carried::CarriedValues;
 use crate::workspace::project::SessionMistakes;
-use crate::workspace::textures;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -82,7 +79,7 @@ impl App {
                 let near = of_formula.or_else(|| self.session.as_ref().and_then(Location::file)).and_then(Path::parent);
                 self.dialogs.files.choose_image(owner, parameter, near);
             }
-            Action::SetImage(owner, parameter, path) => self.set_image(owner, &parameter, &path),
+            Action::SetImage(owner, parameter, path) => self.read_image(owner, parameter, &path),
             Action::Open(kind, location) => self.open(kind, location),
             Action::ShowMeshDialog => {
                 let of_scene = self.documents.scene.location().and_then(Location::file);
@@ -393,17 +390,6 @@ impl App {
         if !warnings.is_empty() {
             let title = format!("Some values of the session {location} are not used as written");
             self.notify(Notice::warning(Topic::Session, title, warnings.join("\n")));
-        }
-    }
-
-    /// Gives a texture of an owner an image, if there still is one of this name.
-    fn set_image(&mut self, owner: OwnerId, parameter: &str, path: &Path) {
-        let table = self.workshop.values().table();
-        let known = table.parameter_named(parameter).filter(|id| table.parameter(*id).ty == Type::Texture);
-        let Some(id) = known.filter(|_| table.owners().has(owner)) else { return };
-        match textures::load(path) {
-            Ok(number) => self.workshop.set(owner, id, [number, 0.0, 0.0]),
-            Err(error) => self.dialogs.show_message("The image was not read", error.message()),
         }
     }
 

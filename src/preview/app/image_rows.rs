@@ -1,10 +1,15 @@
 //! The row of a texture: its image, the name of the file, and buttons that choose another image or none.
 
-use crate::formula::Parameter;
+use crate::formula::{Parameter, ParameterId};
 use crate::lang::display_text::one_line;
+use crate::lang::types::Type;
 use crate::picture::Transfer;
+use crate::preview::app::App;
+use crate::preview::app::jobs::{ImageRead, JobResult};
 use crate::texture;
+use crate::workspace::{OwnerId, textures};
 use egui::{Color32, ColorImage, Id, Image, Sense, TextureHandle, TextureOptions, Ui, Vec2, vec2};
+use std::path::Path;
 
 /// What the user did with an image.
 pub(super) enum ImageEdit {
@@ -17,6 +22,35 @@ pub(super) enum ImageEdit {
 /// The side of the image in a row, in points, and in texels.
 const SIDE: f32 = 18.0;
 const TEXELS: usize = 36;
+
+impl App {
+    /// Reads an image for a texture of an owner, on another thread: a large one takes seconds.
+    pub(super) fn read_image(&mut self, owner: OwnerId, parameter: String, path: &Path) {
+        if self.texture_of(owner, &parameter).is_some() {
+            let path = path.to_owned();
+            self.run_job(move || {
+                let outcome = textures::load(&path);
+                Some(JobResult::ImageRead(Box::new(ImageRead { owner, parameter, outcome })))
+            });
+        }
+    }
+
+    /// Shows an image that was read, unless its owner or its parameter is gone.
+    pub(super) fn set_image(&mut self, ImageRead { owner, parameter, outcome }: ImageRead) {
+        match (outcome, self.texture_of(owner, &parameter)) {
+            (Ok(number), Some(id)) => self.workshop.set(owner, id, [number, 0.0, 0.0]),
+            (Ok(_), None) => {}
+            (Err(error), _) => self.dialogs.show_message("The image was not read", error.message()),
+        }
+    }
+
+    /// The texture parameter of this name, if there are this owner and this parameter.
+    fn texture_of(&self, owner: OwnerId, parameter: &str) -> Option<ParameterId> {
+        let table = self.workshop.values().table();
+        let known = table.parameter_named(parameter).filter(|id| table.parameter(*id).ty == Type::Texture);
+        known.filter(|_| table.owners().has(owner))
+    }
+}
 
 /// The name of the file of a texture.
 pub(super) fn image_name(number: f32) -> Option<String> {

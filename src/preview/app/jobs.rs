@@ -1,8 +1,9 @@
-//! Slow jobs that write files or make thumbnails. They run one after the other on a background thread, so the
-//! interface does not wait for them.
+//! Slow jobs that write files, read images or make thumbnails. They run one after the other on a background thread, so
+//! the interface does not wait for them.
 
 use crate::lang::diagnostic::Diagnostic;
 use crate::preview::app::thumbnail_key::ThumbnailKey;
+use crate::workspace::OwnerId;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::JoinHandle;
@@ -19,8 +20,20 @@ pub(super) enum JobResult {
     PictureNotSaved(String),
     /// A thumbnail was made; without an image if there is none.
     ThumbnailMade(Box<ThumbnailKey>, Option<egui::ColorImage>),
+    /// An image was read for a texture, or could not be.
+    ImageRead(Box<ImageRead>),
     /// Drafts were written, or could not be.
     DraftsWritten(Result<(), Diagnostic>),
+}
+
+/// An image that was read for a texture of an owner.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct ImageRead {
+    pub(super) owner: OwnerId,
+    /// The name of the parameter.
+    pub(super) parameter: String,
+    /// The number of the texture, or why there is none.
+    pub(super) outcome: Result<f32, Diagnostic>,
 }
 
 /// Is called whenever a job is done.

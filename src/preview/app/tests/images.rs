@@ -32,17 +32,23 @@ fn an_image_is_chosen_shown_cleared_and_taken_back() {
     let set = |name: &str| Action::SetImage(owner, "wood".to_owned(), folder.path().join(name));
     let mut harness = {
         harness.state_mut().perform(set("oak.png"));
+        harness.state().jobs.wait();
         harness.run_steps(3);
         harness
     };
     assert_eq!(wood(harness.state()).1, Some(path.clone()));
     assert!(harness.query_by_label("oak.png").is_some());
     harness.state_mut().perform(set("torn.png"));
+    harness.state().jobs.wait();
+    harness.run_steps(3);
     assert!(harness.state().dialogs.message().expect("a message").contains("torn.png"));
     assert_eq!(wood(harness.state()).1, Some(path.clone()), "the image stays");
     // A parameter that is gone, or is no texture, is left alone.
     harness.state_mut().perform(Action::SetImage(owner, "oak".to_owned(), path.clone()));
     harness.state_mut().perform(Action::SetImage(owner, "kr".to_owned(), path));
+    harness.state().jobs.wait();
+    harness.run_steps(3);
+    assert_eq!(wood(harness.state()).1, Some(folder.path().join("oak.png")));
     harness.state_mut().perform(Action::Undo);
     harness.run_steps(3);
     assert_eq!(wood(harness.state()).1, None);
