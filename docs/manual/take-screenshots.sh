@@ -91,4 +91,6 @@ take window-compare preset:studio "$ball" "mousemove 214 13 click 1" "mousemove 
     "mousemove 680 500 mousedown 1" "mousemove 650 500" "mousemove 622 500" "mouseup 1" "mousemove 690 650"
 take window-log preset:studio "$ball" "key F11" "key F12" "mousemove 1135 557 mousedown 1" "mousemove 1120 557" \
     "mousemove 1100 557" "mousemove 1140 557" "mouseup 1" "mousemove 690 60"
+# The crate is selected, and being rotated by its green ring.
+"$program" fmt --stdout preset:studio > /dev/null
 take window-settings preset:studio "mousemove 20 13 click 1" "mousemove 60 551 click 1" "mousemove 690 780"

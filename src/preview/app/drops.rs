@@ -82,6 +82,14 @@ fn rank(action: &Action) -> u32 {
     }
 }
 
+/// A point of the image plane, moved so far from the edges of a picture that what stands there is in view.
+fn within([x, y]: [f64; 2], aspect: f64) -> [f64; 2] {
+    /// Something as large as meshes that are added, in half heights of the picture.
+    const ROOM: f64 = 0.4;
+    let most = (aspect - ROOM).max(0.0);
+    [x.clamp(-most, most), y.clamp(ROOM - 1.3, 1.0 - 2.0 * ROOM)]
+}
+
 impl App {
     /// Takes files that were dropped, and handles one after the other: a question about the first one, or its meshes,
     /// come before the next. `waits` says whether a dialog is open.
@@ -91,7 +99,8 @@ impl App {
         if !paths.is_empty() {
             let view = self.scene_view();
             let at = pointer.filter(|at| view.picture().contains(*at)).map(|at| view.image_point(at));
-            self.note_drop(&paths, at.unwrap_or(MeshSpot::MIDDLE.at));
+            let [width, height] = view.placement.full().map(f64::from);
+            self.note_drop(&paths, within(at.unwrap_or(MeshSpot::MIDDLE.at), width / height.max(1.0)));
         }
         if !waits
             && !self.dialogs.are_waiting()
@@ -108,10 +117,11 @@ impl App {
     /// Decides what is done with dropped files. Meshes stand side by side from a point of the image plane on.
     fn note_drop(&mut self, paths: &[PathBuf], at: [f64; 2]) {
         let (mut found, mut meshes, mut refused) = (Vec::new(), 0, Vec::new());
+        let count = paths.iter().filter(|path| guess(path) == Guess::Mesh).count() as u32;
         for path in paths {
             match guess(path) {
                 Guess::Mesh => {
-                    found.push(Action::AddMesh(path.clone(), MeshSpot { at, rank: meshes }));
+                    found.push(Action::AddMesh(path.clone(), MeshSpot { at, rank: meshes, count }));
                     meshes += 1;
                 }
                 Guess::Image => refused.push(self.about_image(path)),
@@ -182,9 +192,8 @@ impl App {
 #[derive(Default)]
 pub(super) struct DroppedFiles {
     waiting: VecDeque<Action>,
-    /// Where the first of the meshes that were added last stands, and how far away the scene was then. The others stand
-    /// beside it, not on it, and are as large.
-    pub(super) first_place: Option<(DVec3, f64)>,
+    /// The middle of the meshes that are added together. They stand beside one another, not on the one before.
+    pub(super) middle: Option<DVec3>,
 }
 
 #[cfg(test)]

@@ -60,7 +60,7 @@ impl<A> Shortcut<A> {
 }
 
 /// What else the keyboard and the mouse do: the group, the keys, and a description.
-pub(super) const OTHER_KEYS: [(KeyGroup, &str, &str); 25] = [
+pub(super) const OTHER_KEYS: [(KeyGroup, &str, &str); 28] = [
     (KeyGroup::Editing, "Ctrl+F", "Find and replace"),
     (KeyGroup::Editing, "Ctrl+Space", "Complete the word"),
     (KeyGroup::Editing, "Ctrl+Z", "Undo in the text"),
@@ -88,6 +88,9 @@ pub(super) const OTHER_KEYS: [(KeyGroup, &str, &str); 25] = [
         "Drag the selected",
         "Move a body or a light parallel to the picture; hold X, Y or Z for an axis, or drag an arrow (a floor: only so)",
     ),
-    (KeyGroup::Scene, "Drag the square", "Change the radius of the selected sphere"),
+    (KeyGroup::Scene, "Drag the square", "Change the radius of a round body"),
+    (KeyGroup::Scene, "Drag a ring", "Rotate the selected body about an axis of the scene"),
+    (KeyGroup::Scene, "Drag a small box", "Scale the body along one of its own axes; the one in the middle scales it as a whole"),
+    (KeyGroup::Scene, "Ctrl+Drag a handle", "Snap to 15 degrees, to tenths of the size, or to round distances"),
     (KeyGroup::Scene, "Right click", "Menu of the scene"),
 ];

@@ -2,7 +2,7 @@
 
 use crate::lang::diagnostic::Diagnostic;
 use crate::mesh::{MeshFormat, Reading};
-use crate::preview::app::hand::gesture::{distance, pivot};
+use crate::preview::app::hand::gesture::pivot;
 use crate::preview::app::mesh_loading::AfterReading;
 use crate::preview::app::scene_actions::MeshSpot;
 use crate::preview::app::{App, user_state};
@@ -62,15 +62,16 @@ impl App {
         let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
         let name = self.name_like(&as_identifier(&non_empty(words(&stem)), "mesh"));
         if place.rank == 0 {
-            self.dropped.first_place = None;
+            self.dropped.middle = None;
         }
         let world = self.workshop.world();
-        let seen = || (pivot(world, place.at, None), distance(world));
-        let (first, distance) = *self.dropped.first_place.get_or_insert_with(seen);
+        let middle = *self.dropped.middle.get_or_insert_with(|| pivot(world, place.at, None));
         let camera = &world.scene().camera;
+        let distance = camera.depth_of(middle);
         let size = 2.0 * SIZE * distance * (camera.fov().to_radians() / 2.0).tan();
         let [right, ..] = camera.axes();
-        let at = first + f64::from(place.rank) * APART * size * right;
+        let beside = f64::from(place.rank) - 0.5 * f64::from(place.count.saturating_sub(1));
+        let at = middle + beside * APART * size * right;
         let precision = Precision::for_size(distance);
         let rounded = |center: DVec3, size: f64| {
             let size = precision.round(DVec3::splat(size)).x;

@@ -34,13 +34,15 @@ pub enum SceneAction {
 pub struct MeshSpot {
     /// The point of the image plane that shows where it stands.
     pub at: [f64; 2],
-    /// How many places it is to the right of there, because others are added with it.
+    /// Its place among those that are added together, from the left.
     pub rank: u32,
+    /// How many are added together.
+    pub count: u32,
 }
 
 impl MeshSpot {
     /// In the middle of the picture.
-    pub(super) const MIDDLE: MeshSpot = MeshSpot { at: [0.0; 2], rank: 0 };
+    pub(super) const MIDDLE: MeshSpot = MeshSpot { at: [0.0; 2], rank: 0, count: 1 };
 }
 
 /// What the handles over the picture do with the selected body.

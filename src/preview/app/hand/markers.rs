@@ -14,6 +14,8 @@ const HOVERED: Color32 = Color32::WHITE;
 const LIGHT: Color32 = Color32::from_rgb(255, 221, 87);
 /// The line under every other one.
 const UNDER: Color32 = Color32::from_black_alpha(170);
+/// What is under words.
+const UNDER_WORDS: Color32 = Color32::from_black_alpha(205);
 
 /// The usual colour of an axis.
 fn axis_colour(axis: SceneAxis) -> Color32 {
@@ -98,7 +100,7 @@ fn draw_light(painter: &Painter, view: &SceneView<'_>, marker: &LightMarker, col
 fn words(painter: &Painter, at: Pos2, align: Align2, text: &str, colour: Color32) {
     let galley = painter.layout_no_wrap(text.to_owned(), FontId::proportional(12.0), colour);
     let place = align.anchor_size(at, galley.size());
-    painter.rect_filled(place.expand2(Vec2::new(3.0, 1.0)), 3.0, UNDER);
+    painter.rect_filled(place.expand2(Vec2::new(3.0, 1.0)), 3.0, UNDER_WORDS);
     painter.galley(place.min, galley, colour);
 }
 

@@ -74,10 +74,11 @@ fn a_dropped_mesh_becomes_a_body_that_stands_where_it_was_dropped() {
     let sides = bounds.high - bounds.low;
     // On the floor under the pointer, half as high as it is long.
     assert!(bounds.low.y.abs() < 0.01 && (sides.x / sides.y - 2.0).abs() < 1e-6, "{bounds:?}");
-    let middle = bounds.low.midpoint(bounds.high);
-    assert!((middle.x - point.x).abs() < 0.01 && (middle.z - point.z).abs() < 0.01, "{middle} {point}");
-    // The second one is beside it.
     let beside = world.bounds(BodyId(2));
+    let middles = [bounds, beside].map(|bounds| bounds.low.midpoint(bounds.high));
+    let middle = middles[0].midpoint(middles[1]);
+    assert!((middle.x - point.x).abs() < 0.01 && (middle.z - point.z).abs() < 0.01, "{middle} {point}");
+    // The second one is beside the first, and does not stand on it.
     assert!(beside.low.x > bounds.high.x && beside.low.y.abs() < 0.01, "{beside:?} {bounds:?}");
     let text = app.documents.scene.text();
     assert!(text.contains("\nLong_box_2: mesh, \"Long box (2).ply\", fit <"), "{text}");
@@ -152,6 +153,19 @@ fn dropped_texts_are_opened_after_one_another_and_questions_come_first() {
         harness.run_steps(4);
     }
     assert_eq!(harness.state().session, Some(Location::File(session)));
+}
+
+#[test]
+fn the_menu_opens_the_dialog_for_meshes() {
+    let mut harness = harness();
+    let in_bar = |entry: &egui_kittest::Node<'_>| entry.rect().top() < 20.0;
+    harness.get_all_by_label("Scene").find(in_bar).expect("a menu").click();
+    harness.run_steps(3);
+    harness.get_by_label_contains("Add body").click();
+    harness.run_steps(3);
+    harness.get_by_label("Mesh…").click();
+    harness.run_steps(3);
+    assert!(harness.state().dialogs.files.is_open() && harness.query_by_label("Add a mesh").is_some());
 }
 
 #[test]

@@ -186,3 +186,26 @@ fn keys_and_the_row_in_the_picture_choose_the_handles() {
     harness.run_steps(2);
     assert_eq!(harness.state().hand.tool(), HandleTool::Rotate);
 }
+
+#[test]
+fn every_shape_that_is_added_stands_in_view_on_what_is_there() {
+    for row in Shape::SYNTAX {
+        let mut harness = harness();
+        let floor = "floor: rectangle, <-8, 0, -8>, <8, 0, -8>, <8, 0, 8>;";
+        let camera = "position <0, 3, 9>; gaze <0, -0.3, -1>; up <0, 1, 0>; fov 45;";
+        let text = format!("bodies; {floor} lights; key: point, <3,9,4>; camera; {camera}");
+        harness.state_mut().documents.scene.replace_text(&text);
+        harness.state_mut().apply(TextTab::Scene);
+        settle(&mut harness);
+        harness.state_mut().perform(Action::Scene(SceneAction::AddBody(row.keyword.word)));
+        harness.run_steps(2);
+        let world = harness.state().workshop.world();
+        let bounds = world.bounds(BodyId(1));
+        let view = harness.state().scene_view();
+        // A cut gem is deeper than it is high, so it hovers a little; what is flat is above the floor too.
+        assert!(bounds.low.y > -0.01 && bounds.low.y < 1.2, "{}: {bounds:?}", row.keyword.word);
+        let [low, high] = [bounds.low, bounds.high].map(|point| view.project(point).expect("before the camera"));
+        assert!(view.picture().contains(low) && view.picture().contains(high), "{}", row.keyword.word);
+        assert_eq!(harness.state().selected_object(), Some(SceneObject::Body(BodyId(1))));
+    }
+}
