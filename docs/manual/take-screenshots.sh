@@ -91,6 +91,38 @@ take window-compare preset:studio "$ball" "mousemove 214 13 click 1" "mousemove 
     "mousemove 680 500 mousedown 1" "mousemove 650 500" "mousemove 622 500" "mouseup 1" "mousemove 690 650"
 take window-log preset:studio "$ball" "key F11" "key F12" "mousemove 1135 557 mousedown 1" "mousemove 1120 557" \
     "mousemove 1100 557" "mousemove 1140 557" "mouseup 1" "mousemove 690 60"
-# The crate is selected, and being rotated by its green ring.
-"$program" fmt --stdout preset:studio > /dev/null
 take window-settings preset:studio "mousemove 20 13 click 1" "mousemove 60 551 click 1" "mousemove 690 780"
+# A box that is being rotated by its green ring.
+cat > "$home/handles.scene" <<'SCENE'
+bodies;
+ floor: rectangle, <-8, 0, -8>, <8, 0, -8>, <8, 0, 8>;
+ crate: box, <-1.9, 0, -0.6>, <-0.5, 1.4, 0.8>;
+ gem: mesh, "preset:gem", fit <0.9, 0.8, 0> 1.6;
+ pin: cone, <2.3, 0, 1>, <2.3, 1.2, 1>, radius 0.4;
+lights;
+ key: point, <4, 6, 5>;
+camera;
+ position <0, 2.6, 7>; gaze <0, -0.27, -1>; up <0, 1, 0>; fov 36;
+SCENE
+cat > "$home/handles.toml" <<'SESSION'
+version = 1
+formula = "preset:phong"
+scene = "handles.scene"
+size = [1280, 800]
+srgb = true
+[global]
+ka = 0.05
+Ia = [0.448, 0.692, 1.0]
+background = [0.014, 0.02, 0.032]
+[bodies.floor]
+Cd = [0.3, 0.33, 0.4]
+ks = 0.0
+[bodies.crate]
+Cd = [0.8, 0.2, 0.05]
+[bodies.gem]
+Cd = [0.05, 0.4, 0.5]
+[bodies.pin]
+Cd = [0.6, 0.5, 0.1]
+SESSION
+take window-handles "$home/handles.toml" "mousemove 160 40 click 1" "mousemove 580 420 click 1" "key e" \
+    "mousemove 580 408 mousedown 1" "mousemove 600 409" "mousemove 640 409" "sleep 1"

@@ -163,7 +163,7 @@ fn the_menu_opens_the_dialog_for_meshes() {
     harness.run_steps(3);
     harness.get_by_label_contains("Add body").click();
     harness.run_steps(3);
-    harness.get_by_label("Mesh…").click();
+    harness.get_by_label_contains("Mesh…").click();
     harness.run_steps(3);
     assert!(harness.state().dialogs.files.is_open() && harness.query_by_label("Add a mesh").is_some());
 }
