@@ -301,7 +301,7 @@ mod tests {
             stretched("mesh, \"preset:gem\", fit <0, 1, 0> 2", [2.0, 1.0, 1.0]),
             "mesh, \"preset:gem\", fit <0, 0, 0> 2, scale <2, 1, 1>, translate <0, 1, 0>"
         );
-        assert_eq!(form("disc, center <0, 1, 0>, normal <0, 2, 0>, radius 1").has_extent_along(1), false);
+        assert!(!form("disc, center <0, 1, 0>, normal <0, 2, 0>, radius 1").has_extent_along(1));
     }
 
     /// What a form without `fit` does to points.

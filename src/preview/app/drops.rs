@@ -74,11 +74,11 @@ fn kind_of_text(path: &Path) -> Result<FileKind, String> {
 
 /// The order in which files are handled: a session brings its own scene and formula, and a scene its bodies.
 fn rank(action: &Action) -> u32 {
-    match action {
-        Action::Open(FileKind::Session, _) => 0,
-        Action::Open(FileKind::Scene, _) => 1,
-        Action::Open(..) => 2,
-        _ => 3,
+    let Action::Open(kind, _) = action else { return 3 };
+    match kind {
+        FileKind::Session => 0,
+        FileKind::Scene => 1,
+        FileKind::Formula | FileKind::Material => 2,
     }
 }
 

@@ -81,11 +81,7 @@ impl App {
             }
             Action::SetImage(owner, parameter, path) => self.read_image(owner, parameter, &path),
             Action::Open(kind, location) => self.open(kind, location),
-            Action::ShowMeshDialog => {
-                let of_scene = self.documents.scene.location().and_then(Location::file);
-                let near = of_scene.or_else(|| self.session.as_ref().and_then(Location::file)).and_then(Path::parent);
-                self.dialogs.files.choose_mesh(near);
-            }
+            Action::ShowMeshDialog => self.show_mesh_dialog(),
             Action::AddMesh(path, place) => self.add_mesh(&path, place),
             Action::Save => self.save(),
             Action::ShowSaveDialog(kind) => self.show_save_dialog(Some(kind), &format!("Save {}", kind.noun())),

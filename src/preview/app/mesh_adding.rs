@@ -2,7 +2,7 @@
 
 use crate::lang::diagnostic::Diagnostic;
 use crate::mesh::{MeshFormat, Reading};
-use crate::preview::app::hand::gesture::pivot;
+use crate::preview::app::hand::gesture::{pivot, place_to_stand};
 use crate::preview::app::mesh_loading::AfterReading;
 use crate::preview::app::scene_actions::MeshSpot;
 use crate::preview::app::{App, user_state};
@@ -40,6 +40,13 @@ fn standing(low: DVec3, high: DVec3, at: DVec3, upright: DVec3, size: f64) -> DV
 }
 
 impl App {
+    /// Shows the dialog that chooses a mesh, in the folder of the scene if none was used before.
+    pub(super) fn show_mesh_dialog(&mut self) {
+        let of_scene = self.documents.scene.location().and_then(Location::file);
+        let near = of_scene.or_else(|| self.session.as_ref().and_then(Location::file)).and_then(Path::parent);
+        self.dialogs.files.choose_mesh(near);
+    }
+
     /// Adds the mesh in a file to the scene, and selects it. A large file is read in the background first. If it cannot
     /// be used, the scene stays as it is, and a message says why.
     pub(super) fn add_mesh(&mut self, path: &Path, place: MeshSpot) {
@@ -65,10 +72,11 @@ impl App {
             self.dropped.middle = None;
         }
         let world = self.workshop.world();
-        let middle = *self.dropped.middle.get_or_insert_with(|| pivot(world, place.at, None));
         let camera = &world.scene().camera;
-        let distance = camera.depth_of(middle);
-        let size = 2.0 * SIZE * distance * (camera.fov().to_radians() / 2.0).tan();
+        let high = |point: DVec3| 2.0 * SIZE * camera.depth_of(point) * (camera.fov().to_radians() / 2.0).tan();
+        let stand = || place_to_stand(world, place.at, 0.5 * high(pivot(world, place.at, None)));
+        let middle = *self.dropped.middle.get_or_insert_with(stand);
+        let (distance, size) = (camera.depth_of(middle), high(middle));
         let [right, ..] = camera.axes();
         let beside = f64::from(place.rank) - 0.5 * f64::from(place.count.saturating_sub(1));
         let at = middle + beside * APART * size * right;

@@ -1,7 +1,7 @@
 //! The text of the scene follows what is moved, added and removed in the picture and in menus; one step of undo each.
 
 use crate::lang::variables::Owner;
-use crate::preview::app::hand::gesture::{distance, framing, from_side, pivot};
+use crate::preview::app::hand::gesture::{distance, framing, from_side, pivot, place_to_stand};
 use crate::preview::app::hand::owner_of;
 use crate::preview::app::notices::{Notice, Topic};
 use crate::preview::app::steps::OtherStep;
@@ -171,7 +171,7 @@ impl App {
         };
         let (camera, distance) = (&self.workshop.scene().camera, self.view_distance());
         let size = 0.2 * distance * (camera.fov().to_radians() / 2.0).tan();
-        let (place, upright) = (pivot(self.workshop.world(), [0.0, 0.0], None), camera.upright());
+        let (place, upright) = (place_to_stand(self.workshop.world(), [0.0, 0.0], size), camera.upright());
         let precision = Precision::for_size(distance);
         let name = unused_name(self.workshop.scene(), keyword);
         if shape.mesh().is_some() {

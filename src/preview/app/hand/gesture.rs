@@ -182,7 +182,7 @@ impl Gesture {
         };
         let precision = match self.precision() {
             Precision::Decimals(decimals) if self.snaps => Precision::Decimals(decimals - SNAPPED_DIGITS),
-            other => other,
+            other @ (Precision::Exact | Precision::Decimals(_)) => other,
         };
         Some(precision.round(by))
     }
@@ -300,6 +300,25 @@ pub(in crate::preview::app) fn pivot(world: &World, at: [f64; 2], selected: Opti
     }
     let selected = selected.and_then(|object| anchor(world.scene(), object)).filter(|point| camera.depth_of(*point) > 0.0);
     selected.unwrap_or_else(|| camera.point_at(at, distance(world)))
+}
+
+/// The point on which something stands that is added where a point of the image plane is seen. `size` is how large it
+/// is. If what is seen there does not look up, the place is in front of it, on what is below.
+pub(in crate::preview::app) fn place_to_stand(world: &World, at: [f64; 2], size: f64) -> DVec3 {
+    let (camera, seen) = (&world.scene().camera, pivot(world, at, None));
+    let upright = camera.upright();
+    let below = |from: DVec3| {
+        let met = world.nearest(&Ray { origin: from, direction: -upright, leaves: None })?;
+        Some((met.distance, from - met.distance * upright))
+    };
+    let lift = 0.05 * size;
+    if below(seen + lift * upright).is_some_and(|(distance, _)| distance < 1.5 * lift) {
+        return seen;
+    }
+    let towards = (camera.position() - seen).reject_from(upright).normalize_or_zero();
+    let place = below(seen + size * towards).map(|(_, place)| place);
+    // What is far below would be out of view.
+    place.filter(|place| camera.project(*place).is_some_and(|[_, y]| y > -0.95)).unwrap_or(seen)
 }
 
 /// How far away the scene is, in world units, greater than 0.

@@ -25,6 +25,16 @@ pub(super) struct Ring {
     pub(super) pieces: Vec<([Pos2; 2], bool)>,
 }
 
+/// The handles along the own axes of a body.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct FactorHandles {
+    pub(super) body: BodyId,
+    /// Where all of them begin.
+    pub(super) origin: Pos2,
+    /// Where each of them ends.
+    pub(super) tips: Vec<(SceneAxis, Pos2)>,
+}
+
 impl SceneView<'_> {
     /// The selected body, with its anchor in view, if its handles are of this tool.
     fn body_with(&self, tool: HandleTool) -> Option<(BodyId, &BodyForm, DVec3, Pos2)> {
@@ -58,15 +68,15 @@ impl SceneView<'_> {
     }
 
     /// The handles along the own axes of the selected body, from its origin. A flat body has two.
-    pub(super) fn factor_handles(&self) -> Option<(BodyId, Pos2, Vec<(SceneAxis, Pos2)>)> {
-        let (id, form, anchor, origin) = self.body_with(HandleTool::Scale)?;
+    pub(super) fn factor_handles(&self) -> Option<FactorHandles> {
+        let (body, form, anchor, origin) = self.body_with(HandleTool::Scale)?;
         let (length, directions) = (self.reach_at(anchor), form.axes());
         let axes = SceneAxis::ALL.into_iter().filter(|axis| form.has_extent_along(axis.index()));
         let tips = axes.filter_map(|axis| {
             let tip = self.project(anchor + length * directions[axis.index()])?;
             (tip.distance(origin) >= SHORTEST_ARROW).then_some((axis, tip))
         });
-        Some((id, origin, tips.collect()))
+        Some(FactorHandles { body, origin, tips: tips.collect() })
     }
 
     /// The ring, or the handle that scales, at a position of the screen.
@@ -80,7 +90,7 @@ impl SceneView<'_> {
             let nearest = nearest.min_by(|(one, _), (other, _)| one.total_cmp(other))?;
             return (nearest.0 <= 0.75 * REACH).then_some(Grip::Ring(id, nearest.1));
         }
-        let (id, origin, tips) = self.factor_handles()?;
+        let FactorHandles { body: id, origin, tips } = self.factor_handles()?;
         let on_axis = tips.into_iter().find(|(_, tip)| is_on_arrow(at, origin, *tip));
         let on_middle = (origin.distance(at) <= REACH).then_some(Grip::Middle(id));
         on_axis.map(|(axis, _)| Grip::Factor(id, axis)).or(on_middle)

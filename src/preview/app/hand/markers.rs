@@ -1,7 +1,7 @@
 //! Draws markers over the picture: lights, the outline of the selected body, and its handles.
 
 use super::gesture::{Gesture, Motion, SceneAxis, Sweep};
-use super::handles::{RING, Ring};
+use super::handles::{FactorHandles, RING, Ring};
 use super::view::{Arrows, Grip, LightMarker, SceneView};
 use crate::scene::edit::SceneObject;
 use egui::{Align2, Color32, FontId, Painter, Pos2, Shape, Stroke, Vec2};
@@ -189,7 +189,7 @@ fn draw_sweep(painter: &Painter, view: &SceneView<'_>, sweep: &Sweep, colour: Co
 
 /// Draws the handles that scale. One that is held goes with the pointer.
 fn draw_factors(painter: &Painter, view: &SceneView<'_>, hovered: Option<Grip>, gesture: Option<&Gesture>) {
-    let Some((id, origin, tips)) = view.factor_handles() else { return };
+    let Some(FactorHandles { body: id, origin, tips }) = view.factor_handles() else { return };
     for (axis, tip) in tips {
         let is_held = gesture.is_some_and(|gesture| gesture.motion == Motion::Stretch(id, axis));
         let factor = gesture.filter(|_| is_held).and_then(Gesture::factor).unwrap_or(1.0) as f32;

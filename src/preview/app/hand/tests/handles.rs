@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::preview::app::hand::gesture::SceneAxis;
+use crate::preview::app::hand::handles::FactorHandles;
 use crate::preview::app::hand::view::Grip;
 use crate::preview::app::{HandleTool, tab::TextTab};
 use crate::scene::{BodyId, Shape};
@@ -94,7 +95,7 @@ fn factors_are_along_the_own_axes_of_a_body_and_the_middle_scales_it_as_a_whole(
     let turned = "b: cylinder, <0, -1, 0>, <0, 1, 0>, radius 0.5, rotate <0, 1, 0> 30, translate <1, 0, 0>;";
     let mut harness = seen_from_above(turned, HandleTool::Scale);
     let handles = |harness: &Harness<'_, App>| harness.state().scene_view().factor_handles().expect("handles");
-    let (_, origin, tips) = handles(&harness);
+    let FactorHandles { origin, tips, .. } = handles(&harness);
     // The own y leads to the camera, so it has no handle.
     assert_eq!(tips.iter().map(|(axis, _)| *axis).collect::<Vec<_>>(), [SceneAxis::X, SceneAxis::Z]);
     let tip = tips[0].1;
@@ -135,7 +136,7 @@ fn every_shape_is_moved_turned_and_scaled_by_handles() {
         assert!(line(&harness).contains("rotate <0, 1, 0> 90"), "{}", line(&harness));
         harness.state_mut().perform(Action::Undo);
         harness.state_mut().perform(Action::Scene(SceneAction::Handles(HandleTool::Scale)));
-        let (_, origin, tips) = harness.state().scene_view().factor_handles().expect("handles");
+        let FactorHandles { origin, tips, .. } = harness.state().scene_view().factor_handles().expect("handles");
         let (axis, tip) = tips[0];
         assert_eq!(axis, SceneAxis::X, "{written}");
         drag(&mut harness, PointerButton::Primary, NONE, tip, tip - origin);
@@ -208,4 +209,19 @@ fn every_shape_that_is_added_stands_in_view_on_what_is_there() {
         assert!(view.picture().contains(low) && view.picture().contains(high), "{}", row.keyword.word);
         assert_eq!(harness.state().selected_object(), Some(SceneObject::Body(BodyId(1))));
     }
+}
+
+#[test]
+fn what_is_added_before_a_wall_stands_in_front_of_it() {
+    let mut harness = harness();
+    let bodies = "floor: rectangle, <-8, 0, -8>, <8, 0, -8>, <8, 0, 8>; wall: box, <-2, 0, -1>, <2, 4, 0>;";
+    let camera = "position <0, 2, 9>; gaze <0, -0.05, -1>; up <0, 1, 0>; fov 45;";
+    let text = format!("bodies; {bodies} lights; key: point, <3,9,4>; camera; {camera}");
+    harness.state_mut().documents.scene.replace_text(&text);
+    harness.state_mut().apply(TextTab::Scene);
+    settle(&mut harness);
+    harness.state_mut().perform(Action::Scene(SceneAction::AddBody("box")));
+    let bounds = harness.state().workshop.world().bounds(BodyId(2));
+    // The wall is seen at its front, z = 0.
+    assert!(bounds.low.y.abs() < 1e-3 && bounds.low.z > -1e-3 && bounds.high.z < 3.0, "{bounds:?}");
 }
