@@ -18,7 +18,8 @@ use std::sync::atomic::AtomicBool;
 pub(super) struct Options {
     /// File to import: .obj with its .mtl, .gltf or .glb
     file: PathBuf,
-    /// Scene to write, NAME.scene; NAME.toml becomes its session, and NAME-meshes the folder of its meshes
+    /// Scene to write, NAME.scene; NAME.toml becomes its session, and NAME-meshes the folder of its meshes; if
+    /// it has images, NAME.formula and NAME-textures are written too
     #[arg(long = "output", short, value_name = "NAME.scene")]
     output: PathBuf,
     /// Replace files that are there
@@ -32,7 +33,7 @@ pub(super) struct Options {
 /// Imports the file.
 pub(super) fn run(options: &Options) -> Result<(), Failure> {
     let target = ImportTarget::new(&options.output)?;
-    check_target(&target, options.force)?;
+    check_target(&target, false, options.force)?;
     let name = options.file.display().to_string();
     let model = {
         let progress = Progress::new("reading");
@@ -43,12 +44,14 @@ pub(super) fn run(options: &Options) -> Result<(), Failure> {
     };
     let file_name = options.file.file_name().unwrap_or_default().display().to_string();
     let plan = plan(model, &file_name, &target)?;
+    check_target(&target, plan.formula.is_some(), options.force)?;
     {
         let progress = Progress::new("writing meshes");
         plan.write(&target, &|share| progress.tell(share))?;
     }
     list("simplified", &name, &plan.simplified);
     list("left out", &name, &plan.left_out);
+    tell_others(&plan.others(&target));
     print(&summary(&plan, &target))
 }
 
@@ -72,10 +75,10 @@ impl From<ImportError> for Failure {
 }
 
 /// Checks that files can be written, and that none is replaced that should not be.
-fn check_target(target: &ImportTarget, force: bool) -> Result<(), Failure> {
+fn check_target(target: &ImportTarget, has_images: bool, force: bool) -> Result<(), Failure> {
     let folder = target.scene().parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     check_folder(folder)?;
-    let existing = target.existing();
+    let existing = target.existing(has_images);
     if force || existing.is_empty() {
         return Ok(());
     }
@@ -116,6 +119,21 @@ fn list(what: &str, name: &str, omissions: &Omissions) {
     }
 }
 
+/// How many files that stay are named.
+const NAMED_OTHERS: usize = 4;
+
+/// Names files in the folders that are not of this import.
+fn tell_others(others: &[PathBuf]) {
+    if others.is_empty() {
+        return;
+    }
+    let named = others.iter().take(NAMED_OTHERS).map(|path| format!("`{}`", one_line(&path.display().to_string())));
+    let more = others.len().saturating_sub(NAMED_OTHERS);
+    let more = if more == 0 { String::new() } else { format!(" and {more} more") };
+    let names = Vec::from_iter(named).join(", ");
+    say_lines(&format!("Note: of earlier imports there is still: {names}{more}"));
+}
+
 /// What was written.
 fn summary(plan: &ImportPlan, target: &ImportTarget) -> String {
     let shown = |path: &Path| one_line(&path.display().to_string());
@@ -126,16 +144,20 @@ fn summary(plan: &ImportPlan, target: &ImportTarget) -> String {
     };
     let of_file = |is_own: bool| if is_own { "of the file" } else { "added" };
     let (lights, is_own) = plan.lights;
-    format!(
+    let mut text = format!(
         "{}: {bodies}, {} {}, camera {}\n{}: session with the formula {}\n{}: {} of {}\n",
         shown(target.scene()),
         number(lights, "light"),
         of_file(is_own),
         of_file(plan.has_camera),
         shown(&target.session()),
-        plan.session.formula,
+        one_line(&plan.session.formula.to_string()),
         shown(&target.meshes()),
         if plan.meshes.len() == 1 { "1 mesh".to_owned() } else { format!("{} meshes", plan.meshes.len()) },
         number(triangles, "triangle"),
-    )
+    );
+    if !plan.images.is_empty() {
+        text.push_str(&format!("{}: {}\n", shown(&target.textures()), number(plan.images.len(), "image")));
+    }
+    text
 }

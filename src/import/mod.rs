@@ -9,6 +9,7 @@ mod names;
 mod target;
 #[cfg(test)]
 mod tests;
+mod textures;
 mod view;
 
 pub use target::{ImportError, ImportTarget};
@@ -26,12 +27,17 @@ use crate::workspace::{FileValue, Location, Session};
 use glam::DVec3;
 use looks::ImportedLook;
 use names::UniqueNames;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use textures::ImageFiles;
 use view::ImportedLight;
 
 /// What is to be written.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ImportPlan {
+    /// The text of the formula, if bodies have images. Otherwise the formula is a built-in one.
+    pub formula: Option<String>,
+    /// The images of bodies: the names of their files, and what is in them.
+    pub images: Vec<(String, Vec<u8>)>,
     /// The text of the scene.
     pub scene: String,
     /// The session.
@@ -52,6 +58,8 @@ pub struct ImportPlan {
 struct ImportedBody {
     name: String,
     look: ImportedLook,
+    /// The file of its image.
+    image: Option<PathBuf>,
 }
 
 impl ImportedBody {
@@ -74,7 +82,7 @@ impl ImportedBody {
 ///
 /// # Errors
 /// The model is so large that no camera shows it, or has more parts than a text can hold.
-pub fn plan(model: MeshModel, source: &str, target: &ImportTarget) -> Result<ImportPlan, ImportError> {
+pub fn plan(mut model: MeshModel, source: &str, target: &ImportTarget) -> Result<ImportPlan, ImportError> {
     let bounds = bounding_box(&model);
     let (mut simplified, mut left_out) = (Omissions::default(), model.omissions.clone());
     let (camera, size, has_camera) = view::camera(model.camera.as_ref(), &model.parts, bounds, &mut simplified)?;
@@ -85,18 +93,26 @@ pub fn plan(model: MeshModel, source: &str, target: &ImportTarget) -> Result<Imp
     simplified.add(repairs.unusable_uvs, "wrong texture coordinate(s)", "0 is used");
     let mut bodies = Vec::new();
     let mut meshes = Vec::new();
-    for part in model.parts {
+    let mut images = ImageFiles::default();
+    for part in std::mem::take(&mut model.parts) {
+        let image = images.of_part(&part, &model, &mut left_out).map(|file| target.textures().join(file));
         let material = part.material.and_then(|material| model.materials.get(material));
         let material_name = material.map_or("", |material| material.name.as_str());
         let name = names.take(&part.name, material_name, "part");
-        bodies.push(ImportedBody { name: name.clone(), look: ImportedLook::new(material.map(|material| &material.look)) });
+        let look = ImportedLook::new(material.map(|material| &material.look));
+        bodies.push(ImportedBody { name: name.clone(), look, image });
         meshes.push((name, part.mesh));
     }
     let lights = view::lights(&model.lights, bounds, &camera, &mut names, &mut simplified);
     let is_physical = model.materials.iter().any(|material| matches!(material.look, ModelLook::Physical(_)));
-    let formula = if is_physical { looks::PHYSICAL_FORMULA } else { looks::PHONG_FORMULA };
+    let preset = if is_physical { looks::PHYSICAL_FORMULA } else { looks::PHONG_FORMULA };
+    let images = images.with_contents(&mut model);
+    let formula = if images.is_empty() { None } else { textures::formula(preset, &one_line(source)) };
     let session = Session {
-        formula: Location::Preset(formula.to_owned()),
+        formula: match formula {
+            Some(_) => Location::File(target.formula()),
+            None => Location::Preset(preset.to_owned()),
+        },
         scene: Location::File(target.scene().to_owned()),
         picture: PictureSettings {
             size,
@@ -114,7 +130,7 @@ pub fn plan(model: MeshModel, source: &str, target: &ImportTarget) -> Result<Imp
     if scene.len().max(session_length) > MAX_BYTES {
         return Err(ImportError::TooManyParts(meshes.len()));
     }
-    Ok(ImportPlan { scene, session, meshes, lights: (count, is_own), has_camera, simplified, left_out })
+    Ok(ImportPlan { formula, images, scene, session, meshes, lights: (count, is_own), has_camera, simplified, left_out })
 }
 
 /// The lowest and the highest coordinates of all parts.
@@ -132,14 +148,17 @@ const BACKGROUND: [f32; 3] = [0.1, 0.11, 0.13];
 
 /// All values for the session.
 fn values(bodies: &[ImportedBody], lights: &[ImportedLight]) -> Vec<NamedValue> {
-    let value = |owner: OwnerName, parameter: &str, value: Constant| NamedValue {
+    let file_value = |owner: OwnerName, parameter: &str, value: FileValue| NamedValue {
         owner,
         parameter: parameter.to_owned(),
-        value: FileValue::Constant(value),
+        value,
         spans: [SourceSpan::default(); 2],
     };
-    let of_bodies = bodies.iter().flat_map(|ImportedBody { name, look }| {
-        look.values.iter().map(move |(parameter, number)| value(OwnerName::Body(name.clone()), parameter, *number))
+    let value = |owner, parameter: &str, value| file_value(owner, parameter, FileValue::Constant(value));
+    let of_bodies = bodies.iter().flat_map(|ImportedBody { name, look, image }| {
+        let owner = || OwnerName::Body(name.clone());
+        let numbers = look.values.iter().map(move |(parameter, number)| value(owner(), parameter, *number));
+        numbers.chain(image.iter().map(move |file| file_value(owner(), textures::PARAMETER, FileValue::Image(file.clone()))))
     });
     let of_lights = lights.iter().flat_map(|light| {
         let owner = || OwnerName::Light(light.name.clone());

@@ -5,13 +5,15 @@ use crate::import::ImportPlan;
 use crate::lang::source::MAX_BYTES;
 use crate::mesh::write_ply;
 use crate::workspace::PRESET;
+use std::collections::BTreeSet;
 use std::fs;
-use std::io;
+use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-/// The suffixes of the scene and of the session.
+/// The suffixes of the scene, of the formula and of the session.
 const SCENE: &str = "scene";
+const FORMULA: &str = "formula";
 const SESSION: &str = "toml";
 
 /// Why a file was not imported.
@@ -41,7 +43,8 @@ pub enum ImportError {
     },
 }
 
-/// Where the files of an import go: the scene `NAME.scene`, the session `NAME.toml`, and a folder `NAME-meshes`.
+/// Where the files of an import go: the scene `NAME.scene`, the session `NAME.toml`, and a folder `NAME-meshes`. If
+/// bodies have images, there are the formula `NAME.formula` and a folder `NAME-textures` too.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ImportTarget {
     scene: PathBuf,
@@ -86,6 +89,16 @@ impl ImportTarget {
         self.scene.with_file_name(self.folder())
     }
 
+    /// The path of the formula.
+    pub fn formula(&self) -> PathBuf {
+        self.scene.with_extension(FORMULA)
+    }
+
+    /// The path of the folder of images.
+    pub fn textures(&self) -> PathBuf {
+        self.scene.with_file_name(format!("{}-textures", self.stem))
+    }
+
     fn folder(&self) -> String {
         format!("{}-meshes", self.stem)
     }
@@ -95,60 +108,90 @@ impl ImportTarget {
         format!("{}/{body}.ply", self.folder())
     }
 
-    /// What is there already and would be written over.
-    pub fn existing(&self) -> Vec<PathBuf> {
-        let all = [self.scene.clone(), self.session(), self.meshes()];
-        all.into_iter().filter(|path| path.symlink_metadata().is_ok()).collect()
+    /// What is there already and would be written over by each import, or by one of a model with images.
+    pub fn existing(&self, has_images: bool) -> Vec<PathBuf> {
+        let always = [self.scene.clone(), self.session(), self.meshes()];
+        let of_images = has_images.then(|| [self.formula(), self.textures()]).into_iter().flatten();
+        always.into_iter().chain(of_images).filter(|path| path.symlink_metadata().is_ok()).collect()
     }
 }
 
 impl ImportPlan {
-    /// Writes the meshes, the scene and the session, each file whole or not at all. `progress` is called with the
-    /// share that is done. Files that are there are replaced; others in the folder of meshes stay. If it fails, what is
-    /// new is removed again.
+    /// The files of this import, in the order in which they are written.
+    fn files(&self, target: &ImportTarget) -> Vec<PathBuf> {
+        let (meshes, textures) = (target.meshes(), target.textures());
+        let of_meshes = self.meshes.iter().map(|(name, _)| meshes.join(format!("{name}.ply")));
+        let of_images = self.images.iter().map(|(file, _)| textures.join(file));
+        let texts = self.formula.iter().map(|_| target.formula()).chain([target.scene().to_owned(), target.session()]);
+        of_meshes.chain(of_images).chain(texts).collect()
+    }
+
+    /// What is in the folders of the target and is not of this import, such as the meshes of an earlier one.
+    pub fn others(&self, target: &ImportTarget) -> Vec<PathBuf> {
+        let own = BTreeSet::from_iter(self.files(target));
+        let folders = [target.meshes(), target.textures()].into_iter().filter_map(|folder| fs::read_dir(folder).ok());
+        let mut found: Vec<PathBuf> = folders.flatten().flatten().map(|entry| entry.path()).collect();
+        found.retain(|path| !own.contains(path));
+        found.sort();
+        found
+    }
+
+    /// Writes the meshes, the images, the formula, the scene and the session, each file whole or not at all. `progress`
+    /// is called with the share that is done. Files that are there are replaced; others in the folders stay. If it
+    /// fails, what is new is removed again.
     ///
     /// # Errors
     /// A file cannot be written.
     pub fn write(&self, target: &ImportTarget, progress: &dyn Fn(f64)) -> Result<(), ImportError> {
-        let folder = target.meshes();
-        let is_new = match fs::create_dir(&folder) {
-            Ok(()) => true,
-            Err(error) if error.kind() == io::ErrorKind::AlreadyExists && folder.is_dir() => false,
-            Err(error) => return Err(ImportError::Write { path: folder, error }),
-        };
-        let mut created = Vec::new();
-        let outcome = self.write_files(target, &folder, progress, &mut created);
+        let folders = [Some(target.meshes()), (!self.images.is_empty()).then(|| target.textures())];
+        let (mut new_folders, mut created) = (Vec::new(), Vec::new());
+        let outcome = folders
+            .into_iter()
+            .flatten()
+            .try_for_each(|folder| create_folder(folder, &mut new_folders))
+            .and_then(|()| self.write_files(target, progress, &mut created));
         if outcome.is_err() {
             // Nobody is left to hear that something stays.
             created.iter().for_each(|path| drop(fs::remove_file(path)));
-            if is_new {
-                let _ = fs::remove_dir(&folder);
-            }
+            new_folders.iter().for_each(|path| drop(fs::remove_dir(path)));
         }
         outcome
     }
 
     /// Writes all files. Those that were not there are added to `created`.
-    fn write_files(
-        &self,
-        target: &ImportTarget,
-        folder: &Path,
-        progress: &dyn Fn(f64),
-        created: &mut Vec<PathBuf>,
-    ) -> Result<(), ImportError> {
-        let mut write = |path: PathBuf, write: &dyn Fn(&Path) -> io::Result<()>| {
+    fn write_files(&self, target: &ImportTarget, progress: &dyn Fn(f64), created: &mut Vec<PathBuf>) -> Result<(), ImportError> {
+        type Write<'p> = Box<dyn Fn(&Path) -> io::Result<()> + 'p>;
+        let of_meshes = self
+            .meshes
+            .iter()
+            .map(|(_, mesh)| -> Write { Box::new(|path| replace_file(path, |writer| write_ply(mesh, writer))) });
+        let of_images = self
+            .images
+            .iter()
+            .map(|(_, bytes)| -> Write { Box::new(|path| replace_file(path, |writer| writer.write_all(bytes))) });
+        let formula = self.formula.iter().map(|text| -> Write { Box::new(|path| replace_text(path, text)) });
+        let texts: [Write; 2] = [Box::new(|path| replace_text(path, &self.scene)), Box::new(|path| self.session.save(path))];
+        let all = of_meshes.chain(of_images).chain(formula).chain(texts);
+        let files = self.files(target);
+        let count = files.len();
+        for (index, (path, write)) in files.into_iter().zip(all).enumerate() {
+            progress(index as f64 / count as f64);
             let is_new = path.symlink_metadata().is_err();
             match write(&path) {
                 Ok(()) => created.extend(is_new.then_some(path)),
                 Err(error) => return Err(ImportError::Write { path, error }),
             }
-            Ok(())
-        };
-        for (index, (name, mesh)) in self.meshes.iter().enumerate() {
-            progress(index as f64 / self.meshes.len() as f64);
-            write(folder.join(format!("{name}.ply")), &|path| replace_file(path, |writer| write_ply(mesh, writer)))?;
         }
-        write(target.scene().to_owned(), &|path| replace_text(path, &self.scene))?;
-        write(target.session(), &|path| self.session.save(path))
+        Ok(())
     }
+}
+
+/// Creates a folder that may be there, and notes it if it is new.
+fn create_folder(folder: PathBuf, new: &mut Vec<PathBuf>) -> Result<(), ImportError> {
+    match fs::create_dir(&folder) {
+        Ok(()) => new.push(folder),
+        Err(error) if error.kind() == io::ErrorKind::AlreadyExists && folder.is_dir() => {}
+        Err(error) => return Err(ImportError::Write { path: folder, error }),
+    }
+    Ok(())
 }

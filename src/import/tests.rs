@@ -1,8 +1,10 @@
 //! Tests of what is made of models.
 
 use super::*;
+use crate::formula::Formula;
 use crate::mesh::{
-    LightSource, MeshParts, MeshRepairs, ModelCamera, ModelLight, ModelMaterial, ModelPart, PhongLook, PhysicalLook, Reading,
+    LightSource, MeshParts, MeshRepairs, ModelCamera, ModelImage, ModelLight, ModelMaterial, ModelPart, PhongLook, PhysicalLook,
+    Reading,
 };
 use crate::scene::Scene;
 use crate::workspace::{FileKind, Values, presets};
@@ -45,10 +47,11 @@ fn triangle(size: f64) -> TriangleMesh {
 fn model(looks: &[ModelLook]) -> MeshModel {
     let part =
         |(material, _): (usize, &ModelLook)| ModelPart { name: "tri".to_owned(), material: Some(material), mesh: triangle(2.0) };
-    let material = |look: &ModelLook| ModelMaterial { name: String::new(), look: look.clone() };
+    let material = |look: &ModelLook| ModelMaterial { name: String::new(), look: look.clone(), image: None };
     MeshModel {
         parts: looks.iter().enumerate().map(part).collect(),
         materials: looks.iter().map(material).collect(),
+        images: Vec::new(),
         camera: None,
         lights: Vec::new(),
         repairs: MeshRepairs::default(),
@@ -268,9 +271,65 @@ fn a_failed_import_leaves_nothing() {
     std::fs::create_dir(target.session()).unwrap();
     let error = plan.write(&target, &|_| ()).unwrap_err();
     assert!(error.to_string().ends_with("a.toml`: it is a folder, not a file"), "{error}");
-    assert_eq!(target.existing(), [target.session()]);
+    assert_eq!(target.existing(true), [target.session()]);
     std::fs::remove_dir(target.session()).unwrap();
     plan.write(&target, &|_| ()).unwrap();
-    assert_eq!(target.existing().len(), 3);
+    assert_eq!(target.existing(true).len(), 3);
     assert_eq!(std::fs::read_dir(target.meshes()).unwrap().count(), 1);
+    assert_eq!(plan.others(&target), Vec::<std::path::PathBuf>::new());
+    let other = target.meshes().join("other.ply");
+    std::fs::write(&other, "").unwrap();
+    assert_eq!(plan.others(&target), [other]);
+}
+
+/// A model like [`model`] whose parts have surface coordinates and images.
+fn with_images(looks: &[ModelLook]) -> MeshModel {
+    let mut model = model(looks);
+    let image = ModelImage { name: "old wood".to_owned(), suffix: "png", bytes: b"bytes".to_vec() };
+    model.images = vec![image.clone(), ModelImage { name: "unused".to_owned(), ..image.clone() }, image];
+    for (material, image) in model.materials.iter_mut().zip([0, 2, 0]) {
+        material.image = Some(image);
+    }
+    for part in &mut model.parts {
+        let parts = MeshParts {
+            positions: part.mesh.positions().to_vec(),
+            uvs: vec![glam::Vec2::ZERO, glam::Vec2::X, glam::Vec2::Y],
+            triangles: vec![[0, 1, 2]],
+            ..MeshParts::default()
+        };
+        part.mesh = TriangleMesh::new("triangle", parts, &Reading::unwatched(1 << 20)).unwrap().0;
+    }
+    model
+}
+
+#[test]
+fn images_become_textures_of_a_formula() {
+    for (looks, preset) in [
+        ([ModelLook::Phong(PHONG), ModelLook::Phong(PHONG), ModelLook::Phong(PHONG)], looks::PHONG_FORMULA),
+        ([PHYSICAL, PHYSICAL, PHYSICAL].map(ModelLook::Physical), looks::PHYSICAL_FORMULA),
+    ] {
+        let plan = planned(with_images(&looks));
+        assert_eq!(plan.session.formula, Location::File("some/where.formula".into()));
+        let files: Vec<&str> = plan.images.iter().map(|(file, _)| file.as_str()).collect();
+        assert_eq!(files, ["old_wood.png", "old_wood_2.png"], "unused ones are not written");
+        assert!(plan.images.iter().all(|(_, bytes)| bytes == b"bytes"));
+        let of_bodies = plan.session.values.iter().filter(|value| value.parameter == "image").map(|value| value.value.clone());
+        let expected = ["old_wood.png", "old_wood_2.png", "old_wood.png"];
+        let expected = expected.map(|file| FileValue::Image(format!("some/where-textures/{file}").into()));
+        assert_eq!(of_bodies.collect::<Vec<_>>(), expected);
+        // The formula is sound, and has one parameter more than the built-in one.
+        let (formula, warnings) = Formula::parse(&Source::new("made", plan.formula.unwrap())).unwrap();
+        assert_eq!(warnings.len(), 0, "{warnings:?}");
+        let (built_in, _) = Formula::parse(&Source::new(preset, presets::text(FileKind::Formula, preset).unwrap())).unwrap();
+        assert_eq!(formula.parameters.len(), built_in.parameters.len() + 1);
+        assert!(formula.parameters.iter().any(|parameter| parameter.name == "image"));
+    }
+    // Without surface coordinates there is no image.
+    let mut flat = model(&[ModelLook::Phong(PHONG)]);
+    flat.images = vec![ModelImage { name: String::new(), suffix: "jpg", bytes: Vec::new() }];
+    flat.materials[0].image = Some(0);
+    let plan = planned(flat);
+    assert_eq!((plan.formula, plan.images.len()), (None, 0));
+    let left_out: Vec<String> = plan.left_out.iter().map(ToString::to_string).collect();
+    assert_eq!(left_out, ["1 image: its part has no surface coordinates"]);
 }

@@ -9,6 +9,7 @@
 
 mod error;
 mod gltf;
+mod images;
 mod ledger;
 mod model;
 mod normals;
@@ -25,8 +26,8 @@ mod weld;
 pub use error::{MeshError, MeshFileError, MeshMistake, MeshPlace};
 pub use ledger::Reading;
 pub use model::{
-    LightSource, MeshModel, ModelCamera, ModelLight, ModelLook, ModelMaterial, ModelPart, Omission, Omissions, PhongLook,
-    PhysicalLook,
+    LightSource, MeshModel, ModelCamera, ModelImage, ModelLight, ModelLook, ModelMaterial, ModelPart, Omission, Omissions,
+    PhongLook, PhysicalLook,
 };
 pub use ply::write_ply;
 pub use triangle_mesh::{LARGEST_COORDINATE, MeshParts, MeshRepairs, TriangleMesh};
@@ -212,11 +213,16 @@ pub fn read_bytes(path: &Path, bytes: &[u8], reading: &Reading) -> Result<(Trian
 
 /// The contents of a regular file.
 fn contents(path: &Path, ledger: &mut Ledger) -> Result<Vec<u8>, Fault> {
+    contents_of(path, "mesh", ledger)
+}
+
+/// As [`contents`], of a file of this kind.
+fn contents_of(path: &Path, kind: &str, ledger: &mut Ledger) -> Result<Vec<u8>, Fault> {
     let wrong = |message: String| Fault::File(Box::new(MeshFileError { message, hint: None }));
     let name = path.display();
-    let failed = |error: &io::Error| wrong(format!("cannot read the mesh `{name}`: {}", reason(error)));
+    let failed = |error: &io::Error| wrong(format!("cannot read the {kind} `{name}`: {}", reason(error)));
     let (mut file, metadata) = open(path, Readable::Regular).map_err(|error| match error {
-        OpenError::Irregular(found) => wrong(format!("`{name}` is {found}, not a mesh")),
+        OpenError::Irregular(found) => wrong(format!("`{name}` is {found}, not a {kind}")),
         OpenError::Io(error) => failed(&error),
     })?;
     let length = metadata.len();

@@ -12,6 +12,8 @@ pub struct MeshModel {
     pub parts: Vec<ModelPart>,
     /// The materials that parts name by their indices.
     pub materials: Vec<ModelMaterial>,
+    /// The images that materials name by their indices.
+    pub images: Vec<ModelImage>,
     /// The first camera with a perspective view.
     pub camera: Option<ModelCamera>,
     /// The lights.
@@ -40,6 +42,19 @@ pub struct ModelMaterial {
     pub name: String,
     /// How it looks.
     pub look: ModelLook,
+    /// The image by which its base or matte colour is multiplied, an index into [`MeshModel::images`].
+    pub image: Option<usize>,
+}
+
+/// An image, not decoded.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ModelImage {
+    /// Its name in the file, or the name of its own file without the suffix; it may be any text.
+    pub name: String,
+    /// The suffix of files in its format, in small letters.
+    pub suffix: &'static str,
+    /// The file.
+    pub bytes: Vec<u8>,
 }
 
 /// How a material looks, in the terms of its file. Colours are linear RGB.
@@ -187,6 +202,7 @@ impl std::fmt::Display for Omission {
 pub(super) struct ModelContents {
     pub(super) parts: Vec<PartContents>,
     pub(super) materials: Vec<ModelMaterial>,
+    pub(super) images: Vec<ModelImage>,
     pub(super) camera: Option<ModelCamera>,
     pub(super) lights: Vec<ModelLight>,
     pub(super) omissions: Omissions,
@@ -204,7 +220,7 @@ pub(super) struct PartContents {
 impl ModelContents {
     /// Checks and completes the parts. Those that have no triangle with an area are left out.
     pub(super) fn complete(self, ledger: &mut Ledger) -> Result<MeshModel, Fault> {
-        let Self { parts: all, materials, camera, lights, mut omissions } = self;
+        let Self { parts: all, materials, images, camera, lights, mut omissions } = self;
         let (count, mut parts, mut repairs) = (all.len(), Vec::new(), MeshRepairs::default());
         ledger.reserve(&mut parts, count)?;
         for (index, PartContents { name, material, is_smooth, parts: contents }) in all.into_iter().enumerate() {
@@ -224,6 +240,6 @@ impl ModelContents {
                 Fault::new("it has no triangles with an area").help("a mesh needs faces; points, lines and curves are not drawn")
             );
         }
-        Ok(MeshModel { parts, materials, camera, lights, repairs, omissions })
+        Ok(MeshModel { parts, materials, images, camera, lights, repairs, omissions })
     }
 }

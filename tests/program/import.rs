@@ -126,5 +126,51 @@ fn files_are_replaced_only_if_that_is_asked_for() {
     fs::write(&other, "mine").expect("a file");
     assert!(run(folder.path(), "import sail.gltf -o sail.scene --force").status.success());
     assert_eq!(fs::read_to_string(&other).expect("a file"), "mine", "other files stay");
+    let again = told(folder.path(), "import sail.gltf -o sail.scene --force");
+    assert!(again.contains("Note: of earlier imports there is still: `sail-meshes/other.ply`\n"), "{again}");
     assert!(!run(folder.path(), "import sail.gltf -o sail.scene").status.success());
+}
+
+/// A square in the plane z = 0, seen from the front, with the image of a material.
+const SIGN: &str =
+    "mtllib sign.mtl\nv 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nusemtl sign\nf 1/1 2/2 3/3 4/4\n";
+
+#[test]
+fn images_of_materials_are_seen_upright() {
+    let folder = folder();
+    write(&folder, "sign.obj", SIGN);
+    write(&folder, "sign.mtl", "newmtl sign\nKd 1 1 1\nmap_Kd sign.png\n");
+    // Red above, green below on the left, blue below on the right.
+    let sign = image::RgbImage::from_fn(64, 64, |x, y| {
+        image::Rgb(if y < 32 {
+            [255, 0, 0]
+        } else if x < 32 {
+            [0, 255, 0]
+        } else {
+            [0, 0, 255]
+        })
+    });
+    sign.save(folder.path().join("sign.png")).expect("a picture");
+    let said = told(folder.path(), "import sign.obj -o sub/s.scene");
+    let expected = "sub/s.scene: 1 body, 2 lights added, camera added\nsub/s.toml: session with the formula sub/s.formula\n\
+        sub/s-meshes: 1 mesh of 2 triangles\nsub/s-textures: 1 image\nexit status 0\n";
+    assert_eq!(said, expected);
+    fs::remove_file(folder.path().join("sign.png")).expect("the image is copied");
+    let checked = told(folder.path(), "check sub/s.formula sub/s.scene sub/s.toml");
+    assert_eq!(checked.lines().filter(|line| line.ends_with("0 errors, 0 warnings")).count(), 3, "{checked}");
+    assert_eq!(told(folder.path(), "render sub/s.toml --size 96x96 -o s.exr"), "exit status 0\n");
+    let picture = image::open(folder.path().join("s.exr")).expect("a picture").to_rgb32f();
+    let strongest = |x: u32, y: u32| {
+        let pixel = picture.get_pixel(x, y).0;
+        let found = (0..3).find(|channel| (0..3).all(|other| other == *channel || pixel[*channel] > 10.0 * pixel[other]));
+        found.unwrap_or_else(|| panic!("{pixel:?} at {x}, {y}"))
+    };
+    assert_eq!([(36, 34), (60, 34), (36, 62), (60, 62)].map(|(x, y)| strongest(x, y)), [0, 0, 1, 2]);
+    // An import with images does not write over a formula, unless that is asked for.
+    fs::remove_file(folder.path().join("sub/s.toml")).expect("a file");
+    fs::remove_file(folder.path().join("sub/s.scene")).expect("a file");
+    fs::remove_dir_all(folder.path().join("sub/s-meshes")).expect("a folder");
+    sign.save(folder.path().join("sign.png")).expect("a picture");
+    let refused = told(folder.path(), "import sign.obj -o sub/s.scene");
+    assert!(refused.contains("there is already `sub/s.formula`, `sub/s-textures`"), "{refused}");
 }

@@ -70,7 +70,7 @@ impl<'f> Container<'f> {
                 None => Cow::Borrowed(
                     self.binary.ok_or_else(|| Fault::new(format!("buffers[{index}] has neither a `uri` nor a binary chunk")))?,
                 ),
-                Some(uri) => Cow::Owned(load(uri, index, path, ledger)?),
+                Some(uri) => Cow::Owned(load(uri, &format!("buffers[{index}]"), path, ledger)?),
             };
             if (bytes.len() as u64) < buffer.byte_length {
                 let (has, needs) = (bytes.len(), buffer.byte_length);
@@ -83,26 +83,42 @@ impl<'f> Container<'f> {
     }
 }
 
-/// The bytes that a URI stands for.
-fn load(uri: &str, index: usize, path: &Path, ledger: &mut Ledger) -> Result<Vec<u8>, Fault> {
-    let wrong = |message: &str| Fault::new(format!("the `uri` of buffers[{index}] {message}"));
+/// What a URI stands for.
+pub(super) enum UriTarget {
+    /// The data in it.
+    Data(Vec<u8>),
+    /// A file beside the glTF file.
+    File(PathBuf),
+}
+
+/// What the URI of an object such as `buffers[0]` stands for, in the file at this path.
+pub(super) fn resolve(uri: &str, owner: &str, path: &Path, ledger: &mut Ledger) -> Result<UriTarget, Fault> {
+    let wrong = |message: &str| Fault::new(format!("the `uri` of {owner} {message}"));
     if let Some(data) = uri.strip_prefix("data:") {
         let Some((_, text)) = data.split_once(',').filter(|(kind, _)| kind.ends_with(";base64")) else {
             return Err(wrong("has data that are not base64"));
         };
-        return base64(text.as_bytes(), ledger)?.ok_or_else(|| wrong("has wrong base64"));
+        return base64(text.as_bytes(), ledger)?.map(UriTarget::Data).ok_or_else(|| wrong("has wrong base64"));
     }
     let relative = percent_decoded(uri).ok_or_else(|| wrong("is not UTF-8"))?;
     if uri.contains("://") || !is_relative(&relative) {
         return Err(wrong("is not a relative path").help("only files beside the glTF file are read"));
     }
-    let beside: PathBuf = path.parent().unwrap_or(Path::new("")).join(relative);
+    Ok(UriTarget::File(path.parent().unwrap_or(Path::new("")).join(relative)))
+}
+
+/// The bytes that a URI stands for.
+fn load(uri: &str, owner: &str, path: &Path, ledger: &mut Ledger) -> Result<Vec<u8>, Fault> {
+    let beside = match resolve(uri, owner, path, ledger)? {
+        UriTarget::Data(bytes) => return Ok(bytes),
+        UriTarget::File(beside) => beside,
+    };
     contents(&beside, ledger).map_err(|fault| match fault {
         Fault::File(error) => Fault::File(Box::new(MeshFileError {
             message: format!("{}; `{}` names it", error.message, path.display()),
             hint: Some("a .gltf file needs the files beside it that it names".to_owned()),
         })),
-        Fault::Content(_) => wrong("names an empty file"),
+        Fault::Content(_) => Fault::new(format!("the `uri` of {owner} names an empty file")),
         Fault::Cancelled | Fault::Memory { .. } | Fault::Elsewhere(_) => fault,
     })
 }

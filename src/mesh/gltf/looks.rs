@@ -3,19 +3,21 @@
 
 use crate::mesh::error::Fault;
 use crate::mesh::gltf::document::{charge_values, wrong_json};
+use crate::mesh::gltf::textures::{GltfImage, GltfSampler, GltfTexture, GltfTextures, TextureReference};
 use crate::mesh::ledger::Ledger;
 use crate::mesh::model::{ModelLook, ModelMaterial, Omissions, PhysicalLook};
 use serde::Deserialize;
 use serde::de::IgnoredAny;
 
 /// The extensions whose meaning is kept. Others change how the file looks, or nothing that is drawn.
-const KEPT: [&str; 6] = [
+const KEPT: [&str; 7] = [
     "KHR_lights_punctual",
     "KHR_materials_clearcoat",
     "KHR_materials_ior",
     "KHR_materials_specular",
     "KHR_materials_transmission",
     "KHR_mesh_quantization",
+    "KHR_texture_transform",
 ];
 
 #[derive(Deserialize, Default)]
@@ -27,7 +29,9 @@ pub(super) struct GltfLooks {
     pub(super) cameras: Vec<GltfCamera>,
     pub(super) nodes: Vec<NodeLooks>,
     pub(super) meshes: Vec<MeshLooks>,
-    textures: Vec<IgnoredAny>,
+    textures: Vec<GltfTexture>,
+    images: Vec<GltfImage>,
+    samplers: Vec<GltfSampler>,
     animations: Vec<IgnoredAny>,
     scenes: Vec<IgnoredAny>,
 }
@@ -125,6 +129,9 @@ struct PrimitiveColors {
 struct GltfMaterial {
     name: String,
     pbr_metallic_roughness: MetallicRoughness,
+    normal_texture: Option<IgnoredAny>,
+    occlusion_texture: Option<IgnoredAny>,
+    emissive_texture: Option<IgnoredAny>,
     emissive_factor: [f64; 3],
     alpha_mode: Option<String>,
     extensions: MaterialExtensions,
@@ -134,6 +141,7 @@ struct GltfMaterial {
 #[serde(rename_all = "camelCase", default)]
 struct MetallicRoughness {
     base_color_factor: [f64; 4],
+    base_color_texture: Option<TextureReference>,
     metallic_factor: f64,
     roughness_factor: f64,
     metallic_roughness_texture: Option<IgnoredAny>,
@@ -141,7 +149,13 @@ struct MetallicRoughness {
 
 impl Default for MetallicRoughness {
     fn default() -> Self {
-        Self { base_color_factor: [1.0; 4], metallic_factor: 1.0, roughness_factor: 1.0, metallic_roughness_texture: None }
+        Self {
+            base_color_factor: [1.0; 4],
+            base_color_texture: None,
+            metallic_factor: 1.0,
+            roughness_factor: 1.0,
+            metallic_roughness_texture: None,
+        }
     }
 }
 
@@ -228,18 +242,38 @@ impl GltfLooks {
         lights.get(light.light).map(Some).ok_or_else(missing)
     }
 
-    /// The materials of the file.
+    /// The materials of the file, without images.
     pub(super) fn materials(&self) -> Vec<ModelMaterial> {
-        let material =
-            |material: &GltfMaterial| ModelMaterial { name: material.name.clone(), look: ModelLook::Physical(material.look()) };
+        let material = |material: &GltfMaterial| ModelMaterial {
+            name: material.name.clone(),
+            look: ModelLook::Physical(material.look()),
+            image: None,
+        };
         self.materials.iter().map(material).collect()
+    }
+
+    /// The lists of textures.
+    pub(super) fn textures(&self) -> GltfTextures<'_> {
+        GltfTextures { textures: &self.textures, images: &self.images, samplers: &self.samplers }
+    }
+
+    /// The texture of the base colour of a material.
+    pub(super) fn base_texture(&self, material: usize) -> Option<&TextureReference> {
+        self.materials.get(material).and_then(|material| material.pbr_metallic_roughness.base_color_texture.as_ref())
     }
 
     /// What is left out of the file as a whole.
     pub(super) fn omissions(&self) -> Omissions {
         let mut omissions = Omissions::default();
         let mut add = |count: usize, what: &str, note: &str| omissions.add(count as u64, what, note);
-        add(self.textures.len(), "texture(s)", "colours are those of the materials, without them");
+        let with = |has: &dyn Fn(&GltfMaterial) -> bool| self.materials.iter().filter(|material| has(material)).count();
+        add(with(&|material| material.normal_texture.is_some()), "texture(s) of bumps", "");
+        add(with(&|material| material.occlusion_texture.is_some()), "texture(s) of shade", "");
+        add(with(&|material| material.emissive_texture.is_some()), "texture(s) of light", "");
+        let is_veil = |material: &GltfMaterial| {
+            material.alpha_mode.as_deref() == Some("BLEND") && material.pbr_metallic_roughness.base_color_texture.is_some()
+        };
+        add(with(&is_veil), "transparency of texture(s)", "only that of the whole material is kept");
         let textured = |material: &&GltfMaterial| material.pbr_metallic_roughness.metallic_roughness_texture.is_some();
         let note = "each such material counts as a dielectric of roughness 0.5";
         add(self.materials.iter().filter(textured).count(), "texture(s) of metal and roughness", note);

@@ -11,6 +11,7 @@ mod nodes;
 mod scenery;
 #[cfg(test)]
 pub(super) mod tests;
+mod textures;
 
 use crate::mesh::MeshFile;
 use crate::mesh::error::{Fault, Places};
@@ -24,6 +25,8 @@ use document::{GltfDocument, GltfPrimitive};
 use glam::{DMat3, DMat4, DVec3, Vec2, Vec3};
 use looks::GltfLooks;
 use nodes::{PlacedNode, PrimitivePlace, for_each_node};
+use std::collections::BTreeSet;
+use textures::ImageReader;
 
 /// Reads a file.
 pub(super) fn read(file: &MeshFile, ledger: &mut Ledger) -> Result<MeshParts, Fault> {
@@ -50,6 +53,8 @@ pub(super) fn read_model(file: &MeshFile, ledger: &mut Ledger) -> Result<ModelCo
     let buffers = container.buffers(&document, file.path, ledger)?;
     let accessors = Accessors { document: &document, buffers: &buffers };
     let mut contents = scenery::read(&document, &looks)?;
+    let mut images = ImageReader::new(looks.textures(), file, &document, &buffers);
+    let mut asked = BTreeSet::new();
     for_each_primitive(&document, ledger, |place, primitive, ledger| {
         let mut parts = MeshParts::default();
         add(primitive, &accessors, &place.transform, &mut parts, ledger)?;
@@ -58,10 +63,20 @@ pub(super) fn read_model(file: &MeshFile, ledger: &mut Ledger) -> Result<ModelCo
             return Ok(());
         }
         let (name, material) = scenery::name_and_material(&looks, place, contents.materials.len())?;
+        if let Some((material, texture)) = material.and_then(|material| Some((material, looks.base_texture(material)?))) {
+            if !asked.contains(&material) {
+                asked.insert(material);
+                contents.materials[material].image = images.image_of(texture, &mut contents.omissions, ledger)?;
+            }
+            if let Some(transform) = texture.transform() {
+                parts.uvs.iter_mut().for_each(|uv| *uv = transform.apply(*uv));
+            }
+        }
         // The names of nodes may be long, and stand at several primitives.
         ledger.charge(name.len() as u64)?;
         ledger.push(&mut contents.parts, PartContents { name, material, is_smooth: false, parts })
     })?;
+    contents.images = images.found.images;
     Ok(contents)
 }
 

@@ -254,7 +254,6 @@ fn each_primitive_at_each_node_is_a_part() {
     assert_eq!(corners(&model.parts[2].mesh), mirrored);
     let left_out: Vec<String> = model.omissions.iter().map(ToString::to_string).collect();
     let expected = [
-        "2 textures: colours are those of the materials, without them",
         "1 material with a light of their own: it is not shown",
         "1 animation",
         "1 part with morph targets",
@@ -335,4 +334,104 @@ fn deep_trees_of_nodes_are_walked() {
     let nodes = format!(r#"[{}, {{"mesh": 0}}]"#, nodes.join(", "));
     let model = parse_model("a.gltf", changed(&[(r#"[{"mesh": 0}]"#, &nodes)]));
     assert_eq!(model.parts[0].mesh.bounding_box()[0].x, f64::from(count - 1));
+}
+
+/// The square with surface coordinates, and a material whose base texture is `reference`.
+fn textured(reference: &str, texture: &str, image: &str, file: Option<(&str, &[u8])>) -> Result<MeshModel, String> {
+    let uv: Vec<u8> = [0.0_f32, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0, 1.0].iter().flat_map(|number| number.to_le_bytes()).collect();
+    let png = base64(b"\x89PNG\r\nembedded");
+    let buffers = format!(
+        r#"}}, {{"uri": "data:;base64,{}", "byteLength": 32}}, {{"uri": "data:;base64,{png}", "byteLength": 14}}], "images": [{image}],
+        "textures": [{texture}], "samplers": [{{"wrapS": 33071, "magFilter": 9728}}],
+        "materials": [{{"pbrMetallicRoughness": {{"baseColorTexture": {reference}}}, "normalTexture": {{"index": 0}}}}],"#,
+        base64(&uv)
+    );
+    let text = changed(&[
+        ("}],", &buffers),
+        (r#""bufferViews": ["#, r#""bufferViews": [{"buffer": 1, "byteLength": 32}, {"buffer": 2, "byteLength": 14}, "#),
+        (r#""accessors": [{"bufferView": 0"#, r#""accessors": [{"bufferView": 2"#),
+        (r#"{"bufferView": 1,"#, r#"{"bufferView": 3,"#),
+        (r#""type": "SCALAR"}"#, r#""type": "SCALAR"}, {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC2"}"#),
+        (r#""POSITION": 0}"#, r#""POSITION": 0, "TEXCOORD_0": 2}, "material": 0"#),
+    ]);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.gltf");
+    std::fs::write(&path, text).unwrap();
+    if let Some((name, bytes)) = file {
+        std::fs::write(folder.path().join(name), bytes).unwrap();
+    }
+    read_model(&path, &Reading::unwatched(1 << 20)).map_err(|error| error.to_string())
+}
+
+#[test]
+fn images_of_base_colours_are_kept() {
+    let left_out = |model: &MeshModel| model.omissions.iter().map(ToString::to_string).collect::<Vec<_>>();
+    let plain = (r#"{"index": 0}"#, r#"{"source": 0}"#);
+    let embedded = [
+        r#"{"mimeType": "image/png", "name": "Wood.png", "bufferView": 1}"#.to_owned(),
+        format!(r#"{{"uri": "data:image/png;base64,{}", "name": "Wood"}}"#, base64(b"\x89PNG\r\nembedded")),
+    ];
+    for image in &embedded {
+        let model = textured(plain.0, plain.1, image, None).unwrap();
+        assert_eq!((model.materials[0].image, model.images.len()), (Some(0), 1));
+        let found = &model.images[0];
+        assert_eq!((found.name.as_str(), found.suffix, &found.bytes[..]), ("Wood", "png", &b"\x89PNG\r\nembedded"[..]));
+        assert_eq!(left_out(&model), ["1 texture of bumps"]);
+        // v goes upwards.
+        assert_eq!(model.parts[0].mesh.uvs()[0], Vec2::new(0.0, 1.0));
+    }
+    let beside = textured(plain.0, plain.1, r#"{"uri": "my%20wood.jpg"}"#, Some(("my wood.jpg", b"\xff\xd8\xff\xe0"))).unwrap();
+    assert_eq!((beside.images[0].name.as_str(), beside.images[0].suffix), ("my wood", "jpg"));
+    let missing = textured(plain.0, plain.1, r#"{"uri": "wood.jpg"}"#, None).unwrap();
+    assert_eq!((missing.materials[0].image, missing.images.len()), (None, 0));
+    assert!(left_out(&missing)[1].ends_with("wood.jpg`: there is no such file"), "{:?}", left_out(&missing));
+    let webp = textured(plain.0, plain.1, r#"{"uri": "wood.webp"}"#, Some(("wood.webp", b"RIFF"))).unwrap();
+    assert_eq!(left_out(&webp)[1], "1 image of base colours: textures are PNG, JPEG, OpenEXR or Radiance HDR");
+    let held = textured(plain.0, r#"{"source": 0, "sampler": 0}"#, &embedded[0], None).unwrap();
+    let notes =
+        ["1 texture held or mirrored at the edges: it repeats here", "1 texture of plain texels: it is interpolated here"];
+    assert_eq!(left_out(&held)[1..], notes);
+    let second = textured(r#"{"index": 0, "texCoord": 1}"#, plain.1, &embedded[0], None).unwrap();
+    assert_eq!((second.materials[0].image, left_out(&second).len()), (None, 2));
+    let extension = textured(plain.0, "{}", &embedded[0], None).unwrap();
+    assert_eq!(left_out(&extension)[1], "1 image of base colours: its format is one of an extension");
+}
+
+#[test]
+fn textures_are_moved_turned_and_scaled() {
+    let image = r#"{"bufferView": 1}"#;
+    let uvs = |transform: &str| {
+        let reference = format!(r#"{{"index": 0, "extensions": {{"KHR_texture_transform": {transform}}}}}"#);
+        textured(&reference, r#"{"source": 0}"#, image, None).unwrap().parts[0].mesh.uvs().to_vec()
+    };
+    let near = |found: Vec<Vec2>, expected: [[f32; 2]; 4]| {
+        assert!(found.iter().zip(expected).all(|(one, other)| one.abs_diff_eq(Vec2::from(other), 1e-6)), "{found:?}");
+    };
+    // In the file the corners are (0,0), (1,0), (1,1), (0,1), with v downwards; here v is 1 - that.
+    near(uvs("{}"), [[0., 1.], [1., 1.], [1., 0.], [0., 0.]]);
+    near(uvs(r#"{"offset": [0.5, 0.25], "scale": [2, 3]}"#), [[0.5, 0.75], [2.5, 0.75], [2.5, -2.25], [0.5, -2.25]]);
+    // Counter-clockwise about the upper left corner: where u grew, v of the file now falls.
+    near(uvs(r#"{"rotation": 1.5707963267948966}"#), [[0., 1.], [0., 2.], [1., 2.], [1., 1.]]);
+}
+
+#[test]
+fn wrong_textures_are_told() {
+    let image = r#"{"bufferView": 1}"#;
+    let refused = |reference: &str, texture: &str, image: &str| textured(reference, texture, image, None).unwrap_err();
+    for (reference, texture, image, expected) in [
+        (r#"{"index": 5}"#, "{}", image, "there is no textures[5]: the file has 1"),
+        (r#"{"index": 0}"#, r#"{"source": 5}"#, image, "there is no images[5]: the file has 1"),
+        (r#"{"index": 0}"#, r#"{"source": 0}"#, r#"{"bufferView": 9}"#, "images[0] is not within its buffer"),
+        (r#"{"index": 0}"#, r#"{"source": 0}"#, "{}", "images[0] has neither a `uri` nor a `bufferView`"),
+        (r#"{"index": 0}"#, r#"{"source": 0}"#, r#"{"uri": "data:x"}"#, "the `uri` of images[0] has data that are not base64"),
+        (
+            r#"{"index": 0}"#,
+            r#"{"source": 0}"#,
+            r#"{"uri": "../../../../etc/x://y"}"#,
+            "the `uri` of images[0] is not a relative path",
+        ),
+    ] {
+        let error = refused(reference, texture, image);
+        assert!(error.contains(expected), "{error}\nexpected {expected}");
+    }
 }

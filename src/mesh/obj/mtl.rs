@@ -1,17 +1,24 @@
 //! MTL files: the materials of OBJ files. Colours count as linear RGB, as programs of today write them.
 
 use crate::mesh::error::{Fault, Places};
+use crate::mesh::images::{IMAGES, REPEATED};
 use crate::mesh::ledger::Ledger;
 use crate::mesh::model::{ModelLook, Omissions, PhongLook};
 use crate::mesh::text::{TextCursor, TextWord};
 use crate::mesh::{MeshFile, contents, is_relative};
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+
+/// A material, with the file of the image by which its matte colour is multiplied.
+pub(super) struct MtlMaterial {
+    pub(super) look: ModelLook,
+    pub(super) image: Option<PathBuf>,
+}
 
 /// The materials of all files that an OBJ file names.
 #[derive(Default)]
 pub(super) struct MaterialLibraries {
-    pub(super) materials: BTreeMap<String, ModelLook>,
+    pub(super) materials: BTreeMap<String, MtlMaterial>,
     pub(super) omissions: Omissions,
 }
 
@@ -62,7 +69,7 @@ pub(super) fn read_all(libraries: &[String], path: &Path, ledger: &mut Ledger) -
 impl MaterialLibraries {
     fn read(&mut self, file: &MeshFile, ledger: &mut Ledger) -> Result<(), Fault> {
         let mut cursor = TextCursor::new(file.bytes, file.text_start());
-        let mut current: Option<(String, PhongLook)> = None;
+        let mut current: Option<(String, PhongLook, Option<PathBuf>)> = None;
         let mut line = 0;
         while !cursor.is_at_end() {
             ledger.check(line)?;
@@ -71,8 +78,12 @@ impl MaterialLibraries {
                     self.keep(current.take());
                     let name = String::from_utf8_lossy(cursor.rest_of_line().bytes).into_owned();
                     ledger.charge(BYTES_PER_MATERIAL + name.len() as u64)?;
-                    current = Some((name, PLAIN));
-                } else if let Some((_, look)) = &mut current {
+                    current = Some((name, PLAIN, None));
+                } else if let Some((_, _, image)) = current.as_mut().filter(|_| keyword.is("map_Kd")) {
+                    let name = image_name(&mut cursor, &mut self.omissions);
+                    ledger.charge(name.as_ref().map_or(0, |name| 2 * name.len() as u64))?;
+                    *image = name.map(|name| file.path.parent().unwrap_or(Path::new("")).join(name));
+                } else if let Some((_, look, _)) = &mut current {
                     read_value(&keyword, &mut cursor, look, &mut self.omissions)?;
                 }
             }
@@ -83,9 +94,9 @@ impl MaterialLibraries {
         Ok(())
     }
 
-    fn keep(&mut self, material: Option<(String, PhongLook)>) {
-        if let Some((name, look)) = material {
-            self.materials.insert(name, ModelLook::Phong(look));
+    fn keep(&mut self, material: Option<(String, PhongLook, Option<PathBuf>)>) {
+        if let Some((name, look, image)) = material {
+            self.materials.insert(name, MtlMaterial { look: ModelLook::Phong(look), image });
         }
     }
 }
@@ -119,11 +130,60 @@ fn read_value(keyword: &TextWord, cursor: &mut TextCursor, look: &mut PhongLook,
             Fault::at(word.at.clone(), format!("`{}` is not an illumination model", word.shown())).help("there are 0 to 10")
         })?;
     } else if starts("map_") || ["bump", "disp", "decal", "refl", "norm"].into_iter().any(is) {
-        omissions.add(1, "texture(s)", "colours are those of the materials, without them");
+        omissions.add(1, "texture(s) of other things than colour", "");
     } else if ["Pr", "Pm", "Ps", "Pc", "Pcr", "aniso", "anisor"].into_iter().any(is) {
         omissions.add(1, "number(s) of physical materials", "`Pr`, `Pm` and the like are no part of MTL files proper");
     }
     Ok(())
+}
+
+/// The options of textures with a fixed number of words behind them. Those of `OPTIONS_OF_PLACE` have one to three
+/// numbers.
+const OPTIONS: [(&str, usize); 10] = [
+    ("-blendu", 1),
+    ("-blendv", 1),
+    ("-bm", 1),
+    ("-boost", 1),
+    ("-cc", 1),
+    ("-clamp", 1),
+    ("-imfchan", 1),
+    ("-mm", 2),
+    ("-texres", 1),
+    ("-type", 1),
+];
+const OPTIONS_OF_PLACE: [&str; 3] = ["-o", "-s", "-t"];
+
+/// The relative path of an image, behind its options.
+fn image_name(cursor: &mut TextCursor, omissions: &mut Omissions) -> Option<String> {
+    loop {
+        let mut ahead = cursor.clone();
+        let word = ahead.word_in_line()?;
+        if let Some((_, count)) = OPTIONS.iter().find(|(option, _)| word.is(option)) {
+            let first = ahead.word_in_line()?;
+            for _ in 1..*count {
+                ahead.word_in_line();
+            }
+            omissions.add(u64::from(word.is("-clamp") && first.is("on")), "texture(s) held at the edges", REPEATED);
+        } else if OPTIONS_OF_PLACE.into_iter().any(|option| word.is(option)) {
+            omissions.add(1, "texture(s) with place or scale", "the surface coordinates alone say where it is");
+            for _ in 0..3 {
+                let before = ahead.clone();
+                if ahead.word_in_line()?.parse::<f64>().is_none() {
+                    ahead = before;
+                    break;
+                }
+            }
+        } else {
+            break;
+        }
+        *cursor = ahead;
+    }
+    let name = String::from_utf8_lossy(cursor.rest_of_line().bytes).trim_matches('"').replace('\\', "/");
+    if is_relative(&name) {
+        return Some(name);
+    }
+    omissions.add(1, IMAGES, "not named by a relative path");
+    None
 }
 
 /// The word behind a keyword.

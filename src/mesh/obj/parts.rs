@@ -1,9 +1,10 @@
 //! The parts of an OBJ file: objects, groups, and the materials of their faces.
 
 use crate::mesh::error::Fault;
+use crate::mesh::images::ImageList;
 use crate::mesh::ledger::Ledger;
 use crate::mesh::model::{ModelContents, ModelMaterial, Omissions, PartContents};
-use crate::mesh::obj::mtl::{self, MaterialLibraries};
+use crate::mesh::obj::mtl::{self, MaterialLibraries, MtlMaterial};
 use crate::mesh::obj::{NONE, ObjContents};
 use crate::mesh::text::{TextCursor, TextWord};
 use crate::mesh::triangle_mesh::MeshParts;
@@ -120,8 +121,9 @@ impl ObjParts {
 
     /// The model of what has been read. The path is that of the OBJ file.
     pub(super) fn into_model(mut self, contents: ObjContents, path: &Path, ledger: &mut Ledger) -> Result<ModelContents, Fault> {
-        let MaterialLibraries { materials: found, omissions } = mtl::read_all(&self.libraries, path, ledger)?;
+        let MaterialLibraries { materials: found, mut omissions } = mtl::read_all(&self.libraries, path, ledger)?;
         let mut materials: Vec<ModelMaterial> = Vec::new();
+        let mut images = ImageList::default();
         let mut indices = BTreeMap::new();
         let mut missing = 0;
         // Those that faces use, in the order of their use.
@@ -129,11 +131,14 @@ impl ObjParts {
             if indices.contains_key(&name) {
                 continue;
             }
-            let look = found.get(&self.names[name as usize]);
-            let place = look.map(|look| {
-                materials.push(ModelMaterial { name: self.names[name as usize].clone(), look: look.clone() });
-                materials.len() - 1
-            });
+            let place = match found.get(&self.names[name as usize]) {
+                Some(MtlMaterial { look, image }) => {
+                    let image = image.as_ref().map(|file| images.add_file(file, ledger, &mut omissions)).transpose()?.flatten();
+                    materials.push(ModelMaterial { name: self.names[name as usize].clone(), look: look.clone(), image });
+                    Some(materials.len() - 1)
+                }
+                None => None,
+            };
             missing += u64::from(place.is_none());
             indices.insert(name, place);
         }
@@ -141,7 +146,7 @@ impl ObjParts {
         self.omissions.add(missing, "material(s) that no file describes", "their bodies have the default colour");
         let all = self.omissions.with(omissions);
         contents.release(ledger);
-        Ok(ModelContents { parts, materials, omissions: all, ..ModelContents::default() })
+        Ok(ModelContents { parts, materials, images: images.images, omissions: all, ..ModelContents::default() })
     }
 
     /// The triangles and vertices of each part.

@@ -84,12 +84,17 @@ fn materials_are_read_as_written() {
     let ModelLook::Phong(plain) = &model.materials[1].look else { panic!("{model:?}") };
     assert_eq!((plain.diffuse, plain.coverage, plain.illumination, plain.index), ([0.8; 3], 0.5, 2, None));
     let expected = [
-        "1 texture: colours are those of the materials, without them",
+        "1 texture with place or scale: the surface coordinates alone say where it is",
         "1 number of physical materials: `Pr`, `Pm` and the like are no part of MTL files proper",
         "1 colour not in RGB",
         "1 material with a light of their own: it is not shown",
+        "1 image of base colours: cannot read the picture `FOLDER/a.png`: there is no such file",
     ];
-    assert_eq!(omissions(&model)[..], expected.map(str::to_owned));
+    let mut found = omissions(&model);
+    let last = found.last_mut().unwrap();
+    // The folder is a temporary one.
+    *last = last.replacen(&last[last.find('`').unwrap() + 1..last.rfind('/').unwrap()], "FOLDER", 1);
+    assert_eq!(found, expected);
 }
 
 #[test]
@@ -145,4 +150,45 @@ proptest! {
             Err(message) => prop_assert!(message.starts_with("of a.mtl:"), "{}", message),
         }
     }
+}
+
+/// A triangle with surface coordinates, of a material with this line.
+fn with_image(line: &str, file: &str, bytes: &[u8]) -> MeshModel {
+    let folder = tempfile::tempdir().unwrap();
+    let obj = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl m\nf 1/1 2/2 3/3\n";
+    std::fs::write(folder.path().join("a.obj"), obj).unwrap();
+    std::fs::write(folder.path().join("a.mtl"), format!("newmtl m\n{line}\nnewmtl unused\nmap_Kd nowhere.png\n")).unwrap();
+    std::fs::create_dir(folder.path().join("maps")).unwrap();
+    std::fs::write(folder.path().join(file), bytes).unwrap();
+    let reading = Reading { memory: 1 << 24, progress: &|_| (), cancelled: &AtomicBool::new(false) };
+    read_model(&folder.path().join("a.obj"), &reading).unwrap()
+}
+
+#[test]
+fn images_of_the_matte_colour_are_found_behind_options() {
+    let png = b"\x89PNG\r\n and more";
+    for line in
+        ["map_Kd maps/old wood.png", "map_Kd -blendu on -mm 0 1 maps\\old wood.png  ", "map_Kd -texres 64 \"maps/old wood.png\""]
+    {
+        let model = with_image(line, "maps/old wood.png", png);
+        assert_eq!((model.materials[0].image, omissions(&model)), (Some(0), vec![]), "{line}");
+        let image = &model.images[0];
+        assert_eq!((image.name.as_str(), image.suffix, &image.bytes[..]), ("old wood", "png", &png[..]));
+    }
+    let held = with_image("map_Kd -clamp on a.png", "a.png", png);
+    assert_eq!(
+        (held.materials[0].image, omissions(&held)),
+        (Some(0), vec!["1 texture held at the edges: it repeats here".to_owned()])
+    );
+    let place = with_image("map_Kd -o 0.5 1 -s 2 a.png", "a.png", png);
+    assert_eq!(place.materials[0].image, Some(0));
+    assert!(omissions(&place)[0].starts_with("2 textures with place or scale"));
+    let other = with_image("map_Kd a.png", "a.png", b"BM");
+    assert_eq!(omissions(&other), ["1 image of base colours: textures are PNG, JPEG, OpenEXR or Radiance HDR"]);
+    for far in ["/a.png", "map_Kd /etc/a.png"] {
+        let model = with_image(far, "a.png", png);
+        assert_eq!((model.materials[0].image, model.images.len()), (None, 0), "{far}");
+    }
+    let bump = with_image("map_Bump a.png\nmap_Ks a.png", "a.png", png);
+    assert_eq!((bump.images.len(), omissions(&bump)), (0, vec!["2 textures of other things than colour".to_owned()]));
 }
