@@ -1,32 +1,65 @@
 //! Polygons cut into triangles.
 
+use crate::mesh::error::Fault;
 use glam::{DVec2, DVec3};
+use std::ops::Range;
 
-/// Polygons of more corners are cut as if they were convex: the search for corners to cut off takes time that grows
-/// with the square of their number.
-const MOST_SEARCHED: usize = 512;
+/// The most corners of a polygon that is not convex.
+const MOST_CORNERS: usize = 1 << 14;
+/// For each corner that is cut off, other corners are compared with its triangle. These are the most comparisons, about
+/// a second.
+const MOST_COMPARISONS: usize = 1 << 28;
+
+/// A polygon has too many corners, without being convex, to be cut into triangles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct TooIntricate {
+    corners: usize,
+}
+
+impl TooIntricate {
+    /// The mistake in a file, at these bytes.
+    pub(super) fn at(self, place: Range<usize>) -> Fault {
+        let message = format!("this polygon has {} corners and is too intricate to be cut into triangles", self.corners);
+        Fault::at(place, message).help("save the mesh with triangles: programs for modelling offer it where they export")
+    }
+}
 
 /// The triangles of a polygon, three indices of corners each, in the direction of the polygon. It may be concave. One
 /// that is not flat is projected along its mean normal.
-pub(super) fn triangulate(corners: &[DVec3], mut emit: impl FnMut([usize; 3])) {
+///
+/// # Errors
+/// It takes too long. Some triangles may have been emitted.
+pub(super) fn triangulate(corners: &[DVec3], mut emit: impl FnMut([usize; 3])) -> Result<(), TooIntricate> {
     let count = corners.len();
     let fan = |emit: &mut dyn FnMut([usize; 3])| (2..count).for_each(|last| emit([0, last - 1, last]));
-    if count <= 3 || count > MOST_SEARCHED {
-        return fan(&mut emit);
+    if count <= 3 {
+        fan(&mut emit);
+        return Ok(());
     }
     let flat = projected(corners);
     let turns_left = |[a, b, c]: [usize; 3]| (flat[b] - flat[a]).perp_dot(flat[c] - flat[b]);
     if (0..count).all(|corner| turns_left([corner, (corner + 1) % count, (corner + 2) % count]) >= 0.0) {
-        return fan(&mut emit);
+        fan(&mut emit);
+        return Ok(());
+    }
+    if count > MOST_CORNERS {
+        return Err(TooIntricate { corners: count });
     }
     // Cuts off one corner after the other: a convex one whose triangle holds no other corner.
     let mut left: Vec<usize> = (0..count).collect();
     let mut at = 0;
-    let mut failures = 0;
+    let (mut failures, mut comparisons) = (0, 0);
     while left.len() > 3 {
         let length = left.len();
+        if comparisons > MOST_COMPARISONS {
+            return Err(TooIntricate { corners: count });
+        }
         let ear = [0, 1, 2].map(|step| left[(at + step) % length]);
-        let is_ear = turns_left(ear) > 0.0 && !left.iter().any(|corner| !ear.contains(corner) && holds(&flat, ear, *corner));
+        let mut is_held = |corner: &usize| {
+            comparisons += 1;
+            !ear.contains(corner) && holds(&flat, ear, *corner)
+        };
+        let is_ear = turns_left(ear) > 0.0 && !left.iter().any(&mut is_held);
         // A polygon that crosses itself may have no such corner. Any one will do.
         if is_ear || failures > length {
             emit(ear);
@@ -41,6 +74,7 @@ pub(super) fn triangulate(corners: &[DVec3], mut emit: impl FnMut([usize; 3])) {
     if let [a, b, c] = left[..] {
         emit([a, b, c]);
     }
+    Ok(())
 }
 
 /// The corners in the plane that they lie in, so that the polygon goes counter-clockwise.
@@ -81,7 +115,7 @@ mod tests {
 
     fn triangles(corners: &[DVec3]) -> Vec<[usize; 3]> {
         let mut found = Vec::new();
-        triangulate(corners, |triangle| found.push(triangle));
+        triangulate(corners, |triangle| found.push(triangle)).unwrap();
         found
     }
 
@@ -102,6 +136,32 @@ mod tests {
             assert!(areas.iter().all(|area| *area > 0.0), "{areas:?}");
             assert!((areas.iter().sum::<f64>() - 1.5).abs() < 1e-12, "2 · ½ · 1.5 · 1");
         }
+    }
+
+    /// A band of width 1 that goes round and round.
+    fn spiral(corners: usize) -> Vec<DVec3> {
+        let half = corners / 2;
+        let at = |step: usize, inwards: f64| {
+            let angle = step as f64 * 0.1;
+            (angle * 0.5 + 10.0 - inwards) * DVec3::new(angle.cos(), angle.sin(), 0.0)
+        };
+        (0..half).map(|step| at(step, 0.0)).chain((0..half).rev().map(|step| at(step, 1.0))).collect()
+    }
+
+    #[test]
+    fn polygons_of_many_corners_are_covered_once() {
+        for count in [500, 1000] {
+            let corners = spiral(count);
+            let areas = areas(&corners);
+            let whole: f64 = corners.iter().zip(corners.iter().cycle().skip(1)).map(|(a, b)| a.cross(*b).z / 2.0).sum();
+            assert!(areas.iter().all(|area| *area >= 0.0), "{count}");
+            assert!((areas.iter().sum::<f64>() - whole).abs() < 1e-9 * whole, "{count}");
+        }
+        let refused = triangulate(&spiral(MOST_CORNERS + 2), |_| panic!("nothing is cut"));
+        assert_eq!(refused, Err(TooIntricate { corners: MOST_CORNERS + 2 }));
+        // A convex one may have any number.
+        let round = |step: usize| DVec3::new((step as f64 * 1e-4).cos(), (step as f64 * 1e-4).sin(), 0.0);
+        assert_eq!(triangles(&(0..40_000).map(round).collect::<Vec<_>>()).len(), 39_998);
     }
 
     #[test]

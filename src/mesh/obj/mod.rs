@@ -127,12 +127,13 @@ impl ObjContents {
         }
         let (corners, triangles) = (&self.corners, &mut self.triangles);
         let mut outcome = Ok(());
-        triangulate(&self.outline, |triangle| {
+        let cut = triangulate(&self.outline, |triangle| {
             if outcome.is_ok() {
                 outcome = ledger.push(triangles, triangle.map(|corner| corners[corner]));
             }
         });
-        outcome
+        outcome?;
+        cut.map_err(|error| error.at(keyword.at.start..cursor.offset()))
     }
 
     /// The vertex for a corner `POSITION`, `POSITION/UV`, `POSITION//NORMAL` or `POSITION/UV/NORMAL`.

@@ -126,12 +126,13 @@ fn read_faces(
             ledger.push(&mut outline, position)?;
         }
         let mut outcome = Ok(());
-        triangulate(&outline, |triangle| {
+        let cut = triangulate(&outline, |triangle| {
             if outcome.is_ok() {
                 outcome = ledger.push(&mut parts.triangles, triangle.map(|corner| list[corner] as u32));
             }
         });
         outcome?;
+        cut.map_err(|error| error.at(values.since(start)))?;
     }
     ledger.release(list);
     ledger.release(outline);
