@@ -11,6 +11,8 @@ use std::sync::Arc;
 
 /// The least cosine between an interpolated normal and the direction to where the ray came from.
 const LEAST_COSINE: f64 = 1e-4;
+/// Planes whose normals have at most this cosine are one plane seen from both sides.
+const OPPOSITE: f64 = -1.0 + 1e-12;
 /// Vertices are transformed by this many at a time.
 const PIECE: usize = 1 << 14;
 
@@ -54,14 +56,18 @@ impl MeshSurface {
 
     /// Whether a ray that starts on this mesh meets a triangle where its line does. Within the tolerance, triangles are
     /// met only from the side on which the ray is, so that no ray comes through the edge of two triangles in one plane.
+    /// The other face of a sheet is not met: a triangle in the plane of the one that the ray leaves, turned around.
     fn is_met_again(&self, hit: &TriangleHit, ray: &Ray, from: Departure, tolerance: &Tolerance) -> bool {
         if hit.triangle == from.primitive.0 {
             return false;
         }
         let corners = self.tree.corners(hit.triangle);
         let normal = normal_of(corners);
+        if (corners[1] - ray.origin).dot(normal).abs() > tolerance.across(normal) {
+            return true;
+        }
         let side = if normal.dot(ray.direction) <= 0.0 { Side::Front } else { Side::Back };
-        side == from.side || (corners[1] - ray.origin).dot(normal).abs() > tolerance.across(normal)
+        side == from.side && normal_of(self.tree.corners(from.primitive.0)).dot(normal) > OPPOSITE
     }
 
     /// The shares of the corners of a triangle in a point of it, which add up to 1.

@@ -17,6 +17,10 @@ fn text_of(name: &str) -> String {
         "ball" => ball(count, false),
         "ball-with-normals" => ball(count, true),
         "square" => "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 0 1 0\nvt 0 0\nvt 3 0\nvt 3 1\nvt 0 1\nf 1/1 2/2 3/3 4/4\n".to_owned(),
+        // Two squares over one another that look to both sides.
+        "sheet" => {
+            "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 0 1 0\nv -1 0 0\nv 1.5 0 0\nv 1.5 2 0\nv -1 2 0\nf 1 2 3 4\nf 8 7 6 5\n".to_owned()
+        }
         // The normal of the last corner looks to the back, that of the middle corners is that of the triangle.
         "bent" => "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn -0.8 0 0.6\nvn 0.8 0 0.6\nvn 0 0 -1\nf 1//1 2//2 3//3\n".to_owned(),
         _ => panic!("{name}"),
@@ -172,6 +176,23 @@ fn two_triangles_in_one_plane_do_not_shade_each_other() {
                 assert!(!world.is_occluded(&hit.ray(direction, hit.side), f64::INFINITY), "{hit:?}");
             }
         }
+    }
+}
+
+/// A sheet that is modelled from both sides does not shade itself.
+#[test]
+fn the_two_sides_of_a_sheet_do_not_shade_each_other() {
+    for (size, shading) in [(1e-3, "flat"), (1.0, "smooth"), (1e4, "flat")] {
+        let world = world(&format!("mesh, \"sheet\", rotate <1,2,3> 77, scale {size}, translate <{size},0,{size}>, {shading}"));
+        let mut count = 0;
+        for ray in rays(&world.bounds(BodyId(0)), 4000) {
+            let Some((hit, ..)) = met(&world, &ray) else { continue };
+            count += 1;
+            for direction in [hit.geometric_normal, hit.view, (hit.view + world.tangent(&hit)).normalize()] {
+                assert!(!world.is_occluded(&hit.ray(direction, hit.side), f64::INFINITY), "{hit:?}");
+            }
+        }
+        assert!(count > 500);
     }
 }
 
