@@ -84,8 +84,8 @@ variables! {
     Tangent "T" Vector Hit Added "tangent: along the first edge of a rectangle or triangle, along the parallels of a round body";
     Bitangent "B" Vector Hit Added "second tangent, N x T";
     GeometricNormal "Ng" Vector Hit Added "geometric normal, turned to the side the ray came from; N is the shading normal";
-    SurfaceU "u" Scalar Hit Added "first surface coordinate, 0..1; on a mesh from its file, else 0";
-    SurfaceV "v" Scalar Hit Added "second surface coordinate, 0..1; on a mesh from its file, else 0";
+    SurfaceU "u" Scalar Hit Added "first surface coordinate, 0..1; on a mesh that of its file, or 0 if the file has none";
+    SurfaceV "v" Scalar Hit Added "second surface coordinate, 0..1; on a mesh that of its file, or 0 if the file has none";
     Distance "dist" Scalar Record Added "distance from the hit to the light, world units";
     Visible "visible" Scalar Record Added "1 if no body lies between the hit and the light, else 0; a formula that reads it is evaluated at every light";
 }

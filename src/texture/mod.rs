@@ -132,17 +132,16 @@ pub enum NoRoom {
     #[error("there are more than {MOST} textures")]
     Number,
     /// They take too much memory.
-    #[error("all textures together take more than {} GiB of memory", MAX_TEXTURE_BYTES >> 30)]
+    #[error("all textures together, and reading this one, take more than {} GiB of memory", MAX_TEXTURE_BYTES >> 30)]
     Memory,
 }
 
-/// Whether a texture of this many texels has room beside those that are there.
+/// Whether there is room for this many bytes beside the textures that are there.
 ///
 /// # Errors
 /// There are too many textures, or they would take too much memory.
-pub fn check_room(texels: u64) -> Result<(), NoRoom> {
+pub fn check_room(more: u64) -> Result<(), NoRoom> {
     let (numbers, bytes) = *TAKEN.lock().unwrap_or_else(PoisonError::into_inner);
-    let more = texels.saturating_mul(TextureImage::BYTES_PER_TEXEL);
     if numbers >= MOST {
         Err(NoRoom::Number)
     } else if bytes.saturating_add(more) > MAX_TEXTURE_BYTES {
@@ -157,13 +156,13 @@ pub fn check_room(texels: u64) -> Result<(), NoRoom> {
 /// # Errors
 /// There are too many textures, or they would take too much memory.
 pub fn keep(path: PathBuf, texture: TextureImage) -> Result<f32, NoRoom> {
-    let texels = texture.texels.len() as u64;
-    check_room(texels)?;
+    let size = texture.texels.len() as u64 * TextureImage::BYTES_PER_TEXEL;
+    check_room(size)?;
     let mut taken = TAKEN.lock().unwrap_or_else(PoisonError::into_inner);
     let number = taken.0;
     let place = KNOWN.get(number).ok_or(NoRoom::Number)?;
     place.get_or_init(|| Known { path, texture });
-    *taken = (number + 1, taken.1.saturating_add(texels * TextureImage::BYTES_PER_TEXEL));
+    *taken = (number + 1, taken.1.saturating_add(size));
     Ok(number as f32)
 }
 
@@ -253,6 +252,6 @@ mod tests {
             assert_eq!((numbered(number), path_of(number)), (None, None));
             assert_eq!(component(number, 0.1, 0.1, 0.0), 1.0);
         }
-        assert_eq!(check_room(1 << 40), Err(NoRoom::Memory));
+        assert_eq!(check_room(1 << 42), Err(NoRoom::Memory));
     }
 }

@@ -11,7 +11,7 @@ use crate::lang::source::Source;
 use crate::lang::types::Type;
 use crate::texture::{self, MAX_TEXTURE_SIDE, TextureImage};
 use crate::workspace::location::{Location, near_file};
-use image::{ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
+use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
 use std::collections::HashMap;
 use std::io::{self, BufReader, ErrorKind};
 use std::path::Path;
@@ -82,18 +82,29 @@ fn decode(file: std::fs::File) -> Result<TextureImage, String> {
     if width > MAX_TEXTURE_SIDE || height > MAX_TEXTURE_SIDE {
         return Err(format!("it has {width}×{height} texels: at most {MAX_TEXTURE_SIDE} a side"));
     }
+    let colour_type = decoder.color_type();
+    let has_bytes = colour_type.bytes_per_pixel() == colour_type.channel_count();
     // While it is decoded, there are the numbers of the file and those of the texture.
-    texture::check_room(2 * u64::from(width) * u64::from(height)).map_err(|error| error.to_string())?;
-    let image = image::DynamicImage::from_decoder(decoder).map_err(damaged)?.into_rgb32f();
-    let row = 3 * width as usize;
-    let mut texels: Vec<[f32; 3]> = Vec::with_capacity(width as usize * height as usize);
-    for row in image.as_raw().chunks_exact(row.max(1)).rev() {
-        texels.extend(row.as_chunks::<3>().0);
-    }
-    if !is_linear {
-        texels.iter_mut().for_each(|texel| *texel = texel.map(linear));
-    }
+    let texel = TextureImage::BYTES_PER_TEXEL + if has_bytes { 4 } else { TextureImage::BYTES_PER_TEXEL };
+    texture::check_room(u64::from(width) * u64::from(height) * texel).map_err(|error| error.to_string())?;
+    let image = DynamicImage::from_decoder(decoder).map_err(damaged)?;
+    let texels = if has_bytes && !is_linear {
+        // There are few different numbers, and the transfer takes long.
+        let linear: Vec<f32> = (0..=u8::MAX).map(|byte| linear(f32::from(byte) / 255.0)).collect();
+        upwards(image.into_rgb8().as_raw(), width, |byte: u8| linear[usize::from(byte)])
+    } else {
+        upwards(image.into_rgb32f().as_raw(), width, |number: f32| if is_linear { number } else { linear(number) })
+    };
     TextureImage::new(width, height, texels).ok_or_else(|| format!("it has {width}×{height} texels"))
+}
+
+/// The texels of an image that is `width` texels wide, its rows from the bottom upwards, each component by a function of
+/// its number in the image.
+fn upwards<T: Copy>(numbers: &[T], width: u32, component: impl Fn(T) -> f32) -> Vec<[f32; 3]> {
+    let rows = numbers.chunks_exact((3 * width as usize).max(1)).rev();
+    let mut texels = Vec::with_capacity(numbers.len() / 3);
+    texels.extend(rows.flat_map(|row| row.as_chunks::<3>().0).map(|texel| texel.map(&component)));
+    texels
 }
 
 /// The linear intensity of a component of sRGB.

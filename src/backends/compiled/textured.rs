@@ -35,7 +35,8 @@ impl Textured {
         if let Some(known) = last().as_ref().filter(|known| known.textures.are_in(parameters)) {
             return Ok(Arc::clone(known));
         }
-        // The columns of the last textures are given up first, unless a drag holds them. The lock is not held meanwhile.
+        // The columns of the last textures are given up first, unless a drag holds them. The lock is not held
+        // meanwhile.
         drop(last().take());
         let made = Arc::new(Compiled::new(Arc::clone(&self.kernels), &self.formula, &self.hits, parameters)?);
         *last() = Some(Arc::clone(&made));
