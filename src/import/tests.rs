@@ -245,8 +245,8 @@ fn models_of_any_size_have_a_camera() {
 #[test]
 fn more_bodies_than_a_text_can_hold_are_refused() {
     let target = ImportTarget::new(&Path::new(&"long".repeat(50)).with_extension("scene")).unwrap();
-    let error = plan(model(&vec![ModelLook::Phong(PHONG); 20_000]), "a.obj", &target).err().map(|error| error.to_string());
-    let expected = "it has 20000 parts, and the text of the scene or of the session would have more than 4194304 bytes";
+    let error = plan(model(&vec![ModelLook::Phong(PHONG); 80_000]), "a.obj", &target).err().map(|error| error.to_string());
+    let expected = "it has 80000 parts, and the text of the scene or of the session would have more than 16777216 bytes";
     assert_eq!(error.as_deref(), Some(expected));
 }
 

@@ -7,9 +7,9 @@ use crate::lang::lines::{LINE_ENDS, count_line_ends, line_end, line_start};
 pub use crate::lang::span::SourceSpan;
 use std::ops::Range;
 
-/// The largest text that is read, in bytes. A formula or a scene is a page or two; a larger file is a mistake
-/// (a picture given as a formula, say), and the tools that mark errors in it should not have to cope.
-pub const MAX_BYTES: usize = 4 << 20;
+/// The largest text that is read, in bytes. A formula or a scene is a page or two, and one that a program writes may
+/// declare a hundred thousand bodies. A larger file is a mistake: a picture given as a formula, say.
+pub const MAX_BYTES: usize = 16 << 20;
 
 /// The byte order mark with which a UTF-8 file may begin. It is no part of the first line.
 pub const BYTE_ORDER_MARK: char = '\u{feff}';
