@@ -190,7 +190,7 @@ mod tests {
     fn contents(nodes: &[TreeNode], leaves: &[Vec<u32>], boxes: &[Aabb], node: usize) -> Vec<u32> {
         let node = &nodes[node];
         let mut all = Vec::new();
-        for (place, child) in node.children.iter().enumerate().filter(|(place, _)| node.planes[0][*place].is_finite()) {
+        for (place, child) in node.children.iter().enumerate().filter(|(place, _)| node.planes[0][0][*place].is_finite()) {
             let own = match child.is_leaf() {
                 true => leaves[child.index()].clone(),
                 false => contents(nodes, leaves, boxes, child.index()),
@@ -198,7 +198,7 @@ mod tests {
             for primitive in &own {
                 let (low, high) = (boxes[*primitive as usize].min.to_array(), boxes[*primitive as usize].max.to_array());
                 for axis in 0..3 {
-                    assert!(node.planes[axis][place] <= low[axis] && node.planes[axis + 3][place] >= high[axis]);
+                    assert!(node.planes[axis][0][place] <= low[axis] && node.planes[axis][1][place] >= high[axis]);
                 }
             }
             all.extend(own);

@@ -72,34 +72,57 @@ impl TreeFrame {
         let shortening = shear.factors[2].abs();
         let direction = direction * shortening;
         let inverse = direction.recip();
-        let mut start = 0.0;
-        if origin.cmplt(self.low).any() || origin.cmpgt(self.high).any() {
-            // The largest distance of a near side, and the smallest one of a far side.
-            let (one, other) = ((self.low - origin) * inverse, (self.high - origin) * inverse);
-            let (near, far) = (one.min(other).max_element(), one.max(other).min_element());
-            // NaN, on a side and along it, is passed on to the tree.
-            if near > far || far < 0.0 {
-                return None;
-            }
-            start = near.max(0.0);
-        }
+        let is_inside = origin.cmpge(self.low).all() && origin.cmple(self.high).all();
+        let start = if is_inside { 0.0 } else { self.entry(origin, inverse)? };
         let origin = (origin + start * direction).as_vec3().to_array();
         let inverse = [bounded(inverse.x), bounded(inverse.y), bounded(inverse.z)];
         Some(FrameRay { origin, inverse, start, length: self.scale / shortening })
     }
+
+    /// The same for a direction of unit length and an origin outside. It costs less: most of it is computed in f32.
+    #[inline(always)]
+    pub(super) fn unit_ray(&self, origin: DVec3, direction: DVec3) -> Option<FrameRay> {
+        let from = self.point(origin);
+        let (mut origin, mut start) = (narrow(from), 0.0);
+        // Beside the box of the frame, coordinates may be as large as inside.
+        if !origin.iter().all(|coordinate| coordinate.abs() <= 1.0 + PADDING) {
+            start = self.entry(from, direction.recip())?;
+            origin = narrow(from + start * direction);
+        }
+        let inverse = narrow(direction).map(|component| component.recip().clamp(-STEEPEST, STEEPEST));
+        Some(FrameRay { origin, inverse, start, length: self.scale })
+    }
+
+    /// The distance at which a ray from outside enters the box of the frame; `None` if it passes beside.
+    fn entry(&self, origin: DVec3, inverse: DVec3) -> Option<f64> {
+        // The largest distance of a near side, and the smallest one of a far side.
+        let (one, other) = ((self.low - origin) * inverse, (self.high - origin) * inverse);
+        let (near, far) = (one.min(other).max_element(), one.max(other).min_element());
+        // NaN, on a side and along it, is passed on to the tree.
+        (!(near > far || far < 0.0)).then(|| near.max(0.0))
+    }
 }
+
+#[inline(always)]
+fn narrow(vector: DVec3) -> [f32; 3] {
+    [vector.x as f32, vector.y as f32, vector.z as f32]
+}
+
+/// The most that one divided by a component of a direction may be.
+const STEEPEST: f32 = 1e18;
 
 /// A number as f32. Its product with a coordinate is finite.
 #[inline(always)]
 fn bounded(inverse: f64) -> f32 {
-    const MOST: f64 = 1e18;
-    inverse.clamp(-MOST, MOST) as f32
+    inverse.clamp(f64::from(-STEEPEST), f64::from(STEEPEST)) as f32
 }
 
 impl FrameRay {
     /// A distance, in lengths of the original direction, as a limit in the frame. It is never too small.
     #[inline(always)]
     pub(super) fn limit(&self, distance: f64) -> f32 {
-        ((distance * self.length - self.start) as f32).next_up()
+        // More is added than rounding to f32 can take away.
+        let limit = distance * self.length - self.start;
+        (limit + limit.abs() * f64::from(f32::EPSILON)) as f32
     }
 }

@@ -18,6 +18,7 @@ mod build;
 mod frame;
 mod lanes;
 mod node;
+mod scan;
 mod shear;
 #[cfg(test)]
 mod tests;

@@ -6,8 +6,8 @@ use crate::bvh::frame::PADDING;
 #[derive(Debug, Clone, Copy)]
 #[repr(C, align(32))]
 pub(super) struct TreeNode {
-    /// The lowest x, y and z, then the highest x, y and z of the children, in the coordinates of the frame.
-    pub(super) planes: [[f32; 8]; 6],
+    /// By axis, the lowest and the highest coordinates of the children in the frame.
+    pub(super) planes: [[[f32; 8]; 2]; 3],
     pub(super) children: [TreeChild; 8],
 }
 
@@ -55,23 +55,14 @@ impl TreeChild {
 
 impl TreeNode {
     /// A node without children. No ray meets the boxes in its places.
-    pub(super) const EMPTY: TreeNode = TreeNode {
-        planes: [
-            [f32::INFINITY; 8],
-            [f32::INFINITY; 8],
-            [f32::INFINITY; 8],
-            [f32::NEG_INFINITY; 8],
-            [f32::NEG_INFINITY; 8],
-            [f32::NEG_INFINITY; 8],
-        ],
-        children: [TreeChild(LEAF); 8],
-    };
+    pub(super) const EMPTY: TreeNode =
+        TreeNode { planes: [[[f32::INFINITY; 8], [f32::NEG_INFINITY; 8]]; 3], children: [TreeChild(LEAF); 8] };
 
     /// Puts a child into a place.
     pub(super) fn set(&mut self, place: usize, [low, high]: [[f32; 3]; 2], child: TreeChild) {
         for axis in 0..3 {
-            self.planes[axis][place] = low[axis];
-            self.planes[axis + 3][place] = high[axis];
+            self.planes[axis][0][place] = low[axis];
+            self.planes[axis][1][place] = high[axis];
         }
         self.children[place] = child;
     }

@@ -1,9 +1,7 @@
 //! Traversal: the leaves whose boxes a ray meets, nearest box first.
 
 use crate::bvh::frame::FrameRay;
-#[cfg(target_arch = "x86_64")]
-use crate::bvh::lanes::{Avx2, avx2, sse4};
-use crate::bvh::lanes::{Lanes, PortableLanes};
+use crate::bvh::lanes::{LaneWork, Lanes};
 use crate::bvh::node::{TreeChild, TreeNode};
 use arrayvec::ArrayVec;
 
@@ -23,7 +21,45 @@ pub(super) struct Traversal<'t, V> {
     pub(super) ray: &'t FrameRay,
     /// The distance in units of the frame beyond which nothing is of interest.
     pub(super) limit: f32,
+    /// Whether the leaves of nearer boxes are visited first.
+    pub(super) in_order: bool,
     pub(super) leaves: &'t mut V,
+}
+
+/// A ray for comparisons with boxes.
+pub(super) struct RayPlanes<L: Lanes> {
+    inverse: [L::Numbers; 3],
+    /// The origin, by axis, divided by the direction.
+    origin: [L::Numbers; 3],
+    /// Whether the ray passes the higher planes first.
+    falls: [bool; 3],
+}
+
+impl<L: Lanes> RayPlanes<L> {
+    #[inline(always)]
+    pub(super) fn new(lanes: L, ray: &FrameRay) -> Self {
+        let [x, y, z] = ray.inverse;
+        let origin = [ray.origin[0] * x, ray.origin[1] * y, ray.origin[2] * z];
+        Self {
+            inverse: [lanes.splat(x), lanes.splat(y), lanes.splat(z)],
+            origin: [lanes.splat(origin[0]), lanes.splat(origin[1]), lanes.splat(origin[2])],
+            falls: [x < 0.0, y < 0.0, z < 0.0],
+        }
+    }
+
+    /// Where the ray enters the boxes of a node, at least 0, and where it leaves them, at most `limit`. It meets those
+    /// that it does not leave before it enters them.
+    #[inline(always)]
+    pub(super) fn passage(&self, lanes: L, node: &TreeNode, limit: f32) -> [L::Numbers; 2] {
+        let distance = |axis: usize, higher: bool| {
+            let planes = lanes.load(&node.planes[axis][usize::from(higher)]);
+            lanes.mul_sub(planes, self.inverse[axis], self.origin[axis])
+        };
+        let (near, far) = (|axis: usize| distance(axis, self.falls[axis]), |axis: usize| distance(axis, !self.falls[axis]));
+        let enter = lanes.max(lanes.max(near(0), near(1)), lanes.max(near(2), lanes.splat(0.0)));
+        let leave = lanes.min(lanes.min(far(0), far(1)), lanes.min(far(2), lanes.splat(limit)));
+        [enter, leave]
+    }
 }
 
 /// A child with the distance of its box. They compare by the distance, which is at least 0.
@@ -34,17 +70,14 @@ fn entry(distance: f32, child: TreeChild) -> StackEntry {
     u64::from(distance.to_bits()) << 32 | u64::from(child.0)
 }
 
-impl<V: Leaves> Traversal<'_, V> {
-    /// Visits the leaves, those of nearer boxes first if they are wanted `in_order`.
+impl<V: Leaves> LaneWork for Traversal<'_, V> {
+    type Output = ();
+
+    /// Visits the leaves.
     #[inline(always)]
-    pub(super) fn run<L: Lanes>(self, lanes: L, in_order: bool) {
-        let Self { nodes, ray, mut limit, leaves } = self;
-        let inverse = ray.inverse.map(|number| lanes.splat(number));
-        let origin: [L::Numbers; 3] = std::array::from_fn(|axis| lanes.splat(ray.origin[axis] * ray.inverse[axis]));
-        // The planes that the ray passes first.
-        let near: [usize; 3] = std::array::from_fn(|axis| if ray.inverse[axis] < 0.0 { axis + 3 } else { axis });
-        let far: [usize; 3] = std::array::from_fn(|axis| if ray.inverse[axis] < 0.0 { axis } else { axis + 3 });
-        let zero = lanes.splat(0.0);
+    fn run<L: Lanes>(self, lanes: L) {
+        let Self { nodes, ray, mut limit, in_order, leaves } = self;
+        let planes = RayPlanes::new(lanes, ray);
         let mut stack: ArrayVec<StackEntry, STACK> = ArrayVec::new();
         let mut next = TreeChild::node(0);
         loop {
@@ -52,12 +85,7 @@ impl<V: Leaves> Traversal<'_, V> {
                 limit = leaves.visit(lanes, next, limit);
             } else {
                 let node = &nodes[next.index()];
-                let distance =
-                    |plane: usize, axis: usize| lanes.mul_sub(lanes.load(&node.planes[plane]), inverse[axis], origin[axis]);
-                let enter =
-                    lanes.max(lanes.max(distance(near[0], 0), distance(near[1], 1)), lanes.max(distance(near[2], 2), zero));
-                let leave = lanes
-                    .min(lanes.min(distance(far[0], 0), distance(far[1], 1)), lanes.min(distance(far[2], 2), lanes.splat(limit)));
+                let [enter, leave] = planes.passage(lanes, node, limit);
                 let mut met = lanes.at_most(enter, leave);
                 if met != 0 {
                     let first = met.trailing_zeros() as usize & 7;
@@ -109,29 +137,5 @@ impl<V: Leaves> Traversal<'_, V> {
                 }
             };
         }
-    }
-}
-
-impl<V: Leaves> Traversal<'_, V> {
-    /// Visits the leaves with the widest vectors that this processor has and the limit of widths allows. A search for
-    /// `any` hit takes them in no order.
-    #[inline(always)]
-    pub(super) fn dispatch(self, any: bool) {
-        #[cfg(target_arch = "x86_64")]
-        {
-            if let Some(simd) = avx2() {
-                return simd.vectorize(
-                    #[inline(always)]
-                    || self.run(Avx2(simd), !any),
-                );
-            }
-            if let Some(simd) = sse4() {
-                return simd.vectorize(
-                    #[inline(always)]
-                    || self.run(PortableLanes, !any),
-                );
-            }
-        }
-        self.run(PortableLanes, !any);
     }
 }

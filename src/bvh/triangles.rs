@@ -2,7 +2,7 @@
 
 use crate::bvh::build::build;
 use crate::bvh::frame::{FrameRay, TreeFrame};
-use crate::bvh::lanes::Lanes;
+use crate::bvh::lanes::{Lanes, dispatch};
 use crate::bvh::node::{LEAF_MOST, TreeChild, TreeNode, padded};
 use crate::bvh::shear::{Shear, TriangleHit};
 use crate::bvh::traverse::{Leaves, Traversal};
@@ -148,8 +148,8 @@ impl MeshTree {
         let filter = Filter::new(&ray, &shear);
         let unit = if self.is_exact { self.frame.unit() } else { 1.0 };
         let mut search = MeshSearch { tree: self, ray: &ray, shear, filter, unit, limit, nearest: None, any, accept };
-        let traversal = Traversal { nodes: &self.nodes, ray: &ray, limit: ray.limit(limit), leaves: &mut search };
-        traversal.dispatch(any);
+        let limit = ray.limit(limit);
+        dispatch(Traversal { nodes: &self.nodes, ray: &ray, limit, in_order: !any, leaves: &mut search });
         search.nearest
     }
 }

@@ -18,6 +18,7 @@ mod memory;
 mod primitives;
 mod replay;
 mod segment;
+mod shadow_rays;
 mod store;
 #[cfg(test)]
 mod tests;
@@ -47,6 +48,7 @@ use all_lights::{all_lights_tile, needs_second_store};
 use budget::MemoryMeter;
 use builder::{BYTES_PER_ENTRY, TileBuilder};
 use rayon::prelude::*;
+use shadow_rays::ShadowRays;
 use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
@@ -203,7 +205,7 @@ fn trace_tile(
     let all_emitters = tracer.world().emitter_ids().count() as u64;
     let mut builder = TileBuilder::default();
     let (mut stack, mut emitters) = (Vec::new(), Vec::new());
-    let mut occluders = vec![None; all_emitters as usize];
+    let mut shadow_rays = tracer.view().shadows().then(|| ShadowRays::new(tracer.world()));
     let mut entries = 0;
     for batch in pixels.clone().step_by(PIXELS_PER_BATCH as usize) {
         let batch = batch..(batch + PIXELS_PER_BATCH).min(pixels.end);
@@ -215,7 +217,10 @@ fn trace_tile(
                 RayEnd::Hit(hit) => {
                     let path = builder.path(parent, edge, Some(hit.body));
                     emitters.clear();
-                    tracer.add_emitters(hit, &mut occluders, &mut emitters);
+                    match &mut shadow_rays {
+                        Some(shadow_rays) => shadow_rays.add_reaching(hit, path, &mut emitters),
+                        None => emitters.extend(tracer.world().emitter_ids()),
+                    }
                     builder.hit(path, &emitters, pixel_in_tile);
                     if tracer.world().is_searched(hit.body) {
                         builder.primitive(path, pixel_in_tile, hit.primitive);

@@ -75,7 +75,9 @@ impl Segment {
     /// Adds the next hit, if it is in the same line and its pixel is the next. Whether it was added.
     pub(crate) fn extend(&mut self, pixel: u16) -> bool {
         let lane = u16::BITS - self.lanes.leading_zeros();
-        let fits = lane < LINE_HITS as u32 && usize::from(pixel) == self.pixels().end;
+        // The pixel of a lane is the plane index plus the lane, less the margin.
+        let next = usize::from(self.plane_index) + lane as usize;
+        let fits = lane < LINE_HITS as u32 && usize::from(pixel) + Self::MARGIN == next;
         if fits {
             self.lanes |= 1 << lane;
         }

@@ -73,29 +73,11 @@ impl<'w> Tracer<'w> {
     /// 3.2.1).
     #[inline]
     pub fn reaches(&self, emitter: EmitterId, hit: &SurfaceHit) -> bool {
-        self.reaches_past(emitter, hit, &mut None)
-    }
-
-    /// The same, where `last` is a body that may hide the emitter. It becomes the body that does.
-    #[inline]
-    fn reaches_past(&self, emitter: EmitterId, hit: &SurfaceHit, last: &mut Option<BodyId>) -> bool {
         if !self.view.shadows() {
             return true;
         }
         let LightSample { direction, distance } = self.world.emitter(emitter).sample(hit);
-        if !hit.faces(direction) {
-            return false;
-        }
-        let occluder = self.world.an_occluder(&hit.ray(direction, hit.side), distance, *last);
-        *last = occluder.or(*last);
-        occluder.is_none()
-    }
-
-    /// Adds the emitters that reach the hit to `reaching`, in the order of their lights. `last` has the body that hid
-    /// each emitter last, because neighbouring hits are mostly hidden by the same body.
-    pub(super) fn add_emitters(&self, hit: &SurfaceHit, last: &mut [Option<BodyId>], reaching: &mut Vec<EmitterId>) {
-        let emitters = self.world.emitter_ids().zip(last);
-        reaching.extend(emitters.filter_map(|(emitter, last)| self.reaches_past(emitter, hit, last).then_some(emitter)));
+        hit.faces(direction) && !self.world.is_occluded(&hit.ray(direction, hit.side), distance)
     }
 
     /// The emitters that reach the hit, in the order of their lights.
@@ -137,6 +119,7 @@ impl<'w> Tracer<'w> {
     }
 
     /// The reflected ray, 2(N·V)N − V (thesis 3.2.4); none from a matte body.
+    #[inline]
     pub fn reflected(&self, hit: &SurfaceHit) -> Option<Ray> {
         if self.world.scene().body(hit.body).matte {
             return None;
@@ -147,6 +130,7 @@ impl<'w> Tracer<'w> {
     }
 
     /// The refracted ray by Snell's law (thesis 3.2.5); none beyond the critical angle, and none into an opaque body.
+    #[inline]
     pub fn refracted(&self, hit: &SurfaceHit) -> Option<Ray> {
         if self.world.scene().body(hit.body).opaque {
             return None;
@@ -161,6 +145,7 @@ impl<'w> Tracer<'w> {
 
     /// n₁/n₂ for the ray that met this surface, whether it is refracted or not: on the front it goes from index 1 into
     /// the body, on the back the reverse.
+    #[inline]
     pub fn relative_index(&self, hit: &SurfaceHit) -> f64 {
         let index = self.world.scene().body(hit.body).refractive_index.unwrap_or(self.view.default_index());
         match hit.side {

@@ -48,17 +48,20 @@ pub(super) fn trace_pixel<T: Copy>(
     stack: &mut Vec<PendingRay<T>>,
     mut visit: impl FnMut(Option<T>, Edge, RayEnd) -> T,
 ) {
-    stack.push(PendingRay { ray: tracer.primary(pixel), from: None, edge: Edge::Primary, depth: 1 });
-    while let Some(PendingRay { ray, from, edge, depth }) = stack.pop() {
-        let Some(hit) = tracer.hit(&ray) else {
+    let mut next = Some(PendingRay { ray: tracer.primary(pixel), from: None, edge: Edge::Primary, depth: 1 });
+    while let Some(PendingRay { ray, from, edge, depth }) = next.take().or_else(|| stack.pop()) {
+        let Some(met) = tracer.world().nearest(&ray) else {
             visit(from, edge, RayEnd::Miss(ray.direction));
             continue;
         };
+        let hit = tracer.world().surface_hit(&ray, &met);
         let from = Some(visit(from, edge, RayEnd::Hit(&hit)));
         if depth < tracer.view().depth() {
-            let children = [(Edge::Refracted, tracer.refracted(&hit)), (Edge::Reflected, tracer.reflected(&hit))];
-            let pending = |(edge, ray): (Edge, Option<Ray>)| Some(PendingRay { ray: ray?, from, edge, depth: depth + 1 });
-            stack.extend(children.into_iter().filter_map(pending));
+            next = tracer.refracted(&hit).map(|ray| PendingRay { ray, from, edge: Edge::Refracted, depth: depth + 1 });
+            if let Some(ray) = tracer.reflected(&hit) {
+                stack.extend(next.take());
+                next = Some(PendingRay { ray, from, edge: Edge::Reflected, depth: depth + 1 });
+            }
         }
     }
 }

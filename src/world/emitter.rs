@@ -21,6 +21,11 @@ pub struct LightSample {
     pub distance: f64,
 }
 
+impl LightSample {
+    /// No light.
+    pub(crate) const NONE: LightSample = LightSample { direction: DVec3::ZERO, distance: 0.0 };
+}
+
 /// An emitter, by its index in the list of emitters of the world: from 0, in the order of their lights.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct EmitterId(pub u32);

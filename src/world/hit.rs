@@ -65,7 +65,7 @@ impl SurfaceHit {
     /// Whether light from this direction falls on the side from which the ray came, by both normals.
     #[inline]
     pub fn faces(&self, direction: DVec3) -> bool {
-        self.geometric_normal.dot(direction) > 0.0 && self.shading_normal.dot(direction) > 0.0
+        (self.geometric_normal.dot(direction) > 0.0) & (self.shading_normal.dot(direction) > 0.0)
     }
 
     /// The side of the surface to which this direction goes.

@@ -116,6 +116,12 @@ impl World {
         &self.emitters[id.index()]
     }
 
+    /// All emitters by their ids, in the order of their lights.
+    #[inline]
+    pub fn emitters(&self) -> &[Emitter] {
+        &self.emitters
+    }
+
     /// The ids of all emitters, in the order of their lights.
     pub fn emitter_ids(&self) -> impl Iterator<Item = EmitterId> + use<> {
         // As many as lights, of which there are fewer than 2³².
@@ -158,22 +164,17 @@ impl World {
 
     /// What the ray meets first; of several surfaces at equal distance the one declared first. `None` where the ray
     /// leaves the scene.
-    #[inline]
+    #[inline(always)]
     pub fn nearest(&self, ray: &Ray) -> Option<Intersection> {
-        // Distances that are equal but for rounding are equal: otherwise coincident surfaces would show in patches.
-        let mut near: SmallVec<[(BodyId, Meeting); 4]> = SmallVec::new();
-        let mut end = f64::INFINITY;
-        self.tree.search(ray.origin, ray.direction, end, |index| {
+        let mut near = NearMeetings::default();
+        self.tree.search(ray.origin, ray.direction, near.end, |index| {
             let body = BodyId(index);
-            if let Some(met) = self.meet(ray, body).filter(|met| met.distance <= end) {
-                end = end.min(met.distance + self.tolerance);
-                near.retain(|(_, other)| other.distance <= end);
-                near.push((body, met));
+            if let Some(met) = self.meet(ray, body) {
+                near.add(body, met, self.tolerance);
             }
-            end
+            near.end
         });
-        let first = near.into_iter().min_by_key(|(body, _)| *body);
-        first.map(|(body, met)| Intersection::new(body, met))
+        near.first()
     }
 
     /// Whether the ray meets anything before `distance` (in world units), see [`occluders`](Self::occluders).
@@ -184,7 +185,7 @@ impl World {
 
     /// A body that the ray meets before `distance` (in world units), see [`occluders`](Self::occluders). `likely` is
     /// tested first, unless it takes a search.
-    #[inline]
+    #[inline(always)]
     pub fn an_occluder(&self, ray: &Ray, distance: f64, likely: Option<BodyId>) -> Option<BodyId> {
         let end = distance - self.tolerance;
         if let Some(body) = likely
@@ -193,20 +194,14 @@ impl World {
         {
             return likely;
         }
-        let mut occluder = None;
-        self.tree.search(ray.origin, ray.direction, end, |index| {
-            let body = BodyId(index);
-            let is_met = match self.is_searched(body) {
-                true => {
-                    let from = ray.leaves.filter(|departure| departure.body == body);
-                    self.surfaces[body.index()].is_met_before(ray, from, self.tolerance, end)
-                }
-                false => self.meet(ray, body).is_some_and(|met| met.distance < end),
-            };
-            occluder = is_met.then_some(body);
-            if is_met { -1.0 } else { end }
-        });
-        occluder
+        let is_met = |body: BodyId| match self.is_searched(body) {
+            true => {
+                let from = ray.leaves.filter(|departure| departure.body == body);
+                self.surfaces[body.index()].is_met_before(ray, from, self.tolerance, end)
+            }
+            false => self.meet(ray, body).is_some_and(|met| met.distance < end),
+        };
+        self.tree.any(ray.origin, ray.direction, end, |index| is_met(BodyId(index))).map(BodyId)
     }
 
     /// Where the ray meets the bodies that it meets before `distance` (in world units), in the order of declaration.
@@ -224,7 +219,7 @@ impl World {
     }
 
     /// Where the ray meets the surface of this body.
-    #[inline]
+    #[inline(always)]
     fn meet(&self, ray: &Ray, body: BodyId) -> Option<Meeting> {
         let surface = &self.surfaces[body.index()];
         match ray.leaves {
@@ -280,6 +275,51 @@ impl World {
     }
 }
 
+/// What a ray meets first, as far as it is known.
+///
+/// Distances that are equal but for rounding are equal: otherwise coincident surfaces would show in patches.
+struct NearMeetings {
+    /// What is farther away does not count: the least distance and the tolerance.
+    end: f64,
+    met: Option<(BodyId, Meeting)>,
+    /// What else is not farther away than the end. It is seldom anything.
+    others: SmallVec<[(BodyId, Meeting); 4]>,
+}
+
+impl Default for NearMeetings {
+    fn default() -> Self {
+        Self { end: f64::INFINITY, met: None, others: SmallVec::new() }
+    }
+}
+
+impl NearMeetings {
+    #[inline(always)]
+    fn add(&mut self, body: BodyId, met: Meeting, tolerance: f64) {
+        if met.distance <= self.end {
+            self.end = self.end.min(met.distance + tolerance);
+            if self.met.is_some_and(|(_, known)| known.distance <= self.end) || !self.others.is_empty() {
+                self.add_beside(body, met);
+            } else {
+                self.met = Some((body, met));
+            }
+        }
+    }
+
+    #[cold]
+    fn add_beside(&mut self, body: BodyId, met: Meeting) {
+        self.others.push((body, met));
+        self.others.extend(self.met.take());
+        self.others.retain(|(_, other)| other.distance <= self.end);
+    }
+
+    /// The body that was declared first.
+    #[inline(always)]
+    fn first(self) -> Option<Intersection> {
+        let first = self.others.into_iter().chain(self.met).min_by_key(|(body, _)| *body);
+        first.map(|(body, met)| Intersection::new(body, met))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -331,6 +371,40 @@ mod tests {
             (DVec3::Z, DVec3::new(-0.9, 0.0, 0.1).normalize(), DVec3::new(0.9, 0.0, -0.1).normalize());
         assert!(bent.faces(both) && !bent.faces(geometric) && !bent.faces(shading));
         assert!(flat.faces(geometric) && !flat.faces(shading));
+    }
+
+    /// What a ray meets first, by asking every body.
+    fn nearest_of_all(world: &World, ray: &Ray) -> Option<Intersection> {
+        let met: Vec<Intersection> = world.scene().body_ids().filter_map(|body| world.intersect(ray, body)).collect();
+        let end = met.iter().map(|met| met.distance).fold(f64::INFINITY, f64::min) + world.tolerance();
+        met.into_iter().find(|met| met.distance <= end)
+    }
+
+    #[test]
+    fn of_what_coincides_the_first_is_met() {
+        // Sheets on three levels, each several times over and a little apart, and many balls: few bodies and many.
+        let near = 1e-9;
+        for balls in [0, 3, 200] {
+            let mut bodies = String::new();
+            for (index, height) in [1.0, 0.0, -1.0, near, 1.0 + near, -1.0, 1.0, 2.0 * near, -near].into_iter().enumerate() {
+                bodies += &format!("s{index}: rectangle, <-3,{height},-3>, <3,{height},-3>, <3,{height},3>;");
+            }
+            for ball in 0..balls {
+                let place = f64::from(ball * 37 % 101) / 25.0 - 2.0;
+                bodies += &format!("b{ball}: sphere, center <{place}, {}, {}>, radius 0.3;", place.cos(), (3.0 * place).sin());
+            }
+            let world = world(&bodies);
+            let mut met = std::collections::BTreeSet::new();
+            for step in 0..2000 {
+                let turn = f64::from(step) / 100.0;
+                let origin = [4.0 * turn.cos(), 3.0 * (0.37 * turn).sin(), 4.0 * turn.sin()];
+                let ray = ray(origin, [-(turn + 0.3).cos(), -0.5 * (0.37 * turn).sin(), -(turn - 0.2).sin()]);
+                let nearest = world.nearest(&ray);
+                assert_eq!(nearest, nearest_of_all(&world, &ray), "{ray:?}");
+                met.extend(nearest.map(|met| met.body.0));
+            }
+            assert!([0, 1, 2].iter().all(|sheet| met.contains(sheet)), "{met:?}");
+        }
     }
 
     #[test]

@@ -112,7 +112,7 @@ macro_rules! surfaces {
                 }
             }
 
-            #[inline]
+            #[inline(always)]
             fn intersect(&self, ray: &Ray, tolerance: &Tolerance) -> Option<Meeting> {
                 match self {
                     $(ShapeSurface::$kind(surface) => surface.intersect(ray, tolerance),)*
@@ -120,7 +120,7 @@ macro_rules! surfaces {
                 }
             }
 
-            #[inline]
+            #[inline(always)]
             fn intersect_again(&self, ray: &Ray, from: Departure, tolerance: &Tolerance) -> Option<Meeting> {
                 match self {
                     $(ShapeSurface::$kind(surface) => surface.intersect_again(ray, from, tolerance),)*
@@ -150,7 +150,7 @@ macro_rules! surfaces {
                 }
             }
 
-            #[inline]
+            #[inline(always)]
             fn project(&self, point: DVec3, primitive: PrimitiveId, direction: DVec3) -> FrontPoint {
                 match self {
                     $(ShapeSurface::$kind(surface) => surface.project(point, primitive, direction),)*

@@ -23,6 +23,9 @@ impl Emit for PointEmitter {
     #[inline]
     fn sample(&self, hit: &SurfaceHit) -> LightSample {
         let way = self.position - hit.point;
-        LightSample { direction: way.try_normalize().unwrap_or(hit.shading_normal), distance: way.length() }
+        let distance = way.length();
+        let inverse = distance.recip();
+        let direction = if inverse > 0.0 && inverse.is_finite() { inverse * way } else { hit.shading_normal };
+        LightSample { direction, distance }
     }
 }

@@ -42,6 +42,7 @@ impl Geometry for DiscSurface {
     }
 
     /// A ray that leaves a plane never comes back.
+    #[inline(always)]
     fn intersect_again(&self, _: &Ray, _: Departure, _: &Tolerance) -> Option<Meeting> {
         None
     }

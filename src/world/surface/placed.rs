@@ -19,7 +19,7 @@ use glam::{DAffine3, DMat3, DVec3};
 pub(in crate::world) struct Surface {
     shape: ShapeSurface,
     /// `None` where the coordinates of the shape are those of the world.
-    place: Option<Place>,
+    place: Option<Box<Place>>,
     bounds: Bounds,
 }
 
@@ -91,7 +91,7 @@ impl Surface {
         let shape = ShapeSurface::new(body, meshes)?;
         let map = to_world(&shape, &body.form.transforms);
         let bounds = shape.bounds(&map);
-        Ok(Self { shape, place: (map != DAffine3::IDENTITY).then(|| Place::new(map)), bounds })
+        Ok(Self { shape, place: (map != DAffine3::IDENTITY).then(|| Place::new(map).into()), bounds })
     }
 
     /// The box around it.
@@ -101,7 +101,7 @@ impl Surface {
 
     /// Where a ray from elsewhere first meets the surface, at a distance greater than 0. Surfaces within `tolerance`
     /// (in world units, ≥ 0) of the origin are not met.
-    #[inline]
+    #[inline(always)]
     pub(in crate::world) fn intersect(&self, ray: &Ray, tolerance: f64) -> Option<Meeting> {
         match &self.place {
             None => self.shape.intersect(ray, &Tolerance::plain(tolerance)),
@@ -114,7 +114,7 @@ impl Surface {
     }
 
     /// Where a ray that starts on this very surface meets it again.
-    #[inline]
+    #[inline(always)]
     pub(in crate::world) fn intersect_again(&self, ray: &Ray, from: Departure, tolerance: f64) -> Option<Meeting> {
         match &self.place {
             None => self.shape.intersect_again(ray, from, &Tolerance::plain(tolerance)),
@@ -149,7 +149,7 @@ impl Surface {
     }
 
     /// The point of the surface nearest to `point`, which is on it but for rounding, see [`Geometry::project`].
-    #[inline]
+    #[inline(always)]
     pub(in crate::world) fn project(&self, point: DVec3, primitive: PrimitiveId, direction: DVec3) -> FrontPoint {
         let Some(place) = &self.place else { return self.shape.project(point, primitive, direction) };
         let direction = (place.inverse * direction).normalize();

@@ -8,7 +8,7 @@ use crate::world::ray::{Departure, PrimitiveId, Ray};
 use glam::{DAffine3, DVec3};
 
 /// A rectangle A, B, C and A + C − B; its front is the side from which the corners are clockwise.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct RectangleSurface {
     /// The corner B.
     corner: DVec3,
@@ -18,7 +18,8 @@ pub(super) struct RectangleSurface {
     along: [DVec3; 2],
     /// The direction from A to B.
     tangent: DVec3,
-    corners: [DVec3; 4],
+    /// Apart from what rays need, so that a surface is small.
+    corners: Box<[DVec3; 4]>,
 }
 
 impl RectangleSurface {
@@ -28,16 +29,16 @@ impl RectangleSurface {
         let (first, second) = (a - b, c - b);
         let (across_second, across_first) = (second.cross(normal), first.cross(normal));
         let along = [across_second / across_second.dot(first), across_first / across_first.dot(second)];
-        Self { corner: b, normal, along, tangent: (b - a).normalize(), corners: [a, b, c, a + (c - b)] }
+        Self { corner: b, normal, along, tangent: (b - a).normalize(), corners: Box::new([a, b, c, a + (c - b)]) }
     }
 }
 
 impl Geometry for RectangleSurface {
     fn bounds(&self, map: &DAffine3) -> Bounds {
-        Bounds::of_points(self.corners.into_iter().map(|corner| map.transform_point3(corner)))
+        Bounds::of_points(self.corners.iter().map(|corner| map.transform_point3(*corner)))
     }
 
-    #[inline]
+    #[inline(always)]
     fn intersect(&self, ray: &Ray, tolerance: &Tolerance) -> Option<Meeting> {
         let height = (self.corner - ray.origin).dot(self.normal);
         // Measured across the plane, not along the ray: a ray that starts in a second, coincident rectangle is not let
@@ -53,10 +54,12 @@ impl Geometry for RectangleSurface {
     }
 
     /// A ray that leaves a plane never comes back.
+    #[inline(always)]
     fn intersect_again(&self, _: &Ray, _: Departure, _: &Tolerance) -> Option<Meeting> {
         None
     }
 
+    #[inline(always)]
     fn project(&self, point: DVec3, _: PrimitiveId, _: DVec3) -> FrontPoint {
         let point = point + (self.corner - point).dot(self.normal) * self.normal;
         FrontPoint { point, geometric_normal: self.normal, shading_normal: self.normal }

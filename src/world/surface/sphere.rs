@@ -47,7 +47,7 @@ impl Geometry for SphereSurface {
 
     /// The quadratic is solved as in Haines, Günther, Akenine-Möller, "Precision Improvements for Ray/Sphere
     /// Intersection", Ray Tracing Gems (2019): small far spheres keep their shape, and neither root cancels.
-    #[inline]
+    #[inline(always)]
     fn intersect(&self, ray: &Ray, tolerance: &Tolerance) -> Option<Meeting> {
         let origin = ray.origin - self.center;
         let nearest = -origin.dot(ray.direction);
@@ -62,11 +62,13 @@ impl Geometry for SphereSurface {
         }
         let distance = origin.length();
         let smaller = (distance - self.radius) * (distance + self.radius) / larger;
-        let (first, second) = if larger < smaller { (larger, smaller) } else { (smaller, larger) };
-        [first, second].into_iter().find(|&root| root > tolerance.along).map(meeting)
+        let (first, second) = (larger.min(smaller), larger.max(smaller));
+        let distance = if first > tolerance.along { first } else { second };
+        (distance > tolerance.along).then(|| meeting(distance))
     }
 
     /// A ray that leaves the sphere outwards never comes back; one that leaves it inwards crosses it along a chord.
+    #[inline(always)]
     fn intersect_again(&self, ray: &Ray, from: Departure, _: &Tolerance) -> Option<Meeting> {
         match from.side {
             Side::Front => None,
@@ -77,6 +79,7 @@ impl Geometry for SphereSurface {
         }
     }
 
+    #[inline(always)]
     fn project(&self, point: DVec3, _: PrimitiveId, direction: DVec3) -> FrontPoint {
         let normal = (point - self.center).try_normalize().unwrap_or(-direction);
         FrontPoint { point: self.center + self.radius * normal, geometric_normal: normal, shading_normal: normal }

@@ -58,6 +58,7 @@ impl Geometry for TriangleSurface {
     }
 
     /// A ray that leaves a plane never comes back.
+    #[inline(always)]
     fn intersect_again(&self, _: &Ray, _: Departure, _: &Tolerance) -> Option<Meeting> {
         None
     }
