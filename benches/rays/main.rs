@@ -4,6 +4,7 @@
 //! ```text
 //! cargo bench --bench rays                                  # generated meshes of 7e4, 1e6 and 1e7 triangles
 //! cargo bench --bench rays -- 70000 bunny.ply               # of this many triangles; of a file
+//! cargo bench --bench rays -- balls                         # scenes of 10 to 1e5 balls instead
 //! EMBREE=…/libembree4.so.4 cargo bench --bench rays         # beside Embree on the same rays, in its robust mode
 //! EMBREE_ISA=avx2                                           # the instruction set that Embree may use (the default)
 //! ILLUMINATOR_LANES=4                                       # without AVX2
@@ -11,6 +12,7 @@
 
 #![allow(clippy::panic, reason = "a benchmark that cannot go on has failed")]
 
+mod balls;
 mod embree;
 
 use embree::{Embree, RayHit};
@@ -37,6 +39,10 @@ fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).filter(|argument| !argument.starts_with("--")).collect();
     let named = if arguments.is_empty() { vec!["70000".into(), "1000000".into(), "10000000".into()] } else { arguments };
     for name in named {
+        if name == "balls" {
+            (1..=5).for_each(|power| balls::measure(10_usize.pow(power)));
+            continue;
+        }
         let mesh = Arc::new(match name.parse::<f64>() {
             Ok(triangles) => generated(triangles),
             Err(_) => with_reading(|reading| read(Path::new(&name), reading)).unwrap_or_else(|error| panic!("{error:?}")).0,
