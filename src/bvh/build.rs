@@ -23,8 +23,8 @@ const NODES_TOLD: usize = 1 << 10;
 /// Builds the nodes over boxes, the root first. Leaves have up to `leaf_most` primitives; `leaf` is given the indices
 /// of their boxes, and returns the index of the leaf. Without boxes, the root is empty.
 ///
-/// Boxes have an extent in all three directions. `go_on` is told the share that is done, 0..=1, from time to time. If it
-/// returns `false`, the result is `None`. The library is not interrupted.
+/// Boxes have an extent in all three directions. `go_on` is told the share that is done, 0..=1, from time to time. If
+/// it returns `false`, the result is `None`. The library is not interrupted.
 pub(super) fn build(
     boxes: &[Aabb],
     leaf_most: usize,

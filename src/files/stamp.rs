@@ -19,8 +19,8 @@ impl FileStamp {
         Self { path: path.to_owned(), length: metadata.len(), changed: metadata.modified().ok() }
     }
 
-    /// The stamp of the file at a path as it is now, without links in the path. `None` if there is none, or it cannot be
-    /// looked at.
+    /// The stamp of the file at a path as it is now, without links in the path. `None` if there is none, or it cannot
+    /// be looked at.
     pub fn of(path: &Path) -> Option<Self> {
         Some(Self::new(&path.canonicalize().ok()?, &path.metadata().ok()?))
     }

@@ -98,8 +98,8 @@ fn decode(file: std::fs::File) -> Result<TextureImage, String> {
     TextureImage::new(width, height, texels).ok_or_else(|| format!("it has {width}×{height} texels"))
 }
 
-/// The texels of an image that is `width` texels wide, its rows from the bottom upwards, each component by a function of
-/// its number in the image.
+/// The texels of an image that is `width` texels wide, its rows from the bottom upwards, each component by a function
+/// of its number in the image.
 fn upwards<T: Copy>(numbers: &[T], width: u32, component: impl Fn(T) -> f32) -> Vec<[f32; 3]> {
     let rows = numbers.chunks_exact((3 * width as usize).max(1)).rev();
     let mut texels = Vec::with_capacity(numbers.len() / 3);

@@ -29,7 +29,7 @@ const ROOMS: [(&str, &[&str]); 22] = [
     ("plan", &["lang", "formula"]),
     // Machine code knows the layout of hits, and how components become bytes.
     ("jit", &["simd", "texture", "lang", "formula", "plan", "trace", "picture"]),
-    ("evaluate", &["lang", "formula", "scene", "world", "trace", "plan", "picture"]),
+    ("evaluate", &["texture", "lang", "formula", "scene", "world", "trace", "plan", "picture"]),
     ("backends", &["lang", "formula", "scene", "world", "trace", "bytecode", "plan", "jit", "picture", "evaluate"]),
     ("engine", &["lang", "formula", "scene", "world", "trace", "picture", "evaluate", "backends"]),
     ("workspace", &["files", "texture", "lang", "formula", "scene", "mesh", "bvh", "world", "trace", "engine", "picture"]),

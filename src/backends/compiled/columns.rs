@@ -9,7 +9,7 @@ mod packing;
 
 pub(super) use packing::{Packing, Reader};
 
-use crate::backends::compiled::leaves::{Leaf, StaticTextures};
+use crate::backends::compiled::leaves::{StaticLeaf, StaticTextures};
 use crate::backends::compiled::memory::StreamMemory;
 use crate::backends::compiled::source::ContributionSource;
 use crate::formula::Formula;
@@ -273,8 +273,8 @@ fn fill(
 
 /// What static kernels read, for up to one chunk of hits.
 pub(super) struct LeafColumns<'t> {
-    hit_leaves: Vec<Leaf>,
-    record_leaves: Vec<Leaf>,
+    hit_leaves: Vec<StaticLeaf>,
+    record_leaves: Vec<StaticLeaf>,
     textures: &'t StaticTextures,
     coordinates: CoordinatesUse,
     /// A stream with a column for each hit leaf, for one chunk of hits. It stays in the L1 cache.
@@ -292,9 +292,9 @@ impl<'t> LeafColumns<'t> {
     }
 
     fn new(compiled: &CompiledFormula, formula: &Formula, textures: &'t StaticTextures) -> Self {
-        let leaves = |plan: &KernelPlan| Leaf::of(plan, &compiled.plan.bindings.graph, &formula.parameters);
+        let leaves = |plan: &KernelPlan| StaticLeaf::of(plan, &compiled.plan.bindings.graph, &formula.parameters);
         let (hit_leaves, record_leaves) = (leaves(&compiled.plan.hits), leaves(&compiled.plan.records));
-        let coordinates = CoordinatesUse::by(hit_leaves.iter().chain(&record_leaves).filter_map(Leaf::variable));
+        let coordinates = CoordinatesUse::by(hit_leaves.iter().chain(&record_leaves).filter_map(StaticLeaf::variable));
         let hits = vec![Line::default(); CHUNK_LINES * hit_leaves.len()];
         Self { hit_leaves, record_leaves, textures, coordinates, hits, records: Vec::new() }
     }
@@ -319,8 +319,8 @@ impl<'t> LeafColumns<'t> {
                 let light = world.light_of(*emitter);
                 for (column, leaf) in self.record_leaves.iter().enumerate() {
                     let value = match *leaf {
-                        Leaf::Variable(symbol, component) => variable(symbol, &own, &record)[component],
-                        Leaf::Texture(slot) => self.textures.number(slot, group.body, Some(light)),
+                        StaticLeaf::Variable(symbol, component) => variable(symbol, &own, &record)[component],
+                        StaticLeaf::Texture(slot) => self.textures.number(slot, group.body, Some(light)),
                     };
                     put(stream, self.record_leaves.len(), column, value);
                 }

@@ -11,20 +11,20 @@ use crate::trace::HitVariables;
 
 /// What a column that a static kernel reads holds.
 #[derive(Clone, Copy)]
-pub(super) enum Leaf {
+pub(super) enum StaticLeaf {
     /// A component of a variable.
     Variable(Variable, usize),
     /// The number of a texture.
     Texture(ParameterSlot),
 }
 
-impl Leaf {
+impl StaticLeaf {
     /// The leaves of a static kernel, in the order of its columns.
     pub(super) fn of(plan: &KernelPlan, graph: &Graph, parameters: &[Parameter]) -> Vec<Self> {
         let mut slots = parameter_slots(plan, graph, parameters).into_iter();
         let leaf = |node| match graph.node(node) {
-            Node::Variable(variable, component) => Some(Leaf::Variable(variable, usize::from(component))),
-            Node::Parameter(..) => slots.next().map(Leaf::Texture),
+            Node::Variable(variable, component) => Some(StaticLeaf::Variable(variable, usize::from(component))),
+            Node::Parameter(..) => slots.next().map(StaticLeaf::Texture),
             Node::Constant(_) | Node::Apply(..) => None,
         };
         plan.streams[0].iter().copied().filter_map(leaf).collect()
@@ -33,8 +33,8 @@ impl Leaf {
     /// The variable, if it is one.
     pub(super) fn variable(&self) -> Option<Variable> {
         match self {
-            Leaf::Variable(variable, _) => Some(*variable),
-            Leaf::Texture(_) => None,
+            StaticLeaf::Variable(variable, _) => Some(*variable),
+            StaticLeaf::Texture(_) => None,
         }
     }
 }
@@ -87,10 +87,10 @@ impl StaticTextures {
     }
 
     /// The value of a leaf that is the same for all lights, at a hit on a body.
-    pub(super) fn at_hit(&self, leaf: Leaf, hit: &HitVariables, body: BodyId) -> f32 {
+    pub(super) fn at_hit(&self, leaf: StaticLeaf, hit: &HitVariables, body: BodyId) -> f32 {
         match leaf {
-            Leaf::Variable(symbol, component) => hit.value(symbol).map_or(0.0, |value| value[component]),
-            Leaf::Texture(slot) => self.number(slot, body, None),
+            StaticLeaf::Variable(symbol, component) => hit.value(symbol).map_or(0.0, |value| value[component]),
+            StaticLeaf::Texture(slot) => self.number(slot, body, None),
         }
     }
 

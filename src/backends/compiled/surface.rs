@@ -10,7 +10,7 @@
 //! behind a red and a green mirror gives NaN if its colour is infinite. In a tile with such weights, the terms of each
 //! node are collected, and added up along the paths at the end.
 
-use crate::backends::compiled::leaves::{Leaf, StaticTextures};
+use crate::backends::compiled::leaves::{StaticLeaf, StaticTextures};
 use crate::backends::compiled::memory::StreamMemory;
 use crate::evaluate::weights::Weight;
 use crate::formula::Formula;
@@ -153,7 +153,7 @@ impl SurfaceTile {
     ) -> Result<Vec<Self>, Mismatch> {
         let (Some(plan), Some(compiled)) = (&compiled.plan.surface, &compiled.surface) else { return Ok(Vec::new()) };
         let tracer = Tracer::new(&hits.world, &hits.view);
-        let leaves = Leaf::of(&plan.hits, &plan.bindings.graph, &formula.parameters);
+        let leaves = StaticLeaf::of(&plan.hits, &plan.bindings.graph, &formula.parameters);
         let of_tile = |tile: &Tile| {
             let mut made = Self::new(tile);
             made.fill(compiled, &leaves, textures, &tracer, tile)?;
@@ -222,12 +222,12 @@ impl SurfaceTile {
     fn fill(
         &mut self,
         compiled: &CompiledSurface,
-        leaves: &[Leaf],
+        leaves: &[StaticLeaf],
         textures: &StaticTextures,
         tracer: &Tracer,
         tile: &Tile,
     ) -> Result<(), Mismatch> {
-        let coordinates = CoordinatesUse::by(leaves.iter().filter_map(Leaf::variable));
+        let coordinates = CoordinatesUse::by(leaves.iter().filter_map(StaticLeaf::variable));
         let lines = self.lines + ROUND_LINES;
         let mut values = vec![Line::default(); lines * leaves.len()];
         for group in &tile.groups {
