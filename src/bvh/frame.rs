@@ -94,6 +94,7 @@ impl TreeFrame {
     }
 
     /// The distance at which a ray from outside enters the box of the frame; `None` if it passes beside.
+    #[inline(always)]
     fn entry(&self, origin: DVec3, inverse: DVec3) -> Option<f64> {
         // The largest distance of a near side, and the smallest one of a far side.
         let (one, other) = ((self.low - origin) * inverse, (self.high - origin) * inverse);
