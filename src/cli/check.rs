@@ -139,7 +139,7 @@ fn check(location: &Location, given: Option<FileKind>, thesis: bool, listener: &
         FileKind::Formula => CheckOutcome::of(kind, told(check_formula(location, &source, thesis), &source, listener)),
         FileKind::Scene => CheckOutcome::of(kind, told(check_scene(location, &source), &source, listener)),
         FileKind::Session => check_session(location, &source, listener),
-        FileKind::Material => CheckOutcome::of(kind, told(Library::parse(&source), &source, listener)),
+        FileKind::Material => CheckOutcome::of(kind, told(check_library(location, &source), &source, listener)),
     })
 }
 
@@ -172,6 +172,14 @@ fn check_scene(location: &Location, source: &Source) -> Result<((Scene, Meshes),
     parse_scene_with_meshes(source, location, &MeshStore::default(), usable_memory(), &Task::watched(&tell))
 }
 
+/// Checks a material library and its images.
+fn check_library(location: &Location, source: &Source) -> Result<(Library, Diagnostics), Diagnostics> {
+    let (library, mut diagnostics) = Library::parse(source)?;
+    diagnostics.extend(library.unreadable_images(location));
+    diagnostics.sort();
+    if diagnostics.has_errors() { Err(diagnostics) } else { Ok((library, diagnostics)) }
+}
+
 /// What is wrong with a text itself. The files that a session or a scene names are not looked at.
 pub(super) fn diagnostics_of(kind: FileKind, location: &Location, source: &Source) -> Diagnostics {
     fn found<T>(outcome: Result<(T, Diagnostics), Diagnostics>) -> Diagnostics {
@@ -181,7 +189,7 @@ pub(super) fn diagnostics_of(kind: FileKind, location: &Location, source: &Sourc
         FileKind::Formula => found(check_formula(location, source, false)),
         FileKind::Scene => found(Scene::parse(source)),
         FileKind::Session => found(Session::parse(source)),
-        FileKind::Material => found(Library::parse(source)),
+        FileKind::Material => found(check_library(location, source)),
     }
 }
 

@@ -27,6 +27,11 @@ pub enum FileValue {
 }
 
 impl FileValue {
+    /// The value that a text is: the path of an image, or `none` or nothing for white.
+    pub(super) fn of_text(text: &str) -> Self {
+        FileValue::Image(if text == NO_IMAGE { PathBuf::new() } else { PathBuf::from(text) })
+    }
+
     /// The value of a parameter of this type with these numbers.
     pub(super) fn of(ty: Type, numbers: &[f32]) -> Self {
         let number = numbers.first().copied().unwrap_or_default();
@@ -52,9 +57,8 @@ impl FileValue {
         match self {
             FileValue::Image(path) if !path.as_os_str().is_empty() => {
                 let path = Location::File(path).relative_to(folder);
-                // A word alone is no path in a table.
-                let is_word = !path.contains(['.', '/', '\\']);
-                FileValue::Image(PathBuf::from(if is_word { format!("./{path}") } else { path }))
+                // The word itself is no path.
+                FileValue::Image(PathBuf::from(if path == NO_IMAGE { format!("./{path}") } else { path }))
             }
             other @ (FileValue::Image(_) | FileValue::Constant(_)) => other,
         }
@@ -112,7 +116,11 @@ impl Assignment {
         let ty = table.parameter(parameter).ty;
         if ty != value.ty() {
             let message = format!("`{name}` is {} in the formula; this value is ignored", ty.with_article());
-            return Err(Diagnostic::warning(message).at(span, format!("{} here", value.ty().with_article())));
+            let (found, hint) = match value {
+                FileValue::Constant(constant) => (constant.ty().with_article(), None),
+                FileValue::Image(text) => ("a text", number_in_quotes(text)),
+            };
+            return Err(Diagnostic::warning(message).at(span, format!("{found} here")).help_if(hint));
         }
         let mut numbers = [0.0; 3];
         match value {
@@ -321,6 +329,17 @@ pub(super) fn may_be_choice(text: &str) -> bool {
     (text.starts_with(char::is_alphabetic) && !is_word_of_number) || may_be_path(text)
 }
 
+/// What helps if the text that a file has is no path but a number.
+pub(super) fn number_in_quotes(path: &Path) -> Option<&'static str> {
+    let text = path.file_name().and_then(OsStr::to_str);
+    text.is_some_and(|text| parse_value(text).is_some()).then_some("numbers stand without quotation marks")
+}
+
+/// What is between quotation marks, as in files. A shell takes away those that it understands.
+fn quoted(text: &str) -> Option<&str> {
+    ['"', '\''].into_iter().find_map(|mark| text.strip_prefix(mark)?.strip_suffix(mark))
+}
+
 /// Whether a text may be the path of an image.
 fn may_be_path(text: &str) -> bool {
     let suffix = Path::new(text).extension().and_then(OsStr::to_str).map(str::to_lowercase);
@@ -332,8 +351,12 @@ impl FromStr for WrittenValue {
 
     fn from_str(text: &str) -> Result<Self, NamedAssignmentError> {
         let text = text.trim();
+        if let Some(text) = quoted(text) {
+            return Ok(WrittenValue::Choice(text.to_owned()));
+        }
         match parse_value(text) {
             Some(constant) => Ok(WrittenValue::Constant(constant)),
+            None if text.is_empty() => Ok(WrittenValue::Choice(String::new())),
             None if may_be_choice(text) => Ok(WrittenValue::Choice(text.to_owned())),
             None if is_too_large(text) => Err(NamedAssignmentError::TooLarge(text.to_owned())),
             None => Err(NamedAssignmentError::Value { given: text.to_owned(), wanted: CONSTANTS.to_owned() }),
@@ -342,10 +365,11 @@ impl FromStr for WrittenValue {
 }
 
 impl WrittenValue {
-    /// The number of the texture whose path this is, relative to the working directory. `none` is white.
+    /// The number of the texture whose path this is, relative to the working directory. `none` and
+    /// nothing are white.
     pub(super) fn image(&self, parameter: &Parameter) -> Result<f32, NamedAssignmentError> {
         match self {
-            WrittenValue::Choice(path) if path == NO_IMAGE => Ok(0.0),
+            WrittenValue::Choice(path) if path == NO_IMAGE || path.is_empty() => Ok(0.0),
             WrittenValue::Choice(path) => {
                 let told = |error: Diagnostic| {
                     let parts = std::iter::once(error.message()).chain(error.hints().iter().map(String::as_str));
@@ -472,6 +496,8 @@ mod tests {
         assert_eq!(read("*.Cd=#ff0033").as_deref(), Ok("*.Cd=<1, 0, 0.2>"));
         assert_eq!(read("global.ka=1").as_deref(), Ok("ka=1"));
         assert_eq!(read("ball.model= Cook and Torrance ").as_deref(), Ok("ball.model=Cook and Torrance"));
+        assert_eq!(read("ball.img=\"3 a\"").as_deref(), Ok("ball.img=3 a"));
+        assert_eq!(read("ball.img= ").as_deref(), Ok("ball.img="));
     }
 
     #[test]
@@ -482,7 +508,7 @@ mod tests {
         for text in ["a=1e999", "a=-1e39", "a=<0, 1e40, 0>"] {
             assert!(matches!(text.parse::<NamedAssignment>(), Err(NamedAssignmentError::TooLarge(_))), "{text}");
         }
-        for text in ["a=", "a=(x)", "a=inf", "a=NaN", "a=<1,2>", "a=<1,2,3", "a=<1,2,3,4>", "a=#12345", "a=#12345é"] {
+        for text in ["a=(x)", "a=inf", "a=NaN", "a=<1,2>", "a=<1,2,3", "a=<1,2,3,4>", "a=#12345", "a=#12345é"] {
             assert!(matches!(text.parse::<NamedAssignment>(), Err(NamedAssignmentError::Value { .. })), "{text}");
         }
     }

@@ -15,10 +15,12 @@ use crate::lang::diagnostic::Diagnostics;
 use crate::lang::source::{Source, SourceSpan};
 use crate::lang::variables::Owner;
 use crate::scene::BodyId;
-use crate::workspace::assignment::{Assignment, FileValue, hint};
+use crate::workspace::Location;
+use crate::workspace::assignment::{Assignment, FileValue, hint, number_in_quotes};
 use crate::workspace::owner::OwnerId;
 use crate::workspace::parameter_table::ParameterTable;
 use crate::workspace::spanned_toml::VERSION_KEY;
+use crate::workspace::textures;
 use crate::workspace::values::Values;
 use std::io;
 use std::path::Path;
@@ -160,6 +162,20 @@ impl Library {
     /// The errors of the text, as many as can be found at once, and the warnings.
     pub fn parse(source: &Source) -> Result<(Library, Diagnostics), Diagnostics> {
         read::parse(source)
+    }
+
+    /// An error for each image that cannot be read, in the text of the library, which is at this location.
+    pub fn unreadable_images(&self, location: &Location) -> Diagnostics {
+        let folder = location.file().and_then(Path::parent).unwrap_or(Path::new(""));
+        let mut errors = Diagnostics::new();
+        for Property { parameter, value, span } in self.materials.iter().flat_map(|material| &material.properties) {
+            if let FileValue::Image(path) = value.clone().taken_from(folder)
+                && let Err(error) = textures::load(&path)
+            {
+                errors.push(error.at(*span, format!("the image of `{parameter}`")).help_if(number_in_quotes(&path)));
+            }
+        }
+        errors
     }
 
     /// The library with other values.

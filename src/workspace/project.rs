@@ -4,6 +4,7 @@
 //! Everything that is found wrong is passed to a [`Listener`], text by text, as diagnostics with their source. The
 //! listener decides how it is shown. `partial` opens what can be used of a session with mistakes.
 
+mod given;
 mod library;
 mod partial;
 mod scene;
@@ -12,22 +13,21 @@ use crate::engine::{Subject, Task};
 use crate::files::Readable;
 use crate::formula::Formula;
 use crate::formula::layout::Layout;
-use crate::lang::diagnostic::{Diagnostic, Diagnostics};
+use crate::lang::diagnostic::{Diagnostic, Diagnostics, Severity};
 use crate::lang::memory_size::MemorySize;
 use crate::lang::source::Source;
-use crate::lang::variables::Predefined;
 use crate::scene::Scene;
 use crate::trace::{View, ViewError, usable_memory};
 use crate::workspace::FileKind;
 use crate::workspace::assignment::Assignment;
-use crate::workspace::carried::CarriedValues;
-use crate::workspace::materials::{MaterialAssignment, Materials, SourceDiagnostics};
+use crate::workspace::materials::{MaterialAssignment, SourceDiagnostics};
 use crate::workspace::session::{MissingTarget, PictureSettings, Session};
 use crate::workspace::textures::parse_formula;
 use crate::workspace::{Location, MeshStore, kind_of};
 use crate::workspace::{NamedAssignment, OwnerId, ParameterTable, ValueWarning, Values};
 use crate::world::Meshes;
 pub use library::library_mistake;
+use given::given_values;
 use library::open_materials;
 pub use partial::{PartialProject, SessionMistakes, UnusableText};
 pub use scene::{parse_scene_with_meshes, scene_of_session};
@@ -397,6 +397,8 @@ impl OpenSession {
                 MissingTarget::Owner => scene_is_other,
                 MissingTarget::Parameter => formula_is_other,
             };
+            // What is there and cannot be read is never expected.
+            let expected = expected && leftover.warning.severity() == Severity::Warning;
             if !expected && !is_overridden(leftover.owner, &leftover.parameter) {
                 warnings.push(leftover.warning);
             }
@@ -436,80 +438,4 @@ fn check_numbers(read: &Read, memory: Option<u64>) -> Result<(), OpenProjectErro
     let message =
         format!("{numbers} parameter values of all bodies and lights take {needed} of memory, and {allowed} may be used");
     Err(Diagnostic::error(message).help("`--memory SIZE` allows more").into())
-}
-
-/// The values that the session and the request give.
-fn given_values(
-    request: &Request,
-    read: &Read,
-    session: Option<&OpenSession>,
-    materials: Option<&Materials>,
-    listener: &mut dyn Listener,
-) -> Result<GivenValues, OpenProjectError> {
-    let Read { formula, scene, .. } = read;
-    let table = ParameterTable::new(formula, scene);
-    let mut set = match materials {
-        Some(materials) => material_values(request.materials, materials, &table, listener)?,
-        None => Vec::new(),
-    };
-    let background = formula.predefined(Predefined::Background);
-    set.extend(request.background.map(|value| Assignment { owner: OwnerId::Global, parameter: background, value }));
-    set.extend(set_values(request.set, &table, listener)?);
-    let given = [request.formula.is_some(), request.scene.is_some()];
-    let is_other = [0, 1].map(|index: usize| given[index] || read.stands_in[index]);
-    let kept = match session {
-        Some(open) => open.values(&table, &set, is_other, listener)?.0,
-        None => Vec::new(),
-    };
-    if let Some(open) = session.filter(|_| given.contains(&true)) {
-        let mut carried = CarriedValues::of_session(&open.session, &table, given);
-        carried.kept.retain(|name| kept.iter().any(|kept| table.parameter(kept.parameter).name == *name));
-        carried.sentence().into_iter().for_each(|sentence| listener.remark(&sentence));
-    }
-    Ok(GivenValues { kept, set, carried_over: is_other.contains(&true) })
-}
-
-/// The values of the materials for bodies.
-fn material_values(
-    given: &[MaterialAssignment],
-    materials: &Materials,
-    table: &ParameterTable,
-    listener: &mut dyn Listener,
-) -> Result<Vec<Assignment>, OpenProjectError> {
-    let (mut assignments, mut errors) = (Vec::new(), Vec::new());
-    for material in given {
-        match material.resolve(materials, table) {
-            Ok((resolved, warnings)) => {
-                listener.diagnostics(&warnings, materials.source_of(&material.material));
-                assignments.extend(resolved);
-            }
-            Err(error) => errors.push(format!("--material {material}: {error}")),
-        }
-    }
-    unless_errors(errors, assignments, listener)
-}
-
-/// The values by name.
-fn set_values(
-    given: &[NamedAssignment],
-    table: &ParameterTable,
-    listener: &mut dyn Listener,
-) -> Result<Vec<Assignment>, OpenProjectError> {
-    let (mut assignments, mut errors) = (Vec::new(), Vec::new());
-    for value in given {
-        match value.resolve(table) {
-            Ok(resolved) => assignments.extend(resolved),
-            Err(error) => errors.push(format!("--set {value}: {error}")),
-        }
-    }
-    unless_errors(errors, assignments, listener)
-}
-
-/// Returns the outcome unless there are errors. All errors but the last are passed to the listener, and the last is
-/// returned.
-fn unless_errors<T>(errors: Vec<String>, outcome: T, listener: &mut dyn Listener) -> Result<T, OpenProjectError> {
-    let mut errors = errors.into_iter().map(Diagnostic::error);
-    let Some(last) = errors.next_back() else { return Ok(outcome) };
-    errors.for_each(|error| listener.message(error));
-    Err(OpenProjectError::Request(last))
 }

@@ -6,7 +6,6 @@ use crate::lang::source::{Source, SourceSpan};
 use crate::workspace::assignment::FileValue;
 use serde::Serialize;
 use std::ops::Range;
-use std::path::PathBuf;
 use toml::Spanned;
 use toml::de::{DeInteger, DeTable, DeValue};
 
@@ -202,9 +201,8 @@ impl<'t> Value<'t> {
     /// The value of a parameter: a number, a list of three, or a text, the path of an image.
     pub(crate) fn given(self) -> Result<FileValue, Diagnostic> {
         match self.value.as_str() {
-            Some(path) if path.is_empty() || path.contains(['.', '/', '\\']) => Ok(FileValue::Image(PathBuf::from(path))),
-            // A word alone is no path.
-            Some(_) | None => self.constant().map(FileValue::Constant),
+            Some(text) => Ok(FileValue::of_text(text)),
+            None => self.constant().map(FileValue::Constant),
         }
     }
 

@@ -41,7 +41,16 @@ fn mistakes_with_textures_are_explained() {
     halves().save(folder.path().join("halves.png")).expect("a file");
     write(&folder, "t.scene", SCENE);
     write(&folder, "torn.png", "\u{89}PNG");
-    write(&folder, "good", "body_specific;\nwood: texture;\nformula;\n= IL*wood(u, v);\n");
+    write(&folder, "empty.png", "");
+    write(&folder, "none", "a file of this name is not read");
+    halves().save_with_format(folder.path().join("photo"), image::ImageFormat::Png).expect("a file");
+    let library = "version = 1\n[bad]\nwood = \"nope.png\"\n[photo]\nwood = \"photo\"\n[white]\nwood = \"none\"\nkr = \"0.1\"\n";
+    write(&folder, "lib.toml", library);
+    for word in ["photo", "none"] {
+        let session = format!("version = 1\nformula = \"good\"\nscene = \"t.scene\"\n[bodies.wall]\nwood = \"{word}\"\n");
+        write(&folder, &format!("{word}.toml"), &session);
+    }
+    write(&folder, "good", "#uses lib.toml;\nbody_specific;\nwood: texture;\nformula;\n= IL*wood(u, v);\n");
     let session = "version = 1\nformula = \"good\"\nscene = \"t.scene\"\n[bodies.wall]\nwood = \"hales.png\"\n";
     write(&folder, "t.toml", session);
     let formulas = [
@@ -66,7 +75,19 @@ fn mistakes_with_textures_are_explained() {
         writeln!(text, "{formula}\n{}", told(folder.path(), "check f --kind formula")).expect("a text");
     }
     for arguments in [
-        "check t.toml",
+        "check t.toml photo.toml none.toml lib.toml",
+        "render --formula good --scene t.scene -o bad.png --material wall=bad",
+        "sweep --formula good --scene t.scene -o bad.png --vary wall.kr=0..1:2 --material *=bad",
+        "dump --formula good --scene t.scene --stage rays --pixel 1,1 --material wall=bad",
+        "verify --formula good --scene t.scene --material wall=bad",
+        "render --formula good --scene t.scene -o out.png --material wall=photo",
+        "render --formula good --scene t.scene -o out.png --material wall=white",
+        "render t.toml --formula good -o bad.png",
+        "render --formula good --scene t.scene -o out.png --set wall.wood=",
+        "render --formula good --scene t.scene -o out.png --set wall.wood=\"photo\"",
+        "render --formula good --scene t.scene -o out.png --set wall.kr=",
+        "render --formula good --scene t.scene -o bad.png --set wall.wood=empty.png",
+        "render --formula good --scene t.scene -o bad.png --set wall.wood=empty.png --set wall.kr=x.png",
         "render t.toml -o out.png",
         "render t.toml -o out.png --set wall.wood=halves.png",
         "render --formula good --scene t.scene -o out.png --set wall.wood=halvse.png",
@@ -79,4 +100,5 @@ fn mistakes_with_textures_are_explained() {
         writeln!(text, "{arguments}\n{}", told(folder.path(), arguments)).expect("a text");
     }
     insta::assert_snapshot!(text);
+    assert!(!folder.path().join("bad.png").exists(), "no picture where an image is missing");
 }

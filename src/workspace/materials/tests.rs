@@ -87,7 +87,7 @@ fn a_library_is_read_in_its_order() {
 
 #[test]
 fn all_errors_are_reported_at_once() {
-    let text = "gold = 3\n[\"\"]\nkr = 1\n[\" x \"]\n[silver]\nCd = [1, 2]\nkr = \"much\"\nkt = nan\nkd = { a = 1 }\n[empty]\n";
+    let text = "gold = 3\n[\"\"]\nkr = 1\n[\" x \"]\n[silver]\nCd = [1, 2]\nkr = true\nkt = nan\nkd = { a = 1 }\n[empty]\n";
     let errors = Library::parse(&source(text)).unwrap_err();
     assert_eq!(
         messages(&errors),
@@ -97,7 +97,7 @@ fn all_errors_are_reported_at_once() {
             "a material needs a name",
             "the name of a material must be one line, without spaces at its ends",
             "expected three numbers `[x, y, z]`",
-            "expected a number, or three as `[x, y, z]`, found a text",
+            "expected a number, or three as `[x, y, z]`, found true or false",
             "this number is too large or not finite",
             "expected a number, or three as `[x, y, z]`, found a table",
             "the material `empty` has no values and changes nothing",

@@ -72,7 +72,7 @@ fn what_is_saved_is_read_back() {
 
 #[test]
 fn all_errors_are_reported_at_once() {
-    let errors = parse("version = 2\nscene = 3\nsize = [0, 480, 1]\ndepth = 10\nshadows = 1\n[bodies.b]\nkr = \"x\"\nkt = inf\n")
+    let errors = parse("version = 2\nscene = 3\nsize = [0, 480, 1]\ndepth = 10\nshadows = 1\n[bodies.b]\nkr = true\nkt = inf\n")
         .unwrap_err();
     assert_eq!(
         messages(&errors),
@@ -83,7 +83,7 @@ fn all_errors_are_reported_at_once() {
             "expected width and height, `[640, 480]`",
             "10 is out of range",
             "expected `true` or `false`, found a whole number",
-            "expected a number, or three as `[x, y, z]`, found a text",
+            "expected a number, or three as `[x, y, z]`, found true or false",
             "this number is too large or not finite",
         ]
     );
