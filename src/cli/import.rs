@@ -90,9 +90,9 @@ fn check_target(target: &ImportTarget, has_images: bool, force: bool) -> Result<
 /// Reports why the file is not read.
 fn refused(error: &MeshError, file: &Path) -> Failure {
     match error {
-        MeshError::Content(_) => {
-            // With the line and its mark.
-            say_lines(&format!("Error: {error:#}"));
+        MeshError::Content(mistake) => {
+            let help = mistake.hint.as_ref().map_or(String::new(), |hint| format!("\n  Help: {}", one_line(hint)));
+            say_lines(&format!("Error: {}{help}", mistake.with_excerpt()));
             Failure::Reported
         }
         MeshError::Memory { .. } => Failure::Input(Diagnostic::error(error.to_string()).help("`--memory SIZE` allows more")),

@@ -102,20 +102,26 @@ impl fmt::Display for MeshFileError {
     }
 }
 
-impl fmt::Display for MeshMistake {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+impl MeshMistake {
+    /// What is wrong, and the line of the text with a mark, if it is in a text.
+    pub fn with_excerpt(&self) -> String {
         let (file, message) = (one_line(&self.file), one_line(&self.message));
         match &self.place {
-            Some(MeshPlace::Text { line, column, .. }) => write!(f, "{file}:{line}:{column}: {message}")?,
-            Some(MeshPlace::Byte(offset)) => write!(f, "{file}: {message} (at byte {offset})")?,
-            None => write!(f, "{file}: {message}")?,
+            Some(MeshPlace::Text { line, column, excerpt, mark }) => {
+                let excerpt = Excerpt::new(excerpt, std::slice::from_ref(mark));
+                let (text, carets) = (excerpt.text.trim_end().to_owned(), excerpt.carets());
+                format!("{file}:{line}:{column}: {message}\n    {text}\n    {}", carets.trim_end())
+            }
+            Some(MeshPlace::Byte(offset)) => format!("{file}: {message} (at byte {offset})"),
+            None => format!("{file}: {message}"),
         }
-        if f.alternate()
-            && let Some(MeshPlace::Text { excerpt, mark, .. }) = &self.place
-        {
-            let excerpt = Excerpt::new(excerpt, std::slice::from_ref(mark));
-            write!(f, "\n    {}\n    {}", excerpt.text.trim_end(), excerpt.carets().trim_end())?;
-        }
+    }
+}
+
+impl fmt::Display for MeshMistake {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let text = self.with_excerpt();
+        f.write_str(if f.alternate() { &text } else { text.lines().next().unwrap_or_default() })?;
         write_hint(f, self.hint.as_deref())
     }
 }
@@ -168,6 +174,14 @@ impl Fault {
     /// A mistake at a place.
     pub(super) fn at(at: Range<usize>, message: impl Into<String>) -> Self {
         Fault::Content(Box::new(Mistake { at: Some(at), message: message.into(), hint: None }))
+    }
+
+    /// Whether the contents of the file itself are wrong.
+    pub(super) fn is_of_content(&self) -> bool {
+        match self {
+            Fault::Content(_) => true,
+            Fault::Cancelled | Fault::Memory { .. } | Fault::File(_) | Fault::Elsewhere(_) => false,
+        }
     }
 
     /// The same with a hint.

@@ -11,6 +11,7 @@ mod error;
 mod gltf;
 mod images;
 mod ledger;
+mod look_alike;
 mod model;
 mod normals;
 mod obj;
@@ -25,6 +26,7 @@ mod weld;
 
 pub use error::{MeshError, MeshFileError, MeshMistake, MeshPlace};
 pub use ledger::Reading;
+pub use look_alike::LookAlike;
 pub use model::{
     LightSource, MeshModel, ModelCamera, ModelImage, ModelLight, ModelLook, ModelMaterial, ModelPart, Omission, Omissions,
     PhongLook, PhysicalLook,
@@ -52,6 +54,8 @@ type ModelReader = fn(&MeshFile, &mut Ledger) -> Result<ModelContents, Fault>;
 pub struct MeshFormat {
     /// Its name.
     pub name: &'static str,
+    /// What one of its files is called, with the article.
+    pub noun: &'static str,
     /// The suffixes of its files, in small letters.
     pub suffixes: &'static [&'static str],
     read: fn(&MeshFile, &mut Ledger) -> Result<MeshParts, Fault>,
@@ -65,15 +69,17 @@ pub struct MeshFormat {
 pub const FORMATS: [MeshFormat; 4] = [
     MeshFormat {
         name: "OBJ",
+        noun: "an OBJ file",
         suffixes: &["obj"],
         read: obj::read,
         read_model: Some(obj::read_model),
         places: |_, _| Places::Lines,
     },
-    MeshFormat { name: "PLY", suffixes: &["ply"], read: ply::read, read_model: None, places: ply::places },
-    MeshFormat { name: "STL", suffixes: &["stl"], read: stl::read, read_model: None, places: stl::places },
+    MeshFormat { name: "PLY", noun: "a PLY file", suffixes: &["ply"], read: ply::read, read_model: None, places: ply::places },
+    MeshFormat { name: "STL", noun: "an STL file", suffixes: &["stl"], read: stl::read, read_model: None, places: stl::places },
     MeshFormat {
         name: "glTF",
+        noun: "a glTF file",
         suffixes: &["gltf", "glb"],
         read: gltf::read,
         read_model: Some(gltf::read_model),
@@ -103,7 +109,7 @@ impl MeshFormat {
     /// Makes a model of the contents of a file.
     fn parse_model(&self, file: &MeshFile, ledger: &mut Ledger) -> Result<MeshModel, MeshError> {
         let Some(read) = self.read_model else {
-            let message = format!("`{}` has no parts: it is a {} file", file.path.display(), self.name);
+            let message = format!("`{}` has no parts: it is {}", file.path.display(), self.noun);
             return Err(MeshError::File(MeshFileError { message, hint: Some(with_parts()) }));
         };
         let contents = read(file, ledger);
@@ -112,11 +118,26 @@ impl MeshFormat {
         self.located(file, model)
     }
 
-    /// The outcome with the place of a fault.
+    /// The outcome with the place of a fault. If the file looks like one of another kind, that is the fault.
     fn located<T>(&self, file: &MeshFile, outcome: Result<T, Fault>) -> Result<T, MeshError> {
         let name = file.path.display().to_string();
-        outcome.map_err(|fault| fault.in_file(&name, file.bytes, |at| (self.places)(file, at)))
+        outcome.map_err(|fault| {
+            let other = LookAlike::of(file.bytes).filter(|other| fault.is_of_content() && other.format != Some(self.name));
+            let fault = match other {
+                Some(LookAlike { what, help, .. }) => {
+                    Fault::new(format!("it looks like {what}, not like {}", self.noun)).help(help)
+                }
+                None => fault,
+            };
+            fault.in_file(&name, file.bytes, |at| (self.places)(file, at))
+        })
     }
+}
+
+/// The number of bytes behind the last record of a file; 0 if they are blank.
+fn count_behind(behind: &[u8]) -> u64 {
+    let is_blank = |byte: &u8| byte.is_ascii_whitespace() || *byte == 0;
+    if behind.iter().all(is_blank) { 0 } else { behind.len() as u64 }
 }
 
 /// Which files have parts, for messages.

@@ -1,12 +1,12 @@
 //! STL files: a triangle after the other, as text or binary. Corners at one position become one vertex. The normals of
 //! the triangles say nothing that their corners do not, and are passed over.
 
-use crate::mesh::MeshFile;
 use crate::mesh::error::{Fault, Places};
 use crate::mesh::ledger::Ledger;
 use crate::mesh::text::{TextCursor, TextWord};
 use crate::mesh::triangle_mesh::{MeshParts, is_coordinate, wrong_coordinate};
 use crate::mesh::weld::WeldedPositions;
+use crate::mesh::{MeshFile, count_behind};
 use glam::DVec3;
 
 /// The bytes before the first triangle of a binary file; the last four are the number of triangles.
@@ -28,11 +28,15 @@ pub(super) fn read(file: &MeshFile, ledger: &mut Ledger) -> Result<MeshParts, Fa
 /// Whether the file is a text. Binary files may begin with "solid" too, but then their length fits their count.
 pub(super) fn places(file: &MeshFile, _: usize) -> Places {
     let bytes = file.bytes;
-    let fits = count(bytes).is_some_and(|count| count > 0 && bytes.len() as u64 == HEADER as u64 + count * RECORD as u64);
     let solid = TextCursor::new(bytes, file.text_start()).word().is_some_and(|word| word.is("solid"));
     let control = |byte: &u8| byte.is_ascii_control() && !byte.is_ascii_whitespace();
     let readable = !bytes[..bytes.len().min(TESTED)].iter().any(control);
-    if !fits && solid && readable { Places::Lines } else { Places::Offsets }
+    if !is_binary(bytes) && solid && readable { Places::Lines } else { Places::Offsets }
+}
+
+/// Whether the length of a file is that of a binary one with its count.
+pub(super) fn is_binary(bytes: &[u8]) -> bool {
+    count(bytes).is_some_and(|count| count > 0 && bytes.len() as u64 == HEADER as u64 + count * RECORD as u64)
 }
 
 /// The number of triangles that a binary file gives.
@@ -50,7 +54,8 @@ fn read_binary(bytes: &[u8], ledger: &mut Ledger) -> Result<MeshParts, Fault> {
         let message = format!("it says that it has {count} triangles, but there is place for {} only", records.len() / RECORD);
         return Err(Fault::at(HEADER - 4..HEADER, message).help(format!("the file is cut off or damaged; {expected}")));
     }
-    let mut parts = MeshParts::default();
+    let behind = records.get(count as usize * RECORD..).unwrap_or_default();
+    let mut parts = MeshParts { bytes_behind: count_behind(behind), ..MeshParts::default() };
     ledger.reserve(&mut parts.triangles, count as usize)?;
     let mut positions = WeldedPositions::new(ledger)?;
     for (index, record) in records.chunks_exact(RECORD).take(count as usize).enumerate() {
@@ -117,6 +122,11 @@ fn read_facet(cursor: &mut TextCursor, positions: &mut WeldedPositions, ledger: 
             *number = next(cursor, "a coordinate")?.coordinate()?;
         }
         *vertex = positions.index(DVec3::from_array(position), ledger)?;
+    }
+    if let Some(word) = cursor.clone().word().filter(|word| word.is("vertex")) {
+        return Err(
+            Fault::at(word.at, "a facet has three corners, and this is a fourth one").help("export it with triangles only")
+        );
     }
     expect(cursor, &["`endloop`", "`endfacet`"])?;
     Ok(triangle)

@@ -84,7 +84,7 @@ fn normals_that_are_missing_are_computed_and_counted() {
     let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 0\nvn nan 0 0\nvn 0.6 0 0.8\nvt nan 0\nf 1/1/1 2/1/2 3/1/3\n";
     let (mesh, repairs) = parse("a.obj", text);
     assert_eq!(mesh.normals(), [Vec3::Z, Vec3::Z, Vec3::new(0.6, 0.0, 0.8)]);
-    assert_eq!(repairs, MeshRepairs { degenerate_triangles: 0, missing_normals: 2, unusable_uvs: 3 });
+    assert_eq!(repairs, MeshRepairs { missing_normals: 2, unusable_uvs: 3, ..MeshRepairs::default() });
     let (mesh, repairs) = parse("a.obj", text.replace("vn 0.6 0 0.8", "vn 0 0 0"));
     assert!(mesh.normals().is_empty(), "no normal is usable");
     assert_eq!(repairs.missing_normals, 0);
@@ -260,7 +260,7 @@ fn stl_mistakes_have_places() {
     let cases = [
         (change("vertex 1 0 0", "vertex 1 0 inf"), "a.stl:5:15: a coordinate is infinite"),
         (change("vertex 1 0 0", "vertex 1 0"), "a.stl:6:4: `VERTEX` is not a number"),
-        (change("endloop", "vertex 0 0 0\nendloop"), "a.stl:7:3: expected `endloop`, found `vertex`"),
+        (change("endloop", "vertex 0 0 0\nendloop"), "a.stl:7:3: a facet has three corners, and this is a fourth one"),
         (change("endsolid a square\n", ""), "a.stl:10:1: the file ends before `endsolid`"),
         (change("endloop endfacet\nendsolid a square\n", ""), "a.stl:9:71: the file ends where `endloop` was expected"),
         (refused("a.stl", "solid nothing\nendsolid nothing\n"), "a.stl: it has no triangles"),
@@ -278,6 +278,23 @@ fn stl_mistakes_have_places() {
 }
 
 #[test]
+fn data_behind_the_last_record_is_counted() {
+    let mut long = stl(&[[O, X, XY], [O, XY, Y]]);
+    long[80] = 1;
+    let (mesh, repairs) = parse("a.stl", long);
+    assert_eq!((mesh.triangles().len(), repairs.bytes_behind), (1, 50));
+    let mut padded = stl(&[[O, X, XY]]);
+    padded.extend([0; 7]);
+    assert_eq!(parse("a.stl", padded).1, MeshRepairs::default());
+    let binary = ply("binary_little_endian", binary_records(false));
+    assert_eq!(parse("a.ply", &binary).1.bytes_behind, 0);
+    assert_eq!(parse("a.ply", [&binary[..], b"more"].concat()).1.bytes_behind, 4);
+    let text = ply("ascii", PLY_TEXT);
+    assert_eq!(parse("a.ply", [&text[..], b"\n \n"].concat()).1.bytes_behind, 0);
+    assert_eq!(parse("a.ply", [&text[..], b"3 0 1 2 1\n"].concat()).1.bytes_behind, 11, "with the end of the line before");
+}
+
+#[test]
 fn files_that_are_not_meshes_are_refused() {
     assert!(refused("a.png", "x").starts_with("`a.png` is not a mesh by its suffix"));
     let folder = tempfile::tempdir().unwrap();
@@ -286,6 +303,10 @@ fn files_that_are_not_meshes_are_refused() {
     assert!(message("none.obj").ends_with("none.obj`: there is no such file"));
     std::fs::create_dir(folder.path().join("folder.ply")).unwrap();
     assert!(message("folder.ply").ends_with("folder.ply` is a folder, not a mesh"));
+    std::fs::write(folder.path().join("a.stl"), stl(&[[O, X, XY]])).unwrap();
+    let error = read_model(&folder.path().join("a.stl"), &reading).unwrap_err().to_string();
+    assert!(error.ends_with("has no parts: it is an STL file"), "{error}");
+    assert_eq!(refused("a.obj", "v 0 0 0\nf 1 1 1\n"), "a.obj: its only triangle has no area");
 }
 
 #[test]

@@ -20,6 +20,8 @@ pub struct MeshParts {
     pub uvs: Vec<Vec2>,
     /// Three vertices for each triangle, as indices of positions.
     pub triangles: Vec<[u32; 3]>,
+    /// The bytes of the file behind the records that it counts. They are not read.
+    pub bytes_behind: u64,
 }
 
 /// Triangles that share vertices.
@@ -47,6 +49,8 @@ pub struct MeshRepairs {
     pub missing_normals: u64,
     /// Surface coordinates that are infinite or not a number. They became 0.
     pub unusable_uvs: u64,
+    /// Bytes of the file behind the records that it counts. They were left out.
+    pub bytes_behind: u64,
 }
 
 impl MeshParts {
@@ -65,6 +69,7 @@ impl Add for MeshRepairs {
             degenerate_triangles: self.degenerate_triangles + other.degenerate_triangles,
             missing_normals: self.missing_normals + other.missing_normals,
             unusable_uvs: self.unusable_uvs + other.unusable_uvs,
+            bytes_behind: self.bytes_behind + other.bytes_behind,
         }
     }
 }
@@ -83,8 +88,8 @@ impl TriangleMesh {
     pub(super) fn complete(parts: MeshParts, ledger: &mut Ledger) -> Result<(Self, MeshRepairs), Fault> {
         check(&parts)?;
         ledger.tell(PARSING.0 + PARSING.1)?;
-        let MeshParts { mut positions, mut normals, mut uvs, mut triangles } = parts;
-        let mut repairs = MeshRepairs::default();
+        let MeshParts { mut positions, mut normals, mut uvs, mut triangles, bytes_behind } = parts;
+        let mut repairs = MeshRepairs { bytes_behind, ..MeshRepairs::default() };
         let count = triangles.len();
         triangles.retain_mut(|triangle| {
             triangle.swap(1, 2);
@@ -93,6 +98,7 @@ impl TriangleMesh {
         if triangles.is_empty() {
             return Err(match count {
                 0 => Fault::new("it has no triangles").help("a mesh needs faces; points, lines and curves are not drawn"),
+                1 => Fault::new("its only triangle has no area"),
                 _ => Fault::new(format!("none of its {count} triangles has an area")),
             });
         }

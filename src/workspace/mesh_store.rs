@@ -268,7 +268,7 @@ fn mistake(error: &MeshError, body: &Body) -> Diagnostic {
 
 /// What was left out or replaced.
 fn warnings(repairs: &MeshRepairs, mesh: &TriangleMesh) -> impl Iterator<Item = Diagnostic> {
-    let MeshRepairs { degenerate_triangles, missing_normals, unusable_uvs } = *repairs;
+    let MeshRepairs { degenerate_triangles, missing_normals, unusable_uvs, bytes_behind } = *repairs;
     let counted = |count: u64, one: &str, several: &str| match count {
         1 => format!("1 {one}"),
         count => format!("{count} {several}"),
@@ -285,7 +285,11 @@ fn warnings(repairs: &MeshRepairs, mesh: &TriangleMesh) -> impl Iterator<Item = 
     let uvs = (unusable_uvs > 0).then(|| {
         format!("{} not a number; 0 is used", counted(unusable_uvs, "surface coordinate is", "surface coordinates are"))
     });
-    [dropped, normals, uvs].into_iter().flatten().map(Diagnostic::warning)
+    let behind = (bytes_behind > 0).then(|| {
+        let what = counted(bytes_behind, "byte", "bytes");
+        format!("the file goes on for {what} behind the records that it counts; what is there was left out")
+    });
+    [dropped, normals, uvs, behind].into_iter().flatten().map(Diagnostic::warning)
 }
 
 #[cfg(test)]
@@ -424,6 +428,15 @@ mod tests {
             a: mesh, "a.obj";
                      ^^^^^^^ in this mesh
         "#);
+        let mut long = vec![0; 84 + 100];
+        long[80] = 1;
+        long[84 + 24..84 + 28].copy_from_slice(&1.0_f32.to_le_bytes());
+        long[84 + 40..84 + 44].copy_from_slice(&1.0_f32.to_le_bytes());
+        long[183] = 1;
+        fs::write(folder.path().join("a.stl"), long).unwrap();
+        let (_, behind) = store.load(&scene("a: mesh, \"a.stl\";"), &place, &Reading::unwatched(1 << 20)).unwrap();
+        let message = "the file goes on for 50 bytes behind the records that it counts; what is there was left out";
+        assert_eq!(behind.iter().map(Diagnostic::message).collect::<Vec<_>>(), [message]);
         // They are said again when nothing is read.
         let (_, again) = store.load(&scene(bodies), &place, &Reading::unwatched(1 << 20)).unwrap();
         assert_eq!(again.len(), 1);

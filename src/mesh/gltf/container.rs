@@ -3,9 +3,9 @@
 use crate::mesh::error::{Fault, MeshFileError};
 use crate::mesh::gltf::document::GltfDocument;
 use crate::mesh::ledger::Ledger;
-use crate::mesh::{MeshFile, contents, is_relative};
+use crate::mesh::{MeshFile, contents_of, is_relative};
 use std::borrow::Cow;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 /// The JSON of a file, and the bytes behind it.
 pub(super) struct Container<'f> {
@@ -37,7 +37,7 @@ impl<'f> Container<'f> {
         };
         let version = number(4)?;
         if version != 2 {
-            return Err(Fault::at(4..8, format!("version {version} of glTF is not read, only version 2")));
+            return Err(Fault::at(4..8, format!("it is of version {version} of glTF, and only glTF 2.0 is read")));
         }
         let length = number(8)?;
         if u64::from(length) > bytes.len() as u64 {
@@ -104,6 +104,11 @@ pub(super) fn resolve(uri: &str, owner: &str, path: &Path, ledger: &mut Ledger) 
     if uri.contains("://") || !is_relative(&relative) {
         return Err(wrong("is not a relative path").help("only files beside the glTF file are read"));
     }
+    if Path::new(&relative).components().any(|part| part == Component::ParentDir) {
+        return Err(
+            wrong("leads out of the folder of the file").help("only files beside the glTF file, and in folders there, are read")
+        );
+    }
     Ok(UriTarget::File(path.parent().unwrap_or(Path::new("")).join(relative)))
 }
 
@@ -113,7 +118,7 @@ fn load(uri: &str, owner: &str, path: &Path, ledger: &mut Ledger) -> Result<Vec<
         UriTarget::Data(bytes) => return Ok(bytes),
         UriTarget::File(beside) => beside,
     };
-    contents(&beside, ledger).map_err(|fault| match fault {
+    contents_of(&beside, "file", ledger).map_err(|fault| match fault {
         Fault::File(error) => Fault::File(Box::new(MeshFileError {
             message: format!("{}; `{}` names it", error.message, path.display()),
             hint: Some("a .gltf file needs the files beside it that it names".to_owned()),

@@ -16,6 +16,7 @@ const BYTES_PER_VALUE: u64 = 192;
 #[derive(Deserialize, Default)]
 #[serde(rename_all = "camelCase", default)]
 pub(super) struct GltfDocument {
+    asset: GltfAsset,
     pub(super) extensions_required: Vec<String>,
     pub(super) buffers: Vec<GltfBuffer>,
     pub(super) buffer_views: Vec<BufferView>,
@@ -24,6 +25,18 @@ pub(super) struct GltfDocument {
     pub(super) nodes: Vec<GltfNode>,
     pub(super) scenes: Vec<GltfScene>,
     pub(super) scene: Option<usize>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(default)]
+struct GltfAsset {
+    version: serde_json::Value,
+}
+
+/// What all versions of glTF have.
+#[derive(Deserialize)]
+struct Versioned {
+    asset: GltfAsset,
 }
 
 #[derive(Deserialize)]
@@ -126,12 +139,28 @@ impl GltfDocument {
     /// Reads the JSON, which begins at `start` in the file.
     pub(super) fn read(json: &[u8], start: usize, ledger: &mut Ledger) -> Result<Self, Fault> {
         charge_values(json, ledger)?;
-        let document: GltfDocument = serde_json::from_slice(json).map_err(|error| wrong_json(json, start, &error))?;
+        let document: GltfDocument = serde_json::from_slice(json).map_err(|error| {
+            // Objects of glTF 1.0 have another form.
+            let asset = serde_json::from_slice::<Versioned>(json).map(|versioned| versioned.asset).unwrap_or_default();
+            asset.check().err().unwrap_or_else(|| wrong_json(json, start, &error))
+        })?;
+        document.asset.check()?;
         match document.extensions_required.iter().find(|name| !HARMLESS.iter().any(|start| name.starts_with(start))) {
             Some(name) => Err(Fault::new(format!("it requires the extension `{name}`, which is not read"))
                 .help("export it without compression and without extensions of geometry")),
             None => Ok(document),
         }
+    }
+}
+
+impl GltfAsset {
+    /// Checks the version. A file that has none counts as one of 2.0.
+    fn check(&self) -> Result<(), Fault> {
+        let version = self.version.as_str().map_or_else(|| self.version.to_string(), str::to_owned);
+        if self.version.is_null() || version.split('.').next() == Some("2") {
+            return Ok(());
+        }
+        Err(Fault::new(format!("it is of version {version} of glTF, and only glTF 2.0 is read")).help("export it as glTF 2.0"))
     }
 }
 
@@ -146,6 +175,9 @@ pub(super) fn charge_values(json: &[u8], ledger: &mut Ledger) -> Result<(), Faul
 /// The fault of JSON that begins at `start` in the file.
 pub(super) fn wrong_json(json: &[u8], start: usize, error: &serde_json::Error) -> Fault {
     let at = start + offset(json, error.line(), error.column());
+    if error.is_eof() {
+        return Fault::at(at..at + 1, "the file ends in the middle of its JSON").help("the file is cut off");
+    }
     let text = error.to_string();
     let message = text.split(" at line ").next().unwrap_or_default();
     Fault::at(at..at + 1, format!("the JSON of the glTF file is wrong: {message}"))

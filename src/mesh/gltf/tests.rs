@@ -182,6 +182,9 @@ fn mistakes_are_told() {
         ((";base64,", ","), "has data that are not base64"),
         (("base64,", "base64,$"), "has wrong base64"),
         (("data:application", "http://application"), "is not a relative path"),
+        (("data:application/octet-stream;base64,", "../../secret/"), "leads out of the folder of the file"),
+        (("data:application/octet-stream;base64,", "a/%2e%2e/b/"), "leads out of the folder of the file"),
+        ((r#""2.0""#, r#""1.0""#), "it is of version 1.0 of glTF, and only glTF 2.0 is read"),
         (("data:application/octet", "/etc/passwd/octet"), "is not a relative path"),
         ((r#"[{"mesh": 0}]"#, r#"[{"mesh": 0, "scale": [1e300, 1, 1]}]"#), "vertex 1: the coordinate 1e300 is too large"),
     ];
@@ -189,6 +192,12 @@ fn mistakes_are_told() {
         let found = refused("a.gltf", changed(&[change]));
         assert!(found.contains(expected), "{found}\nexpected {expected}");
     }
+    // The lists of glTF 1.0 are objects.
+    let old = r#"{"asset": {"version": "1.0"}, "nodes": {"a": {}}}"#;
+    assert!(refused("a.gltf", old).contains("only glTF 2.0 is read"), "{}", refused("a.gltf", old));
+    let whole = changed(&[]);
+    let found = refused("a.gltf", &whole[..whole.len() / 2]);
+    assert!(found.contains("the file ends in the middle of its JSON") && found.ends_with("help: the file is cut off"), "{found}");
     let found = refused("a.gltf", changed(&[(r#""buffer": 0, "byteLength": 48"#, r#""buffer": 0 "byteLength": 48"#)]));
     assert!(found.starts_with("a.gltf:3:30: the JSON of the glTF file is wrong: expected `,` or `}`"), "{found}");
 }
@@ -200,11 +209,13 @@ fn containers_that_are_cut_off_are_told() {
     assert!(found.contains("bytes, and it has") && found.contains("(at byte 8)"), "{found}");
     let mut version = whole.clone();
     version[4] = 1;
-    assert!(refused("a.glb", &version).contains("version 1 of glTF is not read"));
+    assert!(refused("a.glb", &version).contains("it is of version 1 of glTF, and only glTF 2.0 is read"));
     let mut chunk = whole.clone();
     chunk[15] = 0xff;
     assert!(refused("a.glb", &chunk).contains("the file ends in the middle of a chunk"));
     assert!(refused("a.glb", glb(&document(r#""uri": "a.glb/x", "#), &[])).contains("not a folder"));
+    let missing = parse_within(1 << 20, "a.glb", &glb(&document(r#""uri": "no.bin", "#), &[])).unwrap_err().to_string();
+    assert!(missing.starts_with("cannot read the file `") && missing.contains("no.bin`: there is no such file"), "{missing}");
 }
 
 #[test]

@@ -5,7 +5,7 @@ use crate::mesh::images::{IMAGES, REPEATED};
 use crate::mesh::ledger::Ledger;
 use crate::mesh::model::{ModelLook, Omissions, PhongLook};
 use crate::mesh::text::{TextCursor, TextWord};
-use crate::mesh::{MeshFile, contents, is_relative};
+use crate::mesh::{MeshFile, contents_of, is_relative};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -50,7 +50,7 @@ pub(super) fn read_all(libraries: &[String], path: &Path, ledger: &mut Ledger) -
                 continue;
             }
             let file = folder.join(name);
-            match contents(&file, ledger) {
+            match contents_of(&file, "file", ledger) {
                 Ok(bytes) => {
                     let shown = file.display().to_string();
                     let outcome = all.read(&MeshFile { path: &file, bytes: &bytes }, ledger);

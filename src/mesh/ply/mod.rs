@@ -7,11 +7,11 @@ mod header;
 mod values;
 mod write;
 
-use crate::mesh::MeshFile;
 use crate::mesh::error::{Fault, Places};
 use crate::mesh::ledger::Ledger;
 use crate::mesh::polygon::triangulate;
 use crate::mesh::triangle_mesh::{MeshParts, is_coordinate, wrong_coordinate};
+use crate::mesh::{MeshFile, count_behind};
 use glam::{DVec3, Vec2, Vec3};
 use header::{ElementHeader, Encoding, PlyHeader};
 use values::PlyValues;
@@ -47,6 +47,7 @@ pub(super) fn read(file: &MeshFile, ledger: &mut Ledger) -> Result<MeshParts, Fa
             }
         }
     }
+    parts.bytes_behind = count_behind(&file.bytes[values.offset()..]);
     Ok(parts)
 }
 

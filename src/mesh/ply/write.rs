@@ -98,7 +98,7 @@ mod tests {
             let normals = if has[0] { positions.iter().map(|position| position.as_vec3() + Vec3::splat(0.1)).collect() } else { Vec::new() };
             let uvs = if has[1] { positions.iter().map(|position| Vec2::new(position.x as f32, 0.5)).collect() } else { Vec::new() };
             let triangles = triangles.into_iter().map(|triangle| triangle.map(|vertex| vertex % count)).collect();
-            if let Some(mesh) = mesh(MeshParts { positions, normals, uvs, triangles }) {
+            if let Some(mesh) = mesh(MeshParts { positions, normals, uvs, triangles, bytes_behind: 0 }) {
                 let (read, repairs) = parse("a.ply", written(&mesh));
                 prop_assert_eq!(repairs, Default::default());
                 prop_assert_eq!(read.positions(), mesh.positions());
