@@ -9,11 +9,12 @@ use crate::lang::colour;
 use crate::lang::diagnostic::{Diagnostic, Diagnostics};
 use crate::lang::source::Source;
 use crate::lang::types::Type;
+use crate::mesh::LookAlike;
 use crate::texture::{self, MAX_TEXTURE_SIDE, TextureImage};
 use crate::workspace::location::{Location, near_file};
 use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
 use std::collections::HashMap;
-use std::io::{self, BufReader, ErrorKind};
+use std::io::{self, BufReader, ErrorKind, Read, Seek};
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
@@ -48,46 +49,84 @@ pub fn load(path: &Path) -> Result<f32, Diagnostic> {
     if let Some(number) = read.get(&stamp) {
         return Ok(*number);
     }
-    let texture = decode(file).map_err(|why| {
-        failed(&why).help(format!("textures are images of the formats PNG, JPEG, OpenEXR and HDR ({})", SUFFIXES.join(", ")))
+    if metadata.len() == 0 {
+        return Err(failed("the file is empty"));
+    }
+    let texture = decode(file).map_err(|why| match why {
+        Undecoded::Format(Some(LookAlike { what, help, .. })) => failed(&format!("it looks like {what}")).help(help),
+        Undecoded::Format(None) => failed("it is no image of a known format")
+            .help(format!("textures are images of the formats PNG, JPEG, OpenEXR and HDR ({})", SUFFIXES.join(", "))),
+        Undecoded::Contents(why) => failed(&why),
     })?;
     let number = texture::keep(path.to_owned(), texture).map_err(|error| failed(&error.to_string()))?;
     read.insert(stamp, number);
     Ok(number)
 }
 
-/// The texture of an image, or why there is none.
-fn decode(file: std::fs::File) -> Result<TextureImage, String> {
-    let damaged = |error: ImageError| match error {
-        ImageError::IoError(error) if error.kind() == ErrorKind::UnexpectedEof => "the file ends too early".to_owned(),
+/// Why there is no texture of an image.
+enum Undecoded {
+    /// Its format is not known. It may look like something else.
+    Format(Option<LookAlike>),
+    /// What is wrong with its contents.
+    Contents(String),
+}
+
+/// How a file begins, to find out what it is.
+const BEGINNING: u64 = 1 << 12;
+
+/// What is wrong with an image that could not be decoded, without the words of the library.
+fn damage(error: ImageError) -> Undecoded {
+    Undecoded::Contents(match error {
+        ImageError::IoError(error) if error.kind() == ErrorKind::UnexpectedEof => CUT_OFF.to_owned(),
         ImageError::IoError(error) => reason(&error),
         ImageError::Limits(_) => format!("it is too large: at most {MAX_TEXTURE_SIDE} texels a side"),
         error @ (ImageError::Decoding(_) | ImageError::Encoding(_) | ImageError::Parameter(_) | ImageError::Unsupported(_)) => {
-            format!("it is damaged, or of an unusual kind ({error})")
+            let text = error.to_string().to_lowercase();
+            // Some decoders have no error of their own for it.
+            let is_cut_off =
+                ["unexpected end", "unexpected eof", "failed to fill", "exhausted data", "not enough bytes", "missing bytes"];
+            if is_cut_off.into_iter().any(|words| text.contains(words)) {
+                CUT_OFF
+            } else {
+                "it is damaged, or of an unusual kind"
+            }
+            .to_owned()
         }
-    };
-    let mut reader = ImageReader::new(BufReader::new(file)).with_guessed_format().map_err(|error| reason(&error))?;
+    })
+}
+
+/// What is wrong with a file that ends in the middle of the image.
+const CUT_OFF: &str = "the file ends too early";
+
+/// The texture of an image, or why there is none.
+fn decode(mut file: std::fs::File) -> Result<TextureImage, Undecoded> {
+    let unread = |error: io::Error| Undecoded::Contents(reason(&error));
+    let mut beginning = Vec::new();
+    file.by_ref().take(BEGINNING).read_to_end(&mut beginning).map_err(unread)?;
+    file.rewind().map_err(unread)?;
+    let mut reader = ImageReader::new(BufReader::new(file)).with_guessed_format().map_err(unread)?;
     let is_linear = match reader.format() {
         Some(ImageFormat::Png | ImageFormat::Jpeg) => false,
         Some(ImageFormat::OpenExr | ImageFormat::Hdr) => true,
-        Some(_) | None => return Err("it is no image of a known format".to_owned()),
+        Some(_) => return Err(Undecoded::Format(None)),
+        None => return Err(Undecoded::Format(LookAlike::of(&beginning))),
     };
     let mut limits = Limits::default();
     limits.max_image_width = Some(MAX_TEXTURE_SIDE);
     limits.max_image_height = Some(MAX_TEXTURE_SIDE);
     limits.max_alloc = Some(texture::MAX_TEXTURE_BYTES);
     reader.limits(limits);
-    let decoder = reader.into_decoder().map_err(damaged)?;
+    let decoder = reader.into_decoder().map_err(damage)?;
     let (width, height) = decoder.dimensions();
     if width > MAX_TEXTURE_SIDE || height > MAX_TEXTURE_SIDE {
-        return Err(format!("it has {width}×{height} texels: at most {MAX_TEXTURE_SIDE} a side"));
+        return Err(Undecoded::Contents(format!("it has {width}×{height} texels: at most {MAX_TEXTURE_SIDE} a side")));
     }
     let colour_type = decoder.color_type();
     let has_bytes = colour_type.bytes_per_pixel() == colour_type.channel_count();
     // While it is decoded, there are the numbers of the file and those of the texture.
     let texel = TextureImage::BYTES_PER_TEXEL + if has_bytes { 4 } else { TextureImage::BYTES_PER_TEXEL };
-    texture::check_room(u64::from(width) * u64::from(height) * texel).map_err(|error| error.to_string())?;
-    let image = DynamicImage::from_decoder(decoder).map_err(damaged)?;
+    texture::check_room(u64::from(width) * u64::from(height) * texel).map_err(|error| Undecoded::Contents(error.to_string()))?;
+    let image = DynamicImage::from_decoder(decoder).map_err(damage)?;
     let texels = if has_bytes && !is_linear {
         // There are few different numbers, and the transfer takes long.
         let linear: Vec<f32> = (0..=u8::MAX).map(|byte| linear(f32::from(byte) / 255.0)).collect();
@@ -95,7 +134,7 @@ fn decode(file: std::fs::File) -> Result<TextureImage, String> {
     } else {
         upwards(image.into_rgb32f().as_raw(), width, |number: f32| if is_linear { number } else { linear(number) })
     };
-    TextureImage::new(width, height, texels).ok_or_else(|| format!("it has {width}×{height} texels"))
+    TextureImage::new(width, height, texels).ok_or_else(|| Undecoded::Contents(format!("it has {width}×{height} texels")))
 }
 
 /// The texels of an image that is `width` texels wide, its rows from the bottom upwards, each component by a function

@@ -86,11 +86,7 @@ fn set_values(
 
 /// Returns the outcome unless there are errors. All errors but the last are passed to the listener, and the last is
 /// returned.
-fn unless_errors<T>(
-    mut errors: Vec<OpenProjectError>,
-    outcome: T,
-    listener: &mut dyn Listener,
-) -> Result<T, OpenProjectError> {
+fn unless_errors<T>(mut errors: Vec<OpenProjectError>, outcome: T, listener: &mut dyn Listener) -> Result<T, OpenProjectError> {
     let Some(last) = errors.pop() else { return Ok(outcome) };
     for error in errors {
         match error {

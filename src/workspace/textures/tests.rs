@@ -89,6 +89,11 @@ fn what_cannot_be_read_is_an_error_that_names_it() {
     assert!(message("wod.png").1.contains("wood.png"), "the nearest file");
     fs::write(path("text.png"), "formula; = Cd;").expect("a file");
     assert!(message("text.png").0.ends_with("it is no image of a known format"));
+    fs::write(path("empty.png"), "").expect("a file");
+    assert_eq!(message("empty.png").1, "");
+    assert!(message("empty.png").0.ends_with("the file is empty"));
+    fs::write(path("pointer.png"), "version https://git-lfs.github.com/spec/v1\n").expect("a file");
+    assert!(message("pointer.png").0.ends_with("it looks like a pointer of Git LFS"));
     fs::create_dir(path("folder.png")).expect("a folder");
     assert!(message("folder.png").0.ends_with("it is a folder, not a file"));
     image::codecs::bmp::BmpEncoder::new(&mut fs::File::create(path("old.png")).expect("a file"))
@@ -115,7 +120,10 @@ fn what_cannot_be_read_is_an_error_that_names_it() {
             }
         }
         fs::write(path(&name), &bytes[..bytes.len() / 2]).expect("a file");
-        message(&name);
+        let (cut, help) = message(&name);
+        // Half of so small a HDR file is in its header.
+        assert!(suffix == "hdr" || cut.ends_with("the file ends too early"), "{cut}");
+        assert_eq!(help, "");
     }
 }
 
