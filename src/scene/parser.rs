@@ -265,7 +265,13 @@ impl SceneParser {
         let name = self.name("body")?;
         let word = self.cursor.word(0).unwrap_or_default();
         let is_light = LightKind::SYNTAX.iter().any(|kind| kind.keyword.word == word);
-        let hint = if is_light { Some("lights stand in the section `lights;`") } else { foreign::shape(word) };
+        let is_behind = behind_shapes().any(|known| known == word);
+        let behind = format!("the shape comes first, and `{word}` behind it: `{}: sphere, …, {word} …;`", name.value);
+        let hint = match (is_light, is_behind) {
+            (true, _) => Some("lights stand in the section `lights;`"),
+            (false, true) => Some(&*behind),
+            (false, false) => foreign::shape(word),
+        };
         if is_light {
             self.light_among_bodies = true;
         }

@@ -184,17 +184,31 @@ fn report_flat(cursor: &mut Cursor, zero: Option<&str>, span: crate::lang::sourc
     cursor.report(Diagnostic::error(message).at(span, mark).help(help));
 }
 
+/// The name of an axis with its vector.
+fn axis_of_name(word: &str) -> Option<(&'static str, Vector)> {
+    ["x", "y", "z"].into_iter().zip(DVec3::AXES.map(Vector)).find(|(name, _)| word.eq_ignore_ascii_case(name))
+}
+
 /// Parses an axis and an angle.
 fn rotate(cursor: &mut Cursor) -> Result<Option<Transform>, Reported> {
     behind(cursor, "rotate");
-    if !sees_vector(cursor) && matches!(cursor.kind(0), TokenKind::Number(_) | TokenKind::Mark(Mark::Minus)) {
-        let angle = cursor.number("the angle of the rotation")?;
+    if let Some((name, axis)) = cursor.word(0).and_then(axis_of_name) {
+        let place = cursor.span();
+        cursor.advance();
+        cursor.accept(Mark::Comma);
+        let angle = if cursor.sees_number() { Some(cursor.degrees("the angle of the rotation")?.value) } else { None };
+        let angle = angle.map_or("DEGREES".to_owned(), |angle| SceneNumber(f64::from(angle as f32)).to_string());
+        let diagnostic = Diagnostic::error(format!("the axis of the rotation is a vector, not `{name}`"));
+        return Err(cursor.report(diagnostic.at(place, "a vector belongs here").help(format!("write `rotate {axis} {angle}`"))));
+    }
+    if !sees_vector(cursor) && cursor.sees_number() {
+        let angle = cursor.degrees("the angle of the rotation")?;
         let diagnostic = Diagnostic::error("expected the axis of the rotation before its angle");
-        let help = format!("write `rotate <0, 1, 0> {}` to turn about the y axis", SceneNumber(angle.value));
+        let help = format!("write `rotate <0, 1, 0> {}` to turn about the y axis", SceneNumber(f64::from(angle.value as f32)));
         return Err(cursor.report(diagnostic.at(angle.span, "the axis comes first").help(help)));
     }
     let axis = vector(cursor, "the axis of the rotation")?;
-    if !matches!(cursor.kind(0), TokenKind::Number(_) | TokenKind::Mark(Mark::Minus | Mark::Comma)) {
+    if !cursor.sees_number() && !matches!(cursor.kind(0), TokenKind::Mark(Mark::Minus | Mark::Comma)) {
         // Three angles, as other programs write them.
         let angles = axis.value.to_array();
         let turns = (0..3).filter(|index| angles[*index] != 0.0).map(|index| {
@@ -207,7 +221,7 @@ fn rotate(cursor: &mut Cursor) -> Result<Option<Transform>, Reported> {
         return Err(cursor.report(diagnostic.help(help)));
     }
     no_comma(cursor, "the axis of the rotation");
-    let degrees = cursor.number("the angle of the rotation, in degrees")?;
+    let degrees = cursor.degrees("the angle of the rotation, in degrees")?;
     if degrees.value.abs() > MAX_COORDINATE {
         let diagnostic = Diagnostic::error("the angle of the rotation is too large");
         cursor.report(diagnostic.at(degrees.span, format!("at most {MAX_COORDINATE:e}")));

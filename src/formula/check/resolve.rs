@@ -75,6 +75,11 @@ impl<'r> Resolver<'r> {
             match &expression.kind {
                 ExprKind::Name(name) if known.contains(&name.as_str()) => {}
                 ExprKind::Name(name) => self.name(name, expression.span),
+                ExprKind::Call(callee, _)
+                    if known.contains(&callee.text.as_str()) && self.names.callee(&callee.text).is_none() =>
+                {
+                    self.value_called(callee);
+                }
                 ExprKind::Call(callee, arguments) => {
                     self.call(callee, arguments);
                     if let Some(repetition) = self.names.repetition(self.file, id) {
@@ -224,6 +229,17 @@ impl<'r> Resolver<'r> {
             Diagnostic::error(format!("`{name}` is a function and needs arguments"))
                 .at(span, "expected `(` behind it")
                 .help(format!("write `{usage}`")),
+        );
+    }
+
+    /// Reports an argument or the number of a sum that is called like a function.
+    fn value_called(&mut self, callee: &Name) {
+        let name = &callee.text;
+        self.diagnostics.push(
+            Diagnostic::error(format!("`{name}` is a value here, not a function"))
+                .at(callee.span, "called here")
+                .help("textures and functions cannot be passed to functions: call them by their own names, as in `wood(u, v)`")
+                .help(format!("for a product write `{name} * (…)`")),
         );
     }
 

@@ -11,6 +11,8 @@ struct ConstantAhead {
     value: f64,
     words: usize,
     plain: bool,
+    /// Whether it has `pi`, as angles in radians have.
+    has_pi: bool,
 }
 
 impl Cursor {
@@ -20,10 +22,39 @@ impl Cursor {
     /// # Errors
     /// The current word is something else.
     pub fn number(&mut self, what: &str) -> Result<Placed<f64>, Reported> {
+        let write = |ahead: &ConstantAhead| format!("write `{}`", ahead.value as f32);
+        self.number_with_help(what, write).map(|(placed, _)| placed)
+    }
+
+    /// Reads an angle in degrees. One that is written with `pi` is in radians, and is read as the degrees of it.
+    ///
+    /// # Errors
+    /// As for [`number`](Self::number).
+    pub fn degrees(&mut self, what: &str) -> Result<Placed<f64>, Reported> {
+        let write = |ahead: &ConstantAhead| match ahead.has_pi {
+            true => format!("write `{}`: angles are in degrees here", ahead.value.to_degrees() as f32),
+            false => format!("write `{}`", ahead.value as f32),
+        };
+        let (Placed { value, span }, has_pi) = self.number_with_help(what, write)?;
+        Ok(Placed { value: if has_pi { value.to_degrees() } else { value }, span })
+    }
+
+    /// Whether a number is ahead, or what is read as one.
+    pub fn sees_number(&self) -> bool {
+        self.constant_ahead().is_some()
+    }
+
+    /// Reads a number. `write` says what to write in place of arithmetic. Returns also whether it has `pi`.
+    fn number_with_help(
+        &mut self,
+        what: &str,
+        write: impl Fn(&ConstantAhead) -> String,
+    ) -> Result<(Placed<f64>, bool), Reported> {
         let start = self.span();
-        let Some(ConstantAhead { value, words, plain }) = self.constant_ahead() else {
+        let Some(ahead) = self.constant_ahead() else {
             let negative = usize::from(self.sees_mark(0, Mark::Minus));
             let hint = self.word(negative).and_then(|word| match foreign::values::hint(word) {
+                Some(_) if foreign::values::is_nan(word) => Some("every number here has a value".to_owned()),
                 Some(hint) => Some(hint),
                 None if self.sees_mark(negative + 1, Mark::Open) => {
                     Some("numbers alone stand here; work the value out, and write it as a number".to_owned())
@@ -36,16 +67,17 @@ impl Cursor {
             let diagnostic = Diagnostic::error(format!("expected {what}, found {}", self.kind(0).describe()));
             return Err(self.report(diagnostic.at(self.span(), "a number belongs here").help_if(hint)));
         };
+        let ConstantAhead { value, words, plain, has_pi } = ahead;
         let span = start.to(self.peek(words - 1).span);
         if !plain {
             let found = if words == 1 { self.kind(0).describe() } else { "an expression".to_owned() };
             let diagnostic = Diagnostic::error(format!("expected {what}, found {found}"));
-            self.report(diagnostic.at(span, "a number alone belongs here").help(format!("write `{}`", value as f32)));
+            self.report(diagnostic.at(span, "a number alone belongs here").help(write(&ahead)));
         }
         for _ in 0..words {
             self.advance();
         }
-        Ok(Placed { value, span })
+        Ok((Placed { value, span }, has_pi))
     }
 
     /// Arithmetic with numbers from the current word on: sums of products.
@@ -58,7 +90,8 @@ impl Cursor {
                 _ => return Some(sum),
             };
             let Some(next) = self.product_ahead(sum.words + 1) else { return Some(sum) };
-            sum = ConstantAhead { value: sum.value + sign * next.value, words: sum.words + 1 + next.words, plain: false };
+            let (words, has_pi) = (sum.words + 1 + next.words, sum.has_pi || next.has_pi);
+            sum = ConstantAhead { value: sum.value + sign * next.value, words, plain: false, has_pi };
         }
     }
 
@@ -68,18 +101,22 @@ impl Cursor {
             let mark = self.kind(from + product.words).mark().filter(|mark| matches!(mark, Mark::Star | Mark::Slash));
             let (Some(mark), Some(next)) = (mark, self.factor_ahead(from + product.words + 1)) else { return Some(product) };
             let value = if mark == Mark::Star { product.value * next.value } else { product.value / next.value };
-            product = ConstantAhead { value, words: product.words + 1 + next.words, plain: false };
+            let (words, has_pi) = (product.words + 1 + next.words, product.has_pi || next.has_pi);
+            product = ConstantAhead { value, words, plain: false, has_pi };
         }
     }
 
     fn factor_ahead(&self, from: usize) -> Option<ConstantAhead> {
         let negative = usize::from(self.sees_mark(from, Mark::Minus));
-        let (value, plain) = match self.kind(from + negative) {
-            TokenKind::Number(value) => (*value, true),
-            TokenKind::Word(word) => (foreign::values::number(word)?, false),
+        let (value, plain, has_pi) = match self.kind(from + negative) {
+            TokenKind::Number(value) => (*value, true, false),
+            TokenKind::Word(word) => {
+                let value = foreign::values::number(word)?;
+                (value, false, value == std::f64::consts::PI)
+            }
             TokenKind::Uses(..) | TokenKind::Text(_) | TokenKind::Mark(_) | TokenKind::Unknown | TokenKind::End => return None,
         };
-        Some(ConstantAhead { value: if negative > 0 { -value } else { value }, words: 1 + negative, plain })
+        Some(ConstantAhead { value: if negative > 0 { -value } else { value }, words: 1 + negative, plain, has_pi })
     }
 
     /// Reads a vector `<x, y, z>` of numbers; `what` describes it in messages.

@@ -23,7 +23,7 @@ fn constant(name: &str) -> Option<&'static str> {
         "true" | "on" | "yes" | "True" | "TRUE" | "YES" | "ON" | "On" => "`1`",
         "false" | "off" | "no" | "False" | "FALSE" | "OFF" | "Off" | "None" | "null" | "nil" | "nullptr" => "`0`",
         "inf" | "Inf" | "infinity" | "INFINITY" | "FLT_MAX" | "INF" => "as a large number, `1e30`",
-        "nan" | "NaN" | "NAN" => "`0/0`, and it shows as black",
+        _ if is_nan(name) => "`0/0`, and it shows as black",
         "EPSILON" | "eps" | "epsilon" | "FLT_EPSILON" | "EPS" => "as a small number, `0.0001`",
         "I" => "`-V`, where `V` is the direction to the viewer",
         "P" => "`point`",
@@ -31,6 +31,11 @@ fn constant(name: &str) -> Option<&'static str> {
         "DEG2RAD" | "deg2rad" => "`pi/180`, and `radians(x)` turns degrees into radians",
         _ => return None,
     })
+}
+
+/// Whether a word means no number, where other languages have it.
+pub fn is_nan(word: &str) -> bool {
+    matches!(word, "nan" | "NaN" | "NAN")
 }
 
 /// The number that a word means where a number belongs.

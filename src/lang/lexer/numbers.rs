@@ -56,8 +56,11 @@ impl Lexer<'_> {
                 let help = format!("write `{number}`, or `{number}*{behind}` for a product");
                 (length, value, format!("numbers have no suffix: `{number}{behind}`"), help)
             }
-            "deg" | "degrees" | "degree" | "rad" | "radians" => {
-                (length, value, unit_message(&number, &behind), angle_help(&number))
+            "deg" | "degrees" | "degree" => (length, value, unit_message(&number, &behind), angle_help(&number)),
+            "rad" | "radians" => {
+                let degrees = shown(value.to_degrees());
+                let help = format!("in a formula write `{number}`; in a scene, where angles are in degrees, write `{degrees}`");
+                (length, value, unit_message(&number, &behind), help)
             }
             "e" | "E" => {
                 let signs = usize::from(exponent == Some(true));
@@ -116,7 +119,7 @@ fn unit_message(number: &str, unit: &str) -> String {
 
 fn angle_help(number: &str) -> String {
     format!(
-        "in a formula write `radians({number})`, since angles are in radians there; in a scene write `{number}`: `fov` is in degrees"
+        "in a formula write `radians({number})`, since angles are in radians there; in a scene write `{number}`: angles are in degrees there"
     )
 }
 

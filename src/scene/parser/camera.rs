@@ -126,7 +126,7 @@ impl SceneParser {
             let vector = vector(&mut self.cursor, &format!("the camera's {word}"))?;
             slot.get_or_insert(vector);
         } else {
-            let fov = self.cursor.number("the camera's angle in degrees")?;
+            let fov = self.cursor.degrees("the camera's angle in degrees")?;
             clauses.fov.get_or_insert(fov);
         }
         self.cursor.expect(Mark::Semicolon, &format!("after the camera's `{word}`"))

@@ -286,6 +286,31 @@ fn rotations_without_a_meaning_are_explained() {
 }
 
 #[test]
+fn angles_and_axes_of_other_languages_are_explained() {
+    for (given, help) in [
+        ("rotate <0,1,0> pi", "help: write `180`: angles are in degrees here"),
+        ("rotate <0,1,0> -pi/2", "help: write `-90`: angles are in degrees here"),
+        ("rotate <0,1,0> 2*45", "help: write `90`"),
+        ("rotate pi/4", "help: write `rotate <0, 1, 0> 45`"),
+        ("rotate y 30", "help: write `rotate <0, 1, 0> 30`"),
+        ("rotate Z, -pi", "help: write `rotate <0, 0, 1> -180`"),
+        ("rotate x", "help: write `rotate <1, 0, 0> DEGREES`"),
+        ("rotate <0,1,0> 30deg", "in a scene write `30`: angles are in degrees there"),
+        ("rotate <0,1,0> 1rad", "in a scene, where angles are in degrees, write `57.29578`"),
+        ("scale nan", "help: every number here has a value"),
+    ] {
+        let found = transform_errors(given);
+        let wrong = ["0/0", "fov"].into_iter().find(|word| found.contains(word));
+        assert!(found.contains(help) && wrong.is_none(), "{found}");
+    }
+    let found = errors(&bodies("b: scale 2, sphere, center <0,0,0>, radius 1;"));
+    assert!(found.contains("help: the shape comes first, and `scale` behind it: `b: sphere, …, scale …;`"), "{found}");
+    let camera = CAMERA.replace("fov 45", "fov pi/4");
+    let found = errors(&bodies("b: sphere, center <0,0,0>, radius 1;").replace(CAMERA, &camera));
+    assert!(found.contains("help: write `45`: angles are in degrees here"), "{found}");
+}
+
+#[test]
 fn other_transforms_without_a_meaning_are_explained() {
     let errors = transform_errors;
     assert_snapshot!(errors("fit 2"), @r"
