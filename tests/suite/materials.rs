@@ -129,7 +129,7 @@ fn said(text: &str) -> String {
 
 #[test]
 fn values_that_are_none_are_marked() {
-    insta::assert_snapshot!(said("version = 1\nshine = 3\n\n[gold]\nCd = [1, 0.8]\nkr = \"much\"\n\n[empty]\n"));
+    insta::assert_snapshot!(said("version = 1\nshine = 3\n\n[gold]\nCd = [1, 0.8]\nkr = true\n\n[empty]\n"));
 }
 
 #[test]
