@@ -293,7 +293,7 @@ fn folders_without_a_lock_are_taken_for_left_behind() {
 fn huge_texts_are_kept() {
     let (_home, folders) = home();
     // Larger than any file that is opened, with all that needs an escape.
-    let text = "formula; /* \"\\ \t\r\n\0 ž \u{1f600} ''' \"\"\" */\n".repeat(200_000);
+    let text = "formula; /* \"\\ \t\r\n\0 ž \u{1f600} ''' \"\"\" */\n".repeat(500_000);
     assert!(text.len() > crate::lang::source::MAX_BYTES);
     let mut drafts = Drafts::new(&folders);
     drafts.keep(0, FileKind::Formula, None, None, &text).unwrap();
