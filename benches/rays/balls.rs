@@ -16,8 +16,8 @@ const SIDE: f64 = 10.0;
 /// Times are the least of this many rounds.
 const ROUNDS: usize = 5;
 
-/// Balls at random places. With eight times as many, they are half as large, so a ray goes as far before it meets some.
-/// One in ten is of glass, the others are matte.
+/// Balls at random places. Eight times as many are half as large, so they always fill the same share of the cube. One
+/// in ten is of glass, the others are matte.
 fn scene(balls: usize) -> String {
     let reach = 0.35 * SIDE / (balls as f64).cbrt();
     let mut text = "bodies;\n".to_owned();

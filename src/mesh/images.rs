@@ -4,6 +4,7 @@ use crate::mesh::contents_of;
 use crate::mesh::error::Fault;
 use crate::mesh::ledger::Ledger;
 use crate::mesh::model::{ModelImage, Omissions};
+use image::ImageFormat;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -13,13 +14,15 @@ pub(super) const IMAGES: &str = "image(s) of base colours";
 /// What becomes of images that are held or mirrored at their edges.
 pub(super) const REPEATED: &str = "it repeats here";
 
-/// The formats of textures: how their files begin, and their suffixes.
-const FORMATS: [(&[u8], &str); 4] =
-    [(b"\x89PNG\r\n", "png"), (b"\xff\xd8\xff", "jpg"), (b"\x76\x2f\x31\x01", "exr"), (b"#?", "hdr")];
-
 /// The suffix for an image, by how it begins; `None` if it is in no format of textures.
 fn suffix(bytes: &[u8]) -> Option<&'static str> {
-    FORMATS.iter().find(|(start, _)| bytes.starts_with(start)).map(|(_, suffix)| *suffix)
+    match image::guess_format(bytes).ok() {
+        Some(ImageFormat::Png) => Some("png"),
+        Some(ImageFormat::Jpeg) => Some("jpg"),
+        Some(ImageFormat::OpenExr) => Some("exr"),
+        Some(ImageFormat::Hdr) => Some("hdr"),
+        Some(_) | None => None,
+    }
 }
 
 /// The images of a model, each once.

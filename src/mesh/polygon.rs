@@ -6,8 +6,8 @@ use std::ops::Range;
 
 /// The most corners of a polygon that is not convex.
 const MOST_CORNERS: usize = 1 << 14;
-/// For each corner that is cut off, other corners are compared with its triangle. These are the most comparisons, about
-/// a second.
+/// Before a corner is cut off, other corners are compared with its triangle. A polygon may take this many comparisons,
+/// which last about a second.
 const MOST_COMPARISONS: usize = 1 << 28;
 
 /// A polygon has too many corners, without being convex, to be cut into triangles.

@@ -205,12 +205,13 @@ impl<'c> Checker<'c> {
             let value = self.settled[frame.root.0 as usize];
             let value = value.map(|value| self.terms.as_value(value));
             match frame.purpose {
-                FramePurpose::Root => return value.map(|value| (value, self.body(&frame, value))),
-                FramePurpose::Call { ref key, .. } => {
-                    let key = key.clone();
+                FramePurpose::Root => {
+                    return value.map(|value| (value, self.body(frame.root, value, &frame.calls, &frame.lookups)));
+                }
+                FramePurpose::Call { key, .. } => {
                     let arguments = frame.locals.iter().filter_map(|(_, value)| value.map(|(term, _)| term)).collect();
                     let known = value.map(|value| {
-                        let body = self.body(&frame, value);
+                        let body = self.body(frame.root, value, &frame.calls, &frame.lookups);
                         self.written_calls.push(WrittenCall { definition: key.0, arguments, body });
                         (value, self.written_calls.len() as u32 - 1)
                     });
@@ -231,8 +232,8 @@ impl<'c> Checker<'c> {
     }
 
     /// How the expressions of a frame that is done are written.
-    fn body(&mut self, frame: &CheckFrame, value: Settled) -> WrittenBody {
-        let (file, names, root) = (self.file, self.names, frame.root);
+    fn body(&mut self, root: ExprId, value: Settled, calls: &[u32], lookups: &[TermId]) -> WrittenBody {
+        let (file, names) = (self.file, self.names);
         let places = self.leaves.entry(root).or_insert_with(|| leaves(file, names, root).into());
         let settled = |id: ExprId| self.settled[id.0 as usize].map(|(term, _)| term);
         let is_leaf = |id: &ExprId| match file.expr(*id).kind.infix() {
@@ -243,7 +244,7 @@ impl<'c> Checker<'c> {
             None => true,
         };
         let leaves = places.iter().filter(|id| is_leaf(id)).filter_map(|id| Some((*id, settled(*id)?))).collect();
-        let (calls, lookups) = (once_each(&frame.calls), once_each(&frame.lookups));
+        let (calls, lookups) = (once_each(calls), once_each(lookups));
         WrittenBody { root, value: value.0, leaves, calls, lookups }
     }
 

@@ -350,7 +350,7 @@ fn deep_trees_of_nodes_are_walked() {
 /// The square with surface coordinates, and a material whose base texture is `reference`.
 fn textured(reference: &str, texture: &str, image: &str, file: Option<(&str, &[u8])>) -> Result<MeshModel, String> {
     let uv: Vec<u8> = [0.0_f32, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0, 1.0].iter().flat_map(|number| number.to_le_bytes()).collect();
-    let png = base64(b"\x89PNG\r\nembedded");
+    let png = base64(b"\x89PNG\r\n\x1a\ninside");
     let buffers = format!(
         r#"}}, {{"uri": "data:;base64,{}", "byteLength": 32}}, {{"uri": "data:;base64,{png}", "byteLength": 14}}], "images": [{image}],
         "textures": [{texture}], "samplers": [{{"wrapS": 33071, "magFilter": 9728}}],
@@ -380,13 +380,13 @@ fn images_of_base_colours_are_kept() {
     let plain = (r#"{"index": 0}"#, r#"{"source": 0}"#);
     let embedded = [
         r#"{"mimeType": "image/png", "name": "Wood.png", "bufferView": 1}"#.to_owned(),
-        format!(r#"{{"uri": "data:image/png;base64,{}", "name": "Wood"}}"#, base64(b"\x89PNG\r\nembedded")),
+        format!(r#"{{"uri": "data:image/png;base64,{}", "name": "Wood"}}"#, base64(b"\x89PNG\r\n\x1a\ninside")),
     ];
     for image in &embedded {
         let model = textured(plain.0, plain.1, image, None).unwrap();
         assert_eq!((model.materials[0].image, model.images.len()), (Some(0), 1));
         let found = &model.images[0];
-        assert_eq!((found.name.as_str(), found.suffix, &found.bytes[..]), ("Wood", "png", &b"\x89PNG\r\nembedded"[..]));
+        assert_eq!((found.name.as_str(), found.suffix, &found.bytes[..]), ("Wood", "png", &b"\x89PNG\r\n\x1a\ninside"[..]));
         assert_eq!(left_out(&model), ["1 texture of bumps"]);
         // v goes upwards.
         assert_eq!(model.parts[0].mesh.uvs()[0], Vec2::new(0.0, 1.0));

@@ -166,7 +166,7 @@ fn with_image(line: &str, file: &str, bytes: &[u8]) -> MeshModel {
 
 #[test]
 fn images_of_the_matte_colour_are_found_behind_options() {
-    let png = b"\x89PNG\r\n and more";
+    let png = b"\x89PNG\r\n\x1a\n and more";
     for line in
         ["map_Kd maps/old wood.png", "map_Kd -blendu on -mm 0 1 maps\\old wood.png  ", "map_Kd -texres 64 \"maps/old wood.png\""]
     {

@@ -1,9 +1,10 @@
 //! Files that are dragged over the window and dropped on it, by the protocol XDND (version 5).
 //!
-//! The messages of the protocol go to the connection that made the window, which is that of minifb, and minifb does not
-//! know them. So the window names a proxy for them: the input window of the second connection, which answers.
+//! The display sends the messages of the protocol to the connection that made the window. That is minifb's, and minifb
+//! ignores them. So the window names a proxy: the input window of the second connection, which answers.
 
 use egui::{DroppedFile, DroppedFileHandle};
+use percent_encoding::percent_decode;
 use std::ffi::OsString;
 use std::os::unix::ffi::OsStringExt;
 use std::path::{Path, PathBuf};
@@ -230,14 +231,7 @@ fn path_of(uri: &[u8]) -> Option<PathBuf> {
         Some(with_host) => &with_host[with_host.iter().position(|byte| *byte == b'/')?..],
         None => rest,
     };
-    let mut bytes = Vec::with_capacity(path.len());
-    let mut rest = path;
-    while let [first, behind @ ..] = rest {
-        let escaped = behind.first_chunk::<2>().filter(|_| *first == b'%');
-        let byte = escaped.and_then(|digits| u8::from_str_radix(std::str::from_utf8(digits).ok()?, 16).ok());
-        bytes.push(byte.unwrap_or(*first));
-        rest = if byte.is_some() { &behind[2..] } else { behind };
-    }
+    let bytes: Vec<u8> = percent_decode(path).collect();
     bytes.starts_with(b"/").then(|| PathBuf::from(OsString::from_vec(bytes)))
 }
 
