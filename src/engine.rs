@@ -226,17 +226,17 @@ impl Engine {
     }
 
     /// The picture of these parameter numbers, in the order of the [`Layout`](crate::formula::layout::Layout): the
-    /// mean of `samples` × `samples` rays for each pixel (0 counts as 1), in linear RGB, not clamped. It may
-    /// contain NaN. Each of the samples² pictures is traced.
+    /// mean of this many passes (0 counts as 1), in linear RGB, not clamped. It may contain NaN. Each pass is
+    /// traced, see [`View::with_pass`].
     ///
     /// # Errors
     /// One of the stages failed.
     ///
     /// # Panics
     /// Where there are fewer parameter numbers than the layout has.
-    pub fn picture(&self, subject: &Subject, parameters: &[f32], samples: u32, task: &Task) -> Result<Frame, EngineError> {
+    pub fn picture(&self, subject: &Subject, parameters: &[f32], passes: u32, task: &Task) -> Result<Frame, EngineError> {
         let mut picture = None;
-        self.pictures(subject, &[parameters], samples, task, |_, frame, _| {
+        self.pictures(subject, &[parameters], passes, task, |_, frame, _| {
             picture = Some(frame);
             Ok::<_, EngineError>(())
         })?;
@@ -245,7 +245,7 @@ impl Engine {
 
     /// The pictures of several sets of parameter numbers, each as [`picture`](Self::picture) makes it. `each` gets
     /// their indices, the pictures, and how long they were evaluated, in order. Rays are traced once for all of them:
-    /// once for each sample. With more than one sample, all pictures are kept until the last sample is traced.
+    /// once for each pass. With more than one pass, all pictures are kept until the last pass is traced.
     ///
     /// # Errors
     /// One of the stages failed, the task was cancelled between two pictures, or `each` failed.
@@ -256,19 +256,17 @@ impl Engine {
         &self,
         subject: &Subject,
         parameters: &[&[f32]],
-        samples: u32,
+        passes: u32,
         task: &Task,
         mut each: impl FnMut(usize, Frame, Duration) -> Result<(), E>,
     ) -> Result<(), E> {
-        let (side, count) = (samples.max(1), samples.max(1).pow(2));
+        let count = passes.max(1);
         // One of them is in the memory of any picture.
         let kept = if count == 1 { 0 } else { (parameters.len() as u64).saturating_sub(1) };
-        let mut means: Vec<(Frame, Duration)> = Vec::new();
-        for sample in 0..count {
-            let centre = |step: u32| (f64::from(step) + 0.5) / f64::from(side);
-            let offset = [centre(sample % side), centre(sample / side)];
-            let subject = Subject { view: subject.view.with_offset(offset), ..subject.clone() };
-            let tell = |share: f64| (task.progress)((f64::from(sample) + share) / f64::from(count));
+        let mut sums: Vec<(Frame, Duration)> = Vec::new();
+        for pass in 0..count {
+            let subject = Subject { view: subject.view.with_pass(pass), ..subject.clone() };
+            let tell = |share: f64| (task.progress)((f64::from(pass) + share) / f64::from(count));
             let frames = parameters.len() as f64;
             let traced = |share: f64| tell(share * TRACING / (TRACING + frames));
             let first = parameters.first().copied().unwrap_or_default();
@@ -282,17 +280,22 @@ impl Engine {
                 if count == 1 {
                     each(index, frame, start.elapsed())?;
                 } else {
-                    if means.len() == index {
-                        means.push((Frame::black(frame.width, frame.height), Duration::ZERO));
+                    let time = start.elapsed();
+                    match sums.get_mut(index) {
+                        Some((sum, times)) => {
+                            sum.add(&frame);
+                            *times += time;
+                        }
+                        None => sums.push((frame, time)),
                     }
-                    let (mean, time) = &mut means[index];
-                    mean.add(&frame, 1.0 / count as f32);
-                    *time += start.elapsed();
                 }
                 tell((TRACING + index as f64 + 1.0) / (TRACING + frames));
             }
         }
-        means.into_iter().enumerate().try_for_each(|(index, (frame, time))| each(index, frame, time))
+        sums.into_iter().enumerate().try_for_each(|(index, (mut sum, time))| {
+            sum.scale(1.0 / count as f32);
+            each(index, sum, time)
+        })
     }
 
     /// The memory budget, and what parts of the picture take of it. This many linear pictures are kept besides.
@@ -369,26 +372,26 @@ mod tests {
     }
 
     #[test]
-    fn several_pictures_are_those_of_one_each_and_traced_once_for_each_sample() {
+    fn several_pictures_are_those_of_one_each_and_traced_once_for_each_pass() {
         let subject = subject();
         let numbers = numbers(&subject);
-        for samples in [1, 2] {
+        for passes in [1, 3] {
             let backend = Arc::new(Recording { backend: crate::backends::DEFAULT.make(), prepared: Mutex::default() });
             let engine = Engine::new(Arc::clone(&backend) as Arc<dyn Backend>);
             let told = Mutex::new(Vec::new());
             let tell = |share: f64| told.lock().unwrap().push(share);
             let mut pictures = Vec::new();
             let sets: Vec<&[f32]> = numbers.iter().map(Vec::as_slice).collect();
-            let done = engine.pictures(&subject, &sets, samples, &Task::watched(&tell), |index, frame, _| {
+            let done = engine.pictures(&subject, &sets, passes, &Task::watched(&tell), |index, frame, _| {
                 pictures.push((index, frame));
                 Ok::<_, EngineError>(())
             });
             done.unwrap();
             let prepared = std::mem::take(&mut *backend.prepared.lock().unwrap());
-            assert_eq!(prepared.len() as u32, samples * samples, "one tracing for each sample");
+            assert_eq!(prepared.iter().map(|hits| hits.view.pass()).collect::<Vec<_>>(), Vec::from_iter(0..passes));
             let shares = told.into_inner().unwrap();
             assert!(shares.is_sorted() && shares.last() == Some(&1.0), "{shares:?}");
-            let one = |numbers: &Vec<f32>| Engine::default().picture(&subject, numbers, samples, &Task::UNWATCHED).unwrap();
+            let one = |numbers: &Vec<f32>| Engine::default().picture(&subject, numbers, passes, &Task::UNWATCHED).unwrap();
             assert_eq!(pictures, numbers.iter().map(one).enumerate().collect::<Vec<_>>());
             assert!(pictures[0].1 != pictures[1].1 && pictures[1].1 != pictures[2].1);
         }

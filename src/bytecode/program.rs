@@ -253,7 +253,7 @@ impl BytecodeBuilder<'_> {
         let mut count = 0;
         for NodeLight { emitter, visible } in &node.lights {
             let light = world.light_of(*emitter);
-            let record = LightVariables::new(&node.hit, &world.emitter(*emitter).sample(&node.hit), *visible);
+            let record = LightVariables::new(&node.hit, &world.emitter(*emitter).sample(&node.hit, &node.key), *visible);
             for term in EquationTerm::at(Site::LitRecord) {
                 let code = &self.instantiation.code.local;
                 let formula = |assembler: &mut Self| {

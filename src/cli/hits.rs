@@ -19,6 +19,7 @@ use illuminator::engine::Task;
 use illuminator::files::{reason, replace_file};
 use illuminator::lang::types::Type;
 use illuminator::lang::variables::{Rate, Variable};
+use illuminator::sampling::SampleKey;
 use illuminator::trace::{CoordinatesUse, Edge, HitVariables, Hits, LightVariables, NodeLight, Tile, Tracer, replay, variable};
 use illuminator::workspace::project::Project;
 use illuminator::world::SurfaceHit;
@@ -206,29 +207,29 @@ impl Dump {
             rows.push(row);
         }
         // Scattered hits, which are in several groups, with all their emitters.
-        let mut scattered: BTreeMap<(u32, u32), (SurfaceHit, Vec<NodeLight>)> = BTreeMap::new();
+        let mut scattered: BTreeMap<(u32, u32), (SurfaceHit, SampleKey, Vec<NodeLight>)> = BTreeMap::new();
         for group in &tile.groups {
             for span in tile.spans_of(group) {
                 let path = rows[span.path.index()];
                 let mut outcome = Ok(());
-                replay(tracer, tile, group, span.hits.clone(), |hit, pixel, surface| {
+                replay(tracer, tile, group, span.hits.clone(), |hit, key, surface| {
                     let lights = group.emitters.iter().map(|emitter| {
                         let visible = tile.is_visible(hit, *emitter);
                         NodeLight { emitter: *emitter, visible }
                     });
                     if group.scattered {
-                        let (_, known) = scattered.entry((path, pixel)).or_insert_with(|| (*surface, Vec::new()));
+                        let (_, _, known) = scattered.entry((path, key.pixel)).or_insert_with(|| (*surface, *key, Vec::new()));
                         known.extend(lights);
                     } else if outcome.is_ok() {
-                        outcome = self.hit(tracer, lights, surface, pixel, path);
+                        outcome = self.hit(tracer, lights, surface, key, path);
                     }
                 })
                 .map_err(io::Error::other)?;
                 outcome?;
             }
         }
-        for ((path, pixel), (surface, lights)) in scattered {
-            self.hit(tracer, lights, &surface, pixel, path)?;
+        for ((path, _), (surface, key, lights)) in scattered {
+            self.hit(tracer, lights, &surface, &key, path)?;
         }
         for span in &tile.misses {
             for segment in tile.miss_segments_of(span) {
@@ -245,15 +246,15 @@ impl Dump {
         tracer: &Tracer,
         lights: impl IntoIterator<Item = NodeLight>,
         surface: &SurfaceHit,
-        pixel: u32,
+        key: &SampleKey,
         path: u32,
     ) -> io::Result<()> {
         let index = tracer.relative_index(surface);
         let own = HitVariables::new(tracer.world(), surface, index, CoordinatesUse::Read);
         let values = self.of_hit.iter().map(|symbol| (own.value(*symbol).unwrap_or_default(), symbol.ty()));
-        let row = self.hits.add(&[pixel, surface.body.0, path, surface.primitive.0], values)?;
+        let row = self.hits.add(&[key.pixel, surface.body.0, path, surface.primitive.0], values)?;
         for NodeLight { emitter, visible } in lights {
-            let lit = LightVariables::new(surface, &tracer.world().emitter(emitter).sample(surface), visible);
+            let lit = LightVariables::new(surface, &tracer.sample(emitter, surface, key), visible);
             let values = self.of_record.iter().map(|symbol| (variable(*symbol, &own, &lit), symbol.ty()));
             self.records.add(&[row, tracer.world().light_of(emitter).0], values)?;
         }

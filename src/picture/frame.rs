@@ -30,12 +30,16 @@ impl Frame {
         pixels
     }
 
-    /// Adds `share` times another picture of the same size, such as a sample with the share 1 / samples. Pixels that
-    /// only one of the pictures has are left as they are.
-    pub fn add(&mut self, other: &Frame, share: f32) {
-        for (sum, pixel) in self.linear.iter_mut().zip(&other.linear) {
-            *sum = std::array::from_fn(|component| sum[component] + share * pixel[component]);
+    /// Adds another picture of the same size. Pixels that only one of the pictures has are left as they are.
+    pub fn add(&mut self, other: &Frame) {
+        for (sum, number) in self.linear.as_flattened_mut().iter_mut().zip(other.linear.as_flattened()) {
+            *sum += number;
         }
+    }
+
+    /// Multiplies all components by a number: a sum of passes becomes their mean by 1 / passes.
+    pub fn scale(&mut self, factor: f32) {
+        self.linear.as_flattened_mut().iter_mut().for_each(|number| *number *= factor);
     }
 }
 

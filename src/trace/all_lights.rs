@@ -2,8 +2,8 @@
 //!
 //! The store groups hits by the emitters that reach them. Here all hits on a body are one group with all emitters, and
 //! a table says which of them are visible. This second store is made from the first when it is first needed. It takes
-//! no search for intersections, and a shadow ray only for an emitter that is behind the surface: the first store knows
-//! the others. The first store stays for all other formulas, whose pictures and times do not change.
+//! no search for intersections, and a shadow ray only for an emitter that is behind the surface or sends nothing
+//! there: the first store knows the others. The first store stays for all other formulas, whose pictures and times do not change.
 
 #[cfg(test)]
 mod tests;
@@ -92,10 +92,13 @@ pub(super) fn all_lights_tile(tracer: &Tracer, tile: &Tile) -> Result<Tile, Mism
         visibility: None,
     };
     for group in &all.groups {
-        replay(tracer, &all, group, group.hits.clone(), |hit, _, surface| {
+        replay(tracer, &all, group, group.hits.clone(), |hit, key, surface| {
             for emitter in &emitters {
-                // One that the hit faces and that is not marked is hidden.
-                if !visibility.get(hit, *emitter) && !tracer.faces(*emitter, surface) && tracer.is_visible(*emitter, surface) {
+                // One that a shadow ray was sent to and that is not marked is hidden.
+                if !visibility.get(hit, *emitter)
+                    && !tracer.takes_shadow_ray(*emitter, surface, key)
+                    && tracer.is_visible(*emitter, surface, key)
+                {
                     visibility.set(hit, *emitter);
                 }
             }

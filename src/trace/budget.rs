@@ -148,10 +148,12 @@ impl Estimate {
                     return Err(TraceError::Cancelled);
                 }
                 let mut counts = [0; 4];
-                trace_pixel(&tracer, sampled_pixel(sample, view), &mut Vec::new(), |_: Option<()>, _, end| match end {
+                let pixel = sampled_pixel(sample, view);
+                trace_pixel(&tracer, pixel, &mut Vec::new(), |_: Option<()>, _, route, end| match end {
                     RayEnd::Hit(hit) => {
                         let on_mesh = u64::from(world.is_searched(hit.body));
-                        counts = add(counts, [1, tracer.emitters(hit).count() as u64, 0, on_mesh]);
+                        counts =
+                            add(counts, [1, tracer.emitters(hit, &view.sample_key(pixel, route)).count() as u64, 0, on_mesh]);
                     }
                     RayEnd::Miss(_) => counts = add(counts, [0, 0, 1, 0]),
                 });

@@ -213,13 +213,14 @@ fn trace_tile(
         for pixel in batch.clone() {
             // Tiles are small enough.
             let pixel_in_tile = (pixel - pixels.start) as u16;
-            trace_pixel(tracer, pixel, &mut stack, |parent, edge, end| match end {
+            trace_pixel(tracer, pixel, &mut stack, |parent, edge, route, end| match end {
                 RayEnd::Hit(hit) => {
                     let path = builder.path(parent, edge, Some(hit.body));
+                    let key = tracer.view().sample_key(pixel, route);
                     emitters.clear();
                     match &mut shadow_rays {
-                        Some(shadow_rays) => shadow_rays.add_reaching(hit, path, &mut emitters),
-                        None => emitters.extend(tracer.world().emitter_ids()),
+                        Some(shadow_rays) => shadow_rays.add_reaching(hit, &key, path, &mut emitters),
+                        None => emitters.extend(tracer.emitters(hit, &key)),
                     }
                     builder.hit(path, &emitters, pixel_in_tile);
                     if tracer.world().is_searched(hit.body) {

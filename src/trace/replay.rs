@@ -5,6 +5,7 @@
 //! for bit. So another formula gets its variables without tracing again (thesis 4.2.1), and a ray that left the scene
 //! gets its direction.
 
+use crate::sampling::{Route, SampleKey};
 use crate::scene::BodyId;
 use crate::trace::store::{Group, PathId, Span, Tile};
 use crate::trace::tracer::Tracer;
@@ -19,7 +20,7 @@ use std::ops::Range;
 pub struct Mismatch;
 
 /// Passes each of `hits` (their numbers in the tile; those outside the group are skipped) to `visit`, in order: its
-/// number, its pixel counted over the picture, and its surface.
+/// number, which samples of lights it takes, and its surface.
 ///
 /// # Errors
 /// [`Mismatch`] where a stored hit does not exist: the tracer's world and view are not those that were traced.
@@ -28,12 +29,13 @@ pub fn replay(
     tile: &Tile,
     group: &Group,
     hits: Range<u32>,
-    mut visit: impl FnMut(u32, u32, &SurfaceHit),
+    mut visit: impl FnMut(u32, &SampleKey, &SurfaceHit),
 ) -> Result<(), Mismatch> {
     let spans = tile.spans_of(group);
     let first = spans.partition_point(|span| span.hits.end <= hits.start);
     for span in spans[first..].iter().take_while(|span| span.hits.start < hits.end) {
         let steps = tile.steps(span.path);
+        let route = steps.iter().fold(Route::PRIMARY, |route, (_, edge, _)| edge.after(route));
         let mut begin = span.hits.start;
         for segment in tile.segments_of(span) {
             let pixels = segment.pixels();
@@ -43,7 +45,7 @@ pub fn replay(
                 let in_tile = (pixels.start + (hit - begin) as usize) as u16;
                 let primitive = tile.primitives.get(span.path.index(), in_tile);
                 let surface = last_ray(tracer, tile, pixel, &steps).and_then(|ray| tracer.hit_on(&ray, group.body, primitive));
-                visit(hit, pixel, &surface.ok_or(Mismatch)?);
+                visit(hit, &tracer.view().sample_key(pixel, route), &surface.ok_or(Mismatch)?);
             }
             if end >= hits.end {
                 break;

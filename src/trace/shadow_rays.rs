@@ -1,5 +1,6 @@
 //! The emitters that reach a hit, for many hits one after the other.
 
+use crate::sampling::SampleKey;
 use crate::scene::BodyId;
 use crate::trace::store::PathId;
 use crate::world::{EmitterId, LightSample, SurfaceHit, World};
@@ -24,17 +25,17 @@ impl<'w> ShadowRays<'w> {
         Self { world, occluders: vec![None; ENTRIES], samples: [LightSample::NONE; SAMPLES] }
     }
 
-    /// Adds the emitters that reach a hit by this path to `reaching`, in the order of their lights: those that the hit
-    /// faces, if no body lies between.
+    /// Adds the emitters that reach a hit by this path to `reaching`, in the order of their lights: those that send
+    /// something there and that the hit faces, if no body lies between.
     #[inline]
-    pub(super) fn add_reaching(&mut self, hit: &SurfaceHit, path: PathId, reaching: &mut Vec<EmitterId>) {
+    pub(super) fn add_reaching(&mut self, hit: &SurfaceHit, key: &SampleKey, path: PathId, reaching: &mut Vec<EmitterId>) {
         let emitters = self.world.emitters();
         let first_entry = path.index().wrapping_mul(emitters.len());
         for (chunk, emitters) in emitters.chunks(SAMPLES).enumerate() {
             let mut facing = 0_u32;
             for (place, (emitter, sample)) in emitters.iter().zip(&mut self.samples).enumerate() {
-                *sample = emitter.sample(hit);
-                facing |= u32::from(hit.faces(sample.direction)) << place;
+                *sample = emitter.sample(hit, key);
+                facing |= u32::from(sample.is_lit() & hit.faces(sample.direction)) << place;
             }
             while facing != 0 {
                 let place = facing.trailing_zeros() as usize % SAMPLES;
@@ -55,6 +56,7 @@ impl<'w> ShadowRays<'w> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sampling::Route;
     use crate::trace::tests::world;
     use crate::trace::{Tracer, View};
     use std::fmt::Write;
@@ -77,10 +79,10 @@ mod tests {
         let mut hidden = 0;
         for pixel in 0..view.pixels() {
             let Some(hit) = tracer.hit(&tracer.primary(pixel)) else { continue };
-            let mut reaching = Vec::new();
+            let (mut reaching, key) = (Vec::new(), view.sample_key(pixel, Route::PRIMARY));
             // 90 paths share the places of the table.
-            shadow_rays.add_reaching(&hit, PathId(pixel % 90), &mut reaching);
-            assert_eq!(reaching, Vec::from_iter(tracer.emitters(&hit)), "{hit:?}");
+            shadow_rays.add_reaching(&hit, &key, PathId(pixel % 90), &mut reaching);
+            assert_eq!(reaching, Vec::from_iter(tracer.emitters(&hit, &key)), "{hit:?}");
             hidden += 19 - reaching.len();
         }
         assert!(hidden > 100, "{hidden}");

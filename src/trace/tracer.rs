@@ -14,6 +14,7 @@ pub(super) fn refraction(cosine: f64, relative_index: f64) -> Option<f64> {
 mod tests;
 
 use crate::lang::variables::EvaluatedLights;
+use crate::sampling::SampleKey;
 use crate::scene::BodyId;
 use crate::trace::View;
 use crate::world::{EmitterId, Intersection, LightSample, PrimitiveId, Ray, Side, SurfaceHit, World};
@@ -68,53 +69,66 @@ impl<'w> Tracer<'w> {
         met.map(|intersection| self.world.surface_hit(ray, &intersection))
     }
 
-    /// Whether the light of an emitter reaches the hit: always without shadow rays; with them, if the hit
+    /// The sample of an emitter that a hit takes.
+    #[inline]
+    pub fn sample(&self, emitter: EmitterId, hit: &SurfaceHit, key: &SampleKey) -> LightSample {
+        self.world.emitter(emitter).sample(hit, key)
+    }
+
+    /// Whether the light of an emitter reaches the hit: it sends something there, and with shadow rays the hit
     /// [faces](SurfaceHit::faces) it and no body, this one and transparent ones too, lies strictly between (thesis
     /// 3.2.1).
     #[inline]
-    pub fn reaches(&self, emitter: EmitterId, hit: &SurfaceHit) -> bool {
+    pub fn reaches(&self, emitter: EmitterId, hit: &SurfaceHit, key: &SampleKey) -> bool {
+        let sample = self.sample(emitter, hit, key);
+        let LightSample { direction, distance, .. } = sample;
         if !self.view.shadows() {
-            return true;
+            return sample.is_lit();
         }
-        let LightSample { direction, distance } = self.world.emitter(emitter).sample(hit);
-        hit.faces(direction) && !self.world.is_occluded(&hit.ray(direction, hit.side), distance)
+        sample.is_lit() && hit.faces(direction) && !self.world.is_occluded(&hit.ray(direction, hit.side), distance)
     }
 
     /// The emitters that reach the hit, in the order of their lights.
-    pub fn emitters(&self, hit: &SurfaceHit) -> impl Iterator<Item = EmitterId> {
-        self.world.emitter_ids().filter(move |emitter| self.reaches(*emitter, hit))
+    pub fn emitters(&self, hit: &SurfaceHit, key: &SampleKey) -> impl Iterator<Item = EmitterId> {
+        self.world.emitter_ids().filter(move |emitter| self.reaches(*emitter, hit, key))
     }
 
     /// Whether no body lies strictly between the hit and an emitter; always without shadow rays.
     ///
     /// The emitter may be behind the surface. A flat body does not hide it then, but a closed body does with its far
     /// side. For an emitter that the hit faces, this is the test of [`reaches`](Self::reaches).
-    pub fn is_visible(&self, emitter: EmitterId, hit: &SurfaceHit) -> bool {
+    pub fn is_visible(&self, emitter: EmitterId, hit: &SurfaceHit, key: &SampleKey) -> bool {
         if !self.view.shadows() {
             return true;
         }
-        let LightSample { direction, distance } = self.world.emitter(emitter).sample(hit);
+        let LightSample { direction, distance, .. } = self.sample(emitter, hit, key);
         !self.world.is_occluded(&hit.ray(direction, hit.side_towards(direction)), distance)
     }
 
     /// The emitters for which a formula is evaluated at the hit, in the order of their lights, and whether each is
     /// visible.
-    pub fn evaluated(&self, lights: EvaluatedLights, hit: &SurfaceHit) -> impl Iterator<Item = NodeLight> {
+    pub fn evaluated(&self, lights: EvaluatedLights, hit: &SurfaceHit, key: &SampleKey) -> impl Iterator<Item = NodeLight> {
         self.world.emitter_ids().filter_map(move |emitter| match lights {
-            EvaluatedLights::Reaching => self.reaches(emitter, hit).then_some(NodeLight { emitter, visible: true }),
-            EvaluatedLights::All => Some(NodeLight { emitter, visible: self.is_visible(emitter, hit) }),
+            EvaluatedLights::Reaching => self.reaches(emitter, hit, key).then_some(NodeLight { emitter, visible: true }),
+            EvaluatedLights::All => Some(NodeLight { emitter, visible: self.is_visible(emitter, hit, key) }),
         })
     }
 
     /// Whether the emitter is on the side of the surface from which the ray came.
-    pub fn faces(&self, emitter: EmitterId, hit: &SurfaceHit) -> bool {
-        hit.faces(self.world.emitter(emitter).sample(hit).direction)
+    pub fn faces(&self, emitter: EmitterId, hit: &SurfaceHit, key: &SampleKey) -> bool {
+        hit.faces(self.sample(emitter, hit, key).direction)
+    }
+
+    /// Whether it takes a shadow ray to find out whether an emitter [reaches](Self::reaches) the hit.
+    pub(super) fn takes_shadow_ray(&self, emitter: EmitterId, hit: &SurfaceHit, key: &SampleKey) -> bool {
+        let sample = self.sample(emitter, hit, key);
+        sample.is_lit() && hit.faces(sample.direction)
     }
 
     /// What lies strictly between a hit and an emitter, in the order of declaration of the bodies; distances are from
     /// the hit. It does not matter whether shadow rays are on.
-    pub fn occluders(&self, emitter: EmitterId, hit: &SurfaceHit) -> Vec<Intersection> {
-        let sample = self.world.emitter(emitter).sample(hit);
+    pub fn occluders(&self, emitter: EmitterId, hit: &SurfaceHit, key: &SampleKey) -> Vec<Intersection> {
+        let sample = self.sample(emitter, hit, key);
         self.world.occluders(&hit.ray(sample.direction, hit.side_towards(sample.direction)), sample.distance).collect()
     }
 

@@ -98,7 +98,7 @@ impl LightVariables {
     /// The variables at a hit for one light, as the hit sees it, whether it reaches the hit or not. `visible` says
     /// whether nothing lies between.
     pub fn new(hit: &SurfaceHit, sample: &LightSample, visible: bool) -> Self {
-        let LightSample { direction, distance } = *sample;
+        let LightSample { direction, distance, .. } = *sample;
         let normal = hit.shading_normal;
         let mirrored = 2.0 * normal.dot(direction) * normal - direction;
         let half = (direction + hit.view).try_normalize().unwrap_or(normal);
@@ -117,6 +117,7 @@ impl LightVariables {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sampling::{Route, SampleKey};
     use crate::scene::BodyId;
     use crate::trace::tests::world;
     use crate::world::{EmitterId, PrimitiveId, Side};
@@ -137,8 +138,8 @@ mod tests {
     fn of_light_at(position: &str) -> LightVariables {
         let world =
             world(&format!("bodies; lights; l: point, {position}; camera; position <0,0,5>; gaze <0,0,-1>; up <0,1,0>; fov 45;"));
-        let hit = hit(Side::Front);
-        LightVariables::new(&hit, &world.emitter(EmitterId(0)).sample(&hit), true)
+        let (hit, key) = (hit(Side::Front), SampleKey { pass: 0, pixel: 0, route: Route::PRIMARY });
+        LightVariables::new(&hit, &world.emitter(EmitterId(0)).sample(&hit, &key), true)
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! The settings of tracing: picture size, depth, shadows, default index of refraction; and the primary ray of each
 //! pixel (thesis 3.2.1, 8.4).
 
+use crate::sampling::{Route, SampleKey, pixel_point};
 use crate::scene::Camera;
 use crate::world::Ray;
 
@@ -17,7 +18,7 @@ pub struct View {
     depth: u32,
     shadows: bool,
     default_index: f64,
-    offset: [f64; 2],
+    pass: u32,
 }
 
 /// Why there is no such view.
@@ -45,7 +46,7 @@ impl View {
         if !sides.contains(&width) || !sides.contains(&height) {
             return Err(ViewError::Size(width, height));
         }
-        Ok(Self { width, height, depth: 5, shadows: true, default_index: 1.5, offset: [0.5; 2] })
+        Ok(Self { width, height, depth: 5, shadows: true, default_index: 1.5, pass: 0 })
     }
 
     /// The same with trees of rays up to `depth` (1..=[`MAX_DEPTH`]; 1: no reflections or refractions).
@@ -74,11 +75,12 @@ impl View {
         }
     }
 
-    /// The same with rays through the point (x, y) of each pixel, 0..1 from its top left corner. Views with different
-    /// offsets are the samples of a smooth picture. Values outside 0..1 are clamped.
+    /// The same for another pass of the picture, counted from 0. In each pass a ray goes through another point of its
+    /// pixel, in the first one through the centre; and hits take other samples of lights. A smooth picture is the mean
+    /// of passes 0, 1, 2 and so on.
     #[must_use]
-    pub fn with_offset(self, offset: [f64; 2]) -> Self {
-        Self { offset: offset.map(|coordinate| if coordinate.is_nan() { 0.5 } else { coordinate.clamp(0.0, 1.0) }), ..self }
+    pub fn with_pass(self, pass: u32) -> Self {
+        Self { pass, ..self }
     }
 
     /// Pixels in a row.
@@ -111,17 +113,24 @@ impl View {
         self.default_index
     }
 
-    /// The point of each pixel through which the ray goes, 0..1 from its top left corner.
-    pub fn offset(&self) -> [f64; 2] {
-        self.offset
+    /// The pass of the picture, counted from 0.
+    pub fn pass(&self) -> u32 {
+        self.pass
+    }
+
+    /// Which samples a hit takes, by its pixel and the route to it.
+    #[inline]
+    pub fn sample_key(&self, pixel: u32, route: Route) -> SampleKey {
+        SampleKey { pass: self.pass, pixel, route }
     }
 
     /// The primary ray of a pixel, counted row by row from the top left, in world coordinates. Pixels are square, and
     /// the camera's angle of view spans the height of the picture.
     pub fn primary_ray(&self, camera: &Camera, pixel: u32) -> Ray {
         let (width, height) = (f64::from(self.width), f64::from(self.height));
-        let column = f64::from(pixel % self.width) + self.offset[0];
-        let row = f64::from(pixel / self.width) + self.offset[1];
+        let [x, y] = pixel_point(self.pass, pixel);
+        let column = f64::from(pixel % self.width) + x;
+        let row = f64::from(pixel / self.width) + y;
         let (x, y) = ((2.0 * column - width) / height, (height - 2.0 * row) / height);
         Ray { origin: camera.position(), direction: camera.direction(x, y), leaves: None }
     }
@@ -142,8 +151,11 @@ mod tests {
         };
         assert!(through(view, 0).abs_diff_eq([-1.5, 0.5].into(), 1e-15));
         assert!(through(view, 7).abs_diff_eq([1.5, -0.5].into(), 1e-15));
-        assert!(through(view.with_offset([0.0, 0.0]), 0).abs_diff_eq([-2.0, 1.0].into(), 1e-15));
-        assert!(through(view.with_offset([1.0, 1.0]), 7).abs_diff_eq([2.0, -1.0].into(), 1e-15));
+        // The rays of later passes go through other points of the same pixel. Their mean is near the centre.
+        let passes = (1..=64).map(|pass| through(view.with_pass(pass), 7)).collect::<Vec<_>>();
+        assert!(passes.iter().all(|point| (1.0..2.0).contains(&point.x) && (-1.0..0.0).contains(&point.y)), "{passes:?}");
+        let mean = passes.iter().fold(glam::DVec2::ZERO, |sum, point| sum + point / 64.0);
+        assert!(mean.abs_diff_eq([1.5, -0.5].into(), 0.02), "{mean}");
     }
 
     #[test]
@@ -155,6 +167,5 @@ mod tests {
         assert_eq!(view.with_depth(0), Err(ViewError::Depth(0)));
         assert_eq!(view.with_depth(10), Err(ViewError::Depth(10)));
         assert!(view.with_default_index(f64::NAN).is_err());
-        assert_eq!(view.with_offset([f64::NAN, 7.0]).offset(), [0.5, 1.0]);
     }
 }

@@ -5,6 +5,7 @@
 //! scene rules out (matte, opaque) or that do not exist (total reflection, maximum depth). Nothing here recurses.
 
 use crate::lang::variables::EvaluatedLights;
+use crate::sampling::{Route, SampleKey};
 use crate::trace::tracer::{NodeLight, Tracer};
 use crate::world::{Ray, SurfaceHit};
 use glam::DVec3;
@@ -18,6 +19,18 @@ pub enum Edge {
     Reflected,
     /// Refracted at the hit before.
     Refracted,
+}
+
+impl Edge {
+    /// The route of the rays from the camera, with one more.
+    #[inline]
+    pub fn after(self, route: Route) -> Route {
+        match self {
+            Edge::Primary => Route::PRIMARY,
+            Edge::Reflected => route.reflected(),
+            Edge::Refracted => route.refracted(),
+        }
+    }
 }
 
 /// Where a ray ends.
@@ -36,31 +49,34 @@ pub(super) struct PendingRay<T> {
     from: Option<T>,
     edge: Edge,
     depth: u32,
+    route: Route,
 }
 
 /// Traces all rays of a pixel, parents before their children and the reflected child's whole tree before the refracted.
 ///
-/// `visit` learns where each ray came from, how, and where it ended. What it returns is passed to it as the origin of
+/// `visit` learns where each ray came from, how, by which route, and where it ended. What it returns is passed to it as the origin of
 /// the ray's children. `stack` is scratch memory, empty before and after.
 pub(super) fn trace_pixel<T: Copy>(
     tracer: &Tracer,
     pixel: u32,
     stack: &mut Vec<PendingRay<T>>,
-    mut visit: impl FnMut(Option<T>, Edge, RayEnd) -> T,
+    mut visit: impl FnMut(Option<T>, Edge, Route, RayEnd) -> T,
 ) {
-    let mut next = Some(PendingRay { ray: tracer.primary(pixel), from: None, edge: Edge::Primary, depth: 1 });
-    while let Some(PendingRay { ray, from, edge, depth }) = next.take().or_else(|| stack.pop()) {
+    let (edge, route) = (Edge::Primary, Route::PRIMARY);
+    let mut next = Some(PendingRay { ray: tracer.primary(pixel), from: None, edge, depth: 1, route });
+    while let Some(PendingRay { ray, from, edge, depth, route }) = next.take().or_else(|| stack.pop()) {
         let Some(met) = tracer.world().nearest(&ray) else {
-            visit(from, edge, RayEnd::Miss(ray.direction));
+            visit(from, edge, route, RayEnd::Miss(ray.direction));
             continue;
         };
         let hit = tracer.world().surface_hit(&ray, &met);
-        let from = Some(visit(from, edge, RayEnd::Hit(&hit)));
+        let from = Some(visit(from, edge, route, RayEnd::Hit(&hit)));
         if depth < tracer.view().depth() {
-            next = tracer.refracted(&hit).map(|ray| PendingRay { ray, from, edge: Edge::Refracted, depth: depth + 1 });
+            let child = |ray: Ray, edge: Edge| PendingRay { ray, from, edge, depth: depth + 1, route: edge.after(route) };
+            next = tracer.refracted(&hit).map(|ray| child(ray, Edge::Refracted));
             if let Some(ray) = tracer.reflected(&hit) {
                 stack.extend(next.take());
-                next = Some(PendingRay { ray, from, edge: Edge::Reflected, depth: depth + 1 });
+                next = Some(child(ray, Edge::Reflected));
             }
         }
     }
@@ -82,6 +98,8 @@ pub enum Child {
 pub struct RayNode {
     /// The surface.
     pub hit: SurfaceHit,
+    /// Which samples of lights it takes.
+    pub key: SampleKey,
     /// n₁/n₂ there, see [`Tracer::relative_index`].
     pub relative_index: f64,
     /// The emitters for which the formula is evaluated, in the order of their lights.
@@ -105,14 +123,15 @@ pub struct Tree {
 /// lights.
 pub fn ray_tree(tracer: &Tracer, pixel: u32, lights: EvaluatedLights) -> Tree {
     let mut tree = Tree { primary: Child::None, nodes: Vec::new() };
-    trace_pixel(tracer, pixel, &mut Vec::new(), |from: Option<usize>, edge, end| {
+    trace_pixel(tracer, pixel, &mut Vec::new(), |from: Option<usize>, edge, route, end| {
         let index = tree.nodes.len();
         let child = match end {
             RayEnd::Hit(hit) => {
-                let lights = tracer.evaluated(lights, hit).collect();
+                let key = tracer.view().sample_key(pixel, route);
+                let lights = tracer.evaluated(lights, hit, &key).collect();
                 let relative_index = tracer.relative_index(hit);
                 let (reflected, refracted) = (Child::None, Child::None);
-                tree.nodes.push(RayNode { hit: *hit, relative_index, lights, reflected, refracted });
+                tree.nodes.push(RayNode { hit: *hit, key, relative_index, lights, reflected, refracted });
                 Child::Hit(index)
             }
             RayEnd::Miss(direction) => Child::Miss(direction),

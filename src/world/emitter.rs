@@ -2,14 +2,15 @@
 
 mod point;
 
+use crate::sampling::{Draw, SampleKey};
 use crate::scene::{LightId, LightKind};
 use crate::world::hit::SurfaceHit;
 use glam::DVec3;
 
 /// What a kind of emitter answers. Each kind implements it in a file of its own.
 trait Emit {
-    /// Where its light comes from as a hit sees it.
-    fn sample(&self, hit: &SurfaceHit) -> LightSample;
+    /// Where its light comes from as a hit sees it. Lights of many points or directions draw one.
+    fn sample(&self, hit: &SurfaceHit, draw: &Draw) -> LightSample;
 }
 
 /// Where light comes from as a hit sees it.
@@ -19,11 +20,28 @@ pub struct LightSample {
     pub direction: DVec3,
     /// The distance in world units, at least 0. It may be infinite.
     pub distance: f64,
+    /// What is sent towards the hit as a factor of the colour of the light: red, green and blue, each at least 0. A light
+    /// that sends nothing does not reach the hit.
+    pub radiance: [f32; 3],
+    /// What the sample counts: the share of all directions that it stands for, greater than 0.
+    pub weight: f32,
 }
 
 impl LightSample {
     /// No light.
-    pub(crate) const NONE: LightSample = LightSample { direction: DVec3::ZERO, distance: 0.0 };
+    pub(crate) const NONE: LightSample = LightSample { direction: DVec3::ZERO, distance: 0.0, radiance: [0.0; 3], weight: 1.0 };
+
+    /// All of the light in this direction, at this distance.
+    #[inline]
+    pub(super) fn whole(direction: DVec3, distance: f64) -> Self {
+        Self { direction, distance, radiance: [1.0; 3], weight: 1.0 }
+    }
+
+    /// Whether anything is sent towards the hit.
+    #[inline]
+    pub fn is_lit(&self) -> bool {
+        self.radiance.iter().any(|component| *component > 0.0)
+    }
 }
 
 /// An emitter, by its index in the list of emitters of the world: from 0, in the order of their lights.
@@ -59,8 +77,8 @@ impl Emitter {
 
     /// Where its light comes from as a hit sees it, whatever lies between.
     #[inline]
-    pub fn sample(&self, hit: &SurfaceHit) -> LightSample {
-        self.source.sample(hit)
+    pub fn sample(&self, hit: &SurfaceHit, key: &SampleKey) -> LightSample {
+        self.source.sample(hit, &key.draw(self.light.0))
     }
 }
 
@@ -83,9 +101,9 @@ macro_rules! emitters {
 
         impl Emit for EmitterKind {
             #[inline]
-            fn sample(&self, hit: &SurfaceHit) -> LightSample {
+            fn sample(&self, hit: &SurfaceHit, draw: &Draw) -> LightSample {
                 match self {
-                    $(EmitterKind::$kind(source) => source.sample(hit),)*
+                    $(EmitterKind::$kind(source) => source.sample(hit, draw),)*
                 }
             }
         }

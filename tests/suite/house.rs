@@ -13,17 +13,18 @@ use tokens::{Token, tokens, without_tests};
 
 /// Each room with the rooms that it may import. Data flows one way: text → AST → formula → plans → backends; scene →
 /// world → hits → evaluation → picture. The workspace and the window use all of this, and the program uses them.
-const ROOMS: [(&str, &[&str]); 22] = [
+const ROOMS: [(&str, &[&str]); 23] = [
     ("files", &[]),
     ("simd", &[]),
     ("texture", &[]),
+    ("sampling", &[]),
     ("lang", &["texture"]),
     ("formula", &["lang"]),
     ("scene", &["lang"]),
     ("mesh", &["files", "lang"]),
     ("bvh", &["simd", "mesh"]),
-    ("world", &["scene", "mesh", "bvh"]),
-    ("trace", &["lang", "scene", "world"]),
+    ("world", &["sampling", "scene", "mesh", "bvh"]),
+    ("trace", &["sampling", "lang", "scene", "world"]),
     ("picture", &["files", "lang"]),
     ("bytecode", &["lang", "formula", "scene", "world", "trace"]),
     ("plan", &["lang", "formula"]),

@@ -307,14 +307,14 @@ impl<'t> LeafColumns<'t> {
             self.records.push(vec![Line::default(); CHUNK_LINES * self.record_leaves.len()]);
         }
         let (first, coordinates) = (hits.start, self.coordinates);
-        replay(tracer, tile, group, hits, |hit, _, surface| {
+        replay(tracer, tile, group, hits, |hit, key, surface| {
             let index = (hit - first) as usize;
             let own = HitVariables::new(world, surface, tracer.relative_index(surface), coordinates);
             let put = |stream: &mut [Line], columns: usize, column: usize, value: f32| {
                 stream[index / Line::RECORDS * columns + column].0[index % Line::RECORDS] = flush(value);
             };
             for (emitter, stream) in group.emitters.iter().zip(&mut self.records) {
-                let sample = world.emitter(*emitter).sample(surface);
+                let sample = tracer.sample(*emitter, surface, key);
                 let record = LightVariables::new(surface, &sample, tile.is_visible(hit, *emitter));
                 let light = world.light_of(*emitter);
                 for (column, leaf) in self.record_leaves.iter().enumerate() {

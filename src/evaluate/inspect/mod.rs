@@ -171,20 +171,20 @@ impl<'i> Inspector<'i> {
     }
 
     fn light(&self, tracer: &Tracer, node: &RayNode, hit: &HitVariables, emitter: EmitterId) -> InspectedLight {
-        let (surface, light) = (&node.hit, self.world.light_of(emitter));
+        let (surface, key, light) = (&node.hit, &node.key, self.world.light_of(emitter));
         let between = || {
-            let mut occluders = tracer.occluders(emitter, surface);
+            let mut occluders = tracer.occluders(emitter, surface, key);
             occluders.sort_by(|one, other| one.distance.total_cmp(&other.distance));
             occluders.into_iter().map(|occluder| occluder.body).collect()
         };
-        let visibility = match (tracer.reaches(emitter, surface), tracer.faces(emitter, surface)) {
+        let visibility = match (tracer.reaches(emitter, surface, key), tracer.faces(emitter, surface, key)) {
             (true, _) => Visibility::Lit,
             (false, true) => Visibility::Shadowed(between()),
             (false, false) => Visibility::Away(between()),
         };
         let evaluated = node.lights.iter().any(|light| light.emitter == emitter);
-        let sample = self.world.emitter(emitter).sample(surface);
-        let variables = LightVariables::new(surface, &sample, tracer.is_visible(emitter, surface));
+        let sample = tracer.sample(emitter, surface, key);
+        let variables = LightVariables::new(surface, &sample, tracer.is_visible(emitter, surface, key));
         let values = self.values(surface.body, Some(light), &|symbol| variable(symbol, hit, &variables));
         let local = values[self.formula.result.0 as usize];
         let intensity = self.equation.light_weight(self.parameters, light.index());

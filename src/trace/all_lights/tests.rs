@@ -24,14 +24,14 @@ fn every_light_stands_at_every_hit_with_its_visibility() {
             assert!(tile.groups.is_sorted_by(|a, b| a.body < b.body), "a group for each body");
             for group in &tile.groups {
                 assert_eq!((&*group.emitters, group.scattered), (&*emitters, false));
-                replay(&tracer, tile, group, group.hits.clone(), |hit, pixel, surface| {
-                    let tree = &trees[pixel as usize];
+                replay(&tracer, tile, group, group.hits.clone(), |hit, key, surface| {
+                    let tree = &trees[key.pixel as usize];
                     let node = tree.nodes.iter().find(|node| node.hit == *surface).unwrap();
                     for light in &node.lights {
                         assert_eq!(tile.is_visible(hit, light.emitter), light.visible);
-                        kinds[usize::from(tracer.faces(light.emitter, surface))][usize::from(light.visible)] += 1;
-                        let reaches = tracer.reaches(light.emitter, surface);
-                        assert_eq!(reaches, light.visible && tracer.faces(light.emitter, surface));
+                        kinds[usize::from(tracer.faces(light.emitter, surface, key))][usize::from(light.visible)] += 1;
+                        let reaches = tracer.reaches(light.emitter, surface, key);
+                        assert_eq!(reaches, light.visible && tracer.faces(light.emitter, surface, key));
                     }
                 })
                 .unwrap();

@@ -46,7 +46,7 @@ fn the_highlight_of_a_sphere_lies_on_the_bisector() {
     near(node.hit.point, top);
     near(node.hit.shading_normal, top / 2.0);
     assert_eq!(emitters(node), [EmitterId(0)]);
-    let variables = LightVariables::new(&node.hit, &world.emitter(EmitterId(0)).sample(&node.hit), true);
+    let variables = LightVariables::new(&node.hit, &world.emitter(EmitterId(0)).sample(&node.hit, &node.key), true);
     assert!(variables.beta < 1e-6);
     assert!((variables.half.as_dvec3() - node.hit.shading_normal).length() < 1e-6);
     assert!((f64::from(variables.distance) - light.distance(top)).abs() < 1e-6);
@@ -198,8 +198,9 @@ fn a_light_behind_a_surface_is_hidden_by_closed_bodies_but_not_by_thin_ones() {
         let tracer = Tracer::new(&world, &view);
         let node = ray_tree(&tracer, 0, EvaluatedLights::All).nodes.swap_remove(0);
         assert_eq!(node.lights.len(), 1);
-        let occluders = tracer.occluders(EmitterId(0), &node.hit).into_iter().map(|met| met.body.0).collect::<Vec<_>>();
-        (node.lights[0].visible, tracer.faces(EmitterId(0), &node.hit), occluders)
+        let occluders =
+            tracer.occluders(EmitterId(0), &node.hit, &node.key).into_iter().map(|met| met.body.0).collect::<Vec<_>>();
+        (node.lights[0].visible, tracer.faces(EmitterId(0), &node.hit, &node.key), occluders)
     };
     let (leaf, ball) = (DVec3::ZERO, DVec3::new(4.0, 0.0, 1.0));
     assert_eq!(visible("<3,0,-4>", leaf, true), (true, false, vec![]), "through a leaf");

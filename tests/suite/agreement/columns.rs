@@ -77,7 +77,7 @@ impl GroupColumns {
         let [hit_leaves, record_leaves] = [&plan.hits, &plan.records].map(|plan| &plan.streams[0]);
         let mut hits = vec![Column::new(); hit_leaves.len()];
         let mut records = vec![vec![Column::new(); record_leaves.len()]; group.emitters.len()];
-        replay(tracer, tile, group, group.hits.clone(), |hit, _, surface| {
+        replay(tracer, tile, group, group.hits.clone(), |hit, key, surface| {
             let index = tracer.relative_index(surface);
             let own = HitVariables::new(tracer.world(), surface, index, CoordinatesUse::Read);
             let leaf = |leaf: &NodeId, light: usize, value: &dyn Fn(Variable) -> [f32; 3]| match graph.node(*leaf) {
@@ -89,7 +89,7 @@ impl GroupColumns {
                 column.push(leaf(node, usize::MAX, &|symbol| own.value(symbol).expect("a variable of hits")));
             }
             for (emitter, columns) in group.emitters.iter().zip(&mut records) {
-                let sample = tracer.world().emitter(*emitter).sample(surface);
+                let sample = tracer.sample(*emitter, surface, key);
                 let lit = LightVariables::new(surface, &sample, tile.is_visible(hit, *emitter));
                 let light = tracer.world().light_of(*emitter).index();
                 for (column, node) in columns.iter_mut().zip(record_leaves) {
