@@ -158,12 +158,13 @@ impl Engine {
         self.memory.unwrap_or_else(usable_memory)
     }
 
-    /// Does the work that depends on the formula alone. The backend keeps formulas that it has compiled.
+    /// Does the work that depends on the formula and the kinds of lights alone. The backend keeps formulas that it has
+    /// compiled.
     ///
     /// # Errors
     /// The backend does not support the formula.
-    pub fn compile(&self, formula: &Arc<Formula>) -> Result<(), EngineError> {
-        self.backend.compile(formula)?;
+    pub fn compile(&self, subject: &Subject) -> Result<(), EngineError> {
+        self.backend.compile(&subject.formula, &subject.world)?;
         Ok(())
     }
 
@@ -300,7 +301,7 @@ impl Engine {
 
     /// The memory budget, and what parts of the picture take of it. This many linear pictures are kept besides.
     fn budget(&self, subject: &Subject, pictures: u64) -> Result<Budget, EngineError> {
-        let Footprint { per_hit, per_record, per_pair, per_call } = self.backend.compile(&subject.formula)?;
+        let Footprint { per_hit, per_record, per_pair, per_call } = self.backend.compile(&subject.formula, &subject.world)?;
         let scene = subject.world.scene();
         let pairs = scene.bodies.len() as u64 * scene.lights.len() as u64;
         Ok(Budget {
@@ -334,8 +335,8 @@ mod tests {
             "recording"
         }
 
-        fn compile(&self, formula: &Arc<Formula>) -> Result<Footprint, EvaluateError> {
-            self.backend.compile(formula)
+        fn compile(&self, formula: &Arc<Formula>, world: &World) -> Result<Footprint, EvaluateError> {
+            self.backend.compile(formula, world)
         }
 
         fn thread_bytes(&self, formula: &Arc<Formula>, world: &World, view: &View) -> Result<u64, EvaluateError> {

@@ -176,7 +176,7 @@ impl Stage {
             turn = 1 - turn;
             dragged.frame(&slider[turn], framebuffer);
         });
-        shorten(&mut cost.compile, || drop(black_box(Engine::default().compile(&subject.formula))));
+        shorten(&mut cost.compile, || drop(black_box(Engine::default().compile(subject))));
         shorten(&mut cost.trace, || drop(black_box(engine.trace(subject, &Task::UNWATCHED))));
     }
 }

@@ -103,7 +103,7 @@ impl Script {
     /// An engine that has compiled the formula.
     pub(crate) fn compile(&self) -> Engine {
         let engine = Engine::default().with_memory(u64::MAX);
-        engine.compile(&self.subject.formula).expect("a formula that can be compiled");
+        engine.compile(&self.subject).expect("a formula that can be compiled");
         engine
     }
 

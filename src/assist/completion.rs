@@ -127,7 +127,7 @@ fn in_formula(text: &str, words: &Words, word: Range<usize>) -> Vec<Candidate> {
 fn expression(text: &str, words: &Words, word: &Range<usize>) -> Vec<Candidate> {
     let mut candidates: Vec<Candidate> = arguments(words, word.start);
     candidates.extend(own(text, words, word));
-    let variables = Variable::ALL.iter().map(variable);
+    let variables = Variable::written().map(variable);
     let given = Predefined::ALL.iter().filter(|one| one.usable_in_formulas()).map(predefined);
     let functions = builtins::names().into_iter().filter_map(builtins::named).chain([Form::Conditional]).map(function);
     let repetitions = Repetition::ALL.map(repetition);

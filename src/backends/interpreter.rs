@@ -2,7 +2,7 @@
 
 use crate::bytecode::program::{Instantiation, MAX_PROGRAM_BYTES, largest_tree};
 use crate::bytecode::{CodeTooLarge, FormulaCode, Programs};
-use crate::evaluate::{Backend, Drag, Drawn, EvaluateError, Evaluator, Footprint, Framebuffer, WholeFrames};
+use crate::evaluate::{Backend, Drag, Drawn, EvaluateError, Evaluator, Footprint, Framebuffer, WholeFrames, evaluated_formula};
 use crate::formula::Formula;
 use crate::formula::equation::Equation;
 use crate::lang::scalars::Floats;
@@ -36,15 +36,15 @@ impl Backend for Interpreter {
         false
     }
 
-    fn compile(&self, formula: &Arc<Formula>) -> Result<Footprint, EvaluateError> {
-        FormulaCode::new(formula)?;
+    fn compile(&self, formula: &Arc<Formula>, world: &World) -> Result<Footprint, EvaluateError> {
+        FormulaCode::new(&evaluated_formula(formula, world))?;
         Ok(Footprint::default())
     }
 
     /// Two programs: the interpreter writes others up to `BATCH_BYTES` before one of the largest size, and the memory
     /// of a growing list doubles. And the memory of the machine, and the tree of rays that a program is written from.
     fn thread_bytes(&self, formula: &Arc<Formula>, world: &World, view: &View) -> Result<u64, EvaluateError> {
-        let code = FormulaCode::new(formula)?;
+        let code = FormulaCode::new(&evaluated_formula(formula, world))?;
         let scene = world.scene();
         let equation = Equation::new(formula, scene.bodies.len(), scene.lights.len());
         let instantiation = Instantiation { code: &code, equation, world };
@@ -85,7 +85,7 @@ impl Interpreted {
     /// # Errors
     /// The bytecode would be too large.
     pub fn new(formula: &Arc<Formula>, world: &Arc<World>, view: View) -> Result<Self, CodeTooLarge> {
-        let code = FormulaCode::new(formula)?;
+        let code = FormulaCode::new(&evaluated_formula(formula, world))?;
         let scene = world.scene();
         let equation = Equation::new(formula, scene.bodies.len(), scene.lights.len());
         if (Instantiation { code: &code, equation, world }).largest(view.depth()) > MAX_PROGRAM_BYTES {

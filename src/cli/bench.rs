@@ -140,7 +140,7 @@ fn measure(options: &Options, input: &Project, sliders: &[Slider]) -> Result<Rep
     let (compile_ms, engine) = time(options.runs, || {
         // A new backend each time, because a backend keeps what it compiled.
         let engine = engine::engine(&DEFAULT, &options.input.machine);
-        engine.compile(&subject.formula).map_err(engine::failed)?;
+        engine.compile(subject).map_err(engine::failed)?;
         Ok(engine)
     })?;
     progress.tell(0.05);

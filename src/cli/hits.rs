@@ -180,7 +180,7 @@ struct Dump {
 
 impl Dump {
     fn new(folder: &Path) -> io::Result<Self> {
-        let of = |rate| Variable::ALL.iter().copied().filter(|variable| variable.rate() == rate).collect::<Vec<_>>();
+        let of = |rate| Variable::written().copied().filter(|variable| variable.rate() == rate).collect::<Vec<_>>();
         let (of_hit, of_record) = (of(Rate::Hit), of(Rate::Record));
         Ok(Self {
             hits: TableWriter::new(folder, "hits", &["pixel", "body", "path", "primitive"], &of_hit)?,

@@ -62,11 +62,12 @@ pub trait Backend: Send + Sync {
         true
     }
 
-    /// Does the work that depends on the formula alone. Returns the memory that its evaluators will keep.
+    /// Does the work that depends on the formula and on the kinds of lights of the world alone. Returns the memory that
+    /// its evaluators will keep.
     ///
     /// # Errors
     /// The backend does not support the formula.
-    fn compile(&self, formula: &Arc<Formula>) -> Result<Footprint, EvaluateError>;
+    fn compile(&self, formula: &Arc<Formula>, world: &World) -> Result<Footprint, EvaluateError>;
 
     /// The memory that each thread takes at most while it prepares and evaluates this formula, in bytes.
     ///
@@ -110,6 +111,12 @@ pub trait Evaluator: Send + Sync {
 
     /// The memory that is kept between frames, in bytes: stored hits and columns.
     fn bytes(&self) -> usize;
+}
+
+/// The formula that is evaluated in a world: that of the user, or the same [for weighted
+/// samples](Formula::for_weighted_samples).
+pub fn evaluated_formula(formula: &Arc<Formula>, world: &World) -> Arc<Formula> {
+    if world.has_whole_samples() { Arc::clone(formula) } else { formula.for_weighted_samples() }
 }
 
 /// Statistics of drawing a picture.

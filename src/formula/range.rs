@@ -47,6 +47,7 @@ fn of_variable(variable: Variable, slack: f64) -> Interval {
         Variable::TotalReflection => Interval::new(0.0, 1.0),
         Variable::Distance => Interval::new(0.0, f64::INFINITY),
         Variable::Visible => Interval::new(0.0, 1.0),
+        Variable::Radiance | Variable::SampleWeight | Variable::WeightedRadiance => Interval::new(0.0, f32::MAX.into()),
         // Those of a mesh come from its file.
         Variable::SurfaceU | Variable::SurfaceV => Interval::new(f32::MIN.into(), f32::MAX.into()),
         Variable::Point => Interval::new(f64::NEG_INFINITY, f64::INFINITY),

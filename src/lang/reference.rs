@@ -70,7 +70,7 @@ pub struct Table {
 /// The tables of the reference: operators, functions, variables, predefined parameters.
 pub fn tables() -> Vec<Table> {
     let table = |title: &str, rows| Table { title: title.to_owned(), rows };
-    let variables = |rate| Variable::ALL.iter().filter(move |variable| variable.rate() == rate).map(variable).collect::<Vec<_>>();
+    let variables = |rate| Variable::written().filter(move |variable| variable.rate() == rate).map(variable).collect::<Vec<_>>();
     let mut tables = vec![
         table(OPERATORS, operators()),
         table(FUNCTIONS, functions()),
@@ -193,7 +193,7 @@ fn section(text: &mut String, title: &str, rows: &[Row]) {
     for row in rows {
         let mark = match row.origin {
             Origin::Thesis => "   ",
-            Origin::Added => "[+]",
+            Origin::Added | Origin::Internal => "[+]",
         };
         let head = format!("  {:form$}  {:types$}  {mark} ", row.form, row.types);
         let indent = head.chars().count();
@@ -230,7 +230,7 @@ mod tests {
         for operation in Operation::ALL {
             assert!(text.contains(&row(*operation).form), "{operation:?}");
         }
-        for name in Variable::ALL.iter().map(|variable| variable.name()).chain(Predefined::ALL.iter().map(|known| known.name())) {
+        for name in Variable::written().map(|variable| variable.name()).chain(Predefined::ALL.iter().map(|known| known.name())) {
             assert!(text.lines().any(|line| line.trim_start().split(' ').next() == Some(name)), "{name}");
         }
         assert!(text.lines().all(|line| line.chars().count() <= WIDTH && line.trim_end() == line), "{text}");

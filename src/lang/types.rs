@@ -63,4 +63,6 @@ pub enum Origin {
     Thesis,
     /// Added since: formulas may redefine it, so that old formulas keep working.
     Added,
+    /// Used by the evaluation alone: no formula can write its name.
+    Internal,
 }

@@ -61,9 +61,14 @@ macro_rules! variables {
                 match self { $(Variable::$variant => $doc,)* }
             }
 
+            /// Those that formulas can write.
+            pub fn written() -> impl Iterator<Item = &'static Variable> {
+                Variable::ALL.iter().filter(|variable| variable.origin() != Origin::Internal)
+            }
+
             /// The variable of this name.
             pub fn named(name: &str) -> Option<Variable> {
-                Variable::ALL.iter().copied().find(|variable| variable.name() == name)
+                Variable::written().copied().find(|variable| variable.name() == name)
             }
         }
     };
@@ -88,6 +93,9 @@ variables! {
     SurfaceV "v" Scalar Hit Added "second surface coordinate, 0..1; on a mesh that of its file, or 0 if the file has none";
     Distance "dist" Scalar Record Added "distance from the hit to the light, world units";
     Visible "visible" Scalar Record Added "1 if no body lies between the hit and the light, else 0; a formula that reads it is evaluated at every light";
+    Radiance "light radiance" Vector Record Internal "what the light sends to the hit, as a factor of IL, each at least 0";
+    SampleWeight "light weight" Scalar Record Internal "what the sample of the light counts, greater than 0";
+    WeightedRadiance "light radiance, weighted" Vector Record Internal "the product of both";
 }
 
 impl Variable {
@@ -110,6 +118,9 @@ impl Variable {
             | Variable::SurfaceV
             | Variable::Distance
             | Variable::Visible
+            | Variable::Radiance
+            | Variable::SampleWeight
+            | Variable::WeightedRadiance
             | Variable::RelativeIndex
             | Variable::TotalReflection => false,
         }

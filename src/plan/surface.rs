@@ -1,9 +1,9 @@
 //! The kernels for what a formula gives at every hit: the weights of rays, ambient light and emission.
 
 use crate::formula::binding::{Bindings, SurfaceNodes};
-use crate::formula::graph::{Graph, Node, NodeId};
+use crate::formula::graph::{Node, NodeId};
+use crate::formula::power::power;
 use crate::formula::{Formula, ParameterId};
-use crate::lang::scalars::Primitive;
 use crate::plan::contribution::ContributionPlan;
 use crate::plan::kernel::{Domain, KernelPlan, Sink};
 
@@ -52,7 +52,7 @@ impl SurfacePlan {
     /// times what does not depend on it. `None` if it depends on it in another way.
     pub fn power_in_weight(&self, weight: usize, parameter: ParameterId) -> Option<u32> {
         let Some(nodes) = self.nodes.weights[weight] else { return Some(0) };
-        let powers = nodes.map(|node| power(&self.bindings.graph, node, parameter));
+        let powers = nodes.map(|node| power(&self.bindings.graph, node, |id| id == parameter));
         let [red, green, blue] = powers;
         (red == green && green == blue).then_some(red?).filter(|power| *power <= 1)
     }
@@ -66,33 +66,6 @@ impl SurfacePlan {
         let leaves = self.bindings.leaves(nodes);
         leaves.into_iter().any(|leaf| matches!(self.bindings.graph.node(leaf), Node::Parameter(id, _) if moved.contains(&id)))
     }
-}
-
-/// The power of a parameter in a product. `None` if the value is not such a product.
-fn power(graph: &Graph, root: NodeId, parameter: ParameterId) -> Option<u32> {
-    // The powers of the nodes up to the root, operands before their users.
-    let mut powers: Vec<Option<u32>> = Vec::with_capacity(root.0 as usize + 1);
-    for index in 0..=root.0 {
-        let node = graph.node(NodeId(index));
-        let of = |id: NodeId| powers[id.0 as usize];
-        let is_zero = |id: NodeId| graph.constant(id) == Some(0.0);
-        let same = |x: NodeId, y: NodeId| match (of(x), of(y)) {
-            (power, _) if is_zero(y) => power,
-            (_, power) if is_zero(x) => power,
-            (one, other) => one.filter(|_| one == other),
-        };
-        powers.push(match node {
-            Node::Parameter(id, _) => Some(u32::from(id == parameter)),
-            Node::Constant(_) | Node::Variable(..) => Some(0),
-            Node::Apply(Primitive::Mul, [x, y, ..]) => of(x).zip(of(y)).map(|(x, y)| x + y),
-            Node::Apply(Primitive::Div, [x, y, ..]) => of(x).filter(|_| of(y) == Some(0)),
-            Node::Apply(Primitive::Neg, [x, ..]) => of(x),
-            Node::Apply(Primitive::Add | Primitive::Sub, [x, y, ..]) => same(x, y),
-            Node::Apply(Primitive::Select, [condition, x, y, ..]) if of(condition) == Some(0) => same(x, y),
-            Node::Apply(..) => node.operands().iter().all(|operand| of(*operand) == Some(0)).then_some(0),
-        });
-    }
-    powers[root.0 as usize]
 }
 
 #[cfg(test)]

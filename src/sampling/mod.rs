@@ -3,8 +3,8 @@
 //!
 //! A picture is the mean of passes. The points of one pixel over the passes are a Sobol sequence (Sobol 1967), so they
 //! fill the unit square evenly. The sequence of each pixel, route of rays and light is scrambled on its own after Owen
-//! (Burley 2020, "Practical Hash-based Owen Scrambling"), so that neighbouring pixels have independent errors. The first
-//! 2^m points stay evenly spread. A point depends on nothing else: any pass can be made alone, in any order.
+//! (Burley 2020, "Practical Hash-based Owen Scrambling"), so that neighbouring pixels have independent errors. The
+//! first 2^m points stay evenly spread. A point depends on nothing else: any pass can be made alone, in any order.
 //!
 //! What points are used for is not known here.
 

@@ -2,8 +2,9 @@
 //!
 //! The store groups hits by the emitters that reach them. Here all hits on a body are one group with all emitters, and
 //! a table says which of them are visible. This second store is made from the first when it is first needed. It takes
-//! no search for intersections, and a shadow ray only for an emitter that is behind the surface or sends nothing
-//! there: the first store knows the others. The first store stays for all other formulas, whose pictures and times do not change.
+//! no search for intersections, and a shadow ray only for an emitter that is behind the surface or sends nothing there:
+//! the first store knows the others. The first store stays for all other formulas, whose pictures and times do not
+//! change.
 
 #[cfg(test)]
 mod tests;

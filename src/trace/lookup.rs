@@ -24,7 +24,10 @@ impl HitVariables {
             | Variable::Beta
             | Variable::Halfway
             | Variable::Distance
-            | Variable::Visible => return None,
+            | Variable::Visible
+            | Variable::Radiance
+            | Variable::SampleWeight
+            | Variable::WeightedRadiance => return None,
         })
     }
 }
@@ -40,6 +43,9 @@ pub fn variable(variable: Variable, hit: &HitVariables, light: &LightVariables) 
         Variable::Halfway => light.half.to_array(),
         Variable::Distance => [light.distance; 3],
         Variable::Visible => [light.visible; 3],
+        Variable::Radiance => light.radiance.to_array(),
+        Variable::SampleWeight => [light.weight; 3],
+        Variable::WeightedRadiance => (light.weight * light.radiance).to_array(),
         Variable::Normal
         | Variable::ToViewer
         | Variable::Gamma

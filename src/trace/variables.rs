@@ -64,6 +64,10 @@ pub struct LightVariables {
     pub distance: f32,
     /// `visible`: 1 if no body lies between the hit and the light, else 0.
     pub visible: f32,
+    /// What the light sends to the hit, as a factor of `IL`; see [`LightSample::radiance`].
+    pub radiance: Vec3,
+    /// What the sample counts; see [`LightSample::weight`].
+    pub weight: f32,
 }
 
 /// The angle between two directions of unit length; rounding may take their cosine beyond 1.
@@ -98,7 +102,7 @@ impl LightVariables {
     /// The variables at a hit for one light, as the hit sees it, whether it reaches the hit or not. `visible` says
     /// whether nothing lies between.
     pub fn new(hit: &SurfaceHit, sample: &LightSample, visible: bool) -> Self {
-        let LightSample { direction, distance, .. } = *sample;
+        let LightSample { direction, distance, radiance, weight } = *sample;
         let normal = hit.shading_normal;
         let mirrored = 2.0 * normal.dot(direction) * normal - direction;
         let half = (direction + hit.view).try_normalize().unwrap_or(normal);
@@ -110,6 +114,8 @@ impl LightVariables {
             half: half.as_vec3(),
             distance: distance as f32,
             visible: f32::from(u8::from(visible)),
+            radiance: radiance.into(),
+            weight,
         }
     }
 }

@@ -54,8 +54,8 @@ pub(super) struct PendingRay<T> {
 
 /// Traces all rays of a pixel, parents before their children and the reflected child's whole tree before the refracted.
 ///
-/// `visit` learns where each ray came from, how, by which route, and where it ended. What it returns is passed to it as the origin of
-/// the ray's children. `stack` is scratch memory, empty before and after.
+/// `visit` learns where each ray came from, how, by which route, and where it ended. What it returns is passed to it as
+/// the origin of the ray's children. `stack` is scratch memory, empty before and after.
 pub(super) fn trace_pixel<T: Copy>(
     tracer: &Tracer,
     pixel: u32,

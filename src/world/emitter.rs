@@ -11,6 +11,11 @@ use glam::DVec3;
 trait Emit {
     /// Where its light comes from as a hit sees it. Lights of many points or directions draw one.
     fn sample(&self, hit: &SurfaceHit, draw: &Draw) -> LightSample;
+
+    /// Whether every sample of it is [whole](LightSample::whole).
+    fn is_whole(&self) -> bool {
+        true
+    }
 }
 
 /// Where light comes from as a hit sees it.
@@ -20,8 +25,8 @@ pub struct LightSample {
     pub direction: DVec3,
     /// The distance in world units, at least 0. It may be infinite.
     pub distance: f64,
-    /// What is sent towards the hit as a factor of the colour of the light: red, green and blue, each at least 0. A light
-    /// that sends nothing does not reach the hit.
+    /// What is sent towards the hit as a factor of the colour of the light: red, green and blue, each at least 0 and
+    /// finite. A light that sends nothing does not reach the hit.
     pub radiance: [f32; 3],
     /// What the sample counts: the share of all directions that it stands for, greater than 0.
     pub weight: f32,
@@ -75,6 +80,11 @@ impl Emitter {
         self.light
     }
 
+    /// Whether every sample of it has the radiance and the weight 1.
+    pub fn is_whole(&self) -> bool {
+        self.source.is_whole()
+    }
+
     /// Where its light comes from as a hit sees it, whatever lies between.
     #[inline]
     pub fn sample(&self, hit: &SurfaceHit, key: &SampleKey) -> LightSample {
@@ -100,6 +110,12 @@ macro_rules! emitters {
         }
 
         impl Emit for EmitterKind {
+            fn is_whole(&self) -> bool {
+                match self {
+                    $(EmitterKind::$kind(source) => source.is_whole(),)*
+                }
+            }
+
             #[inline]
             fn sample(&self, hit: &SurfaceHit, draw: &Draw) -> LightSample {
                 match self {

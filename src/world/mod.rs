@@ -122,6 +122,11 @@ impl World {
         &self.emitters
     }
 
+    /// Whether every sample of every light has the radiance and the weight 1: formulas need not know these.
+    pub fn has_whole_samples(&self) -> bool {
+        self.emitters.iter().all(Emitter::is_whole)
+    }
+
     /// The ids of all emitters, in the order of their lights.
     pub fn emitter_ids(&self) -> impl Iterator<Item = EmitterId> + use<> {
         // As many as lights, of which there are fewer than 2³².

@@ -69,7 +69,7 @@ fn formula() -> Value {
         group("keyword.control.conditional", &format!("\\b({})(?=\\s*\\()", Form::Conditional.spelling())),
         group("support.function", &format!("\\b{functions}(?=\\s*\\()")),
         group("constant.language", &format!("\\b{}\\b", one_of(constants))),
-        group("variable.language", &format!("\\b{}\\b", one_of(Variable::ALL.iter().map(|one| one.name())))),
+        group("variable.language", &format!("\\b{}\\b", one_of(Variable::written().map(|one| one.name())))),
         group("support.variable", &format!("\\b{}\\b", one_of(Predefined::ALL.iter().map(|one| one.name())))),
         rule("keyword.operator", "&&|\\|\\||[<>=!]=|\\.\\.|[-+*/.^<>=!]"),
     ]);

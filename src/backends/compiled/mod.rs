@@ -18,7 +18,7 @@ mod textured;
 mod tile;
 
 use crate::evaluate::weights::{PathMonomials, Weight, path_weights};
-use crate::evaluate::{Backend, Drawn, EvaluateError, Evaluator, Footprint, Framebuffer, Part};
+use crate::evaluate::{Backend, Drawn, EvaluateError, Evaluator, Footprint, Framebuffer, Part, evaluated_formula};
 use crate::formula::equation::{Equation, Site};
 use crate::formula::{Formula, Parameter};
 use crate::jit::compile::Contribution;
@@ -63,8 +63,8 @@ impl Backend for Jit {
         NAME
     }
 
-    fn compile(&self, formula: &Arc<Formula>) -> Result<Footprint, EvaluateError> {
-        let compiled = self.kernels.compiled(formula)?;
+    fn compile(&self, formula: &Arc<Formula>, world: &World) -> Result<Footprint, EvaluateError> {
+        let compiled = self.kernels.compiled(&evaluated_formula(formula, world))?;
         let frontier = &compiled.plan.bindings.frontier;
         let numbers = |count: usize| (size_of::<f32>() * count) as u64;
         // Parameter numbers, uniform values as the kernel writes them and as others read them, and whether the pair
@@ -86,12 +86,13 @@ impl Backend for Jit {
     }
 
     fn thread_bytes(&self, formula: &Arc<Formula>, world: &World, _: &View) -> Result<u64, EvaluateError> {
-        let compiled = self.kernels.compiled(formula)?;
+        let compiled = self.kernels.compiled(&evaluated_formula(formula, world))?;
         let leaves = LeafColumns::bytes(&compiled, world.emitter_ids().count());
         Ok((TileScratch::BYTES + leaves) as u64)
     }
 
     fn prepare(&self, formula: &Arc<Formula>, hits: &Arc<Hits>, parameters: &[f32]) -> Result<Arc<dyn Evaluator>, EvaluateError> {
+        let formula = &evaluated_formula(formula, &hits.world);
         let kernels = self.kernels.compiled(formula)?;
         let compiled = Compiled::new(Arc::clone(&kernels), formula, hits, parameters)?;
         match compiled.textures.is_empty() {

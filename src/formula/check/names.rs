@@ -116,8 +116,7 @@ impl Names {
 
     /// The known names of the wanted kind, in alphabetical order.
     fn candidates(&self, wanted: impl Fn(Meaning) -> bool) -> Vec<&str> {
-        let builtin_names = Variable::ALL
-            .iter()
+        let builtin_names = Variable::written()
             .map(|variable| variable.name())
             .chain(Predefined::ALL.iter().map(|predefined| predefined.name()))
             .chain(builtins::names())

@@ -218,7 +218,7 @@ impl DrawingWorker {
         let backend = engine.backend().name();
         if !self.compiled.as_ref().is_some_and(|(formula, of)| Arc::ptr_eq(formula, &subject.formula) && *of == backend) {
             let start = Instant::now();
-            engine.compile(&subject.formula)?;
+            engine.compile(subject)?;
             tell(Event::Compiled(start.elapsed()));
             self.compiled = Some((Arc::clone(&subject.formula), backend));
             self.held = None;

@@ -26,7 +26,7 @@ fn language_tables() -> String {
     let row = |Row { form, types, origin, doc, .. }: &Row| {
         let mark = match origin {
             Origin::Thesis => "",
-            Origin::Added => "+",
+            Origin::Added | Origin::Internal => "+",
         };
         format!("| `{}` | {types} | {mark} | {} |\n", form.replace('|', "\\|"), plain(doc))
     };

@@ -29,7 +29,7 @@ impl Backend for ColumnsBackend {
         "columns"
     }
 
-    fn compile(&self, _: &Arc<Formula>) -> Result<Footprint, EvaluateError> {
+    fn compile(&self, _: &Arc<Formula>, _: &World) -> Result<Footprint, EvaluateError> {
         Ok(Footprint::default())
     }
 

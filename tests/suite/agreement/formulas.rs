@@ -41,7 +41,7 @@ fn leaf(ty: Type) -> BoxedStrategy<String> {
     let variables = |ty: Type| -> Vec<String> {
         // `v` is a parameter of these formulas.
         let usable = |variable: &&Variable| !variable.is_of_crossing() && **variable != Variable::SurfaceV;
-        let known = Variable::ALL.iter().filter(usable).filter(|variable| variable.ty() == ty);
+        let known = Variable::written().filter(usable).filter(|variable| variable.ty() == ty);
         known.map(|variable| variable.name().to_owned()).collect()
     };
     let number = prop_oneof![

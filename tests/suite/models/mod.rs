@@ -98,6 +98,7 @@ impl Hit {
             }
             Variable::Distance => [self.distance; 3],
             Variable::Visible => [self.visible; 3],
+            Variable::Radiance | Variable::SampleWeight | Variable::WeightedRadiance => [1.0; 3],
         };
         vector[usize::from(component)]
     }
