@@ -1,7 +1,7 @@
 //! Evaluation by machine code.
 //!
 //! The static values of every record lie in columns (`columns`). A frame runs the contribution kernels over the
-//! spans whose path weight is not 0, and adds their results to the pixels (`pass`, `tile`, `planes`). The order of
+//! spans whose path weight is not 0, and adds their results to the pixels (`summation`, `tile`, `planes`). The order of
 //! that work is kept from frame to frame (`program`). `drag` makes the pictures while a slider is held.
 
 mod chosen;
@@ -9,10 +9,10 @@ mod columns;
 mod drag;
 mod leaves;
 mod memory;
-mod pass;
 mod planes;
 mod program;
 mod source;
+mod summation;
 mod surface;
 mod textured;
 mod tile;
@@ -33,12 +33,12 @@ use chosen::{Chosen, ChosenVariant};
 use columns::{Columns, LeafColumns};
 use drag::CompiledDrag;
 use leaves::StaticTextures;
-use pass::{Pass, PassColumns};
 use program::TileProgram;
 use rayon::prelude::*;
 use source::ContributionSource;
 use std::sync::{Arc, Mutex, PoisonError};
-use surface::{SurfacePass, SurfaceTile, parameter_weights};
+use summation::{Summation, SummationColumns};
+use surface::{SurfaceSummation, SurfaceTile, parameter_weights};
 use textured::Textured;
 use tile::{Accumulate, TileScratch};
 
@@ -163,10 +163,10 @@ impl Compiled {
     }
 
     /// Draws a tile into its part of a framebuffer.
-    fn draw_tile(&self, pass: &Pass, parameters: &[f32], index: usize, scratch: &mut TileScratch, part: Part) {
-        self.tile(pass, parameters, index, scratch);
+    fn draw_tile(&self, summation: &Summation, parameters: &[f32], index: usize, scratch: &mut TileScratch, part: Part) {
+        self.tile(summation, parameters, index, scratch);
         // Kernels have prefetched the first lines after those of the tile.
-        let next = pass.columns.lines(index + 1).and_then(|next| next.get(PREFETCH_DISTANCE / size_of::<Line>()..));
+        let next = summation.columns.lines(index + 1).and_then(|next| next.get(PREFETCH_DISTANCE / size_of::<Line>()..));
         scratch.planes.quantise(0, part, next.unwrap_or_default());
     }
 
@@ -195,31 +195,31 @@ impl Compiled {
         });
     }
 
-    /// The pass of a whole picture, with the [variants](Self::chosen) for these numbers.
-    fn whole<'p>(&'p self, parameters: &[f32], chosen: Option<&'p Chosen>) -> Pass<'p> {
+    /// The summation of a whole picture, with the [variants](Self::chosen) for these numbers.
+    fn whole<'p>(&'p self, parameters: &[f32], chosen: Option<&'p Chosen>) -> Summation<'p> {
         self.check_parameters(parameters);
         let bodies = 0..self.equation.layout.owners(Owner::Body);
         let at_hits = bodies.map(|body| self.equation.sum(Site::Hit, parameters, body)).collect();
-        let mut pass = self.empty_pass(at_hits, self.equation.sum(Site::Miss, parameters, 0), Channels::All);
-        pass.surface = self.surface_pass(parameters, true);
-        self.push_contributions(parameters, chosen, &mut pass);
-        pass
+        let mut summation = self.empty_summation(at_hits, self.equation.sum(Site::Miss, parameters, 0), Channels::All);
+        summation.surface = self.surface_summation(parameters, true);
+        self.push_contributions(parameters, chosen, &mut summation);
+        summation
     }
 
     /// Adds the contributions of all pairs of a body and a light: by the kernels of the branches that a pair takes, or
     /// by one kernel where the formula does not choose.
-    fn push_contributions<'p>(&'p self, parameters: &[f32], chosen: Option<&'p Chosen>, pass: &mut Pass<'p>) {
+    fn push_contributions<'p>(&'p self, parameters: &[f32], chosen: Option<&'p Chosen>, summation: &mut Summation<'p>) {
         let Some(chosen) = chosen else {
             let (source, uniforms) = self.source(parameters, &self.compiled.contribution, &self.leaves, Channels::All);
-            return pass.push(source, uniforms);
+            return summation.push(source, uniforms);
         };
-        pass.columns = PassColumns::Variants(chosen);
+        summation.columns = SummationColumns::Variants(chosen);
         for (index, ChosenVariant { compiled, leaves, pairs }) in chosen.variants.iter().enumerate() {
             let contribution = compiled.as_ref().map_or(&self.compiled.contribution, |variant| &variant.contribution);
             let (mut source, uniforms) = self.source(parameters, contribution, leaves, Channels::All);
             source.variant = index;
             source.active.iter_mut().zip(pairs).for_each(|(active, own)| *active &= own);
-            pass.push(source, uniforms);
+            summation.push(source, uniforms);
         }
     }
 
@@ -235,11 +235,11 @@ impl Compiled {
         numbers.chunks_exact(plan.conditions.len()).map(bits).collect()
     }
 
-    /// What the formula gives at every hit, for a pass with these parameter numbers.
-    fn surface_pass(&self, parameters: &[f32], adds_own: bool) -> Option<SurfacePass<'_>> {
+    /// What the formula gives at every hit, for a summation with these parameter numbers.
+    fn surface_summation(&self, parameters: &[f32], adds_own: bool) -> Option<SurfaceSummation<'_>> {
         let (plan, compiled) = (self.compiled.plan.surface.as_ref()?, self.compiled.surface.as_ref()?);
         let bodies = self.equation.layout.owners(Owner::Body);
-        Some(SurfacePass {
+        Some(SurfaceSummation {
             compiled,
             plan,
             tiles: &self.surface,
@@ -260,7 +260,7 @@ impl Compiled {
     }
 
     /// Sets `weights` to the weights of all paths of a tile. Where the formula gives weights of rays, they are 1, and
-    /// the pass multiplies by the weights of hits.
+    /// the summation multiplies by the weights of hits.
     fn path_weights(&self, tile: &Tile, parameters: &[f32], weights: &mut Vec<Weight>) {
         if self.surface.is_empty() {
             path_weights(tile, &self.equation, parameters, weights);
@@ -270,12 +270,12 @@ impl Compiled {
         }
     }
 
-    /// A pass without sources.
-    fn empty_pass(&self, at_hits: Vec<[f32; 3]>, at_misses: [f32; 3], channels: Channels) -> Pass<'_> {
+    /// A summation without sources.
+    fn empty_summation(&self, at_hits: Vec<[f32; 3]>, at_misses: [f32; 3], channels: Channels) -> Summation<'_> {
         let code = PixelCode::get(self.width());
         let (sources, uniforms) = (Vec::new(), Vec::new());
-        let columns = PassColumns::Formula(&self.columns);
-        Pass { sources, uniforms, columns, at_hits, at_misses, channels, code, surface: None }
+        let columns = SummationColumns::Formula(&self.columns);
+        Summation { sources, uniforms, columns, at_hits, at_misses, channels, code, surface: None }
     }
 
     /// A contribution of all pairs of a body and a light whose light is on, and its uniform values, computed from
@@ -312,11 +312,11 @@ impl Compiled {
     }
 
     /// Computes the pixels of a tile, in the planes of the scratch memory.
-    fn tile(&self, pass: &Pass, parameters: &[f32], index: usize, scratch: &mut TileScratch) {
+    fn tile(&self, summation: &Summation, parameters: &[f32], index: usize, scratch: &mut TileScratch) {
         let tile = &self.hits.tiles[index];
         self.path_weights(tile, parameters, &mut scratch.weights);
         let mut program = self.programs[index].lock().unwrap_or_else(PoisonError::into_inner);
-        pass.run(tile, index, None, Accumulate::Overwrite, scratch, &mut program);
+        summation.run(tile, index, None, Accumulate::Overwrite, scratch, &mut program);
     }
 
     /// The uniform values of all pairs of a body and a light, pair by pair, by a kernel that reads these parameter
@@ -353,9 +353,9 @@ impl Evaluator for Compiled {
         let view = self.hits.view;
         let mut frame = Frame::black(view.width(), view.height());
         let chosen = self.chosen(parameters);
-        let pass = self.whole(parameters, chosen.as_deref());
+        let summation = self.whole(parameters, chosen.as_deref());
         self.each_tile(frame.linear.par_chunks_mut(tile_pixels(view.pixels()) as usize), |pixels, index, scratch| {
-            self.tile(&pass, parameters, index, scratch);
+            self.tile(&summation, parameters, index, scratch);
             for (index, pixel) in pixels.iter_mut().enumerate() {
                 *pixel = scratch.planes.colour(index);
             }
@@ -367,9 +367,9 @@ impl Evaluator for Compiled {
         self.check_size(framebuffer);
         Drawn::timed(|| {
             let chosen = self.chosen(parameters);
-            let pass = self.whole(parameters, chosen.as_deref());
+            let summation = self.whole(parameters, chosen.as_deref());
             self.each_tile(framebuffer.parts(), |part, index, scratch| {
-                self.draw_tile(&pass, parameters, index, scratch, part);
+                self.draw_tile(&summation, parameters, index, scratch, part);
             });
         })
     }

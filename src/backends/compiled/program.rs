@@ -5,9 +5,9 @@
 //! addresses of values.
 
 use crate::backends::compiled::columns::{ColumnPart, Columns};
-use crate::backends::compiled::pass::Pass;
 use crate::backends::compiled::planes::Planes;
 use crate::backends::compiled::source::ContributionSource;
+use crate::backends::compiled::summation::Summation;
 use crate::backends::compiled::surface::HitWeights;
 use crate::evaluate::weights::Weight;
 use crate::jit::{CallList, Line, Operands, Sums};
@@ -17,7 +17,7 @@ use smallvec::SmallVec;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// The order of work on a tile in a pass.
+/// The order of work on a tile in a summation.
 #[derive(Default)]
 pub(super) struct TileProgram {
     /// The calls of compiled code.
@@ -66,7 +66,7 @@ impl WeightClass {
     }
 }
 
-/// The inputs of the program of a tile, without its pass.
+/// The inputs of the program of a tile, without its summation.
 pub(super) struct TileInputs<'t> {
     pub(super) tile: &'t Tile,
     /// The index of the tile among the tiles.
@@ -90,7 +90,7 @@ impl TileProgram {
             + classes * size_of::<WeightClass>()
     }
 
-    /// Discards the order of work, for another pass or another tile.
+    /// Discards the order of work, for another summation or another tile.
     pub(super) fn forget(&mut self) {
         self.built_for = None;
     }
@@ -102,32 +102,32 @@ impl TileProgram {
 
     /// Rebuilds the order of work if it has changed. Between calls of [`forget`](Self::forget), only values, weights
     /// and the set of active pairs may change.
-    pub(super) fn prepare(&mut self, pass: &Pass, inputs: &TileInputs) {
-        let active = || pass.sources.iter().flat_map(|source| source.active.iter().copied());
+    pub(super) fn prepare(&mut self, summation: &Summation, inputs: &TileInputs) {
+        let active = || summation.sources.iter().flat_map(|source| source.active.iter().copied());
         let classes = || inputs.weights.iter().map(|weight| WeightClass::of(*weight));
         let holds = |known: &BuiltFor| {
             active().eq(known.active.iter().copied())
                 && classes().eq(known.classes.iter().copied())
-                && pass.columns.choices() == known.choices.as_ref()
+                && summation.columns.choices() == known.choices.as_ref()
         };
         if self.built_for.as_ref().is_some_and(holds) {
             return;
         }
         self.calls.clear();
         self.between.clear();
-        let mut builder = ProgramBuilder { pass, inputs, program: self };
+        let mut builder = ProgramBuilder { summation, inputs, program: self };
         for (index, group) in inputs.tile.groups.iter().enumerate() {
             builder.group(group, index);
         }
         self.calls.shrink();
         self.between.shrink_to_fit();
-        let choices = pass.columns.choices().cloned();
+        let choices = summation.columns.choices().cloned();
         self.built_for = Some(BuiltFor { choices, active: active().collect(), classes: classes().collect() });
     }
 
     /// Does the work. `weights` holds the weight of each span, followed by as many more numbers as a chunk has hits.
-    pub(super) fn run(&self, pass: &Pass, inputs: &TileInputs, weights: &[f32], sums: &mut Sums, planes: &mut Planes) {
-        let columns = pass.columns.lines(inputs.tile_index).unwrap_or_default();
+    pub(super) fn run(&self, summation: &Summation, inputs: &TileInputs, weights: &[f32], sums: &mut Sums, planes: &mut Planes) {
+        let columns = summation.columns.lines(inputs.tile_index).unwrap_or_default();
         let drag_lines = inputs.drag_columns.map_or(&[][..], Columns::lines);
         let mut done = 0;
         let calls = |calls: Range<usize>, sums: &mut Sums, planes: &mut Planes| {
@@ -136,7 +136,7 @@ impl TileProgram {
                 &mut Operands {
                     streams: [columns, columns, drag_lines],
                     next_lines: if inputs.drag_columns.is_some() { drag_lines } else { columns },
-                    uniforms: &pass.uniforms,
+                    uniforms: &summation.uniforms,
                     segments: &inputs.tile.segments,
                     weights,
                     sums,
@@ -167,7 +167,7 @@ impl TileProgram {
 
 /// Builds a program.
 struct ProgramBuilder<'b, 'p> {
-    pass: &'b Pass<'p>,
+    summation: &'b Summation<'p>,
     inputs: &'b TileInputs<'b>,
     program: &'b mut TileProgram,
 }
@@ -188,7 +188,7 @@ impl ProgramBuilder<'_, '_> {
     /// Adds the contributions of the lights of a group.
     fn group(&mut self, group: &Group, index: usize) {
         let mut active_lights = ActiveLights::new();
-        for (number, source) in self.pass.sources.iter().enumerate() {
+        for (number, source) in self.summation.sources.iter().enumerate() {
             for (light, emitter) in group.emitters.iter().enumerate() {
                 let pair = source.pair(group.body, *emitter);
                 if source.active[pair] {
@@ -221,14 +221,14 @@ impl ProgramBuilder<'_, '_> {
                 let lines = begin / LINE_HITS / ROUND_LINES * ROUND_LINES..end.div_ceil(LINE_HITS).next_multiple_of(ROUND_LINES);
                 let next_lines = self.lights(index, &active_lights, lines);
                 let segments = first.segments.start as usize..last.segments.end as usize;
-                let component = match self.pass.channels {
+                let component = match self.summation.channels {
                     Channels::All => None,
                     Channels::One(component) => Some(component),
                 };
                 let tiny = run.iter().any(|span| class(span) == WeightClass::Tiny);
-                match self.pass.code.filter(|_| !tiny && self.inputs.hit_weights.is_none()) {
+                match self.summation.code.filter(|_| !tiny && self.inputs.hit_weights.is_none()) {
                     Some(code) => self.program.calls.add(code, segments, weights, component, next_lines),
-                    None => self.portably(Portable::Add(spans, self.pass.channels)),
+                    None => self.portably(Portable::Add(spans, self.summation.channels)),
                 }
             }
         }
@@ -243,9 +243,9 @@ impl ProgramBuilder<'_, '_> {
         // The sums still hold the chunk before.
         let mut stale = [true; 3];
         for active_lights in active_lights.chunk_by(|a, b| a.source == b.source) {
-            let source = &self.pass.sources[active_lights[0].source];
+            let source = &self.summation.sources[active_lights[0].source];
             let ContributionSource { overwrite, add, channels, .. } = source;
-            let part = self.pass.columns.part(source, self.inputs.tile_index, index, lines.clone());
+            let part = self.summation.columns.part(source, self.inputs.tile_index, index, lines.clone());
             next_lines = part.next_lines();
             let components = channels.components();
             let mut store = stale[components.clone()].iter().all(|stale| *stale);
@@ -260,7 +260,7 @@ impl ProgramBuilder<'_, '_> {
             }
             stale[components].fill(false);
         }
-        self.clear(&own, &mut stale, self.pass.channels.components());
+        self.clear(&own, &mut stale, self.summation.channels.components());
         drag_part.as_ref().map_or(next_lines, ColumnPart::next_lines)
     }
 

@@ -51,8 +51,8 @@ pub(super) struct SurfaceTile {
     lines: usize,
 }
 
-/// What a pass needs to know beside its colours.
-pub(super) struct SurfacePass<'p> {
+/// What a summation needs to know beside its colours.
+pub(super) struct SurfaceSummation<'p> {
     pub(super) compiled: &'p CompiledSurface,
     pub(super) plan: &'p SurfacePlan,
     pub(super) tiles: &'p [SurfaceTile],
@@ -81,7 +81,7 @@ pub(super) struct SurfaceScratch {
 }
 
 impl SurfaceScratch {
-    /// Whether the weight of a path was not bounded in the last pass.
+    /// Whether the weight of a path was not bounded in the last summation.
     pub(super) fn is_unbounded(&self) -> bool {
         self.is_unbounded
     }
@@ -277,9 +277,9 @@ fn pixels_of_paths(tile: &Tile) -> Vec<Vec<u16>> {
     pixels
 }
 
-impl SurfacePass<'_> {
+impl SurfaceSummation<'_> {
     /// Computes the weights of all nodes of a tile. Sets the weight of a path to 0 if those of all its nodes are 0. A
-    /// path whose weight is 0 already is left out of the pass, but not the paths that continue it.
+    /// path whose weight is 0 already is left out of the summation, but not the paths that continue it.
     pub(super) fn weigh(&self, tile: &Tile, tile_index: usize, path_weights: &mut [Weight], scratch: &mut SurfaceScratch) {
         let nodes = &self.tiles[tile_index];
         self.evaluate(nodes, &mut scratch.outputs);

@@ -1,21 +1,21 @@
-//! A pass over one tile, into the planes of the tile: first the terms without lights, then the contributions of all
+//! A summation over one tile, into the planes of the tile: first the terms without lights, then the contributions of all
 //! groups.
 
 use crate::backends::compiled::columns::Columns;
-use crate::backends::compiled::pass::Pass;
 use crate::backends::compiled::planes::Planes;
 use crate::backends::compiled::program::{TileInputs, TileProgram};
-use crate::backends::compiled::surface::{SurfacePass, SurfaceScratch};
+use crate::backends::compiled::summation::Summation;
+use crate::backends::compiled::surface::{SurfaceScratch, SurfaceSummation};
 use crate::evaluate::weights::Weight;
 use crate::jit::{Sums, Width, fetch};
 use crate::trace::{CHUNK_HITS, Tile};
 
-/// How a pass treats the pixels that are in the planes.
+/// How a summation treats the pixels that are in the planes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Accumulate {
-    /// The pass overwrites them.
+    /// The summation overwrites them.
     Overwrite,
-    /// The pass adds to them.
+    /// The summation adds to them.
     Add,
 }
 
@@ -28,7 +28,7 @@ pub(super) struct TileScratch {
     sums: Box<Sums>,
     /// The weight of each span, followed by more numbers, see [`Operands`](crate::jit::Operands).
     span_weights: Vec<f32>,
-    /// The program of a pass that runs once.
+    /// The program of a summation that runs once.
     once: TileProgram,
     /// The colours of each path and of each set of paths by the terms without lights. The fourth number is 0.
     path_colours: Vec<[f32; 4]>,
@@ -54,16 +54,16 @@ impl TileScratch {
         }
     }
 
-    /// Whether a weight of a path was not bounded in the last pass. Then its picture is not a sum of images.
+    /// Whether a weight of a path was not bounded in the last summation. Then its picture is not a sum of images.
     pub(super) fn is_unbounded(&self) -> bool {
         self.surface.is_unbounded()
     }
 }
 
-impl Pass<'_> {
-    /// Runs the pass over a tile, into the planes of the scratch memory, which holds the weights of the tile's paths.
+impl Summation<'_> {
+    /// Runs the summation over a tile, into the planes of the scratch memory, which holds the weights of the tile's paths.
     /// `tile_index` is the index of the tile. `drag_columns` are given if kernels read any. `program` keeps the order
-    /// of work of this tile in passes like this one.
+    /// of work of this tile in summations like this one.
     pub(super) fn run(
         &self,
         tile: &Tile,
@@ -82,19 +82,19 @@ impl Pass<'_> {
             Some(surface) => self.fill_nodes(surface, tile, tile_index, accumulate, scratch),
         }
         let TileScratch { planes, weights, sums, span_weights, surface, .. } = scratch;
-        let hit_weights = self.surface.as_ref().map(|pass| pass.hit_weights(tile_index, surface));
+        let hit_weights = self.surface.as_ref().map(|summation| summation.hit_weights(tile_index, surface));
         let inputs = TileInputs { tile, tile_index, drag_columns, weights, hit_weights };
         program.prepare(self, &inputs);
         span_weights.clear();
         span_weights.extend(tile.spans.iter().map(|span| weights[span.path.index()].0 as f32));
         span_weights.resize(tile.spans.len() + CHUNK_HITS, 0.0);
         program.run(self, &inputs, span_weights, sums, planes);
-        if let Some(pass) = &self.surface {
-            pass.add_collected(tile, tile_index, surface, |pixel, colour| planes.add_colour(pixel, colour));
+        if let Some(summation) = &self.surface {
+            summation.add_collected(tile, tile_index, surface, |pixel, colour| planes.add_colour(pixel, colour));
         }
     }
 
-    /// Runs a pass that runs only once over the tile.
+    /// Runs a summation that runs only once over the tile.
     pub(super) fn run_once(&self, tile: &Tile, tile_index: usize, accumulate: Accumulate, scratch: &mut TileScratch) {
         let mut program = std::mem::take(&mut scratch.once);
         program.forget();
@@ -105,7 +105,7 @@ impl Pass<'_> {
     /// Computes the weights of all hits, and adds the terms without lights.
     fn fill_nodes(
         &self,
-        surface: &SurfacePass,
+        surface: &SurfaceSummation,
         tile: &Tile,
         tile_index: usize,
         accumulate: Accumulate,

@@ -7,8 +7,8 @@
 
 use crate::backends::compiled::Compiled;
 use crate::backends::compiled::drag::cells::CELL_PIXELS;
-use crate::backends::compiled::drag::passes::DragKernels;
 use crate::backends::compiled::drag::reach::Reach;
+use crate::backends::compiled::drag::summations::DragKernels;
 use crate::backends::compiled::drag::work::weighted_blocks;
 use crate::evaluate::weights::{PathMonomials, Powers, Weight};
 use crate::formula::graph::Graph;

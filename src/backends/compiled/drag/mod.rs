@@ -16,15 +16,15 @@
 mod cells;
 mod estimate;
 mod images;
-mod passes;
 mod reach;
+mod summations;
 mod whole;
 mod work;
 
 use crate::backends::compiled::Compiled;
 use crate::backends::compiled::columns::Columns;
-use crate::backends::compiled::pass::Pass;
 use crate::backends::compiled::program::TileProgram;
+use crate::backends::compiled::summation::Summation;
 use crate::backends::compiled::tile::{Accumulate, TileScratch};
 use crate::evaluate::weights::PathMonomials;
 use crate::evaluate::{Drag, Framebuffer, Part};
@@ -35,11 +35,11 @@ use crate::trace::Tile;
 use cells::Factor;
 use estimate::FrameEstimate;
 use images::{Image, Key, LARGEST_SUM, TileImages, factor_of};
-use passes::{DragKernels, Passes};
 use pulp::{Simd, WithSimd};
 use rayon::prelude::*;
 use std::sync::{Arc, OnceLock};
-use whole::WholePasses;
+use summations::{DragKernels, Summations};
+use whole::WholeSummations;
 use work::{Work, WorkItem, full_cost, work_items};
 
 /// A slider that is held: frames in which only some numbers of one owner move.
@@ -233,10 +233,10 @@ impl Drag for CompiledDrag {
         let variants = if any_whole { compiled.chosen_in_drag(parameters, &mut self.new_choices) } else { None };
         let whole = OnceLock::new();
         let draw_all = |index: usize, scratch: &mut TileScratch, part: Part| {
-            let passes = whole.get_or_init(|| WholePasses::new(compiled, parameters, variants.as_ref()));
-            passes.draw_tile(compiled, parameters, index, scratch, part);
+            let summations = whole.get_or_init(|| WholeSummations::new(compiled, parameters, variants.as_ref()));
+            summations.draw_tile(compiled, parameters, index, scratch, part);
         };
-        let live = self.kernels.live_pass(compiled, parameters);
+        let live = self.kernels.live_summation(compiled, parameters);
         let (channels, drawn) = (plan.channels, self.drawn);
         let tiles = framebuffer.parts().zip(&mut self.tiles);
         compiled.each_tile(tiles, |(part, state), index, scratch| match state {
@@ -274,7 +274,7 @@ impl Drag for CompiledDrag {
                 compiled: &self.compiled,
                 kernels: &self.kernels,
                 estimate: &self.estimate,
-                passes: self.kernels.passes(&self.compiled, &self.parameters, chosen.as_deref()),
+                summations: self.kernels.summations(&self.compiled, &self.parameters, chosen.as_deref()),
                 parameters: &self.parameters,
             };
             self.compiled.each_tile(self.tiles.par_iter_mut().zip(counts), |(state, count), index, scratch| {
@@ -319,7 +319,7 @@ struct Preparation<'p> {
     compiled: &'p Compiled,
     kernels: &'p DragKernels,
     estimate: &'p FrameEstimate,
-    passes: Passes<'p>,
+    summations: Summations<'p>,
     parameters: &'p [f32],
 }
 
@@ -333,14 +333,14 @@ impl Preparation<'_> {
         let tile = &compiled.hits.tiles[index];
         let monomials = || compiled.monomials(plan, tile, self.parameters);
         match item.work {
-            Work::Columns => *columns = self.passes.columns(compiled, index),
+            Work::Columns => *columns = self.summations.columns(compiled, index),
             Work::Image(key) => {
-                let touched = self.passes.make_image(plan, compiled, &monomials(), key, index, scratch);
+                let touched = self.summations.make_image(plan, compiled, &monomials(), key, index, scratch);
                 images.push(Image::new(key, &scratch.planes, &touched, plan.channels));
             }
             Work::Base => {
                 let monomials = monomials();
-                self.passes.make_base(compiled, &monomials, index, scratch);
+                self.summations.make_base(compiled, &monomials, index, scratch);
                 *state = match plan.method {
                     _ if scratch.is_unbounded() => TileState::General,
                     Method::Images if images.is_empty() => TileState::General,
@@ -379,7 +379,7 @@ impl LiveTile {
 
     /// Adds the live part to the fixed part, and writes the cells. The scratch memory holds the weights of the tile's
     /// paths.
-    fn draw(&mut self, tile: &Tile, index: usize, live: &Pass, channels: Channels, scratch: &mut TileScratch, part: Part) {
+    fn draw(&mut self, tile: &Tile, index: usize, live: &Summation, channels: Channels, scratch: &mut TileScratch, part: Part) {
         let stride = cells::stride(channels);
         for (cell, lanes) in self.cells.iter().zip(self.base.chunks_exact(stride)) {
             cells::restore(&mut scratch.planes, usize::from(*cell), channels, lanes);

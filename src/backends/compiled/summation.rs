@@ -1,24 +1,24 @@
-//! The sum over the hits of a picture that a pass computes.
+//! The sum over the hits of a picture that a summation computes.
 //!
-//! A whole frame is one [`Pass`]: every path with its weight, and one source for all pairs of a body and a light. An
-//! image of a drag (see [`drag`](super::drag)) is another. [`tile`](super::tile) runs a pass over a tile.
+//! A whole frame is one [`Summation`]: every path with its weight, and one source for all pairs of a body and a light. An
+//! image of a drag (see [`drag`](super::drag)) is another. [`tile`](super::tile) runs a summation over a tile.
 
 use crate::backends::compiled::chosen::Chosen;
 use crate::backends::compiled::columns::{ColumnPart, Columns};
 use crate::backends::compiled::source::ContributionSource;
-use crate::backends::compiled::surface::SurfacePass;
+use crate::backends::compiled::surface::SurfaceSummation;
 use crate::jit::{Line, PixelCode, Splat};
 use crate::plan::Channels;
 use std::ops::Range;
 use std::sync::Arc;
 
 /// The terms of the sum.
-pub(super) struct Pass<'p> {
+pub(super) struct Summation<'p> {
     pub(super) sources: Vec<ContributionSource<'p>>,
     /// The uniform values of all of them.
     pub(super) uniforms: Vec<Splat>,
     /// The columns that kernels read.
-    pub(super) columns: PassColumns<'p>,
+    pub(super) columns: SummationColumns<'p>,
     /// The terms without lights at each hit of a body, body by body.
     pub(super) at_hits: Vec<[f32; 3]>,
     /// The terms of each ray that leaves the scene.
@@ -28,24 +28,24 @@ pub(super) struct Pass<'p> {
     /// The code that adds to pixels, if the processor supports it.
     pub(super) code: Option<&'static PixelCode>,
     /// What the formula gives at every hit, if it gives anything.
-    pub(super) surface: Option<SurfacePass<'p>>,
+    pub(super) surface: Option<SurfaceSummation<'p>>,
 }
 
-/// The columns that the kernels of a pass read.
+/// The columns that the kernels of a summation read.
 #[derive(Clone, Copy)]
-pub(super) enum PassColumns<'p> {
+pub(super) enum SummationColumns<'p> {
     /// Those of the formula, tile by tile.
     Formula(&'p [Columns]),
     /// Those of the variants in use. The sources are the variants.
     Variants(&'p Chosen),
 }
 
-impl<'p> PassColumns<'p> {
+impl<'p> SummationColumns<'p> {
     /// The lines of the columns of a tile, from its first on.
     pub(super) fn lines(self, tile: usize) -> Option<&'p [Line]> {
         let first = match self {
-            PassColumns::Formula(columns) => columns.get(tile),
-            PassColumns::Variants(chosen) => chosen.columns.get(tile).and_then(|tile| tile.first()),
+            SummationColumns::Formula(columns) => columns.get(tile),
+            SummationColumns::Variants(chosen) => chosen.columns.get(tile).and_then(|tile| tile.first()),
         };
         first.map(Columns::lines)
     }
@@ -53,8 +53,8 @@ impl<'p> PassColumns<'p> {
     /// Where some lines of a group of a tile are, for a source. See [`Columns::part`].
     pub(super) fn part(self, source: &ContributionSource, tile: usize, group: usize, lines: Range<usize>) -> ColumnPart {
         let columns = match self {
-            PassColumns::Formula(columns) => &columns[tile],
-            PassColumns::Variants(chosen) => &chosen.columns[tile][source.variant],
+            SummationColumns::Formula(columns) => &columns[tile],
+            SummationColumns::Variants(chosen) => &chosen.columns[tile][source.variant],
         };
         columns.part(group, lines)
     }
@@ -62,13 +62,13 @@ impl<'p> PassColumns<'p> {
     /// What the formula chooses, if the columns depend on it.
     pub(super) fn choices(self) -> Option<&'p Arc<[u32]>> {
         match self {
-            PassColumns::Formula(_) => None,
-            PassColumns::Variants(chosen) => Some(&chosen.choices),
+            SummationColumns::Formula(_) => None,
+            SummationColumns::Variants(chosen) => Some(&chosen.choices),
         }
     }
 }
 
-impl<'p> Pass<'p> {
+impl<'p> Summation<'p> {
     /// Adds a source with its uniform values.
     pub(super) fn push(&mut self, mut source: ContributionSource<'p>, mut uniforms: Vec<Splat>) {
         source.first_uniform = self.uniforms.len();

@@ -1,4 +1,4 @@
-//! The passes over the hits that make the stored data of a drag, and the pass for the live part.
+//! The summations over the hits that make the stored data of a drag, and the summation for the live part.
 
 use crate::backends::compiled::Compiled;
 use crate::backends::compiled::chosen::Chosen;
@@ -6,9 +6,9 @@ use crate::backends::compiled::columns::Columns;
 use crate::backends::compiled::drag::cells::CellSet;
 use crate::backends::compiled::drag::images::Key;
 use crate::backends::compiled::drag::reach::{Reach, add_cells};
-use crate::backends::compiled::pass::Pass;
 use crate::backends::compiled::source::ContributionSource;
-use crate::backends::compiled::surface::SurfacePass;
+use crate::backends::compiled::summation::Summation;
+use crate::backends::compiled::surface::SurfaceSummation;
 use crate::backends::compiled::tile::{Accumulate, TileScratch};
 use crate::evaluate::weights::{PathMonomials, Powers};
 use crate::formula::equation::Site;
@@ -29,12 +29,12 @@ pub(super) struct DragKernels {
     column_leaves: Vec<ParameterSlot>,
 }
 
-/// The passes that make the stored data, for some parameter numbers.
-pub(super) struct Passes<'p> {
-    fixed: Pass<'p>,
+/// The summations that make the stored data, for some parameter numbers.
+pub(super) struct Summations<'p> {
+    fixed: Summation<'p>,
     /// What is added to it, where the formula chooses: the part that does not move of the pairs that move.
-    fixed_part: Option<Pass<'p>>,
-    terms: Vec<Pass<'p>>,
+    fixed_part: Option<Summation<'p>>,
+    terms: Vec<Summation<'p>>,
     /// With its uniform values.
     columns: Option<(ContributionSource<'p>, Vec<Splat>)>,
 }
@@ -64,12 +64,17 @@ impl DragKernels {
         Reach { plan: &self.plan, world: &compiled.hits.world, has_fixed: self.plan.slider.fixed.is_some() }
     }
 
-    /// The passes that make the stored data, with the [variants](Compiled::chosen) for these numbers.
-    pub(super) fn passes<'p>(&'p self, compiled: &'p Compiled, parameters: &[f32], chosen: Option<&'p Chosen>) -> Passes<'p> {
-        let terms = self.plan.terms.iter().map(|term| self.term_pass(compiled, parameters, term)).collect();
+    /// The summations that make the stored data, with the [variants](Compiled::chosen) for these numbers.
+    pub(super) fn summations<'p>(
+        &'p self,
+        compiled: &'p Compiled,
+        parameters: &[f32],
+        chosen: Option<&'p Chosen>,
+    ) -> Summations<'p> {
+        let terms = self.plan.terms.iter().map(|term| self.term_summation(compiled, parameters, term)).collect();
         let columns = self.kernels.columns.as_ref();
         let columns = columns.map(|columns| self.moving_source(compiled, parameters, columns, &self.column_leaves));
-        let mut fixed = self.fixed_pass(compiled, parameters, chosen);
+        let mut fixed = self.fixed_summation(compiled, parameters, chosen);
         let fixed_part = match self.fixed_source(compiled, parameters) {
             Some((source, uniforms)) if chosen.is_none() => {
                 fixed.push(source, uniforms);
@@ -78,33 +83,33 @@ impl DragKernels {
             // It reads other columns.
             Some((source, uniforms)) => {
                 let no_colours = vec![[0.0; 3]; fixed.at_hits.len()];
-                let mut part = compiled.empty_pass(no_colours, [0.0; 3], self.plan.channels);
-                part.surface = self.surface_pass(compiled, parameters, false);
+                let mut part = compiled.empty_summation(no_colours, [0.0; 3], self.plan.channels);
+                part.surface = self.surface_summation(compiled, parameters, false);
                 part.push(source, uniforms);
                 Some(part)
             }
             None => None,
         };
-        Passes { fixed, fixed_part, terms, columns }
+        Summations { fixed, fixed_part, terms, columns }
     }
 
     /// Everything that does not move, apart from the [fixed part](Self::fixed_source) of the pairs that move.
-    fn fixed_pass<'p>(&'p self, compiled: &'p Compiled, parameters: &[f32], chosen: Option<&'p Chosen>) -> Pass<'p> {
+    fn fixed_summation<'p>(&'p self, compiled: &'p Compiled, parameters: &[f32], chosen: Option<&'p Chosen>) -> Summation<'p> {
         let plan = &self.plan;
-        let mut pass = compiled.whole(parameters, chosen);
-        for (body, colour) in pass.at_hits.iter_mut().enumerate() {
+        let mut summation = compiled.whole(parameters, chosen);
+        for (body, colour) in summation.at_hits.iter_mut().enumerate() {
             *colour = plan.fixed(Site::Hit, parameters, body);
         }
-        pass.at_misses = plan.fixed(Site::Miss, parameters, 0);
-        for source in &mut pass.sources {
+        summation.at_misses = plan.fixed(Site::Miss, parameters, 0);
+        for source in &mut summation.sources {
             let lights = source.lights;
             for (pair, active) in source.active.iter_mut().enumerate() {
                 *active &= !plan.moves_pair(pair / lights, pair % lights);
             }
         }
-        pass.channels = plan.channels;
-        pass.surface = self.surface_pass(compiled, parameters, true);
-        pass
+        summation.channels = plan.channels;
+        summation.surface = self.surface_summation(compiled, parameters, true);
+        summation
     }
 
     /// The part that does not move of the contributions of the pairs that move.
@@ -115,27 +120,27 @@ impl DragKernels {
     }
 
     /// What the formula gives at every hit, without the moved kr and kt.
-    fn surface_pass<'p>(&self, compiled: &'p Compiled, parameters: &[f32], adds_own: bool) -> Option<SurfacePass<'p>> {
+    fn surface_summation<'p>(&self, compiled: &'p Compiled, parameters: &[f32], adds_own: bool) -> Option<SurfaceSummation<'p>> {
         let mut parameters = parameters.to_vec();
         self.plan.weights.into_iter().flatten().for_each(|index| parameters[index] = 1.0);
-        compiled.surface_pass(&parameters, adds_own)
+        compiled.surface_summation(&parameters, adds_own)
     }
 
     /// The image of a term.
-    fn term_pass<'p>(&'p self, compiled: &'p Compiled, parameters: &[f32], term: &ImageTerm) -> Pass<'p> {
+    fn term_summation<'p>(&'p self, compiled: &'p Compiled, parameters: &[f32], term: &ImageTerm) -> Summation<'p> {
         let plan = &self.plan;
         let bodies = 0..compiled.equation.layout.owners(Owner::Body);
         let at_hits = bodies.map(|body| plan.image_colour(term, Site::Hit, parameters, body)).collect();
         let at_misses = plan.image_colour(term, Site::Miss, parameters, 0);
-        let mut pass = compiled.empty_pass(at_hits, at_misses, plan.channels);
-        pass.surface = self.surface_pass(compiled, parameters, false);
+        let mut summation = compiled.empty_summation(at_hits, at_misses, plan.channels);
+        summation.surface = self.surface_summation(compiled, parameters, false);
         if let Some(index) = term.contribution
             && let Some(contribution) = self.kernels.moving.get(index)
         {
             let (source, uniforms) = self.moving_source(compiled, parameters, contribution, &self.moving_leaves[index]);
-            pass.push(source, uniforms);
+            summation.push(source, uniforms);
         }
-        pass
+        summation
     }
 
     /// A contribution of the pairs that move. Where the weight of a light moves, its present value does not matter.
@@ -156,8 +161,8 @@ impl DragKernels {
         (source, uniforms)
     }
 
-    /// The pass for the live part, for the parameter numbers of a frame.
-    pub(super) fn live_pass<'p>(&'p self, compiled: &'p Compiled, parameters: &[f32]) -> Option<Pass<'p>> {
+    /// The summation for the live part, for the parameter numbers of a frame.
+    pub(super) fn live_summation<'p>(&'p self, compiled: &'p Compiled, parameters: &[f32]) -> Option<Summation<'p>> {
         let plan = &self.plan;
         let (contribution, leaves) = match plan.method {
             Method::Specialised => (self.kernels.moving.first()?, self.moving_leaves.first()?),
@@ -167,14 +172,14 @@ impl DragKernels {
         source.active = compiled.active(parameters, |body, light| plan.moves_pair(body, light));
         let bodies = 0..compiled.equation.layout.owners(Owner::Body);
         let at_hits = bodies.map(|body| plan.moving(Site::Hit, parameters, body)).collect();
-        let mut pass = compiled.empty_pass(at_hits, [0.0; 3], plan.channels);
-        pass.surface = compiled.surface_pass(parameters, false);
-        pass.push(source, uniforms);
-        Some(pass)
+        let mut summation = compiled.empty_summation(at_hits, [0.0; 3], plan.channels);
+        summation.surface = compiled.surface_summation(parameters, false);
+        summation.push(source, uniforms);
+        Some(summation)
     }
 }
 
-impl Passes<'_> {
+impl Summations<'_> {
     /// Makes the image of this key in the planes of the scratch memory. Returns the cells in which it may differ from
     /// 0.
     pub(super) fn make_image(
