@@ -8,10 +8,12 @@ use crate::formula::equation::Equation;
 use crate::lang::scalars::Floats;
 use crate::lang::variables::EvaluatedLights;
 use crate::picture::Frame;
-use crate::trace::{Hits, NodeLight, RayNode, Tracer, View, ray_tree};
+use crate::trace::{Hits, Mismatch, NodeLight, RayNode, Tracer, View, ray_tree};
 use crate::world::World;
 use rayon::prelude::*;
+use std::ops::Range;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// The name of the backend.
@@ -64,7 +66,8 @@ impl Backend for Interpreter {
 /// A formula's bytecode, and the world that it runs on.
 pub struct Interpreted {
     world: Arc<World>,
-    view: View,
+    /// The view of each pass, at least one.
+    passes: Vec<View>,
     code: FormulaCode,
     equation: Equation,
     lights: EvaluatedLights,
@@ -79,6 +82,13 @@ pub struct Timing {
     pub bytes: u64,
 }
 
+impl Timing {
+    /// The cost of both.
+    fn and(self, other: Timing) -> Timing {
+        Timing { evaluation: self.evaluation + other.evaluation, bytes: self.bytes + other.bytes }
+    }
+}
+
 impl Interpreted {
     /// Writes a formula's bytecode.
     ///
@@ -91,36 +101,54 @@ impl Interpreted {
         if (Instantiation { code: &code, equation, world }).largest(view.depth()) > MAX_PROGRAM_BYTES {
             return Err(CodeTooLarge);
         }
-        Ok(Self { world: Arc::clone(world), view, code, equation, lights: formula.evaluated_lights() })
+        Ok(Self { world: Arc::clone(world), passes: vec![view], code, equation, lights: formula.evaluated_lights() })
     }
 
     fn instantiation(&self) -> Instantiation<'_> {
         Instantiation { code: &self.code, equation: self.equation, world: &self.world }
     }
 
-    /// The program of a pixel, counted row by row from the top left.
+    /// The program of a pixel in the first pass, counted row by row from the top left.
     pub fn program(&self, pixel: u32) -> Programs {
         let mut programs = Programs::new();
-        programs.add(&self.instantiation(), &ray_tree(&Tracer::new(&self.world, &self.view), pixel, self.lights));
+        programs.add(&self.instantiation(), &ray_tree(&Tracer::new(&self.world, &self.passes[0]), pixel, self.lights));
         programs
     }
 
     /// The picture of these parameter numbers, see [`Evaluator::frame`], and its cost.
     pub fn timed_frame(&self, parameters: &[f32]) -> (Frame, Timing) {
-        assert!(parameters.len() >= self.equation.layout.len(), "as many parameter numbers as the formula and the scene have");
-        let mut frame = Frame::black(self.view.width(), self.view.height());
-        let chunks = frame.linear.par_chunks_mut(PIXELS).enumerate();
-        let timings = chunks.map(|(chunk, pixels)| self.chunk((chunk * PIXELS) as u32, pixels, parameters));
-        let timing = timings.reduce(Timing::default, |one, other| Timing {
-            evaluation: one.evaluation + other.evaluation,
-            bytes: one.bytes + other.bytes,
-        });
+        let passes = self.passes.len();
+        let (mut frame, timing) = self.timed_sum(0..passes, parameters, &AtomicBool::new(false));
+        if passes > 1 {
+            frame.scale(1.0 / passes as f32);
+        }
         (frame, timing)
     }
 
+    /// The sum of some passes, and its cost. It is not complete once `cancelled` is set.
+    fn timed_sum(&self, passes: Range<usize>, parameters: &[f32], cancelled: &AtomicBool) -> (Frame, Timing) {
+        assert!(parameters.len() >= self.equation.layout.len(), "as many parameter numbers as the formula and the scene have");
+        let mut sum: Option<Frame> = None;
+        let mut total = Timing::default();
+        for view in &self.passes[passes] {
+            let mut frame = Frame::black(view.width(), view.height());
+            let chunks = frame.linear.par_chunks_mut(PIXELS).enumerate();
+            let timings = chunks.map(|(chunk, pixels)| match cancelled.load(Ordering::Relaxed) {
+                true => Timing::default(),
+                false => self.chunk(view, (chunk * PIXELS) as u32, pixels, parameters),
+            });
+            total = total.and(timings.reduce(Timing::default, Timing::and));
+            match &mut sum {
+                Some(sum) => sum.add(&frame),
+                None => sum = Some(frame),
+            }
+        }
+        (sum.unwrap_or_else(|| Frame::black(0, 0)), total)
+    }
+
     /// Writes and runs the programs of consecutive pixels in batches.
-    fn chunk(&self, first: u32, pixels: &mut [[f32; 3]], parameters: &[f32]) -> Timing {
-        let tracer = Tracer::new(&self.world, &self.view);
+    fn chunk(&self, view: &View, first: u32, pixels: &mut [[f32; 3]], parameters: &[f32]) -> Timing {
+        let tracer = Tracer::new(&self.world, view);
         let instantiation = self.instantiation();
         let mut programs = Programs::new();
         let mut timing = Timing::default();
@@ -145,8 +173,22 @@ impl Interpreted {
 }
 
 impl Evaluator for Interpreted {
-    fn frame(&self, parameters: &[f32]) -> Frame {
-        self.timed_frame(parameters).0
+    fn passes(&self) -> usize {
+        self.passes.len()
+    }
+
+    fn with_pass(&self, hits: &Arc<Hits>) -> Result<Arc<dyn Evaluator>, EvaluateError> {
+        let (own, view) = (self.passes[0], hits.view);
+        if !Arc::ptr_eq(&self.world, &hits.world) || own != view.with_pass(own.pass()) {
+            return Err(Mismatch.into());
+        }
+        let passes = self.passes.iter().copied().chain([view]).collect();
+        Ok(Arc::new(Self { passes, world: Arc::clone(&self.world), code: self.code.clone(), ..*self }))
+    }
+
+    fn sum(&self, passes: Range<usize>, parameters: &[f32], cancelled: &AtomicBool) -> Option<Frame> {
+        let (frame, _) = self.timed_sum(passes, parameters, cancelled);
+        (!cancelled.load(Ordering::Relaxed)).then_some(frame)
     }
 
     fn draw(&self, parameters: &[f32], framebuffer: &mut Framebuffer) -> Drawn {
@@ -158,7 +200,7 @@ impl Evaluator for Interpreted {
     }
 
     fn drag(self: Arc<Self>, _: &[usize], _: &[f32], _: usize) -> Result<Box<dyn Drag>, EvaluateError> {
-        let pixels = self.view.pixels() as usize;
+        let pixels = self.passes[0].pixels() as usize;
         Ok(Box::new(WholeFrames::new(self, pixels)))
     }
 

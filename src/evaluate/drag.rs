@@ -1,8 +1,10 @@
 //! Pictures while a slider is held.
 
 use crate::evaluate::{Evaluator, Framebuffer};
+use crate::picture::Frame;
 use crate::plan::Method;
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 /// A slider that is held: pictures in which only some numbers of one owner move.
 pub trait Drag: Send {
@@ -17,6 +19,19 @@ pub trait Drag: Send {
     /// # Panics
     /// Where the framebuffer has another size than the view, or there are too few parameter numbers.
     fn frame(&mut self, parameters: &[f32], framebuffer: &mut Framebuffer);
+
+    /// Begins with the picture of all passes with the numbers before the drag. Frames that evaluate passes evaluate only
+    /// this many of them, at least 1, and show what these change in the picture: `picture + mean of the passes with the
+    /// new numbers − their mean with the old ones`. Images of few passes are used in the same way, until those of all
+    /// passes are ready. It is called before the first frame, if at all.
+    fn begin_with(&mut self, picture: &Arc<Frame>, numbers: &[f32], passes: usize);
+
+    /// The linear picture of these numbers, if the drag knows it without evaluating passes: the mean of all passes, but
+    /// for rounding.
+    fn linear(&self, parameters: &[f32]) -> Option<Frame> {
+        let _ = parameters;
+        None
+    }
 
     /// Does a part of the preparation, about as much work as one full evaluation. Returns whether everything is
     /// prepared.
@@ -36,12 +51,22 @@ pub trait Drag: Send {
 pub struct WholeFrames {
     evaluator: Arc<dyn Evaluator>,
     pixels: usize,
+    /// How many passes are evaluated for a frame, and what is added to their mean: the rest of a picture of all passes.
+    some: Option<(usize, Rest)>,
+}
+
+/// What a picture of all passes has beside the mean of some.
+enum Rest {
+    /// The picture that the drag begins with, and its numbers.
+    Picture(Arc<Frame>, Vec<f32>),
+    /// The rest.
+    Known(Frame),
 }
 
 impl WholeFrames {
     /// A drag with pictures by this evaluator, of this many pixels.
     pub fn new(evaluator: Arc<dyn Evaluator>, pixels: usize) -> Self {
-        Self { evaluator, pixels }
+        Self { evaluator, pixels, some: None }
     }
 }
 
@@ -51,7 +76,28 @@ impl Drag for WholeFrames {
     }
 
     fn frame(&mut self, parameters: &[f32], framebuffer: &mut Framebuffer) {
-        self.evaluator.draw(parameters, framebuffer);
+        let Some((passes, rest)) = &mut self.some else {
+            self.evaluator.draw(parameters, framebuffer);
+            return;
+        };
+        let mean = |numbers: &[f32]| {
+            let mut frame = self.evaluator.sum(0..*passes, numbers, &AtomicBool::new(false))?;
+            frame.scale(1.0 / *passes as f32);
+            Some(frame)
+        };
+        if let Rest::Picture(picture, numbers) = rest {
+            let Some(part) = mean(numbers) else { return };
+            *rest = Rest::Known(picture.rest_beside(&part));
+        }
+        if let (Rest::Known(rest), Some(mut frame)) = (rest, mean(parameters)) {
+            frame.add(rest);
+            framebuffer.set(&frame);
+        }
+    }
+
+    fn begin_with(&mut self, picture: &Arc<Frame>, numbers: &[f32], passes: usize) {
+        let all = self.evaluator.passes();
+        self.some = (passes < all).then(|| (passes.max(1), Rest::Picture(Arc::clone(picture), numbers.to_vec())));
     }
 
     fn prepare(&mut self) -> bool {

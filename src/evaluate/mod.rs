@@ -23,7 +23,9 @@ use crate::formula::Formula;
 use crate::picture::Frame;
 use crate::trace::{Hits, Mismatch, View};
 use crate::world::World;
+use std::ops::Range;
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 use thiserror::Error;
 
@@ -86,12 +88,35 @@ pub trait Backend: Send + Sync {
 
 /// A formula for a scene and a view, ready to make pictures of parameter numbers.
 pub trait Evaluator: Send + Sync {
-    /// The picture of these parameter numbers: linear RGB, not clamped, one colour for each pixel of the view. A colour
-    /// may be infinite or NaN if the formula is.
+    /// How many passes its pictures are the mean of, at least 1.
+    fn passes(&self) -> usize;
+
+    /// The same with one more pass, whose hits are given. What is known of the passes so far is shared.
+    ///
+    /// # Errors
+    /// The hits belong to another scene, or their view differs in more than the pass.
+    fn with_pass(&self, hits: &Arc<Hits>) -> Result<Arc<dyn Evaluator>, EvaluateError>;
+
+    /// The sum of some passes of the picture of these parameter numbers: linear RGB, not clamped, one colour for each
+    /// pixel of the view. A colour may be infinite or NaN if the formula is. `None` once `cancelled` is set.
+    ///
+    /// # Panics
+    /// Where there are fewer numbers than the [`Layout`](crate::formula::layout::Layout) of formula and scene has, or
+    /// fewer passes.
+    fn sum(&self, passes: Range<usize>, parameters: &[f32], cancelled: &AtomicBool) -> Option<Frame>;
+
+    /// The picture of these parameter numbers: the mean of all passes, see [`sum`](Self::sum).
     ///
     /// # Panics
     /// Where there are fewer numbers than the [`Layout`](crate::formula::layout::Layout) of formula and scene has.
-    fn frame(&self, parameters: &[f32]) -> Frame;
+    fn frame(&self, parameters: &[f32]) -> Frame {
+        let passes = self.passes();
+        let mut frame = self.sum(0..passes, parameters, &AtomicBool::new(false)).unwrap_or_else(|| Frame::black(0, 0));
+        if passes > 1 {
+            frame.scale(1.0 / passes as f32);
+        }
+        frame
+    }
 
     /// Draws the same picture as a window shows it.
     ///

@@ -37,10 +37,23 @@ impl Frame {
         }
     }
 
+    /// What this picture has beside another of the same size: the difference, but 0 in pixels where it is not finite.
+    #[must_use]
+    pub fn rest_beside(&self, part: &Frame) -> Frame {
+        let rest = self.linear.iter().zip(&part.linear).map(|(whole, part)| rest_of(*whole, *part));
+        Frame { width: self.width, height: self.height, linear: rest.collect() }
+    }
+
     /// Multiplies all components by a number: a sum of passes becomes their mean by 1 / passes.
     pub fn scale(&mut self, factor: f32) {
         self.linear.as_flattened_mut().iter_mut().for_each(|number| *number *= factor);
     }
+}
+
+/// What a colour has beside a part of it: the difference, or 0 if that is not finite.
+pub(crate) fn rest_of(whole: [f32; 3], part: [f32; 3]) -> [f32; 3] {
+    let rest: [f32; 3] = std::array::from_fn(|component| whole[component] - part[component]);
+    if rest.iter().all(|component| component.is_finite()) { rest } else { [0.0; 3] }
 }
 
 #[cfg(test)]

@@ -16,6 +16,7 @@ use crate::picture::encoder::{Bytes, Encoder, with_bytes};
 pub use bitmap::Bitmap;
 pub use format::Format;
 pub use frame::Frame;
+pub(crate) use frame::rest_of;
 use image::codecs::bmp::BmpEncoder;
 use image::codecs::openexr::OpenExrEncoder;
 use image::codecs::png::PngEncoder;

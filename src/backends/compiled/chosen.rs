@@ -8,6 +8,7 @@
 use crate::backends::compiled::Compiled;
 use crate::backends::compiled::columns::{Columns, Packing, Reader};
 use crate::backends::compiled::memory::StreamMemory;
+use crate::backends::compiled::stored_pass::StoredPass;
 use crate::jit::CompiledVariant;
 use crate::lang::variables::Owner;
 use crate::plan::ParameterSlot;
@@ -21,8 +22,15 @@ pub(super) struct Chosen {
     pub(super) choices: Arc<[u32]>,
     /// One for each choice that occurs. Several choices whose variants cannot be used are one, the last.
     pub(super) variants: Vec<ChosenVariant>,
+    /// The columns of each pass.
+    pub(super) columns: Vec<Arc<VariantColumns>>,
+}
+
+/// The columns of the variants that are in use, for one pass.
+pub(super) struct VariantColumns {
+    choices: Arc<[u32]>,
     /// The columns of each variant, tile by tile.
-    pub(super) columns: Vec<Vec<Columns>>,
+    pub(super) tiles: Vec<Vec<Columns>>,
 }
 
 /// A variant, and the pairs that it computes.
@@ -45,8 +53,7 @@ pub(super) struct DragVariants {
 
 impl Chosen {
     /// The variants for these choices, with their columns. It compiles what has not been compiled yet.
-    /// `old` is memory for the columns that is not needed any more.
-    fn new(compiled: &Compiled, choices: Vec<u32>, old: Option<StreamMemory>) -> Self {
+    fn new(compiled: &Compiled, choices: Vec<u32>) -> Self {
         let mut distinct = choices.clone();
         distinct.sort_unstable();
         distinct.dedup();
@@ -57,7 +64,7 @@ impl Chosen {
             match variant {
                 Some(variant) => {
                     let plan = &variant.plan;
-                    let leaves = plan.contribution.leaves(&plan.bindings.graph, &compiled.parameters);
+                    let leaves = plan.contribution.leaves(&plan.bindings.graph, &compiled.formula.parameters);
                     variants.push(ChosenVariant { leaves, pairs: pairs.collect(), compiled: Some(variant) });
                 }
                 None => others.iter_mut().zip(pairs).for_each(|(other, own)| *other |= own),
@@ -68,15 +75,32 @@ impl Chosen {
         }
         let readers: Vec<Reader> =
             variants.iter().map(|own| Reader { variant: own.compiled.as_deref(), pairs: &own.pairs }).collect();
-        let (lights, world) = (compiled.equation.layout.owners(Owner::Light), &compiled.hits.world);
+        let (lights, world) = (compiled.equation.layout.owners(Owner::Light), compiled.world());
         let pair = |body: BodyId, emitter: EmitterId| body.index() * lights + world.light_of(emitter).index();
-        let columns = Packing { readers: &readers, pair: &pair }.pack(&compiled.columns, &compiled.hits, old);
-        Self { choices: choices.into(), variants, columns }
+        let (packing, choices) = (Packing { readers: &readers, pair: &pair }, Arc::from(choices));
+        let columns = compiled.passes.iter().map(|pass| VariantColumns::of_pass(pass, &packing, &choices)).collect();
+        Self { choices, variants, columns }
+    }
+}
+
+impl VariantColumns {
+    /// The columns of a pass for these choices. They are kept with the pass, in place of those for other choices.
+    fn of_pass(pass: &StoredPass, packing: &Packing, choices: &Arc<[u32]>) -> Arc<Self> {
+        let last = || pass.variants.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = last().as_ref().filter(|known| known.choices == *choices) {
+            return Arc::clone(known);
+        }
+        // The columns of the last choices are given up first. The lock is not held meanwhile.
+        let old = last().take().and_then(Arc::into_inner).and_then(Self::into_memory);
+        let tiles = packing.pack(&pass.columns, &pass.hits, old);
+        let made = Arc::new(Self { choices: Arc::clone(choices), tiles });
+        *last() = Some(Arc::clone(&made));
+        made
     }
 
     /// The memory of the columns.
     fn into_memory(self) -> Option<StreamMemory> {
-        let mut columns = self.columns.into_iter().flatten();
+        let mut columns = self.tiles.into_iter().flatten();
         let memory = columns.next()?.into_memory();
         drop(columns);
         Arc::into_inner(memory)
@@ -85,7 +109,7 @@ impl Chosen {
     /// The memory of the columns, in bytes.
     pub(super) fn bytes(&self) -> usize {
         // The columns of all variants of a tile lie in the same lines.
-        self.columns.iter().filter_map(|tile| tile.first()).map(Columns::bytes).sum()
+        self.tiles.iter().filter_map(|tile| tile.first()).map(Columns::bytes).sum()
     }
 }
 
@@ -100,9 +124,9 @@ impl Compiled {
         if let Some(known) = last().as_ref().filter(|known| *known.choices == *choices) {
             return Some(Arc::clone(known));
         }
-        // The columns of the last choices are given up first. The lock is not held meanwhile.
-        let old = last().take().and_then(Arc::into_inner).and_then(Chosen::into_memory);
-        let chosen = Arc::new(Chosen::new(self, choices, old));
+        // The passes give up the columns of the last choices. The lock is not held meanwhile.
+        drop(last().take());
+        let chosen = Arc::new(Chosen::new(self, choices));
         *last() = Some(Arc::clone(&chosen));
         Some(chosen)
     }

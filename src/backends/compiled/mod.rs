@@ -12,6 +12,7 @@ mod memory;
 mod planes;
 mod program;
 mod source;
+mod stored_pass;
 mod summation;
 mod surface;
 mod textured;
@@ -19,8 +20,8 @@ mod tile;
 
 use crate::evaluate::weights::{PathMonomials, Weight, path_weights};
 use crate::evaluate::{Backend, Drawn, EvaluateError, Evaluator, Footprint, Framebuffer, Part, evaluated_formula};
+use crate::formula::Formula;
 use crate::formula::equation::{Equation, Site};
-use crate::formula::{Formula, Parameter};
 use crate::jit::compile::Contribution;
 use crate::jit::{self, CompiledFormula, Kernel, KernelCache, Line, PREFETCH_DISTANCE, PixelCode, Splat, Width};
 use crate::lang::scalars::flush;
@@ -30,13 +31,15 @@ use crate::plan::{Channels, DragPlan, ParameterSlot, SurfacePlan, parameter_slot
 use crate::trace::{Hits, Mismatch, Tile, View, tile_pixels};
 use crate::world::World;
 use chosen::{Chosen, ChosenVariant};
-use columns::{Columns, LeafColumns};
+use columns::LeafColumns;
 use drag::CompiledDrag;
 use leaves::StaticTextures;
-use program::TileProgram;
 use rayon::prelude::*;
 use source::ContributionSource;
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
+use stored_pass::{Place, StoredPass};
 use summation::{Summation, SummationColumns};
 use surface::{SurfaceSummation, SurfaceTile, parameter_weights};
 use textured::Textured;
@@ -94,31 +97,28 @@ impl Backend for Jit {
     fn prepare(&self, formula: &Arc<Formula>, hits: &Arc<Hits>, parameters: &[f32]) -> Result<Arc<dyn Evaluator>, EvaluateError> {
         let formula = &evaluated_formula(formula, &hits.world);
         let kernels = self.kernels.compiled(formula)?;
-        let compiled = Compiled::new(Arc::clone(&kernels), formula, hits, parameters)?;
+        let compiled = Compiled::new(kernels, formula, std::slice::from_ref(hits), parameters)?;
         match compiled.textures.is_empty() {
             true => Ok(Arc::new(compiled)),
-            false => Ok(Arc::new(Textured::new(kernels, formula, hits, compiled))),
+            false => Ok(Arc::new(Textured::new(vec![Arc::clone(hits)], compiled))),
         }
     }
 }
 
-/// A compiled formula with the static values of all records of a traced scene.
+/// A compiled formula with the static values of all records of a traced scene, for one or more passes. Its pictures are
+/// the mean of the passes.
 pub struct Compiled {
     compiled: Arc<CompiledFormula>,
-    hits: Arc<Hits>,
-    columns: Vec<Columns>,
-    /// The nodes of each tile, if the formula gives something at every hit.
-    surface: Vec<SurfaceTile>,
+    formula: Arc<Formula>,
+    /// At least one.
+    passes: Vec<Arc<StoredPass>>,
     /// The parameter numbers that the uniform kernel of the surface reads.
     surface_leaves: Vec<ParameterSlot>,
     /// The textures that static values were looked up in. Pictures have the same.
     textures: StaticTextures,
     equation: Equation,
-    parameters: Vec<Parameter>,
     /// The parameter numbers that the uniform kernel reads.
     leaves: Vec<ParameterSlot>,
-    /// The order of work of each tile in a whole picture.
-    programs: Vec<Mutex<TileProgram>>,
     /// The variants that were in use last, if the formula chooses.
     chosen: Mutex<Option<Arc<Chosen>>>,
     /// Scratch of the threads, kept for the next frame.
@@ -126,35 +126,79 @@ pub struct Compiled {
 }
 
 impl Compiled {
-    /// Computes the static values of all records, on all threads of the current pool, with the textures among these
-    /// parameter numbers.
+    /// Computes the static values of all records of these passes, on all threads of the current pool, with the textures
+    /// among these parameter numbers. There is at least one pass.
     ///
     /// # Errors
-    /// The tiles of `hits` are not those of its world and view.
-    fn new(compiled: Arc<CompiledFormula>, formula: &Formula, hits: &Arc<Hits>, parameters: &[f32]) -> Result<Self, Mismatch> {
-        let hits = hits.for_lights(formula.evaluated_lights())?;
-        let scene = hits.world.scene();
+    /// The tiles of `hits` are not those of their world and view.
+    fn new(
+        compiled: Arc<CompiledFormula>,
+        formula: &Arc<Formula>,
+        hits: &[Arc<Hits>],
+        parameters: &[f32],
+    ) -> Result<Self, Mismatch> {
+        let scene = hits.first().ok_or(Mismatch)?.world.scene();
         let equation = Equation::new(formula, scene.bodies.len(), scene.lights.len());
         let textures = StaticTextures::new(&compiled.plan, formula, equation.layout, parameters);
-        let columns = Columns::of_tiles(&compiled, formula, &textures, &hits)?;
+        let pass = |hits: &Arc<Hits>| Ok(Arc::new(StoredPass::new(&compiled, formula, &textures, hits)?));
+        let passes = hits.iter().map(pass).collect::<Result<_, _>>()?;
         let leaves = compiled.plan.contribution.leaves(&compiled.plan.bindings.graph, &formula.parameters);
-        let surface = SurfaceTile::of_tiles(&compiled, formula, &textures, &hits)?;
         let of_surface = |plan: &SurfacePlan| plan.outputs.leaves(&plan.bindings.graph, &formula.parameters);
         let surface_leaves = compiled.plan.surface.as_ref().map(of_surface).unwrap_or_default();
         Ok(Self {
-            surface,
             surface_leaves,
-            columns,
+            passes,
             textures,
             equation,
-            parameters: formula.parameters.clone(),
+            formula: Arc::clone(formula),
             leaves,
-            programs: hits.tiles.iter().map(|_| Mutex::default()).collect(),
             chosen: Mutex::default(),
             compiled,
-            hits,
             scratch: Mutex::default(),
         })
+    }
+
+    /// The same with one more pass. The passes so far are shared.
+    ///
+    /// # Errors
+    /// The tiles of `hits` are not those of their world and view, or the view differs in more than the pass.
+    fn with_one_more(&self, hits: &Arc<Hits>) -> Result<Self, Mismatch> {
+        let own = &self.passes[0].hits;
+        if !Arc::ptr_eq(&own.world, &hits.world) || own.view != hits.view.with_pass(own.view.pass()) {
+            return Err(Mismatch);
+        }
+        let pass = StoredPass::new(&self.compiled, &self.formula, &self.textures, hits)?;
+        Ok(Self {
+            compiled: Arc::clone(&self.compiled),
+            formula: Arc::clone(&self.formula),
+            passes: self.passes.iter().cloned().chain([Arc::new(pass)]).collect(),
+            surface_leaves: self.surface_leaves.clone(),
+            textures: self.textures.clone(),
+            equation: self.equation,
+            leaves: self.leaves.clone(),
+            chosen: Mutex::default(),
+            scratch: Mutex::default(),
+        })
+    }
+
+    /// The world that was traced.
+    fn world(&self) -> &World {
+        &self.passes[0].hits.world
+    }
+
+    /// The view of the first pass. Those of the others differ in the pass alone.
+    fn view(&self) -> View {
+        self.passes[0].hits.view
+    }
+
+    /// The hits of the tiles of the first pass.
+    fn first_tiles(&self) -> &[Tile] {
+        &self.passes[0].hits.tiles
+    }
+
+    /// The hits of a tile.
+    fn tile_at(&self, place: Place) -> &Tile {
+        self.passes[place.pass].tile(place.tile)
     }
 
     /// The width of the vectors that pictures are made with.
@@ -162,16 +206,42 @@ impl Compiled {
         self.compiled.width
     }
 
-    /// Draws a tile into its part of a framebuffer.
-    fn draw_tile(&self, summation: &Summation, parameters: &[f32], index: usize, scratch: &mut TileScratch, part: Part) {
-        self.tile(summation, parameters, index, scratch);
+    /// Draws a tile of the mean of all passes into its part of a framebuffer.
+    fn draw_tile(&self, summation: &Summation, parameters: &[f32], tile: usize, scratch: &mut TileScratch, part: Part) {
+        self.mean(0..self.passes.len(), tile, scratch, |place, scratch| self.tile(summation, parameters, place, scratch));
         // Kernels have prefetched the first lines after those of the tile.
-        let next = summation.columns.lines(index + 1).and_then(|next| next.get(PREFETCH_DISTANCE / size_of::<Line>()..));
+        let next = summation.columns.lines(Place { pass: 0, tile: tile + 1 });
+        let next = next.and_then(|next| next.get(PREFETCH_DISTANCE / size_of::<Line>()..));
         scratch.planes.quantise(0, part, next.unwrap_or_default());
     }
 
+    /// Computes the sum of some passes for a tile, in the planes of the scratch memory. `compute` does it for one pass.
+    fn sum_tile(&self, passes: Range<usize>, tile: usize, scratch: &mut TileScratch, compute: impl Fn(Place, &mut TileScratch)) {
+        // Each pass is added as a whole. So the sum is the same if passes are added one by one to a finished picture.
+        let pixels = self.first_tiles()[tile].pixels.len();
+        let (first, last) = (passes.start, passes.end.saturating_sub(1));
+        for pass in passes {
+            compute(Place { pass, tile }, scratch);
+            if first < last {
+                scratch.add_to_total(pass == first, pixels);
+            }
+        }
+        if first < last {
+            scratch.take_total();
+        }
+    }
+
+    /// The same for the mean of the passes.
+    fn mean(&self, passes: Range<usize>, tile: usize, scratch: &mut TileScratch, compute: impl Fn(Place, &mut TileScratch)) {
+        let count = passes.len();
+        self.sum_tile(passes, tile, scratch, compute);
+        if count > 1 {
+            scratch.planes.scale(1.0 / count as f32, self.first_tiles()[tile].pixels.len());
+        }
+    }
+
     fn check_size(&self, framebuffer: &Framebuffer) {
-        let view = self.hits.view;
+        let view = self.view();
         assert_eq!((framebuffer.width, framebuffer.height), (view.width(), view.height()), "a framebuffer of the view's size");
     }
 
@@ -227,7 +297,7 @@ impl Compiled {
     /// choose by uniform conditions.
     fn choices(&self, parameters: &[f32]) -> Vec<u32> {
         let (Some(plan), Some(kernel)) = (&self.compiled.plan.conditions, &self.compiled.conditions) else { return Vec::new() };
-        let leaves = parameter_slots(&plan.numbers, &plan.bindings.graph, &self.parameters);
+        let leaves = parameter_slots(&plan.numbers, &plan.bindings.graph, &self.formula.parameters);
         let numbers = self.uniforms(parameters, kernel, &leaves, self.equation.layout.owners(Owner::Light));
         let bits = |of_pair: &[Splat]| {
             of_pair.iter().enumerate().fold(0, |bits, (index, number)| bits | u32::from(number.value() != 0.0) << index)
@@ -242,7 +312,7 @@ impl Compiled {
         Some(SurfaceSummation {
             compiled,
             plan,
-            tiles: &self.surface,
+            passes: &self.passes,
             uniforms: self.uniforms(parameters, &compiled.outputs.uniforms, &self.surface_leaves, 1),
             weights: parameter_weights(&self.equation, parameters, bodies),
             adds_own,
@@ -253,7 +323,7 @@ impl Compiled {
     /// they have their powers only.
     fn monomials(&self, plan: &DragPlan, tile: &Tile, parameters: &[f32]) -> PathMonomials {
         let mut monomials = PathMonomials::new(tile, &plan.equation, parameters, plan.weights);
-        if !self.surface.is_empty() {
+        if self.compiled.surface.is_some() {
             monomials.fixed.fill(Weight(1.0));
         }
         monomials
@@ -262,7 +332,7 @@ impl Compiled {
     /// Sets `weights` to the weights of all paths of a tile. Where the formula gives weights of rays, they are 1, and
     /// the summation multiplies by the weights of hits.
     fn path_weights(&self, tile: &Tile, parameters: &[f32], weights: &mut Vec<Weight>) {
-        if self.surface.is_empty() {
+        if self.compiled.surface.is_none() {
             path_weights(tile, &self.equation, parameters, weights);
         } else {
             weights.clear();
@@ -274,7 +344,7 @@ impl Compiled {
     fn empty_summation(&self, at_hits: Vec<[f32; 3]>, at_misses: [f32; 3], channels: Channels) -> Summation<'_> {
         let code = PixelCode::get(self.width());
         let (sources, uniforms) = (Vec::new(), Vec::new());
-        let columns = SummationColumns::Formula(&self.columns);
+        let columns = SummationColumns::Formula(&self.passes);
         Summation { sources, uniforms, columns, at_hits, at_misses, channels, code, surface: None }
     }
 
@@ -296,7 +366,7 @@ impl Compiled {
             uniform_count: contribution.uniforms.outputs(),
             active: self.active(parameters, |_, _| true),
             lights: self.equation.layout.owners(Owner::Light),
-            world: &self.hits.world,
+            world: self.world(),
         };
         let lights = self.equation.layout.owners(Owner::Light);
         (source, self.uniforms(parameters, &contribution.uniforms, leaves, lights))
@@ -311,12 +381,13 @@ impl Compiled {
         pairs.map(|(body, light)| is_on[light] && wanted(body, light)).collect()
     }
 
-    /// Computes the pixels of a tile, in the planes of the scratch memory.
-    fn tile(&self, summation: &Summation, parameters: &[f32], index: usize, scratch: &mut TileScratch) {
-        let tile = &self.hits.tiles[index];
+    /// Computes the pixels of a tile in one pass, in the planes of the scratch memory.
+    fn tile(&self, summation: &Summation, parameters: &[f32], place: Place, scratch: &mut TileScratch) {
+        let tile = self.tile_at(place);
         self.path_weights(tile, parameters, &mut scratch.weights);
-        let mut program = self.programs[index].lock().unwrap_or_else(PoisonError::into_inner);
-        summation.run(tile, index, None, Accumulate::Overwrite, scratch, &mut program);
+        let program = &self.passes[place.pass].programs[place.tile];
+        let mut program = program.lock().unwrap_or_else(PoisonError::into_inner);
+        summation.run(tile, place, None, Accumulate::Overwrite, scratch, &mut program);
     }
 
     /// The uniform values of all pairs of a body and a light, pair by pair, by a kernel that reads these parameter
@@ -349,18 +420,31 @@ impl Compiled {
 }
 
 impl Evaluator for Compiled {
-    fn frame(&self, parameters: &[f32]) -> Frame {
-        let view = self.hits.view;
+    fn passes(&self) -> usize {
+        self.passes.len()
+    }
+
+    fn with_pass(&self, hits: &Arc<Hits>) -> Result<Arc<dyn Evaluator>, EvaluateError> {
+        Ok(Arc::new(self.with_one_more(hits)?))
+    }
+
+    fn sum(&self, passes: Range<usize>, parameters: &[f32], cancelled: &AtomicBool) -> Option<Frame> {
+        let view = self.view();
         let mut frame = Frame::black(view.width(), view.height());
         let chosen = self.chosen(parameters);
         let summation = self.whole(parameters, chosen.as_deref());
-        self.each_tile(frame.linear.par_chunks_mut(tile_pixels(view.pixels()) as usize), |pixels, index, scratch| {
-            self.tile(&summation, parameters, index, scratch);
+        let tile_pixels = tile_pixels(view.pixels()) as usize;
+        self.each_tile(frame.linear.par_chunks_mut(tile_pixels), |pixels, tile, scratch| {
+            if cancelled.load(Ordering::Relaxed) {
+                return;
+            }
+            let compute = |place: Place, scratch: &mut TileScratch| self.tile(&summation, parameters, place, scratch);
+            self.sum_tile(passes.clone(), tile, scratch, compute);
             for (index, pixel) in pixels.iter_mut().enumerate() {
                 *pixel = scratch.planes.colour(index);
             }
         });
-        frame
+        (!cancelled.load(Ordering::Relaxed)).then_some(frame)
     }
 
     fn draw(&self, parameters: &[f32], framebuffer: &mut Framebuffer) -> Drawn {
@@ -368,8 +452,8 @@ impl Evaluator for Compiled {
         Drawn::timed(|| {
             let chosen = self.chosen(parameters);
             let summation = self.whole(parameters, chosen.as_deref());
-            self.each_tile(framebuffer.parts(), |part, index, scratch| {
-                self.draw_tile(&summation, parameters, index, scratch, part);
+            self.each_tile(framebuffer.parts(), |part, tile, scratch| {
+                self.draw_tile(&summation, parameters, tile, scratch, part);
             });
         })
     }
@@ -383,13 +467,9 @@ impl Evaluator for Compiled {
         Ok(Box::new(CompiledDrag::new(&self, moved, parameters, budget)?))
     }
 
-    /// The hit store, the static columns, those of the variants in use, the order of work of each tile, and scratch
-    /// memory. The last three exist after the first frame.
+    /// What is stored of the passes, and scratch memory.
     fn bytes(&self) -> usize {
         let scratch = self.scratch.lock().unwrap_or_else(PoisonError::into_inner).len();
-        let programs = self.programs.iter().map(|program| program.lock().unwrap_or_else(PoisonError::into_inner).bytes());
-        let columns = self.columns.iter().map(Columns::bytes).chain(self.surface.iter().map(SurfaceTile::bytes));
-        let chosen = self.chosen.lock().unwrap_or_else(PoisonError::into_inner).as_ref().map_or(0, |chosen| chosen.bytes());
-        self.hits.bytes() as usize + columns.chain(programs).sum::<usize>() + chosen + scratch * TileScratch::BYTES
+        self.passes.iter().map(|pass| pass.bytes()).sum::<usize>() + scratch * TileScratch::BYTES
     }
 }

@@ -61,6 +61,16 @@ impl Planes {
         self.width.dispatch(Fill { planes: &mut self.planes, regions: &tile.regions, colours, add });
     }
 
+    /// Adds the first pixels of other planes.
+    pub(super) fn add_planes(&mut self, other: &Planes, pixels: usize) {
+        self.width.dispatch(AddPlanes { planes: &mut self.planes, other: &other.planes, pixels });
+    }
+
+    /// Multiplies the first pixels by a number.
+    pub(super) fn scale(&mut self, factor: f32, pixels: usize) {
+        self.width.dispatch(Scale { planes: &mut self.planes, factor, pixels });
+    }
+
     /// Makes all pixels black.
     pub(super) fn clear(&mut self) {
         self.planes.0.iter_mut().for_each(|plane| plane.fill(0.0));
@@ -182,6 +192,44 @@ impl WithSimd for Fill<'_> {
                 }
             }
             start = end;
+        }
+    }
+}
+
+/// Adds planes.
+struct AddPlanes<'a> {
+    planes: &'a mut PixelPlanes,
+    other: &'a PixelPlanes,
+    pixels: usize,
+}
+
+impl WithSimd for AddPlanes<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let pixels = PIXELS.start..PIXELS.start + self.pixels;
+        for (plane, other) in self.planes.0.iter_mut().zip(&self.other.0) {
+            plane[pixels.clone()].iter_mut().zip(&other[pixels.clone()]).for_each(|(sum, number)| *sum += number);
+        }
+    }
+}
+
+/// Multiplies planes.
+struct Scale<'a> {
+    planes: &'a mut PixelPlanes,
+    factor: f32,
+    pixels: usize,
+}
+
+impl WithSimd for Scale<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let pixels = PIXELS.start..PIXELS.start + self.pixels;
+        for plane in &mut self.planes.0 {
+            plane[pixels.clone()].iter_mut().for_each(|number| *number *= self.factor);
         }
     }
 }

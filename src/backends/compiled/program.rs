@@ -7,6 +7,7 @@
 use crate::backends::compiled::columns::{ColumnPart, Columns};
 use crate::backends::compiled::planes::Planes;
 use crate::backends::compiled::source::ContributionSource;
+use crate::backends::compiled::stored_pass::Place;
 use crate::backends::compiled::summation::Summation;
 use crate::backends::compiled::surface::HitWeights;
 use crate::evaluate::weights::Weight;
@@ -69,8 +70,8 @@ impl WeightClass {
 /// The inputs of the program of a tile, without its summation.
 pub(super) struct TileInputs<'t> {
     pub(super) tile: &'t Tile,
-    /// The index of the tile among the tiles.
-    pub(super) tile_index: usize,
+    /// The tile among those of all passes.
+    pub(super) place: Place,
     /// The drag columns, if kernels read any.
     pub(super) drag_columns: Option<&'t Columns>,
     /// The weight of each path.
@@ -127,7 +128,7 @@ impl TileProgram {
 
     /// Does the work. `weights` holds the weight of each span, followed by as many more numbers as a chunk has hits.
     pub(super) fn run(&self, summation: &Summation, inputs: &TileInputs, weights: &[f32], sums: &mut Sums, planes: &mut Planes) {
-        let columns = summation.columns.lines(inputs.tile_index).unwrap_or_default();
+        let columns = summation.columns.lines(inputs.place).unwrap_or_default();
         let drag_lines = inputs.drag_columns.map_or(&[][..], Columns::lines);
         let mut done = 0;
         let calls = |calls: Range<usize>, sums: &mut Sums, planes: &mut Planes| {
@@ -245,7 +246,7 @@ impl ProgramBuilder<'_, '_> {
         for active_lights in active_lights.chunk_by(|a, b| a.source == b.source) {
             let source = &self.summation.sources[active_lights[0].source];
             let ContributionSource { overwrite, add, channels, .. } = source;
-            let part = self.summation.columns.part(source, self.inputs.tile_index, index, lines.clone());
+            let part = self.summation.columns.part(source, self.inputs.place, index, lines.clone());
             next_lines = part.next_lines();
             let components = channels.components();
             let mut store = stale[components.clone()].iter().all(|stale| *stale);

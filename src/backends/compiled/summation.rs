@@ -6,6 +6,7 @@
 use crate::backends::compiled::chosen::Chosen;
 use crate::backends::compiled::columns::{ColumnPart, Columns};
 use crate::backends::compiled::source::ContributionSource;
+use crate::backends::compiled::stored_pass::{Place, StoredPass};
 use crate::backends::compiled::surface::SurfaceSummation;
 use crate::jit::{Line, PixelCode, Splat};
 use crate::plan::Channels;
@@ -34,27 +35,29 @@ pub(super) struct Summation<'p> {
 /// The columns that the kernels of a summation read.
 #[derive(Clone, Copy)]
 pub(super) enum SummationColumns<'p> {
-    /// Those of the formula, tile by tile.
-    Formula(&'p [Columns]),
+    /// Those of the formula, pass by pass.
+    Formula(&'p [Arc<StoredPass>]),
     /// Those of the variants in use. The sources are the variants.
     Variants(&'p Chosen),
 }
 
 impl<'p> SummationColumns<'p> {
     /// The lines of the columns of a tile, from its first on.
-    pub(super) fn lines(self, tile: usize) -> Option<&'p [Line]> {
+    pub(super) fn lines(self, place: Place) -> Option<&'p [Line]> {
+        let Place { pass, tile } = place;
         let first = match self {
-            SummationColumns::Formula(columns) => columns.get(tile),
-            SummationColumns::Variants(chosen) => chosen.columns.get(tile).and_then(|tile| tile.first()),
+            SummationColumns::Formula(passes) => passes.get(pass).and_then(|pass| pass.columns.get(tile)),
+            SummationColumns::Variants(chosen) => chosen.columns.get(pass)?.tiles.get(tile).and_then(|tile| tile.first()),
         };
         first.map(Columns::lines)
     }
 
     /// Where some lines of a group of a tile are, for a source. See [`Columns::part`].
-    pub(super) fn part(self, source: &ContributionSource, tile: usize, group: usize, lines: Range<usize>) -> ColumnPart {
+    pub(super) fn part(self, source: &ContributionSource, place: Place, group: usize, lines: Range<usize>) -> ColumnPart {
+        let Place { pass, tile } = place;
         let columns = match self {
-            SummationColumns::Formula(columns) => &columns[tile],
-            SummationColumns::Variants(chosen) => &chosen.columns[tile][source.variant],
+            SummationColumns::Formula(passes) => &passes[pass].columns[tile],
+            SummationColumns::Variants(chosen) => &chosen.columns[pass].tiles[tile][source.variant],
         };
         columns.part(group, lines)
     }

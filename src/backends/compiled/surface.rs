@@ -12,6 +12,7 @@
 
 use crate::backends::compiled::leaves::{StaticLeaf, StaticTextures};
 use crate::backends::compiled::memory::StreamMemory;
+use crate::backends::compiled::stored_pass::{Place, StoredPass};
 use crate::evaluate::weights::Weight;
 use crate::formula::Formula;
 use crate::formula::equation::{Equation, weighed_by, weight_parameter};
@@ -27,6 +28,7 @@ use crate::trace::{
 use rayon::prelude::*;
 use std::cell::Cell;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// The largest weight of a path that is bounded. Larger ones, infinity and NaN are not.
 const LARGEST_WEIGHT: f64 = 1e6;
@@ -55,7 +57,8 @@ pub(super) struct SurfaceTile {
 pub(super) struct SurfaceSummation<'p> {
     pub(super) compiled: &'p CompiledSurface,
     pub(super) plan: &'p SurfacePlan,
-    pub(super) tiles: &'p [SurfaceTile],
+    /// The passes with their nodes.
+    pub(super) passes: &'p [Arc<StoredPass>],
     /// The uniform values of each body.
     pub(super) uniforms: Vec<Splat>,
     /// kr and kt of each body.
@@ -278,10 +281,15 @@ fn pixels_of_paths(tile: &Tile) -> Vec<Vec<u16>> {
 }
 
 impl SurfaceSummation<'_> {
+    /// The nodes of a tile.
+    fn nodes(&self, place: Place) -> &SurfaceTile {
+        &self.passes[place.pass].surface[place.tile]
+    }
+
     /// Computes the weights of all nodes of a tile. Sets the weight of a path to 0 if those of all its nodes are 0. A
     /// path whose weight is 0 already is left out of the summation, but not the paths that continue it.
-    pub(super) fn weigh(&self, tile: &Tile, tile_index: usize, path_weights: &mut [Weight], scratch: &mut SurfaceScratch) {
-        let nodes = &self.tiles[tile_index];
+    pub(super) fn weigh(&self, tile: &Tile, place: Place, path_weights: &mut [Weight], scratch: &mut SurfaceScratch) {
+        let nodes = self.nodes(place);
         self.evaluate(nodes, &mut scratch.outputs);
         let SurfaceScratch { outputs, weights, live, is_unbounded, collects, collected } = scratch;
         let found = self.multiply(nodes, tile, outputs, weights, live, |weight, factor| weight * factor);
@@ -359,13 +367,13 @@ impl SurfaceSummation<'_> {
     pub(super) fn add_own(
         &self,
         tile: &Tile,
-        tile_index: usize,
+        place: Place,
         path_weights: &[Weight],
         scratch: &mut SurfaceScratch,
         (at_hits, at_misses): (&[[f32; 3]], [f32; 3]),
         mut add: impl FnMut(usize, [f32; 3]),
     ) {
-        let nodes = &self.tiles[tile_index];
+        let nodes = self.nodes(place);
         let SurfaceScratch { outputs, weights, collects, collected, .. } = scratch;
         let count = self.compiled.outputs.overwrite.outputs();
         let given = self.plan.nodes.own.filter(|_| self.adds_own).map(|own| self.plan.columns(own));
@@ -396,10 +404,10 @@ impl SurfaceSummation<'_> {
     }
 
     /// The weights of the hits of a tile, after [`weigh`](Self::weigh).
-    pub(super) fn hit_weights<'w>(&'w self, tile_index: usize, scratch: &'w mut SurfaceScratch) -> HitWeights<'w> {
+    pub(super) fn hit_weights<'w>(&'w self, place: Place, scratch: &'w mut SurfaceScratch) -> HitWeights<'w> {
         let collected = Cell::from_mut(&mut scratch.collected[..]).as_slice_of_cells();
         HitWeights {
-            nodes: &self.tiles[tile_index].of_hit,
+            nodes: &self.nodes(place).of_hit,
             weights: &scratch.weights,
             collected: scratch.collects.then_some(collected),
         }
@@ -410,7 +418,7 @@ impl SurfaceSummation<'_> {
     pub(super) fn add_collected(
         &self,
         tile: &Tile,
-        tile_index: usize,
+        place: Place,
         scratch: &mut SurfaceScratch,
         mut add: impl FnMut(usize, [f32; 3]),
     ) {
@@ -418,7 +426,7 @@ impl SurfaceSummation<'_> {
         if !*collects {
             return;
         }
-        let nodes = &self.tiles[tile_index];
+        let nodes = self.nodes(place);
         // The path before the last step of a path comes before it.
         for (path, own) in tile.paths.iter().zip(&nodes.paths).rev() {
             let factors = self.factors(nodes, tile, path, outputs);

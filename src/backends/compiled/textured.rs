@@ -8,22 +8,25 @@ use crate::jit::CompiledFormula;
 use crate::picture::Frame;
 use crate::plan::Method;
 use crate::trace::{Hits, Mismatch};
+use std::ops::Range;
+use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// An evaluator that computes all static values again when a texture is replaced.
 pub(super) struct Textured {
     kernels: Arc<CompiledFormula>,
     formula: Arc<Formula>,
-    hits: Arc<Hits>,
+    /// Those of each pass, at least one.
+    hits: Vec<Arc<Hits>>,
     /// The evaluator for the textures of the last picture. `None` while another one is made.
     last: Mutex<Option<Arc<Compiled>>>,
 }
 
 impl Textured {
-    /// Goes on from an evaluator of this formula.
-    pub(super) fn new(kernels: Arc<CompiledFormula>, formula: &Arc<Formula>, hits: &Arc<Hits>, first: Compiled) -> Self {
-        let last = Mutex::new(Some(Arc::new(first)));
-        Self { kernels, formula: Arc::clone(formula), hits: Arc::clone(hits), last }
+    /// Goes on from an evaluator for these hits.
+    pub(super) fn new(hits: Vec<Arc<Hits>>, first: Compiled) -> Self {
+        let (kernels, formula) = (Arc::clone(&first.compiled), Arc::clone(&first.formula));
+        Self { kernels, formula, hits, last: Mutex::new(Some(Arc::new(first))) }
     }
 
     /// The evaluator for the textures among these parameter numbers.
@@ -45,9 +48,29 @@ impl Textured {
 }
 
 impl Evaluator for Textured {
-    fn frame(&self, parameters: &[f32]) -> Frame {
-        let view = self.hits.view;
-        self.with(parameters).map_or_else(|_| Frame::black(view.width(), view.height()), |compiled| compiled.frame(parameters))
+    fn passes(&self) -> usize {
+        self.hits.len()
+    }
+
+    fn with_pass(&self, hits: &Arc<Hits>) -> Result<Arc<dyn Evaluator>, EvaluateError> {
+        let all: Vec<Arc<Hits>> = self.hits.iter().chain([hits]).cloned().collect();
+        let last = self.last.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        Ok(match last {
+            Some(last) => Arc::new(Self::new(all, last.with_one_more(hits)?)),
+            // Another one is being made. Its textures come with the next picture.
+            None => {
+                let (kernels, formula) = (Arc::clone(&self.kernels), Arc::clone(&self.formula));
+                Arc::new(Self { kernels, formula, hits: all, last: Mutex::default() })
+            }
+        })
+    }
+
+    fn sum(&self, passes: Range<usize>, parameters: &[f32], cancelled: &AtomicBool) -> Option<Frame> {
+        let view = self.hits[0].view;
+        self.with(parameters).map_or_else(
+            |_| Some(Frame::black(view.width(), view.height())),
+            |compiled| compiled.sum(passes, parameters, cancelled),
+        )
     }
 
     fn draw(&self, parameters: &[f32], framebuffer: &mut Framebuffer) -> Drawn {
@@ -62,7 +85,7 @@ impl Evaluator for Textured {
     fn drag(self: Arc<Self>, moved: &[usize], parameters: &[f32], budget: usize) -> Result<Box<dyn Drag>, EvaluateError> {
         let compiled = self.with(parameters)?;
         if moved.iter().any(|index| compiled.textures.has(*index)) {
-            let pixels = self.hits.view.pixels() as usize;
+            let pixels = self.hits[0].view.pixels() as usize;
             return Ok(Box::new(WholeFrames::new(self, pixels)));
         }
         let own = Arc::clone(&compiled).drag(moved, parameters, budget)?;
@@ -98,6 +121,14 @@ impl Drag for TexturedDrag {
             self.compiled = compiled;
         }
         self.own.frame(parameters, framebuffer);
+    }
+
+    fn begin_with(&mut self, picture: &Arc<Frame>, numbers: &[f32], passes: usize) {
+        self.own.begin_with(picture, numbers, passes);
+    }
+
+    fn linear(&self, parameters: &[f32]) -> Option<Frame> {
+        self.compiled.textures.are_in(parameters).then(|| self.own.linear(parameters)).flatten()
     }
 
     fn prepare(&mut self) -> bool {

@@ -4,6 +4,7 @@
 use crate::backends::compiled::columns::Columns;
 use crate::backends::compiled::planes::Planes;
 use crate::backends::compiled::program::{TileInputs, TileProgram};
+use crate::backends::compiled::stored_pass::Place;
 use crate::backends::compiled::summation::Summation;
 use crate::backends::compiled::surface::{SurfaceScratch, SurfaceSummation};
 use crate::evaluate::weights::Weight;
@@ -22,6 +23,8 @@ pub(super) enum Accumulate {
 /// Scratch memory for the work on a tile. It is used again for the next tile.
 pub(super) struct TileScratch {
     pub(super) planes: Planes,
+    /// The sum of the passes so far, where a picture has several.
+    total: Option<Planes>,
     /// The weight of each path of the tile.
     pub(super) weights: Vec<Weight>,
     /// Red, green and blue of the hits of a chunk, not yet multiplied by path weights.
@@ -44,6 +47,7 @@ impl TileScratch {
     pub(super) fn new(width: Width) -> Self {
         Self {
             planes: Planes::new(width),
+            total: None,
             weights: Vec::new(),
             sums: bytemuck::zeroed_box(),
             span_weights: Vec::new(),
@@ -51,6 +55,24 @@ impl TileScratch {
             path_colours: Vec::new(),
             set_colours: Vec::new(),
             surface: SurfaceScratch::default(),
+        }
+    }
+
+    /// Adds the first pixels of the planes to the total, or makes them the total.
+    pub(super) fn add_to_total(&mut self, is_first: bool, pixels: usize) {
+        let width = self.planes.width();
+        let total = self.total.get_or_insert_with(|| Planes::new(width));
+        if is_first {
+            std::mem::swap(total, &mut self.planes);
+        } else {
+            total.add_planes(&self.planes, pixels);
+        }
+    }
+
+    /// Makes the total the planes.
+    pub(super) fn take_total(&mut self) {
+        if let Some(total) = &mut self.total {
+            std::mem::swap(total, &mut self.planes);
         }
     }
 
@@ -62,12 +84,12 @@ impl TileScratch {
 
 impl Summation<'_> {
     /// Runs the summation over a tile, into the planes of the scratch memory, which holds the weights of the tile's paths.
-    /// `tile_index` is the index of the tile. `drag_columns` are given if kernels read any. `program` keeps the order
+    /// `place` is the tile among those of all passes. `drag_columns` are given if kernels read any. `program` keeps the order
     /// of work of this tile in summations like this one.
     pub(super) fn run(
         &self,
         tile: &Tile,
-        tile_index: usize,
+        place: Place,
         drag_columns: Option<&Columns>,
         accumulate: Accumulate,
         scratch: &mut TileScratch,
@@ -79,26 +101,26 @@ impl Summation<'_> {
         program.fetch();
         match &self.surface {
             None => self.fill_regions(tile, accumulate, scratch),
-            Some(surface) => self.fill_nodes(surface, tile, tile_index, accumulate, scratch),
+            Some(surface) => self.fill_nodes(surface, tile, place, accumulate, scratch),
         }
         let TileScratch { planes, weights, sums, span_weights, surface, .. } = scratch;
-        let hit_weights = self.surface.as_ref().map(|summation| summation.hit_weights(tile_index, surface));
-        let inputs = TileInputs { tile, tile_index, drag_columns, weights, hit_weights };
+        let hit_weights = self.surface.as_ref().map(|summation| summation.hit_weights(place, surface));
+        let inputs = TileInputs { tile, place, drag_columns, weights, hit_weights };
         program.prepare(self, &inputs);
         span_weights.clear();
         span_weights.extend(tile.spans.iter().map(|span| weights[span.path.index()].0 as f32));
         span_weights.resize(tile.spans.len() + CHUNK_HITS, 0.0);
         program.run(self, &inputs, span_weights, sums, planes);
         if let Some(summation) = &self.surface {
-            summation.add_collected(tile, tile_index, surface, |pixel, colour| planes.add_colour(pixel, colour));
+            summation.add_collected(tile, place, surface, |pixel, colour| planes.add_colour(pixel, colour));
         }
     }
 
     /// Runs a summation that runs only once over the tile.
-    pub(super) fn run_once(&self, tile: &Tile, tile_index: usize, accumulate: Accumulate, scratch: &mut TileScratch) {
+    pub(super) fn run_once(&self, tile: &Tile, place: Place, accumulate: Accumulate, scratch: &mut TileScratch) {
         let mut program = std::mem::take(&mut scratch.once);
         program.forget();
-        self.run(tile, tile_index, None, accumulate, scratch, &mut program);
+        self.run(tile, place, None, accumulate, scratch, &mut program);
         scratch.once = program;
     }
 
@@ -107,16 +129,16 @@ impl Summation<'_> {
         &self,
         surface: &SurfaceSummation,
         tile: &Tile,
-        tile_index: usize,
+        place: Place,
         accumulate: Accumulate,
         scratch: &mut TileScratch,
     ) {
-        surface.weigh(tile, tile_index, &mut scratch.weights, &mut scratch.surface);
+        surface.weigh(tile, place, &mut scratch.weights, &mut scratch.surface);
         let TileScratch { planes, weights, surface: nodes, .. } = scratch;
         if accumulate == Accumulate::Overwrite {
             planes.clear();
         }
-        surface.add_own(tile, tile_index, weights, nodes, (&self.at_hits, self.at_misses), |pixel, colour| {
+        surface.add_own(tile, place, weights, nodes, (&self.at_hits, self.at_misses), |pixel, colour| {
             planes.add_colour(pixel, colour);
         });
     }

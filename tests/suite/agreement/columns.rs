@@ -16,7 +16,9 @@ use illuminator::plan::{ContributionPlan, DragPlan, FormulaPlan, KernelPlan, Met
 use illuminator::trace::{CoordinatesUse, Group, HitVariables, Hits, LightVariables, Tile, Tracer, View, replay, variable};
 use illuminator::world::World;
 use std::collections::{BTreeSet, HashMap};
+use std::ops::Range;
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 /// One value for each record.
 type Column = Vec<f32>;
@@ -266,13 +268,21 @@ impl ColumnsEvaluator {
 }
 
 impl Evaluator for ColumnsEvaluator {
-    fn frame(&self, parameters: &[f32]) -> Frame {
+    fn passes(&self) -> usize {
+        1
+    }
+
+    fn with_pass(&self, _: &Arc<Hits>) -> Result<Arc<dyn Evaluator>, EvaluateError> {
+        Err(EvaluateError::Backend("this backend makes pictures of one pass".to_owned()))
+    }
+
+    fn sum(&self, _: Range<usize>, parameters: &[f32], _: &AtomicBool) -> Option<Frame> {
         let mut frame = Frame::black(self.hits.view.width(), self.hits.view.height());
         let source = self.source(|_, light| self.is_on(parameters, light));
         let at_hits = self.at_hits(|body| self.equation.sum(Site::Hit, parameters, body));
         let pass = Pass { sources: vec![source], at_hits, at_misses: self.equation.sum(Site::Miss, parameters, 0) };
         self.add(&pass, parameters, &|tile| self.weights(tile, parameters), &mut frame.linear);
-        frame
+        Some(frame)
     }
 
     fn draw(&self, parameters: &[f32], framebuffer: &mut Framebuffer) -> Drawn {
@@ -409,6 +419,8 @@ impl Drag for ColumnsDrag {
         let frame = |linear| Frame { width: view.width(), height: view.height(), linear };
         framebuffer.set(&self.picture(parameters).map_or_else(|| self.evaluator.frame(parameters), frame));
     }
+
+    fn begin_with(&mut self, _: &Arc<Frame>, _: &[f32], _: usize) {}
 
     fn prepare(&mut self) -> bool {
         if self.is_ready {

@@ -42,6 +42,21 @@ pub(super) fn restore(planes: &mut Planes, cell: usize, channels: Channels, cell
     }
 }
 
+/// Makes a cell of the planes black.
+pub(super) fn clear(planes: &mut Planes, cell: usize, channels: Channels) {
+    let pixels = cell * CELL_PIXELS..(cell + 1) * CELL_PIXELS;
+    channels.components().for_each(|component| planes.part_mut(component, pixels.clone()).fill(0.0));
+}
+
+/// Multiplies a cell of the planes by a number, and adds other numbers to it.
+pub(super) fn scale_and_add(planes: &mut Planes, cell: usize, channels: Channels, factor: f32, cells: &[f32]) {
+    let pixels = cell * CELL_PIXELS..(cell + 1) * CELL_PIXELS;
+    for (component, numbers) in channels.components().zip(cells.chunks_exact(CELL_PIXELS)) {
+        let plane = planes.part_mut(component, pixels.clone());
+        plane.iter_mut().zip(numbers).for_each(|(sum, number)| *sum = factor * *sum + number);
+    }
+}
+
 /// The largest magnitude of some numbers. It is infinite if any number is infinite or NaN.
 pub(super) fn largest(numbers: &[f32]) -> f32 {
     // The bits of magnitudes, read as integers, have the order of the magnitudes. Those of NaN are the largest.

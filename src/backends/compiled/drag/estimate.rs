@@ -90,14 +90,22 @@ impl FrameEstimate {
         Self { full, live: moving.sum::<f64>() + columns + unread, add: ADD * adding(compiled.width()), lights }
     }
 
-    /// Whether images are worth having in a tile: this many cells of the base and of images, to write this many.
-    pub(super) fn images_pay(&self, images: usize, cells: usize, reach: &Reach, tile: &Tile, monomials: &PathMonomials) -> bool {
+    /// Whether images are worth having in a tile: this many cells of the base and of images, to write this many. A full
+    /// evaluation is that of a pass times `passes`.
+    pub(super) fn images_pay(
+        &self,
+        (images, cells): (usize, usize),
+        passes: usize,
+        reach: &Reach,
+        tile: &Tile,
+        monomials: &PathMonomials,
+    ) -> bool {
         let image = match reach.plan.channels {
             Channels::All => IMAGE,
             Channels::One(_) => IMAGE_COMPONENT,
         };
         let cost = images as f64 * image + cells as f64 * WRITE_SUM;
-        cost <= MOST_IMAGES * self.full(reach, tile, monomials)
+        cost <= MOST_IMAGES * passes as f64 * self.full(reach, tile, monomials)
     }
 
     /// Whether a live part in this many cells is worth having in a tile.

@@ -62,6 +62,44 @@ impl Image {
         image
     }
 
+    /// The same with the numbers of other passes added.
+    pub(super) fn plus(self, other: Image, channels: Channels) -> Self {
+        let stride = cells::stride(channels);
+        let mut sum = Self { key: self.key, cells: Vec::new(), numbers: Vec::new(), largest: 0.0 };
+        let mut parts = [&self, &other].map(|image| image.cells.iter().zip(image.numbers.chunks_exact(stride)).peekable());
+        loop {
+            let next = |part: &mut std::iter::Peekable<_>| part.peek().map(|(cell, _): &(&u16, &[f32])| **cell);
+            let Some(cell) = parts.each_mut().map(next).into_iter().flatten().min() else { break };
+            let start = sum.numbers.len();
+            sum.cells.push(cell);
+            sum.numbers.resize(start + stride, 0.0);
+            for part in &mut parts {
+                if let Some((_, numbers)) = part.next_if(|(own, _)| **own == cell) {
+                    sum.numbers[start..].iter_mut().zip(numbers).for_each(|(sum, number)| *sum += number);
+                }
+            }
+            sum.largest = sum.largest.max(cells::largest(&sum.numbers[start..]));
+        }
+        sum
+    }
+
+    /// The factors of the image.
+    pub(super) fn key(&self) -> Key {
+        self.key
+    }
+
+    /// Subtracts the image times a factor from the planes.
+    pub(super) fn subtract(&self, Factor(factor): Factor, channels: Channels, planes: &mut Planes) {
+        let stride = cells::stride(channels);
+        for (cell, numbers) in self.cells.iter().zip(self.numbers.chunks_exact(stride)) {
+            let pixels = usize::from(*cell) * cells::CELL_PIXELS..(usize::from(*cell) + 1) * cells::CELL_PIXELS;
+            for (component, numbers) in channels.components().zip(numbers.chunks_exact(cells::CELL_PIXELS)) {
+                let plane = planes.part_mut(component, pixels.clone());
+                plane.iter_mut().zip(numbers).for_each(|(sum, number)| *sum -= factor[component] * number);
+            }
+        }
+    }
+
     pub(super) fn bytes(&self) -> usize {
         size_of_val(&*self.numbers) + size_of_val(&*self.cells)
     }
@@ -87,8 +125,8 @@ struct Run {
 }
 
 impl TileImages {
-    /// Combines finished images with the base, which is in the planes.
-    pub(super) fn new(images: Vec<Image>, base: &Planes, channels: Channels) -> Self {
+    /// Combines images with the base, which is in the planes. The numbers of the images are multiplied by `scale`.
+    pub(super) fn new(images: &[Image], scale: f32, base: &Planes, channels: Channels) -> Self {
         let stride = cells::stride(channels);
         let mut all: Vec<u16> = images.iter().flat_map(|image| image.cells.iter().copied()).collect();
         all.sort_unstable();
@@ -97,7 +135,7 @@ impl TileImages {
         let mut made = Self {
             keys: images.iter().map(|image| image.key).collect(),
             base_largest: 0.0,
-            largest: images.iter().map(|image| image.largest).collect(),
+            largest: images.iter().map(|image| scale * image.largest).collect(),
             runs: Vec::new(),
             cells: all,
             numbers: Vec::with_capacity(total * stride),
@@ -111,7 +149,8 @@ impl TileImages {
             let mut here = Vec::new();
             for (index, (image, taken)) in images.iter().zip(&mut taken).enumerate() {
                 if image.cells.get(*taken) == Some(cell) {
-                    made.numbers.extend_from_slice(&image.numbers[*taken * stride..(*taken + 1) * stride]);
+                    let numbers = &image.numbers[*taken * stride..(*taken + 1) * stride];
+                    made.numbers.extend(numbers.iter().map(|number| scale * number));
                     *taken += 1;
                     here.push(index as u16);
                 }
@@ -145,6 +184,30 @@ impl TileImages {
             largest * cells::largest(&factor)
         };
         self.base_largest + self.keys.iter().zip(&self.largest).map(size).sum::<f32>() <= LARGEST_SUM
+    }
+
+    /// Sets the pixels of all cells of a tile to linear colours.
+    pub(super) fn set_linear(&self, factor: &impl Fn(Key) -> Factor, pixels: &mut [[f32; 3]]) {
+        let stride = cells::stride(self.channels);
+        let (mut cells, mut numbers) = (self.cells.iter(), self.numbers.chunks_exact(stride));
+        for run in &self.runs {
+            for cell in cells.by_ref().take(run.cells) {
+                let factors = std::iter::once(Factor([1.0; 3]));
+                let factors = factors.chain(run.images.iter().map(|image| factor(self.keys[usize::from(*image)])));
+                let start = usize::from(*cell) * cells::CELL_PIXELS;
+                let end = (start + cells::CELL_PIXELS).min(pixels.len());
+                let mut is_first = true;
+                for (Factor(factor), image) in factors.zip(numbers.by_ref()) {
+                    for (component, plane) in self.channels.components().zip(image.chunks_exact(cells::CELL_PIXELS)) {
+                        for (pixel, number) in pixels[start..end].iter_mut().zip(plane) {
+                            let before = if is_first { 0.0 } else { pixel[component] };
+                            pixel[component] = before + factor[component] * number;
+                        }
+                    }
+                    is_first = false;
+                }
+            }
+        }
     }
 
     /// Writes all cells of the tile, with vectors of this width.

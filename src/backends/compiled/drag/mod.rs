@@ -10,37 +10,42 @@
 //! - **General**, where neither is possible or ready yet, or faster: the whole picture again.
 //!
 //! Images, bases and columns are made tile by tile, between frames, so that no frame waits for them. Each
-//! [`prepare`](Drag::prepare) does about as much work as a full evaluation. A tile whose images would be inaccurate,
-//! would exceed the budget or would not be faster is drawn by the general method. [`estimate`] decides what is faster.
+//! [`prepare`](Drag::prepare) does about as much work as a full evaluation of one pass. A tile whose images would be
+//! inaccurate, would exceed the budget or would not be faster is drawn by the general method. [`estimate`] decides what
+//! is faster.
+//!
+//! A picture of several passes is linear in the pictures of the passes, so images are sums over the passes, and a frame
+//! takes as long as with one. Until they are made, and for all other methods, a frame takes the picture before the drag
+//! and changes it by what the numbers change in few passes: the noise of the few passes is only in the change.
 
 mod cells;
 mod estimate;
 mod images;
+mod preparation;
 mod reach;
 mod summations;
+#[cfg(test)]
+mod tests;
+mod tile_state;
 mod whole;
 mod work;
 
 use crate::backends::compiled::Compiled;
-use crate::backends::compiled::columns::Columns;
-use crate::backends::compiled::program::TileProgram;
-use crate::backends::compiled::summation::Summation;
-use crate::backends::compiled::tile::{Accumulate, TileScratch};
-use crate::evaluate::weights::PathMonomials;
+use crate::backends::compiled::chosen::DragVariants;
+use crate::backends::compiled::tile::TileScratch;
 use crate::evaluate::{Drag, Framebuffer, Part};
 use crate::jit::CompileError;
-use crate::picture::encoder::with_bytes;
-use crate::plan::{Channels, Method};
-use crate::trace::Tile;
-use cells::Factor;
+use crate::picture::{Frame, rest_of};
+use crate::plan::Method;
 use estimate::FrameEstimate;
-use images::{Image, Key, LARGEST_SUM, TileImages, factor_of};
-use pulp::{Simd, WithSimd};
+use images::{Key, factor_of};
+use preparation::Preparation;
 use rayon::prelude::*;
 use std::sync::{Arc, OnceLock};
-use summations::{DragKernels, Summations};
+use summations::{DragKernels, DragPasses};
+use tile_state::{LivePart, TileDrag, TileState, TileWork};
 use whole::WholeSummations;
-use work::{Work, WorkItem, full_cost, work_items};
+use work::{WorkList, full_cost};
 
 /// A slider that is held: frames in which only some numbers of one owner move.
 pub(super) struct CompiledDrag {
@@ -49,7 +54,11 @@ pub(super) struct CompiledDrag {
     estimate: FrameEstimate,
     /// The parameter numbers that all stored data was made with, apart from those that move.
     parameters: Vec<f32>,
-    tiles: Vec<TileState>,
+    tiles: Vec<TileDrag>,
+    /// The picture that the drag begins with, if it does.
+    picture: Option<Arc<Frame>>,
+    /// How many passes a frame evaluates, where it evaluates any.
+    passes: usize,
     /// Whether a whole picture has been drawn.
     drawn: bool,
     /// What the formula chooses, if it chose otherwise for the picture before.
@@ -57,36 +66,6 @@ pub(super) struct CompiledDrag {
     /// The most bytes that may be stored, and the bytes that are stored.
     budget: usize,
     bytes: usize,
-}
-
-/// The stored data of a tile.
-enum TileState {
-    /// Nothing that moves is visible in it.
-    Untouched,
-    /// The first `done` of the items are made, with these images.
-    Waiting {
-        items: Vec<WorkItem>,
-        done: usize,
-        images: Vec<Image>,
-        columns: Option<Columns>,
-    },
-    Images {
-        images: TileImages,
-        /// Whether the pixels that the images do not write are right. They are not after a picture for which the
-        /// images were not accurate: something may have been infinite where the images are 0.
-        right: bool,
-    },
-    Live(LiveTile),
-    /// It is drawn by the general method.
-    General,
-}
-
-/// The stored data of a tile with a live part: the cells, and the fixed part in them.
-struct LiveTile {
-    cells: Vec<u16>,
-    base: Vec<f32>,
-    columns: Option<Columns>,
-    program: TileProgram,
 }
 
 impl CompiledDrag {
@@ -112,6 +91,8 @@ impl CompiledDrag {
             estimate: FrameEstimate::default(),
             parameters: Vec::new(),
             tiles: Vec::new(),
+            picture: None,
+            passes: compiled.passes.len(),
             drawn: false,
             new_choices: None,
             budget,
@@ -124,10 +105,10 @@ impl CompiledDrag {
     /// Counts the stored bytes. Drops the data of tiles that exceed the budget, from the last tile on.
     fn settle(&mut self) {
         self.bytes = 0;
-        for state in &mut self.tiles {
-            let bytes = state.bytes();
+        for tile in &mut self.tiles {
+            let bytes = tile.bytes();
             if self.bytes + bytes > self.budget {
-                *state = TileState::General;
+                *tile = TileDrag::whole();
             } else {
                 self.bytes += bytes;
             }
@@ -138,54 +119,67 @@ impl CompiledDrag {
         self.parameters = parameters.to_vec();
         self.drawn = false;
         self.estimate = FrameEstimate::new(&self.compiled, &self.kernels, parameters);
+        self.list_work();
+    }
+
+    /// Begins the preparation anew.
+    fn list_work(&mut self) {
+        let compiled = &*self.compiled;
         let plan = &self.kernels.plan;
-        let state = |tile: &Tile| {
-            if plan.method == Method::General {
-                return TileState::General;
-            }
-            let monomials = self.compiled.monomials(plan, tile, parameters);
-            let items = work_items(plan, &self.compiled.hits.world, tile, &monomials);
-            if items.is_empty() {
-                TileState::Untouched
-            } else if plan.method == Method::Specialised && !self.specialising_pays(tile, &monomials) {
-                TileState::General
-            } else {
-                TileState::Waiting { items, done: 0, images: Vec::new(), columns: None }
+        let list = WorkList {
+            drag: DragPasses { compiled, plan, parameters: &self.parameters },
+            reach: self.kernels.reach(compiled),
+            from_picture: self.picture.as_ref().map(|_| self.passes),
+        };
+        let of_tile = |tile: usize| match list.of_tile(tile) {
+            _ if plan.method == Method::General => TileDrag::whole(),
+            None => TileDrag::whole(),
+            Some(items) if items.is_empty() => TileDrag { state: TileState::Untouched, work: None },
+            Some(_) if plan.method == Method::Specialised && !self.specialising_pays(tile) => TileDrag::whole(),
+            Some(items) => {
+                let work = TileWork { items, done: 0, images: Vec::new(), columns: Vec::new() };
+                TileDrag { state: TileState::Whole(None), work: Some(work) }
             }
         };
-        self.tiles = self.compiled.hits.tiles.par_iter().map(state).collect();
+        self.tiles = (0..compiled.first_tiles().len()).into_par_iter().map(of_tile).collect();
         self.settle();
     }
 
     /// Whether a live part is faster in a tile than a full evaluation, by the estimate.
-    fn specialising_pays(&self, tile: &Tile, monomials: &PathMonomials) -> bool {
+    fn specialising_pays(&self, tile: usize) -> bool {
         let reach = self.kernels.reach(&self.compiled);
-        self.estimate.live_pays(reach.live_cells(tile, monomials).len(), &reach, tile, monomials)
+        let tile = &self.compiled.first_tiles()[tile];
+        let monomials = self.compiled.monomials(&self.kernels.plan, tile, &self.parameters);
+        let mut cells = cells::CellSet::none(tile.pixels.len());
+        reach.add_live_cells(tile, &monomials, &mut cells);
+        self.estimate.live_pays(cells.cells().len(), &reach, tile, &monomials)
     }
 
-    /// The number of work items of each tile that are done next: together they cost about one full evaluation.
+    /// The number of work items of each tile that are done next: together they cost about one full evaluation of a
+    /// pass.
     fn next_counts(&self) -> Vec<usize> {
-        let mut left = full_cost(&self.compiled);
+        let mut rest = full_cost(&self.compiled);
         let mut counts: Vec<usize> = vec![0; self.tiles.len()];
-        for (state, count) in self.tiles.iter().zip(&mut counts) {
-            let TileState::Waiting { items, done, .. } = state else { continue };
-            for item in &items[*done..] {
-                if item.cost > left {
-                    left = 0;
-                    break;
+        let left = |tile: &TileDrag| tile.work.as_ref().map_or(&[][..], TileWork::left).to_vec();
+        let left: Vec<Vec<_>> = self.tiles.iter().map(left).collect();
+        let stages: std::collections::BTreeSet<u32> = left.iter().flatten().map(|item| item.stage).collect();
+        'stages: for stage in stages {
+            for (items, count) in left.iter().zip(&mut counts) {
+                for item in items[*count..].iter().take_while(|item| item.stage == stage) {
+                    if item.cost > rest {
+                        break 'stages;
+                    }
+                    rest -= item.cost;
+                    *count += 1;
                 }
-                left -= item.cost;
-                *count += 1;
-            }
-            if left == 0 {
-                break;
             }
         }
         // An item that costs more than a full evaluation is done alone.
-        if counts.iter().all(|count| *count == 0)
-            && let Some(index) = self.tiles.iter().position(|tile| matches!(tile, TileState::Waiting { .. }))
+        let first = left.iter().enumerate().filter_map(|(tile, items)| Some((items.first()?.stage, tile))).min();
+        if let Some((_, tile)) = first
+            && counts.iter().all(|count| *count == 0)
         {
-            counts[index] = 1;
+            counts[tile] = 1;
         }
         counts
     }
@@ -194,9 +188,8 @@ impl CompiledDrag {
 impl Drag for CompiledDrag {
     /// If no tile has stored data at the end of the preparation, every frame is drawn by the general method.
     fn method(&self) -> Method {
-        let stored = |state: &TileState| !matches!(state, TileState::Untouched | TileState::General);
-        let general = self.tiles.iter().any(|state| matches!(state, TileState::General));
-        if general && !self.tiles.iter().any(stored) { Method::General } else { self.kernels.plan.method }
+        let general = self.tiles.iter().any(|tile| matches!(tile.state, TileState::Whole(_)) && tile.work.is_none());
+        if general && !self.tiles.iter().any(TileDrag::is_stored) { Method::General } else { self.kernels.plan.method }
     }
 
     fn bytes(&self) -> usize {
@@ -204,24 +197,53 @@ impl Drag for CompiledDrag {
     }
 
     fn pixels(&self) -> usize {
-        let of_tile = |(state, tile): (&TileState, &Tile)| match state {
-            TileState::Untouched => 0,
-            TileState::Waiting { .. } | TileState::General => tile.pixels.len(),
-            TileState::Images { images, .. } => images.pixels(tile.pixels.len()),
-            TileState::Live(live) => cells::pixel_count(&live.cells, tile.pixels.len()),
-        };
-        self.tiles.iter().zip(&self.compiled.hits.tiles).map(of_tile).sum()
+        self.tiles.iter().zip(self.compiled.first_tiles()).map(|(state, tile)| state.pixels(tile.pixels.len())).sum()
     }
 
     fn is_ready(&self) -> bool {
-        !self.tiles.iter().any(|tile| matches!(tile, TileState::Waiting { .. }))
+        self.tiles.iter().all(|tile| tile.work.is_none())
+    }
+
+    fn begin_with(&mut self, picture: &Arc<Frame>, numbers: &[f32], passes: usize) {
+        self.picture = Some(Arc::clone(picture));
+        self.passes = passes.clamp(1, self.compiled.passes.len());
+        self.restart(numbers);
+    }
+
+    fn linear(&self, parameters: &[f32]) -> Option<Frame> {
+        if !self.is_ready() || !self.kernels.plan.same_fixed(&self.parameters, parameters) {
+            return None;
+        }
+        let factors = self.kernels.plan.factors(parameters);
+        let factor = |key: Key| factor_of(key, &factors);
+        let is_known = |tile: &TileDrag| match &tile.state {
+            TileState::Untouched => true,
+            TileState::Images { images, .. } => images.is_accurate(&factor),
+            TileState::Live(_) | TileState::Whole(_) => false,
+        };
+        if !self.tiles.iter().all(is_known) {
+            return None;
+        }
+        let mut frame = Frame::clone(self.picture.as_ref()?);
+        for (state, tile) in self.tiles.iter().zip(self.compiled.first_tiles()) {
+            if let TileState::Images { images, .. } = &state.state {
+                images.set_linear(&factor, &mut frame.linear[tile.pixels.start as usize..tile.pixels.end as usize]);
+            }
+        }
+        Some(frame)
     }
 
     fn frame(&mut self, parameters: &[f32], framebuffer: &mut Framebuffer) {
         self.compiled.check_size(framebuffer);
         self.compiled.check_parameters(parameters);
         if !self.kernels.plan.same_fixed(&self.parameters, parameters) {
+            self.picture = None;
+            self.passes = self.compiled.passes.len();
             self.restart(parameters);
+        }
+        if let Some(picture) = self.picture.as_ref().filter(|_| !self.drawn) {
+            framebuffer.set(picture);
+            self.drawn = true;
         }
         let compiled = &*self.compiled;
         let plan = &self.kernels.plan;
@@ -231,34 +253,39 @@ impl Drag for CompiledDrag {
         // moved number chooses are not needed.
         let any_whole = self.tiles.iter().any(|tile| tile.is_drawn_whole(self.drawn, &factor));
         let variants = if any_whole { compiled.chosen_in_drag(parameters, &mut self.new_choices) } else { None };
-        let whole = OnceLock::new();
-        let draw_all = |index: usize, scratch: &mut TileScratch, part: Part| {
-            let summations = whole.get_or_init(|| WholeSummations::new(compiled, parameters, variants.as_ref()));
-            summations.draw_tile(compiled, parameters, index, scratch, part);
+        let before = match &self.picture {
+            Some(_) if any_whole => compiled.chosen_in_drag(&self.parameters, &mut self.new_choices.clone()),
+            Some(_) | None => None,
+        };
+        let whole = WholeFrame {
+            compiled,
+            now: (parameters, variants.as_ref(), OnceLock::new()),
+            before: (&self.parameters, before.as_ref(), OnceLock::new()),
+            picture: self.picture.as_deref(),
+            passes: self.passes,
         };
         let live = self.kernels.live_summation(compiled, parameters);
+        let live = live.as_ref().map(|summation| LivePart { compiled, summation, parameters });
         let (channels, drawn) = (plan.channels, self.drawn);
         let tiles = framebuffer.parts().zip(&mut self.tiles);
-        compiled.each_tile(tiles, |(part, state), index, scratch| match state {
+        compiled.each_tile(tiles, |(part, tile), index, scratch| match &mut tile.state {
             TileState::Untouched if drawn => {}
             TileState::Images { images, right } => {
                 let accurate = images.is_accurate(&factor);
                 if drawn && accurate && *right {
                     images.draw(compiled.width(), &factor, part);
                 } else {
-                    draw_all(index, scratch, part);
+                    whole.draw(index, &mut None, scratch, part);
                 }
                 *right = accurate;
             }
             TileState::Live(tile) if drawn => {
                 if let Some(live) = &live {
-                    compiled.path_weights(&compiled.hits.tiles[index], parameters, &mut scratch.weights);
-                    tile.draw(&compiled.hits.tiles[index], index, live, channels, scratch, part);
+                    tile.draw(live, index, channels, scratch, part);
                 }
             }
-            TileState::Untouched | TileState::Live(_) | TileState::Waiting { .. } | TileState::General => {
-                draw_all(index, scratch, part);
-            }
+            TileState::Untouched | TileState::Live(_) => whole.draw(index, &mut None, scratch, part),
+            TileState::Whole(rest) => whole.draw(index, rest, scratch, part),
         });
         self.drawn = true;
     }
@@ -269,17 +296,20 @@ impl Drag for CompiledDrag {
         }
         let counts = self.next_counts();
         if counts.iter().any(|count| *count > 0) {
-            let chosen = self.compiled.chosen(&self.parameters);
+            let compiled = &*self.compiled;
+            let chosen = compiled.chosen(&self.parameters);
             let preparation = Preparation {
-                compiled: &self.compiled,
+                drag: DragPasses { compiled, plan: &self.kernels.plan, parameters: &self.parameters },
                 kernels: &self.kernels,
                 estimate: &self.estimate,
-                summations: self.kernels.summations(&self.compiled, &self.parameters, chosen.as_deref()),
-                parameters: &self.parameters,
+                summations: self.kernels.summations(compiled, &self.parameters, chosen.as_deref()),
+                live: self.kernels.live_summation(compiled, &self.parameters),
+                factors: self.kernels.plan.factors(&self.parameters),
+                picture: self.picture.as_deref(),
             };
-            self.compiled.each_tile(self.tiles.par_iter_mut().zip(counts), |(state, count), index, scratch| {
+            compiled.each_tile(self.tiles.par_iter_mut().zip(counts), |(tile, count), index, scratch| {
                 for _ in 0..count {
-                    preparation.advance(state, index, scratch);
+                    preparation.advance(tile, index, scratch);
                 }
             });
             self.settle();
@@ -288,140 +318,46 @@ impl Drag for CompiledDrag {
     }
 }
 
-impl TileState {
-    /// Whether the next frame draws the tile by the general method.
-    fn is_drawn_whole(&self, drawn: bool, factor: &impl Fn(Key) -> Factor) -> bool {
-        match self {
-            TileState::Untouched | TileState::Live(_) => !drawn,
-            TileState::Images { images, right } => !(drawn && *right && images.is_accurate(factor)),
-            TileState::Waiting { .. } | TileState::General => true,
-        }
-    }
+/// A set of parameter numbers with what a formula chooses for them, and the summations once they are needed.
+type WholeNumbers<'w> = (&'w [f32], Option<&'w DragVariants>, OnceLock<WholeSummations<'w>>);
 
-    /// The memory that is kept, in bytes.
-    fn bytes(&self) -> usize {
-        match self {
-            TileState::Untouched | TileState::General => 0,
-            TileState::Waiting { images, columns, .. } => {
-                images.iter().map(Image::bytes).sum::<usize>() + columns.as_ref().map_or(0, Columns::bytes)
-            }
-            TileState::Images { images, .. } => images.bytes(),
-            TileState::Live(live) => {
-                let columns = live.columns.as_ref().map_or(0, Columns::bytes);
-                size_of_val(&*live.base) + size_of_val(&*live.cells) + columns + live.program.bytes()
-            }
-        }
-    }
+/// Draws tiles by evaluating passes.
+struct WholeFrame<'w> {
+    compiled: &'w Compiled,
+    /// The numbers of the frame, and those before the drag.
+    now: WholeNumbers<'w>,
+    before: WholeNumbers<'w>,
+    /// The picture that the drag begins with.
+    picture: Option<&'w Frame>,
+    passes: usize,
 }
 
-/// Makes the stored data.
-struct Preparation<'p> {
-    compiled: &'p Compiled,
-    kernels: &'p DragKernels,
-    estimate: &'p FrameEstimate,
-    summations: Summations<'p>,
-    parameters: &'p [f32],
-}
-
-impl Preparation<'_> {
-    /// Does the next work item of a tile.
-    fn advance(&self, state: &mut TileState, index: usize, scratch: &mut TileScratch) {
-        let TileState::Waiting { items, done, images, columns } = state else { return };
-        let Some(item) = items.get(*done) else { return };
-        *done += 1;
-        let (compiled, plan) = (self.compiled, &self.kernels.plan);
-        let tile = &compiled.hits.tiles[index];
-        let monomials = || compiled.monomials(plan, tile, self.parameters);
-        match item.work {
-            Work::Columns => *columns = self.summations.columns(compiled, index),
-            Work::Image(key) => {
-                let touched = self.summations.make_image(plan, compiled, &monomials(), key, index, scratch);
-                images.push(Image::new(key, &scratch.planes, &touched, plan.channels));
-            }
-            Work::Base => {
-                let monomials = monomials();
-                self.summations.make_base(compiled, &monomials, index, scratch);
-                *state = match plan.method {
-                    _ if scratch.is_unbounded() => TileState::General,
-                    Method::Images if images.is_empty() => TileState::General,
-                    Method::Images => {
-                        let images = TileImages::new(std::mem::take(images), &scratch.planes, plan.channels);
-                        let reach = self.kernels.reach(compiled);
-                        let (read, written) = images.traffic();
-                        if self.estimate.images_pay(read, written, &reach, tile, &monomials) {
-                            TileState::Images { images, right: false }
-                        } else {
-                            TileState::General
-                        }
-                    }
-                    Method::Specialised => {
-                        let reach = self.kernels.reach(compiled);
-                        LiveTile::new(reach.live_cells(tile, &monomials), columns.take(), plan.channels, scratch)
-                            .map_or(TileState::General, TileState::Live)
-                    }
-                    Method::General => TileState::General,
-                };
-            }
-        }
-    }
-}
-
-impl LiveTile {
-    /// Stores these cells of the planes. `None` if their numbers are so large that they may cancel against the live
-    /// part.
-    fn new(cells: Vec<u16>, columns: Option<Columns>, channels: Channels, scratch: &TileScratch) -> Option<Self> {
-        let mut base = Vec::with_capacity(cells.len() * cells::stride(channels));
-        for cell in &cells {
-            cells::copy(&scratch.planes, usize::from(*cell), channels, &mut base);
-        }
-        (cells::largest(&base) <= LARGEST_SUM).then(|| Self { cells, base, columns, program: TileProgram::default() })
+impl<'w> WholeFrame<'w> {
+    /// Computes the mean of the passes for a tile, in the planes of the scratch memory.
+    fn mean(&self, (numbers, variants, summations): &WholeNumbers<'w>, tile: usize, scratch: &mut TileScratch) {
+        let summations = summations.get_or_init(|| WholeSummations::new(self.compiled, numbers, *variants));
+        summations.mean(self.compiled, numbers, self.passes, tile, scratch);
     }
 
-    /// Adds the live part to the fixed part, and writes the cells. The scratch memory holds the weights of the tile's
-    /// paths.
-    fn draw(&mut self, tile: &Tile, index: usize, live: &Summation, channels: Channels, scratch: &mut TileScratch, part: Part) {
-        let stride = cells::stride(channels);
-        for (cell, lanes) in self.cells.iter().zip(self.base.chunks_exact(stride)) {
-            cells::restore(&mut scratch.planes, usize::from(*cell), channels, lanes);
-        }
-        live.run(tile, index, self.columns.as_ref(), Accumulate::Add, scratch, &mut self.program);
-        match channels {
-            Channels::All => {
-                let Part { pixels, encoder } = part;
-                for run in self.cells.chunk_by(|one, next| one + 1 == *next) {
-                    let start = usize::from(run[0]) * cells::CELL_PIXELS;
-                    let end = (start + run.len() * cells::CELL_PIXELS).min(pixels.len());
-                    scratch.planes.quantise(start, Part { pixels: &mut pixels[start..end], encoder }, &[]);
-                }
+    /// Draws a tile into its part of a framebuffer. `rest` is what the picture at the beginning has beside the mean of
+    /// the passes, once it is known.
+    fn draw(&self, tile: usize, rest: &mut Option<Box<[[f32; 3]]>>, scratch: &mut TileScratch, part: Part) {
+        if let Some(picture) = self.picture {
+            let rest = rest.get_or_insert_with(|| {
+                self.mean(&self.before, tile, scratch);
+                let pixels = &self.compiled.first_tiles()[tile].pixels;
+                let colours = &picture.linear[pixels.start as usize..pixels.end as usize];
+                let rest = |(pixel, colour): (usize, &[f32; 3])| rest_of(*colour, scratch.planes.colour(pixel));
+                colours.iter().enumerate().map(rest).collect()
+            });
+            self.mean(&self.now, tile, scratch);
+            for component in 0..3 {
+                let plane = scratch.planes.part_mut(component, 0..rest.len());
+                plane.iter_mut().zip(&*rest).for_each(|(number, rest)| *number += rest[component]);
             }
-            Channels::One(component) => {
-                let (planes, width) = (scratch.planes.components(), scratch.planes.width());
-                width.dispatch(CellWriter { cells: &self.cells, plane: planes[component], component, part });
-            }
+        } else {
+            self.mean(&self.now, tile, scratch);
         }
+        scratch.planes.quantise(0, part, &[]);
     }
 }
-
-/// Writes one component of cells of the planes. The code that is inlined here is compiled for a width.
-struct CellWriter<'a> {
-    cells: &'a [u16],
-    plane: &'a [f32],
-    component: usize,
-    part: Part<'a>,
-}
-
-impl WithSimd for CellWriter<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let CellWriter { cells, plane, component, part: Part { pixels, encoder } } = self;
-        let plane = plane.as_chunks::<{ cells::CELL_PIXELS }>().0;
-        with_bytes!(encoder, bytes => for cell in cells {
-            cells::write_cell(cells::pixels_of(pixels, *cell), [&plane[usize::from(*cell)]], component, bytes);
-        });
-    }
-}
-
-#[cfg(test)]
-mod tests;

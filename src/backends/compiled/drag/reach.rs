@@ -54,15 +54,13 @@ impl Reach<'_> {
         self.plan.moves_pair(body, self.world.light_of(emitter).index())
     }
 
-    /// The cells of a tile with a live part.
-    pub(super) fn live_cells(&self, tile: &Tile, monomials: &PathMonomials) -> Vec<u16> {
+    /// Adds the cells of a tile with a live part.
+    pub(super) fn add_live_cells(&self, tile: &Tile, monomials: &PathMonomials, cells: &mut CellSet) {
         let mut weights = Vec::new();
         monomials.of(Powers::default(), &mut weights);
-        let mut cells = CellSet::none(tile.pixels.len());
         for group in tile.groups.iter().filter(|group| self.moves_group(group)) {
-            add_cells(tile, tile.spans_of(group), &weights, &mut cells);
+            add_cells(tile, tile.spans_of(group), &weights, cells);
         }
-        cells.cells()
     }
 }
 

@@ -7,16 +7,18 @@ use crate::backends::compiled::drag::cells::CellSet;
 use crate::backends::compiled::drag::images::Key;
 use crate::backends::compiled::drag::reach::{Reach, add_cells};
 use crate::backends::compiled::source::ContributionSource;
+use crate::backends::compiled::stored_pass::Place;
 use crate::backends::compiled::summation::Summation;
 use crate::backends::compiled::surface::SurfaceSummation;
 use crate::backends::compiled::tile::{Accumulate, TileScratch};
-use crate::evaluate::weights::{PathMonomials, Powers};
+use crate::evaluate::weights::Powers;
 use crate::formula::equation::Site;
 use crate::jit::compile::{CompiledSlider, Contribution};
 use crate::jit::{CompileError, Splat};
 use crate::lang::variables::Owner;
 use crate::plan::{Channels, ContributionPlan, DragPlan, ImageTerm, Method, ParameterSlot, moved_parameters};
 use crate::trace::Tile;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// The plan of a drag, with the kernels for it.
@@ -46,13 +48,13 @@ impl DragKernels {
     /// The kernels are too large for the code generator.
     pub(super) fn new(compiled: &Compiled, moved: &[usize]) -> Result<Self, CompileError> {
         let layout = &compiled.equation.layout;
-        let numbers = moved_parameters(layout, &compiled.parameters, moved);
+        let numbers = moved_parameters(layout, &compiled.formula.parameters, moved);
         let numbers: Vec<_> = numbers.into_iter().map(|(_, id, component)| (id, component)).collect();
         let kernels = compiled.compiled.slider(&numbers)?;
         let surface = compiled.compiled.plan.surface.as_ref();
-        let plan = DragPlan::new(&kernels.plan, surface, &compiled.equation, &compiled.parameters, moved);
+        let plan = DragPlan::new(&kernels.plan, surface, &compiled.equation, &compiled.formula.parameters, moved);
         let graph = &kernels.plan.separation.bindings.graph;
-        let leaves = |plan: &ContributionPlan| plan.leaves(graph, &compiled.parameters);
+        let leaves = |plan: &ContributionPlan| plan.leaves(graph, &compiled.formula.parameters);
         let moving_leaves = kernels.plan.moving.iter().map(leaves).collect();
         let [fixed_leaves, column_leaves] =
             [&kernels.plan.fixed, &kernels.plan.columns].map(|plan| plan.as_ref().map(leaves).unwrap_or_default());
@@ -61,7 +63,7 @@ impl DragKernels {
 
     /// What moves where.
     pub(super) fn reach<'p>(&'p self, compiled: &'p Compiled) -> Reach<'p> {
-        Reach { plan: &self.plan, world: &compiled.hits.world, has_fixed: self.plan.slider.fixed.is_some() }
+        Reach { plan: &self.plan, world: compiled.world(), has_fixed: self.plan.slider.fixed.is_some() }
     }
 
     /// The summations that make the stored data, with the [variants](Compiled::chosen) for these numbers.
@@ -180,56 +182,83 @@ impl DragKernels {
 }
 
 impl Summations<'_> {
-    /// Makes the image of this key in the planes of the scratch memory. Returns the cells in which it may differ from
-    /// 0.
+    /// Makes the sum of some passes of the image of this key for a tile, in the planes of the scratch memory. Returns
+    /// the cells in which it may differ from 0.
     pub(super) fn make_image(
         &self,
-        plan: &DragPlan,
-        compiled: &Compiled,
-        monomials: &PathMonomials,
+        drag: &DragPasses,
         key: Key,
-        index: usize,
+        passes: Range<usize>,
+        tile: usize,
         scratch: &mut TileScratch,
     ) -> CellSet {
-        let tile = &compiled.hits.tiles[index];
-        monomials.of(key.powers, &mut scratch.weights);
-        match usize::from(key.term).checked_sub(1) {
-            Some(term) => self.terms[term].run_once(tile, index, Accumulate::Overwrite, scratch),
-            None => self.set_fixed(tile, index, scratch),
-        }
-        let reach = Reach { plan, world: &compiled.hits.world, has_fixed: plan.slider.fixed.is_some() };
-        let mut touched = CellSet::none(tile.pixels.len());
-        for group in tile.groups.iter().filter(|group| reach.emitters_of(group, key.term).is_some()) {
-            add_cells(tile, tile.spans_of(group), &scratch.weights, &mut touched);
-        }
-        if reach.has_misses(key.term) {
-            for span in tile.misses.iter().filter(|span| !scratch.weights[span.path.index()].is_zero()) {
-                touched.add(tile.miss_segments_of(span));
+        let DragPasses { compiled, plan, parameters } = *drag;
+        let reach = Reach { plan, world: compiled.world(), has_fixed: plan.slider.fixed.is_some() };
+        let mut touched = CellSet::none(compiled.first_tiles()[tile].pixels.len());
+        let mut accumulate = Accumulate::Overwrite;
+        for pass in passes {
+            let place = Place { pass, tile };
+            let own = compiled.tile_at(place);
+            compiled.monomials(plan, own, parameters).of(key.powers, &mut scratch.weights);
+            match usize::from(key.term).checked_sub(1) {
+                Some(term) => self.terms[term].run_once(own, place, accumulate, scratch),
+                None => self.add_fixed(own, place, accumulate, scratch),
+            }
+            accumulate = Accumulate::Add;
+            for group in own.groups.iter().filter(|group| reach.emitters_of(group, key.term).is_some()) {
+                add_cells(own, own.spans_of(group), &scratch.weights, &mut touched);
+            }
+            if reach.has_misses(key.term) {
+                for span in own.misses.iter().filter(|span| !scratch.weights[span.path.index()].is_zero()) {
+                    touched.add(own.miss_segments_of(span));
+                }
             }
         }
         touched
     }
 
-    /// Makes the image of everything that does not move, in the planes of the scratch memory.
-    pub(super) fn make_base(&self, compiled: &Compiled, monomials: &PathMonomials, index: usize, scratch: &mut TileScratch) {
-        monomials.of(Powers::default(), &mut scratch.weights);
-        self.set_fixed(&compiled.hits.tiles[index], index, scratch);
+    /// Makes the mean of all passes of the image of everything that does not move, in the planes of the scratch memory.
+    /// Returns whether a weight of a path was not bounded.
+    pub(super) fn make_base(&self, drag: &DragPasses, tile: usize, scratch: &mut TileScratch) -> bool {
+        let DragPasses { compiled, plan, parameters } = *drag;
+        let mut accumulate = Accumulate::Overwrite;
+        let mut is_unbounded = false;
+        for pass in 0..compiled.passes.len() {
+            let place = Place { pass, tile };
+            let own = compiled.tile_at(place);
+            compiled.monomials(plan, own, parameters).of(Powers::default(), &mut scratch.weights);
+            self.add_fixed(own, place, accumulate, scratch);
+            is_unbounded |= scratch.is_unbounded();
+            accumulate = Accumulate::Add;
+        }
+        if compiled.passes.len() > 1 {
+            scratch.planes.scale(1.0 / compiled.passes.len() as f32, compiled.first_tiles()[tile].pixels.len());
+        }
+        is_unbounded
     }
 
-    /// Sets the planes to everything that does not move.
-    fn set_fixed(&self, tile: &Tile, index: usize, scratch: &mut TileScratch) {
-        self.fixed.run_once(tile, index, Accumulate::Overwrite, scratch);
+    /// Adds everything that does not move to the planes, or sets them to it.
+    fn add_fixed(&self, tile: &Tile, place: Place, accumulate: Accumulate, scratch: &mut TileScratch) {
+        self.fixed.run_once(tile, place, accumulate, scratch);
         if let Some(part) = &self.fixed_part {
-            part.run_once(tile, index, Accumulate::Add, scratch);
+            part.run_once(tile, place, Accumulate::Add, scratch);
         }
     }
 
     /// The values that the live part reads from columns, for each record of a tile.
-    pub(super) fn columns(&self, compiled: &Compiled, index: usize) -> Option<Columns> {
-        let tile = &compiled.hits.tiles[index];
+    pub(super) fn columns(&self, compiled: &Compiled, place: Place) -> Option<Columns> {
         let columns = |(source, uniforms): &(ContributionSource, Vec<Splat>)| {
-            Columns::for_drag(tile, &compiled.columns[index], source, uniforms)
+            Columns::for_drag(compiled.tile_at(place), &compiled.passes[place.pass].columns[place.tile], source, uniforms)
         };
         self.columns.as_ref().map(columns)
     }
+}
+
+/// What the stored data of a drag is made for.
+#[derive(Clone, Copy)]
+pub(super) struct DragPasses<'d> {
+    pub(super) compiled: &'d Compiled,
+    pub(super) plan: &'d DragPlan,
+    /// The parameter numbers before the drag.
+    pub(super) parameters: &'d [f32],
 }

@@ -33,7 +33,7 @@ fn session() -> (Arc<Compiled>, Values) {
     let (given, _) = session.assignments(Values::defaults(&formula, world.scene()).table());
     let (values, _) = Values::new(&formula, world.scene(), &given);
     let compiled = Arc::new(CompiledFormula::new(&formula).expect("a formula of ordinary size"));
-    (Arc::new(Compiled::new(compiled, &formula, &hits, values.numbers()).expect("hits of the scene")), values)
+    (Arc::new(Compiled::new(compiled, &Arc::new(formula), &[hits], values.numbers()).expect("hits of the scene")), values)
 }
 
 /// One body that fills the picture, under one light: no part of the picture is spared by a slider of the body.
@@ -50,7 +50,7 @@ fn on_wall(formula: &str) -> (Arc<Compiled>, Values) {
     let hits = Arc::new(trace(&world, &view, lights, &Budget::UNLIMITED, &|_| {}, &unstopped).expect("small enough"));
     let values = Values::defaults(&formula, world.scene());
     let compiled = Arc::new(CompiledFormula::new(&formula).expect("a formula of ordinary size"));
-    (Arc::new(Compiled::new(compiled, &formula, &hits, values.numbers()).expect("hits of the scene")), values)
+    (Arc::new(Compiled::new(compiled, &Arc::new(formula), &[hits], values.numbers()).expect("hits of the scene")), values)
 }
 
 /// The indices of the numbers that a slider moves.
@@ -63,11 +63,12 @@ fn moved_by(values: &Values, slider: &str) -> Vec<usize> {
 
 /// The number of work items that are left, and their cost.
 fn left(drag: &CompiledDrag) -> (usize, u64) {
-    let of_tile = |state: &TileState| match state {
-        TileState::Waiting { items, done, .. } => (items.len() - done, items[*done..].iter().map(|item| item.cost).sum::<u64>()),
-        TileState::Untouched | TileState::Images { .. } | TileState::Live(_) | TileState::General => (0, 0),
-    };
-    drag.tiles.iter().map(of_tile).fold((0, 0), |(items, cost), (more, costs)| (items + more, cost + costs))
+    let of_tile = |work: &TileWork| (work.left().len(), work.left().iter().map(|item| item.cost).sum::<u64>());
+    drag.tiles
+        .iter()
+        .filter_map(|tile| tile.work.as_ref())
+        .map(of_tile)
+        .fold((0, 0), |(items, cost), (more, costs)| (items + more, cost + costs))
 }
 
 #[test]
@@ -109,13 +110,13 @@ fn nothing_is_kept_without_a_budget() {
             assert_eq!(drag.bytes(), 0, "{slider}");
         }
         assert_eq!(drag.bytes(), 0, "{slider}");
-        let general = |state: &TileState| match state {
-            TileState::Untouched | TileState::General => true,
+        let general = |tile: &TileDrag| match &tile.state {
+            TileState::Untouched | TileState::Whole(_) => tile.work.is_none(),
             TileState::Images { images, .. } => images.pixels(usize::MAX) == 0,
-            TileState::Waiting { .. } | TileState::Live(_) => false,
+            TileState::Live(_) => false,
         };
         assert!(drag.tiles.iter().all(general), "{slider}");
-        assert!(drag.tiles.iter().any(|state| matches!(state, TileState::General)), "{slider}");
+        assert!(drag.tiles.iter().any(|tile| matches!(tile.state, TileState::Whole(_))), "{slider}");
     }
 }
 
@@ -135,7 +136,7 @@ fn what_is_counted_is_what_is_kept() {
                 break;
             }
         }
-        let given_up = tight.tiles.iter().any(|state| matches!(state, TileState::General));
+        let given_up = tight.tiles.iter().any(|tile| matches!(tile.state, TileState::Whole(_)));
         assert!(tight.bytes() > 0 && given_up, "{slider}: a part is kept");
     }
 }

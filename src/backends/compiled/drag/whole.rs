@@ -8,7 +8,6 @@ use crate::backends::compiled::Compiled;
 use crate::backends::compiled::chosen::DragVariants;
 use crate::backends::compiled::summation::Summation;
 use crate::backends::compiled::tile::{Accumulate, TileScratch};
-use crate::evaluate::Part;
 use crate::plan::Channels;
 
 /// The summations of a whole picture.
@@ -23,7 +22,8 @@ impl<'p> WholeSummations<'p> {
     pub(super) fn new(compiled: &'p Compiled, parameters: &[f32], variants: Option<&'p DragVariants>) -> Self {
         let changed = variants.and_then(|variants| variants.changed.as_ref());
         // One summation is enough if all choices have changed. It is cheaper if each summation must compute weights of rays.
-        let is_one_summation = |changed: &Vec<bool>| changed.iter().all(|changed| *changed) || !compiled.surface.is_empty();
+        let is_one_summation =
+            |changed: &Vec<bool>| changed.iter().all(|changed| *changed) || compiled.compiled.surface.is_some();
         let chosen = variants.filter(|_| !changed.is_some_and(is_one_summation));
         let mut summation = compiled.whole(parameters, chosen.map(|variants| &*variants.chosen));
         let (Some(_), Some(changed)) = (chosen, changed) else { return Self { summation, changed: None } };
@@ -39,11 +39,13 @@ impl<'p> WholeSummations<'p> {
         Self { summation, changed: Some(own) }
     }
 
-    /// Draws a tile into its part of a framebuffer.
-    pub(super) fn draw_tile(&self, compiled: &Compiled, parameters: &[f32], index: usize, scratch: &mut TileScratch, part: Part) {
-        let Some(changed) = &self.changed else { return compiled.draw_tile(&self.summation, parameters, index, scratch, part) };
-        compiled.tile(&self.summation, parameters, index, scratch);
-        changed.run_once(&compiled.hits.tiles[index], index, Accumulate::Add, scratch);
-        scratch.planes.quantise(0, part, &[]);
+    /// Computes the mean of the first passes for a tile, in the planes of the scratch memory.
+    pub(super) fn mean(&self, compiled: &Compiled, parameters: &[f32], passes: usize, tile: usize, scratch: &mut TileScratch) {
+        compiled.mean(0..passes, tile, scratch, |place, scratch| {
+            compiled.tile(&self.summation, parameters, place, scratch);
+            if let Some(changed) = &self.changed {
+                changed.run_once(compiled.tile_at(place), place, Accumulate::Add, scratch);
+            }
+        });
     }
 }

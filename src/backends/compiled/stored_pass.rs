@@ -1,0 +1,68 @@
+//! What is stored of one pass of a picture: its hits, their static values, and the order of work on each tile.
+//!
+//! All passes have the same tiles of pixels. Evaluators that differ in the number of passes share them.
+
+use crate::backends::compiled::chosen::VariantColumns;
+use crate::backends::compiled::columns::Columns;
+use crate::backends::compiled::leaves::StaticTextures;
+use crate::backends::compiled::program::TileProgram;
+use crate::backends::compiled::surface::SurfaceTile;
+use crate::formula::Formula;
+use crate::jit::CompiledFormula;
+use crate::trace::{Hits, Mismatch, Tile};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// A tile of a pass.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Place {
+    /// The index of the pass among those that are stored.
+    pub(super) pass: usize,
+    /// The index of the tile among the tiles of the picture.
+    pub(super) tile: usize,
+}
+
+/// One pass.
+pub(super) struct StoredPass {
+    pub(super) hits: Arc<Hits>,
+    /// The columns of each tile.
+    pub(super) columns: Vec<Columns>,
+    /// The nodes of each tile, if the formula gives something at every hit.
+    pub(super) surface: Vec<SurfaceTile>,
+    /// The order of work of each tile in a whole picture.
+    pub(super) programs: Vec<Mutex<TileProgram>>,
+    /// The columns of the variants that were in use last, if the formula chooses.
+    pub(super) variants: Mutex<Option<Arc<VariantColumns>>>,
+}
+
+impl StoredPass {
+    /// Computes the static values of all records of a pass, on all threads of the current pool.
+    ///
+    /// # Errors
+    /// The tiles of `hits` are not those of its world and view.
+    pub(super) fn new(
+        compiled: &CompiledFormula,
+        formula: &Formula,
+        textures: &StaticTextures,
+        hits: &Arc<Hits>,
+    ) -> Result<Self, Mismatch> {
+        let hits = hits.for_lights(formula.evaluated_lights())?;
+        let columns = Columns::of_tiles(compiled, formula, textures, &hits)?;
+        let surface = SurfaceTile::of_tiles(compiled, formula, textures, &hits)?;
+        let programs = hits.tiles.iter().map(|_| Mutex::default()).collect();
+        Ok(Self { hits, columns, surface, programs, variants: Mutex::default() })
+    }
+
+    /// The hits of a tile.
+    pub(super) fn tile(&self, index: usize) -> &Tile {
+        &self.hits.tiles[index]
+    }
+
+    /// The hit store, the static columns, those of the variants in use, and the order of work, in bytes. The last two
+    /// exist after the first frame.
+    pub(super) fn bytes(&self) -> usize {
+        let programs = self.programs.iter().map(|program| program.lock().unwrap_or_else(PoisonError::into_inner).bytes());
+        let columns = self.columns.iter().map(Columns::bytes).chain(self.surface.iter().map(SurfaceTile::bytes));
+        let variants = self.variants.lock().unwrap_or_else(PoisonError::into_inner).as_ref().map_or(0, |known| known.bytes());
+        self.hits.bytes() as usize + columns.chain(programs).sum::<usize>() + variants
+    }
+}
