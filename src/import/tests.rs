@@ -195,8 +195,7 @@ fn a_scene_without_lights_and_camera_gets_some() {
     assert!(largest < 1.0 && largest > 0.4, "{seen:?}");
     // The key light is up to the left of the camera, on its side.
     let [right, up, forward] = camera.axes();
-    let crate::scene::LightKind::Point(key) = &lights[0].kind;
-    let from_middle = key.position() - DVec3::splat(1.0);
+    let from_middle = lights[0].kind.anchor().unwrap() - DVec3::splat(1.0);
     assert!(from_middle.dot(right) < 0.0 && from_middle.dot(up) > 0.0 && from_middle.dot(forward) < 0.0);
 }
 

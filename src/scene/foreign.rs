@@ -23,12 +23,13 @@ pub(super) fn shape(word: &str) -> Option<&'static str> {
 /// The kind of light that a word means elsewhere.
 pub(super) fn light(word: &str) -> Option<&'static str> {
     Some(match word.to_lowercase().as_str() {
-        "directional" | "sun" | "parallel" | "distant" | "infinite" | "directionallight" => {
-            "for parallel light, put a point light far away: `point, <1000, 2000, 1000>`"
+        "sun" | "sunlight" | "parallel" | "distant" | "infinite" | "directionallight" | "directional_light" | "direction" => {
+            "parallel light is `directional`, with the direction in which it travels"
         }
-        "spot" | "spotlight" | "cone" | "area" | "arealight" | "rect" | "quad" | "tube" => {
-            "only points shine; several of them come near to an area"
-        }
+        "spotlight" | "spot_light" | "conelight" | "projector" | "flashlight" => "such a light is a `spot`",
+        "area" | "arealight" | "area_light" | "rect" | "rectlight" | "quad" | "square" | "plane" | "panel" | "softbox"
+        | "disk" | "tube" => "lights that are spread over an area are a `rectangle` or a `sphere`",
+        "ball" | "spherelight" | "sphere_light" | "spherical" | "globe" => "such a light is a `sphere`",
         "ambient" | "environment" | "dome" | "sky" | "hdri" | "envmap" | "skylight" => {
             "ambient light is no light of the scene: its values are `ka` and `Ia`"
         }
@@ -106,10 +107,46 @@ pub(super) fn property(word: &str) -> Option<&'static str> {
 /// What a word behind a light means elsewhere, that a scene does not have.
 pub(super) fn light_property(word: &str) -> Option<&'static str> {
     Some(match word.to_lowercase().as_str() {
-        "color" | "colour" | "rgb" | "intensity" | "power" | "energy" | "ki" | "il" | "strength" | "brightness" | "radius"
-        | "exponent" | "flux" => {
+        "color" | "colour" | "rgb" | "intensity" | "power" | "energy" | "ki" | "il" | "strength" | "brightness" | "exponent"
+        | "flux" | "lumen" | "watt" | "candela" => {
             "colour and intensity are values of a session, or are given by `--set LIGHT.IL=<1, 1, 0.8>` and `--set LIGHT.ki=0.5`"
         }
+        "radius" | "size" | "width" | "height" => "a light with a size is a `sphere` or a `rectangle`",
+        "falloff" | "decay" | "attenuation" | "range" | "distance" => {
+            "how light gets weaker with the distance is up to the formula, as in `IL/dist^2`"
+        }
+        "cutoff" | "cone" | "target" | "angle" | "soft" | "outer" => {
+            "a light that shines within a cone is a `spot`: `spot, <3, 5, 4>, target <0, 1, 0>, angle 25, soft 5`"
+        }
+        "softness" | "penumbra" | "blend" | "inner" | "smooth" | "edge" | "feather" => {
+            "a spot has a soft edge by `soft DEGREES`, and shadows are soft under a `sphere` or a `rectangle`"
+        }
+        "direction" | "dir" | "gaze" | "normal" => {
+            "light in one direction is `directional`, and a `spot` has a target in its direction"
+        }
+        "shadow" | "shadows" | "castshadow" | "cast_shadows" | "noshadow" | "shadowless" => {
+            "shadow rays are sent for all lights or for none, as a session says"
+        }
+        "samples" | "subdivisions" | "rays" => "how many points of a light are drawn is the number of passes: `--samples`",
+        _ => return None,
+    })
+}
+
+/// What a word in the place of a word of spot lights means elsewhere.
+pub(super) fn spot_clause(found: &str, expected: &str) -> Option<&'static str> {
+    let plain: String = found.chars().filter(|letter| *letter != '_').collect::<String>().to_lowercase();
+    Some(match (plain.as_str(), expected) {
+        ("direction" | "dir" | "gaze" | "axis" | "normal", "target") => {
+            "the target is a place: the position of the light plus the direction"
+        }
+        ("lookat" | "pointat" | "at" | "to" | "aim" | "center" | "centre" | "focus" | "interest", "target") => {
+            "the place to which the light shines is written `target <x, y, z>`"
+        }
+        (
+            "cutoff" | "cone" | "coneangle" | "outer" | "outerangle" | "outercone" | "outerconeangle" | "halfangle" | "degrees"
+            | "radius" | "fov" | "width" | "spread" | "size" | "beam" | "beamangle" | "spotsize",
+            "angle",
+        ) => "the angle between the middle of the cone and its edge is written `angle DEGREES`",
         _ => return None,
     })
 }

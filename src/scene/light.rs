@@ -1,8 +1,16 @@
 //! Lights, as a scene declares them. In which direction a hit sees them is computed in [`crate::world`].
 
+mod directional;
 mod point;
+mod rectangle;
+mod sphere;
+mod spot;
 
+pub use directional::{DirectionalLight, DirectionalLightError};
 pub use point::PointLight;
+pub use rectangle::RectangleLight;
+pub use sphere::SphereLight;
+pub use spot::{SpotLight, SpotLightError};
 
 use crate::lang::source::SourceSpan;
 use crate::scene::syntax::declarations;
@@ -23,5 +31,13 @@ declarations! {
     LightKind {
         /// From a point, in all directions.
         Point(PointLight),
+        /// From far away, in one direction.
+        Directional(DirectionalLight),
+        /// From a point, within a cone.
+        Spot(SpotLight),
+        /// From a sphere.
+        Sphere(SphereLight),
+        /// From a rectangle.
+        Rectangle(RectangleLight),
     }
 }

@@ -70,9 +70,17 @@ mod tests {
             assert_eq!(shape.scaled(1e-40), None, "{shape}");
         }
         for light in lights {
-            if let Some(anchor) = light.anchor() {
-                assert_eq!(light.moved(by).and_then(|moved| moved.anchor()), Some(anchor + by), "{light}");
-                assert_eq!(light.moved(DVec3::splat(2e30)), None);
+            let Some(anchor) = light.anchor() else {
+                assert_eq!((light.moved(by), light.scaled(2.0)), (Some(light.clone()), None), "{light}");
+                continue;
+            };
+            let moved = light.moved(by).unwrap();
+            assert!(moved.anchor() == Some(anchor + by) && moved.moved(-by) == Some(light.clone()), "{light}");
+            assert_eq!(light.moved(DVec3::splat(2e30)), None);
+            if let Some(larger) = light.scaled(2.0) {
+                assert!(larger != light && larger.scaled(0.5) == Some(light.clone()), "{light}");
+                assert_eq!((larger.anchor(), larger.radius()), (Some(anchor), light.radius().map(|radius| 2.0 * radius)));
+                assert_eq!(light.scaled(1e-40), None, "{light}");
             }
         }
     }

@@ -264,7 +264,8 @@ impl SceneParser {
     fn body(&mut self) -> Result<(), Reported> {
         let name = self.name("body")?;
         let word = self.cursor.word(0).unwrap_or_default();
-        let is_light = LightKind::SYNTAX.iter().any(|kind| kind.keyword.word == word);
+        let is_shape = Shape::SYNTAX.iter().any(|kind| kind.keyword.word == word);
+        let is_light = !is_shape && LightKind::SYNTAX.iter().any(|kind| kind.keyword.word == word);
         let is_behind = behind_shapes().any(|known| known == word);
         let behind = format!("the shape comes first, and `{word}` behind it: `{}: sphere, …, {word} …;`", name.value);
         let hint = match (is_light, is_behind) {
@@ -275,7 +276,7 @@ impl SceneParser {
         if is_light {
             self.light_among_bodies = true;
         }
-        let (kind, shape) = self.kind(("shape", &name.value), Shape::SYNTAX, hint)?;
+        let (kind, shape) = self.kind(("shape", &name.value), Shape::SYNTAX, Syntax::form, hint)?;
         let attributes = self.attributes(kind)?;
         let attribute = self.cursor.word(0).filter(|word| behind_shapes().any(|known| known == *word)).map(str::to_owned);
         if let Some(attribute) = attribute {
@@ -293,11 +294,12 @@ impl SceneParser {
     }
 
     /// Parses a kind of shape or light and its values; `what` names it in messages, and `name` is what the scene calls
-    /// it. The value is `None` where it is out of range, which is reported.
+    /// it. `form` says how a kind is written. The value is `None` where it is out of range, which is reported.
     fn kind<T>(
         &mut self,
         (what, name): (&str, &str),
         kinds: &'static [Syntax<T>],
+        form: fn(&Syntax<T>) -> String,
         hint: Option<&str>,
     ) -> Result<(&'static Syntax<T>, Option<T>), Reported> {
         let word = self.cursor.word(0).unwrap_or_default();
@@ -306,7 +308,7 @@ impl SceneParser {
             let reports = self.cursor.report_count();
             let value = (kind.parse)(&mut self.cursor);
             if value.is_err() {
-                self.cursor.help_since(reports, &kind.form());
+                self.cursor.help_since(reports, &form(kind));
             }
             return Ok((kind, value?));
         }
@@ -434,13 +436,14 @@ impl SceneParser {
         let name = self.name("light")?;
         let word = self.cursor.word(0).unwrap_or_default();
         let is_body = Shape::SYNTAX.iter().any(|kind| kind.keyword.word == word);
-        let hint = if is_body { Some("bodies stand in the section `bodies;`") } else { foreign::light(word) };
-        let (_, kind) = self.kind(("kind of light", &name.value), LightKind::SYNTAX, hint)?;
-        if let (true, Some(hint)) = (self.cursor.sees_mark(0, Mark::Comma), self.cursor.word(1).and_then(foreign::light_property))
-        {
-            let diagnostic =
-                Diagnostic::error("a light has a place alone").at(self.cursor.peek(1).span, "expected `;` before this");
-            return Err(self.cursor.report(diagnostic.help(hint)));
+        let hint = if is_body {
+            Some("bodies stand in the section `bodies;`; a `sphere` or a `rectangle` may be a light too")
+        } else {
+            foreign::light(word)
+        };
+        let (syntax, kind) = self.kind(("kind of light", &name.value), LightKind::SYNTAX, form_of_light, hint)?;
+        if self.cursor.sees_mark(0, Mark::Comma) {
+            return Err(self.behind_light(syntax));
         }
         self.cursor.expect(Mark::Semicolon, "after the light")?;
         if let Some(kind) = kind {
@@ -448,6 +451,38 @@ impl SceneParser {
         }
         Ok(())
     }
+
+    /// Reports what stands behind a light of this kind, from the comma on.
+    fn behind_light(&mut self, syntax: &Syntax<LightKind>) -> Reported {
+        let Some(word) = self.cursor.word(1).map(str::to_owned) else {
+            let found = self.cursor.peek(1).kind.describe();
+            let diagnostic = Diagnostic::error(format!("expected `;` after the light, found `,` and {found}"));
+            return self.cursor.report(diagnostic.at(self.cursor.span(), "expected `;`").help(form_of_light(syntax)));
+        };
+        let place = self.cursor.peek(1).span;
+        let is_transform = Transform::SYNTAX.iter().any(|transform| transform.keyword.word == word);
+        let is_attribute = ATTRIBUTES.contains(&word.as_str());
+        let near = nearest(&word, syntax.clauses.iter().map(|clause| clause.word));
+        let (message, mark, hint) = if is_transform {
+            let hint = "change the numbers of the light; transforms stand behind the shapes of bodies";
+            ("lights have no transforms".to_owned(), "expected `;` before this", hint.to_owned())
+        } else if is_attribute {
+            let hint = "bodies stand in the section `bodies;`".to_owned();
+            (format!("a light cannot be `{word}`"), "expected `;` before this", hint)
+        } else if syntax.has_clause(&word) {
+            (format!("`{word}` does not belong here"), "expected `;` before this", form_of_light(syntax))
+        } else {
+            let similar = near.map(|near| format!("did you mean `{near}`?"));
+            let known = foreign::light_property(&word).map(str::to_owned).or(similar);
+            (format!("a light has no `{word}`"), "not known here", known.unwrap_or_else(|| form_of_light(syntax)))
+        };
+        self.cursor.report(Diagnostic::error(message).at(place, mark).help(hint))
+    }
+}
+
+/// How a kind of light is written, as a sentence.
+fn form_of_light(syntax: &Syntax<LightKind>) -> String {
+    format!("such a light is written {}", syntax.keyword.doc)
 }
 
 /// The words that may stand behind a shape: attributes and transforms.

@@ -109,17 +109,41 @@ mod tests {
         })
     }
 
+    /// A light as the scene language writes it, without its name.
+    fn light() -> impl Strategy<Value = String> {
+        let angles = (0.001..=180.0f64, proptest::option::of(0.0..=1.0f64)).prop_map(|(angle, share)| {
+            let soft = share.map_or(String::new(), |share| format!(", soft {}", SceneNumber(share * angle)));
+            format!("angle {}{soft}", SceneNumber(angle))
+        });
+        prop_oneof![
+            vector().prop_map(|position| format!("point, {}", Vector(position))),
+            (vector(), positive()).prop_map(|(direction, z)| format!("directional, {}", Vector(direction.with_z(z)))),
+            (vector(), positive(), angles).prop_map(|(position, x, angles)| {
+                format!("spot, {}, target {}, {angles}", Vector(position.with_x(-x)), Vector(position.with_x(x)))
+            }),
+            (vector(), positive()).prop_map(|(center, radius)| format!(
+                "sphere, center {}, radius {}",
+                Vector(center),
+                SceneNumber(radius)
+            )),
+            (-10.0..10.0f64, 0.1..10.0f64).prop_map(|(z, width)| {
+                let [a, b, c] = [(0.0, 0.0), (0.0, -0.5), (width, -0.5)].map(|(x, y)| Vector(DVec3::new(x, y, z)));
+                format!("rectangle, {a}, {b}, {c}")
+            }),
+        ]
+    }
+
     proptest! {
         #[test]
         fn a_printed_scene_reads_back_unchanged(
             bodies in (body(0), body(1), body(2)),
-            lights in proptest::collection::vec(vector(), 0..3),
+            lights in proptest::collection::vec(light(), 0..4),
             position in vector(),
             fov in 0.001..179.999f64,
         ) {
             let mut text = format!("bodies;\n{}{}{}lights;\n", bodies.0, bodies.1, bodies.2);
             for (number, light) in lights.iter().enumerate() {
-                text.push_str(&format!("l{number}: point, {};\n", Vector(*light)));
+                text.push_str(&format!("l{number}: {light};\n"));
             }
             text.push_str(&format!("camera;\nposition {};\ngaze <0.3, 1, -2>;\nup <0, 1, 0>;\nfov {};\n", Vector(position), fov));
             let scene = Scene::parse(&Source::new("t", text.clone())).unwrap().0;

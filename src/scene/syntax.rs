@@ -49,7 +49,7 @@ impl<T> Syntax<T> {
         self.clauses.iter().any(|clause| clause.word == word)
     }
 
-    /// How it is written, as a sentence.
+    /// How it is written, as a sentence about a shape.
     pub(super) fn form(&self) -> String {
         format!("a {} is written {}", self.keyword.word, self.keyword.doc)
     }

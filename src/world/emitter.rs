@@ -1,6 +1,10 @@
 //! The kinds of emitters: where a hit sees the light of each, and the table of all.
 
+mod directional;
 mod point;
+mod rectangle;
+mod sphere;
+mod spot;
 
 use crate::sampling::{Draw, SampleKey};
 use crate::scene::{LightId, LightKind};
@@ -128,4 +132,8 @@ macro_rules! emitters {
 
 emitters! {
     Point: point::PointEmitter,
+    Directional: directional::DirectionalEmitter,
+    Spot: spot::SpotEmitter,
+    Sphere: sphere::SphereEmitter,
+    Rectangle: rectangle::RectangleEmitter,
 }

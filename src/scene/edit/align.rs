@@ -5,8 +5,8 @@ use super::{Precision, TextReplacement};
 use crate::lang::lexer::tokenize;
 use crate::lang::source::{Source, SourceSpan};
 use crate::lang::token::{Mark, Token, TokenKind};
-use crate::scene::Camera;
 use crate::scene::values::SceneNumber;
+use crate::scene::{Camera, LightKind};
 use std::fmt::Display;
 use std::ops::Range;
 
@@ -52,6 +52,18 @@ impl Decimals {
             _ => ANGLE_DECIMALS,
         };
         Self { count: Some(count), keeps: false }
+    }
+
+    /// Of the numbers of a light, counted in the order of its text.
+    pub(super) fn of_light(precision: Precision, number: usize, light: &LightKind) -> Self {
+        match (light, precision) {
+            (LightKind::Directional(light), _) => Self::of_factors(precision, light.direction().length()),
+            // Behind the position and the target.
+            (LightKind::Spot(_), Precision::Decimals(_)) if number >= 6 => Self { count: Some(ANGLE_DECIMALS), keeps: true },
+            (LightKind::Spot(_) | LightKind::Point(_) | LightKind::Sphere(_) | LightKind::Rectangle(_), _) => {
+                Self::of_lengths(precision)
+            }
+        }
     }
 
     fn write(self, new: f64, old: Option<f64>) -> f64 {

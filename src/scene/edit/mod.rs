@@ -158,7 +158,6 @@ fn applied(text: &str, replacements: &[TextReplacement]) -> String {
 /// The replacements that make a change; `None` if what is to be changed does not exist.
 fn replacements(text: &SceneText, change: &SceneChange, precision: Precision) -> Option<Vec<TextReplacement>> {
     let scene = text.scene();
-    let lengths = |_: usize| Decimals::of_lengths(precision);
     match change {
         SceneChange::Camera(camera) => {
             let decimals = |number: usize| Decimals::of_camera(precision, number, camera);
@@ -167,14 +166,17 @@ fn replacements(text: &SceneText, change: &SceneChange, precision: Precision) ->
         SceneChange::Form(id, form) => forms::replaced(text, *id, form, precision),
         SceneChange::Light(id, kind) => {
             let old = &scene.lights.get(id.index())?.kind;
-            Some(realigned(text, text.value(SceneObject::Light(*id))?, old, kind, lengths))
+            Some(realigned(text, text.value(SceneObject::Light(*id))?, old, kind, |number| {
+                Decimals::of_light(precision, number, kind)
+            }))
         }
         SceneChange::AddBody(name, form) => {
             Some(vec![text.behind_bodies(&format!("{name}: {};", forms::rounded_form(form, precision)))])
         }
-        SceneChange::AddLight(name, kind) => {
-            Some(vec![text.behind_lights(&format!("{name}: {};", align::rounded_text(kind, lengths)))])
-        }
+        SceneChange::AddLight(name, kind) => Some(vec![text.behind_lights(&format!(
+            "{name}: {};",
+            align::rounded_text(kind, |number| Decimals::of_light(precision, number, kind))
+        ))]),
         SceneChange::Duplicate(original, name, by) => {
             let range = text.declaration(*original)?;
             let by = precision.round(*by);
@@ -186,7 +188,7 @@ fn replacements(text: &SceneText, change: &SceneChange, precision: Precision) ->
                 SceneObject::Light(id) => {
                     let kind = &scene.light(*id).kind;
                     let moved = kind.moved(by).unwrap_or_else(|| kind.clone());
-                    realigned(text, text.value(*original)?, kind, &moved, lengths)
+                    realigned(text, text.value(*original)?, kind, &moved, |number| Decimals::of_light(precision, number, kind))
                 }
             };
             inside.insert(0, TextReplacement { range: text.name(*original)?, text: name.clone() });

@@ -113,6 +113,29 @@ fn the_camera_is_written_in_place_with_few_digits() {
 }
 
 #[test]
+fn directions_and_angles_of_lights_keep_their_digits_in_scenes_of_any_size() {
+    let spot = "spot, <1000000, 5000, 0>, target <1000000, 0, 0>, angle 22.5, soft 2.5";
+    let sun = "directional, <0.25, -1, 0.125>";
+    let text = format!("bodies;\nlights; s: {spot}; d: {sun}; {CAMERA}");
+    let scene = scene_of(&text);
+    let precision = Precision::for_size(1e6);
+    let moved = scene.lights[0].kind.moved(DVec3::new(-123_000.0, 7000.0, 0.0)).unwrap();
+    let done = edited(&text, &SceneChange::Light(LightId(0), moved), precision);
+    // The target goes with the position.
+    assert_eq!(done.text, text.replace("<1000000, 5000,", "<877000, 12000,").replace("<1000000, 0,", "<877000, 7000,"));
+    for (light, written) in scene.lights.iter().zip([spot, sun]) {
+        let added = edited(&text, &SceneChange::AddLight("new".to_owned(), light.kind.clone()), precision).text;
+        assert!(added.contains(&format!("new: {written};")), "{added}");
+    }
+    // A copy of what is everywhere is the same.
+    let copy = SceneChange::Duplicate(SceneObject::Light(LightId(1)), "d2".to_owned(), DVec3::X);
+    assert_eq!(
+        edited(&text, &copy, Precision::Decimals(2)).text,
+        text.replace(&format!(" d: {sun};"), &format!(" d: {sun}; d2: {sun};"))
+    );
+}
+
+#[test]
 fn declarations_are_added_where_they_belong() {
     let ball = scene_of(&format!("bodies; b: sphere, center <0.12345, 0, 0>, radius 1; lights; {CAMERA}"));
     let (form, light) = (ball.body(BodyId(0)).form.clone(), LightKind::SYNTAX[0].example);

@@ -1,5 +1,7 @@
 //! What scenes are taken, and what is said of those that are not.
 
+mod lights;
+
 use super::*;
 use insta::assert_snapshot;
 
