@@ -5,11 +5,17 @@ mod point;
 mod rectangle;
 mod sphere;
 mod spot;
+#[cfg(test)]
+mod tests;
 
 use crate::sampling::{Draw, SampleKey};
 use crate::scene::{LightId, LightKind};
 use crate::world::hit::SurfaceHit;
 use glam::DVec3;
+
+/// The distance of what is infinitely far away. Its square fits no `f32`, so light that gets weaker with the square of
+/// the distance is 0.
+const INFINITELY_FAR: f64 = 1e30;
 
 /// What a kind of emitter answers. Each kind implements it in a file of its own.
 trait Emit {
@@ -42,8 +48,18 @@ impl LightSample {
 
     /// All of the light in this direction, at this distance.
     #[inline]
-    pub(super) fn whole(direction: DVec3, distance: f64) -> Self {
+    fn whole(direction: DVec3, distance: f64) -> Self {
         Self { direction, distance, radiance: [1.0; 3], weight: 1.0 }
+    }
+
+    /// All of the light from a point. A point in the very place of the hit is taken to be in the direction of the normal.
+    #[inline]
+    fn of_point(point: DVec3, hit: &SurfaceHit) -> Self {
+        let way = point - hit.point;
+        let distance = way.length();
+        let inverse = distance.recip();
+        let direction = if inverse > 0.0 && inverse.is_finite() { inverse * way } else { hit.shading_normal };
+        Self::whole(direction, distance)
     }
 
     /// Whether anything is sent towards the hit.

@@ -1,13 +1,10 @@
 //! Light that comes from infinitely far away.
 
-use super::{Emit, LightSample};
+use super::{Emit, INFINITELY_FAR, LightSample};
+use crate::sampling::Draw;
 use crate::scene::light::DirectionalLight;
 use crate::world::hit::SurfaceHit;
 use glam::DVec3;
-
-/// The distance of a light that is infinitely far away. Its square fits no `f32`, so that light which gets weaker with
-/// the square of the distance is 0.
-const INFINITELY_FAR: f64 = 1e30;
 
 /// Parallel light.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,7 +22,7 @@ impl DirectionalEmitter {
 
 impl Emit for DirectionalEmitter {
     #[inline]
-    fn sample(&self, _: &SurfaceHit) -> LightSample {
-        LightSample { direction: self.towards, distance: INFINITELY_FAR }
+    fn sample(&self, _: &SurfaceHit, _: &Draw) -> LightSample {
+        LightSample::whole(self.towards, INFINITELY_FAR)
     }
 }

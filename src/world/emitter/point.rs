@@ -20,13 +20,8 @@ impl PointEmitter {
 }
 
 impl Emit for PointEmitter {
-    /// A light in the very point of the hit is taken to be in the direction of the normal.
     #[inline]
     fn sample(&self, hit: &SurfaceHit, _: &Draw) -> LightSample {
-        let way = self.position - hit.point;
-        let distance = way.length();
-        let inverse = distance.recip();
-        let direction = if inverse > 0.0 && inverse.is_finite() { inverse * way } else { hit.shading_normal };
-        LightSample::whole(direction, distance)
+        LightSample::of_point(self.position, hit)
     }
 }

@@ -1,28 +1,31 @@
-//! Rectangles that emit light.
+//! Rectangles that emit light to both sides.
 
-use super::point::PointEmitter;
 use super::{Emit, LightSample};
-use crate::scene::light::{PointLight, RectangleLight};
+use crate::sampling::Draw;
+use crate::scene::light::RectangleLight;
 use crate::world::hit::SurfaceHit;
+use glam::DVec3;
 
-/// A point light that is spread over a rectangle.
+/// A point light that is spread evenly over a rectangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct RectangleEmitter {
-    middle: PointEmitter,
+    corner: DVec3,
+    /// From A to B, and from B to C.
+    sides: [DVec3; 2],
 }
 
 impl RectangleEmitter {
-    /// The emitter of such a light.
+    /// The emitter of a rectangle light.
     pub(super) fn new(light: &RectangleLight) -> Self {
-        Self {
-            middle: PointEmitter::new(&PointLight::new(light.rectangle().corners()[0].midpoint(light.rectangle().corners()[2]))),
-        }
+        let [a, b, c] = light.rectangle().corners();
+        Self { corner: a, sides: [b - a, c - b] }
     }
 }
 
 impl Emit for RectangleEmitter {
     #[inline]
-    fn sample(&self, hit: &SurfaceHit) -> LightSample {
-        self.middle.sample(hit)
+    fn sample(&self, hit: &SurfaceHit, draw: &Draw) -> LightSample {
+        let [along, across] = draw.point();
+        LightSample::of_point(self.corner + along * self.sides[0] + across * self.sides[1], hit)
     }
 }
