@@ -5,6 +5,7 @@ mod agreement;
 mod grammars;
 mod house;
 mod inspection;
+mod lights;
 mod materials;
 mod models;
 mod presets;
