@@ -203,9 +203,10 @@ fn a_scene_without_lights_and_camera_gets_some() {
 fn lights_are_compared_in_the_middle_of_the_bodies() {
     // The middle is (1, 1, 1).
     let light = |name: &str, source, intensity, color| ModelLight { name: name.to_owned(), source, color, intensity };
+    let spot = |angles| LightSource::Spot { place: DVec3::new(1.0, 21.0, 1.0), direction: DVec3::NEG_Y, angles };
     let lights = vec![
         light("lamp", LightSource::Point(DVec3::new(1.0, 1.0, 11.0)), 1000.0, [1.0, 0.5, 0.0]),
-        light("tri", LightSource::Spot(DVec3::new(1.0, 21.0, 1.0)), 1000.0, [1.0; 3]),
+        light("tri", spot([0.5, 1.0]), 1000.0, [1.0; 3]),
         light("", LightSource::Directional(DVec3::NEG_Y), 5.0, [2.0, 1.0, 1.0]),
     ];
     let camera =
@@ -221,11 +222,31 @@ fn lights_are_compared_in_the_middle_of_the_bodies() {
     assert_eq!(value("lamp", "IL"), Some(FileValue::Constant(Constant::Vector([1.0, 0.5, 0.0]))));
     assert_eq!(value("light", "IL"), Some(FileValue::Constant(Constant::Vector([1.0, 0.5, 0.5]))));
     assert_eq!(plan.session.picture.size, [1440, 720]);
-    assert!(plan.scene.contains("light: point, <1, 2001, 1>;"), "1000 times 2 above the middle: {}", plan.scene);
+    assert!(plan.scene.contains("\nlight: directional, <0, -1, 0>;\n"), "{}", plan.scene);
+    // Half a radian and one radian, towards what is as far away as the middle.
+    let written = "\ntri_2: spot, <1, 21, 1>, target <1, 1, 1>, angle 57.29578, soft 28.64789;\n";
+    assert!(plan.scene.contains(written), "{}", plan.scene);
     assert!(plan.scene.contains("position <0, 0, 5>;\ngaze <0, 0, -1>;\n"), "{}", plan.scene);
     let simplified: Vec<String> = plan.simplified.iter().map(ToString::to_string).collect();
-    assert_eq!(simplified.len(), 3, "{simplified:?}");
+    assert_eq!(simplified.len(), 1, "{simplified:?}");
     assert_eq!(warnings(&plan), Vec::<String>::new());
+}
+
+#[test]
+fn cones_of_other_programs_are_taken_if_they_are_some() {
+    let planned_with = |angles| {
+        let source = LightSource::Spot { place: DVec3::new(0.0, 9.0, 0.0), direction: DVec3::NEG_Y, angles };
+        let light = ModelLight { name: "l".to_owned(), source, color: [1.0; 3], intensity: 1.0 };
+        let plan = planned(MeshModel { lights: vec![light], ..model(&[ModelLook::Phong(PHONG)]) });
+        let line = plan.scene.lines().find(|line| line.starts_with("l:")).unwrap().to_owned();
+        (line, plan.simplified.iter().count())
+    };
+    let (line, simplified) = planned_with([0.5, 0.5]);
+    assert!(line.ends_with(", angle 28.64789;") && simplified == 1, "a sharp edge: {line}");
+    for angles in [[0.5, 0.25], [-1.0, 0.5], [0.0, 0.0], [0.0, -1.0], [0.0, 3.2], [0.0, 1e300]] {
+        let (line, simplified) = planned_with(angles);
+        assert_eq!((line.as_str(), simplified), ("l: point, <0, 9, 0>;", 2), "{angles:?}");
+    }
 }
 
 #[test]

@@ -5,7 +5,7 @@ use crate::import::target::ImportError;
 use crate::lang::source::SourceSpan;
 use crate::mesh::{LightSource, ModelCamera, ModelLight, ModelPart, Omissions};
 use crate::scene::edit::rounded;
-use crate::scene::light::PointLight;
+use crate::scene::light::{DirectionalLight, PointLight, SpotLight};
 use crate::scene::{Camera, Light, LightKind, MAX_COORDINATE};
 use crate::trace::MAX_SIDE;
 use glam::DVec3;
@@ -19,8 +19,6 @@ const FROM: DVec3 = DVec3::new(0.45, 0.4, 1.0);
 const FOV: f64 = 35.0;
 /// How many digits the longest side of the box around the bodies has behind its first one.
 const DIGITS: i32 = 5;
-/// How far away directional lights stand, as a multiple of the longest side of the box around the bodies.
-const FAR: f64 = 1000.0;
 /// Lights for files without any: their names, their places (right, up, towards the camera, as multiples of the radius
 /// of the box around the bodies), and their intensities.
 const DEFAULT_LIGHTS: [(&str, [f64; 3], f32); 2] = [("key", [-1.5, 2.0, 2.0], 0.9), ("fill", [2.5, 0.5, 1.5], 0.3)];
@@ -28,7 +26,7 @@ const DEFAULT_LIGHTS: [(&str, [f64; 3], f32); 2] = [("key", [-1.5, 2.0, 2.0], 0.
 /// A light of the scene.
 pub(super) struct ImportedLight {
     pub(super) name: String,
-    pub(super) place: PointLight,
+    pub(super) kind: LightKind,
     pub(super) intensity: f32,
     pub(super) color: [f32; 3],
 }
@@ -36,7 +34,7 @@ pub(super) struct ImportedLight {
 impl ImportedLight {
     /// The light in the scene.
     pub(super) fn in_scene(self) -> Light {
-        Light { name: self.name, name_span: SourceSpan::default(), kind: LightKind::Point(self.place) }
+        Light { name: self.name, name_span: SourceSpan::default(), kind: self.kind }
     }
 }
 
@@ -83,7 +81,7 @@ pub(super) fn lights(
         return DEFAULT_LIGHTS
             .map(|(name, [across, above, towards], intensity)| ImportedLight {
                 name: names.take(name, "", "light"),
-                place: light_at(middle + radius * (across * right + above * up - towards * forward), side),
+                kind: point_at(middle + radius * (across * right + above * up - towards * forward), side),
                 intensity,
                 color: [1.0; 3],
             })
@@ -95,15 +93,20 @@ pub(super) fn lights(
     for light in given {
         let tint = light.color.into_iter().fold(0.0, f64::max);
         let lux = |place: DVec3| light.intensity / place.distance_squared(middle).max((side / 2.0).powi(2) * 1e-6);
-        let (place, strength) = match light.source {
-            LightSource::Point(place) => (place, lux(place)),
-            LightSource::Spot(place) => {
-                simplified.add(1, "spot light(s)", "light in all directions takes the place of a cone");
-                (place, lux(place))
+        let (kind, strength) = match light.source {
+            LightSource::Point(place) => (point_at(place, side), lux(place)),
+            LightSource::Spot { place, direction, angles } => {
+                let towards = direction * place.distance(middle).max(side / 2.0);
+                let spot = spot_at(place, towards, angles, side).unwrap_or_else(|| {
+                    simplified.add(1, "spot light(s) whose cone cannot be used", "they shine in all directions");
+                    point_at(place, side)
+                });
+                (spot, lux(place))
             }
             LightSource::Directional(direction) => {
-                simplified.add(1, "directional light(s)", "a point far away takes the place of a direction");
-                (middle - FAR * side * direction, light.intensity)
+                let parallel = DirectionalLight::new(tidy(direction, 1.0)).map(LightKind::Directional);
+                // Directions of unit length are taken, also when rounded.
+                (parallel.unwrap_or_else(|_| point_at(middle - side * direction, side)), light.intensity)
             }
         };
         // A colour above 1 is a stronger light.
@@ -112,7 +115,7 @@ pub(super) fn lights(
         strengths.push(strength);
         lights.push(ImportedLight {
             name: names.take(&light.name, "", "light"),
-            place: light_at(place, side),
+            kind,
             intensity: 0.0,
             color: light.color.map(|component| four_digits(component / tint.max(1.0))),
         });
@@ -125,10 +128,24 @@ pub(super) fn lights(
     lights
 }
 
-/// A light at a place that a scene may name.
-fn light_at(place: DVec3, side: f64) -> PointLight {
+/// A place that a scene may name.
+fn place_at(place: DVec3, side: f64) -> DVec3 {
     let reach = DVec3::splat(MAX_COORDINATE);
-    PointLight::new(tidy(place, side).clamp(-reach, reach))
+    tidy(place, side).clamp(-reach, reach)
+}
+
+fn point_at(place: DVec3, side: f64) -> LightKind {
+    LightKind::Point(PointLight::new(place_at(place, side)))
+}
+
+/// A light at a place that shines `towards` a vector, within a cone of these angles in radians: where its light begins
+/// to get weaker, and the edge. `None` if there is no such cone.
+fn spot_at(place: DVec3, towards: DVec3, angles: [f64; 2], side: f64) -> Option<LightKind> {
+    let [full, edge] = angles.map(|angle| rounded(angle.to_degrees(), DIGITS));
+    let soft = rounded(edge - full, DIGITS);
+    let soft = (soft != 0.0).then_some(soft);
+    let spot = SpotLight::new(place_at(place, side), place_at(place + towards, side), edge, soft);
+    spot.ok().map(LightKind::Spot)
 }
 
 /// A place or a direction without digits that nobody sees, where the longest side of what is seen has this length.

@@ -146,8 +146,16 @@ pub enum LightSource {
     /// From a point.
     Point(DVec3),
     /// From a point, within a cone.
-    Spot(DVec3),
-    /// From far away, in this direction.
+    Spot {
+        /// The point.
+        place: DVec3,
+        /// The direction of the middle of the cone, of unit length.
+        direction: DVec3,
+        /// The angles in radians between the middle and where the light begins to get weaker, and the edge. They are as
+        /// the file has them, and may be out of range.
+        angles: [f64; 2],
+    },
+    /// From far away, in this direction of unit length.
     Directional(DVec3),
 }
 

@@ -59,6 +59,22 @@ pub(super) struct GltfLight {
     pub(super) color: [f64; 3],
     #[serde(default = "one")]
     pub(super) intensity: f64,
+    #[serde(default)]
+    pub(super) spot: GltfCone,
+}
+
+/// The cone of a spot light: angles in radians.
+#[derive(Deserialize, Clone, Copy)]
+#[serde(rename_all = "camelCase", default)]
+pub(super) struct GltfCone {
+    pub(super) inner_cone_angle: f64,
+    pub(super) outer_cone_angle: f64,
+}
+
+impl Default for GltfCone {
+    fn default() -> Self {
+        Self { inner_cone_angle: 0.0, outer_cone_angle: std::f64::consts::FRAC_PI_4 }
+    }
 }
 
 #[derive(Deserialize, Clone, Copy)]

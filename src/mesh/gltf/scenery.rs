@@ -17,7 +17,11 @@ pub(super) fn read(document: &GltfDocument, looks: &GltfLooks) -> Result<ModelCo
         if let Some(light) = looks.light_of(node)? {
             let source = match light.kind {
                 GltfLightKind::Point => LightSource::Point(point(&transform, node, "light")?),
-                GltfLightKind::Spot => LightSource::Spot(point(&transform, node, "light")?),
+                GltfLightKind::Spot => LightSource::Spot {
+                    place: point(&transform, node, "light")?,
+                    direction: forward(&transform, node, "light")?,
+                    angles: [light.spot.inner_cone_angle, light.spot.outer_cone_angle],
+                },
                 GltfLightKind::Directional => LightSource::Directional(forward(&transform, node, "light")?),
             };
             let of_node = || looks.nodes.get(node).map(|node| node.name.clone()).unwrap_or_default();

@@ -239,7 +239,7 @@ fn furnished() -> String {
     let more = r#""extensionsUsed": ["KHR_lights_punctual", "KHR_materials_ior", "ODD_thing"], "textures": [{}, {}],
         "animations": [{"channels": []}],
         "extensions": {"KHR_lights_punctual": {"lights": [{"name": "lamp", "type": "point", "intensity": 50, "color": [1, 0.5, 0]},
-        {"type": "directional"}, {"type": "spot", "spot": {}}]}},
+        {"type": "directional"}, {"type": "spot", "spot": {"innerConeAngle": 0.25, "outerConeAngle": 0.5}}]}},
         "cameras": [{"type": "orthographic", "orthographic": {}}, {"type": "perspective", "perspective": {"yfov": 0.5,
         "aspectRatio": 1.5, "znear": 0.1}}, {"type": "perspective", "perspective": {"yfov": 1, "znear": 0.1}}],
         "materials": [{}, {"name": "glass", "alphaMode": "BLEND", "emissiveFactor": [0, 1, 0], "pbrMetallicRoughness":
@@ -295,7 +295,8 @@ fn cameras_and_lights_stand_where_their_nodes_are() {
     let LightSource::Directional(down) = sun.source else { panic!("{sun:?}") };
     near(down, [0., -1., 0.]);
     assert_eq!((sun.name.as_str(), sun.intensity, sun.color), ("sun", 1.0, [1.0; 3]));
-    assert_eq!(spot.source, LightSource::Spot(DVec3::new(9.0, 0.0, 0.0)));
+    let LightSource::Spot { place, direction, angles } = spot.source else { panic!("{spot:?}") };
+    assert_eq!((place, direction, angles), (DVec3::new(9.0, 0.0, 0.0), DVec3::NEG_Z, [0.25, 0.5]));
 }
 
 #[test]
