@@ -2,14 +2,14 @@
 //!
 //! They are chosen by the words before the cursor.
 
-use crate::assist::words::{Class, TextSection, Words, scene_words, signatures};
+use crate::assist::words::{Class, TextSection, Words, signatures};
 use crate::lang::builtins::{self, Form, Repetition};
 use crate::lang::keywords::{self, Keyword};
 use crate::lang::surface_terms::SurfaceTerm;
 use crate::lang::token::{Mark, Token, TokenKind};
 use crate::lang::types::Type;
 use crate::lang::variables::{Predefined, Variable};
-use crate::scene::{LightKind, Shape};
+use crate::scene::{LightKind, Shape, Syntax, Transform};
 use crate::workspace::FileKind;
 use std::ops::Range;
 
@@ -261,17 +261,40 @@ fn in_scene(words: &Words, start: usize) -> Vec<Candidate> {
         (TextSection::Lights, Some(TokenKind::Mark(Mark::Colon))) => {
             LightKind::SYNTAX.iter().map(|syntax| meaning(&syntax.keyword)).collect()
         }
-        (TextSection::Bodies | TextSection::Lights, Some(TokenKind::Mark(Mark::Comma))) => {
-            let shapes = Shape::SYNTAX.iter().map(|syntax| syntax.keyword.word);
-            let begins: Vec<&str> = shapes.chain(LightKind::SYNTAX.iter().map(|syntax| syntax.keyword.word)).collect();
-            let words = scene_words(section).into_iter();
-            words.filter(|keyword| !begins.contains(&keyword.word)).map(meaning).collect()
+        (TextSection::Bodies, Some(TokenKind::Mark(Mark::Comma))) => {
+            let behind = Transform::SYNTAX.iter().flat_map(Syntax::words).chain(&keywords::BODY_ATTRIBUTES);
+            clauses(&words.tokens[..before], Shape::SYNTAX).into_iter().chain(behind).map(meaning).collect()
+        }
+        (TextSection::Lights, Some(TokenKind::Mark(Mark::Comma))) => {
+            clauses(&words.tokens[..before], LightKind::SYNTAX).into_iter().map(meaning).collect()
         }
         (_, None) => heads.collect(),
         (TextSection::Camera, Some(TokenKind::Mark(Mark::Semicolon))) => keywords::CAMERA_CLAUSES.iter().map(meaning).collect(),
         (_, Some(TokenKind::Mark(Mark::Semicolon))) => heads.collect(),
         _ => Vec::new(),
     }
+}
+
+/// The words between the values of what is being declared, which is of one of these kinds; those of all kinds if its
+/// kind is not known.
+fn clauses<T>(before: &[Token], kinds: &'static [Syntax<T>]) -> Vec<&'static Keyword> {
+    let colon = before.iter().rposition(|token| token.kind == TokenKind::Mark(Mark::Colon));
+    let kind = colon.and_then(|colon| match &before.get(colon + 1)?.kind {
+        TokenKind::Word(word) => kinds.iter().find(|kind| kind.keyword.word == word),
+        TokenKind::Number(_)
+        | TokenKind::Uses(..)
+        | TokenKind::Text(_)
+        | TokenKind::Mark(_)
+        | TokenKind::Unknown
+        | TokenKind::End => None,
+    });
+    let mut found: Vec<&Keyword> = match kind {
+        Some(kind) => kind.clauses.iter().collect(),
+        None => kinds.iter().flat_map(|kind| kind.clauses).collect(),
+    };
+    let mut words = std::collections::HashSet::new();
+    found.retain(|clause| words.insert(clause.word));
+    found
 }
 
 #[cfg(test)]
@@ -319,6 +342,12 @@ mod tests {
         assert_eq!(names(FileKind::Scene, "|"), ["bodies", "lights", "camera"]);
         assert_eq!(names(FileKind::Scene, "bodies; b: s|"), ["sphere"]);
         assert_eq!(names(FileKind::Scene, "bodies; b: sphere, ra|")[0], "radius");
+        assert_eq!(names(FileKind::Scene, "bodies; b: sphere, center <0,0,0>, radius 1, |")[..3], ["center", "radius", "scale"]);
+        let kinds = ["point", "directional", "spot", "sphere", "rectangle"];
+        assert_eq!(names(FileKind::Scene, "lights; l: |")[..5], kinds);
+        assert_eq!(names(FileKind::Scene, "lights; k: point, <0,0,0>; l: spot, <0,0,0>, |"), ["target", "angle", "soft"]);
+        assert_eq!(names(FileKind::Scene, "lights; l: directional, |"), [""; 0]);
+        assert_eq!(names(FileKind::Scene, "lights; l: unknown, r|"), ["radius"]);
         assert_eq!(names(FileKind::Scene, "camera; |"), ["position", "gaze", "up", "fov"]);
         assert_eq!(names(FileKind::Session, "f|"), [""; 0]);
     }
