@@ -91,7 +91,7 @@ variables! {
     GeometricNormal "Ng" Vector Hit Added "geometric normal, turned to the side the ray came from; N is the shading normal";
     SurfaceU "u" Scalar Hit Added "first surface coordinate, 0..1; on a mesh that of its file, or 0 if the file has none";
     SurfaceV "v" Scalar Hit Added "second surface coordinate, 0..1; on a mesh that of its file, or 0 if the file has none";
-    Distance "dist" Scalar Record Added "distance from the hit to the light, world units";
+    Distance "dist" Scalar Record Added "distance from the hit to the light, world units; 1e30 if the light is infinitely far away";
     Visible "visible" Scalar Record Added "1 if no body lies between the hit and the light, else 0; a formula that reads it is evaluated at every light";
     Radiance "light radiance" Vector Record Internal "what the light sends to the hit, as a factor of IL, each at least 0";
     SampleWeight "light weight" Scalar Record Internal "what the sample of the light counts, greater than 0";

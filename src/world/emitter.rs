@@ -52,7 +52,8 @@ impl LightSample {
         Self { direction, distance, radiance: [1.0; 3], weight: 1.0 }
     }
 
-    /// All of the light from a point. A point in the very place of the hit is taken to be in the direction of the normal.
+    /// All of the light from a point. A point in the very place of the hit is taken to be in the direction of the
+    /// normal.
     #[inline]
     fn of_point(point: DVec3, hit: &SurfaceHit) -> Self {
         let way = point - hit.point;

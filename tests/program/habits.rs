@@ -283,8 +283,9 @@ fn lights_and_cameras_of_other_programs() {
     let lights = [
         "k: point, position <1,2,3>;",
         "k: point, (1,2,3);",
-        "k: directional, <0,-1,0>;",
-        "k: spot, <1,2,3>;",
+        "k: sun, <0,-1,0>;",
+        "k: spot, <1,2,3>, direction <0,-1,0>, cutoff 30;",
+        "k: area, <0,1,0>;",
         "k: ambient, <1,1,1>;",
         "k: point, <1,2,3>, intensity 5;",
     ];

@@ -43,8 +43,8 @@ pub enum SpotLightError {
 
 impl SpotLight {
     /// A light at a position that shines towards a target. `angle` is that between the axis of the cone and its edge,
-    /// in degrees, 0..=180 without 0. Over the outer `soft` degrees of it, 0..=`angle`, the light gets weaker; `None` is
-    /// the same as 0, a sharp edge.
+    /// in degrees, 0..=180 without 0. Over the outer `soft` degrees of it, 0..=`angle`, the light gets weaker; `None`
+    /// is the same as 0, a sharp edge.
     ///
     /// # Errors
     /// Points too far away; both in one place; angles out of range.

@@ -29,8 +29,8 @@ impl SpotEmitter {
         }
     }
 
-    /// The factor of the light in a direction from the light, of unit length: 1 within the cone, 0 outside, and a smooth
-    /// step between them over the soft part.
+    /// The factor of the light in a direction from the light, of unit length: 1 within the cone, 0 outside, and a
+    /// smooth step between them over the soft part.
     fn factor(&self, direction: DVec3) -> f32 {
         // Exact for small angles too, where the cosine is not.
         let angle = self.axis.cross(direction).length().atan2(self.axis.dot(direction));
