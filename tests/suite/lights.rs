@@ -106,6 +106,24 @@ fn a_sphere_shines_as_closed_forms_say() {
 }
 
 #[test]
+fn a_cone_has_a_smooth_edge() {
+    // From a height of 2, so that the distance from the middle is 2·tan of the angle.
+    let beam = "beam: spot, <0,2,0>, target <0,-1,0>, angle 30, soft 10;";
+    // 1 - smoothstep at 0, 1/4, 1/2 and 3/4 of the soft part, and outside.
+    for (degrees, factor) in [(0.0, 1.0), (19.9, 1.0), (22.5, 0.84375), (25.0, 0.5), (27.5, 0.15625), (30.1, 0.0)] {
+        let at = [2.0 * f64::tan(f64::to_radians(degrees)), 0.0];
+        near(seen("formula; = IL;", "", beam, at), factor, 1e-4);
+        // What does not depend on the colour of the light is whole within the cone, and nothing outside.
+        let inside = f64::from(u8::from(factor > 0.0));
+        near(seen("formula; = 0.25*IL + <0.5>;", "", beam, at), 0.25 * factor + 0.5 * inside, 1e-4);
+        near(seen("formula; = sqrt(IL);", "", beam, at), factor.sqrt(), 1e-4);
+        // Without a body between, the light is visible outside the cone too. Its colour is black there.
+        near(seen("formula; = IL*(1 + visible);", "", beam, at), 2.0 * factor, 1e-4);
+        near(seen("formula; = IL + <visible>;", "", beam, at), factor + 1.0, 1e-4);
+    }
+}
+
+#[test]
 fn parallel_light_makes_the_picture_of_a_point_far_away() {
     let scene = |light: &str| {
         format!(

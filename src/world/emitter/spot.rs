@@ -51,4 +51,9 @@ impl Emit for SpotEmitter {
         let whole = LightSample::of_point(self.position, hit);
         LightSample { radiance: [self.factor(-whole.direction); 3], ..whole }
     }
+
+    /// Formulas that read `visible` are evaluated outside the cone too.
+    fn is_whole(&self) -> bool {
+        false
+    }
 }
