@@ -37,7 +37,7 @@ pub use segment::{CHUNK_HITS, CHUNK_LINES, LINE_HITS, ROUND_LINES, Segment, TILE
 pub use store::{Counts, Group, Hits, Path, PathId, PathSets, Region, Span, Tile};
 pub use tracer::{NodeLight, Tracer};
 pub use variables::{CoordinatesUse, HitVariables, LightVariables};
-pub use view::{MAX_DEPTH, MAX_SIDE, View, ViewError};
+pub use view::{MAX_DEPTH, MAX_PASSES, MAX_SIDE, View, ViewError};
 pub use visibility::VisibilityTable;
 pub use walk::{Child, Edge, RayNode, Tree, ray_tree};
 

@@ -9,6 +9,8 @@ use crate::world::Ray;
 pub const MAX_SIDE: u32 = 32_768;
 /// The largest depth of the tree of rays.
 pub const MAX_DEPTH: u32 = 9;
+/// The most passes that a picture is the mean of.
+pub const MAX_PASSES: u32 = 65_536;
 
 /// How a scene is traced. It cannot be built with values out of range.
 #[derive(Debug, Clone, Copy, PartialEq)]

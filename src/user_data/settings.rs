@@ -169,7 +169,7 @@ impl Default for Settings {
     fn default() -> Self {
         // But for the transfer, a session without settings and the default settings give the same picture. Sessions
         // without a transfer are those of the thesis.
-        let PictureSettings { size, depth, shadows, default_index, view: _ } = PictureSettings::default();
+        let PictureSettings { size, depth, shadows, default_index, samples: _, view: _ } = PictureSettings::default();
         Self {
             shadows,
             depth,
@@ -205,7 +205,7 @@ impl Settings {
     /// How a new session makes its picture.
     pub fn picture(&self) -> PictureSettings {
         let Settings { shadows, depth, size, default_index, transfer, .. } = self.within_ranges();
-        PictureSettings { size, depth, shadows, default_index, view: transfer.into() }
+        PictureSettings { size, depth, shadows, default_index, samples: None, view: transfer.into() }
     }
 
     /// The values of a new session that differ from the defaults of the language, for every owner. Left out are values

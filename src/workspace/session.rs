@@ -45,13 +45,24 @@ pub struct PictureSettings {
     pub shadows: bool,
     /// The refractive index of bodies that have none of their own, greater than 0.
     pub default_index: f64,
+    /// How many passes the picture is the mean of, 1..=[`MAX_PASSES`](crate::trace::MAX_PASSES); `None`: the session does
+    /// not say.
+    pub samples: Option<u32>,
     /// How linear colours become those of an 8-bit picture.
     pub view: ViewTransform,
 }
 
+impl PictureSettings {
+    /// How many passes the picture is the mean of: 1 if the session does not say. The window has a default of its own.
+    pub fn passes(&self) -> u32 {
+        self.samples.unwrap_or(1)
+    }
+}
+
 impl Default for PictureSettings {
     fn default() -> Self {
-        Self { size: [640, 480], depth: 5, shadows: true, default_index: 1.5, view: ViewTransform::default() }
+        let view = ViewTransform::default();
+        Self { size: [640, 480], depth: 5, shadows: true, default_index: 1.5, samples: None, view }
     }
 }
 

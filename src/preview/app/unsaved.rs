@@ -103,8 +103,9 @@ impl App {
         let session = self.session_is_unsaved().then(|| {
             let mut hasher = DefaultHasher::new();
             self.workshop.values().numbers().iter().for_each(|number| number.to_bits().hash(&mut hasher));
-            let PictureSettings { size, depth, shadows, default_index, view } = self.workshop.settings();
-            (size, depth, shadows, default_index.to_bits(), view.exposure.to_bits(), view.curve, view.transfer).hash(&mut hasher);
+            let PictureSettings { size, depth, shadows, default_index, samples, view } = self.workshop.settings();
+            (size, depth, shadows, default_index.to_bits(), samples, view.exposure.to_bits(), view.curve, view.transfer)
+                .hash(&mut hasher);
             self.documents.values().for_each(|text| text.location().map(ToString::to_string).hash(&mut hasher));
             hasher.finish()
         });

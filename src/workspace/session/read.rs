@@ -3,7 +3,7 @@
 use crate::lang::diagnostic::{Diagnostic, Diagnostics, nearest};
 use crate::lang::source::{Source, SourceSpan};
 use crate::picture::{EXPOSURES, ToneCurve, Transfer};
-use crate::trace::{MAX_DEPTH, MAX_SIDE};
+use crate::trace::{MAX_DEPTH, MAX_PASSES, MAX_SIDE};
 use crate::workspace::Location;
 use crate::workspace::session::{NamedValue, OwnerName, PictureSettings, Session};
 use crate::workspace::spanned_toml::{
@@ -11,8 +11,10 @@ use crate::workspace::spanned_toml::{
 };
 
 /// The keys of a session, outside of tables.
-pub(in crate::workspace) const KEYS: [&str; 13] =
-    ["version", "formula", "scene", "size", "depth", "shadows", "ior", "srgb", "exposure", "curve", "global", "bodies", "lights"];
+pub(in crate::workspace) const KEYS: [&str; 14] = [
+    "version", "formula", "scene", "size", "depth", "shadows", "ior", "samples", "srgb", "exposure", "curve", "global", "bodies",
+    "lights",
+];
 
 /// The keys that every session has, each with a line as an example.
 const NEEDED: [(&str, &str); 2] = [("formula", "formula = \"preset:phong\""), ("scene", "scene = \"preset:glass\"")];
@@ -46,6 +48,11 @@ pub(super) fn parse_in_parts(source: &Source) -> (Option<Session>, Diagnostics) 
                 }
             }
             "ior" => reader.index(entry.value),
+            "samples" => {
+                if let Some(samples) = reader.report_error(entry.value.whole(1..i64::from(MAX_PASSES) + 1)) {
+                    reader.picture.samples = Some(samples as u32);
+                }
+            }
             "srgb" => {
                 if let Some(srgb) = reader.report_error(entry.value.truth()) {
                     reader.picture.view.transfer = if srgb { Transfer::Srgb } else { Transfer::Linear };

@@ -17,6 +17,9 @@ struct SessionFile<'s> {
     depth: u32,
     shadows: bool,
     ior: f64,
+    /// Left out if the session does not say.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    samples: Option<u32>,
     srgb: bool,
     /// Left out if it is 0.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -42,6 +45,7 @@ pub(super) fn to_toml(session: &Session, folder: &Path) -> Result<String, toml::
         depth: session.picture.depth,
         shadows: session.picture.shadows,
         ior: session.picture.default_index,
+        samples: session.picture.samples,
         srgb: view.transfer == Transfer::Srgb,
         exposure: Some(view.exposure).filter(|stops| *stops != 0.0).map(TomlNumber::Scalar),
         curve: Some(view.curve).filter(|curve| *curve != ToneCurve::None).map(ToneCurve::name),

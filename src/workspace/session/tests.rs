@@ -12,6 +12,7 @@ size = [1280, 720]
 depth = 3
 shadows = false
 ior = 1.25
+samples = 64
 srgb = true
 exposure = -1.5
 curve = "aces"
@@ -46,8 +47,9 @@ fn a_session_is_read() {
     assert_eq!(session.formula, Location::Preset("phong".to_owned()));
     assert_eq!(session.scene, Location::new("../scenes/one.txt"));
     let view = ViewTransform { exposure: -1.5, curve: ToneCurve::Aces, transfer: Transfer::Srgb };
-    let picture = PictureSettings { size: [1280, 720], depth: 3, shadows: false, default_index: 1.25, view };
+    let picture = PictureSettings { size: [1280, 720], depth: 3, shadows: false, default_index: 1.25, samples: Some(64), view };
     assert_eq!(session.picture, picture);
+    assert_eq!(session.picture.passes(), 64);
     assert_eq!(session.values.len(), 4);
 }
 
@@ -87,6 +89,20 @@ fn all_errors_are_reported_at_once() {
             "this number is too large or not finite",
         ]
     );
+}
+
+#[test]
+fn a_session_need_not_say_how_many_passes() {
+    let (session, _) = parse(&TEXT.replace("samples = 64\n", "")).unwrap();
+    assert_eq!((session.picture.samples, session.picture.passes()), (None, 1));
+    assert!(!session.to_toml(Path::new("")).unwrap().contains("samples"));
+    // One pass that is asked for is another thing: the window makes more if it is not.
+    let (session, _) = parse(&TEXT.replace("samples = 64", "samples = 1")).unwrap();
+    assert!(session.to_toml(Path::new("")).unwrap().contains("samples = 1\n"));
+    for wrong in ["0", "65537", "-1"] {
+        let errors = parse(&TEXT.replace("samples = 64", &format!("samples = {wrong}"))).unwrap_err();
+        assert_eq!(messages(&errors), [format!("{wrong} is out of range")]);
+    }
 }
 
 #[test]
