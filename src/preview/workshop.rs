@@ -53,6 +53,8 @@ pub struct Workshop {
     /// The size of the picture in view, if that is not the size of the session.
     other_size: Option<[u32; 2]>,
     backend: BackendChoice,
+    /// How many passes a picture is the mean of if the session does not say, at least 1.
+    default_samples: u32,
     /// The memory that a picture may take, in bytes; `None` for half of what is free.
     memory: Option<u64>,
     /// The engines in use, each with its compiled code.
@@ -89,6 +91,7 @@ impl Workshop {
             picture: project.picture,
             other_size: None,
             backend: DEFAULT,
+            default_samples: 1,
             memory: None,
             engines: Vec::new(),
             held: None,
@@ -442,6 +445,16 @@ impl Workshop {
             self.backend = backend;
             self.request_picture();
         }
+    }
+
+    /// How many passes the picture is the mean of, at least 1: those of the session, or the default.
+    pub fn samples(&self) -> u32 {
+        self.picture.samples.unwrap_or(self.default_samples)
+    }
+
+    /// Sets how many passes a picture is the mean of if the session does not say; 0 counts as 1.
+    pub fn set_default_samples(&mut self, samples: u32) {
+        self.default_samples = samples.max(1);
     }
 
     /// Limits the memory that a picture may take, in bytes; `None` for half of what is free.

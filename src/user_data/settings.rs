@@ -17,7 +17,7 @@ use crate::lang::diagnostic::{Diagnostic, Diagnostics};
 use crate::lang::source::Source;
 use crate::lang::variables::Predefined;
 use crate::picture::Transfer;
-use crate::trace::{MAX_DEPTH, MAX_SIDE};
+use crate::trace::{MAX_DEPTH, MAX_PASSES, MAX_SIDE};
 use crate::workspace::Location;
 use crate::workspace::assignment::Assignment;
 use crate::workspace::parameter_table::ParameterTable;
@@ -49,6 +49,8 @@ pub struct Settings {
     pub default_index: f64,
     /// How the linear colours of new sessions are stored.
     pub transfer: Transfer,
+    /// How many passes the window makes of a picture whose session does not say, 1..=[`MAX_PASSES`].
+    pub samples: u32,
     /// What evaluates formulas.
     pub backend: BackendChoice,
     /// The memory that a picture may take, in MiB; `None` for half of what is free.
@@ -167,8 +169,8 @@ impl Default for WindowSettings {
 
 impl Default for Settings {
     fn default() -> Self {
-        // But for the transfer, a session without settings and the default settings give the same picture. Sessions
-        // without a transfer are those of the thesis.
+        // But for the transfer and the passes, a session without settings and the default settings give the same
+        // picture. Sessions without a transfer are those of the thesis, and the window has time for several passes.
         let PictureSettings { size, depth, shadows, default_index, samples: _, view: _ } = PictureSettings::default();
         Self {
             shadows,
@@ -176,6 +178,7 @@ impl Default for Settings {
             size,
             default_index,
             transfer: Transfer::Srgb,
+            samples: 16,
             backend: DEFAULT,
             memory: None,
             startup: Location::Preset(DEFAULT_SESSION.to_owned()),
@@ -235,6 +238,7 @@ impl Settings {
             depth: self.depth.clamp(1, MAX_DEPTH),
             size: sides(self.size, [1, MAX_SIDE]),
             default_index: if is_index(self.default_index) { self.default_index } else { usual.default_index },
+            samples: self.samples.clamp(1, MAX_PASSES),
             memory: self.memory.map(|memory| memory.clamp(MEMORY[0], MEMORY[1])),
             window: WindowSettings {
                 scale: scale.clamp(SCALES[0], SCALES[1]),

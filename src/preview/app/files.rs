@@ -222,6 +222,7 @@ impl App {
         let settings = &self.user_state.settings;
         self.scale = settings.window.scale;
         self.workshop.set_backend(settings.backend);
+        self.workshop.set_default_samples(settings.samples);
         self.workshop.set_memory(settings.memory.map(|memory| u64::from(memory) << 20));
         let theme = Theme::from_setting(settings.window.theme, self.desktop_is_dark);
         if std::mem::replace(&mut self.theme, theme) != theme

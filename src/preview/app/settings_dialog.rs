@@ -8,7 +8,7 @@ use crate::preview::app::colours::{picker_ui, swatch_button};
 use crate::preview::app::modal::modal;
 use crate::preview::app::number_field::{NUMBER_WIDTH, component_ui};
 use crate::preview::app::theme;
-use crate::trace::{MAX_DEPTH, MAX_SIDE};
+use crate::trace::{MAX_DEPTH, MAX_PASSES, MAX_SIDE};
 use crate::user_data::settings::{MEMORY, SCALES, Settings, ThemeSetting};
 use crate::workspace::{FileKind, Location, presets};
 use egui::{ComboBox, Context, DragValue, Grid, Popup, PopupCloseBehavior, RichText, ScrollArea, Slider, Ui};
@@ -158,6 +158,9 @@ fn program_ui(ui: &mut Ui, settings: &mut Settings, session: Option<&Location>) 
         ui.end_row();
         ui.label("Memory of a picture").on_hover_text("A picture that needs more is not made, and a message says so");
         memory_ui(ui, settings);
+        ui.end_row();
+        ui.label("Passes of a picture").on_hover_text("For sessions without `samples`: more passes make smoother pictures");
+        ui.add(DragValue::new(&mut settings.samples).range(1..=MAX_PASSES).speed(0.2).update_while_editing(false));
         ui.end_row();
     });
 }

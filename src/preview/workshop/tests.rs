@@ -148,6 +148,10 @@ fn a_value_is_copied_to_all_bodies_and_a_session_holds_everything() {
     workshop.copy_to_all(owner, id);
     let values = workshop.values();
     assert!(values.table().owners().of_kind(owner.kind()).all(|body| values.get(body, id) == [123.0]));
+    workshop.set_default_samples(5);
+    assert_eq!(workshop.samples(), 5, "the session does not say");
+    workshop.set_picture(PictureSettings { samples: Some(3), ..workshop.settings() }).expect("settings");
+    assert_eq!(workshop.samples(), 3);
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("my.toml");
     let [formula, scene] = ["phong", "studio"].map(|name| Location::Preset(name.to_owned()));

@@ -147,6 +147,7 @@ fn merge_settings(ours: &Settings, last_seen: &Settings, theirs: &Settings) -> S
         size: merge_value(&ours.size, &last_seen.size, &theirs.size),
         default_index: merge_value(&ours.default_index, &last_seen.default_index, &theirs.default_index),
         transfer: merge_value(&ours.transfer, &last_seen.transfer, &theirs.transfer),
+        samples: merge_value(&ours.samples, &last_seen.samples, &theirs.samples),
         backend: merge_value(&ours.backend, &last_seen.backend, &theirs.backend),
         memory: merge_value(&ours.memory, &last_seen.memory, &theirs.memory),
         startup: merge_value(&ours.startup, &last_seen.startup, &theirs.startup),

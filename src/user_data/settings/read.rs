@@ -7,7 +7,7 @@ use crate::lang::source::Source;
 use crate::lang::types::Type;
 use crate::lang::variables::Predefined;
 use crate::picture::Transfer;
-use crate::trace::{MAX_DEPTH, MAX_SIDE};
+use crate::trace::{MAX_DEPTH, MAX_PASSES, MAX_SIDE};
 use crate::user_data::settings::nearest::{nearest_number, nearest_whole};
 use crate::user_data::settings::{
     MEMORY, PANEL_SIZES, PREDEFINED_RANGE, PanelSide, SCALES, Settings, ThemeSetting, WINDOW_SIDES, is_index,
@@ -15,8 +15,8 @@ use crate::user_data::settings::{
 use crate::workspace::Location;
 use crate::workspace::spanned_toml::{TomlEntry, Value, check_version, entries, parse as parse_toml, parse_integer, unknown_key};
 
-const KEYS: [&str; 11] =
-    ["version", "shadows", "depth", "size", "ior", "srgb", "backend", "memory", "startup", "defaults", "window"];
+const KEYS: [&str; 12] =
+    ["version", "shadows", "depth", "size", "ior", "srgb", "samples", "backend", "memory", "startup", "defaults", "window"];
 const WINDOW_KEYS: [&str; 6] = ["theme", "scale", "apply_as_you_type", "gallery", "log", "size"];
 
 /// A parsed text.
@@ -115,6 +115,11 @@ impl ParsedSettings {
             "srgb" => {
                 if let Some(srgb) = self.report_error(entry.value.truth()) {
                     self.settings.transfer = if srgb { Transfer::Srgb } else { Transfer::Linear };
+                }
+            }
+            "samples" => {
+                if let Some(samples) = self.report_warning(nearest_whole(entry.value, 1..=i64::from(MAX_PASSES))) {
+                    self.settings.samples = samples as u32;
                 }
             }
             "backend" => {

@@ -18,6 +18,7 @@ struct SettingsText<'s> {
     size: [u32; 2],
     ior: f64,
     srgb: bool,
+    samples: u32,
     backend: &'static str,
     /// In MiB; 0 for half of what is free.
     memory: u32,
@@ -72,7 +73,7 @@ enum SettingNumber<'s> {
 
 pub(super) fn to_toml(settings: &Settings, unknown: &UnknownKeys) -> Result<String, Diagnostic> {
     let startup = startup(&settings.startup)?;
-    let Settings { shadows, depth, size, default_index, transfer, backend, memory, startup: _, defaults, window } =
+    let Settings { shadows, depth, size, default_index, transfer, samples, backend, memory, startup: _, defaults, window } =
         settings.within_ranges();
     let text = SettingsText {
         version: VERSION,
@@ -81,6 +82,7 @@ pub(super) fn to_toml(settings: &Settings, unknown: &UnknownKeys) -> Result<Stri
         size,
         ior: default_index,
         srgb: transfer == Transfer::Srgb,
+        samples,
         backend: backend.name,
         memory: memory.unwrap_or(0),
         startup,

@@ -15,6 +15,7 @@ depth = 3
 size = [1280, 720]
 ior = 1.25
 srgb = false
+samples = 64
 backend = "interpreter"
 memory = 2048
 startup = "preset:glass"
@@ -63,7 +64,7 @@ fn settings_are_read() {
         PictureSettings { size: [1280, 720], depth: 3, shadows: false, default_index: 1.25, ..PictureSettings::default() };
     assert_eq!(settings.picture(), picture);
     assert_eq!(settings.startup, Location::new("preset:glass"));
-    assert_eq!((settings.backend, settings.memory), (crate::backends::REFERENCE, Some(2048)));
+    assert_eq!((settings.samples, settings.backend, settings.memory), (64, crate::backends::REFERENCE, Some(2048)));
     assert_eq!(settings.defaults.of(Predefined::BodyColour), [0.9, 0.2, 0.1]);
     assert_eq!(settings.defaults.of(Predefined::Ambient), [0.0]);
     assert_eq!(settings.defaults.of(Predefined::Background), [0.0, 0.0, 0.25]);
@@ -91,7 +92,7 @@ fn what_is_not_said_is_as_by_default() {
 
 #[test]
 fn what_is_out_of_range_is_the_nearest_that_is_within() {
-    let text = "version = 1\ndepth = 99999999999999999999\nsize = [0, 40000]\nior = -1\n[defaults]\nkr = 2\n\
+    let text = "version = 1\ndepth = 99999999999999999999\nsize = [0, 40000]\nior = -1\nsamples = 0\n[defaults]\nkr = 2\n\
                 Cd = [0.5, -1, 3]\n[window]\nscale = 0.1\nsize = [1, 800]\ntexts_width = 9e9\n";
     let (settings, messages) = parse(text);
     assert_eq!(
@@ -101,6 +102,7 @@ fn what_is_out_of_range_is_the_nearest_that_is_within() {
             "0 is out of range; 1 is used",
             "40000 is out of range; 32768 is used",
             "the refractive index -1 is not positive; 1.5 is used",
+            "0 is out of range; 1 is used",
             "2 is out of range; 1 is used",
             "-1 is out of range; 0 is used",
             "3 is out of range; 1 is used",
@@ -109,7 +111,7 @@ fn what_is_out_of_range_is_the_nearest_that_is_within() {
             "9000000000 is out of range; 4000 is used",
         ]
     );
-    assert_eq!((settings.depth, settings.size, settings.default_index), (9, [1, 32_768], 1.5));
+    assert_eq!((settings.depth, settings.size, settings.default_index, settings.samples), (9, [1, 32_768], 1.5, 1));
     assert_eq!(settings.defaults.of(Predefined::BodyColour), [0.5, 0.0, 1.0]);
     let (_, diagnostics) = Settings::parse(&Source::new("s", text));
     assert!(!diagnostics.has_errors(), "warnings alone");
@@ -379,7 +381,8 @@ fn any_settings() -> impl Strategy<Value = Settings> {
             let transfer = if srgb { Transfer::Srgb } else { Transfer::Linear };
             let backend = if compiled { DEFAULT } else { crate::backends::REFERENCE };
             let memory = shadows.then_some(depth);
-            Settings { shadows, depth, size, default_index, transfer, backend, memory, startup, defaults, window }
+            let samples = size[0];
+            Settings { shadows, depth, size, default_index, transfer, samples, backend, memory, startup, defaults, window }
         },
     )
 }
