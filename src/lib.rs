@@ -50,6 +50,8 @@ pub mod mesh;
 
 pub mod bvh;
 
+pub mod environment;
+
 pub mod world;
 
 pub mod trace;

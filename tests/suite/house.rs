@@ -13,7 +13,7 @@ use tokens::{Token, tokens, without_tests};
 
 /// Each room with the rooms that it may import. Data flows one way: text → AST → formula → plans → backends; scene →
 /// world → hits → evaluation → picture. The workspace and the window use all of this, and the program uses them.
-const ROOMS: [(&str, &[&str]); 23] = [
+const ROOMS: [(&str, &[&str]); 24] = [
     ("files", &[]),
     ("simd", &[]),
     ("texture", &[]),
@@ -23,6 +23,7 @@ const ROOMS: [(&str, &[&str]); 23] = [
     ("scene", &["lang"]),
     ("mesh", &["files", "lang"]),
     ("bvh", &["simd", "mesh"]),
+    ("environment", &[]),
     ("world", &["sampling", "scene", "mesh", "bvh"]),
     ("trace", &["sampling", "lang", "scene", "world"]),
     ("picture", &["files", "lang"]),

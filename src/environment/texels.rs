@@ -1,0 +1,96 @@
+//! The texels of a map: how they are stored, and the radiance between them.
+
+use crate::environment::compact::CompactNumber;
+use crate::environment::latitude_longitude::MapPlace;
+use rayon::prelude::*;
+
+/// Texels in rows, at least one.
+#[derive(Debug, PartialEq)]
+pub(super) struct Texels {
+    pub(super) width: usize,
+    pub(super) height: usize,
+    /// Row by row from the top, each from the left.
+    numbers: Vec<[CompactNumber; 3]>,
+}
+
+/// How many texels could not be kept as they were.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct MapRepairs {
+    /// Texels with a component that is not a number. It became 0.
+    pub not_numbers: u64,
+    /// Texels with a component below 0. It became 0.
+    pub negative: u64,
+    /// Texels with a component that is infinite or too large. It became the largest number of a map, about 8.6·10⁹.
+    pub too_bright: u64,
+}
+
+impl MapRepairs {
+    fn of(texel: [f32; 3]) -> Self {
+        let has = |is_wrong: fn(f32) -> bool| u64::from(texel.into_iter().any(is_wrong));
+        Self {
+            not_numbers: has(f32::is_nan),
+            negative: has(|component| component < 0.0),
+            too_bright: has(|component| component > CompactNumber::MAX),
+        }
+    }
+
+    fn plus(self, other: Self) -> Self {
+        Self {
+            not_numbers: self.not_numbers + other.not_numbers,
+            negative: self.negative + other.negative,
+            too_bright: self.too_bright + other.too_bright,
+        }
+    }
+}
+
+impl Texels {
+    /// The bytes that this many texels take.
+    pub(super) fn memory_of(width: usize, height: usize) -> u64 {
+        width as u64 * height as u64 * size_of::<[CompactNumber; 3]>() as u64
+    }
+
+    /// Texels whose rows `row` writes, see [`RadianceMap::of_rows`](super::RadianceMap::of_rows).
+    pub(super) fn of_rows(width: usize, height: usize, row: impl Fn(u32, &mut [[f32; 3]]) + Sync) -> (Self, MapRepairs) {
+        let mut numbers = vec![[CompactNumber::default(); 3]; width * height];
+        let write = |given: &mut Vec<[f32; 3]>, (index, texels): (usize, &mut [[CompactNumber; 3]])| {
+            row(index as u32, given);
+            let mut repairs = MapRepairs::default();
+            for (texel, given) in texels.iter_mut().zip(given) {
+                repairs = repairs.plus(MapRepairs::of(*given));
+                *texel = given.map(CompactNumber::nearest);
+            }
+            repairs
+        };
+        let rows = numbers.par_chunks_mut(width).enumerate().map_init(|| vec![[0.0; 3]; width], write);
+        let repairs = rows.reduce(MapRepairs::default, MapRepairs::plus);
+        (Self { width, height, numbers }, repairs)
+    }
+
+    /// The bytes that they take.
+    pub(super) fn memory(&self) -> u64 {
+        size_of_val(self.numbers.as_slice()) as u64
+    }
+
+    /// A row, from the left.
+    pub(super) fn row(&self, row: usize) -> impl Iterator<Item = [f32; 3]> {
+        self.numbers[row * self.width..][..self.width].iter().map(|texel| texel.map(CompactNumber::get))
+    }
+
+    fn texel(&self, column: usize, row: usize) -> [f32; 3] {
+        self.numbers[row * self.width + column].map(CompactNumber::get)
+    }
+
+    /// The radiance at a place: interpolated between the middles of texels, across the left and the right edge too.
+    pub(super) fn at(&self, place: MapPlace) -> [f32; 3] {
+        let (x, y) = (place.u * self.width as f64 - 0.5, (place.v * self.height as f64 - 0.5).max(0.0));
+        // The casts saturate, and NaN becomes 0.
+        let left = if x < 0.0 { self.width - 1 } else { (x as usize).min(self.width - 1) };
+        let right = if left + 1 == self.width { 0 } else { left + 1 };
+        let above = (y as usize).min(self.height - 1);
+        let below = (above + 1).min(self.height - 1);
+        let [across, down] = [x - x.floor(), y - y.floor()].map(|share| share as f32);
+        let mix = |a: [f32; 3], b: [f32; 3], share: f32| [0, 1, 2].map(|index| a[index] + (b[index] - a[index]) * share);
+        let in_row = |row: usize| mix(self.texel(left, row), self.texel(right, row), across);
+        mix(in_row(above), in_row(below), down)
+    }
+}
