@@ -1,0 +1,123 @@
+//! The built-in environments. They are computed from formulas when they are needed; no images are stored.
+//!
+//! All are scaled alike: a matte floor of colour 0.8 under one of them, with nothing around, looks about 0.6 bright.
+
+mod clear_sky;
+mod overcast;
+mod softboxes;
+mod sun;
+
+use crate::environment::RadianceMap;
+use crate::environment::latitude_longitude::direction;
+use glam::DVec3;
+use std::f64::consts::PI;
+
+/// Width and height of the built-in maps, in texels.
+const SIZE: [u32; 2] = [1024, 512];
+
+/// A built-in environment, which scenes name as `preset:NAME`.
+#[derive(Debug)]
+pub struct EnvironmentPreset {
+    /// Its name, without `preset:`.
+    pub name: &'static str,
+    /// What it is: one line.
+    pub about: &'static str,
+    make: fn() -> RadianceMap,
+}
+
+impl EnvironmentPreset {
+    /// Computes its map: 1024×512 texels.
+    pub fn map(&self) -> RadianceMap {
+        (self.make)()
+    }
+
+    /// The bytes that its map takes.
+    pub fn memory(&self) -> u64 {
+        RadianceMap::memory_of(SIZE[0], SIZE[1])
+    }
+}
+
+/// The built-in environments.
+pub const PRESETS: &[EnvironmentPreset] = &[
+    EnvironmentPreset { name: "softboxes", about: "a dark studio with three soft boxes", make: softboxes::map },
+    EnvironmentPreset {
+        name: "sky",
+        about: "a clear sky with the sun, by Preetham, Shirley and Smits (1999)",
+        make: clear_sky::map,
+    },
+    EnvironmentPreset {
+        name: "overcast",
+        about: "the standard overcast sky of the CIE, by Moon and Spencer (1942)",
+        make: overcast::map,
+    },
+];
+
+/// The map of a function that gives the linear RGB radiance from a direction of unit length.
+fn map_of(radiance: impl Fn(DVec3) -> [f64; 3] + Sync) -> RadianceMap {
+    let [width, height] = SIZE;
+    let write = |row: u32, texels: &mut [[f32; 3]]| {
+        let polar = (PI * (f64::from(row) + 0.5) / f64::from(height)).sin_cos();
+        for (texel, column) in texels.iter_mut().zip(0_u32..) {
+            let u = (f64::from(column) + 0.5) / f64::from(width);
+            *texel = radiance(direction(u, [polar.0, polar.1])).map(|component| component as f32);
+        }
+    };
+    RadianceMap::of_rows(width, height, write).map_or(RadianceMap::WHITE, |(map, _)| map)
+}
+
+/// 0 up to `from`, 1 from `to` on, and smooth between them: t²(3 − 2t).
+fn smooth_step(from: f64, to: f64, x: f64) -> f64 {
+    let share = ((x - from) / (to - from)).clamp(0.0, 1.0);
+    share * share * (3.0 - 2.0 * share)
+}
+
+/// The sum of two colours, each with a factor.
+fn sum(a: f64, one: [f64; 3], b: f64, other: [f64; 3]) -> [f64; 3] {
+    [0, 1, 2].map(|index| a * one[index] + b * other[index])
+}
+
+/// The plain under a sky, with haze at the horizon: `sky` is the radiance at the horizon and `plain` that of the plain,
+/// seen in a direction downwards.
+fn plain_in_haze(direction: DVec3, sky: [f64; 3], plain: [f64; 3]) -> [f64; 3] {
+    /// Below this height of a direction there is no haze, about 3 degrees below the horizon.
+    const HAZE: f64 = -0.05;
+    let clear = smooth_step(0.0, HAZE, direction.y);
+    sum(1.0 - clear, sky, clear, plain)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The radiance of a floor of colour 1, facing upwards: the integral of radiance times cosine, by π.
+    fn floor(map: &RadianceMap) -> [f64; 3] {
+        let (columns, rows) = (1024, 256);
+        let mut total = [0.0; 3];
+        for row in 0..rows {
+            // Rows of equal parts of the projected hemisphere: the cosine is √(1 − share).
+            let share = (f64::from(row) + 0.5) / f64::from(rows);
+            let polar = [share.sqrt(), (1.0 - share).sqrt()];
+            for column in 0..columns {
+                let radiance = map.radiance(direction((f64::from(column) + 0.5) / f64::from(columns), polar));
+                (0..3).for_each(|index| total[index] += f64::from(radiance[index]) / f64::from(columns * rows));
+            }
+        }
+        total
+    }
+
+    #[test]
+    fn a_floor_is_well_lit_by_each() {
+        for preset in PRESETS {
+            let map = preset.map();
+            assert_eq!((map.size(), map.memory()), (Some(SIZE), preset.memory()));
+            let lit = floor(&map).map(|component| 0.8 * component);
+            assert!(lit.iter().all(|component| (0.45..0.75).contains(component)), "{}: {lit:?}", preset.name);
+        }
+    }
+
+    #[test]
+    fn names_are_different_and_known() {
+        let names = Vec::from_iter(PRESETS.iter().map(|preset| preset.name));
+        assert_eq!(names, ["softboxes", "sky", "overcast"]);
+    }
+}
