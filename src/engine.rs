@@ -14,7 +14,7 @@ use crate::lang::source::Source;
 use crate::picture::Frame;
 use crate::scene::Scene;
 use crate::trace::{Budget, Hits, TraceError, View, trace, usable_memory};
-use crate::world::{Meshes, MissingMesh, World};
+use crate::world::{Assets, MissingMesh, World};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -40,15 +40,17 @@ pub struct Subject {
 }
 
 impl Subject {
-    /// A formula, a scene and a view. This builds the world of the scene, whose meshes must be among `meshes`.
+    /// A formula, a scene and a view. This builds the world of the scene. What the scene names must be among
+    /// the `assets`.
     ///
     /// # Errors
     /// The scene names a mesh that is not among them.
-    pub fn new(formula: Formula, scene: Scene, meshes: &Meshes, view: View) -> Result<Self, MissingMesh> {
-        Ok(Self { formula: Arc::new(formula), world: Arc::new(World::new(scene, meshes)?), view })
+    pub fn new(formula: Formula, scene: Scene, assets: &Assets, view: View) -> Result<Self, MissingMesh> {
+        Ok(Self { formula: Arc::new(formula), world: Arc::new(World::new(scene, assets)?), view })
     }
 
-    /// A subject from texts. The scene has no meshes; [`MeshStore`](crate::workspace::MeshStore) reads those of others.
+    /// A subject from texts. The scene names no files; [`AssetStore`](crate::workspace::AssetStore) reads those of
+    /// others.
     ///
     /// # Errors
     /// All errors of both texts, and that the scene names a mesh.
@@ -57,7 +59,7 @@ impl Subject {
         let failed = |errors: Diagnostics, source: &Source| ParseError(errors.located(source).to_string());
         match (Formula::parse(&formula), Scene::parse(&scene)) {
             (Ok((formula, _)), Ok((scene, _))) => {
-                Self::new(formula, scene, &Meshes::NONE, view).map_err(|missing| ParseError(missing.to_string()))
+                Self::new(formula, scene, &Assets::NONE, view).map_err(|missing| ParseError(missing.to_string()))
             }
             (Err(errors), Ok(_)) => Err(failed(errors, &formula)),
             (Ok(_), Err(errors)) => Err(failed(errors, &scene)),
@@ -307,7 +309,7 @@ impl Engine {
         Ok(Budget {
             bytes: self.memory(),
             fixed_bytes: pairs.saturating_mul(per_pair),
-            mesh_bytes: subject.world.meshes().memory(),
+            asset_bytes: subject.world.assets().memory(),
             threads: rayon::current_num_threads() as u64,
             bytes_per_thread: self.backend.thread_bytes(&subject.formula, &subject.world, &subject.view)?,
             bytes_per_hit: per_hit,
@@ -419,18 +421,18 @@ mod tests {
     }
 
     #[test]
-    fn meshes_count_in_the_memory_of_a_picture() {
+    fn files_count_in_the_memory_of_a_picture() {
         let text = "bodies; stone: mesh, \"preset:gem\"; lights; key: point, <4,6,5>;
             camera; position <0,1,6>; gaze <0,-0.15,-1>; up <0,1,0>; fov 40;";
         let (scene, _) = Scene::parse(&Source::new("scene", text)).unwrap();
         let (formula, _) = Formula::parse(&Source::new("formula", "formula; = IL*Cd;")).unwrap();
         let reading = crate::mesh::Reading::unwatched(1 << 20);
         let place = crate::workspace::Location::new("");
-        let (meshes, _) = crate::workspace::MeshStore::default().load(&scene, &place, &reading).unwrap();
-        let subject = Subject::new(formula, scene, &meshes, View::new(24, 16).unwrap()).unwrap();
+        let (assets, _) = crate::workspace::AssetStore::default().load(&scene, &place, &reading).unwrap();
+        let subject = Subject::new(formula, scene, &assets, View::new(24, 16).unwrap()).unwrap();
         let trace = |bytes: u64| Engine::default().with_memory(bytes).trace(&subject, &Task::UNWATCHED);
-        let error = trace(meshes.memory() - 1).unwrap_err();
-        assert!(error.is_memory() && error.to_string().starts_with("the meshes of the scene take"), "{error}");
+        let error = trace(assets.memory() - 1).unwrap_err();
+        assert!(error.is_memory() && error.to_string().starts_with("the files of the scene take"), "{error}");
         assert!(trace(1 << 30).is_ok());
     }
 }

@@ -122,7 +122,7 @@ impl Workload {
         let slider = moved(&numbers, &indices, [1.0, 0.5]);
         let (engine, subject) = (
             Engine::default().with_memory(u64::MAX),
-            Subject::new(formula, scene, &illuminator::world::Meshes::NONE, view).expect("no meshes"),
+            Subject::new(formula, scene, &illuminator::world::Assets::NONE, view).expect("no meshes"),
         );
         let hits = engine.trace(&subject, &Task::UNWATCHED).expect("tracing that nobody cancels");
         let compiled = engine.prepare(&subject, &hits, &[]).expect("a formula that can be compiled");

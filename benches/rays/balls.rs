@@ -5,7 +5,7 @@ use crate::scattered;
 use illuminator::lang::{source::Source, variables::EvaluatedLights};
 use illuminator::scene::Scene;
 use illuminator::trace::{Budget, View, trace};
-use illuminator::world::{Meshes, World};
+use illuminator::world::{Assets, World};
 use std::fmt::Write;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -40,7 +40,7 @@ pub(crate) fn measure(balls: usize) {
     let parsed = Scene::parse(&Source::new("balls", text)).unwrap_or_else(|errors| panic!("{errors:?}")).0;
     let read = start.elapsed().as_secs_f64();
     let start = Instant::now();
-    let world = Arc::new(World::new(parsed, &Meshes::NONE).unwrap_or_else(|error| panic!("{error}")));
+    let world = Arc::new(World::new(parsed, &Assets::NONE).unwrap_or_else(|error| panic!("{error}")));
     let built = start.elapsed().as_secs_f64();
     let view = View::new(320, 180).unwrap_or_else(|error| panic!("{error}"));
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap_or_else(|error| panic!("{error}"));

@@ -97,7 +97,7 @@ impl Script {
             .and_then(|view| view.with_default_index(picture.default_index))
             .map(|view| view.with_shadows(picture.shadows))
             .expect("settings within their ranges");
-        Self { subject: Subject::new(formula, scene, &illuminator::world::Meshes::NONE, view).expect("no meshes"), values }
+        Self { subject: Subject::new(formula, scene, &illuminator::world::Assets::NONE, view).expect("no meshes"), values }
     }
 
     /// An engine that has compiled the formula.

@@ -80,7 +80,7 @@ mod tests {
     use crate::scene::Scene;
     use crate::trace::View;
     use crate::workspace::{NamedAssignment, Values};
-    use crate::world::{Meshes, World};
+    use crate::world::{Assets, World};
 
     #[test]
     fn emitters_of_one_light_add_up_like_lights_of_equal_values() {
@@ -106,13 +106,13 @@ mod tests {
             evaluator.frame(values.numbers()).linear
         };
         for choice in CHOICES {
-            let one = World::new(Arc::clone(&one), &Meshes::NONE).expect("no meshes").with_emitter(&two.lights[1].kind);
+            let one = World::new(Arc::clone(&one), &Assets::NONE).expect("no meshes").with_emitter(&two.lights[1].kind);
             let shared = frame(one, &["one.ki=0.7", "one.m=0.6", "*.kr=0.2"], choice);
             let separate = ["one.ki=0.7", "other.ki=0.7", "one.m=0.6", "other.m=0.6", "*.kr=0.2"];
             assert!(shared.iter().any(|pixel| pixel[0] > 0.1));
             assert_eq!(
                 shared,
-                frame(World::new(two.clone(), &Meshes::NONE).expect("no meshes"), &separate, choice),
+                frame(World::new(two.clone(), &Assets::NONE).expect("no meshes"), &separate, choice),
                 "{choice:?}"
             );
         }

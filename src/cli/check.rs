@@ -12,10 +12,10 @@ use illuminator::lang::display_text::one_line;
 use illuminator::lang::source::Source;
 use illuminator::scene::Scene;
 use illuminator::trace::usable_memory;
-use illuminator::workspace::project::{Listener, OpenProjectError, Project, library_mistake, parse_scene_with_meshes};
+use illuminator::workspace::project::{Listener, OpenProjectError, Project, library_mistake, parse_scene_with_assets};
 use illuminator::workspace::textures::read_defaults;
-use illuminator::workspace::{FileKind, Library, Location, MeshStore, Session, presets};
-use illuminator::world::Meshes;
+use illuminator::workspace::{AssetStore, FileKind, Library, Location, Session, presets};
+use illuminator::world::Assets;
 use std::ffi::OsString;
 use std::io::ErrorKind;
 use std::path::Path;
@@ -165,11 +165,11 @@ fn check_formula(location: &Location, source: &Source, thesis: bool) -> Result<(
     if diagnostics.has_errors() { Err(diagnostics) } else { Ok((formula, diagnostics)) }
 }
 
-/// Checks a scene and its meshes.
-fn check_scene(location: &Location, source: &Source) -> Result<((Scene, Meshes), Diagnostics), Diagnostics> {
-    let progress = Progress::new("reading meshes");
+/// Checks a scene and the files that it names.
+fn check_scene(location: &Location, source: &Source) -> Result<((Scene, Assets), Diagnostics), Diagnostics> {
+    let progress = Progress::new("reading files");
     let tell = |share: f64| progress.tell(share);
-    parse_scene_with_meshes(source, location, &MeshStore::default(), usable_memory(), &Task::watched(&tell))
+    parse_scene_with_assets(source, location, &AssetStore::default(), usable_memory(), &Task::watched(&tell))
 }
 
 /// Checks a material library and its images.

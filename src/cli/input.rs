@@ -57,7 +57,7 @@ pub(super) fn load(options: &InputOptions) -> Result<Project, Failure> {
         (None, ..) => Some(Location::Preset(DEFAULT_SESSION.to_owned())),
         (Some(session), ..) => Some(Location::new(session)),
     };
-    let progress = Progress::new("reading meshes");
+    let progress = Progress::new("reading files");
     let tell = |share: f64| progress.tell(share);
     let request = Request {
         session: session.map(SessionText::At),

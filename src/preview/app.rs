@@ -6,6 +6,7 @@
 //! drive all of this without one.
 
 mod action;
+mod asset_loading;
 mod autosave;
 mod colours;
 mod comparison;
@@ -28,7 +29,6 @@ mod materials;
 mod menu;
 mod menu_entries;
 mod mesh_adding;
-mod mesh_loading;
 mod modal;
 mod notices;
 mod number_field;
@@ -68,11 +68,12 @@ use crate::preview::{FrameTimes, PictureView, WindowApp};
 use crate::user_data::desktop_theme::desktop_is_dark;
 use crate::user_data::folders::Folders;
 use crate::user_data::settings::{PanelSide, WindowSettings};
+use crate::workspace::AssetStore;
 use crate::workspace::FileKind;
 use crate::workspace::Location;
-use crate::workspace::MeshStore;
 use crate::workspace::presets::DEFAULT_SESSION;
 use crate::workspace::project::SessionMistakes;
+use asset_loading::AssetLoading;
 use confirmation::Confirmation;
 use dialogs::Dialogs;
 use drops::DroppedFiles;
@@ -84,7 +85,6 @@ use inspector::InspectorPanel;
 use jobs::{JobResult, Jobs};
 use log::Log;
 use materials::MaterialRow;
-use mesh_loading::MeshLoading;
 use notices::{Notice, Notices, Topic};
 use pane::PicturePane;
 use panel_sizes::remember;
@@ -136,7 +136,7 @@ pub struct App {
     focus_ring: FocusRing,
     thumbnails: Thumbnails,
     jobs: Jobs,
-    mesh_loading: MeshLoading,
+    asset_loading: AssetLoading,
     dropped: DroppedFiles,
     settings_dialog: SettingsDialog,
     inspector: InspectorPanel,
@@ -179,23 +179,23 @@ impl App {
     pub fn new(session: Option<&Location>, folders: Option<&Folders>) -> Result<Self, OpeningErrors> {
         let (user_state, mut notices) = UserState::open(folders);
         let startup = &user_state.settings.startup;
-        let meshes = Arc::new(MeshStore::default());
+        let assets = Arc::new(AssetStore::default());
         let (location, opened) = match session {
-            Some(location) => (location.clone(), mesh_loading::open_at_start(location, Readable::RegularOrPipe, &meshes)?),
-            None => match mesh_loading::open_at_start(startup, Readable::Regular, &meshes) {
+            Some(location) => (location.clone(), asset_loading::open_at_start(location, Readable::RegularOrPipe, &assets)?),
+            None => match asset_loading::open_at_start(startup, Readable::Regular, &assets) {
                 Ok(opened) => (startup.clone(), opened),
                 // The window must open even if the startup session is gone.
                 Err(errors) => {
                     let title = format!("The startup session {startup} was not opened; this is the built-in one");
                     notices.push(Notice::warning(Topic::Startup, title, errors.to_string()));
                     let built_in = Location::Preset(DEFAULT_SESSION.to_owned());
-                    let opened = OpenedSession::open(&built_in, Readable::Regular, &meshes)?;
+                    let opened = OpenedSession::open(&built_in, Readable::Regular, &assets)?;
                     (built_in, opened)
                 }
             },
         };
         let context: Arc<OnceLock<Context>> = Arc::default();
-        let workshop = Workshop::new(&opened.project, meshes, waker(&context)).map_err(no_thread)?;
+        let workshop = Workshop::new(&opened.project, assets, waker(&context)).map_err(no_thread)?;
         let documents = session_mistakes::documents(&opened);
         let saved = SavedSession::of(&workshop, &documents);
         let mut app = Self {
@@ -220,7 +220,7 @@ impl App {
             focus_ring: FocusRing::default(),
             thumbnails: Thumbnails::default(),
             jobs: Jobs::new(waker(&context)),
-            mesh_loading: MeshLoading::default(),
+            asset_loading: AssetLoading::default(),
             dropped: DroppedFiles::default(),
             settings_dialog: SettingsDialog::default(),
             inspector: InspectorPanel::default(),
@@ -244,7 +244,7 @@ impl App {
             app.notify_of_session(&location, &opened.warnings);
         }
         app.note_mistakes(opened.mistakes);
-        app.read_meshes_of_start();
+        app.read_files_of_start();
         if app.user_state.has_important_drafts() {
             app.dialogs.offer_drafts(app.user_state.draft_names());
         }
@@ -267,7 +267,7 @@ impl App {
         let size = ui.ctx().content_rect().size() * self.scale;
         self.user_state.settings.window.size = [size.x, size.y].map(|side| side.round() as u32);
         self.take_news();
-        self.follow_meshes(ui);
+        self.follow_files(ui);
         let typing = std::mem::take(&mut self.typing) || ui.ctx().text_edit_focused();
         // While a dialog waits for an answer, shortcuts do nothing.
         let waits = self.dialogs.files.is_open() || ui.memory(|memory| memory.top_modal_layer().is_some());

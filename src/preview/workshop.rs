@@ -22,9 +22,9 @@ use crate::lang::source::Source;
 use crate::preview::renderer::{Picture, RenderRequest, Renderer};
 use crate::scene::Scene;
 use crate::trace::{View, ViewError, usable_memory};
+use crate::workspace::AssetStore;
 use crate::workspace::Location;
-use crate::workspace::MeshStore;
-use crate::workspace::project::{Project, parse_scene_with_meshes, view};
+use crate::workspace::project::{Project, parse_scene_with_assets, view};
 use crate::workspace::session::PictureSettings;
 use crate::workspace::textures::parse_formula;
 use crate::workspace::{Assignment, OwnerId, ParameterTable, Session, Values};
@@ -71,17 +71,17 @@ pub struct Workshop {
     moving: Option<MovingScene>,
     departed: DepartedValues,
     stand_ins: StandIns,
-    /// The meshes that were read.
-    meshes: Arc<MeshStore>,
+    /// What was read of the files that scenes name.
+    assets: Arc<AssetStore>,
 }
 
 impl Workshop {
-    /// Shows an open session, whose meshes were read by way of this store. `wake` is called, from any thread, when
+    /// Shows an open session, the files of which were read by way of this store. `wake` is called, from any thread, when
     /// there is something new to show.
     ///
     /// # Errors
     /// No thread can be started.
-    pub fn new(project: &Project, meshes: Arc<MeshStore>, wake: impl Fn() + Send + Sync + 'static) -> io::Result<Self> {
+    pub fn new(project: &Project, assets: Arc<AssetStore>, wake: impl Fn() + Send + Sync + 'static) -> io::Result<Self> {
         let mut workshop = Self {
             renderer: Renderer::new(wake)?,
             formula: Arc::clone(&project.subject.formula),
@@ -102,7 +102,7 @@ impl Workshop {
             moving: None,
             departed: DepartedValues::default(),
             stand_ins: StandIns::default(),
-            meshes,
+            assets,
         };
         workshop.request_picture();
         Ok(workshop)
@@ -137,9 +137,9 @@ impl Workshop {
         self.memory
     }
 
-    /// The meshes that were read.
-    pub fn meshes(&self) -> &Arc<MeshStore> {
-        &self.meshes
+    /// What was read of the files that scenes name.
+    pub fn assets(&self) -> &Arc<AssetStore> {
+        &self.assets
     }
 
     /// The renderer.
@@ -282,16 +282,16 @@ impl Workshop {
         Ok(warnings)
     }
 
-    /// Applies a scene. `location` says from where its meshes are read. Values are kept by owner and name, also of
+    /// Applies a scene. `location` says from where its files are read. Values are kept by owner and name, also of
     /// bodies and lights that an earlier scene of this session had. Returns the warnings.
     ///
     /// # Errors
     /// The errors of the text. Nothing is changed then.
     pub fn apply_scene(&mut self, source: &Source, location: &Location) -> Result<Diagnostics, Diagnostics> {
         let memory = self.memory.unwrap_or_else(usable_memory);
-        let ((scene, meshes), warnings) = parse_scene_with_meshes(source, location, &self.meshes, memory, &Task::UNWATCHED)?;
-        // The meshes are those of this scene.
-        let world = World::new(scene, &meshes).map_err(|error| Diagnostic::error(error.to_string()))?;
+        let ((scene, assets), warnings) = parse_scene_with_assets(source, location, &self.assets, memory, &Task::UNWATCHED)?;
+        // They are those of this scene.
+        let world = World::new(scene, &assets).map_err(|error| Diagnostic::error(error.to_string()))?;
         let (mut values, _) = self.values.carry_over(&self.formula, world.scene());
         self.departed.note(&self.values, &values);
         let back = self.departed.of_new(&self.values, &values);
@@ -461,7 +461,7 @@ impl Workshop {
     pub fn set_memory(&mut self, memory: Option<u64>) {
         if memory != self.memory {
             self.memory = memory;
-            self.meshes.forget_refused();
+            self.assets.forget_refused();
             self.engines.clear();
             self.request_picture();
         }

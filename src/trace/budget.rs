@@ -29,8 +29,8 @@ pub struct Budget {
     pub bytes: u64,
     /// What will be kept regardless of the hits, in bytes.
     pub fixed_bytes: u64,
-    /// What the meshes of the scene take, in bytes.
-    pub mesh_bytes: u64,
+    /// What the files of the scene take, in bytes: meshes and the like.
+    pub asset_bytes: u64,
     /// The number of threads.
     pub threads: u64,
     /// What each thread will take at most, in bytes.
@@ -51,7 +51,7 @@ impl Budget {
     pub const UNLIMITED: Budget = Budget {
         bytes: u64::MAX,
         fixed_bytes: 0,
-        mesh_bytes: 0,
+        asset_bytes: 0,
         threads: 0,
         bytes_per_thread: 0,
         bytes_per_record: 0,
@@ -60,7 +60,7 @@ impl Budget {
         bytes_per_call: 0,
     };
 
-    /// Checks what does not depend on the hits: pixels, values of pairs, meshes, and threads.
+    /// Checks what does not depend on the hits: pixels, values of pairs, files of the scene, and threads.
     ///
     /// # Errors
     /// [`TraceError::Memory`] where it exceeds the budget.
@@ -86,7 +86,7 @@ impl Budget {
         self.check_bytes(needed, &hits.view)
     }
 
-    /// Checks what does not depend on the pixels: values of pairs, meshes, and threads.
+    /// Checks what does not depend on the pixels: values of pairs, files of the scene, and threads.
     pub(super) fn check_fixed(&self, view: &View) -> Result<(), TraceError> {
         self.check_bytes(self.pixels(0), view)
     }
@@ -96,8 +96,8 @@ impl Budget {
     }
 
     fn shortage(&self, needed: u64, pixels: u32) -> Shortage {
-        let Budget { bytes: budget, fixed_bytes: pairs, mesh_bytes: meshes, threads, bytes_per_thread, .. } = *self;
-        Shortage { needed, pairs, meshes, threads, bytes_per_thread, budget, pixels }
+        let Budget { bytes: budget, fixed_bytes: pairs, asset_bytes: assets, threads, bytes_per_thread, .. } = *self;
+        Shortage { needed, pairs, assets, threads, bytes_per_thread, budget, pixels }
     }
 
     /// The bytes that hits and their records take beside the store.
@@ -105,11 +105,11 @@ impl Budget {
         hits.saturating_mul(self.bytes_per_hit).saturating_add(records.saturating_mul(self.bytes_per_record))
     }
 
-    /// The bytes that pixels, threads and meshes take, and what is kept regardless of the hits.
+    /// The bytes that pixels, threads and files of the scene take, and what is kept regardless of the hits.
     pub(super) fn pixels(&self, pixels: u32) -> u64 {
         let pixels = u64::from(pixels).saturating_mul(self.bytes_per_pixel);
         let threads = self.threads.saturating_mul(self.bytes_per_thread);
-        pixels.saturating_add(threads).saturating_add(self.fixed_bytes).saturating_add(self.mesh_bytes)
+        pixels.saturating_add(threads).saturating_add(self.fixed_bytes).saturating_add(self.asset_bytes)
     }
 }
 

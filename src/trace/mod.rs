@@ -75,8 +75,8 @@ pub struct Shortage {
     pub needed: u64,
     /// The part of it for the values of all pairs of a body and a light.
     pub pairs: u64,
-    /// The part of it for the meshes of the scene.
-    pub meshes: u64,
+    /// The part of it for the files of the scene: meshes and the like.
+    pub assets: u64,
     /// The number of threads.
     pub threads: u64,
     /// The part of it for each thread.
@@ -89,10 +89,10 @@ pub struct Shortage {
 
 impl std::fmt::Display for Shortage {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Self { needed, pairs, meshes, threads, bytes_per_thread, budget, pixels } = *self;
-        if meshes > budget {
-            let (meshes, budget) = (MemorySize(meshes), MemorySize(budget));
-            return write!(f, "the meshes of the scene take {meshes} of memory, and {budget} may be used; use smaller ones");
+        let Self { needed, pairs, assets, threads, bytes_per_thread, budget, pixels } = *self;
+        if assets > budget {
+            let (assets, budget) = (MemorySize(assets), MemorySize(budget));
+            return write!(f, "the files of the scene take {assets} of memory, and {budget} may be used; use smaller ones");
         }
         if pairs > budget {
             let (pairs, budget) = (MemorySize(pairs), MemorySize(budget));
@@ -102,12 +102,12 @@ impl std::fmt::Display for Shortage {
                  use fewer bodies or lights"
             );
         }
-        let fixed = threads.saturating_mul(bytes_per_thread).saturating_add(pairs).saturating_add(meshes);
+        let fixed = threads.saturating_mul(bytes_per_thread).saturating_add(pairs).saturating_add(assets);
         if fixed > budget {
             let (fixed, allowed) = (MemorySize(fixed), MemorySize(budget));
-            let with_meshes = if meshes > 0 { " with the meshes" } else { "" };
-            write!(f, "the work of {threads} threads{with_meshes} takes up to {fixed} of memory, and {allowed} may be used; ")?;
-            let fitting = budget.saturating_sub(pairs).saturating_sub(meshes) / bytes_per_thread.max(1);
+            let with_files = if assets > 0 { " with the files of the scene" } else { "" };
+            write!(f, "the work of {threads} threads{with_files} takes up to {fixed} of memory, and {allowed} may be used; ")?;
+            let fitting = budget.saturating_sub(pairs).saturating_sub(assets) / bytes_per_thread.max(1);
             if fitting > 0 {
                 write!(f, "{fitting} would fit; use fewer threads, ")?;
             } else {
@@ -135,12 +135,12 @@ impl std::fmt::Display for Shortage {
 ///
 /// ```
 /// # use illuminator::lang::{source::Source, variables::EvaluatedLights};
-/// # use illuminator::{scene::Scene, trace::{Budget, View, trace}, world::{Meshes, World}};
+/// # use illuminator::{scene::Scene, trace::{Budget, View, trace}, world::{Assets, World}};
 /// # use std::sync::{Arc, atomic::AtomicBool};
 /// let text = "bodies; ball: sphere, center <0, 0, -5>, radius 1; lights; key: point, <3, 4, 0>;
 ///             camera; position <0, 0, 0>; gaze <0, 0, -1>; up <0, 1, 0>; fov 45;";
 /// let (scene, _) = Scene::parse(&Source::new("ball", text)).map_err(|errors| errors.len()).unwrap();
-/// let world = Arc::new(World::new(scene, &Meshes::NONE)?);
+/// let world = Arc::new(World::new(scene, &Assets::NONE)?);
 /// let view = View::new(64, 48)?;
 /// let lights = EvaluatedLights::Reaching;
 /// let hits = trace(&world, &view, lights, &Budget::UNLIMITED, &|_| {}, &AtomicBool::new(false))?;

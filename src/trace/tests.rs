@@ -7,7 +7,7 @@ use crate::lang::source::Source;
 use crate::mesh::{MeshParts, Reading, TriangleMesh};
 use crate::scene::light::PointLight;
 use crate::scene::{BodyId, Light, LightKind, Scene};
-use crate::world::{EmitterId, MeshKey, Meshes};
+use crate::world::{Assets, EmitterId, MeshKey};
 use glam::DVec3;
 use std::collections::BTreeMap;
 use std::sync::Mutex;
@@ -20,7 +20,7 @@ fn scene(text: &str) -> Scene {
 
 /// The world that this text describes.
 pub(super) fn world(text: &str) -> Arc<World> {
-    Arc::new(World::new(scene(text), &Meshes::NONE).unwrap())
+    Arc::new(World::new(scene(text), &Assets::NONE).unwrap())
 }
 
 /// A glass ball and a metal one on a floor before a mirror, two lamps; everything `scale` times as large.
@@ -81,13 +81,13 @@ pub(super) fn room_with_meshes() -> Arc<World> {
         ..MeshParts::default()
     };
     let reading = Reading { memory: 1 << 20, progress: &|_| (), cancelled: &AtomicBool::new(false) };
-    let mut meshes = Meshes::NONE;
+    let mut assets = Assets::NONE;
     for body in &more.bodies {
         let (mesh, _) = TriangleMesh::new("cube", cube.clone(), &reading).unwrap();
         let mesh = mesh.smooth("cube", &reading).unwrap();
-        meshes.insert(MeshKey::of(body).unwrap(), Arc::new(MeshTree::new(Arc::new(mesh), &|_| true).unwrap()));
+        assets.meshes.insert(MeshKey::of(body).unwrap(), Arc::new(MeshTree::new(Arc::new(mesh), &|_| true).unwrap()));
     }
-    Arc::new(World::new(scene, &meshes).unwrap())
+    Arc::new(World::new(scene, &assets).unwrap())
 }
 
 fn scene_of_meshes() -> Scene {
@@ -107,7 +107,7 @@ pub(super) fn bright_room(lamps: u32) -> Arc<World> {
         let kind = LightKind::Point(PointLight::new([5.0 * x, 4.0, 5.0 * z].into()));
         scene.lights.push(Light { name: format!("lamp{lamp}"), kind, ..scene.lights[0].clone() });
     }
-    Arc::new(World::new(scene, &Meshes::NONE).unwrap())
+    Arc::new(World::new(scene, &Assets::NONE).unwrap())
 }
 
 /// The emitters for which a formula is evaluated at a hit.
@@ -241,7 +241,7 @@ fn a_store_of_another_scene_is_noticed() {
     let mut other = Scene::clone(world.scene());
     other.camera =
         crate::scene::Camera::new([0.0, 100.0, 0.0].into(), [0.0, 1.0, 0.0].into(), [1.0, 0.0, 0.0].into(), 45.0).unwrap();
-    let other = World::new(other, &Meshes::NONE).unwrap();
+    let other = World::new(other, &Assets::NONE).unwrap();
     let (tracer, tile) = (Tracer::new(&other, &view), &hits.tiles[0]);
     assert_eq!(replay(&tracer, tile, &tile.groups[0], 0..u32::MAX, |_, _, _| {}), Err(Mismatch));
     let after_a_hit = tile.misses.iter().find(|span| tile.steps(span.path).len() > 1).unwrap();

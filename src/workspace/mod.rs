@@ -3,12 +3,12 @@
 //! Values are kept by owner and parameter, within their ranges and invariants. The engine makes pictures of them.
 //! Nothing here knows of windows or command lines; both are built on it.
 
+mod asset_store;
 pub mod assignment;
 pub mod carried;
 mod file_kind;
 mod location;
 pub mod materials;
-mod mesh_store;
 pub mod owner;
 pub mod parameter_table;
 pub mod presets;
@@ -21,12 +21,12 @@ pub mod values;
 pub mod variation;
 pub mod warning;
 
+pub use asset_store::{AssetLoadError, AssetStore};
 pub use assignment::{Assignment, FileValue, NamedAssignment};
 pub use file_kind::FileKind;
 pub(crate) use location::PRESET;
 pub use location::{Location, read_source, unknown_preset};
 pub use materials::{Library, Material, Materials};
-pub use mesh_store::{MeshLoadError, MeshStore};
 pub use owner::{OwnerId, Owners};
 pub use parameter_table::ParameterTable;
 pub use recognise::{kind_of, kind_of_file};

@@ -23,14 +23,14 @@ use crate::workspace::assignment::Assignment;
 use crate::workspace::materials::{MaterialAssignment, SourceDiagnostics};
 use crate::workspace::session::{MissingTarget, PictureSettings, Session};
 use crate::workspace::textures::parse_formula;
-use crate::workspace::{Location, MeshStore, kind_of};
+use crate::workspace::{AssetStore, Location, kind_of};
 use crate::workspace::{NamedAssignment, OwnerId, ParameterTable, ValueWarning, Values};
-use crate::world::Meshes;
+use crate::world::Assets;
 use given::given_values;
 pub use library::library_mistake;
 use library::open_materials;
 pub use partial::{PartialProject, SessionMistakes, UnusableText};
-pub use scene::{parse_scene_with_meshes, scene_of_session};
+pub use scene::{parse_scene_with_assets, scene_of_session};
 use std::path::{Path, PathBuf};
 
 /// Bytes that each parameter value needs while it is read, checked and stored.
@@ -117,9 +117,9 @@ pub struct Request<'r> {
     pub background: Option<[f32; 3]>,
     /// The memory that parameter values may take, in bytes.
     pub memory: Option<u64>,
-    /// Meshes that were read before, and that are kept.
-    pub meshes: Option<&'r MeshStore>,
-    /// Who watches the reading of meshes, and can cancel it.
+    /// What was read before of the files that scenes name, and is kept.
+    pub assets: Option<&'r AssetStore>,
+    /// Who watches the reading of the files that the scene names, and can cancel it.
     pub task: Option<Task<'r>>,
     /// Which files the session may be read from.
     pub session_readable: Readable,
@@ -207,9 +207,9 @@ impl Project {
         let library = materials.as_ref().and_then(|materials| materials.location().file());
         let files = [session_file, formula_location.file(), scene_location.file(), library];
         let files = files.into_iter().flatten().map(Path::to_owned).collect();
-        let Read { formula_text, formula, scene_text, scene, meshes, .. } = read;
-        // The meshes are those of this scene.
-        let subject = Subject::new(formula, scene, &meshes, view).map_err(|error| Diagnostic::error(error.to_string()))?;
+        let Read { formula_text, formula, scene_text, scene, assets, .. } = read;
+        // They are those of this scene.
+        let subject = Subject::new(formula, scene, &assets, view).map_err(|error| Diagnostic::error(error.to_string()))?;
         Ok(Self { formula_location, formula_text, scene_location, scene_text, subject, values, given, picture, files })
     }
 
@@ -255,7 +255,7 @@ struct Read {
     formula: Formula,
     scene_text: Source,
     scene: Scene,
-    meshes: Meshes,
+    assets: Assets,
     /// Whether something stands in for the formula, and for the scene, because they have errors.
     stands_in: [bool; 2],
 }
@@ -271,8 +271,8 @@ impl Read {
         let formula = read_text(request, formula, FileKind::Formula, &parse_formula, listener);
         let scene = read_scene(request, scene, listener);
         match (formula, scene) {
-            (Ok((formula_text, formula)), Ok((scene_text, (scene, meshes)))) => {
-                Ok(Self { formula_text, formula, scene_text, scene, meshes, stands_in: [false; 2] })
+            (Ok((formula_text, formula)), Ok((scene_text, (scene, assets)))) => {
+                Ok(Self { formula_text, formula, scene_text, scene, assets, stands_in: [false; 2] })
             }
             (formula, scene) => {
                 let mut errors: Vec<OpenProjectError> =
@@ -289,16 +289,16 @@ impl Read {
     }
 }
 
-/// Reads and parses a scene, and reads its meshes.
+/// Reads and parses a scene, and reads the files that it names.
 fn read_scene(
     request: &Request,
     location: &Location,
     listener: &mut dyn Listener,
-) -> Result<(Source, (Scene, Meshes)), UnusableText> {
-    let own = MeshStore::default();
-    let (store, task) = (request.meshes.unwrap_or(&own), request.task.unwrap_or(Task::UNWATCHED));
+) -> Result<(Source, (Scene, Assets)), UnusableText> {
+    let own = AssetStore::default();
+    let (store, task) = (request.assets.unwrap_or(&own), request.task.unwrap_or(Task::UNWATCHED));
     let memory = request.memory.unwrap_or_else(usable_memory);
-    let parse = |source: &Source, location: &Location| parse_scene_with_meshes(source, location, store, memory, &task);
+    let parse = |source: &Source, location: &Location| parse_scene_with_assets(source, location, store, memory, &task);
     read_text(request, location, FileKind::Scene, &parse, listener)
 }
 

@@ -12,6 +12,7 @@
 //!
 //! How rays follow one another is decided in [`crate::trace`].
 
+mod assets;
 mod bounds;
 mod emitter;
 mod hit;
@@ -19,6 +20,7 @@ mod meshes;
 mod ray;
 mod surface;
 
+pub use assets::Assets;
 pub use bounds::Bounds;
 pub use emitter::{Emitter, EmitterId, LightSample};
 pub use hit::{Intersection, SurfaceHit};
@@ -46,25 +48,25 @@ pub struct World {
     tree: BodyTree,
     /// The emitters by their ids, in the order of their lights.
     emitters: Vec<Emitter>,
-    meshes: Meshes,
+    assets: Assets,
     extent: f64,
     tolerance: f64,
 }
 
 impl World {
-    /// Builds the world of a scene, whose meshes must be among `meshes`.
+    /// Builds the world of a scene. What it names must be among the `assets`.
     ///
     /// # Errors
     /// The scene names a mesh that is not among them.
-    pub fn new(scene: impl Into<Arc<Scene>>, meshes: &Meshes) -> Result<Self, MissingMesh> {
+    pub fn new(scene: impl Into<Arc<Scene>>, assets: &Assets) -> Result<Self, MissingMesh> {
         let scene = scene.into();
-        let surfaces = scene.bodies.iter().map(|body| Surface::new(body, meshes)).collect::<Result<Vec<_>, _>>()?;
+        let surfaces = scene.bodies.iter().map(|body| Surface::new(body, &assets.meshes)).collect::<Result<Vec<_>, _>>()?;
         let emitters = scene.light_ids().map(|light| Emitter::new(light, &scene.light(light).kind)).collect();
         let boxes: Vec<Bounds> = surfaces.iter().map(Surface::bounds).collect();
         let tree = BodyTree::new(&Vec::from_iter(boxes.iter().map(|bounds| [bounds.low, bounds.high])));
         let extent = boxes.into_iter().reduce(Bounds::union).map_or(0.0, |bounds| bounds.diagonal());
-        let (meshes, tolerance) = (meshes.clone(), TOLERANCE * extent);
-        Ok(Self { scene, surfaces, tree, emitters, meshes, extent, tolerance })
+        let (assets, tolerance) = (assets.clone(), TOLERANCE * extent);
+        Ok(Self { scene, surfaces, tree, emitters, assets, extent, tolerance })
     }
 
     /// The same with one more emitter of the last light.
@@ -80,9 +82,9 @@ impl World {
         &self.scene
     }
 
-    /// The meshes that it was built with.
-    pub fn meshes(&self) -> &Meshes {
-        &self.meshes
+    /// What it was built with.
+    pub fn assets(&self) -> &Assets {
+        &self.assets
     }
 
     /// The diagonal of the bounding box of all bodies, in world units; 0 without bodies.
@@ -334,7 +336,7 @@ mod tests {
         let text = format!(
             "bodies; {bodies} lights; sun: point, <1e9,0,0>; camera; position <9,9,9>; gaze <0,0,-1>; up <0,1,0>; fov 45;"
         );
-        World::new(Scene::parse(&Source::new("scene", text)).unwrap().0, &Meshes::NONE).unwrap()
+        World::new(Scene::parse(&Source::new("scene", text)).unwrap().0, &Assets::NONE).unwrap()
     }
 
     fn ray(origin: [f64; 3], direction: [f64; 3]) -> Ray {

@@ -15,11 +15,11 @@ mod shaderball;
 
 use illuminator::mesh::Reading;
 use illuminator::scene::Scene;
-use illuminator::workspace::{Location, MeshStore};
+use illuminator::workspace::{AssetStore, Location};
 use illuminator::world::World;
 
 /// The world of a scene whose meshes are built in.
 fn world_of(scene: Scene) -> World {
-    let loaded = MeshStore::default().load(&scene, &Location::new(""), &Reading::unwatched(1 << 30));
+    let loaded = AssetStore::default().load(&scene, &Location::new(""), &Reading::unwatched(1 << 30));
     World::new(scene, &loaded.expect("built-in meshes").0).expect("its meshes")
 }

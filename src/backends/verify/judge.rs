@@ -171,7 +171,7 @@ mod tests {
     use crate::lang::variables::Owner;
     use crate::scene::Scene;
     use crate::trace::View;
-    use crate::world::{Meshes, World};
+    use crate::world::{Assets, World};
     use std::sync::Arc;
 
     #[test]
@@ -208,7 +208,7 @@ mod tests {
              camera; position <0,0,5>; gaze <0,0,-1>; up <0,1,0>; fov 10;"
         );
         let (scene, _) = Scene::parse(&Source::new("scene", scene)).unwrap();
-        let world = Arc::new(World::new(scene, &Meshes::NONE).expect("no meshes"));
+        let world = Arc::new(World::new(scene, &Assets::NONE).expect("no meshes"));
         let (formula, _) = Formula::parse(&Source::new("formula", format!("formula; = {formula};"))).unwrap();
         let formula = Arc::new(formula);
         let interpreted = Interpreted::new(&formula, &world, View::new(1, 1).unwrap()).unwrap();

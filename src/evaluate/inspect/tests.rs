@@ -29,7 +29,7 @@ impl Bench {
         assert_eq!(values.assign(&given), []);
         Self {
             formula,
-            world: World::new(scene, &crate::world::Meshes::NONE).expect("no meshes"),
+            world: World::new(scene, &crate::world::Assets::NONE).expect("no meshes"),
             values,
             view: View::new(1, 1).expect("a size"),
         }

@@ -29,7 +29,7 @@ fn said_with(formula: &str, scene: &str, settings: &[&str], transform: ViewTrans
         let given = setting.parse::<NamedAssignment>().expect("a setting").resolve(values.table()).expect("known names");
         assert_eq!(values.assign(&given), []);
     }
-    let (world, view) = (World::new(scene, &crate::world::Meshes::NONE).expect("no meshes"), View::new(8, 6).expect("a size"));
+    let (world, view) = (World::new(scene, &crate::world::Assets::NONE).expect("no meshes"), View::new(8, 6).expect("a size"));
     let inspector = Inspector::new(&formula, &world, values.numbers());
     let mut frame = Frame::black(8, 6);
     for (index, pixel) in frame.linear.iter_mut().enumerate() {

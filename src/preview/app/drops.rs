@@ -91,7 +91,7 @@ fn within([x, y]: [f64; 2], aspect: f64) -> [f64; 2] {
 }
 
 impl App {
-    /// Takes files that were dropped, and handles one after the other: a question about the first one, or its meshes,
+    /// Takes files that were dropped, and handles one after the other: a question about the first one, or its files,
     /// come before the next. `waits` says whether a dialog is open.
     pub(super) fn follow_drops(&mut self, ui: &Ui, waits: bool, actions: &mut Vec<Action>) {
         let (files, pointer) = ui.input(|input| (input.raw.dropped_files.clone(), input.pointer.latest_pos()));
@@ -104,7 +104,7 @@ impl App {
         }
         if !waits
             && !self.dialogs.are_waiting()
-            && self.mesh_loading.progress().is_none()
+            && self.asset_loading.progress().is_none()
             && let Some(action) = self.dropped.waiting.pop_front()
         {
             actions.push(action);

@@ -3,7 +3,7 @@
 use crate::files::Readable;
 use crate::lang::source::Source;
 use crate::preview::app::action::{PanelId, PictureOverlay};
-use crate::preview::app::mesh_loading::AfterReading;
+use crate::preview::app::asset_loading::AfterReading;
 use crate::preview::app::notices::{Notice, Topic};
 use crate::preview::app::saving::SaveStep;
 use crate::preview::app::session_mistakes::documents;
@@ -293,7 +293,7 @@ impl App {
     /// Shows another session with its texts. Nothing that was done before can be undone.
     fn show_session(&mut self, opened: OpenedSession, location: Option<Location>) {
         // What is being read is for the session before.
-        self.mesh_loading.cancel();
+        self.asset_loading.cancel();
         self.workshop.open(&opened.project);
         self.documents = documents(&opened);
         self.steps = OtherSteps::default();
@@ -308,8 +308,8 @@ impl App {
             let text = texts.iter().find(|text| text.kind == kind)?;
             Some(Source::new(format!("the draft of the {}", kind.noun()), text.text.as_str()))
         };
-        let meshes = Arc::clone(self.workshop.meshes());
-        let open = |texts: &dyn Fn(FileKind) -> Option<Source>| OpenedSession::from_text(&source, Path::new("/"), texts, &meshes);
+        let assets = Arc::clone(self.workshop.assets());
+        let open = |texts: &dyn Fn(FileKind) -> Option<Source>| OpenedSession::from_text(&source, Path::new("/"), texts, &assets);
         // The texts in the files are used if they are better.
         let opened = open(&kept).map(|opened| match opened.mistakes.unusable.is_empty() {
             true => opened,
@@ -350,10 +350,10 @@ impl App {
     }
 
     pub(super) fn open_session(&mut self, location: Location) {
-        if self.reads_meshes_of_session(&location) {
+        if self.reads_files_of_session(&location) {
             return;
         }
-        match OpenedSession::open(&location, Readable::Regular, self.workshop.meshes()) {
+        match OpenedSession::open(&location, Readable::Regular, self.workshop.assets()) {
             Ok(opened) => {
                 self.log.add(format!("opened {location}"));
                 self.note_recent(FileKind::Session, &location);
@@ -403,7 +403,7 @@ impl App {
 
     /// Applies a text. If it has errors, they are marked, and nothing else changes.
     pub(super) fn apply(&mut self, tab: TextTab) {
-        if tab == TextTab::Scene && self.reads_meshes_of_text(AfterReading::Apply) {
+        if tab == TextTab::Scene && self.reads_files_of_text(AfterReading::Apply) {
             return;
         }
         let (before, is_saved) = (self.workshop.values().table().clone(), !self.session_is_unsaved());
@@ -440,7 +440,7 @@ impl App {
     /// Applies a text that has just been opened. A scene without a session gets a first look: colours for bodies that
     /// the open session does not know, and an exposure by the first picture.
     pub(super) fn apply_opened(&mut self, tab: TextTab) {
-        if tab == TextTab::Scene && self.reads_meshes_of_text(AfterReading::ApplyOpened) {
+        if tab == TextTab::Scene && self.reads_files_of_text(AfterReading::ApplyOpened) {
             return;
         }
         let known: Vec<String> = self.workshop.scene().bodies.iter().map(|body| body.name.clone()).collect();

@@ -2,8 +2,8 @@
 
 use crate::lang::diagnostic::Diagnostic;
 use crate::mesh::{MeshFormat, Reading};
+use crate::preview::app::asset_loading::AfterReading;
 use crate::preview::app::hand::gesture::{pivot, place_to_stand};
-use crate::preview::app::mesh_loading::AfterReading;
 use crate::preview::app::scene_actions::MeshSpot;
 use crate::preview::app::{App, user_state};
 use crate::scene::edit::{Precision, SceneChange, edit, unused_name};
@@ -11,8 +11,8 @@ use crate::scene::naming::{as_identifier, words};
 use crate::scene::shape::NamedMesh;
 use crate::scene::{BodyForm, BodyId, Scene, Shape, Transform};
 use crate::trace::usable_memory;
-use crate::workspace::{Location, MeshLoadError};
-use crate::world::{Meshes, World};
+use crate::workspace::{AssetLoadError, Location};
+use crate::world::{Assets, World};
 use glam::DVec3;
 use std::path::Path;
 use std::sync::Arc;
@@ -86,7 +86,7 @@ impl App {
             vec![Transform::Fit { center: precision.round(center), size }]
         };
         let form = |transforms| BodyForm { shape: Shape::Mesh(mesh.clone()), transforms };
-        // With the meshes of the scene, because others are forgotten.
+        // With the files of the scene, because others are forgotten.
         let change = SceneChange::AddBody(name.clone(), form(rounded(at, size)));
         let scene = edit(&self.documents.scene.source(), &change, precision).map_err(|refusal| refusal.to_string())?.scene;
         if self.reads_first(scene.clone(), scene_place.clone(), AfterReading::AddMesh(path.to_owned(), place)) {
@@ -110,14 +110,14 @@ impl App {
     fn bounds_of_last(&self, mut scene: Scene, place: &Location) -> Result<[DVec3; 2], String> {
         let memory = self.workshop.memory().unwrap_or_else(usable_memory);
         let lines = |found: &mut dyn Iterator<Item = &Diagnostic>| found.map(user_state::line).collect::<Vec<_>>().join("\n");
-        let (meshes, _): (Meshes, _) =
-            self.workshop.meshes().load(&scene, place, &Reading::unwatched(memory)).map_err(|error| match error {
-                MeshLoadError::Cancelled => "The work was cancelled.".to_owned(),
-                MeshLoadError::Unusable(found) => lines(&mut found.iter()),
+        let (assets, _): (Assets, _) =
+            self.workshop.assets().load(&scene, place, &Reading::unwatched(memory)).map_err(|error| match error {
+                AssetLoadError::Cancelled => "The work was cancelled.".to_owned(),
+                AssetLoadError::Unusable(found) => lines(&mut found.iter()),
             })?;
         scene.bodies.drain(..scene.bodies.len().saturating_sub(1));
         scene.bodies.iter_mut().for_each(|body| body.form.transforms.clear());
-        let world = World::new(scene, &meshes).map_err(|error| error.to_string())?;
+        let world = World::new(scene, &assets).map_err(|error| error.to_string())?;
         let bounds = Arc::new(world).bounds(BodyId(0));
         Ok([bounds.low, bounds.high])
     }

@@ -9,7 +9,7 @@ use crate::preview::app::tab::TextTab;
 use crate::preview::app::{App, SceneAction};
 use crate::scene::edit::{EditRefusal, Precision, SceneChange, SceneObject, edit, unused_name};
 use crate::scene::{BodyForm, BodyId, Camera, LightKind, Scene, Shape, Syntax, Transform};
-use crate::world::{Bounds, Meshes, World};
+use crate::world::{Assets, Bounds, World};
 
 impl App {
     /// Makes a change of the scene in its text, and applies it. If the text has errors, nothing changes.
@@ -291,6 +291,6 @@ fn scene_with(body: &str, light: &str) -> Option<Scene> {
 
 /// The box around a shape that is no mesh.
 fn bounds_of(shape: &Shape) -> Option<Bounds> {
-    let world = World::new(scene_with(&shape.to_string(), "")?, &Meshes::NONE).ok()?;
+    let world = World::new(scene_with(&shape.to_string(), "")?, &Assets::NONE).ok()?;
     Some(world.bounds(BodyId(0)))
 }

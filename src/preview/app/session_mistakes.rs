@@ -61,7 +61,7 @@ impl App {
     /// Shows what is wrong with the texts of the session, as long as it is.
     pub(super) fn notify_of_mistakes(&mut self) {
         self.mistakes.unusable.retain(|text| self.workshop.stands_in(text.kind));
-        let mut mistaken = self.mistakes.unusable.iter().filter(|text| !text.waits_for_meshes()).peekable();
+        let mut mistaken = self.mistakes.unusable.iter().filter(|text| !text.waits_for_files()).peekable();
         if mistaken.peek().is_none() && self.mistakes.session_errors.is_none() {
             self.notices.clear(Topic::Mistakes);
             return;
@@ -111,12 +111,12 @@ impl App {
     pub(super) fn note_on_picture(&self) -> Option<PaneNote> {
         let unusable = |kind: FileKind| self.mistakes.unusable.iter().find(|text| text.kind == kind);
         if let Some(scene) = unusable(FileKind::Scene).filter(|text| self.workshop.stands_in(text.kind)) {
-            let text = match (scene.waits_for_meshes(), self.mesh_loading.progress()) {
-                (true, Some(share)) => format!("Reading the meshes of {}: {:.0} %", scene.location, 100.0 * share),
+            let text = match (scene.waits_for_files(), self.asset_loading.progress()) {
+                (true, Some(share)) => format!("Reading the files of {}: {:.0} %", scene.location, 100.0 * share),
                 (true, None) if self.documents.scene.counts()[0] > 0 => {
                     format!("There is no picture: the scene {} has a mistake", scene.location)
                 }
-                (true, None) => format!("There is no picture: the meshes of {} are not read", scene.location),
+                (true, None) => format!("There is no picture: the files of {} are not read", scene.location),
                 (false, _) => format!("There is no picture: {}", fault(scene)),
             };
             return Some(PaneNote { text, is_central: true });

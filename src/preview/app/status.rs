@@ -43,9 +43,9 @@ pub(super) fn bar(app: &App, ui: &mut Ui, actions: &mut Vec<Action>) {
             }
         }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            if let Some(progress) = app.mesh_loading.progress() {
+            if let Some(progress) = app.asset_loading.progress() {
                 ui.add(ProgressBar::new(progress).desired_width(110.0));
-                ui.label("reading meshes");
+                ui.label("reading files");
             } else if let Some(progress) = app.workshop.renderer().progress() {
                 ui.add(ProgressBar::new(progress).desired_width(110.0));
                 ui.label("tracing");

@@ -18,7 +18,7 @@ fn request(width: u32, height: u32) -> (RenderRequest, Values) {
     let values = Values::defaults(&formula, &scene);
     let view = View::new(width, height).expect("a size in range").with_depth(3).expect("a depth in range");
     let (subject, transform) =
-        (Subject::new(formula, scene, &crate::world::Meshes::NONE, view).expect("no meshes"), ViewTransform::default());
+        (Subject::new(formula, scene, &crate::world::Assets::NONE, view).expect("no meshes"), ViewTransform::default());
     (RenderRequest { subject, engine: Engine::default(), transform, moves: false }, values)
 }
 
@@ -200,7 +200,7 @@ fn pixels_without_a_number_are_counted_by_both_backends() {
 fn moved_camera(request: &RenderRequest, by: f64, moves: bool) -> RenderRequest {
     let mut scene = Scene::clone(request.subject.world.scene());
     scene.camera = scene.camera.panned(1.0, [by, 0.0], [0.0, 0.0]).expect("a camera");
-    let world = Arc::new(crate::world::World::new(scene, &crate::world::Meshes::NONE).expect("no meshes"));
+    let world = Arc::new(crate::world::World::new(scene, &crate::world::Assets::NONE).expect("no meshes"));
     RenderRequest { subject: Subject { world, ..request.subject.clone() }, moves, ..request.clone() }
 }
 

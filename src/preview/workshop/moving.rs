@@ -22,8 +22,8 @@ impl Workshop {
         let before = self.moving.take().map_or_else(|| Arc::clone(&self.world), |moving| moving.before);
         self.moving = Some(MovingScene { what: what.to_owned(), before });
         self.held = None;
-        // It has the meshes of the scene before.
-        if let Ok(world) = World::new(scene, self.world.meshes()) {
+        // It names what the scene before names.
+        if let Ok(world) = World::new(scene, self.world.assets()) {
             self.world = Arc::new(world);
             self.request(true);
         }

@@ -4,9 +4,9 @@ use crate::engine::Task;
 use crate::files::Readable;
 use crate::lang::diagnostic::{Diagnostic, Diagnostics, Severity};
 use crate::lang::source::Source;
+use crate::workspace::AssetStore;
 use crate::workspace::FileKind;
 use crate::workspace::Location;
-use crate::workspace::MeshStore;
 use crate::workspace::materials::SourceDiagnostics;
 use crate::workspace::project::{Listener, OpenProjectError, PartialProject, Project, Request, SessionMistakes, SessionText};
 use std::fmt;
@@ -87,25 +87,26 @@ impl Listener for ReportCollector {
 
 impl OpenedSession {
     /// Opens what can be used of a session and its files. `readable` says which types of file the session itself may
-    /// be. The files that it names must be regular. `meshes` keeps the meshes.
+    /// be. The files that it names must be regular. `assets` keeps what the
+    /// files hold that its scene names.
     ///
     /// # Errors
     /// The session itself cannot be read, or does not say what it is of.
-    pub fn open(location: &Location, readable: Readable, meshes: &MeshStore) -> Result<OpenedSession, OpeningErrors> {
+    pub fn open(location: &Location, readable: Readable, assets: &AssetStore) -> Result<OpenedSession, OpeningErrors> {
         let session = Some(SessionText::At(location.clone()));
-        Self::open_request(&Request { session, session_readable: readable, meshes: Some(meshes), ..Request::default() })
+        Self::open_request(&Request { session, session_readable: readable, assets: Some(assets), ..Request::default() })
     }
 
-    /// Opens a session without the meshes of its scene, which are to be read afterwards. Until then an empty scene
+    /// Opens a session without the files that its scene names, which are to be read afterwards. Until then an empty scene
     /// stands in for it, a text without errors.
     ///
     /// # Errors
     /// As for [`open`](Self::open).
-    pub fn open_before_meshes(location: &Location, readable: Readable, meshes: &MeshStore) -> Result<Self, OpeningErrors> {
+    pub fn open_before_files(location: &Location, readable: Readable, assets: &AssetStore) -> Result<Self, OpeningErrors> {
         let session = Some(SessionText::At(location.clone()));
         let cancelled = AtomicBool::new(true);
         let task = Some(Task { cancelled: &cancelled, ..Task::UNWATCHED });
-        let request = Request { session, session_readable: readable, meshes: Some(meshes), task, ..Request::default() };
+        let request = Request { session, session_readable: readable, assets: Some(assets), task, ..Request::default() };
         let mut opened = Self::open_request(&request)?;
         let scenes = opened.mistakes.unusable.iter_mut().filter(|text| text.kind == FileKind::Scene && text.is_read);
         scenes.for_each(|text| text.found.diagnostics = Diagnostics::default());
@@ -121,10 +122,10 @@ impl OpenedSession {
         source: &Source,
         folder: &Path,
         other: &dyn Fn(FileKind) -> Option<Source>,
-        meshes: &MeshStore,
+        assets: &AssetStore,
     ) -> Result<OpenedSession, OpeningErrors> {
         let session = SessionText::Text(source.clone(), folder.to_owned());
-        Self::open_request(&Request { session: Some(session), texts: Some(other), meshes: Some(meshes), ..Request::default() })
+        Self::open_request(&Request { session: Some(session), texts: Some(other), assets: Some(assets), ..Request::default() })
     }
 
     /// Opens what a request says.

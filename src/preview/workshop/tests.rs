@@ -6,7 +6,7 @@ use crate::lang::source::Source;
 use std::time::Duration;
 
 fn workshop() -> Workshop {
-    let mut opened = OpenedSession::open(&Location::Preset("studio".to_owned()), Readable::Regular, &MeshStore::default())
+    let mut opened = OpenedSession::open(&Location::Preset("studio".to_owned()), Readable::Regular, &AssetStore::default())
         .expect("a built-in session");
     opened.project.picture.size = [64, 48];
     opened.project.picture.depth = 2;
@@ -156,10 +156,10 @@ fn a_value_is_copied_to_all_bodies_and_a_session_holds_everything() {
     let path = folder.path().join("my.toml");
     let [formula, scene] = ["phong", "studio"].map(|name| Location::Preset(name.to_owned()));
     workshop.save_session(&path, formula, scene).expect("saved");
-    let opened = OpenedSession::open(&Location::File(path), Readable::Regular, &MeshStore::default()).expect("a session");
+    let opened = OpenedSession::open(&Location::File(path), Readable::Regular, &AssetStore::default()).expect("a session");
     assert_eq!(opened.project.values.numbers(), workshop.values().numbers());
     assert_eq!((opened.project.picture, opened.warnings), (workshop.settings(), Vec::new()));
-    let missing = OpenedSession::open(&Location::new("nowhere.toml"), Readable::Regular, &MeshStore::default())
+    let missing = OpenedSession::open(&Location::new("nowhere.toml"), Readable::Regular, &AssetStore::default())
         .expect_err("no such file")
         .to_string();
     assert!(missing.contains("nowhere.toml"), "{missing}");

@@ -13,7 +13,7 @@ use crate::workspace::project::{
 use crate::workspace::session::{NamedValue, Session};
 use crate::workspace::textures::parse_formula;
 use crate::workspace::{FileKind, Location};
-use crate::world::Meshes;
+use crate::world::Assets;
 
 /// Shows the bodies in their colours, by their predefined parameters alone.
 const PLAIN_FORMULA: &str = "formula; = IL*Cd*max(0, N.L);";
@@ -40,8 +40,8 @@ impl UnusableText {
         self.found.diagnostics.iter().filter(|one| one.severity() == Severity::Error).count()
     }
 
-    /// Whether it is a scene without errors, whose meshes are not read yet.
-    pub fn waits_for_meshes(&self) -> bool {
+    /// Whether it is a scene without errors, whose files are not read yet.
+    pub fn waits_for_files(&self) -> bool {
         self.is_read && self.kind == FileKind::Scene && self.errors() == 0
     }
 
@@ -103,9 +103,9 @@ impl Project {
         let scene_read = read_scene(request, &scene, listener);
         let stands_in = [formula_read.is_err(), scene_read.is_err()];
         let (formula_text, checked) = or_stand_in(formula_read, PLAIN_FORMULA, Formula::parse, &mut unusable)?;
-        let empty = |source: &Source| Scene::parse(source).map(|(scene, warnings)| ((scene, Meshes::NONE), warnings));
-        let (scene_text, (declared, meshes)) = or_stand_in(scene_read, EMPTY_SCENE, empty, &mut unusable)?;
-        let read = Read { formula_text, formula: checked, scene_text, scene: declared, meshes, stands_in };
+        let empty = |source: &Source| Scene::parse(source).map(|(scene, warnings)| ((scene, Assets::NONE), warnings));
+        let (scene_text, (declared, assets)) = or_stand_in(scene_read, EMPTY_SCENE, empty, &mut unusable)?;
+        let read = Read { formula_text, formula: checked, scene_text, scene: declared, assets, stands_in };
         let project = Self::assemble(request, read, [formula, scene], session.as_ref(), listener)?;
         let waiting = match &session {
             Some(open) if !unusable.is_empty() => {

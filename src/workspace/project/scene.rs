@@ -1,4 +1,4 @@
-//! Reading a scene with its meshes.
+//! Reading a scene with the files that it names.
 
 use crate::engine::Task;
 use crate::files::Readable;
@@ -7,31 +7,31 @@ use crate::lang::source::Source;
 use crate::mesh::Reading;
 use crate::scene::Scene;
 use crate::workspace::project::{SessionText, session_source};
-use crate::workspace::{FileKind, Location, MeshLoadError, MeshStore, Session};
-use crate::world::Meshes;
+use crate::workspace::{AssetLoadError, AssetStore, FileKind, Location, Session};
+use crate::world::Assets;
 
-/// Parses the text of a scene at a location, and reads its meshes, which may take this much memory in bytes.
+/// Parses the text of a scene at a location, and reads the files that it names, which may take this much memory in bytes.
 ///
 /// # Errors
-/// All errors of the text; or those of the meshes, with the warnings. Work that was cancelled is an error too.
-pub fn parse_scene_with_meshes(
+/// All errors of the text; or those of the files, with the warnings. Work that was cancelled is an error too.
+pub fn parse_scene_with_assets(
     source: &Source,
     location: &Location,
-    store: &MeshStore,
+    store: &AssetStore,
     memory: u64,
     task: &Task,
-) -> Result<((Scene, Meshes), Diagnostics), Diagnostics> {
+) -> Result<((Scene, Assets), Diagnostics), Diagnostics> {
     let (scene, mut diagnostics) = Scene::parse(source)?;
     let reading = Reading { memory, progress: task.progress, cancelled: task.cancelled };
-    let (meshes, found) = match store.load(&scene, location, &reading) {
-        Ok((meshes, warnings)) => (Some(meshes), warnings),
-        Err(MeshLoadError::Unusable(errors)) => (None, errors),
-        Err(MeshLoadError::Cancelled) => (None, Diagnostic::error("reading the meshes was cancelled").into()),
+    let (assets, found) = match store.load(&scene, location, &reading) {
+        Ok((assets, warnings)) => (Some(assets), warnings),
+        Err(AssetLoadError::Unusable(errors)) => (None, errors),
+        Err(AssetLoadError::Cancelled) => (None, Diagnostic::error("reading the files of the scene was cancelled").into()),
     };
     found.into_iter().for_each(|diagnostic| diagnostics.push(diagnostic));
     diagnostics.sort();
-    match meshes {
-        Some(meshes) => Ok(((scene, meshes), diagnostics)),
+    match assets {
+        Some(assets) => Ok(((scene, assets), diagnostics)),
         None => Err(diagnostics),
     }
 }

@@ -7,7 +7,7 @@ use super::*;
 use crate::lang::source::Source;
 use crate::scene::{BodyId, Scene};
 use crate::world::ray::Side;
-use crate::world::{Meshes, World};
+use crate::world::{Assets, World};
 
 fn world(shape: &str) -> World {
     let text = format!("bodies; b: {shape}; lights; camera; position <0,0,9>; gaze <0,0,-1>; up <0,1,0>; fov 45;");
@@ -248,7 +248,7 @@ fn no_ray_passes_between_triangles_with_a_common_edge() {
         "bodies; one: triangle, {a}, {b}, <0.5, -1.3, 0.2>; two: triangle, {a}, {b}, <1.1, 1.7, 0.9>; lights; camera;
          position <0,0,9>; gaze <0,0,-1>; up <0,1,0>; fov 45;"
     );
-    let world = World::new(Scene::parse(&Source::new("scene", text)).unwrap().0, &Meshes::NONE).unwrap();
+    let world = World::new(Scene::parse(&Source::new("scene", text)).unwrap().0, &Assets::NONE).unwrap();
     let (a, b) = (DVec3::new(0.1, 0.7, 0.3), DVec3::new(1.9, 0.2, -0.4));
     for step in 1..2000 {
         let share = f64::from(step) / 2000.0;

@@ -148,7 +148,7 @@ impl Case {
         let (scene, _) = Scene::parse(&Source::new("scene", SCENE)).map_err(|_| TestCaseError::fail("the scene is right"))?;
         let failed = |error: &dyn std::fmt::Display| TestCaseError::fail(error.to_string());
         let view = View::new(SIZE.0, SIZE.1).and_then(|view| view.with_depth(4)).map_err(|error| failed(&error))?;
-        let subject = Subject::new(formula, scene, &illuminator::world::Meshes::NONE, view).expect("no meshes");
+        let subject = Subject::new(formula, scene, &illuminator::world::Assets::NONE, view).expect("no meshes");
         let evaluator = |backend: &Arc<dyn Backend>| {
             Engine::new(Arc::clone(backend)).evaluator(&subject, &[], &Task::UNWATCHED).map_err(|error| failed(&error))
         };

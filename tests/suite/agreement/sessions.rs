@@ -15,7 +15,7 @@ use illuminator::scene::Scene;
 use illuminator::trace::View;
 use illuminator::workspace::{FileKind, presets};
 use illuminator::workspace::{NamedAssignment, OwnerId, Session, Values};
-use illuminator::world::{Meshes, World};
+use illuminator::world::{Assets, World};
 use std::sync::Arc;
 
 /// A backend under test, and the size of a picture that it draws in reasonable time. Fast backends get several tiles.
@@ -57,7 +57,7 @@ impl Model {
         let (given, _) = session.assignments(Values::defaults(&formula, &scene).table());
         let (values, _) = Values::new(&formula, &scene, &given);
         let (engine, subject) =
-            (Engine::new(Arc::clone(&tested.backend)), Subject::new(formula, scene, &Meshes::NONE, view).expect("no meshes"));
+            (Engine::new(Arc::clone(&tested.backend)), Subject::new(formula, scene, &Assets::NONE, view).expect("no meshes"));
         let hits = engine.trace(&subject, &Task::UNWATCHED).expect("small enough");
         let scattered = hits.tiles.iter().map(|tile| tile.copies).sum();
         let compiled = engine.prepare(&subject, &hits, &[]).expect("a formula of ordinary size");
@@ -260,7 +260,7 @@ fn scattered_hits_are_drawn_and_dragged_by(tested: &Tested) {
     let (formula, _) = Formula::parse(&source(FileKind::Formula, "phong")).expect("a formula");
     let (parsed, _) = Scene::parse(&scene).expect("a scene");
     let (world, view) = (
-        Arc::new(World::new(parsed, &Meshes::NONE).expect("no meshes")),
+        Arc::new(World::new(parsed, &Assets::NONE).expect("no meshes")),
         View::new(tested.size[0], tested.size[1]).expect("a size"),
     );
     let interpreted = Interpreted::new(&Arc::new(formula), &world, view).expect("small enough");

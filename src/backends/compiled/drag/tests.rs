@@ -9,7 +9,7 @@ use crate::scene::Scene;
 use crate::trace::{Budget, View, trace};
 use crate::workspace::{FileKind, presets};
 use crate::workspace::{Session, Values};
-use crate::world::{Meshes, World};
+use crate::world::{Assets, World};
 use std::sync::atomic::AtomicBool;
 
 /// Some sliders of the crystals: some are drawn by images, others need a kernel.
@@ -25,7 +25,7 @@ fn session() -> (Arc<Compiled>, Values) {
     let (formula, _) = Formula::parse(&source(FileKind::Formula, "phong")).expect("a formula");
     let (scene, _) = Scene::parse(&source(FileKind::Scene, "crystals")).expect("a scene");
     let view = View::new(256, 144).expect("a size in range");
-    let world = Arc::new(World::new(scene, &Meshes::NONE).expect("no meshes"));
+    let world = Arc::new(World::new(scene, &Assets::NONE).expect("no meshes"));
     let hits = Arc::new(
         trace(&world, &view, EvaluatedLights::Reaching, &Budget::UNLIMITED, &|_| {}, &AtomicBool::new(false))
             .expect("small enough"),
@@ -45,7 +45,7 @@ fn on_wall(formula: &str) -> (Arc<Compiled>, Values) {
     let (formula, _) = Formula::parse(&Source::new("wall", formula)).expect("a formula");
     let (scene, _) = Scene::parse(&Source::new("wall", WALL)).expect("a scene");
     let view = View::new(256, 144).expect("a size in range");
-    let world = Arc::new(World::new(scene, &Meshes::NONE).expect("no meshes"));
+    let world = Arc::new(World::new(scene, &Assets::NONE).expect("no meshes"));
     let (lights, unstopped) = (EvaluatedLights::Reaching, AtomicBool::new(false));
     let hits = Arc::new(trace(&world, &view, lights, &Budget::UNLIMITED, &|_| {}, &unstopped).expect("small enough"));
     let values = Values::defaults(&formula, world.scene());

@@ -109,12 +109,12 @@ mod tests {
     use super::*;
     use crate::lang::source::Source;
     use crate::scene::Scene;
-    use crate::world::Meshes;
+    use crate::world::Assets;
 
     fn world(bodies: &str) -> World {
         let camera = "camera; position <0, 0, 0>; gaze <0, 0, -1>; up <0, 1, 0>; fov 90;";
         let scene = Scene::parse(&Source::new("scene", format!("bodies; {bodies} lights; {camera}"))).unwrap().0;
-        World::new(scene, &Meshes::NONE).unwrap()
+        World::new(scene, &Assets::NONE).unwrap()
     }
 
     #[test]

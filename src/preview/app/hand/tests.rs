@@ -384,7 +384,7 @@ fn a_text_that_cannot_follow_is_not_touched_and_one_that_can_is_applied() {
     // Another session ends a gesture.
     press_and_move(&mut harness, PointerButton::Primary, NONE, centre, vec2(80.0, 0.0));
     let opened =
-        OpenedSession::open(&Location::Preset("glass".to_owned()), Readable::Regular, &crate::workspace::MeshStore::default())
+        OpenedSession::open(&Location::Preset("glass".to_owned()), Readable::Regular, &crate::workspace::AssetStore::default())
             .expect("a session");
     harness.state_mut().perform(Action::Confirmed(Box::new(Action::Open(
         crate::workspace::FileKind::Session,

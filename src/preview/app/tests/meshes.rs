@@ -27,7 +27,7 @@ fn grid(path: &Path, cells: usize) {
 fn triangles(harness: &Harness<'_, App>) -> usize {
     let world = harness.state().workshop.world();
     let key = crate::world::MeshKey::of(&world.scene().bodies[0]).expect("a mesh");
-    world.meshes().get(&key).expect("its triangles").mesh().triangles().len()
+    world.assets().meshes.get(&key).expect("its triangles").mesh().triangles().len()
 }
 
 /// Waits until something is so.
@@ -55,19 +55,19 @@ fn a_large_mesh_is_read_while_the_window_goes_on() {
     // The old picture stays, and the bar says what is done.
     assert_eq!(harness.state().workshop.scene().bodies.len(), 3, "the scene before");
     harness.step();
-    assert!(harness.state().mesh_loading.progress().is_some() && harness.query_by_label("reading meshes").is_some());
+    assert!(harness.state().asset_loading.progress().is_some() && harness.query_by_label("reading files").is_some());
     assert!(harness.state().workshop.shown().version >= before);
     until("the mesh is read", &mut harness, |app| app.workshop.scene().bodies.len() == 1);
-    assert_eq!((triangles(&harness), harness.state().mesh_loading.progress()), (2 * 260 * 260, None));
+    assert_eq!((triangles(&harness), harness.state().asset_loading.progress()), (2 * 260 * 260, None));
     settle(&mut harness);
     // Another session ends the reading of a scene.
     fs::write(&mesh, fs::read_to_string(&mesh).expect("a file") + "\n").expect("a file");
     harness.state_mut().apply(TextTab::Scene);
-    assert!(harness.state().mesh_loading.progress().is_some());
+    assert!(harness.state().asset_loading.progress().is_some());
     let open = Action::Open(FileKind::Session, Location::Preset("glass".to_owned()));
     harness.state_mut().perform(Action::Confirmed(Box::new(open)));
-    assert_eq!(harness.state().mesh_loading.progress(), None);
-    assert!(harness.state().workshop.world().meshes().is_empty());
+    assert_eq!(harness.state().asset_loading.progress(), None);
+    assert!(harness.state().workshop.world().assets().is_empty());
 }
 
 #[test]
@@ -82,7 +82,7 @@ fn a_changed_mesh_is_noticed() {
     settle(&mut harness);
     grid(&mesh, 3);
     until("the changed file is read", &mut harness, |app| {
-        app.workshop.meshes().bytes_to_read(app.workshop.scene(), &app.documents.scene.place()) == 0
+        app.workshop.assets().bytes_to_read(app.workshop.scene(), &app.documents.scene.place()) == 0
     });
     assert_eq!(triangles(&harness), 18);
     // A damaged file is an error in the text. The picture stays.
@@ -123,7 +123,7 @@ fn the_window_is_open_before_the_meshes_of_its_session_are_read() {
         .expect("a file");
     let location = Location::File(session.clone());
     let app = App::new(Some(&location), None).expect("a session");
-    assert!(app.workshop.scene().bodies.is_empty() && app.mesh_loading.progress().is_some(), "nothing is read yet");
+    assert!(app.workshop.scene().bodies.is_empty() && app.asset_loading.progress().is_some(), "nothing is read yet");
     let builder = Harness::builder().with_size(egui::vec2(1100.0, 700.0));
     let mut harness = builder.build_ui_state(|ui, app: &mut App| app.draw(ui), app);
     let context = harness.ctx.clone();
@@ -131,9 +131,9 @@ fn the_window_is_open_before_the_meshes_of_its_session_are_read() {
     let state = harness.state();
     assert!(state.documents.scene.text().contains("grid.obj") && state.documents.scene.counts() == [0, 0]);
     assert!(state.notices.is_empty() && !state.is_unsaved() && state.session == Some(location.clone()));
-    if state.mesh_loading.progress().is_some() {
+    if state.asset_loading.progress().is_some() {
         let note = state.note_on_picture().expect("a note").text;
-        assert!(note.starts_with("Reading the meshes of ") && note.contains("grid.scene: "), "{note}");
+        assert!(note.starts_with("Reading the files of ") && note.contains("grid.scene: "), "{note}");
     }
     until("the mesh is read", &mut harness, |app| app.workshop.scene().bodies.len() == 1);
     let state = harness.state();

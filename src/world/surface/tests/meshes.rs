@@ -3,7 +3,7 @@
 use super::transforms::{assert_same, met};
 use super::*;
 use crate::mesh::{Reading, read_bytes};
-use crate::world::Meshes;
+use crate::world::{Assets, Meshes};
 use std::fmt::Write;
 use std::path::Path;
 
@@ -61,7 +61,7 @@ fn ball(parallels: usize, with_normals: bool) -> String {
 }
 
 /// The meshes of a scene whose names are those of [`text_of`].
-pub(super) fn meshes_of(scene: &Scene) -> Meshes {
+pub(super) fn meshes_of(scene: &Scene) -> Assets {
     let mut meshes = Meshes::NONE;
     for (_, key) in meshes.clone().missing(scene) {
         let reading = Reading::unwatched(1 << 30);
@@ -69,14 +69,14 @@ pub(super) fn meshes_of(scene: &Scene) -> Meshes {
         let mesh = if key.needs_normals { mesh.smooth("test.obj", &reading).unwrap() } else { mesh };
         meshes.insert(key, std::sync::Arc::new(crate::bvh::MeshTree::new(mesh.into(), &|_| true).unwrap()));
     }
-    meshes
+    Assets { meshes }
 }
 
 #[test]
 fn a_world_without_its_meshes_is_refused() {
     let text = "bodies; b: mesh, \"cube\"; lights; camera; position <0,0,9>; gaze <0,0,-1>; up <0,1,0>; fov 45;";
     let scene = Scene::parse(&Source::new("scene", text)).unwrap().0;
-    let missing = World::new(scene.clone(), &Meshes::NONE).unwrap_err();
+    let missing = World::new(scene.clone(), &Assets::NONE).unwrap_err();
     assert_eq!(missing.to_string(), "the mesh \"cube\" of the body `b` was not read");
     assert!(World::new(scene.clone(), &meshes_of(&scene)).is_ok());
 }

@@ -243,7 +243,7 @@ fn mirrored_bodies_keep_their_front() {
 fn the_tolerance_is_that_of_the_world_in_every_direction() {
     let scene = |bodies: &str| {
         let text = format!("bodies; {bodies} lights; camera; position <0,0,9>; gaze <0,0,-1>; up <0,1,0>; fov 45;");
-        World::new(Scene::parse(&Source::new("scene", text)).unwrap().0, &Meshes::NONE).unwrap()
+        World::new(Scene::parse(&Source::new("scene", text)).unwrap().0, &Assets::NONE).unwrap()
     };
     let (slab, lid) = (
         "slab: box, <-1,0,-1>, <1,1,1>, scale <100,1e-3,100>;",
