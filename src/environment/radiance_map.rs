@@ -21,15 +21,15 @@ const LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
 /// The light of a texel reaches half way into the neighbouring cells, because radiance is interpolated. An even density
 /// in each cell has the least variance if it is in proportion to the root of the mean square of the light in the cell.
 /// For one bright texel, the mean square is ∫(1 − |x|)² dx: 7/12 in its own cell, and 1/24 in each neighbour. So the
-/// weights are as √(7/12) to √(1/24), with the sum 1. (By the mean, 3/4 and 1/8, a corner beside a bright texel would be
-/// twice as bright in relation to its density.)
+/// weights are as √(7/12) to √(1/24), with the sum 1. (By the mean, 3/4 and 1/8, a corner beside a bright texel would
+/// be twice as bright in relation to its density.)
 const OWN: f64 = 0.652;
 const NEIGHBOUR: f64 = 0.174;
 
 /// Where light comes from, and how much: a map of linear RGB radiance in latitude-longitude form, or white.
 ///
-/// Row 0 is at the zenith, +y; the middle of the map is +z, and +x is a quarter of its width left of the middle. This is
-/// the convention of OpenEXR (`ENVMAP_LATLONG`) and of Mitsuba's `envmap`.
+/// Row 0 is at the zenith, +y; the middle of the map is +z, and +x is a quarter of its width left of the middle. This
+/// is the convention of OpenEXR (`ENVMAP_LATLONG`) and of Mitsuba's `envmap`.
 #[derive(Debug, PartialEq)]
 pub struct RadianceMap {
     /// `None`: white.
@@ -98,8 +98,8 @@ impl RadianceMap {
     /// Draws a direction by a point of the unit square: the more light comes from a direction, the more densely.
     /// Directions that light comes from are never left out. `None` if no light comes from anywhere.
     ///
-    /// A cell of the map, which is a texel unless the map has more than 8 million, is drawn by its luminance and that of
-    /// its neighbours, times its solid angle, and a direction in it evenly. Points that are spread evenly lead to
+    /// A cell of the map, which is a texel unless the map has more than 8 million, is drawn by its luminance and that
+    /// of its neighbours, times its solid angle, and a direction in it evenly. Points that are spread evenly lead to
     /// directions that are.
     pub fn sample(&self, point: [f64; 2]) -> Option<RadianceSample> {
         match &self.texels {

@@ -20,10 +20,10 @@ pub trait Drag: Send {
     /// Where the framebuffer has another size than the view, or there are too few parameter numbers.
     fn frame(&mut self, parameters: &[f32], framebuffer: &mut Framebuffer);
 
-    /// Begins with the picture of all passes with the numbers before the drag. Frames that evaluate passes evaluate only
-    /// this many of them, at least 1, and show what these change in the picture: `picture + mean of the passes with the
-    /// new numbers − their mean with the old ones`. Images of few passes are used in the same way, until those of all
-    /// passes are ready. It is called before the first frame, if at all.
+    /// Begins with the picture of all passes with the numbers before the drag. Frames that evaluate passes evaluate
+    /// only this many of them, at least 1, and show what these change in the picture: `picture + mean of the passes
+    /// with the new numbers − their mean with the old ones`. Images of few passes are used in the same way, until those
+    /// of all passes are ready. It is called before the first frame, if at all.
     fn begin_with(&mut self, picture: &Arc<Frame>, numbers: &[f32], passes: usize);
 
     /// The linear picture of these numbers, if the drag knows it without evaluating passes: the mean of all passes, but

@@ -76,8 +76,8 @@ pub struct Workshop {
 }
 
 impl Workshop {
-    /// Shows an open session, the files of which were read by way of this store. `wake` is called, from any thread, when
-    /// there is something new to show.
+    /// Shows an open session, the files of which were read by way of this store. `wake` is called, from any thread,
+    /// when there is something new to show.
     ///
     /// # Errors
     /// No thread can be started.

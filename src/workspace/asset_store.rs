@@ -36,7 +36,8 @@ pub enum AssetLoadError {
 struct Cancelled;
 
 impl AssetStore {
-    /// What the files hold that a scene at `scene_location` names, with warnings at their names in the text of the scene.
+    /// What the files hold that a scene at `scene_location` names, with warnings at their names in the text of the
+    /// scene.
     ///
     /// ```
     /// # use illuminator::{lang::source::Source, mesh::Reading, scene::Scene, trace::View};
@@ -66,8 +67,8 @@ impl AssetStore {
         if found.has_errors() { Err(AssetLoadError::Unusable(found)) } else { Ok((assets, found)) }
     }
 
-    /// How many bytes of files would be read for a scene at `scene_location`. What is built in, and what is kept, counts
-    /// nothing.
+    /// How many bytes of files would be read for a scene at `scene_location`. What is built in, and what is kept,
+    /// counts nothing.
     pub fn bytes_to_read(&self, scene: &Scene, scene_location: &Location) -> u64 {
         self.unread(scene, scene_location).iter().map(AssetOrigin::length).sum()
     }

@@ -45,8 +45,8 @@ pub struct PictureSettings {
     pub shadows: bool,
     /// The refractive index of bodies that have none of their own, greater than 0.
     pub default_index: f64,
-    /// How many passes the picture is the mean of, 1..=[`MAX_PASSES`](crate::trace::MAX_PASSES); `None`: the session does
-    /// not say.
+    /// How many passes the picture is the mean of, 1..=[`MAX_PASSES`](crate::trace::MAX_PASSES); `None`: the session
+    /// does not say.
     pub samples: Option<u32>,
     /// How linear colours become those of an 8-bit picture.
     pub view: ViewTransform,

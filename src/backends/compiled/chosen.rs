@@ -6,9 +6,8 @@
 //! and kept until they change again.
 
 use crate::backends::compiled::Compiled;
-use crate::backends::compiled::columns::{Columns, Packing, Reader};
-use crate::backends::compiled::memory::StreamMemory;
-use crate::backends::compiled::stored_pass::StoredPass;
+use crate::backends::compiled::columns::{Packing, Reader};
+use crate::backends::compiled::variant_columns::VariantColumns;
 use crate::jit::CompiledVariant;
 use crate::lang::variables::Owner;
 use crate::plan::ParameterSlot;
@@ -24,13 +23,6 @@ pub(super) struct Chosen {
     pub(super) variants: Vec<ChosenVariant>,
     /// The columns of each pass.
     pub(super) columns: Vec<Arc<VariantColumns>>,
-}
-
-/// The columns of the variants that are in use, for one pass.
-pub(super) struct VariantColumns {
-    choices: Arc<[u32]>,
-    /// The columns of each variant, tile by tile.
-    pub(super) tiles: Vec<Vec<Columns>>,
 }
 
 /// A variant, and the pairs that it computes.
@@ -78,38 +70,8 @@ impl Chosen {
         let (lights, world) = (compiled.equation.layout.owners(Owner::Light), compiled.world());
         let pair = |body: BodyId, emitter: EmitterId| body.index() * lights + world.light_of(emitter).index();
         let (packing, choices) = (Packing { readers: &readers, pair: &pair }, Arc::from(choices));
-        let columns = compiled.passes.iter().map(|pass| VariantColumns::of_pass(pass, &packing, &choices)).collect();
+        let columns = compiled.passes.iter().map(|pass| pass.variant_columns(&packing, &choices)).collect();
         Self { choices, variants, columns }
-    }
-}
-
-impl VariantColumns {
-    /// The columns of a pass for these choices. They are kept with the pass, in place of those for other choices.
-    fn of_pass(pass: &StoredPass, packing: &Packing, choices: &Arc<[u32]>) -> Arc<Self> {
-        let last = || pass.variants.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(known) = last().as_ref().filter(|known| known.choices == *choices) {
-            return Arc::clone(known);
-        }
-        // The columns of the last choices are given up first. The lock is not held meanwhile.
-        let old = last().take().and_then(Arc::into_inner).and_then(Self::into_memory);
-        let tiles = packing.pack(&pass.columns, &pass.hits, old);
-        let made = Arc::new(Self { choices: Arc::clone(choices), tiles });
-        *last() = Some(Arc::clone(&made));
-        made
-    }
-
-    /// The memory of the columns.
-    fn into_memory(self) -> Option<StreamMemory> {
-        let mut columns = self.tiles.into_iter().flatten();
-        let memory = columns.next()?.into_memory();
-        drop(columns);
-        Arc::into_inner(memory)
-    }
-
-    /// The memory of the columns, in bytes.
-    pub(super) fn bytes(&self) -> usize {
-        // The columns of all variants of a tile lie in the same lines.
-        self.tiles.iter().filter_map(|tile| tile.first()).map(Columns::bytes).sum()
     }
 }
 

@@ -9,6 +9,7 @@ mod columns;
 mod drag;
 mod leaves;
 mod memory;
+mod place;
 mod planes;
 mod program;
 mod source;
@@ -17,6 +18,7 @@ mod summation;
 mod surface;
 mod textured;
 mod tile;
+mod variant_columns;
 
 use crate::evaluate::weights::{PathMonomials, Weight, path_weights};
 use crate::evaluate::{Backend, Drawn, EvaluateError, Evaluator, Footprint, Framebuffer, Part, evaluated_formula};
@@ -34,12 +36,13 @@ use chosen::{Chosen, ChosenVariant};
 use columns::LeafColumns;
 use drag::CompiledDrag;
 use leaves::StaticTextures;
+use place::TilePlace;
 use rayon::prelude::*;
 use source::ContributionSource;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
-use stored_pass::{Place, StoredPass};
+use stored_pass::StoredPass;
 use summation::{Summation, SummationColumns};
 use surface::{SurfaceSummation, SurfaceTile, parameter_weights};
 use textured::Textured;
@@ -197,7 +200,7 @@ impl Compiled {
     }
 
     /// The hits of a tile.
-    fn tile_at(&self, place: Place) -> &Tile {
+    fn tile_at(&self, place: TilePlace) -> &Tile {
         self.passes[place.pass].tile(place.tile)
     }
 
@@ -210,18 +213,24 @@ impl Compiled {
     fn draw_tile(&self, summation: &Summation, parameters: &[f32], tile: usize, scratch: &mut TileScratch, part: Part) {
         self.mean(0..self.passes.len(), tile, scratch, |place, scratch| self.tile(summation, parameters, place, scratch));
         // Kernels have prefetched the first lines after those of the tile.
-        let next = summation.columns.lines(Place { pass: 0, tile: tile + 1 });
+        let next = summation.columns.lines(TilePlace { pass: 0, tile: tile + 1 });
         let next = next.and_then(|next| next.get(PREFETCH_DISTANCE / size_of::<Line>()..));
         scratch.planes.quantise(0, part, next.unwrap_or_default());
     }
 
     /// Computes the sum of some passes for a tile, in the planes of the scratch memory. `compute` does it for one pass.
-    fn sum_tile(&self, passes: Range<usize>, tile: usize, scratch: &mut TileScratch, compute: impl Fn(Place, &mut TileScratch)) {
+    fn sum_tile(
+        &self,
+        passes: Range<usize>,
+        tile: usize,
+        scratch: &mut TileScratch,
+        compute: impl Fn(TilePlace, &mut TileScratch),
+    ) {
         // Each pass is added as a whole. So the sum is the same if passes are added one by one to a finished picture.
         let pixels = self.first_tiles()[tile].pixels.len();
         let (first, last) = (passes.start, passes.end.saturating_sub(1));
         for pass in passes {
-            compute(Place { pass, tile }, scratch);
+            compute(TilePlace { pass, tile }, scratch);
             if first < last {
                 scratch.add_to_total(pass == first, pixels);
             }
@@ -232,7 +241,7 @@ impl Compiled {
     }
 
     /// The same for the mean of the passes.
-    fn mean(&self, passes: Range<usize>, tile: usize, scratch: &mut TileScratch, compute: impl Fn(Place, &mut TileScratch)) {
+    fn mean(&self, passes: Range<usize>, tile: usize, scratch: &mut TileScratch, compute: impl Fn(TilePlace, &mut TileScratch)) {
         let count = passes.len();
         self.sum_tile(passes, tile, scratch, compute);
         if count > 1 {
@@ -312,7 +321,7 @@ impl Compiled {
         Some(SurfaceSummation {
             compiled,
             plan,
-            passes: &self.passes,
+            passes: self.passes.iter().map(|pass| &*pass.surface).collect(),
             uniforms: self.uniforms(parameters, &compiled.outputs.uniforms, &self.surface_leaves, 1),
             weights: parameter_weights(&self.equation, parameters, bodies),
             adds_own,
@@ -344,7 +353,7 @@ impl Compiled {
     fn empty_summation(&self, at_hits: Vec<[f32; 3]>, at_misses: [f32; 3], channels: Channels) -> Summation<'_> {
         let code = PixelCode::get(self.width());
         let (sources, uniforms) = (Vec::new(), Vec::new());
-        let columns = SummationColumns::Formula(&self.passes);
+        let columns = SummationColumns::Formula(self.passes.iter().map(|pass| &*pass.columns).collect());
         Summation { sources, uniforms, columns, at_hits, at_misses, channels, code, surface: None }
     }
 
@@ -382,7 +391,7 @@ impl Compiled {
     }
 
     /// Computes the pixels of a tile in one pass, in the planes of the scratch memory.
-    fn tile(&self, summation: &Summation, parameters: &[f32], place: Place, scratch: &mut TileScratch) {
+    fn tile(&self, summation: &Summation, parameters: &[f32], place: TilePlace, scratch: &mut TileScratch) {
         let tile = self.tile_at(place);
         self.path_weights(tile, parameters, &mut scratch.weights);
         let program = &self.passes[place.pass].programs[place.tile];
@@ -438,7 +447,7 @@ impl Evaluator for Compiled {
             if cancelled.load(Ordering::Relaxed) {
                 return;
             }
-            let compute = |place: Place, scratch: &mut TileScratch| self.tile(&summation, parameters, place, scratch);
+            let compute = |place: TilePlace, scratch: &mut TileScratch| self.tile(&summation, parameters, place, scratch);
             self.sum_tile(passes.clone(), tile, scratch, compute);
             for (index, pixel) in pixels.iter_mut().enumerate() {
                 *pixel = scratch.planes.colour(index);

@@ -5,9 +5,9 @@
 //! addresses of values.
 
 use crate::backends::compiled::columns::{ColumnPart, Columns};
+use crate::backends::compiled::place::TilePlace;
 use crate::backends::compiled::planes::Planes;
 use crate::backends::compiled::source::ContributionSource;
-use crate::backends::compiled::stored_pass::Place;
 use crate::backends::compiled::summation::Summation;
 use crate::backends::compiled::surface::HitWeights;
 use crate::evaluate::weights::Weight;
@@ -71,7 +71,7 @@ impl WeightClass {
 pub(super) struct TileInputs<'t> {
     pub(super) tile: &'t Tile,
     /// The tile among those of all passes.
-    pub(super) place: Place,
+    pub(super) place: TilePlace,
     /// The drag columns, if kernels read any.
     pub(super) drag_columns: Option<&'t Columns>,
     /// The weight of each path.

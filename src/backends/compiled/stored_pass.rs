@@ -2,24 +2,15 @@
 //!
 //! All passes have the same tiles of pixels. Evaluators that differ in the number of passes share them.
 
-use crate::backends::compiled::chosen::VariantColumns;
-use crate::backends::compiled::columns::Columns;
+use crate::backends::compiled::columns::{Columns, Packing};
 use crate::backends::compiled::leaves::StaticTextures;
 use crate::backends::compiled::program::TileProgram;
 use crate::backends::compiled::surface::SurfaceTile;
+use crate::backends::compiled::variant_columns::VariantColumns;
 use crate::formula::Formula;
 use crate::jit::CompiledFormula;
 use crate::trace::{Hits, Mismatch, Tile};
 use std::sync::{Arc, Mutex, PoisonError};
-
-/// A tile of a pass.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Place {
-    /// The index of the pass among those that are stored.
-    pub(super) pass: usize,
-    /// The index of the tile among the tiles of the picture.
-    pub(super) tile: usize,
-}
 
 /// One pass.
 pub(super) struct StoredPass {
@@ -31,7 +22,7 @@ pub(super) struct StoredPass {
     /// The order of work of each tile in a whole picture.
     pub(super) programs: Vec<Mutex<TileProgram>>,
     /// The columns of the variants that were in use last, if the formula chooses.
-    pub(super) variants: Mutex<Option<Arc<VariantColumns>>>,
+    variants: Mutex<Option<Arc<VariantColumns>>>,
 }
 
 impl StoredPass {
@@ -50,6 +41,20 @@ impl StoredPass {
         let surface = SurfaceTile::of_tiles(compiled, formula, textures, &hits)?;
         let programs = hits.tiles.iter().map(|_| Mutex::default()).collect();
         Ok(Self { hits, columns, surface, programs, variants: Mutex::default() })
+    }
+
+    /// The columns of the variants for these choices. They are kept, in place of those for other choices.
+    pub(super) fn variant_columns(&self, packing: &Packing, choices: &Arc<[u32]>) -> Arc<VariantColumns> {
+        let last = || self.variants.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = last().as_ref().filter(|known| known.choices == *choices) {
+            return Arc::clone(known);
+        }
+        // The columns of the last choices are given up first. The lock is not held meanwhile.
+        let old = last().take().and_then(Arc::into_inner).and_then(VariantColumns::into_memory);
+        let tiles = packing.pack(&self.columns, &self.hits, old);
+        let made = Arc::new(VariantColumns { choices: Arc::clone(choices), tiles });
+        *last() = Some(Arc::clone(&made));
+        made
     }
 
     /// The hits of a tile.

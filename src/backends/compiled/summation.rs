@@ -1,12 +1,12 @@
 //! The sum over the hits of a picture that a summation computes.
 //!
-//! A whole frame is one [`Summation`]: every path with its weight, and one source for all pairs of a body and a light. An
-//! image of a drag (see [`drag`](super::drag)) is another. [`tile`](super::tile) runs a summation over a tile.
+//! A whole frame is one [`Summation`]: every path with its weight, and one source for all pairs of a body and a light.
+//! An image of a drag (see [`drag`](super::drag)) is another. [`tile`](super::tile) runs a summation over a tile.
 
 use crate::backends::compiled::chosen::Chosen;
 use crate::backends::compiled::columns::{ColumnPart, Columns};
+use crate::backends::compiled::place::TilePlace;
 use crate::backends::compiled::source::ContributionSource;
-use crate::backends::compiled::stored_pass::{Place, StoredPass};
 use crate::backends::compiled::surface::SurfaceSummation;
 use crate::jit::{Line, PixelCode, Splat};
 use crate::plan::Channels;
@@ -33,37 +33,36 @@ pub(super) struct Summation<'p> {
 }
 
 /// The columns that the kernels of a summation read.
-#[derive(Clone, Copy)]
 pub(super) enum SummationColumns<'p> {
     /// Those of the formula, pass by pass.
-    Formula(&'p [Arc<StoredPass>]),
+    Formula(Vec<&'p [Columns]>),
     /// Those of the variants in use. The sources are the variants.
     Variants(&'p Chosen),
 }
 
 impl<'p> SummationColumns<'p> {
     /// The lines of the columns of a tile, from its first on.
-    pub(super) fn lines(self, place: Place) -> Option<&'p [Line]> {
-        let Place { pass, tile } = place;
+    pub(super) fn lines(&self, place: TilePlace) -> Option<&'p [Line]> {
+        let TilePlace { pass, tile } = place;
         let first = match self {
-            SummationColumns::Formula(passes) => passes.get(pass).and_then(|pass| pass.columns.get(tile)),
+            SummationColumns::Formula(passes) => passes.get(pass).and_then(|columns| columns.get(tile)),
             SummationColumns::Variants(chosen) => chosen.columns.get(pass)?.tiles.get(tile).and_then(|tile| tile.first()),
         };
         first.map(Columns::lines)
     }
 
     /// Where some lines of a group of a tile are, for a source. See [`Columns::part`].
-    pub(super) fn part(self, source: &ContributionSource, place: Place, group: usize, lines: Range<usize>) -> ColumnPart {
-        let Place { pass, tile } = place;
+    pub(super) fn part(&self, source: &ContributionSource, place: TilePlace, group: usize, lines: Range<usize>) -> ColumnPart {
+        let TilePlace { pass, tile } = place;
         let columns = match self {
-            SummationColumns::Formula(passes) => &passes[pass].columns[tile],
+            SummationColumns::Formula(passes) => &passes[pass][tile],
             SummationColumns::Variants(chosen) => &chosen.columns[pass].tiles[tile][source.variant],
         };
         columns.part(group, lines)
     }
 
     /// What the formula chooses, if the columns depend on it.
-    pub(super) fn choices(self) -> Option<&'p Arc<[u32]>> {
+    pub(super) fn choices(&self) -> Option<&'p Arc<[u32]>> {
         match self {
             SummationColumns::Formula(_) => None,
             SummationColumns::Variants(chosen) => Some(&chosen.choices),

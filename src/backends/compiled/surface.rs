@@ -12,7 +12,7 @@
 
 use crate::backends::compiled::leaves::{StaticLeaf, StaticTextures};
 use crate::backends::compiled::memory::StreamMemory;
-use crate::backends::compiled::stored_pass::{Place, StoredPass};
+use crate::backends::compiled::place::TilePlace;
 use crate::evaluate::weights::Weight;
 use crate::formula::Formula;
 use crate::formula::equation::{Equation, weighed_by, weight_parameter};
@@ -28,7 +28,6 @@ use crate::trace::{
 use rayon::prelude::*;
 use std::cell::Cell;
 use std::ops::Range;
-use std::sync::Arc;
 
 /// The largest weight of a path that is bounded. Larger ones, infinity and NaN are not.
 const LARGEST_WEIGHT: f64 = 1e6;
@@ -57,8 +56,8 @@ pub(super) struct SurfaceTile {
 pub(super) struct SurfaceSummation<'p> {
     pub(super) compiled: &'p CompiledSurface,
     pub(super) plan: &'p SurfacePlan,
-    /// The passes with their nodes.
-    pub(super) passes: &'p [Arc<StoredPass>],
+    /// The nodes of the tiles of each pass.
+    pub(super) passes: Vec<&'p [SurfaceTile]>,
     /// The uniform values of each body.
     pub(super) uniforms: Vec<Splat>,
     /// kr and kt of each body.
@@ -282,13 +281,13 @@ fn pixels_of_paths(tile: &Tile) -> Vec<Vec<u16>> {
 
 impl SurfaceSummation<'_> {
     /// The nodes of a tile.
-    fn nodes(&self, place: Place) -> &SurfaceTile {
-        &self.passes[place.pass].surface[place.tile]
+    fn nodes(&self, place: TilePlace) -> &SurfaceTile {
+        &self.passes[place.pass][place.tile]
     }
 
     /// Computes the weights of all nodes of a tile. Sets the weight of a path to 0 if those of all its nodes are 0. A
     /// path whose weight is 0 already is left out of the summation, but not the paths that continue it.
-    pub(super) fn weigh(&self, tile: &Tile, place: Place, path_weights: &mut [Weight], scratch: &mut SurfaceScratch) {
+    pub(super) fn weigh(&self, tile: &Tile, place: TilePlace, path_weights: &mut [Weight], scratch: &mut SurfaceScratch) {
         let nodes = self.nodes(place);
         self.evaluate(nodes, &mut scratch.outputs);
         let SurfaceScratch { outputs, weights, live, is_unbounded, collects, collected } = scratch;
@@ -367,7 +366,7 @@ impl SurfaceSummation<'_> {
     pub(super) fn add_own(
         &self,
         tile: &Tile,
-        place: Place,
+        place: TilePlace,
         path_weights: &[Weight],
         scratch: &mut SurfaceScratch,
         (at_hits, at_misses): (&[[f32; 3]], [f32; 3]),
@@ -404,7 +403,7 @@ impl SurfaceSummation<'_> {
     }
 
     /// The weights of the hits of a tile, after [`weigh`](Self::weigh).
-    pub(super) fn hit_weights<'w>(&'w self, place: Place, scratch: &'w mut SurfaceScratch) -> HitWeights<'w> {
+    pub(super) fn hit_weights<'w>(&'w self, place: TilePlace, scratch: &'w mut SurfaceScratch) -> HitWeights<'w> {
         let collected = Cell::from_mut(&mut scratch.collected[..]).as_slice_of_cells();
         HitWeights {
             nodes: &self.nodes(place).of_hit,
@@ -418,7 +417,7 @@ impl SurfaceSummation<'_> {
     pub(super) fn add_collected(
         &self,
         tile: &Tile,
-        place: Place,
+        place: TilePlace,
         scratch: &mut SurfaceScratch,
         mut add: impl FnMut(usize, [f32; 3]),
     ) {

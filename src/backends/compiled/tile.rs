@@ -1,10 +1,10 @@
-//! A summation over one tile, into the planes of the tile: first the terms without lights, then the contributions of all
-//! groups.
+//! A summation over one tile, into the planes of the tile: first the terms without lights, then the contributions of
+//! all groups.
 
 use crate::backends::compiled::columns::Columns;
+use crate::backends::compiled::place::TilePlace;
 use crate::backends::compiled::planes::Planes;
 use crate::backends::compiled::program::{TileInputs, TileProgram};
-use crate::backends::compiled::stored_pass::Place;
 use crate::backends::compiled::summation::Summation;
 use crate::backends::compiled::surface::{SurfaceScratch, SurfaceSummation};
 use crate::evaluate::weights::Weight;
@@ -83,13 +83,14 @@ impl TileScratch {
 }
 
 impl Summation<'_> {
-    /// Runs the summation over a tile, into the planes of the scratch memory, which holds the weights of the tile's paths.
-    /// `place` is the tile among those of all passes. `drag_columns` are given if kernels read any. `program` keeps the order
-    /// of work of this tile in summations like this one.
+    /// Runs the summation over a tile, into the planes of the scratch memory, which holds the weights of the tile's
+    /// paths.
+    /// `place` is the tile among those of all passes. `drag_columns` are given if kernels read any. `program` keeps the
+    /// order of work of this tile in summations like this one.
     pub(super) fn run(
         &self,
         tile: &Tile,
-        place: Place,
+        place: TilePlace,
         drag_columns: Option<&Columns>,
         accumulate: Accumulate,
         scratch: &mut TileScratch,
@@ -117,7 +118,7 @@ impl Summation<'_> {
     }
 
     /// Runs a summation that runs only once over the tile.
-    pub(super) fn run_once(&self, tile: &Tile, place: Place, accumulate: Accumulate, scratch: &mut TileScratch) {
+    pub(super) fn run_once(&self, tile: &Tile, place: TilePlace, accumulate: Accumulate, scratch: &mut TileScratch) {
         let mut program = std::mem::take(&mut scratch.once);
         program.forget();
         self.run(tile, place, None, accumulate, scratch, &mut program);
@@ -129,7 +130,7 @@ impl Summation<'_> {
         &self,
         surface: &SurfaceSummation,
         tile: &Tile,
-        place: Place,
+        place: TilePlace,
         accumulate: Accumulate,
         scratch: &mut TileScratch,
     ) {

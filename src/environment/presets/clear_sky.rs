@@ -15,8 +15,8 @@ const UNIT: f64 = 33.0;
 
 /// The solid angle of the sun: the paper takes a diameter of 1.39·10⁹ m at a distance of 1.5·10¹¹ m.
 const SUN_SOLID_ANGLE: f64 = 0.25 * PI * (1.39 / 150.0) * (1.39 / 150.0);
-/// The disc of the sun in the map is larger than the real one, of radius 0.27 degrees, and has the same power. Otherwise
-/// it would be smaller than two texels. Its edge is soft between these angles, in degrees.
+/// The disc of the sun in the map is larger than the real one, of radius 0.27 degrees, and has the same power.
+/// Otherwise it would be smaller than two texels. Its edge is soft between these angles, in degrees.
 const DISC: [f64; 2] = [0.7, 1.3];
 
 /// The part of the light that the plain below reflects: dry grass and soil.

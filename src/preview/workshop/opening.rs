@@ -97,8 +97,8 @@ impl OpenedSession {
         Self::open_request(&Request { session, session_readable: readable, assets: Some(assets), ..Request::default() })
     }
 
-    /// Opens a session without the files that its scene names, which are to be read afterwards. Until then an empty scene
-    /// stands in for it, a text without errors.
+    /// Opens a session without the files that its scene names, which are to be read afterwards. Until then an empty
+    /// scene stands in for it, a text without errors.
     ///
     /// # Errors
     /// As for [`open`](Self::open).

@@ -10,7 +10,8 @@ use crate::workspace::project::{SessionText, session_source};
 use crate::workspace::{AssetLoadError, AssetStore, FileKind, Location, Session};
 use crate::world::Assets;
 
-/// Parses the text of a scene at a location, and reads the files that it names, which may take this much memory in bytes.
+/// Parses the text of a scene at a location, and reads the files that it names, which may take this much memory in
+/// bytes.
 ///
 /// # Errors
 /// All errors of the text; or those of the files, with the warnings. Work that was cancelled is an error too.

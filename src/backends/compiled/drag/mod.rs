@@ -122,7 +122,7 @@ impl CompiledDrag {
         self.list_work();
     }
 
-    /// Begins the preparation anew.
+    /// Begins the preparation again.
     fn list_work(&mut self) {
         let compiled = &*self.compiled;
         let plan = &self.kernels.plan;

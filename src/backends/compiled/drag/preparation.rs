@@ -6,8 +6,8 @@ use crate::backends::compiled::drag::images::{Image, TileImages, factor_of};
 use crate::backends::compiled::drag::summations::{DragKernels, DragPasses, Summations};
 use crate::backends::compiled::drag::tile_state::{LivePart, LiveTile, TileDrag, TileState, TileWork};
 use crate::backends::compiled::drag::work::Work;
+use crate::backends::compiled::place::TilePlace;
 use crate::backends::compiled::program::TileProgram;
-use crate::backends::compiled::stored_pass::Place;
 use crate::backends::compiled::summation::Summation;
 use crate::backends::compiled::tile::TileScratch;
 use crate::picture::Frame;
@@ -36,7 +36,8 @@ impl Preparation<'_> {
         let (plan, compiled) = (self.drag.plan, self.drag.compiled);
         match item.work {
             Work::Columns(passes) => {
-                work.columns = passes.filter_map(|pass| self.summations.columns(compiled, Place { pass, tile: index })).collect();
+                work.columns =
+                    passes.filter_map(|pass| self.summations.columns(compiled, TilePlace { pass, tile: index })).collect();
             }
             Work::Image(key, passes) => {
                 let touched = self.summations.make_image(&self.drag, key, passes, index, scratch);
@@ -128,7 +129,7 @@ impl Preparation<'_> {
         let live = LivePart { compiled, summation, parameters };
         for pass in 0..passes {
             let mut program = TileProgram::default();
-            live.add(Place { pass, tile: index }, work.columns.get(pass), scratch, &mut program);
+            live.add(TilePlace { pass, tile: index }, work.columns.get(pass), scratch, &mut program);
             if scratch.is_unbounded() {
                 return TileState::Whole(None);
             }
@@ -152,7 +153,7 @@ impl Preparation<'_> {
         let reach = self.kernels.reach(compiled);
         let mut cells = CellSet::none(compiled.first_tiles()[index].pixels.len());
         for pass in 0..passes {
-            let tile = compiled.tile_at(Place { pass, tile: index });
+            let tile = compiled.tile_at(TilePlace { pass, tile: index });
             reach.add_live_cells(tile, &compiled.monomials(plan, tile, parameters), &mut cells);
         }
         cells.cells()

@@ -6,8 +6,8 @@ use crate::backends::compiled::columns::Columns;
 use crate::backends::compiled::drag::cells::CellSet;
 use crate::backends::compiled::drag::images::Key;
 use crate::backends::compiled::drag::reach::{Reach, add_cells};
+use crate::backends::compiled::place::TilePlace;
 use crate::backends::compiled::source::ContributionSource;
-use crate::backends::compiled::stored_pass::Place;
 use crate::backends::compiled::summation::Summation;
 use crate::backends::compiled::surface::SurfaceSummation;
 use crate::backends::compiled::tile::{Accumulate, TileScratch};
@@ -197,7 +197,7 @@ impl Summations<'_> {
         let mut touched = CellSet::none(compiled.first_tiles()[tile].pixels.len());
         let mut accumulate = Accumulate::Overwrite;
         for pass in passes {
-            let place = Place { pass, tile };
+            let place = TilePlace { pass, tile };
             let own = compiled.tile_at(place);
             compiled.monomials(plan, own, parameters).of(key.powers, &mut scratch.weights);
             match usize::from(key.term).checked_sub(1) {
@@ -224,7 +224,7 @@ impl Summations<'_> {
         let mut accumulate = Accumulate::Overwrite;
         let mut is_unbounded = false;
         for pass in 0..compiled.passes.len() {
-            let place = Place { pass, tile };
+            let place = TilePlace { pass, tile };
             let own = compiled.tile_at(place);
             compiled.monomials(plan, own, parameters).of(Powers::default(), &mut scratch.weights);
             self.add_fixed(own, place, accumulate, scratch);
@@ -238,7 +238,7 @@ impl Summations<'_> {
     }
 
     /// Adds everything that does not move to the planes, or sets them to it.
-    fn add_fixed(&self, tile: &Tile, place: Place, accumulate: Accumulate, scratch: &mut TileScratch) {
+    fn add_fixed(&self, tile: &Tile, place: TilePlace, accumulate: Accumulate, scratch: &mut TileScratch) {
         self.fixed.run_once(tile, place, accumulate, scratch);
         if let Some(part) = &self.fixed_part {
             part.run_once(tile, place, Accumulate::Add, scratch);
@@ -246,7 +246,7 @@ impl Summations<'_> {
     }
 
     /// The values that the live part reads from columns, for each record of a tile.
-    pub(super) fn columns(&self, compiled: &Compiled, place: Place) -> Option<Columns> {
+    pub(super) fn columns(&self, compiled: &Compiled, place: TilePlace) -> Option<Columns> {
         let columns = |(source, uniforms): &(ContributionSource, Vec<Splat>)| {
             Columns::for_drag(compiled.tile_at(place), &compiled.passes[place.pass].columns[place.tile], source, uniforms)
         };

@@ -5,8 +5,8 @@ use crate::backends::compiled::columns::Columns;
 use crate::backends::compiled::drag::cells::{self, Factor};
 use crate::backends::compiled::drag::images::{Image, Key, LARGEST_SUM, TileImages};
 use crate::backends::compiled::drag::work::WorkItem;
+use crate::backends::compiled::place::TilePlace;
 use crate::backends::compiled::program::TileProgram;
-use crate::backends::compiled::stored_pass::Place;
 use crate::backends::compiled::summation::Summation;
 use crate::backends::compiled::tile::{Accumulate, TileScratch};
 use crate::evaluate::Part;
@@ -125,8 +125,8 @@ pub(super) struct LiveTile {
 }
 
 impl LiveTile {
-    /// Stores these cells of the planes, for frames that evaluate this many passes. `None` if their numbers are so large
-    /// that they may cancel against the live part.
+    /// Stores these cells of the planes, for frames that evaluate this many passes. `None` if their numbers are so
+    /// large that they may cancel against the live part.
     pub(super) fn new(
         cells: Vec<u16>,
         columns: Vec<Columns>,
@@ -160,7 +160,7 @@ impl LiveTile {
             }
         }
         for (pass, program) in self.programs.iter_mut().enumerate() {
-            live.add(Place { pass, tile }, self.columns.get(pass), scratch, program);
+            live.add(TilePlace { pass, tile }, self.columns.get(pass), scratch, program);
         }
         if !is_one {
             let share = 1.0 / self.programs.len() as f32;
@@ -192,7 +192,7 @@ pub(super) struct LivePart<'l> {
 
 impl LivePart<'_> {
     /// Adds it to the planes, for one pass of a tile.
-    pub(super) fn add(&self, place: Place, columns: Option<&Columns>, scratch: &mut TileScratch, program: &mut TileProgram) {
+    pub(super) fn add(&self, place: TilePlace, columns: Option<&Columns>, scratch: &mut TileScratch, program: &mut TileProgram) {
         let tile = self.compiled.tile_at(place);
         self.compiled.path_weights(tile, self.parameters, &mut scratch.weights);
         self.summation.run(tile, place, columns, Accumulate::Add, scratch, program);

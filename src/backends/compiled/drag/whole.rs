@@ -21,7 +21,8 @@ pub(super) struct WholeSummations<'p> {
 impl<'p> WholeSummations<'p> {
     pub(super) fn new(compiled: &'p Compiled, parameters: &[f32], variants: Option<&'p DragVariants>) -> Self {
         let changed = variants.and_then(|variants| variants.changed.as_ref());
-        // One summation is enough if all choices have changed. It is cheaper if each summation must compute weights of rays.
+        // One summation is enough if all choices have changed. It is cheaper if each summation must compute weights of
+        // rays.
         let is_one_summation =
             |changed: &Vec<bool>| changed.iter().all(|changed| *changed) || compiled.compiled.surface.is_some();
         let chosen = variants.filter(|_| !changed.is_some_and(is_one_summation));

@@ -4,7 +4,7 @@ use crate::backends::compiled::Compiled;
 use crate::backends::compiled::drag::images::Key;
 use crate::backends::compiled::drag::reach::Reach;
 use crate::backends::compiled::drag::summations::DragPasses;
-use crate::backends::compiled::stored_pass::Place;
+use crate::backends::compiled::place::TilePlace;
 use crate::evaluate::weights::{PathMonomials, Powers, Weight};
 use crate::plan::Method;
 use crate::trace::{Group, Span, Tile};
@@ -68,7 +68,7 @@ impl WorkList<'_> {
     fn passes(&self, passes: Range<usize>, tile: usize) -> impl Iterator<Item = (&Tile, PathMonomials)> {
         let DragPasses { compiled, plan, parameters } = self.drag;
         passes.map(move |pass| {
-            let own = compiled.tile_at(Place { pass, tile });
+            let own = compiled.tile_at(TilePlace { pass, tile });
             (own, compiled.monomials(plan, own, parameters))
         })
     }
@@ -127,7 +127,7 @@ impl WorkList<'_> {
 
     fn base(&self, tile: usize) -> WorkItem {
         let passes = 0..self.drag.compiled.passes.len();
-        let cost = passes.map(|pass| tile_cost(self.drag.compiled.tile_at(Place { pass, tile }))).sum();
+        let cost = passes.map(|pass| tile_cost(self.drag.compiled.tile_at(TilePlace { pass, tile }))).sum();
         WorkItem { work: Work::Base, stage: 0, cost }
     }
 }
